@@ -6275,10 +6275,9 @@ static int fbi_line_rows_are_sound(const fb_lines *all, const fb_line *line, int
 
 /* Checks the l-th line: its points follow those of the one before; it hangs on a point of an earlier line with the same
    coordinates. */
-static int fbi_line_is_sound(const fb_lines *all, int l, int n)
+static int fbi_line_is_sound(const fb_lines *all, const fb_line *line, int n)
 {
-  const fb_line *const line = &all->line[l];
-  const int next = l > 0 ? line[-1].point + line[-1].stride : 0;
+  const int next = line > all->line ? line[-1].point + line[-1].stride : 0;
   int sound = line->first + line->n <= n && line->point == next && line->count > 0 &&
               line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
               fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
@@ -6289,8 +6288,7 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               line->shift >= 0 && line->shift <= all->n_table - 3 * line->n * line->moves;
   if (sound && line->hangs) {
     sound = line->hangs <= next;
-    for (int k = 0; sound && k < l; k++) {
-      const fb_line *const on = &all->line[k];
+    for (const fb_line *on = all->line; sound && on < line; on++) {
       if (line->hangs > on->point && line->hangs <= on->point + on->stride) {
         sound = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
       }
@@ -6346,7 +6344,7 @@ static int fbi_lines_are_sound(const fb_body *body)
   int sound = fbi_form(body) == 0 && fbi_line_counts_are_sound(all) && fbi_sparse_is_sound(&body->M_rest, body->n) &&
               fbi_is_finite(body->c_rest, 3);
   for (int l = 0; sound && l < all->n_line; l++) {
-    sound = fbi_line_is_sound(all, l, body->n);
+    sound = fbi_line_is_sound(all, &all->line[l], body->n);
     points += all->line[l].stride;
   }
   sound = sound && points == n && fbi_stations_are_sound(all->station, n, all->n_side) &&
@@ -21898,7 +21896,7 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
                                FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
                                FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
     status = fbi_numbers_check(line, FBI_LENGTH(line), l);
-    if (status == FB_OK && !fbi_line_is_sound(all, l, n)) {
+    if (status == FB_OK && !fbi_line_is_sound(all, &all->line[l], n)) {
       status = FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
     }
     stride += all->line[l].stride;
@@ -27552,7 +27550,7 @@ static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e, c
 
 /* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
    modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
-   within 10 %. */
+   within 10 %. `sh bench/large_count.sh` counts again. */
 #define FBI_LARGE_POINT FB_R(850.0)
 #define FBI_LARGE_MODE FB_R(100.0)
 #define FBI_LARGE_PAIR FB_R(4.0)

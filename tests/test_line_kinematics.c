@@ -644,8 +644,78 @@ TEST(lines_begin_as_the_polynomial_body)
   }
 }
 
+/* Of a free body at coordinates h x: energy at elastic momenta pi, the mass center at rest, angular momentum L; traces
+   of the inertia about the mass center and of its square. */
+static void free_at(double out[3], const fb_body *of, const double *x, double h, const fb_real *pi, const fb_real L[3])
+{
+  static const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, none[FB_MAX_MODES];
+  double q[FB_MAX_MODES];
+  fb_state state;
+  for (int a = 0; a < of->n; a++) {
+    q[a] = h * x[a];
+  }
+  line_state(&state, of, q);
+  memcpy(state.pi, pi, (size_t)of->n * sizeof *pi);
+  memcpy(state.L, L, sizeof state.L);
+  out[0] = line_energy(of, &state, NULL);
+  out[1] = out[2] = 0.0;
+  for (int i = 0; i < 3; i++) {
+    const fb_real w[3] = {(fb_real)(i == 0), (fb_real)(i == 1), (fb_real)(i == 2)};
+    line_state(&state, of, q);
+    FBT_INT_EQ(fb_state_from_velocity(of, &state, still, w, none), FB_OK);
+    out[1] += (double)state.L[i];
+    out[2] += (double)fb_vec3_dot(state.L, state.L);
+  }
+}
+
+/* E14.6: beams with free roots, whose frame is not that of the polynomial body from degree 2 on. What does not know the
+   frame is the same: the inertia about the mass center to the second degree; M, Lambda and M_rr by the energy at given
+   momenta, without angular momentum or in one plane, to the first. */
+TEST(free_lines_begin_as_the_polynomial_body)
+{
+  for (int k = 0; k < 6; k++) {
+    const double h = FBT_TOL(0.01, 0.1);
+    double x[FB_MAX_MODES], y[2][5][3];
+    fb_real pi[FB_MAX_MODES], L[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    line_beam(2.0, 1.0, 20.0, 30.0, 1);
+    beam_desc.root = FB_ROOT_FREE;
+    beam_desc.position[0] = -FB_R(0.9);
+    line_lump(0, 3.0, 0.5, 0.0, 0.0, 0.0);
+    beam_desc.lump[0].inertia[3] = FB_R(0.0); /* or M(q) had a term of the first degree, which is left out */
+    keep.line_points = 20;
+    line_count(k < 3 ? 2 : 0, 2, 0, 0);
+    line_build();
+    line_sample();
+    line_random(x, 1.0);
+    fbt_fill(pi, body.n, 1.0);
+    if (k >= 3) {
+      fbt_fill(L, 3, 2.0);
+    }
+    for (int of = 0; of < 2; of++) {
+      for (int i = 0; i < 5; i++) {
+        free_at(y[of][i], of ? &full : &body, x, (i - 2) * h, pi, L);
+      }
+    }
+    for (int what = 0; what < 3; what++) {
+      double d[2][3];
+      for (int of = 0; of < 2; of++) {
+        double(*const z)[3] = y[of];
+        d[of][0] = z[2][what];
+        d[of][1] = (8.0 * (z[3][what] - z[1][what]) - (z[4][what] - z[0][what])) / (12.0 * h);
+        d[of][2] =
+            (16.0 * (z[3][what] + z[1][what] - 2.0 * z[2][what]) - (z[4][what] + z[0][what] - 2.0 * z[2][what])) /
+            (12.0 * h * h);
+      }
+      for (int degree = 0; degree < (what ? 3 : 2); degree++) {
+        FBT_NEAR_ABS(d[0][degree], d[1][degree], FBT_TOL(degree < 2 ? 1e-7 : 1e-6, 1e-2) * fmax(d[1][0], 1.0));
+      }
+    }
+  }
+}
+
 SUITE(line_kinematics, RUN(lines_turn_as_the_differential_equation),
       RUN(lines_reach_where_the_differential_equation_does), RUN(line_velocities_are_derivatives_of_poses),
       RUN(line_inertia_is_that_of_particles), RUN(momenta_of_lines_agree_with_particles),
       RUN(lobatto_rules_integrate_polynomials), RUN(lines_have_enough_points),
-      RUN(default_points_reach_far_shapes_of_many_modes), RUN(lines_begin_as_the_polynomial_body))
+      RUN(default_points_reach_far_shapes_of_many_modes), RUN(lines_begin_as_the_polynomial_body),
+      RUN(free_lines_begin_as_the_polynomial_body))

@@ -173,7 +173,7 @@ static void rom_line(rom *r, const fb_line *line)
   }
   rom_list(r, line->axes, 9);
   rom_list(r, line->root, 3);
-  rom_text(r, "},"); /* the frame is for model building */
+  rom_text(r, "{0},},"); /* the frame is for model building */
 }
 
 /* Where n points or roots stand. */

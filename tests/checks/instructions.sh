@@ -74,6 +74,8 @@ row "residual inertia" default 3 3 0 7 $bound_residual
 row "full" default 3 3 0 31 $bound_full
 row "full, damping" default 3 3 0 63 $bound_full
 row "full, gravity" default 3 3 0 95 $bound_gravity
+row "large, 6 points" default 3 3 0 287/6 115000 # 50000 is aimed at: this keeps what was reached
+row "large" default 3 3 0 287 165000
 row "linear, with axial modes" default 2 2 2 1 0
 row "spin coupling, with axial modes" default 2 2 2 3 0
 row "full, with axial modes" default 2 2 2 31 0

@@ -4,6 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
+need clang clang
 try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 sed 's/effects full damping/effects large damping/' examples/satellite.txt > "$out/large.txt"
 grep -q 'effects large' "$out/large.txt" || fail "examples/satellite.txt has no effects full damping"
@@ -14,6 +15,7 @@ for model in examples/blade examples/panel examples/satellite "$out/large"; do
     flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/rom.h")
     try gcc $c99 -I"$out" $flags -DSOURCE="\"$model.txt\"" -o "$out/again" tests/checks/rom.c -lm
     "$out/again" > "$out/again.h"
+    try clang $c99 -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
     try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
     cmp -s "$out/rom.h" "$out/again.h" || fail "$model, $([ $single = 1 ] && echo single || echo double): not every number comes back"
   done
