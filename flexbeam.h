@@ -672,7 +672,7 @@ FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 #define FBI_MAX_LINE_TABLE FB_MAX_LINE_TABLE
 #else
 #define FBI_MAX_LINE_TABLE \
-  (9 * FB_MAX_MODES * FB_MAX_POINTS + FB_MAX_POINTS * FB_MAX_POINTS + 3 * FB_MAX_MODES * FB_MAX_LINES)
+  (9 * FB_MAX_MODES * FB_MAX_POINTS + 2 * FB_MAX_POINTS * (FB_MAX_POINTS + 2) + 3 * FB_MAX_MODES * FB_MAX_LINES)
 #endif
 
 typedef struct fb_line_row { /* what coordinate a of a line adds about or along an axis at all of its points */
@@ -685,7 +685,8 @@ typedef struct fb_line {
   unsigned short point, count,
       stride; /* first point, number of points, that rounded up to even: rows have this length */
   unsigned short row, n_turn, n_stretch; /* rows: turns by coordinate, then stretches by coordinate */
-  int weight; /* table: what each point's tangent adds to the position of every point, count x stride */
+  int weight; /* table: what each point's tangent adds to the position of every point, count x stride; behind it for
+                 sums over the masses (count + 4) x stride */
   int shift;  /* table, n x 3: displacement of a root that moves with the modes; moves = 0: none */
   unsigned short moves;
   unsigned short hangs;      /* 1 + the point of an earlier line that the root moves with; 0: the body frame */
@@ -766,7 +767,10 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
   fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
   fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
-  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jv[FB_MAX_MODES][3][FB_MAX_POINTS]; /* per rate of a line's coordinate */
+  fb_real root[FB_MAX_LINES][3]; /* displacement of a line's root by the modes */
+  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jr[FB_MAX_LINES][FB_MAX_MODES][3]; /* per rate of a line's coordinate:
+                                                            of the points, velocity of the root */
+  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS]; /* velocities of a line's points, weighed (E14.17) */
   fb_real gradient[FB_MAX_MODES];                                                 /* dT/dq */
   fb_real push[3];                                                                /* [N] E14.15 */
   fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                         /* Cholesky factor of M(q) */

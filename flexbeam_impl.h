@@ -1583,43 +1583,94 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
   }
 }
 
-/* The same of two fields, one behind the other in memory, by one pass over the weights. */
-static void fbi_line_integrals_add_2(fb_real y[2][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
-                                     fb_real x[2][3][FB_MAX_POINTS])
+/* ---- sums over the masses of the points */
+
+/* [E14.17] Fields f of the points that follow from tangents, f = f_root + sum of W g by E14.4: sum of m f.f is |Y|^2 with
+   Y = Q^T sqrt(m) f = Q^T sqrt(m) f_root + C g,  C = Q^T sqrt(m) W, for any orthogonal Q. That of the QR factors of
+   sqrt(m) W makes C triangular: half the products, and none with masses after them. Solid lines, whose mass centers
+   turn with their sections, take Q = 1.
+   Rows by points: count of C^T, then Q^T sqrt(m), then x, y, z of Q^T sqrt(m) start.
+   Source: orthogonal invariance.  Fails: never.  Test: line_inertia_is_that_of_particles. */
+static const fb_real *fbi_line_factor(const fb_lines *all, const fb_line *line)
+{
+  return all->table + line->weight + line->count * line->stride;
+}
+
+/* Y += Q^T sqrt(m) root */
+static void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, const fb_line *line, const fb_real root[3])
+{
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  for (int i = 0; i < 3; i++) {
+    fbi_line_row_add(Y + i * m, root[i], u, m);
+  }
+}
+
+/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even. */
+static void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
+                            fb_real x[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line), count = line->count;
-  for (int j = 0; j < m; j += 2) {
-    const fb_real *weight = all->table + line->weight + j;
-    fb_real a = y[0][0][p + j], b = y[0][0][p + j + 1], c = y[0][1][p + j], d = y[0][1][p + j + 1];
-    fb_real e = y[0][2][p + j], f = y[0][2][p + j + 1], g = y[1][0][p + j], h = y[1][0][p + j + 1];
-    fb_real o = y[1][1][p + j], q = y[1][1][p + j + 1], r = y[1][2][p + j], s = y[1][2][p + j + 1];
-    for (int k = p; k < p + count; k++, weight += m) {
-      const fb_real u = weight[0], v = weight[1];
-      a += u * x[0][0][k];
-      b += v * x[0][0][k];
-      c += u * x[0][1][k];
-      d += v * x[0][1][k];
-      e += u * x[0][2][k];
-      f += v * x[0][2][k];
-      g += u * x[1][0][k];
-      h += v * x[1][0][k];
-      o += u * x[1][1][k];
-      q += v * x[1][1][k];
-      r += u * x[1][2][k];
-      s += v * x[1][2][k];
+  const fb_real *const factor = fbi_line_factor(all, line);
+  for (int j = 0; j < m; j += 2) { /* two points */
+    const int first = line->solid ? 0 : j;
+    const fb_real *weight = factor + first * m + j;
+    fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a;
+    for (int k = p + first; k < p + count; k++, weight += m) {
+      const fb_real s = weight[0], t = weight[1];
+      a += s * x[0][k];
+      b += t * x[0][k];
+      c += s * x[1][k];
+      d += t * x[1][k];
+      e += s * x[2][k];
+      f += t * x[2][k];
     }
-    y[0][0][p + j] = a;
-    y[0][0][p + j + 1] = b;
-    y[0][1][p + j] = c;
-    y[0][1][p + j + 1] = d;
-    y[0][2][p + j] = e;
-    y[0][2][p + j + 1] = f;
-    y[1][0][p + j] = g;
-    y[1][0][p + j + 1] = h;
-    y[1][1][p + j] = o;
-    y[1][1][p + j + 1] = q;
-    y[1][2][p + j] = r;
-    y[1][2][p + j + 1] = s;
+    Y[j] = a;
+    Y[j + 1] = b;
+    Y[m + j] = c;
+    Y[m + j + 1] = d;
+    Y[2 * m + j] = e;
+    Y[2 * m + j + 1] = f;
+  }
+}
+
+/* The same of two fields, one behind the other in memory, by one pass over the factor. */
+static void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
+                             const fb_line *line, fb_real x[2][3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  const fb_real *const factor = fbi_line_factor(all, line);
+  for (int j = 0; j < m; j += 2) {
+    const int first = line->solid ? 0 : j;
+    const fb_real *weight = factor + first * m + j;
+    fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a, g = a, h = a, o = a, q = a, r = a, l = a;
+    for (int k = p + first; k < p + count; k++, weight += m) {
+      const fb_real s = weight[0], t = weight[1];
+      a += s * x[0][0][k];
+      b += t * x[0][0][k];
+      c += s * x[0][1][k];
+      d += t * x[0][1][k];
+      e += s * x[0][2][k];
+      f += t * x[0][2][k];
+      g += s * x[1][0][k];
+      h += t * x[1][0][k];
+      o += s * x[1][1][k];
+      q += t * x[1][1][k];
+      r += s * x[1][2][k];
+      l += t * x[1][2][k];
+    }
+    Y[j] = a;
+    Y[j + 1] = b;
+    Y[m + j] = c;
+    Y[m + j + 1] = d;
+    Y[2 * m + j] = e;
+    Y[2 * m + j + 1] = f;
+    Z[j] = g;
+    Z[j + 1] = h;
+    Z[m + j] = o;
+    Z[m + j + 1] = q;
+    Z[2 * m + j] = r;
+    Z[2 * m + j + 1] = l;
   }
 }
 
@@ -1631,7 +1682,8 @@ static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *al
                                const fb_real *q)
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real root[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real *const root = w->root[line - all->line];
+  fbi_vec3_zero(root);
   if (line->hangs) {
     fbi_line_get3(root, w->r, line->hangs - 1);
   }
@@ -1752,9 +1804,31 @@ static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_P
   return r;
 }
 
-/* [E14.5] Angular velocity and velocity of the points per rate of each coordinate,
-   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  Jv_a = int (Jw_a x t + H Gamma_a) dx.
-   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 6 points) flops a coordinate and
+/* Velocity of the roots of the lines that hang on this one per rate of coordinate k, from that of its tangents. */
+static void fbi_line_hung_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                fb_real rates[3][FB_MAX_POINTS], int k)
+{
+  const int p = line->point;
+  for (int l = 0; l < all->n_line; l++) {
+    const int on = (int)all->line[l].hangs - 1 - p;
+    fb_real *const move = w->Jr[l][k];
+    if (on >= 0 && on < line->count) {
+      const fb_real *const weight = all->table + line->weight + on;
+      fbi_vec3_copy(move, w->Jr[line - all->line][k]);
+      for (int j = 0; j < line->count; j++) {
+        for (int i = 0; i < 3; i++) {
+          move[i] += weight[j * line->stride] * rates[i][p + j];
+        }
+      }
+    }
+  }
+}
+
+/* [E14.5] Per rate of each coordinate the angular velocity Jw of the points, the rate K of their tangents, and their
+   velocities Jv as E14.17 has them, Y_a = Q^T sqrt(m) Jv_a,
+   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  K_a = Jw_a x t + H Gamma_a,  Jv_a = root's +
+   int K_a dx.
+   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 3 points) flops a coordinate and
    point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
 static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
 {
@@ -1762,6 +1836,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
   fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
+  fb_real(*const move)[3] = w->Jr[line - all->line];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
     used[i->axis] = 1;
@@ -1772,18 +1847,17 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
     }
   }
   for (int k = 0; k < line->n; k++) {
-    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k],
-                   (*const K)[FB_MAX_POINTS] = rates[k % 2];
-    fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const K)[FB_MAX_POINTS] = rates[k % 2];
+    fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
 
     /* its sum along the line, from where it hangs */
-    if (line->hangs) {
+    if (line->hangs) { /* move: set with that line */
       fbi_line_get3(turn, Jw, line->hangs - 1);
-      fbi_line_get3(move, Jv, line->hangs - 1);
-    }
-    if (line->moves) {
-      fbi_vec3_add(move, FB_R(1.0), all->table + line->shift + 3 * k);
+    } else if (line->moves) {
+      fbi_vec3_copy(move[k], all->table + line->shift + 3 * k);
+    } else {
+      fbi_vec3_zero(move[k]);
     }
     for (int j = 0; j < m; j++) {
       Jw[0][p + j] = turn[0] += c[0][j];
@@ -1806,18 +1880,19 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
         K[2][p + j] += w->H[6 + s->axis][p + j] * all->table[s->at + j];
       }
     }
-    for (int j = 0; j < m; j++) {
-      Jv[0][p + j] = move[0];
-      Jv[1][p + j] = move[1];
-      Jv[2][p + j] = move[2];
+    if (line->carries) {
+      fbi_line_hung_rates(w, all, line, K, k);
     }
 
-    /* integrals of two coordinates together */
+    /* Y of two coordinates together */
     if (k % 2) {
-      fbi_line_integrals_add_2(w->Jv + k - 1, all, line, rates);
+      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates);
     } else if (k + 1 == line->n) {
-      fbi_line_integrals_add(Jv, all, line, K);
+      fbi_line_weigh(w->Y[k], all, line, K);
     }
+  }
+  for (int k = 0; k < line->n && (line->moves || line->hangs); k++) {
+    fbi_line_root_weigh(w->Y[k], all, line, move[k]);
   }
 }
 
@@ -1908,152 +1983,169 @@ static void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_PO
   }
 }
 
-/* Momenta of the points per rate of coordinate k: p = m (Jv + Jw x rho) and, of solid lines, h = I Jw + rho x p. */
-static void fbi_line_momenta(fb_real (*FBI_RESTRICT P)[FB_MAX_POINTS], fb_real h[3][FB_MAX_POINTS], fbi_line_work *w,
-                             const fb_lines *all, const fb_line *line, int k, fb_real rho[3][FB_MAX_POINTS],
-                             fb_real I[9][FB_MAX_POINTS])
+/* Positions of the mass centers as E14.17 has them, Y = Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
+static void fbi_line_centers(fb_real *FBI_RESTRICT Y, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                             fb_real rho[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real(*const Jv)[FB_MAX_POINTS] = w->Jv[k], (*const Jw)[FB_MAX_POINTS] = w->Jw[k];
-  if (!line->solid) {
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const start = u + m;
+  fbi_line_weigh(Y, all, line, w->t);
+  if (line->moves || line->hangs) {
+    fbi_line_root_weigh(Y, all, line, w->root[line - all->line]);
+  }
+  for (int i = 0; i < 3 * m; i++) {
+    Y[i] += start[i];
+  }
+  for (int i = 0; i < 3 && line->solid; i++) {
     for (int j = 0; j < m; j++) {
-      P[0][p + j] = all->mass[p + j] * Jv[0][p + j];
-      P[1][p + j] = all->mass[p + j] * Jv[1][p + j];
-      P[2][p + j] = all->mass[p + j] * Jv[2][p + j];
+      Y[i * m + j] += u[j] * rho[i][p + j];
     }
-    return;
   }
-  for (int j = p; j < p + m; j++) {
-    const fb_real turn[3] = {Jw[0][j], Jw[1][j], Jw[2][j]};
-    fb_real own[3], at[3], move[3] = {Jv[0][j], Jv[1][j], Jv[2][j]};
-    fbi_line_get3(at, rho, j);
-    fbi_vec3_add_cross(move, turn, at);
+}
+
+/* Of solid lines: Y of coordinate k becomes that of the mass centers, + sqrt(m) Jw x rho;  h = I Jw. */
+static void fbi_line_solid_rates(fb_real *FBI_RESTRICT h, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                 int k, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  fb_real *const Y = w->Y[k];
+  for (int j = 0; j < m; j++) {
+    fb_real turn[3], at[3], more[3];
+    fbi_line_get3(turn, w->Jw[k], p + j);
+    fbi_line_get3(at, rho, p + j);
+    fb_vec3_cross(more, turn, at);
     for (int i = 0; i < 3; i++) {
-      move[i] *= all->mass[j];
-      own[i] = I[3 * i][j] * turn[0] + I[3 * i + 1][j] * turn[1] + I[3 * i + 2][j] * turn[2];
+      Y[i * m + j] += u[j] * more[i];
+      h[i * m + j] = I[3 * i][p + j] * turn[0] + I[3 * i + 1][p + j] * turn[1] + I[3 * i + 2][p + j] * turn[2];
     }
-    fbi_vec3_add_cross(own, at, move);
-    fbi_line_set3(P, j, move);
-    fbi_line_set3(h, j, own);
   }
 }
 
-/* Sum over m points, m even, of x.y */
-static fb_real fbi_line_sum_dot(fb_real x[3][FB_MAX_POINTS], fb_real y[3][FB_MAX_POINTS], int p, int m)
+/* Moments of mass of a line, its axes; Y: fbi_line_centers. */
+static void fbi_line_mass_eval(fbi_line_mass *out, const fb_real *Y, const fb_lines *all, const fb_line *line,
+                               fb_real I[9][FB_MAX_POINTS])
 {
-  const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
-  const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real s = FB_R(0.0), t = FB_R(0.0);
-  for (int j = 0; j < m; j += 2) {
-    s += a[j] * d[j] + b[j] * e[j] + c[j] * f[j];
-    t += a[j + 1] * d[j + 1] + b[j + 1] * e[j + 1] + c[j + 1] * f[j + 1];
-  }
-  return s + t;
-}
-
-/* Sums over m points, m even, of y and x x y */
-static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][FB_MAX_POINTS],
-                                fb_real y[3][FB_MAX_POINTS], int p, int m)
-{
-  const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
-  const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0), s[12];
-  for (int j = 0; j < m; j += 2) {
-    u += d[j];
-    U += d[j + 1];
-    v += e[j];
-    V += e[j + 1];
-    l += f[j];
-    L += f[j + 1];
-  }
-  s[0] = u;
-  s[1] = U;
-  s[2] = v;
-  s[3] = V;
-  s[4] = l;
-  s[5] = L;
-  u = v = l = U = V = L = FB_R(0.0);
-  for (int j = 0; j < m; j += 2) {
-    u += b[j] * f[j] - c[j] * e[j];
-    U += b[j + 1] * f[j + 1] - c[j + 1] * e[j + 1];
-    v += c[j] * d[j] - a[j] * f[j];
-    V += c[j + 1] * d[j + 1] - a[j + 1] * f[j + 1];
-    l += a[j] * e[j] - b[j] * d[j];
-    L += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
-  }
-  s[6] = u;
-  s[7] = U;
-  s[8] = v;
-  s[9] = V;
-  s[10] = l;
-  s[11] = L;
-  for (int i = 0; i < 3; i++) {
-    sum[i] = s[2 * i] + s[2 * i + 1];
-    moment[i] = s[2 * i + 6] + s[2 * i + 7];
-  }
-}
-
-/* Moments of mass of a line, its axes. */
-static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
-{
+  static const int packed[6] = {0, 1, 2, 4, 5, 8};
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
   memset(out, 0, sizeof *out);
-  for (int j = line->point; j < line->point + line->count; j++) {
-    static const int packed[6] = {0, 1, 2, 4, 5, 8};
-    fb_real at[3];
-    fbi_line_get3(at, w->r, j);
-    for (int i = 0; i < 3 && line->solid; i++) {
-      at[i] += rho[i][j];
-    }
-    out->mass += all->mass[j];
-    fbi_vec3_add(out->c, all->mass[j], at);
-    fbi_line_particle(out->J, all->mass[j], at);
+  for (int j = 0; j < line->count; j++) {
+    const fb_real at[3] = {Y[j], Y[m + j], Y[2 * m + j]};
+    out->mass += all->mass[line->point + j];
+    fbi_vec3_add(out->c, u[j], at);
+    fbi_line_particle(out->J, FB_R(1.0), at);
     for (int i = 0; i < 6 && line->solid; i++) {
-      out->J[i] += I[packed[i]][j];
+      out->J[i] += I[packed[i]][line->point + j];
     }
   }
 }
 
-/* [E14.6] Inertia of a line: M_ab += sum p_a.Jv_b + h_a.Jw_b (lower triangle, spacing nb), columns of Lambda,
-   sum (p; r x p + h), moments of mass; over the points.
+/* Products of two pairs of fields of n numbers, n even: out = (a.c, a.d, b.c, b.d) */
+static void fbi_line_products(fb_real out[4], const fb_real *a, const fb_real *b, const fb_real *c, const fb_real *d,
+                              int n)
+{
+  fb_real s = FB_R(0.0), S = s, t = s, T = s, u = s, U = s, v = s, V = s, sum[8];
+  for (int j = 0; j < n; j += 2) {
+    s += a[j] * c[j];
+    S += a[j + 1] * c[j + 1];
+    t += a[j] * d[j];
+    T += a[j + 1] * d[j + 1];
+    u += b[j] * c[j];
+    U += b[j + 1] * c[j + 1];
+    v += b[j] * d[j];
+    V += b[j + 1] * d[j + 1];
+  }
+  sum[0] = s;
+  sum[1] = S;
+  sum[2] = t;
+  sum[3] = T;
+  sum[4] = u;
+  sum[5] = U;
+  sum[6] = v;
+  sum[7] = V;
+  for (int i = 0; i < 4; i++) {
+    out[i] = sum[2 * i] + sum[2 * i + 1];
+  }
+}
+
+/* Momenta of coordinate k per its rate: P = sum of sqrt(m) Y, L = sum of y x Y, y: fbi_line_centers */
+static void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const fb_real *y, const fb_real *u, int m)
+{
+  const fb_real *const a = y, *const b = y + m, *const c = b + m, *const d = Y, *const e = Y + m, *const f = e + m;
+  fb_real s[6] = {FB_R(0.0)}, t[6] = {FB_R(0.0)};
+  for (int j = 0; j < m; j += 2) {
+    for (int i = 0; i < 2; i++) {
+      s[i] += u[j + i] * d[j + i];
+      s[2 + i] += u[j + i] * e[j + i];
+      s[4 + i] += u[j + i] * f[j + i];
+      t[i] += b[j + i] * f[j + i] - c[j + i] * e[j + i];
+      t[2 + i] += c[j + i] * d[j + i] - a[j + i] * f[j + i];
+      t[4 + i] += a[j + i] * e[j + i] - b[j + i] * d[j + i];
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    P[i] = s[2 * i] + s[2 * i + 1];
+    L[i] = t[2 * i] + t[2 * i + 1];
+  }
+}
+
+/* Column of X, 6 x nb, from momenta in a line's axes. */
+static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
+{
+  fb_real momentum[3] = {P[0], P[1], P[2]}, moment[3] = {L[0], L[1], L[2]};
+  if (line->turned) {
+    fb_mat33_mul_vec3(momentum, line->axes, P);
+    fb_mat33_mul_vec3(moment, line->axes, L);
+  }
+  for (int i = 0; i < 3; i++) {
+    X[i * nb] += momentum[i];
+    X[(3 + i) * nb] += moment[i];
+  }
+}
+
+/* [E14.6] Inertia of a line: M_ab = sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
+   sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers, by E14.17.
    Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
 static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
-                                               const fb_line *line, int nb, fb_real rho[3][FB_MAX_POINTS],
-                                               fb_real I[9][FB_MAX_POINTS])
+                                               const fb_line *line, int nb, const fb_real *y,
+                                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
 {
-  const int p = line->point, m = fbi_line_width(line);
-  fb_real P[3][FB_MAX_POINTS], h[3][FB_MAX_POINTS];
-  for (int k = 0; k < line->n; k++) {
+  const int p = line->point, m = fbi_line_width(line), n = line->n;
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  for (int k = 0; k < n; k++) {
     fb_real *const row = M + (line->first + k) * nb + line->first;
-    fb_real momentum[3], moment[3];
-    fbi_line_momenta(P, h, w, all, line, k, rho, I);
-    fbi_line_sum_moment(momentum, moment, w->r, P, p, m);
-    for (int l = 0; l <= k; l++) {
-      row[l] += fbi_line_sum_dot(P, w->Jv[l], p, m);
-    }
+    fb_real P[3], L[3], h[3 * FB_MAX_POINTS];
     if (line->solid) {
+      fbi_line_solid_rates(h, w, all, line, k, rho, I);
+    }
+    fbi_line_momenta(P, L, w->Y[k], y, u, m);
+    for (int i = 0; i < 3 && line->solid; i++) {
       for (int l = 0; l <= k; l++) {
-        row[l] += fbi_line_sum_dot(h, w->Jw[l], p, m);
+        row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
       }
-      for (int j = p; j < p + m; j++) {
-        moment[0] += h[0][j];
-        moment[1] += h[1][j];
-        moment[2] += h[2][j];
+      for (int j = 0; j < m; j++) {
+        L[i] += h[i * m + j];
       }
     }
+    fbi_line_column_add(X + line->first + k, nb, line, P, L);
+  }
 
-    /* body axes */
-    if (line->turned) {
-      fb_real own[6];
-      fbi_copy(own, momentum, 3);
-      fbi_copy(own + 3, moment, 3);
-      fb_mat33_mul_vec3(momentum, line->axes, own);
-      fb_mat33_mul_vec3(moment, line->axes, own + 3);
-    }
-    for (int i = 0; i < 3; i++) {
-      X[i * nb + line->first + k] += momentum[i];
-      X[(3 + i) * nb + line->first + k] += moment[i];
+  /* M by blocks of two rows and columns; what stands above the diagonal is not read */
+  for (int k = 0; k < n; k += 2) {
+    fb_real *const row = M + (line->first + k) * nb + line->first, *const next = k + 1 < n ? row + nb : NULL;
+    for (int l = 0; l <= k; l += 2) {
+      fb_real own[4];
+      fbi_line_products(own, w->Y[k], w->Y[next ? k + 1 : k], w->Y[l], w->Y[l + 1 < n ? l + 1 : l], 3 * m);
+      row[l] += own[0];
+      if (l < k) {
+        row[l + 1] += own[1];
+      }
+      if (next) {
+        next[l] += own[2];
+        next[l + 1] += own[3];
+      }
     }
   }
 }
@@ -2063,17 +2155,16 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
                                                const fb_lines *all, int nb)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_jacobians(w, all, line);
-  }
-  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fb_real y[3 * FB_MAX_POINTS], rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
     fbi_line_mass mass;
-    fb_real rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
+    fbi_line_jacobians(w, all, line);
     if (line->solid) {
       fbi_line_solid(rho, I, w, all, line);
     }
-    fbi_line_inertia_eval(M, X, w, all, line, nb, rho, I);
+    fbi_line_centers(y, w, all, line, rho);
+    fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I);
     if (M_rr) {
-      fbi_line_mass_eval(&mass, w, all, line, rho, I);
+      fbi_line_mass_eval(&mass, y, all, line, I);
       if (line->turned) {
         fbi_line_mass_turn(&mass, line->axes);
       }
@@ -2925,15 +3016,9 @@ static void fbi_line_node_rates(fb_real Jw[3], fb_real Jv[3], fbi_line_work *w, 
   fbi_vec3_add_cross(mixed, s->A, B);
   fbi_vec3_advance(own, A, -FBI_SIXTH, mixed);
   fb_mat33_mul_vec3(Jw, s->N, own);
-  fbi_vec3_zero(Jv);
-  if (line->moves) {
-    fbi_vec3_copy(Jv, all->table + line->shift + 3 * k);
-  }
-  if (line->hangs) {
-    for (int i = 0; i < 3; i++) {
-      Jw[i] += node->after ? FB_R(0.0) : w->Jw[k][i][line->hangs - 1];
-      Jv[i] += w->Jv[k][i][line->hangs - 1];
-    }
+  fbi_vec3_copy(Jv, w->Jr[line - all->line][k]);
+  for (int i = 0; i < 3 && line->hangs && !node->after; i++) {
+    Jw[i] += w->Jw[k][i][line->hangs - 1];
   }
   for (int i = 0; i < 3 && node->after; i++) {
     Jw[i] += w->Jw[k][i][node->after - 1];
@@ -6246,7 +6331,7 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
               fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
-              line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
+              line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
               fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
               (!line->moves || (line->shift >= 0 && line->shift <= all->n_table - 3 * line->n));
@@ -20416,6 +20501,49 @@ static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan
   return status;
 }
 
+/* The factor of E14.17 by Householder's reflections of the points. */
+static void fbi_line_factor_fill(fb_lines *all, const fb_line *line)
+{
+  const int n = line->count, m = line->stride;
+  const fb_real *const weight = all->table + line->weight;
+  fb_real *const A = all->table + line->weight + n * m, v[FB_MAX_POINTS];
+
+  /* sqrt(m) W, sqrt(m), sqrt(m) start */
+  for (int j = 0; j < n; j++) {
+    const fb_real u = FB_SQRT(all->mass[line->point + j]);
+    for (int i = 0; i < n; i++) {
+      A[i * m + j] = u * weight[i * m + j];
+    }
+    A[n * m + j] = u;
+    for (int i = 0; i < 3; i++) {
+      A[(n + 1 + i) * m + j] = u * all->start[i][line->point + j];
+    }
+  }
+
+  /* tangent k moves no point beyond k */
+  for (int k = 0; k < n && !line->solid; k++) {
+    const fb_real *const own = A + k * m;
+    fb_real square = FB_R(0.0), length, by;
+    for (int j = k; j < n; j++) {
+      v[j] = own[j];
+      square += v[j] * v[j];
+    }
+    length = v[k] > FB_R(0.0) ? -FB_SQRT(square) : FB_SQRT(square);
+    by = square - length * v[k];
+    v[k] -= length;
+    for (int i = k; i < n + 4 && by > FB_R(0.0); i++) {
+      fb_real sum = FB_R(0.0);
+      for (int j = k; j < n; j++) {
+        sum += v[j] * A[i * m + j];
+      }
+      for (int j = k; j < n; j++) {
+        A[i * m + j] -= sum / by * v[j];
+      }
+    }
+    fbi_zero(A + k * m + k + 1, n - k - 1);
+  }
+}
+
 /* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
    a joined beam moves with no point of an earlier one. */
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
@@ -20458,7 +20586,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   line->n_turn = (unsigned short)(all->n_row - line->row);
   status = status == FB_OK && plan->flexes ? fbi_line_rows_fill(all, line, plan, beam, modes, 1) : status;
   line->n_stretch = (unsigned short)(all->n_row - line->row - line->n_turn);
-  if (status != FB_OK || all->n_table + line->count * line->stride + 3 * modes->n > FBI_MAX_LINE_TABLE) {
+  if (status != FB_OK || all->n_table + (2 * line->count + 4) * line->stride + 3 * modes->n > FBI_MAX_LINE_TABLE) {
     return status ? status : FB_ERR_CAPACITY;
   }
 
@@ -20472,8 +20600,8 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
 
   /* points: mass, tangents, integrals along the line */
   line->weight = all->n_table;
-  all->n_table += line->count * line->stride;
-  fbi_zero(all->table + line->weight, line->count * line->stride);
+  all->n_table += (2 * line->count + 4) * line->stride;
+  fbi_zero(all->table + line->weight, (2 * line->count + 4) * line->stride);
   for (int s = 0; s < line->stride; s++) {
     const int at = line->point + s;
     fb_real e[3];
@@ -20501,6 +20629,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
       all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
     }
   }
+  fbi_line_factor_fill(all, line);
   status = fbi_line_stations_fill(all, plan, beam, modes);
   if (status != FB_OK) {
     return status;
