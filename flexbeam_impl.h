@@ -1289,6 +1289,16 @@ static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all,
   }
 }
 
+/* y += s times the m numbers A, z += s times the m numbers behind them, m even */
+static FBI_INLINE void fbi_line_turn_add(fb_real *FBI_RESTRICT y, fb_real *FBI_RESTRICT z, fb_real s, const fb_real *A,
+                                         int m)
+{
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    y[j] += s * A[j];
+    z[j] += s * A[m + j];
+  }
+}
+
 /* The same of the turns: A to y, B to z. */
 static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS], const fb_lines *all,
                                 const fb_line *line, const fb_real *q)
@@ -1299,8 +1309,7 @@ static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX
     z[0][p + j] = z[1][p + j] = z[2][p + j] = FB_R(0.0);
   }
   for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
-    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
-    fbi_line_row_add(z[r->axis] + p, q[line->first + r->a], all->table + r->at + m, m);
+    fbi_line_turn_add(y[r->axis] + p, z[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
   }
 }
 
@@ -4968,9 +4977,9 @@ static void fbi_frame_shift(fb_real *pi, fbi_line_work *line, const fb_body *bod
   }
 }
 
-/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m].
+/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m]; lines stand where they are at q.
    Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
+static void fbi_center_placed(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
 {
   const fb_lambda_term *t = body->lambda;
   fbi_copy(c, fbi_center_start(body), 3);
@@ -4983,20 +4992,35 @@ static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *bo
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    (void)fbi_lines_place(line, &body->lines, q);
     fbi_lines_pull(c, NULL, line, &body->lines, c);
   }
 #endif
   (void)line;
 }
 
-/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. */
+/* The same with lines wherever they are. */
+static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    (void)fbi_lines_place(line, &body->lines, q);
+  }
+#endif
+  fbi_center_placed(c, line, body, q);
+}
+
+/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. known: c(q) of a body
+   with lines, where it is. */
 static void fbi_center_pair(fb_real before[3], fb_real after[3], fbi_line_work *line, const fb_body *body,
-                            const fb_real *q, const fb_real *next)
+                            const fb_real *q, const fb_real *next, const fb_real *known)
 {
   const fb_lambda_term *t = body->lambda;
   if (fbi_is_large(body)) {
-    fbi_center_eval(before, line, body, q);
+    if (known) {
+      fbi_vec3_copy(before, known);
+    } else {
+      fbi_center_eval(before, line, body, q);
+    }
     fbi_center_eval(after, line, body, next);
     return;
   }
@@ -12989,11 +13013,11 @@ static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const
    Old and new terms use the same operations, so that a body at rest leaves no round-off.
    Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
 static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], fbi_line_work *line, const fb_body *body,
-                                         const fb_state *start, const fb_state *next)
+                                         const fb_state *start, const fb_state *next, const fb_real *known)
 {
   const fb_real share = FB_R(1.0) / body->mass;
   fb_real before[3], after[3], old[3], own[3];
-  fbi_center_pair(before, after, line, body, start->q, next->q);
+  fbi_center_pair(before, after, line, body, start->q, next->q, known);
   fbi_quat_turn(old, start->quat, before);
   fbi_quat_turn(own, next->quat, after);
   for (int i = 0; i < 3; i++) {
@@ -13019,10 +13043,11 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
 }
 
 /* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
-   of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end). FB_ERR_STEP:
-   a rotation in one step so large that the attitude is lost to round-off. */
+   of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end); c: c(q) of
+   the start where known, of bodies with lines. FB_ERR_STEP: a rotation in one step so large that the attitude is lost to
+   round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
-                              const fb_body *body, const fb_input *last, const fb_real at[4])
+                              const fb_body *body, const fb_input *last, const fb_real at[4], const fb_real *c)
 {
   const int n = body->n;
   fb_status status;
@@ -13049,7 +13074,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 
   /* Position */
   if (fbi_is_flying(body)) {
-    fbi_origin_lead(next->rho, line, body, start, next);
+    fbi_origin_lead(next->rho, line, body, start, next, c);
   } else {
     status = status ? status : fbi_pin_check(body, state);
   }
@@ -13098,7 +13123,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   const fb_input *input[4];
   const fb_state *at;
   fbi_kinetics k;
-  fb_real spin[3] = {FB_R(0.0)};
+  fb_real spin[3] = {FB_R(0.0)}, first[3];
   fb_status status = FB_OK;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_USE_LINES(k, work);
@@ -13125,7 +13150,10 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
       status = fbi_rates(&work->rate, &k, body, at, input[stage]);
     }
 
-    /* Step limit at the start, rotation at the last stage */
+    /* Mass center of lines and step limit at the start, rotation at the last stage */
+    if (status == FB_OK && stage == 0 && fbi_is_large(body)) {
+      fbi_center_placed(first, FBI_LINES(work), body, state->q);
+    }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
       status = fbi_rk4_check(body, &k, start, dt);
       fbi_vec3_copy(spin, k.V + 3);
@@ -13151,7 +13179,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, first);
 }
 
 /* ---- implicit integrators */
@@ -13834,7 +13862,7 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat, NULL);
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
@@ -13949,7 +13977,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, NULL);
 }
 
 /* ---- exponential integrator */
@@ -14303,7 +14331,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, NULL);
 }
 
 #if FB_WITH_SYSTEM
