@@ -3690,7 +3690,7 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 
 #define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
 
-/* Columns of Z = Lambda L^-T to w.column, and Z itself. */
+/* Columns of Z = Lambda L^-T to w.column. */
 static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
 {
   for (int a = 0; a < n; a++) {
@@ -3710,9 +3710,6 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
     w->column[a][3] = x * by;
     w->column[a][4] = y * by;
     w->column[a][5] = z * by;
-    for (int i = 0; i < 6; i++) {
-      w->Z[i * n + a] = w->column[a][i];
-    }
   }
 }
 
@@ -3721,28 +3718,10 @@ static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fb_real row[6];
   fbi_large_reduce(w, n);
-  for (int i = 0, at = 0; i < 6; i++) {
-    fb_real s = FB_R(0.0), t = FB_R(0.0), u = FB_R(0.0), x = FB_R(0.0), y = FB_R(0.0), z = FB_R(0.0);
-    for (int a = 0; a < n; a++) {
-      const fb_real by = w->column[a][i];
-      s += by * w->column[a][0];
-      t += by * w->column[a][1];
-      u += by * w->column[a][2];
-      x += by * w->column[a][3];
-      y += by * w->column[a][4];
-      z += by * w->column[a][5];
-    }
-    row[0] = s;
-    row[1] = t;
-    row[2] = u;
-    row[3] = x;
-    row[4] = y;
-    row[5] = z;
-    for (int j = i; j < 6; j++, at++) {
-      k->S[at] = w->M_rr[at] - row[j];
-    }
+  fbi_sym6_copy(k->S, w->M_rr);
+  for (int a = 0; a < n; a++) {
+    fbi_sym6_rank1_sub(k->S, FB_R(1.0), w->column[a]);
   }
 }
 
@@ -3850,9 +3829,16 @@ static FBI_NOINLINE void fbi_large_gradient(fbi_kinetics *k, const fb_body *body
 static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   fbi_line_work *const w = k->line;
-  fbi_copy(w->e, pi, body->n);
-  fbi_large_lambdaT_sub(w->e, k, body, k->V);
-  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_copy(w->e, pi, body->n);
+    fbi_large_lambdaT_sub(w->e, k, body, k->V);
+    fbi_chol_forward(w->e, w->L, w->e, body->n);
+  } else {
+    for (int a = 0; a < body->n; a++) {
+      w->e[a] = w->p[a] - fbi_vec6_dot(w->column[a], k->V);
+    }
+  }
+  fbi_chol_back(q_dot, w->L, w->e, body->n);
   fbi_large_gradient(k, body, q_dot);
 }
 #endif
@@ -3879,22 +3865,26 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
                                                  const fb_input *input)
 {
   fb_real y[6];
+  fbi_line_work *const w = k->line;
   const fb_status status = fbi_large_inertia(k, body, state->q);
   if (status != FB_OK) {
     return status;
   }
-  fb_chol_solve(k->Minv_pi, k->line->L, state->pi, body->n);
+  fbi_chol_forward(w->p, w->L, state->pi, body->n);
+  fbi_chol_back(k->Minv_pi, w->L, w->p, body->n);
   k->pb = k->Minv_pi;
   if (body->base == FB_BASE_PRESCRIBED) {
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
+  fbi_large_S(k, body);
   fbi_vec3_zero(k->V);
   fbi_vec3_zero(k->ph);
   fbi_vec3_copy(k->ph + 3, state->h);
   fbi_vec6_copy(y, k->ph);
-  fbi_large_lambda_sub(y, k, body, k->pb);
-  fbi_large_S(k, body);
+  for (int a = 0; a < body->n; a++) {
+    fbi_row_sub(y, w->p[a], w->column[a], 6);
+  }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
   }
@@ -12786,7 +12776,7 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
     for (int a = 0; a < n; a++) {
       fb_real sum = FB_R(0.0);
       for (int m = a; m < n; m++) {
-        sum += k->line->Z[(first + i) * n + m] * P[m * n + a];
+        sum += k->line->column[m][first + i] * P[m * n + a];
       }
       F[i * n + a] = sum;
     }
