@@ -12751,59 +12751,46 @@ static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
    Source: block elimination.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
 static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, width = (n + rows + 1) / 2 * 2;
   const fb_real *const L = k->line->L;
-  fb_real P[FB_MAX_MODES * FB_MAX_MODES], F[6 * FB_MAX_MODES], S[36];
+  fb_real PF[FB_MAX_MODES][FB_MAX_MODES + 8], S[36]; /* by columns: P below the diagonal, F behind it */
 
-  /* P, lower triangle */
-  for (int i = 0; i < n; i++) {
-    const fb_real own = FB_R(1.0) / L[i * n + i];
-    for (int j = 0; j < i; j++) {
-      fb_real sum = FB_R(0.0);
-      for (int m = j; m < i; m++) {
-        sum += L[i * n + m] * P[m * n + j];
+  /* P */
+  for (int a = 0; a < n; a++) {
+    fb_real *const P = PF[a];
+    fbi_zero(P, width);
+    for (int i = a; i < n; i++) {
+      fb_real sum = i == a ? FB_R(1.0) : FB_R(0.0);
+      for (int m = a; m < i; m++) {
+        sum -= L[i * n + m] * P[m];
       }
-      P[i * n + j] = -own * sum;
+      P[i] = sum / L[i * (n + 1)];
     }
-    P[i * n + i] = own;
   }
 
-  /* F */
+  /* S^-1/2, lower triangle */
   for (int i = 0; i < rows; i++) {
-    for (int j = 0; j < rows; j++) {
-      S[i * rows + j] = k->S[fb_sym6_index(first + i, first + j)];
-    }
-    for (int a = 0; a < n; a++) {
-      fb_real sum = FB_R(0.0);
-      for (int m = a; m < n; m++) {
-        sum += k->line->column[m][first + i] * P[m * n + a];
-      }
-      F[i * n + a] = sum;
+    for (int j = 0; j <= i; j++) {
+      S[i * rows + j] = k->S[fb_sym6_index(first + j, first + i)];
     }
   }
-  if (rows > 0 && fb_chol_factor(S, rows) != FB_OK) {
+  if (!fbi_large_factor(S, rows)) {
     return 0;
   }
-  for (int i = 0; i < rows; i++) {
-    for (int j = 0; j < i; j++) {
-      fbi_row_sub(F + i * n, S[i * rows + j], F + j * n, n);
+
+  /* F by columns: Lambda M^-1 = Z P, then forward substitution */
+  for (int a = 0; a < n; a++) {
+    fb_real *const F = PF[a] + n, own[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    for (int m = a; m < n && rows > 0; m++) {
+      fbi_row_sub(own, -PF[a][m], k->line->column[m], 6);
     }
-    for (int a = 0; a < n; a++) {
-      F[i * n + a] /= S[i * (rows + 1)];
-    }
+    fbi_chol_forward(F, S, own + first, rows);
   }
 
   /* G */
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
-      fb_real sum = FB_R(0.0);
-      for (int m = a; m < n; m++) {
-        sum += P[m * n + a] * P[m * n + b];
-      }
-      for (int i = 0; i < rows; i++) {
-        sum += F[i * n + a] * F[i * n + b];
-      }
-      G[a * n + b] = G[b * n + a] = sum;
+      G[a * n + b] = G[b * n + a] = fbi_line_dot(PF[a], PF[b], width);
     }
   }
   return 1;
@@ -12816,17 +12803,27 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
 static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
 {
   const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
-  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES] = {FB_R(0.0)}, trace = FB_R(0.0);
-  for (int a = 0; a < n; a++) { /* rows of G A */
+  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES], trace = FB_R(0.0);
+
+  /* C = G A G, then B^2 = C A */
+  for (int a = 0; a < n; a++) {
     fbi_sparse_eval(B + a * n, NULL, share, A, G + a * n, n);
   }
   for (int a = 0; a < n; a++) {
-    for (int b = 0; b < n; b++) {
-      fbi_row_sub(C + a * n, -B[a * n + b], B + b * n, n);
+    for (int b = 0; b <= a; b++) {
+      C[a * n + b] = C[b * n + a] = fbi_dot(B + a * n, G + b * n, n);
     }
   }
-  for (int ab = 0; ab < n * n; ab++) {
-    trace += C[ab] * C[ab % n * n + ab / n];
+  for (int a = 0; a < n; a++) {
+    fbi_sparse_eval(B + a * n, NULL, share, A, C + a * n, n);
+  }
+
+  /* trace B^4 */
+  for (int a = 0; a < n; a++) {
+    trace += B[a * (n + 1)] * B[a * (n + 1)];
+    for (int b = 0; b < a; b++) {
+      trace += FB_R(2.0) * B[a * n + b] * B[b * n + a];
+    }
   }
   return unit * FB_SQRT(FB_SQRT(trace));
 }
