@@ -1268,6 +1268,18 @@ static int fbi_line_width(const fb_line *line)
   return 2 * (line->stride / 2);
 }
 
+/* 1 + the axis of a line whose coordinates all turn it about one axis, from a root at rest: one of plane bending. Angles
+   then add up, Jw is constant, and what E14.3, E14.5 and E14.7 do for rotations that do not commute falls away. */
+static int fbi_line_plane(const fb_lines *all, const fb_line *line)
+{
+  const fb_line_row *const r = all->row + line->row;
+  int plane = line->n_turn > 0 && line->n_stretch == 0 && !line->moves && !line->hangs && !line->carries && !line->solid;
+  for (int k = 1; plane && k < line->n_turn; k++) {
+    plane = r[k].axis == r->axis && r[k].a != r[k - 1].a;
+  }
+  return plane ? 1 + r->axis : 0;
+}
+
 /* y += s x over m numbers, m even */
 static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int m)
 {
@@ -1564,6 +1576,18 @@ static void fbi_line_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *
   }
 }
 
+/* The same in a plane, T being 1 about its axis: b is of no effect. */
+static void fbi_plane_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  for (int j = 0; j < m; j++) {
+    w->b[p + j] = FB_R(0.0);
+  }
+  for (int i = 0; i < 9; i++) {
+    fbi_copy(w->N[i] + p, w->H[i] + p, m);
+  }
+}
+
 /* y_i += sum over the points j of weight_j x_ij, columns of a line's table: integrals along it up to every point */
 static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
                                    fb_real x[3][FB_MAX_POINTS])
@@ -1746,7 +1770,11 @@ static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, co
 {
   const int sound = fbi_lines_place(w, all, q);
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_tangent_maps(w, line);
+    if (line->plane) {
+      fbi_plane_tangent_maps(w, line);
+    } else {
+      fbi_line_tangent_maps(w, line);
+    }
   }
   return sound;
 }
@@ -1902,6 +1930,56 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   }
   for (int k = 0; k < line->n && (line->moves || line->hangs); k++) {
     fbi_line_root_weigh(w->Y[k], all, line, move[k]);
+  }
+}
+
+/* Jw x t about one axis */
+static void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *FBI_RESTRICT K_z, const fb_real *Jw,
+                                 const fb_real *t_y, const fb_real *t_z, int m)
+{
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    K_y[j] = -Jw[j] * t_z[j];
+    K_z[j] = Jw[j] * t_y[j];
+  }
+}
+
+/* The same in a plane: Y by two axes, the next ones of the axis of rotation, in groups of six fields. */
+static FBI_NOINLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line), axis = line->plane - 1, y = (axis + 1) % 3, z = (axis + 2) % 3;
+  const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn;
+  const fb_real *const t_y = w->t[y] + p, *const t_z = w->t[z] + p;
+  fb_real rates[2][3][FB_MAX_POINTS], *const Y = w->Y[0];
+  for (int k = 0, field = 0; k < line->n; k++, field += 2) {
+    fb_real *const Jw = w->Jw[k][axis] + p;
+    fb_real *const K_y = rates[field / 3 % 2][field % 3] + p, *const K_z = rates[(field + 1) / 3 % 2][(field + 1) % 3] + p;
+    fb_real turn = FB_R(0.0);
+    fbi_vec3_zero(w->Jr[line - all->line][k]);
+    fbi_zero(w->Jw[k][y] + p, m);
+    fbi_zero(w->Jw[k][z] + p, m);
+    for (int j = 0; j < m; j++) {
+      Jw[j] = turn += r < last && r->a == k ? all->table[r->at + j] : FB_R(0.0);
+    }
+    r += r < last && r->a == k;
+    fbi_line_plane_rates(K_y, K_z, Jw, t_y, t_z, m);
+    if (field % 6 == 4) {
+      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates);
+    } else if (k + 1 == line->n) {
+      fbi_line_weigh(Y + field / 6 * 6 * m, all, line, rates[0]);
+      if (field % 6 == 2) {
+        fbi_line_weigh(Y + (field / 6 * 6 + 3) * m, all, line, rates[1]);
+      }
+    }
+  }
+}
+
+/* E14.5 of any line. */
+static void fbi_line_rates_by_coordinate(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  if (line->plane) {
+    fbi_plane_jacobians(w, all, line);
+  } else {
+    fbi_line_jacobians(w, all, line);
   }
 }
 
@@ -2099,6 +2177,20 @@ static void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const
   }
 }
 
+/* The same in a plane, Y by two axes. */
+static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const fb_real *centers, const fb_real *u,
+                              int m, int axis)
+{
+  const int y = (axis + 1) % 3, z = (axis + 2) % 3;
+  const fb_real *const Z = Y + m;
+  P[axis] = FB_R(0.0);
+  P[y] = fbi_line_dot(u, Y, m);
+  P[z] = fbi_line_dot(u, Z, m);
+  L[axis] = fbi_line_dot(centers + y * m, Z, m) - fbi_line_dot(centers + z * m, Y, m);
+  L[y] = -fbi_line_dot(centers + axis * m, Z, m);
+  L[z] = fbi_line_dot(centers + axis * m, Y, m);
+}
+
 /* Column of X, 6 x nb, from momenta in a line's axes. */
 static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
 {
@@ -2122,14 +2214,19 @@ static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_
                                                fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line), n = line->n;
-  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  const int size = line->plane ? 2 * m : 3 * m, spacing = line->plane ? size : 3 * FB_MAX_POINTS;
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const Y = w->Y[0];
   for (int k = 0; k < n; k++) {
     fb_real *const row = M + (line->first + k) * nb + line->first;
     fb_real P[3], L[3], h[3 * FB_MAX_POINTS];
     if (line->solid) {
       fbi_line_solid_rates(h, w, all, line, k, rho, I);
     }
-    fbi_line_momenta(P, L, w->Y[k], y, u, m);
+    if (line->plane) {
+      fbi_plane_momenta(P, L, Y + k * spacing, y, u, m, line->plane - 1);
+    } else {
+      fbi_line_momenta(P, L, Y + k * spacing, y, u, m);
+    }
     for (int i = 0; i < 3 && line->solid; i++) {
       for (int l = 0; l <= k; l++) {
         row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
@@ -2146,7 +2243,8 @@ static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_
     fb_real *const row = M + (line->first + k) * nb + line->first, *const next = k + 1 < n ? row + nb : NULL;
     for (int l = 0; l <= k; l += 2) {
       fb_real own[4];
-      fbi_line_products(own, w->Y[k], w->Y[next ? k + 1 : k], w->Y[l], w->Y[l + 1 < n ? l + 1 : l], 3 * m);
+      fbi_line_products(own, Y + k * spacing, Y + (next ? k + 1 : k) * spacing, Y + l * spacing,
+                        Y + (l + 1 < n ? l + 1 : l) * spacing, size);
       row[l] += own[0];
       if (l < k) {
         row[l + 1] += own[1];
@@ -2166,7 +2264,7 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fb_real y[3 * FB_MAX_POINTS], rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
     fbi_line_mass mass;
-    fbi_line_jacobians(w, all, line);
+    fbi_line_rates_by_coordinate(w, all, line);
     if (line->solid) {
       fbi_line_solid(rho, I, w, all, line);
     }
@@ -2217,7 +2315,10 @@ static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_
     w->w[1][p + j] = w->N[3][p + j] * x + w->N[4][p + j] * y + w->N[5][p + j] * z;
     w->w[2][p + j] = w->N[6][p + j] * x + w->N[7][p + j] * y + w->N[8][p + j] * z;
   }
-  for (int j = 0; j < m; j++) {
+  for (int j = 0; j < m && line->plane; j++) { /* of no effect */
+    w->a_dot[p + j] = w->b_dot[p + j] = FB_R(0.0);
+  }
+  for (int j = 0; j < m && !line->plane; j++) {
     const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
                                                         w->phi[1][p + j] * w->phi_dot[1][p + j] +
                                                         w->phi[2][p + j] * w->phi_dot[2][p + j]);
@@ -2534,6 +2635,10 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
     c[1][j] = C[1] += c[1][j];
     c[2][j] = C[2] += c[2][j];
   }
+  if (line->plane) { /* angles follow from coordinates by A alone */
+    fbi_line_rows_add(x, all, line, line->row, line->n_turn, 0, b);
+    return;
+  }
   fbi_line_gradient_moments(y, s, w, line, b, c);
   fbi_line_moments_add(x, w, all, line, y, s);
 
@@ -2753,7 +2858,7 @@ static void fbi_lines_move(fbi_line_work *w, const fb_lines *all, const fb_real 
 {
   (void)fbi_lines_pose(w, all, q);
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_jacobians(w, all, line);
+    fbi_line_rates_by_coordinate(w, all, line);
   }
 }
 
@@ -6347,7 +6452,7 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
+              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
               (!line->moves || (line->shift >= 0 && line->shift <= all->n_table - 3 * line->n));
   if (sound && line->hangs) {
     sound = line->hangs <= next;
@@ -6629,7 +6734,7 @@ static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 {
   const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
                        line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
-                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
+                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned, line->plane};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
 }
@@ -19748,6 +19853,7 @@ static void fbi_lines_select(fb_lines *out, const fb_lines *in, const int *coord
     }
     to->n_turn = (unsigned short)turns;
     to->n_stretch = (unsigned short)(all - turns);
+    to->plane = (unsigned short)fbi_line_plane(out, to);
   }
 }
 #endif
@@ -20593,6 +20699,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     }
     line->hangs = (unsigned short)(1 + on);
     all->line[fbi_line_of(all, on) - all->line].carries = 1;
+    all->line[fbi_line_of(all, on) - all->line].plane = 0;
   }
   line->moves = (unsigned short)(plan->moves && on < 0);
 
@@ -20645,6 +20752,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     }
   }
   fbi_line_factor_fill(all, line);
+  line->plane = (unsigned short)fbi_line_plane(all, line);
   status = fbi_line_stations_fill(all, plan, beam, modes);
   if (status != FB_OK) {
     return status;
