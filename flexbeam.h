@@ -768,17 +768,17 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
   fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
   fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
-  fb_real root[FB_MAX_LINES][3]; /* displacement of a line's root by the modes */
+  fb_real root[FB_MAX_LINES][3];  /* displacement of a line's root by the modes */
   fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jr[FB_MAX_LINES][FB_MAX_MODES][3]; /* per rate of a line's coordinate:
                                                             of the points, velocity of the root */
-  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS]; /* velocities of a line's points, weighed (E14.17) */
-  fb_real gradient[FB_MAX_MODES];                                                 /* dT/dq */
-  fb_real push[3];                                                                /* [N] E14.15 */
-  fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                         /* Cholesky factor of M(q) */
-  fb_real X[6 * FB_MAX_MODES];                                                    /* Lambda(q), 6 x n, body axes */
-  fb_real column[FB_MAX_MODES][6], p[FB_MAX_MODES];                               /* columns of Lambda L^-T, L^-1 pi */
-  fb_real M_rr[21];                                                               /* M_rr(q) */
-  fb_real e[FB_MAX_MODES];                                                        /* L^-1 pi */
+  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS];       /* velocities of a line's points, weighed (E14.17) */
+  fb_real gradient[FB_MAX_MODES];                   /* dT/dq */
+  fb_real push[3];                                  /* [N] E14.15 */
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES];           /* Cholesky factor of M(q) */
+  fb_real X[6 * FB_MAX_MODES];                      /* Lambda(q), 6 x n, body axes */
+  fb_real column[FB_MAX_MODES][6], p[FB_MAX_MODES]; /* columns of Lambda L^-T, L^-1 pi */
+  fb_real M_rr[21];                                 /* M_rr(q) */
+  fb_real e[FB_MAX_MODES];                          /* L^-1 pi */
   fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
   fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
 } fbi_line_work;

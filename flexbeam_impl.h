@@ -1273,7 +1273,8 @@ static int fbi_line_width(const fb_line *line)
 static int fbi_line_plane(const fb_lines *all, const fb_line *line)
 {
   const fb_line_row *const r = all->row + line->row;
-  int plane = line->n_turn > 0 && line->n_stretch == 0 && !line->moves && !line->hangs && !line->carries && !line->solid;
+  int plane =
+      line->n_turn > 0 && line->n_stretch == 0 && !line->moves && !line->hangs && !line->carries && !line->solid;
   for (int k = 1; plane && k < line->n_turn; k++) {
     plane = r[k].axis == r->axis && r[k].a != r[k - 1].a;
   }
@@ -1641,7 +1642,7 @@ static void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, const fb_line *
 
 /* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even. */
 static void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
-                            fb_real x[3][FB_MAX_POINTS])
+                           fb_real x[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line), count = line->count;
   const fb_real *const factor = fbi_line_factor(all, line);
@@ -1668,8 +1669,8 @@ static void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const f
 }
 
 /* The same of two fields, one behind the other in memory, by one pass over the factor. */
-static void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
-                             const fb_line *line, fb_real x[2][3][FB_MAX_POINTS])
+static void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all, const fb_line *line,
+                             fb_real x[2][3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line), count = line->count;
   const fb_real *const factor = fbi_line_factor(all, line);
@@ -1952,7 +1953,8 @@ static FBI_NOINLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, cons
   fb_real rates[2][3][FB_MAX_POINTS], *const Y = w->Y[0];
   for (int k = 0, field = 0; k < line->n; k++, field += 2) {
     fb_real *const Jw = w->Jw[k][axis] + p;
-    fb_real *const K_y = rates[field / 3 % 2][field % 3] + p, *const K_z = rates[(field + 1) / 3 % 2][(field + 1) % 3] + p;
+    fb_real *const K_y = rates[field / 3 % 2][field % 3] + p, *const K_z =
+                                                                  rates[(field + 1) / 3 % 2][(field + 1) % 3] + p;
     fb_real turn = FB_R(0.0);
     fbi_vec3_zero(w->Jr[line - all->line][k]);
     fbi_zero(w->Jw[k][y] + p, m);
@@ -2109,25 +2111,6 @@ static void fbi_line_solid_rates(fb_real *FBI_RESTRICT h, fbi_line_work *w, cons
   }
 }
 
-/* Moments of mass of a line, its axes; Y: fbi_line_centers. */
-static void fbi_line_mass_eval(fbi_line_mass *out, const fb_real *Y, const fb_lines *all, const fb_line *line,
-                               fb_real I[9][FB_MAX_POINTS])
-{
-  static const int packed[6] = {0, 1, 2, 4, 5, 8};
-  const int m = fbi_line_width(line);
-  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
-  memset(out, 0, sizeof *out);
-  for (int j = 0; j < line->count; j++) {
-    const fb_real at[3] = {Y[j], Y[m + j], Y[2 * m + j]};
-    out->mass += all->mass[line->point + j];
-    fbi_vec3_add(out->c, u[j], at);
-    fbi_line_particle(out->J, FB_R(1.0), at);
-    for (int i = 0; i < 6 && line->solid; i++) {
-      out->J[i] += I[packed[i]][line->point + j];
-    }
-  }
-}
-
 /* Products of two pairs of fields of n numbers, n even: out = (a.c, a.d, b.c, b.d) */
 static void fbi_line_products(fb_real out[4], const fb_real *a, const fb_real *b, const fb_real *c, const fb_real *d,
                               int n)
@@ -2153,6 +2136,36 @@ static void fbi_line_products(fb_real out[4], const fb_real *a, const fb_real *b
   sum[7] = V;
   for (int i = 0; i < 4; i++) {
     out[i] = sum[2 * i] + sum[2 * i + 1];
+  }
+}
+
+/* Moments of mass of a line, its axes; y: fbi_line_centers. */
+static void fbi_line_mass_eval(fbi_line_mass *out, const fb_real *y, const fb_lines *all, const fb_line *line,
+                               fb_real I[9][FB_MAX_POINTS])
+{
+  static const int packed[6] = {0, 1, 2, 4, 5, 8};
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  fb_real xy[4], z[4], more[4];
+
+  /* sums of y y^T and sqrt(m) y */
+  fbi_line_products(xy, y, y + m, y, y + m, m);
+  fbi_line_products(z, y + 2 * m, u, y, y + m, m);
+  fbi_line_products(more, y + 2 * m, u, y + 2 * m, u, m);
+  out->mass = more[3];
+  out->c[0] = z[2];
+  out->c[1] = z[3];
+  out->c[2] = more[2];
+  out->J[0] = xy[3] + more[0];
+  out->J[1] = -xy[1];
+  out->J[2] = -z[0];
+  out->J[3] = xy[0] + more[0];
+  out->J[4] = -z[1];
+  out->J[5] = xy[0] + xy[3];
+  for (int j = 0; j < line->count && line->solid; j++) {
+    for (int i = 0; i < 6; i++) {
+      out->J[i] += I[packed[i]][line->point + j];
+    }
   }
 }
 
@@ -2183,12 +2196,15 @@ static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, cons
 {
   const int y = (axis + 1) % 3, z = (axis + 2) % 3;
   const fb_real *const Z = Y + m;
+  fb_real along[4], about[4];
   P[axis] = FB_R(0.0);
-  P[y] = fbi_line_dot(u, Y, m);
-  P[z] = fbi_line_dot(u, Z, m);
-  L[axis] = fbi_line_dot(centers + y * m, Z, m) - fbi_line_dot(centers + z * m, Y, m);
-  L[y] = -fbi_line_dot(centers + axis * m, Z, m);
-  L[z] = fbi_line_dot(centers + axis * m, Y, m);
+  fbi_line_products(along, u, centers + axis * m, Y, Z, m);
+  fbi_line_products(about, centers + y * m, centers + z * m, Y, Z, m);
+  P[y] = along[0];
+  P[z] = along[1];
+  L[axis] = about[1] - about[2];
+  L[y] = -along[3];
+  L[z] = along[2];
 }
 
 /* Column of X, 6 x nb, from momenta in a line's axes. */
@@ -2315,15 +2331,17 @@ static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_
     w->w[1][p + j] = w->N[3][p + j] * x + w->N[4][p + j] * y + w->N[5][p + j] * z;
     w->w[2][p + j] = w->N[6][p + j] * x + w->N[7][p + j] * y + w->N[8][p + j] * z;
   }
-  for (int j = 0; j < m && line->plane; j++) { /* of no effect */
-    w->a_dot[p + j] = w->b_dot[p + j] = FB_R(0.0);
-  }
-  for (int j = 0; j < m && !line->plane; j++) {
-    const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
-                                                        w->phi[1][p + j] * w->phi_dot[1][p + j] +
-                                                        w->phi[2][p + j] * w->phi_dot[2][p + j]);
-    w->a_dot[p + j] = twice * fbi_line_series(fbi_line_a1, x);
-    w->b_dot[p + j] = twice * fbi_line_series(fbi_line_b1, x);
+  if (!line->plane) { /* else of no effect */
+    for (int j = 0; j < m; j++) {
+      const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
+                                                          w->phi[1][p + j] * w->phi_dot[1][p + j] +
+                                                          w->phi[2][p + j] * w->phi_dot[2][p + j]);
+      w->a_dot[p + j] = twice * fbi_line_series(fbi_line_a1, x);
+      w->b_dot[p + j] = twice * fbi_line_series(fbi_line_b1, x);
+    }
+  } else {
+    fbi_zero(w->a_dot + p, m);
+    fbi_zero(w->b_dot + p, m);
   }
 
   /* w; H Gamma q_dot */
@@ -6452,7 +6470,8 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
+              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) &&
+              (!line->turned || fbi_is_finite(line->axes, 9)) &&
               (!line->moves || (line->shift >= 0 && line->shift <= all->n_table - 3 * line->n));
   if (sound && line->hangs) {
     sound = line->hangs <= next;
@@ -6732,9 +6751,9 @@ static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
 /* A line; without its root and frame, which no step reads. */
 static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 {
-  const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
-                       line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
-                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned, line->plane};
+  const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
+                       line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
+                       line->carries, line->solid,     line->turned, line->plane};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
 }
