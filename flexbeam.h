@@ -692,8 +692,8 @@ typedef struct fb_line {
   unsigned short hangs;      /* 1 + the point of an earlier line that the root moves with; 0: the body frame */
   unsigned short carries;    /* 1: others hang on it */
   unsigned short solid;      /* 1: points have offset mass centers or rotary inertia */
-  unsigned short turned;     /* 1: the line's axes are not the body's */
   unsigned short plane;      /* 1 + the axis about which all of its coordinates turn it (fbi_line_plane); 0: none */
+  unsigned short turned;     /* 1: the line's axes are not the body's */
   fb_real axes[9];           /* line axes to body axes */
   fb_real root[3], frame[9]; /* [m] root, beam axes to body axes: by which init finds a beam's line */
 } fb_line;

@@ -6753,7 +6753,7 @@ static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 {
   const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
                        line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
-                       line->carries, line->solid,     line->turned, line->plane};
+                       line->carries, line->solid,     line->plane,   line->turned};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
 }
