@@ -564,7 +564,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
   y[5] = S[5] * x[0] + S[10] * x[1] + S[14] * x[2] + S[17] * x[3] + S[19] * x[4] + S[20] * x[5];
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
   fbi_vec6_copy(T, S);
@@ -1624,7 +1624,7 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
    sqrt(m) W makes C triangular: half the products, and none with masses after them. Solid lines, whose mass centers
    turn with their sections, take Q = 1.
    Rows by points: count of C^T, then Q^T sqrt(m), then x, y, z of Q^T sqrt(m) start.
-   Source: orthogonal invariance.  Fails: never.  Test: line_inertia_is_that_of_particles. */
+   Source: linear algebra, orthogonal invariance.  Fails: never.  Test: line_inertia_is_that_of_particles. */
 static const fb_real *fbi_line_factor(const fb_lines *all, const fb_line *line)
 {
   return all->table + line->weight + line->count * line->stride;
@@ -6753,7 +6753,7 @@ static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 {
   const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
                        line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
-                       line->carries, line->solid,     line->plane,   line->turned};
+                       line->carries, line->solid,     line->plane,  line->turned};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
 }
@@ -13214,7 +13214,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection
      fbi_velocity: fbi_large_velocity
-     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
+     fbi_large_velocity: fbi_large_inertia fbi_large_S
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_elastic_rates: fbi_large_rates
