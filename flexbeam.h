@@ -158,21 +158,21 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
-     fb_rk4_work                 52568
-     fb_implicit_work            60568
-     fb_exponential_work         55144
-     fb_system_work             592144
+     fb_rk4_work                 54584
+     fb_implicit_work            62584
+     fb_exponential_work         57160
+     fb_system_work             608264
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               405824
-     fb_build_work             4281480  most of it an fb_modes_work
+     fb_body_work               426272
+     fb_build_work             4290696  most of it an fb_modes_work
      fb_analyse_work           1288592
-     fb_system_analyse_work    1917952
+     fb_system_analyse_work    1934064
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work            1050392
+     fb_advice_work            1098488
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -672,7 +672,7 @@ FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 #define FBI_MAX_LINE_TABLE FB_MAX_LINE_TABLE
 #else
 #define FBI_MAX_LINE_TABLE \
-  (9 * FB_MAX_MODES * FB_MAX_POINTS + FB_MAX_POINTS * FB_MAX_POINTS + 3 * FB_MAX_MODES * FB_MAX_LINES)
+  (9 * FB_MAX_MODES * FB_MAX_POINTS + 2 * FB_MAX_POINTS * (FB_MAX_POINTS + 2) + 3 * FB_MAX_MODES * FB_MAX_LINES)
 #endif
 
 typedef struct fb_line_row { /* what coordinate a of a line adds about or along an axis at all of its points */
@@ -685,12 +685,14 @@ typedef struct fb_line {
   unsigned short point, count,
       stride; /* first point, number of points, that rounded up to even: rows have this length */
   unsigned short row, n_turn, n_stretch; /* rows: turns by coordinate, then stretches by coordinate */
-  int weight; /* table: what each point's tangent adds to the position of every point, count x stride */
+  int weight; /* table: what each point's tangent adds to the position of every point, count x stride; behind it for
+                 sums over the masses (count + 4) x stride */
   int shift;  /* table, n x 3: displacement of a root that moves with the modes; moves = 0: none */
   unsigned short moves;
   unsigned short hangs;      /* 1 + the point of an earlier line that the root moves with; 0: the body frame */
-  int carries;               /* 1: others hang on it */
-  int solid;                 /* 1: points have offset mass centers or rotary inertia */
+  unsigned short carries;    /* 1: others hang on it */
+  unsigned short solid;      /* 1: points have offset mass centers or rotary inertia */
+  int plane;                 /* 1 + the axis about which all of its coordinates turn it (fbi_line_plane); 0: none */
   int turned;                /* 1: the line's axes are not the body's */
   fb_real axes[9];           /* line axes to body axes */
   fb_real root[3], frame[9]; /* [m] root, beam axes to body axes: by which init finds a beam's line */
@@ -767,14 +769,17 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
   fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
   fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
-  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jv[FB_MAX_MODES][3][FB_MAX_POINTS]; /* per rate of a line's coordinate */
-  fb_real gradient[FB_MAX_MODES];                                                 /* dT/dq */
-  fb_real push[3];                                                                /* [N] E14.15 */
-  fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                         /* Cholesky factor of M(q) */
-  fb_real X[6 * FB_MAX_MODES];                                                    /* Lambda(q), 6 x n, body axes */
-  fb_real Z[6 * FB_MAX_MODES], column[FB_MAX_MODES][6];                           /* Lambda L^-T, its columns */
-  fb_real M_rr[21];                                                               /* M_rr(q) */
-  fb_real e[FB_MAX_MODES];                                                        /* L^-1 pi */
+  fb_real root[FB_MAX_LINES][3];  /* displacement of a line's root by the modes */
+  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jr[FB_MAX_LINES][FB_MAX_MODES][3]; /* per rate of a line's coordinate:
+                                                            of the points, velocity of the root */
+  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS];       /* velocities of a line's points, weighed (E14.17) */
+  fb_real gradient[FB_MAX_MODES];                   /* dT/dq */
+  fb_real push[3];                                  /* [N] E14.15 */
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES];           /* Cholesky factor of M(q) */
+  fb_real X[6 * FB_MAX_MODES];                      /* Lambda(q), 6 x n, body axes */
+  fb_real column[FB_MAX_MODES][6], p[FB_MAX_MODES]; /* columns of Lambda L^-T, L^-1 pi */
+  fb_real M_rr[21];                                 /* M_rr(q) */
+  fb_real e[FB_MAX_MODES];                          /* L^-1 pi */
   fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
   fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
 } fbi_line_work;

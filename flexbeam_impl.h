@@ -564,7 +564,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
   y[5] = S[5] * x[0] + S[10] * x[1] + S[14] * x[2] + S[17] * x[3] + S[19] * x[4] + S[20] * x[5];
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
   fbi_vec6_copy(T, S);
@@ -1292,6 +1292,19 @@ static int fbi_line_width(const fb_line *line)
   return 2 * (line->stride / 2);
 }
 
+/* 1 + the axis of a line whose coordinates all turn it about one axis, from a root at rest: one of plane bending. Angles
+   then add up, Jw is constant, and what E14.3, E14.5 and E14.7 do for rotations that do not commute falls away. */
+static int fbi_line_plane(const fb_lines *all, const fb_line *line)
+{
+  const fb_line_row *const r = all->row + line->row;
+  int plane =
+      line->n_turn > 0 && line->n_stretch == 0 && !line->moves && !line->hangs && !line->carries && !line->solid;
+  for (int k = 1; plane && k < line->n_turn; k++) {
+    plane = r[k].axis == r->axis && r[k].a != r[k - 1].a;
+  }
+  return plane ? 1 + r->axis : 0;
+}
+
 /* y += s x over m numbers, m even */
 static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int m)
 {
@@ -1313,6 +1326,16 @@ static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all,
   }
 }
 
+/* y += s times the m numbers A, z += s times the m numbers behind them, m even */
+static FBI_INLINE void fbi_line_turn_add(fb_real *FBI_RESTRICT y, fb_real *FBI_RESTRICT z, fb_real s, const fb_real *A,
+                                         int m)
+{
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    y[j] += s * A[j];
+    z[j] += s * A[m + j];
+  }
+}
+
 /* The same of the turns: A to y, B to z. */
 static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS], const fb_lines *all,
                                 const fb_line *line, const fb_real *q)
@@ -1323,8 +1346,7 @@ static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX
     z[0][p + j] = z[1][p + j] = z[2][p + j] = FB_R(0.0);
   }
   for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
-    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
-    fbi_line_row_add(z[r->axis] + p, q[line->first + r->a], all->table + r->at + m, m);
+    fbi_line_turn_add(y[r->axis] + p, z[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
   }
 }
 
@@ -1579,6 +1601,18 @@ static void fbi_line_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *
   }
 }
 
+/* The same in a plane, T being 1 about its axis: b is of no effect. */
+static void fbi_plane_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  for (int j = 0; j < m; j++) {
+    w->b[p + j] = FB_R(0.0);
+  }
+  for (int i = 0; i < 9; i++) {
+    fbi_copy(w->N[i] + p, w->H[i] + p, m);
+  }
+}
+
 /* y_i += sum over the points j of weight_j x_ij, columns of a line's table: integrals along it up to every point */
 static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
                                    fb_real x[3][FB_MAX_POINTS])
@@ -1607,43 +1641,94 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
   }
 }
 
-/* The same of two fields, one behind the other in memory, by one pass over the weights. */
-static void fbi_line_integrals_add_2(fb_real y[2][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
-                                     fb_real x[2][3][FB_MAX_POINTS])
+/* ---- sums over the masses of the points */
+
+/* [E14.17] Fields f of the points that follow from tangents, f = f_root + sum of W g by E14.4: sum of m f.f is |Y|^2 with
+   Y = Q^T sqrt(m) f = Q^T sqrt(m) f_root + C g,  C = Q^T sqrt(m) W, for any orthogonal Q. That of the QR factors of
+   sqrt(m) W makes C triangular: half the products, and none with masses after them. Solid lines, whose mass centers
+   turn with their sections, take Q = 1.
+   Rows by points: count of C^T, then Q^T sqrt(m), then x, y, z of Q^T sqrt(m) start.
+   Source: linear algebra, orthogonal invariance.  Fails: never.  Test: line_inertia_is_that_of_particles. */
+static const fb_real *fbi_line_factor(const fb_lines *all, const fb_line *line)
+{
+  return all->table + line->weight + line->count * line->stride;
+}
+
+/* Y += Q^T sqrt(m) root */
+static void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, const fb_line *line, const fb_real root[3])
+{
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  for (int i = 0; i < 3; i++) {
+    fbi_line_row_add(Y + i * m, root[i], u, m);
+  }
+}
+
+/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even. */
+static void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
+                           fb_real x[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line), count = line->count;
-  for (int j = 0; j < m; j += 2) {
-    const fb_real *weight = all->table + line->weight + j;
-    fb_real a = y[0][0][p + j], b = y[0][0][p + j + 1], c = y[0][1][p + j], d = y[0][1][p + j + 1];
-    fb_real e = y[0][2][p + j], f = y[0][2][p + j + 1], g = y[1][0][p + j], h = y[1][0][p + j + 1];
-    fb_real o = y[1][1][p + j], q = y[1][1][p + j + 1], r = y[1][2][p + j], s = y[1][2][p + j + 1];
-    for (int k = p; k < p + count; k++, weight += m) {
-      const fb_real u = weight[0], v = weight[1];
-      a += u * x[0][0][k];
-      b += v * x[0][0][k];
-      c += u * x[0][1][k];
-      d += v * x[0][1][k];
-      e += u * x[0][2][k];
-      f += v * x[0][2][k];
-      g += u * x[1][0][k];
-      h += v * x[1][0][k];
-      o += u * x[1][1][k];
-      q += v * x[1][1][k];
-      r += u * x[1][2][k];
-      s += v * x[1][2][k];
+  const fb_real *const factor = fbi_line_factor(all, line);
+  for (int j = 0; j < m; j += 2) { /* two points */
+    const int first = line->solid ? 0 : j;
+    const fb_real *weight = factor + first * m + j;
+    fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a;
+    for (int k = p + first; k < p + count; k++, weight += m) {
+      const fb_real s = weight[0], t = weight[1];
+      a += s * x[0][k];
+      b += t * x[0][k];
+      c += s * x[1][k];
+      d += t * x[1][k];
+      e += s * x[2][k];
+      f += t * x[2][k];
     }
-    y[0][0][p + j] = a;
-    y[0][0][p + j + 1] = b;
-    y[0][1][p + j] = c;
-    y[0][1][p + j + 1] = d;
-    y[0][2][p + j] = e;
-    y[0][2][p + j + 1] = f;
-    y[1][0][p + j] = g;
-    y[1][0][p + j + 1] = h;
-    y[1][1][p + j] = o;
-    y[1][1][p + j + 1] = q;
-    y[1][2][p + j] = r;
-    y[1][2][p + j + 1] = s;
+    Y[j] = a;
+    Y[j + 1] = b;
+    Y[m + j] = c;
+    Y[m + j + 1] = d;
+    Y[2 * m + j] = e;
+    Y[2 * m + j + 1] = f;
+  }
+}
+
+/* The same of two fields, one behind the other in memory, by one pass over the factor. */
+static void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all, const fb_line *line,
+                             fb_real x[2][3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  const fb_real *const factor = fbi_line_factor(all, line);
+  for (int j = 0; j < m; j += 2) {
+    const int first = line->solid ? 0 : j;
+    const fb_real *weight = factor + first * m + j;
+    fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a, g = a, h = a, o = a, q = a, r = a, l = a;
+    for (int k = p + first; k < p + count; k++, weight += m) {
+      const fb_real s = weight[0], t = weight[1];
+      a += s * x[0][0][k];
+      b += t * x[0][0][k];
+      c += s * x[0][1][k];
+      d += t * x[0][1][k];
+      e += s * x[0][2][k];
+      f += t * x[0][2][k];
+      g += s * x[1][0][k];
+      h += t * x[1][0][k];
+      o += s * x[1][1][k];
+      q += t * x[1][1][k];
+      r += s * x[1][2][k];
+      l += t * x[1][2][k];
+    }
+    Y[j] = a;
+    Y[j + 1] = b;
+    Y[m + j] = c;
+    Y[m + j + 1] = d;
+    Y[2 * m + j] = e;
+    Y[2 * m + j + 1] = f;
+    Z[j] = g;
+    Z[j + 1] = h;
+    Z[m + j] = o;
+    Z[m + j + 1] = q;
+    Z[2 * m + j] = r;
+    Z[2 * m + j + 1] = l;
   }
 }
 
@@ -1655,7 +1740,8 @@ static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *al
                                const fb_real *q)
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real root[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real *const root = w->root[line - all->line];
+  fbi_vec3_zero(root);
   if (line->hangs) {
     fbi_line_get3(root, w->r, line->hangs - 1);
   }
@@ -1709,7 +1795,11 @@ static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, co
 {
   const int sound = fbi_lines_place(w, all, q);
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_tangent_maps(w, line);
+    if (line->plane) {
+      fbi_plane_tangent_maps(w, line);
+    } else {
+      fbi_line_tangent_maps(w, line);
+    }
   }
   return sound;
 }
@@ -1776,9 +1866,31 @@ static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_P
   return r;
 }
 
-/* [E14.5] Angular velocity and velocity of the points per rate of each coordinate,
-   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  Jv_a = int (Jw_a x t + H Gamma_a) dx.
-   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 6 points) flops a coordinate and
+/* Velocity of the roots of the lines that hang on this one per rate of coordinate k, from that of its tangents. */
+static void fbi_line_hung_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                fb_real rates[3][FB_MAX_POINTS], int k)
+{
+  const int p = line->point;
+  for (int l = 0; l < all->n_line; l++) {
+    const int on = (int)all->line[l].hangs - 1 - p;
+    fb_real *const move = w->Jr[l][k];
+    if (on >= 0 && on < line->count) {
+      const fb_real *const weight = all->table + line->weight + on;
+      fbi_vec3_copy(move, w->Jr[line - all->line][k]);
+      for (int j = 0; j < line->count; j++) {
+        for (int i = 0; i < 3; i++) {
+          move[i] += weight[j * line->stride] * rates[i][p + j];
+        }
+      }
+    }
+  }
+}
+
+/* [E14.5] Per rate of each coordinate the angular velocity Jw of the points, the rate K of their tangents, and their
+   velocities Jv as E14.17 has them, Y_a = Q^T sqrt(m) Jv_a,
+   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  K_a = Jw_a x t + H Gamma_a,  Jv_a = root's +
+   int K_a dx.
+   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 3 points) flops a coordinate and
    point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
 static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
 {
@@ -1786,6 +1898,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
   fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
+  fb_real(*const move)[3] = w->Jr[line - all->line];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
     used[i->axis] = 1;
@@ -1796,18 +1909,17 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
     }
   }
   for (int k = 0; k < line->n; k++) {
-    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k],
-                   (*const K)[FB_MAX_POINTS] = rates[k % 2];
-    fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const K)[FB_MAX_POINTS] = rates[k % 2];
+    fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
 
     /* its sum along the line, from where it hangs */
-    if (line->hangs) {
+    if (line->hangs) { /* move: set with that line */
       fbi_line_get3(turn, Jw, line->hangs - 1);
-      fbi_line_get3(move, Jv, line->hangs - 1);
-    }
-    if (line->moves) {
-      fbi_vec3_add(move, FB_R(1.0), all->table + line->shift + 3 * k);
+    } else if (line->moves) {
+      fbi_vec3_copy(move[k], all->table + line->shift + 3 * k);
+    } else {
+      fbi_vec3_zero(move[k]);
     }
     for (int j = 0; j < m; j++) {
       Jw[0][p + j] = turn[0] += c[0][j];
@@ -1830,18 +1942,70 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
         K[2][p + j] += w->H[6 + s->axis][p + j] * all->table[s->at + j];
       }
     }
-    for (int j = 0; j < m; j++) {
-      Jv[0][p + j] = move[0];
-      Jv[1][p + j] = move[1];
-      Jv[2][p + j] = move[2];
+    if (line->carries) {
+      fbi_line_hung_rates(w, all, line, K, k);
     }
 
-    /* integrals of two coordinates together */
+    /* Y of two coordinates together */
     if (k % 2) {
-      fbi_line_integrals_add_2(w->Jv + k - 1, all, line, rates);
+      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates);
     } else if (k + 1 == line->n) {
-      fbi_line_integrals_add(Jv, all, line, K);
+      fbi_line_weigh(w->Y[k], all, line, K);
     }
+  }
+  for (int k = 0; k < line->n && (line->moves || line->hangs); k++) {
+    fbi_line_root_weigh(w->Y[k], all, line, move[k]);
+  }
+}
+
+/* Jw x t about one axis */
+static void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *FBI_RESTRICT K_z, const fb_real *Jw,
+                                 const fb_real *t_y, const fb_real *t_z, int m)
+{
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    K_y[j] = -Jw[j] * t_z[j];
+    K_z[j] = Jw[j] * t_y[j];
+  }
+}
+
+/* The same in a plane: Y by two axes, the next ones of the axis of rotation, in groups of six fields. */
+static FBI_NOINLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line), axis = line->plane - 1, y = (axis + 1) % 3, z = (axis + 2) % 3;
+  const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn;
+  const fb_real *const t_y = w->t[y] + p, *const t_z = w->t[z] + p;
+  fb_real rates[2][3][FB_MAX_POINTS], *const Y = w->Y[0];
+  for (int k = 0, field = 0; k < line->n; k++, field += 2) {
+    fb_real *const Jw = w->Jw[k][axis] + p;
+    fb_real *const K_y = rates[field / 3 % 2][field % 3] + p, *const K_z =
+                                                                  rates[(field + 1) / 3 % 2][(field + 1) % 3] + p;
+    fb_real turn = FB_R(0.0);
+    fbi_vec3_zero(w->Jr[line - all->line][k]);
+    fbi_zero(w->Jw[k][y] + p, m);
+    fbi_zero(w->Jw[k][z] + p, m);
+    for (int j = 0; j < m; j++) {
+      Jw[j] = turn += r < last && r->a == k ? all->table[r->at + j] : FB_R(0.0);
+    }
+    r += r < last && r->a == k;
+    fbi_line_plane_rates(K_y, K_z, Jw, t_y, t_z, m);
+    if (field % 6 == 4) {
+      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates);
+    } else if (k + 1 == line->n) {
+      fbi_line_weigh(Y + field / 6 * 6 * m, all, line, rates[0]);
+      if (field % 6 == 2) {
+        fbi_line_weigh(Y + (field / 6 * 6 + 3) * m, all, line, rates[1]);
+      }
+    }
+  }
+}
+
+/* E14.5 of any line. */
+static void fbi_line_rates_by_coordinate(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  if (line->plane) {
+    fbi_plane_jacobians(w, all, line);
+  } else {
+    fbi_line_jacobians(w, all, line);
   }
 }
 
@@ -1932,152 +2096,203 @@ static void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_PO
   }
 }
 
-/* Momenta of the points per rate of coordinate k: p = m (Jv + Jw x rho) and, of solid lines, h = I Jw + rho x p. */
-static void fbi_line_momenta(fb_real (*FBI_RESTRICT P)[FB_MAX_POINTS], fb_real h[3][FB_MAX_POINTS], fbi_line_work *w,
-                             const fb_lines *all, const fb_line *line, int k, fb_real rho[3][FB_MAX_POINTS],
-                             fb_real I[9][FB_MAX_POINTS])
+/* Positions of the mass centers as E14.17 has them, Y = Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
+static void fbi_line_centers(fb_real *FBI_RESTRICT Y, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                             fb_real rho[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real(*const Jv)[FB_MAX_POINTS] = w->Jv[k], (*const Jw)[FB_MAX_POINTS] = w->Jw[k];
-  if (!line->solid) {
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const start = u + m;
+  fbi_line_weigh(Y, all, line, w->t);
+  if (line->moves || line->hangs) {
+    fbi_line_root_weigh(Y, all, line, w->root[line - all->line]);
+  }
+  for (int i = 0; i < 3 * m; i++) {
+    Y[i] += start[i];
+  }
+  for (int i = 0; i < 3 && line->solid; i++) {
     for (int j = 0; j < m; j++) {
-      P[0][p + j] = all->mass[p + j] * Jv[0][p + j];
-      P[1][p + j] = all->mass[p + j] * Jv[1][p + j];
-      P[2][p + j] = all->mass[p + j] * Jv[2][p + j];
+      Y[i * m + j] += u[j] * rho[i][p + j];
     }
-    return;
   }
-  for (int j = p; j < p + m; j++) {
-    const fb_real turn[3] = {Jw[0][j], Jw[1][j], Jw[2][j]};
-    fb_real own[3], at[3], move[3] = {Jv[0][j], Jv[1][j], Jv[2][j]};
-    fbi_line_get3(at, rho, j);
-    fbi_vec3_add_cross(move, turn, at);
+}
+
+/* Of solid lines: Y of coordinate k becomes that of the mass centers, + sqrt(m) Jw x rho;  h = I Jw. */
+static void fbi_line_solid_rates(fb_real *FBI_RESTRICT h, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                 int k, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  fb_real *const Y = w->Y[k];
+  for (int j = 0; j < m; j++) {
+    fb_real turn[3], at[3], more[3];
+    fbi_line_get3(turn, w->Jw[k], p + j);
+    fbi_line_get3(at, rho, p + j);
+    fb_vec3_cross(more, turn, at);
     for (int i = 0; i < 3; i++) {
-      move[i] *= all->mass[j];
-      own[i] = I[3 * i][j] * turn[0] + I[3 * i + 1][j] * turn[1] + I[3 * i + 2][j] * turn[2];
+      Y[i * m + j] += u[j] * more[i];
+      h[i * m + j] = I[3 * i][p + j] * turn[0] + I[3 * i + 1][p + j] * turn[1] + I[3 * i + 2][p + j] * turn[2];
     }
-    fbi_vec3_add_cross(own, at, move);
-    fbi_line_set3(P, j, move);
-    fbi_line_set3(h, j, own);
   }
 }
 
-/* Sum over m points, m even, of x.y */
-static fb_real fbi_line_sum_dot(fb_real x[3][FB_MAX_POINTS], fb_real y[3][FB_MAX_POINTS], int p, int m)
+/* Products of two pairs of fields of n numbers, n even: out = (a.c, a.d, b.c, b.d) */
+static void fbi_line_products(fb_real out[4], const fb_real *a, const fb_real *b, const fb_real *c, const fb_real *d,
+                              int n)
 {
-  const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
-  const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real s = FB_R(0.0), t = FB_R(0.0);
-  for (int j = 0; j < m; j += 2) {
-    s += a[j] * d[j] + b[j] * e[j] + c[j] * f[j];
-    t += a[j + 1] * d[j + 1] + b[j + 1] * e[j + 1] + c[j + 1] * f[j + 1];
+  fb_real s = FB_R(0.0), S = s, t = s, T = s, u = s, U = s, v = s, V = s, sum[8];
+  for (int j = 0; j < n; j += 2) {
+    s += a[j] * c[j];
+    S += a[j + 1] * c[j + 1];
+    t += a[j] * d[j];
+    T += a[j + 1] * d[j + 1];
+    u += b[j] * c[j];
+    U += b[j + 1] * c[j + 1];
+    v += b[j] * d[j];
+    V += b[j + 1] * d[j + 1];
   }
-  return s + t;
+  sum[0] = s;
+  sum[1] = S;
+  sum[2] = t;
+  sum[3] = T;
+  sum[4] = u;
+  sum[5] = U;
+  sum[6] = v;
+  sum[7] = V;
+  for (int i = 0; i < 4; i++) {
+    out[i] = sum[2 * i] + sum[2 * i + 1];
+  }
 }
 
-/* Sums over m points, m even, of y and x x y */
-static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][FB_MAX_POINTS],
-                                fb_real y[3][FB_MAX_POINTS], int p, int m)
+/* Moments of mass of a line, its axes; y: fbi_line_centers. */
+static void fbi_line_mass_eval(fbi_line_mass *out, const fb_real *y, const fb_lines *all, const fb_line *line,
+                               fb_real I[9][FB_MAX_POINTS])
 {
-  const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
-  const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0), s[12];
-  for (int j = 0; j < m; j += 2) {
-    u += d[j];
-    U += d[j + 1];
-    v += e[j];
-    V += e[j + 1];
-    l += f[j];
-    L += f[j + 1];
+  static const int packed[6] = {0, 1, 2, 4, 5, 8};
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  fb_real xy[4], z[4], more[4];
+
+  /* sums of y y^T and sqrt(m) y */
+  fbi_line_products(xy, y, y + m, y, y + m, m);
+  fbi_line_products(z, y + 2 * m, u, y, y + m, m);
+  fbi_line_products(more, y + 2 * m, u, y + 2 * m, u, m);
+  out->mass = more[3];
+  out->c[0] = z[2];
+  out->c[1] = z[3];
+  out->c[2] = more[2];
+  out->J[0] = xy[3] + more[0];
+  out->J[1] = -xy[1];
+  out->J[2] = -z[0];
+  out->J[3] = xy[0] + more[0];
+  out->J[4] = -z[1];
+  out->J[5] = xy[0] + xy[3];
+  for (int j = 0; j < line->count && line->solid; j++) {
+    for (int i = 0; i < 6; i++) {
+      out->J[i] += I[packed[i]][line->point + j];
+    }
   }
-  s[0] = u;
-  s[1] = U;
-  s[2] = v;
-  s[3] = V;
-  s[4] = l;
-  s[5] = L;
-  u = v = l = U = V = L = FB_R(0.0);
+}
+
+/* Momenta of coordinate k per its rate: P = sum of sqrt(m) Y, L = sum of y x Y, y: fbi_line_centers */
+static void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const fb_real *y, const fb_real *u, int m)
+{
+  const fb_real *const a = y, *const b = y + m, *const c = b + m, *const d = Y, *const e = Y + m, *const f = e + m;
+  fb_real s[6] = {FB_R(0.0)}, t[6] = {FB_R(0.0)};
   for (int j = 0; j < m; j += 2) {
-    u += b[j] * f[j] - c[j] * e[j];
-    U += b[j + 1] * f[j + 1] - c[j + 1] * e[j + 1];
-    v += c[j] * d[j] - a[j] * f[j];
-    V += c[j + 1] * d[j + 1] - a[j + 1] * f[j + 1];
-    l += a[j] * e[j] - b[j] * d[j];
-    L += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
+    for (int i = 0; i < 2; i++) {
+      s[i] += u[j + i] * d[j + i];
+      s[2 + i] += u[j + i] * e[j + i];
+      s[4 + i] += u[j + i] * f[j + i];
+      t[i] += b[j + i] * f[j + i] - c[j + i] * e[j + i];
+      t[2 + i] += c[j + i] * d[j + i] - a[j + i] * f[j + i];
+      t[4 + i] += a[j + i] * e[j + i] - b[j + i] * d[j + i];
+    }
   }
-  s[6] = u;
-  s[7] = U;
-  s[8] = v;
-  s[9] = V;
-  s[10] = l;
-  s[11] = L;
   for (int i = 0; i < 3; i++) {
-    sum[i] = s[2 * i] + s[2 * i + 1];
-    moment[i] = s[2 * i + 6] + s[2 * i + 7];
+    P[i] = s[2 * i] + s[2 * i + 1];
+    L[i] = t[2 * i] + t[2 * i + 1];
   }
 }
 
-/* Moments of mass of a line, its axes. */
-static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+/* The same in a plane, Y by two axes. */
+static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const fb_real *centers, const fb_real *u,
+                              int m, int axis)
 {
-  memset(out, 0, sizeof *out);
-  for (int j = line->point; j < line->point + line->count; j++) {
-    static const int packed[6] = {0, 1, 2, 4, 5, 8};
-    fb_real at[3];
-    fbi_line_get3(at, w->r, j);
-    for (int i = 0; i < 3 && line->solid; i++) {
-      at[i] += rho[i][j];
-    }
-    out->mass += all->mass[j];
-    fbi_vec3_add(out->c, all->mass[j], at);
-    fbi_line_particle(out->J, all->mass[j], at);
-    for (int i = 0; i < 6 && line->solid; i++) {
-      out->J[i] += I[packed[i]][j];
-    }
+  const int y = (axis + 1) % 3, z = (axis + 2) % 3;
+  const fb_real *const Z = Y + m;
+  fb_real along[4], about[4];
+  P[axis] = FB_R(0.0);
+  fbi_line_products(along, u, centers + axis * m, Y, Z, m);
+  fbi_line_products(about, centers + y * m, centers + z * m, Y, Z, m);
+  P[y] = along[0];
+  P[z] = along[1];
+  L[axis] = about[1] - about[2];
+  L[y] = -along[3];
+  L[z] = along[2];
+}
+
+/* Column of X, 6 x nb, from momenta in a line's axes. */
+static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
+{
+  fb_real momentum[3] = {P[0], P[1], P[2]}, moment[3] = {L[0], L[1], L[2]};
+  if (line->turned) {
+    fb_mat33_mul_vec3(momentum, line->axes, P);
+    fb_mat33_mul_vec3(moment, line->axes, L);
+  }
+  for (int i = 0; i < 3; i++) {
+    X[i * nb] += momentum[i];
+    X[(3 + i) * nb] += moment[i];
   }
 }
 
-/* [E14.6] Inertia of a line: M_ab += sum p_a.Jv_b + h_a.Jw_b (lower triangle, spacing nb), columns of Lambda,
-   sum (p; r x p + h), moments of mass; over the points.
+/* [E14.6] Inertia of a line: M_ab = sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
+   sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers, by E14.17.
    Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
 static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
-                                               const fb_line *line, int nb, fb_real rho[3][FB_MAX_POINTS],
-                                               fb_real I[9][FB_MAX_POINTS])
+                                               const fb_line *line, int nb, const fb_real *y,
+                                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
 {
-  const int p = line->point, m = fbi_line_width(line);
-  fb_real P[3][FB_MAX_POINTS], h[3][FB_MAX_POINTS];
-  for (int k = 0; k < line->n; k++) {
+  const int p = line->point, m = fbi_line_width(line), n = line->n;
+  const int size = line->plane ? 2 * m : 3 * m, spacing = line->plane ? size : 3 * FB_MAX_POINTS;
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const Y = w->Y[0];
+  for (int k = 0; k < n; k++) {
     fb_real *const row = M + (line->first + k) * nb + line->first;
-    fb_real momentum[3], moment[3];
-    fbi_line_momenta(P, h, w, all, line, k, rho, I);
-    fbi_line_sum_moment(momentum, moment, w->r, P, p, m);
-    for (int l = 0; l <= k; l++) {
-      row[l] += fbi_line_sum_dot(P, w->Jv[l], p, m);
-    }
+    fb_real P[3], L[3], h[3 * FB_MAX_POINTS];
     if (line->solid) {
+      fbi_line_solid_rates(h, w, all, line, k, rho, I);
+    }
+    if (line->plane) {
+      fbi_plane_momenta(P, L, Y + k * spacing, y, u, m, line->plane - 1);
+    } else {
+      fbi_line_momenta(P, L, Y + k * spacing, y, u, m);
+    }
+    for (int i = 0; i < 3 && line->solid; i++) {
       for (int l = 0; l <= k; l++) {
-        row[l] += fbi_line_sum_dot(h, w->Jw[l], p, m);
+        row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
       }
-      for (int j = p; j < p + m; j++) {
-        moment[0] += h[0][j];
-        moment[1] += h[1][j];
-        moment[2] += h[2][j];
+      for (int j = 0; j < m; j++) {
+        L[i] += h[i * m + j];
       }
     }
+    fbi_line_column_add(X + line->first + k, nb, line, P, L);
+  }
 
-    /* body axes */
-    if (line->turned) {
-      fb_real own[6];
-      fbi_copy(own, momentum, 3);
-      fbi_copy(own + 3, moment, 3);
-      fb_mat33_mul_vec3(momentum, line->axes, own);
-      fb_mat33_mul_vec3(moment, line->axes, own + 3);
-    }
-    for (int i = 0; i < 3; i++) {
-      X[i * nb + line->first + k] += momentum[i];
-      X[(3 + i) * nb + line->first + k] += moment[i];
+  /* M by blocks of two rows and columns; what stands above the diagonal is not read */
+  for (int k = 0; k < n; k += 2) {
+    fb_real *const row = M + (line->first + k) * nb + line->first, *const next = k + 1 < n ? row + nb : NULL;
+    for (int l = 0; l <= k; l += 2) {
+      fb_real own[4];
+      fbi_line_products(own, Y + k * spacing, Y + (next ? k + 1 : k) * spacing, Y + l * spacing,
+                        Y + (l + 1 < n ? l + 1 : l) * spacing, size);
+      row[l] += own[0];
+      if (l < k) {
+        row[l + 1] += own[1];
+      }
+      if (next) {
+        next[l] += own[2];
+        next[l + 1] += own[3];
+      }
     }
   }
 }
@@ -2087,17 +2302,16 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
                                                const fb_lines *all, int nb)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_jacobians(w, all, line);
-  }
-  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fb_real y[3 * FB_MAX_POINTS], rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
     fbi_line_mass mass;
-    fb_real rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
+    fbi_line_rates_by_coordinate(w, all, line);
     if (line->solid) {
       fbi_line_solid(rho, I, w, all, line);
     }
-    fbi_line_inertia_eval(M, X, w, all, line, nb, rho, I);
+    fbi_line_centers(y, w, all, line, rho);
+    fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I);
     if (M_rr) {
-      fbi_line_mass_eval(&mass, w, all, line, rho, I);
+      fbi_line_mass_eval(&mass, y, all, line, I);
       if (line->turned) {
         fbi_line_mass_turn(&mass, line->axes);
       }
@@ -2141,12 +2355,17 @@ static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_
     w->w[1][p + j] = w->N[3][p + j] * x + w->N[4][p + j] * y + w->N[5][p + j] * z;
     w->w[2][p + j] = w->N[6][p + j] * x + w->N[7][p + j] * y + w->N[8][p + j] * z;
   }
-  for (int j = 0; j < m; j++) {
-    const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
-                                                        w->phi[1][p + j] * w->phi_dot[1][p + j] +
-                                                        w->phi[2][p + j] * w->phi_dot[2][p + j]);
-    w->a_dot[p + j] = twice * fbi_line_series(fbi_line_a1, x);
-    w->b_dot[p + j] = twice * fbi_line_series(fbi_line_b1, x);
+  if (!line->plane) { /* else of no effect */
+    for (int j = 0; j < m; j++) {
+      const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
+                                                          w->phi[1][p + j] * w->phi_dot[1][p + j] +
+                                                          w->phi[2][p + j] * w->phi_dot[2][p + j]);
+      w->a_dot[p + j] = twice * fbi_line_series(fbi_line_a1, x);
+      w->b_dot[p + j] = twice * fbi_line_series(fbi_line_b1, x);
+    }
+  } else {
+    fbi_zero(w->a_dot + p, m);
+    fbi_zero(w->b_dot + p, m);
   }
 
   /* w; H Gamma q_dot */
@@ -2458,6 +2677,10 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
     c[1][j] = C[1] += c[1][j];
     c[2][j] = C[2] += c[2][j];
   }
+  if (line->plane) { /* angles follow from coordinates by A alone */
+    fbi_line_rows_add(x, all, line, line->row, line->n_turn, 0, b);
+    return;
+  }
   fbi_line_gradient_moments(y, s, w, line, b, c);
   fbi_line_moments_add(x, w, all, line, y, s);
 
@@ -2677,7 +2900,7 @@ static void fbi_lines_move(fbi_line_work *w, const fb_lines *all, const fb_real 
 {
   (void)fbi_lines_pose(w, all, q);
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_jacobians(w, all, line);
+    fbi_line_rates_by_coordinate(w, all, line);
   }
 }
 
@@ -2963,15 +3186,9 @@ static void fbi_line_node_rates(fb_real Jw[3], fb_real Jv[3], fbi_line_work *w, 
   fbi_vec3_add_cross(mixed, s->A, B);
   fbi_vec3_advance(own, A, -FBI_SIXTH, mixed);
   fb_mat33_mul_vec3(Jw, s->N, own);
-  fbi_vec3_zero(Jv);
-  if (line->moves) {
-    fbi_vec3_copy(Jv, all->table + line->shift + 3 * k);
-  }
-  if (line->hangs) {
-    for (int i = 0; i < 3; i++) {
-      Jw[i] += node->after ? FB_R(0.0) : w->Jw[k][i][line->hangs - 1];
-      Jv[i] += w->Jv[k][i][line->hangs - 1];
-    }
+  fbi_vec3_copy(Jv, w->Jr[line - all->line][k]);
+  for (int i = 0; i < 3 && line->hangs && !node->after; i++) {
+    Jw[i] += w->Jw[k][i][line->hangs - 1];
   }
   for (int i = 0; i < 3 && node->after; i++) {
     Jw[i] += w->Jw[k][i][node->after - 1];
@@ -3635,7 +3852,7 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #define FBI_WORD_MASS "mass matrix of lines, definite: fewer modes, or more elements, where points do not resolve them"
 #define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
 
-/* Columns of Z = Lambda L^-T to w.column, and Z itself. */
+/* Columns of Z = Lambda L^-T to w.column. */
 static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
 {
   for (int a = 0; a < n; a++) {
@@ -3655,9 +3872,6 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
     w->column[a][3] = x * by;
     w->column[a][4] = y * by;
     w->column[a][5] = z * by;
-    for (int i = 0; i < 6; i++) {
-      w->Z[i * n + a] = w->column[a][i];
-    }
   }
 }
 
@@ -3666,28 +3880,10 @@ static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fb_real row[6];
   fbi_large_reduce(w, n);
-  for (int i = 0, at = 0; i < 6; i++) {
-    fb_real s = FB_R(0.0), t = FB_R(0.0), u = FB_R(0.0), x = FB_R(0.0), y = FB_R(0.0), z = FB_R(0.0);
-    for (int a = 0; a < n; a++) {
-      const fb_real by = w->column[a][i];
-      s += by * w->column[a][0];
-      t += by * w->column[a][1];
-      u += by * w->column[a][2];
-      x += by * w->column[a][3];
-      y += by * w->column[a][4];
-      z += by * w->column[a][5];
-    }
-    row[0] = s;
-    row[1] = t;
-    row[2] = u;
-    row[3] = x;
-    row[4] = y;
-    row[5] = z;
-    for (int j = i; j < 6; j++, at++) {
-      k->S[at] = w->M_rr[at] - row[j];
-    }
+  fbi_sym6_copy(k->S, w->M_rr);
+  for (int a = 0; a < n; a++) {
+    fbi_sym6_rank1_sub(k->S, FB_R(1.0), w->column[a]);
   }
 }
 
@@ -3799,9 +3995,16 @@ static FBI_NOINLINE void fbi_large_gradient(fbi_kinetics *k, const fb_body *body
 static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   fbi_line_work *const w = k->line;
-  fbi_copy(w->e, pi, body->n);
-  fbi_large_lambdaT_sub(w->e, k, body, k->V);
-  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_copy(w->e, pi, body->n);
+    fbi_large_lambdaT_sub(w->e, k, body, k->V);
+    fbi_chol_forward(w->e, w->L, w->e, body->n);
+  } else {
+    for (int a = 0; a < body->n; a++) {
+      w->e[a] = w->p[a] - fbi_vec6_dot(w->column[a], k->V);
+    }
+  }
+  fbi_chol_back(q_dot, w->L, w->e, body->n);
   fbi_large_gradient(k, body, q_dot);
 }
 #endif
@@ -3828,22 +4031,26 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
                                                  const fb_input *input)
 {
   fb_real y[6];
+  fbi_line_work *const w = k->line;
   const fb_status status = fbi_large_inertia(k, body, state->q);
   if (status != FB_OK) {
     return status;
   }
-  fb_chol_solve(k->Minv_pi, k->line->L, state->pi, body->n);
+  fbi_chol_forward(w->p, w->L, state->pi, body->n);
+  fbi_chol_back(k->Minv_pi, w->L, w->p, body->n);
   k->pb = k->Minv_pi;
   if (body->base == FB_BASE_PRESCRIBED) {
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
+  fbi_large_S(k, body);
   fbi_vec3_zero(k->V);
   fbi_vec3_zero(k->ph);
   fbi_vec3_copy(k->ph + 3, state->h);
   fbi_vec6_copy(y, k->ph);
-  fbi_large_lambda_sub(y, k, body, k->pb);
-  fbi_large_S(k, body);
+  for (int a = 0; a < body->n; a++) {
+    fbi_row_sub(y, w->p[a], w->column[a], 6);
+  }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
   }
@@ -4920,9 +5127,9 @@ static void fbi_frame_shift(fb_real *pi, fbi_line_work *line, const fb_body *bod
   }
 }
 
-/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m].
+/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m]; lines stand where they are at q.
    Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
+static void fbi_center_placed(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
 {
   const fb_lambda_term *t = body->lambda;
   fbi_copy(c, fbi_center_start(body), 3);
@@ -4935,20 +5142,35 @@ static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *bo
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    (void)fbi_lines_place(line, &body->lines, q);
     fbi_lines_pull(c, NULL, line, &body->lines, c);
   }
 #endif
   (void)line;
 }
 
-/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. */
+/* The same with lines wherever they are. */
+static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    (void)fbi_lines_place(line, &body->lines, q);
+  }
+#endif
+  fbi_center_placed(c, line, body, q);
+}
+
+/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. known: c(q) of a body
+   with lines, where it is. */
 static void fbi_center_pair(fb_real before[3], fb_real after[3], fbi_line_work *line, const fb_body *body,
-                            const fb_real *q, const fb_real *next)
+                            const fb_real *q, const fb_real *next, const fb_real *known)
 {
   const fb_lambda_term *t = body->lambda;
   if (fbi_is_large(body)) {
-    fbi_center_eval(before, line, body, q);
+    if (known) {
+      fbi_vec3_copy(before, known);
+    } else {
+      fbi_center_eval(before, line, body, q);
+    }
     fbi_center_eval(after, line, body, next);
     return;
   }
@@ -6282,10 +6504,11 @@ static int fbi_line_is_sound(const fb_lines *all, const fb_line *line, int n)
               line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
               fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
-              line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
+              line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && fbi_is_finite(line->axes, 9) && fbi_vec3_is_finite(line->root) &&
-              line->shift >= 0 && line->shift <= all->n_table - 3 * line->n * line->moves;
+              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) &&
+              fbi_is_finite(line->axes, 9) && fbi_vec3_is_finite(line->root) && line->shift >= 0 &&
+              line->shift <= all->n_table - 3 * line->n * line->moves;
   if (sound && line->hangs) {
     sound = line->hangs <= next;
     for (const fb_line *on = all->line; sound && on < line; on++) {
@@ -6563,9 +6786,9 @@ static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
 /* A line; without its frame, by which init alone finds it. */
 static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 {
-  const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
-                       line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
-                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
+  const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
+                       line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
+                       line->carries, line->solid,     line->plane,  line->turned};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   return fbi_crc_reals(fbi_crc_reals(crc, line->axes, 9, single), line->root, 3, single);
 }
@@ -12731,59 +12954,46 @@ static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
    Source: block elimination.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
 static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, width = (n + rows + 1) / 2 * 2;
   const fb_real *const L = k->line->L;
-  fb_real P[FB_MAX_MODES * FB_MAX_MODES], F[6 * FB_MAX_MODES], S[36];
+  fb_real PF[FB_MAX_MODES][FB_MAX_MODES + 8], S[36]; /* by columns: P below the diagonal, F behind it */
 
-  /* P, lower triangle */
-  for (int i = 0; i < n; i++) {
-    const fb_real own = FB_R(1.0) / L[i * n + i];
-    for (int j = 0; j < i; j++) {
-      fb_real sum = FB_R(0.0);
-      for (int m = j; m < i; m++) {
-        sum += L[i * n + m] * P[m * n + j];
+  /* P */
+  for (int a = 0; a < n; a++) {
+    fb_real *const P = PF[a];
+    fbi_zero(P, width);
+    for (int i = a; i < n; i++) {
+      fb_real sum = i == a ? FB_R(1.0) : FB_R(0.0);
+      for (int m = a; m < i; m++) {
+        sum -= L[i * n + m] * P[m];
       }
-      P[i * n + j] = -own * sum;
+      P[i] = sum / L[i * (n + 1)];
     }
-    P[i * n + i] = own;
   }
 
-  /* F */
+  /* S^-1/2, lower triangle */
   for (int i = 0; i < rows; i++) {
-    for (int j = 0; j < rows; j++) {
-      S[i * rows + j] = k->S[fb_sym6_index(first + i, first + j)];
-    }
-    for (int a = 0; a < n; a++) {
-      fb_real sum = FB_R(0.0);
-      for (int m = a; m < n; m++) {
-        sum += k->line->Z[(first + i) * n + m] * P[m * n + a];
-      }
-      F[i * n + a] = sum;
+    for (int j = 0; j <= i; j++) {
+      S[i * rows + j] = k->S[fb_sym6_index(first + j, first + i)];
     }
   }
-  if (rows > 0 && fb_chol_factor(S, rows) != FB_OK) {
+  if (!fbi_large_factor(S, rows)) {
     return 0;
   }
-  for (int i = 0; i < rows; i++) {
-    for (int j = 0; j < i; j++) {
-      fbi_row_sub(F + i * n, S[i * rows + j], F + j * n, n);
+
+  /* F by columns: Lambda M^-1 = Z P, then forward substitution */
+  for (int a = 0; a < n; a++) {
+    fb_real *const F = PF[a] + n, own[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    for (int m = a; m < n && rows > 0; m++) {
+      fbi_row_sub(own, -PF[a][m], k->line->column[m], 6);
     }
-    for (int a = 0; a < n; a++) {
-      F[i * n + a] /= S[i * (rows + 1)];
-    }
+    fbi_chol_forward(F, S, own + first, rows);
   }
 
   /* G */
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
-      fb_real sum = FB_R(0.0);
-      for (int m = a; m < n; m++) {
-        sum += P[m * n + a] * P[m * n + b];
-      }
-      for (int i = 0; i < rows; i++) {
-        sum += F[i * n + a] * F[i * n + b];
-      }
-      G[a * n + b] = G[b * n + a] = sum;
+      G[a * n + b] = G[b * n + a] = fbi_line_dot(PF[a], PF[b], width);
     }
   }
   return 1;
@@ -12796,17 +13006,27 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
 static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
 {
   const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
-  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES] = {FB_R(0.0)}, trace = FB_R(0.0);
-  for (int a = 0; a < n; a++) { /* rows of G A */
+  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES], trace = FB_R(0.0);
+
+  /* C = G A G, then B^2 = C A */
+  for (int a = 0; a < n; a++) {
     fbi_sparse_eval(B + a * n, NULL, share, A, G + a * n, n);
   }
   for (int a = 0; a < n; a++) {
-    for (int b = 0; b < n; b++) {
-      fbi_row_sub(C + a * n, -B[a * n + b], B + b * n, n);
+    for (int b = 0; b <= a; b++) {
+      C[a * n + b] = C[b * n + a] = fbi_dot(B + a * n, G + b * n, n);
     }
   }
-  for (int ab = 0; ab < n * n; ab++) {
-    trace += C[ab] * C[ab % n * n + ab / n];
+  for (int a = 0; a < n; a++) {
+    fbi_sparse_eval(B + a * n, NULL, share, A, C + a * n, n);
+  }
+
+  /* trace B^4 */
+  for (int a = 0; a < n; a++) {
+    trace += B[a * (n + 1)] * B[a * (n + 1)];
+    for (int b = 0; b < a; b++) {
+      trace += FB_R(2.0) * B[a * n + b] * B[b * n + a];
+    }
   }
   return unit * FB_SQRT(FB_SQRT(trace));
 }
@@ -12983,11 +13203,11 @@ static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const
    Old and new terms use the same operations, so that a body at rest leaves no round-off.
    Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
 static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], fbi_line_work *line, const fb_body *body,
-                                         const fb_state *start, const fb_state *next)
+                                         const fb_state *start, const fb_state *next, const fb_real *known)
 {
   const fb_real share = FB_R(1.0) / body->mass;
   fb_real before[3], after[3], old[3], own[3];
-  fbi_center_pair(before, after, line, body, start->q, next->q);
+  fbi_center_pair(before, after, line, body, start->q, next->q, known);
   fbi_quat_turn(old, start->quat, before);
   fbi_quat_turn(own, next->quat, after);
   for (int i = 0; i < 3; i++) {
@@ -13013,10 +13233,11 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
 }
 
 /* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
-   of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end). FB_ERR_STEP:
-   a rotation in one step so large that the attitude is lost to round-off. */
+   of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end); c: c(q) of
+   the start where known, of bodies with lines. FB_ERR_STEP: a rotation in one step so large that the attitude is lost to
+   round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
-                              const fb_body *body, const fb_input *last, const fb_real at[4])
+                              const fb_body *body, const fb_input *last, const fb_real at[4], const fb_real *c)
 {
   const int n = body->n;
   fb_status status;
@@ -13043,7 +13264,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 
   /* Position */
   if (fbi_is_flying(body)) {
-    fbi_origin_lead(next->rho, line, body, start, next);
+    fbi_origin_lead(next->rho, line, body, start, next, c);
   } else {
     status = status ? status : fbi_pin_check(body, state);
   }
@@ -13072,7 +13293,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection
      fbi_velocity: fbi_large_velocity
-     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
+     fbi_large_velocity: fbi_large_inertia fbi_large_S
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_elastic_rates: fbi_large_rates
@@ -13092,7 +13313,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   const fb_input *input[4];
   const fb_state *at;
   fbi_kinetics k;
-  fb_real spin[3] = {FB_R(0.0)};
+  fb_real spin[3] = {FB_R(0.0)}, first[3];
   fb_status status = FB_OK;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_USE_LINES(k, work);
@@ -13119,7 +13340,10 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
       status = fbi_rates(&work->rate, &k, body, at, input[stage]);
     }
 
-    /* Step limit at the start, rotation at the last stage */
+    /* Mass center of lines and step limit at the start, rotation at the last stage */
+    if (status == FB_OK && stage == 0 && fbi_is_large(body)) {
+      fbi_center_placed(first, FBI_LINES(work), body, state->q);
+    }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
       status = fbi_rk4_check(body, &k, start, dt);
       fbi_vec3_copy(spin, k.V + 3);
@@ -13145,7 +13369,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, first);
 }
 
 /* ---- implicit integrators */
@@ -13828,7 +14052,7 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat, NULL);
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
@@ -13943,7 +14167,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, NULL);
 }
 
 /* ---- exponential integrator */
@@ -14297,7 +14521,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, NULL);
 }
 
 #if FB_WITH_SYSTEM
@@ -19923,6 +20147,7 @@ static void fbi_lines_select(fb_lines *out, const fb_lines *in, const int *coord
     }
     to->n_turn = (unsigned short)turns;
     to->n_stretch = (unsigned short)(all - turns);
+    to->plane = (unsigned short)fbi_line_plane(out, to);
   }
 }
 #endif
@@ -20738,6 +20963,49 @@ static int fbi_line_find(const fb_lines *all, int first, const fb_beam *beam, co
   return -1;
 }
 
+/* The factor of E14.17 by Householder's reflections of the points. */
+static void fbi_line_factor_fill(fb_lines *all, const fb_line *line)
+{
+  const int n = line->count, m = line->stride;
+  const fb_real *const weight = all->table + line->weight;
+  fb_real *const A = all->table + line->weight + n * m, v[FB_MAX_POINTS];
+
+  /* sqrt(m) W, sqrt(m), sqrt(m) start */
+  for (int j = 0; j < n; j++) {
+    const fb_real u = FB_SQRT(all->mass[line->point + j]);
+    for (int i = 0; i < n; i++) {
+      A[i * m + j] = u * weight[i * m + j];
+    }
+    A[n * m + j] = u;
+    for (int i = 0; i < 3; i++) {
+      A[(n + 1 + i) * m + j] = u * all->start[i][line->point + j];
+    }
+  }
+
+  /* tangent k moves no point beyond k */
+  for (int k = 0; k < n && !line->solid; k++) {
+    const fb_real *const own = A + k * m;
+    fb_real square = FB_R(0.0), length, by;
+    for (int j = k; j < n; j++) {
+      v[j] = own[j];
+      square += v[j] * v[j];
+    }
+    length = v[k] > FB_R(0.0) ? -FB_SQRT(square) : FB_SQRT(square);
+    by = square - length * v[k];
+    v[k] -= length;
+    for (int i = k; i < n + 4 && by > FB_R(0.0); i++) {
+      fb_real sum = FB_R(0.0);
+      for (int j = k; j < n; j++) {
+        sum += v[j] * A[i * m + j];
+      }
+      for (int j = k; j < n; j++) {
+        A[i * m + j] -= sum / by * v[j];
+      }
+    }
+    fbi_zero(A + k * m + k + 1, n - k - 1);
+  }
+}
+
 /* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
    a joined beam moves with no point of an earlier one; FB_ERR_UNSUPPORTED: its modes, or another beam in its place with
    the same coordinates. */
@@ -20784,6 +21052,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     }
     line->hangs = (unsigned short)(1 + on);
     all->line[fbi_line_of(all, on) - all->line].carries = 1;
+    all->line[fbi_line_of(all, on) - all->line].plane = 0;
   }
   line->moves = (unsigned short)(plan->moves && on < 0);
 
@@ -20792,7 +21061,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   line->n_turn = (unsigned short)(all->n_row - line->row);
   status = status == FB_OK && plan->flexes ? fbi_line_rows_fill(all, line, plan, beam, modes, 1) : status;
   line->n_stretch = (unsigned short)(all->n_row - line->row - line->n_turn);
-  if (status != FB_OK || all->n_table + line->count * line->stride + 3 * modes->n > FBI_MAX_LINE_TABLE) {
+  if (status != FB_OK || all->n_table + (2 * line->count + 4) * line->stride + 3 * modes->n > FBI_MAX_LINE_TABLE) {
     return status ? status : FB_ERR_CAPACITY;
   }
 
@@ -20806,8 +21075,8 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
 
   /* points: mass, tangents, integrals along the line */
   line->weight = all->n_table;
-  all->n_table += line->count * line->stride;
-  fbi_zero(all->table + line->weight, line->count * line->stride);
+  all->n_table += (2 * line->count + 4) * line->stride;
+  fbi_zero(all->table + line->weight, (2 * line->count + 4) * line->stride);
   for (int s = 0; s < line->stride; s++) {
     const int at = line->point + s;
     fb_real e[3];
@@ -20835,6 +21104,8 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
       all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
     }
   }
+  fbi_line_factor_fill(all, line);
+  line->plane = (unsigned short)fbi_line_plane(all, line);
   status = fbi_line_stations_fill(all, plan, beam, modes);
   if (status != FB_OK) {
     return status;

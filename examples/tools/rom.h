@@ -164,9 +164,9 @@ static void rom_line_node(rom *r, const fb_lines *lines, const fb_line_node *nod
 
 static void rom_line(rom *r, const fb_line *line)
 {
-  const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
-                       line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
-                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
+  const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
+                       line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
+                       line->carries, line->solid,     line->plane,  line->turned};
   rom_text(r, "{");
   for (int i = 0; i < (int)(sizeof whole / sizeof *whole); i++) {
     rom_whole(r, whole[i]);
