@@ -648,7 +648,7 @@ TEST(lines_begin_as_the_polynomial_body)
    of the inertia about the mass center and of its square. */
 static void free_at(double out[3], const fb_body *of, const double *x, double h, const fb_real *pi, const fb_real L[3])
 {
-  static const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, none[FB_MAX_MODES];
+  static const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, none[FB_MAX_MODES] = {FB_R(0.0)};
   double q[FB_MAX_MODES];
   fb_state state;
   for (int a = 0; a < of->n; a++) {
