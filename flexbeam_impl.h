@@ -3182,11 +3182,13 @@ static int fbi_is_large(const fb_body *body)
 #define FBI_WITH_LINES(k)     \
   fbi_line_work k##_line_own; \
   (k).line = &k##_line_own
+#define FBI_TAKE_LINES(k, work) ((k).line = (work))
 #define FBI_LINES(work) (&(work)->line)
 #define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
 #define FBI_LINE_OF(k) ((k)->line)
 #else
 #define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
+#define FBI_TAKE_LINES(k, work) ((void)(work), (void)&(k), (k).pb = NULL)
 #define FBI_LINES(work) NULL
 #define FBI_USE_LINES(k, work) ((void)0)
 #define FBI_LINE_OF(k) NULL
@@ -3779,6 +3781,7 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
 /* (1, q), and no generalized forces yet */
 static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
 {
@@ -3790,7 +3793,6 @@ static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
   }
 }
 
-#if FB_WITH_LARGE_DEFLECTION
 /* E8.13 for a body with lines. */
 static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                                  const fb_input *input)
@@ -3828,9 +3830,15 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
 static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fb_real y[6];
+  const int n = body->n;
 
   /* (1, q), M^-1 pi */
-  fbi_modes_enter(k, state->q, body->n);
+  k->qx[0] = FB_R(1.0);
+  k->x[0] = FB_R(0.0);
+  for (int a = 0; a < n; a++) {
+    k->qx[a + 1] = state->q[a];
+    k->x[a + 1] = FB_R(0.0);
+  }
   k->pb = state->pi;
   if (!body->unit_mass && fbi_form(body) == 0) {
     fbi_mass_solve(k->Minv_pi, body, state->pi);
@@ -4233,10 +4241,10 @@ static int fbi_is_flying(const fb_body *body)
 
 /* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
    without gravity. */
-static int fbi_is_oriented(const fb_body *body, const fb_input *input)
+static int fbi_is_oriented(const fb_body *body, const fb_input *input, int large)
 {
-  return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED ||
-         (input && (input->n_load > 0 || fbi_is_distributed(input))) ||
+  return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
+         (large && fbi_is_distributed(input)) ||
          (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
@@ -4316,37 +4324,53 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
 }
 #endif
 
-/* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. large: 1
-   for a body with lines, a constant where that is known. */
-static fb_status fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input,
-                            int large)
+/* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
+static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
-  const int distributed = large && fbi_is_distributed(input), loaded = n_load > 0 || distributed;
   fbi_vec6_zero(k->fg);
-  k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+  k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
-    fbi_gravity_add(k, body, large);
+    fbi_gravity_add(k, body, 0);
   }
 #endif
   for (int i = 0; i < n_load; i++) {
     fbi_load_add(k, body, &input->load[i], state->q);
   }
+  fbi_vec3_zero(k->a);
+  if (flying && n_load > 0) {
+    fbi_fall(k, body, 0);
+  }
+}
+
 #if FB_WITH_LARGE_DEFLECTION
-  if (distributed) {
-    const fb_status status = fbi_distributed_add(k, body, state, input);
-    if (status != FB_OK) {
-      return status;
-    }
+/* The same of a body with lines. */
+static fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  const int distributed = fbi_is_distributed(input), loaded = n_load > 0 || distributed;
+  fb_status status = FB_OK;
+  fbi_vec6_zero(k->fg);
+  k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
+    fbi_gravity_add(k, body, 1);
   }
 #endif
-  fbi_vec3_zero(k->a);
-  if (flying && loaded) {
-    fbi_fall(k, body, large);
+  for (int i = 0; i < n_load; i++) {
+    fbi_load_add(k, body, &input->load[i], state->q);
   }
-  return FB_OK;
+  if (distributed) {
+    status = fbi_distributed_add(k, body, state, input);
+  }
+  fbi_vec3_zero(k->a);
+  if (status == FB_OK && flying && loaded) {
+    fbi_fall(k, body, 1);
+  }
+  return status;
 }
+#endif
 
 /* y += s (C x) where damping is on */
 static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
@@ -4770,7 +4794,7 @@ static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics
                                                     const fb_state *state, const fb_input *input)
 {
   fb_status status = fbi_large_velocity(k, body, state, input);
-  status = status == FB_OK ? fbi_forces(k, body, state, input, 1) : status;
+  status = status == FB_OK ? fbi_large_forces(k, body, state, input) : status;
   if (status == FB_OK) {
     fbi_large_rates(rate->q, k, body, state->pi);
     fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
@@ -4788,7 +4812,7 @@ static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body 
   if (status != FB_OK) {
     return status;
   }
-  (void)fbi_forces(k, body, state, input, 0);
+  fbi_forces(k, body, state, input);
 #if FB_WITH_FORMS
   return fbi_form_rates(rate, k, body, state, input);
 #else
@@ -5051,13 +5075,13 @@ static void fbi_line_start(fbi_line_work *line, const fb_body *body, const fb_st
   (void)line, (void)body, (void)state, (void)R, (void)start, (void)middle, (void)end;
 }
 
-FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_state *rate, const fb_state *state,
+                                const fb_input *input)
 {
   fbi_kinetics k;
   fb_state out, at;
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
   fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
@@ -5071,6 +5095,27 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
     *rate = out;
   }
   return status;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state,
+                                                   const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_rates_eval(&line, body, rate, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+{
+  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_rates_eval(body, rate, state, input);
+  }
+#endif
+  return fbi_rates_eval(NULL, body, rate, state, input);
 }
 
 /* ---- state, motion, energy, momentum */
@@ -5117,8 +5162,8 @@ static fb_status fbi_pin_check(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
-/* Checks that a state is finite and within the deflection limit. */
-static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
+/* Checks that a state is finite and within the deflection limit. large: 1 for a body with lines. */
+static fb_status fbi_state_range(const fb_body *body, const fb_state *state, int large)
 {
   fb_real deflection = FB_R(0.0), momenta = FB_R(0.0);
   for (int a = 0; a < body->n; a++) {
@@ -5138,10 +5183,11 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
                             FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
+  if (large) {
     return fbi_large_range(body, state->q);
   }
 #endif
+  (void)large;
   return FB_OK;
 }
 
@@ -5162,7 +5208,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
-  status = fbi_state_range(body, state);
+  status = fbi_state_range(body, state, fbi_is_large(body));
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
@@ -5322,15 +5368,14 @@ static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *bod
   }
 }
 
-FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
-                                        const fb_real *q_dot)
+static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *body, fb_state *state, const fb_real v[3],
+                                         const fb_real w[3], const fb_real *q_dot)
 {
   const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
   fb_state out;
   fbi_kinetics k;
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
   status = fbi_velocity_check(body, state, v, w, rates);
   if (status != FB_OK) {
     return status;
@@ -5373,6 +5418,28 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   }
   *state = out;
   return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3],
+                                                            const fb_real w[3], const fb_real *q_dot)
+{
+  fbi_line_work line;
+  return fbi_state_from_velocity(&line, body, state, v, w, q_dot);
+}
+#endif
+
+FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
+                                        const fb_real *q_dot)
+{
+  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_state_from_velocity(body, state, v, w, q_dot);
+  }
+#endif
+  return fbi_state_from_velocity(NULL, body, state, v, w, q_dot);
 }
 
 /* Reactions of the base: S V_dot - y in the rows that it constrains, else zero. */
@@ -5591,16 +5658,15 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   return FB_OK;
 }
 
-FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
-                                     const fb_input *input)
+static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_motion *motion, const fb_state *state,
+                                 const fb_input *input)
 {
   fbi_kinetics k;
   fb_state rate, at;
   fb_motion out;
   fb_real velocity[3];
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
 
   /* rates of the state */
   status = fbi_input_check(body, input);
@@ -5645,19 +5711,41 @@ FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
   return status;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
+                                                    const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_motion_eval(&line, body, motion, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
+                                     const fb_input *input)
+{
+  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_motion_eval(body, motion, state, input);
+  }
+#endif
+  return fbi_motion_eval(NULL, body, motion, state, input);
+}
+
 /* [E8.20] Motion of a node, s = r + u:
    velocity v + w x s + u_dot,  u_dot = J_u q_dot,
    acceleration a + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot, a that of O,
    angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
    Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
 #define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
-static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
-                            int node)
+static void fbi_node_motion(fb_node_motion *out, fbi_line_work *line, const fb_body *body, const fb_state *state,
+                            const fb_motion *motion, int node)
 {
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
   fbi_kinetics at;
-  FBI_WITH_LINES(at);
+  FBI_TAKE_LINES(at, line);
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_on_line(body, &body->node[node])) {
     fbi_lines_move(at.line, &body->lines, state->q);
@@ -5705,6 +5793,16 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   fb_quat_to_rotvec(out->rotation, turn);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE void fbi_large_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state,
+                                               const fb_motion *motion, int node)
+{
+  fbi_line_work line;
+  fbi_node_motion(out, &line, body, state, motion, node);
+}
+#endif
+
 FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node)
 {
@@ -5712,7 +5810,15 @@ FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *o
   fb_real all[FBI_NODE_MOTION];
   FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
   FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
-  fbi_node_motion(&found, body, state, motion, node);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, &body->node[node])) {
+    fbi_large_node_motion(&found, body, state, motion, node);
+  } else {
+    fbi_node_motion(&found, NULL, body, state, motion, node);
+  }
+#else
+  fbi_node_motion(&found, NULL, body, state, motion, node);
+#endif
   memcpy(all, &found, sizeof all);
   if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
     return FB_ERR_NOT_FINITE;
@@ -6112,16 +6218,15 @@ static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
    frame, U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
-FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
-                                     const fb_input *input)
+static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_energy *energy, const fb_state *state,
+                                 const fb_input *input)
 {
   fbi_kinetics k;
   fb_energy out;
   fb_state at;
   fb_real u[3], p[3];
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
 
   /* velocities */
   fbi_state_enter(&at, k.R, body, state);
@@ -6149,17 +6254,38 @@ FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, con
   return FB_OK;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
+                                                    const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_energy_eval(&line, body, energy, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
+                                     const fb_input *input)
+{
+  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_energy_eval(body, energy, state, input);
+  }
+#endif
+  return fbi_energy_eval(NULL, body, energy, state, input);
+}
+
 /* Linear momentum R p + m u and, about the inertial origin, angular momentum R h + R c x u + rho x (R p + m u). */
-FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                       const fb_input *input)
+static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_momentum *momentum,
+                                   const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
   fb_momentum out;
   fb_state at;
   fb_real u[3], c[3], arm[3];
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
 
   /* velocities, (p, h) */
   fbi_state_enter(&at, k.R, body, state);
@@ -6188,6 +6314,28 @@ FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
   }
   *momentum = out;
   return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                                      const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_momentum_eval(&line, body, momentum, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                       const fb_input *input)
+{
+  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_momentum_eval(body, momentum, state, input);
+  }
+#endif
+  return fbi_momentum_eval(NULL, body, momentum, state, input);
 }
 
 /* ---- checks of a model whose memory may be corrupted */
@@ -13002,7 +13150,7 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
    of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end). FB_ERR_STEP:
    a rotation in one step so large that the attitude is lost to round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
-                              const fb_body *body, const fb_input *last, const fb_real at[4])
+                              const fb_body *body, const fb_input *last, const fb_real at[4], int large)
 {
   const int n = body->n;
   fb_status status;
@@ -13036,7 +13184,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   FBI_SUM_KEPT(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : fbi_state_range(body, next);
+  status = status ? status : fbi_state_range(body, next, large);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
@@ -13048,8 +13196,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 
 /* WHAT A STEP OF ONE BODY RUNS, in the momentum form: NAME: what it calls, but for vectors, copies and what is off by
    default (check-rooms compares these lines with the code). The equations are those of the section body.
-     fb_rk4_step: fbi_rk4
-     fbi_rk4: fbi_state_enter fbi_input_check fbi_state_rates fbi_rk4_check fbi_turn_check fbi_stage_advance fbi_step_end
+     fb_rk4_step: fbi_state_enter fbi_input_check fbi_state_rates fbi_rk4_check fbi_turn_check fbi_stage_advance
+                  fbi_step_end
      fbi_state_rates: fbi_velocity fbi_forces fbi_momentum_rates
      fbi_velocity: fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
      fbi_forces: fbi_load_add fbi_gravity_add fbi_fall
@@ -13059,11 +13207,10 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection
      fb_rk4_step: fbi_large_rk4_step
-     fbi_large_rk4_step: fbi_rk4
-     fbi_rk4: fbi_line_start fbi_rates
-     fbi_rates: fbi_large_state_rates fbi_state_rates
-     fbi_large_state_rates: fbi_large_velocity fbi_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
-     fbi_forces: fbi_distributed_add
+     fbi_large_rk4_step: fbi_state_enter fbi_line_start fbi_input_check fbi_large_state_rates fbi_rk4_check
+                         fbi_turn_check fbi_stage_advance fbi_step_end
+     fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
+     fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
      fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
@@ -13073,79 +13220,55 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
-/* One step of rk4; large: 1 for a body with lines, a constant where it is called, so that what a body lacks costs
-   nothing. */
-static FBI_INLINE fb_status fbi_rk4(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                                    const fb_input *middle, const fb_input *end, fb_real dt, int large)
+static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
+static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                          FB_R(1.0) / FB_R(6.0)};
+
+#if FB_WITH_LARGE_DEFLECTION
+/* E11.3 of a body with lines. Written out once more, so that the loop of all other bodies keeps its registers. */
+static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                 fb_real dt)
 {
-  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
-  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
-                                    FB_R(1.0) / FB_R(6.0)};
-  const fb_input *input[4];
-  const fb_state *at;
+  const fb_input *const input[5] = {start, middle, middle, end, NULL};
+  const fb_state *at = &work->start;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)};
-  fb_status status;
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
-  }
-
-  /* Inputs of the four stages */
-  input[0] = start;
-  input[1] = input[2] = middle;
-  input[3] = end;
-  at = &work->start;
+  FBI_USE_LINES(k, work);
   fbi_state_enter(&work->start, k.R, body, state);
-  if (large) {
-    FBI_USE_LINES(k, work);
-    fbi_line_start(FBI_LINES(work), body, state, k.R, start, middle, end);
-  }
-
-  /* Stages */
+  fbi_line_start(&work->line, body, state, k.R, start, middle, end);
   for (int stage = 0; stage < 4; stage++) {
     /* Rates */
-    status = fbi_input_check(body, input[stage]);
-    if (status != FB_OK) {
-      return status;
-    }
-    status = large ? fbi_rates(&work->rate, &k, body, at, input[stage])
-                   : fbi_state_rates(&work->rate, &k, body, at, input[stage]);
-    if (status != FB_OK) {
-      return status;
-    }
+    fb_status status = fbi_input_check(body, input[stage]);
+    status = status == FB_OK ? fbi_large_state_rates(&work->rate, &k, body, at, input[stage]) : status;
 
     /* Step limit at the start, rotation at the last stage */
-    if (stage % 3 == 0 && !body->allow_long_step) {
-      status = stage == 0 ? fbi_rk4_check(body, &k, start, dt, large) : fbi_turn_check(spin, k.V + 3, dt);
-      if (status != FB_OK) {
-        return status;
-      }
+    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
+      status = fbi_rk4_check(body, &k, start, dt, 1);
       fbi_vec3_copy(spin, k.V + 3);
+    }
+    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
+      status = fbi_turn_check(spin, k.V + 3, dt);
+    }
+    if (status != FB_OK) {
+      return status;
     }
 
     /* Weighted sum of rates, value of the next stage */
     if (stage == 0) {
-      fbi_state_scale(&work->sum, dt * weight[stage], &work->rate, body->n);
+      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
     } else {
-      fbi_state_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, body->n);
+      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
     }
     if (stage < 3) {
-      fbi_stage_advance(&work->stage, body, &work->start, dt * node[stage], &work->rate, large);
-      if (fbi_is_oriented(body, input[stage + 1])) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, 1);
+      if (fbi_is_oriented(body, input[stage + 1], 1)) {
         fb_quat_to_mat33(k.R, work->stage.quat);
       }
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
-}
-
-#if FB_WITH_LARGE_DEFLECTION
-static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                 fb_real dt)
-{
-  return fbi_rk4(body, state, work, start, middle, end, dt, 1);
+  return fbi_step_end(state, &work->sum, &work->line, &work->start, body, end, NULL, 1);
 }
 #endif
 
@@ -13153,13 +13276,63 @@ static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *
 FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                                          const fb_input *middle, const fb_input *end, fb_real dt)
 {
+  const fb_input *input[4];
+  const fb_state *at;
+  fbi_kinetics k;
+  fb_real spin[3] = {FB_R(0.0)};
+  fb_status status = FB_OK;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
+  }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
     return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
   }
 #endif
-  return fbi_rk4(body, state, work, start, middle, end, dt, 0);
+
+  /* Inputs of the four stages */
+  input[0] = start;
+  input[1] = input[2] = middle;
+  input[3] = end;
+  at = &work->start;
+  fbi_state_enter(&work->start, k.R, body, state);
+
+  /* Stages */
+  for (int stage = 0; stage < 4; stage++) {
+    /* Rates */
+    status = fbi_input_check(body, input[stage]);
+    if (status == FB_OK) {
+      status = fbi_state_rates(&work->rate, &k, body, at, input[stage]);
+    }
+
+    /* Step limit at the start, rotation at the last stage */
+    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
+      status = fbi_rk4_check(body, &k, start, dt, 0);
+      fbi_vec3_copy(spin, k.V + 3);
+    }
+    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
+      status = fbi_turn_check(spin, k.V + 3, dt);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+
+    /* Weighted sum of rates, value of the next stage */
+    if (stage == 0) {
+      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
+    } else {
+      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
+    }
+    if (stage < 3) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, 0);
+      if (fbi_is_oriented(body, input[stage + 1], 0)) {
+        fb_quat_to_mat33(k.R, work->stage.quat);
+      }
+      at = &work->stage;
+    }
+  }
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, 0);
 }
 
 /* ---- implicit integrators */
@@ -13782,7 +13955,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
 
     /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_is_large(body));
-    if (fbi_is_oriented(body, input)) {
+    if (fbi_is_oriented(body, input, fbi_is_large(body))) {
       fb_quat_to_mat33(here.R, w->stage.quat);
     }
     status = fbi_rates(&w->rate, &here, body, &w->stage, input);
@@ -13842,7 +14015,8 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat,
+                      fbi_is_large(body));
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
@@ -13957,7 +14131,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, fbi_is_large(body));
 }
 
 /* ---- exponential integrator */
@@ -14070,7 +14244,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
 
   /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
-  if (fbi_is_oriented(body, input)) {
+  if (fbi_is_oriented(body, input, fbi_is_large(body))) {
     fb_quat_to_mat33(k->R, z->quat);
   }
   status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
@@ -14308,7 +14482,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, fbi_is_large(body));
 }
 
 #if FB_WITH_SYSTEM
