@@ -3437,11 +3437,13 @@ static int fbi_is_large(const fb_body *body)
 #define FBI_WITH_LINES(k)     \
   fbi_line_work k##_line_own; \
   (k).line = &k##_line_own
+#define FBI_TAKE_LINES(k, work) ((k).line = (work))
 #define FBI_LINES(work) (&(work)->line)
 #define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
 #define FBI_LINE_OF(k) ((k)->line)
 #else
 #define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
+#define FBI_TAKE_LINES(k, work) ((void)(work), (void)&(k), (k).pb = NULL)
 #define FBI_LINES(work) NULL
 #define FBI_USE_LINES(k, work) ((void)0)
 #define FBI_LINE_OF(k) NULL
@@ -3910,7 +3912,7 @@ static int fbi_large_factor(fb_real *M, int n)
 }
 
 /* Range of the lines: no interval turns by more than FBI_LINE_TURN (E14.2). */
-static fb_status fbi_large_range(const fb_body *body, const fb_real *q)
+static FBI_NOINLINE fb_status fbi_large_range(const fb_body *body, const fb_real *q)
 {
   fb_real turn[FB_MAX_POINTS];
   int most = 0;
@@ -4026,13 +4028,26 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
 }
 
 #if FB_WITH_LARGE_DEFLECTION
-/* E8.13 for a body with lines; k.qx is set. */
+/* (1, q), and no generalized forces yet */
+static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
+{
+  k->qx[0] = FB_R(1.0);
+  k->x[0] = FB_R(0.0);
+  for (int a = 0; a < n; a++) {
+    k->qx[a + 1] = q[a];
+    k->x[a + 1] = FB_R(0.0);
+  }
+}
+
+/* E8.13 for a body with lines. */
 static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                                  const fb_input *input)
 {
   fb_real y[6];
   fbi_line_work *const w = k->line;
-  const fb_status status = fbi_large_inertia(k, body, state->q);
+  fb_status status;
+  fbi_modes_enter(k, state->q, body->n);
+  status = fbi_large_inertia(k, body, state->q);
   if (status != FB_OK) {
     return status;
   }
@@ -4059,7 +4074,7 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
 #endif
 
 /* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; the prescribed ones of
-   a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented.
+   a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented. Not of a body with lines.
    Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (deflection beyond the model's range).
    Test: momenta_agree_with_a_particle_model. */
 static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
@@ -4075,11 +4090,6 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
     k->x[a + 1] = FB_R(0.0);
   }
   k->pb = state->pi;
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_velocity(k, body, state, input);
-  }
-#endif
   if (!body->unit_mass && fbi_form(body) == 0) {
     fbi_mass_solve(k->Minv_pi, body, state->pi);
     k->pb = k->Minv_pi;
@@ -4121,6 +4131,17 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
   return FB_OK;
 }
 
+/* The same of any body. */
+static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_velocity(k, body, state, input);
+  }
+#endif
+  return fbi_velocity(k, body, state, input);
+}
+
 #if FBI_WITH_QUADRATIC
 /* ---- nodes and loads */
 
@@ -4141,8 +4162,8 @@ static int fbi_is_on_line(const fb_body *body, const fb_node *node)
    the points before it.
    Source: E14.1 to E14.5.  Cost: (60 + 15 points) n flops.  Fails: never.
    Test: line_velocities_are_derivatives_of_poses. */
-static void fbi_large_node(fbi_node_field *f, fbi_line_work *w, const fb_body *body, const fb_node *node,
-                           const fb_real *q)
+static FBI_NOINLINE void fbi_large_node(fbi_node_field *f, fbi_line_work *w, const fb_body *body, const fb_node *node,
+                                        const fb_real *q)
 {
   const fb_line_node *const place = &node->line;
   const fb_line *const line = &body->lines.line[place->line - 1];
@@ -4170,8 +4191,9 @@ static void fbi_large_node(fbi_node_field *f, fbi_line_work *w, const fb_body *b
 }
 
 /* E14.9 of a node, body axes. */
-static void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3], fbi_line_work *w, const fb_body *body,
-                                 const fb_node *node, const fb_real *q, const fb_real *q_dot)
+static FBI_NOINLINE void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3], fbi_line_work *w,
+                                              const fb_body *body, const fb_node *node, const fb_real *q,
+                                              const fb_real *q_dot)
 {
   const fb_line *const line = &body->lines.line[node->line.line - 1];
   fbi_line_step s;
@@ -4396,10 +4418,10 @@ static const fb_real *fbi_center_start(const fb_body *body)
    Source: potential energy.  Cost: 8 flops a term.  Fails: never.
    Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
 static void fbi_pull_eval(fb_real c[3], fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_real *qx,
-                          const fb_real g[3])
+                          const fb_real g[3], int large)
 {
   const fb_lambda_term *t = body->lambda;
-  fbi_copy(c, fbi_center_start(body), 3);
+  fbi_copy(c, large ? fbi_center_start(body) : body->c, 3);
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
     c[t->i] -= t->c * qx[t->b + 1];
     x[t->b + 1] -= t->c * g[t->i];
@@ -4411,19 +4433,19 @@ static void fbi_pull_eval(fb_real c[3], fb_real *x, const fbi_kinetics *k, const
     x[t->b + 1] -= s * g[t->i];
   }
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
+  if (large) {
     fbi_lines_pull(c, x + 1, k->line, &body->lines, g);
   }
 #endif
-  (void)k;
+  (void)k, (void)large;
 }
 
 #if FB_WITH_GRAVITY
-static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
+static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body, int large)
 {
   fb_real g[3], c[3];
   fb_mat33_mulT_vec3(g, k->R, body->gravity);
-  fbi_pull_eval(c, k->x, k, body, k->qx, g);
+  fbi_pull_eval(c, k->x, k, body, k->qx, g, large);
   fbi_vec3_add(k->fg, body->mass, g);
   fbi_vec3_add_cross(k->fg + 3, c, g);
 }
@@ -4469,10 +4491,11 @@ static int fbi_is_flying(const fb_body *body)
 
 /* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
    without gravity. */
-static int fbi_is_oriented(const fb_body *body, const fb_input *input)
+static int fbi_is_oriented(const fb_body *body, const fb_input *input, int large)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         fbi_is_distributed(input) || (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
+         (large && fbi_is_distributed(input)) ||
+         (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
 /* [E8.33] Loads in the frame of the mass center, which they accelerate by a = f/m: there every mass element feels the
@@ -4480,7 +4503,7 @@ static int fbi_is_oriented(const fb_body *body, const fb_input *input)
    get -(dc/dq)^T a. Gravity accelerates all mass elements alike and drops out.
    Source: Newton-Euler in the frame of the mass center (Koenig).  Cost: 8 flops a term.  Fails: never.
    Test: flight_speed_does_not_matter, power_of_loads_is_the_rate_of_energy. */
-static void fbi_fall(fbi_kinetics *k, const fb_body *body)
+static void fbi_fall(fbi_kinetics *k, const fb_body *body, int large)
 {
   fb_real field[3], c[3];
   for (int i = 0; i < 3; i++) {
@@ -4488,7 +4511,7 @@ static void fbi_fall(fbi_kinetics *k, const fb_body *body)
     field[i] = -k->a[i];
     k->fg[i] = FB_R(0.0);
   }
-  fbi_pull_eval(c, k->x, k, body, k->qx, field);
+  fbi_pull_eval(c, k->x, k, body, k->qx, field, large);
   fbi_vec3_add_cross(k->fg + 3, c, field);
 }
 
@@ -4511,7 +4534,8 @@ static void fbi_line_origin(fb_real origin[3], const fbi_kinetics *k, const fb_b
 }
 
 /* Distributed loads: the points with poses and velocities, what acts on them, E14.40. */
-static fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                  const fb_input *input)
 {
   const int n = body->n;
   const fb_lines *const all = &body->lines;
@@ -4545,34 +4569,52 @@ static fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const
 #endif
 
 /* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
-static fb_status fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
-  const int loaded = n_load > 0 || fbi_is_distributed(input);
   fbi_vec6_zero(k->fg);
-  k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+  k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
-    fbi_gravity_add(k, body);
+    fbi_gravity_add(k, body, 0);
   }
 #endif
   for (int i = 0; i < n_load; i++) {
     fbi_load_add(k, body, &input->load[i], state->q);
   }
+  fbi_vec3_zero(k->a);
+  if (flying && n_load > 0) {
+    fbi_fall(k, body, 0);
+  }
+}
+
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_distributed(input)) {
-    const fb_status status = fbi_distributed_add(k, body, state, input);
-    if (status != FB_OK) {
-      return status;
-    }
+/* The same of a body with lines. */
+static fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  const int distributed = fbi_is_distributed(input), loaded = n_load > 0 || distributed;
+  fb_status status = FB_OK;
+  fbi_vec6_zero(k->fg);
+  k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
+    fbi_gravity_add(k, body, 1);
   }
 #endif
-  fbi_vec3_zero(k->a);
-  if (flying && loaded) {
-    fbi_fall(k, body);
+  for (int i = 0; i < n_load; i++) {
+    fbi_load_add(k, body, &input->load[i], state->q);
   }
-  return FB_OK;
+  if (distributed) {
+    status = fbi_distributed_add(k, body, state, input);
+  }
+  fbi_vec3_zero(k->a);
+  if (status == FB_OK && flying && loaded) {
+    fbi_fall(k, body, 1);
+  }
+  return status;
 }
+#endif
 
 /* y += s (C x) where damping is on */
 static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
@@ -4612,13 +4654,6 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
 static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    fbi_large_rates(rate->q, k, body, state->pi);
-    fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
-    return;
-  }
-#endif
   fbi_copy(e, state->pi, body->n);
   fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
@@ -4997,19 +5032,47 @@ static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *
 }
 #endif
 
-static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                           const fb_input *input)
+#if FB_WITH_LARGE_DEFLECTION
+/* Rates of a body with lines. A function of its own, so that the registers and the stack of all others are theirs. */
+static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
+                                                    const fb_state *state, const fb_input *input)
 {
-  fb_status status = fbi_velocity(k, body, state, input);
-  status = status == FB_OK ? fbi_forces(k, body, state, input) : status;
+  fb_status status = fbi_large_velocity(k, body, state, input);
+  status = status == FB_OK ? fbi_large_forces(k, body, state, input) : status;
+  if (status == FB_OK) {
+    fbi_large_rates(rate->q, k, body, state->pi);
+    fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
+    fbi_rigid_rates(rate, k, body, state);
+  }
+  return status;
+}
+#endif
+
+/* Rates of a body without lines */
+static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                 const fb_input *input)
+{
+  const fb_status status = fbi_velocity(k, body, state, input);
   if (status != FB_OK) {
     return status;
   }
+  fbi_forces(k, body, state, input);
 #if FB_WITH_FORMS
   return fbi_form_rates(rate, k, body, state, input);
 #else
   return fbi_momentum_rates(rate, k, body, state);
 #endif
+}
+
+static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                           const fb_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_state_rates(rate, k, body, state, input);
+  }
+#endif
+  return fbi_state_rates(rate, k, body, state, input);
 }
 
 static int fbi_state_is_finite(const fb_state *state, int n)
@@ -5099,6 +5162,18 @@ static int fbi_is_following(const fb_body *body)
   return body->base == FB_BASE_PRESCRIBED && fbi_form(body) == 0;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* What lines add to E8.35, back = R^T du. */
+static FBI_NOINLINE void fbi_large_shift(fb_real *pi, fbi_line_work *line, const fb_body *body, const fb_real *q,
+                                         const fb_real back[3])
+{
+  const fb_real less[3] = {-back[0], -back[1], -back[2]};
+  fb_real c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  (void)fbi_lines_pose(line, &body->lines, q);
+  fbi_lines_pull(c, pi, line, &body->lines, less);
+}
+#endif
+
 /* [E8.35] Elastic momenta relative to a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, the impulse
    of a uniform field.
    Source: E8.16.  Cost: 5 flops a term.  Fails: never.  Test: flight_speed_does_not_matter,
@@ -5111,10 +5186,7 @@ static void fbi_frame_shift(fb_real *pi, fbi_line_work *line, const fb_body *bod
   fb_mat33_mulT_vec3(back, R, du);
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    const fb_real less[3] = {-back[0], -back[1], -back[2]};
-    fb_real c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    (void)fbi_lines_pose(line, &body->lines, q);
-    fbi_lines_pull(c, pi, line, &body->lines, less);
+    fbi_large_shift(pi, line, body, q, back);
   }
 #endif
   (void)line;
@@ -5159,21 +5231,12 @@ static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *bo
   fbi_center_placed(c, line, body, q);
 }
 
-/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. known: c(q) of a body
-   with lines, where it is. */
-static void fbi_center_pair(fb_real before[3], fb_real after[3], fbi_line_work *line, const fb_body *body,
-                            const fb_real *q, const fb_real *next, const fb_real *known)
+/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. Not of a body with
+   lines. */
+static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *body, const fb_real *q,
+                            const fb_real *next)
 {
   const fb_lambda_term *t = body->lambda;
-  if (fbi_is_large(body)) {
-    if (known) {
-      fbi_vec3_copy(before, known);
-    } else {
-      fbi_center_eval(before, line, body, q);
-    }
-    fbi_center_eval(after, line, body, next);
-    return;
-  }
   fbi_vec3_copy(before, body->c);
   fbi_vec3_copy(after, body->c);
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
@@ -5234,33 +5297,42 @@ static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_bo
   fbi_vec3_add(v, FB_R(1.0), state->u);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* The mass center relative to O at a state whose attitude is R. */
+static FBI_NOINLINE void fbi_large_start(fbi_line_work *line, const fb_body *body, const fb_state *state,
+                                         const fb_real R[9])
+{
+  fb_real c[3], own[3];
+  fbi_center_eval(c, line, body, state->q);
+  fb_mat33_mul_vec3(own, R, c);
+  for (int i = 0; i < 3; i++) {
+    line->center[i] = fbi_is_flying(body) ? own[i] / body->mass : FB_R(0.0);
+  }
+}
+#endif
+
 /* Before the evaluations of a step from a state whose attitude is R: E14.40 needs O of its stages (fbi_line_origin). */
 static void fbi_line_start(fbi_line_work *line, const fb_body *body, const fb_state *state, const fb_real R[9],
-                           const fb_input *input)
+                           const fb_input *start, const fb_input *middle, const fb_input *end)
 {
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_distributed(input) && fbi_is_large(body)) {
-    fb_real c[3], own[3];
-    fbi_center_eval(c, line, body, state->q);
-    fb_mat33_mul_vec3(own, R, c);
-    for (int i = 0; i < 3; i++) {
-      line->center[i] = fbi_is_flying(body) ? own[i] / body->mass : FB_R(0.0);
-    }
+  if (fbi_is_large(body) && (fbi_is_distributed(start) || fbi_is_distributed(middle) || fbi_is_distributed(end))) {
+    fbi_large_start(line, body, state, R);
   }
 #endif
-  (void)line, (void)body, (void)state, (void)R, (void)input;
+  (void)line, (void)body, (void)state, (void)R, (void)start, (void)middle, (void)end;
 }
 
-FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_state *rate, const fb_state *state,
+                                const fb_input *input)
 {
   fbi_kinetics k;
   fb_state out, at;
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
-  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
   memset(&out, 0, sizeof out);
   status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
   if (status == FB_OK && fbi_is_flying(body)) {
@@ -5271,6 +5343,27 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
     *rate = out;
   }
   return status;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state,
+                                                   const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_rates_eval(&line, body, rate, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+{
+  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_rates_eval(body, rate, state, input);
+  }
+#endif
+  return fbi_rates_eval(NULL, body, rate, state, input);
 }
 
 /* ---- state, motion, energy, momentum */
@@ -5317,8 +5410,8 @@ static fb_status fbi_pin_check(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
-/* Checks that a state is finite and within the deflection limit. */
-static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
+/* Checks that a state is finite and within the deflection limit. large: 1 for a body with lines. */
+static fb_status fbi_state_range(const fb_body *body, const fb_state *state, int large)
 {
   fb_real deflection = FB_R(0.0), momenta = FB_R(0.0);
   for (int a = 0; a < body->n; a++) {
@@ -5338,10 +5431,11 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
                             FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
+  if (large) {
     return fbi_large_range(body, state->q);
   }
 #endif
+  (void)large;
   return FB_OK;
 }
 
@@ -5362,7 +5456,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
-  status = fbi_state_range(body, state);
+  status = fbi_state_range(body, state, fbi_is_large(body));
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
@@ -5522,15 +5616,14 @@ static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *bod
   }
 }
 
-FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
-                                        const fb_real *q_dot)
+static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *body, fb_state *state, const fb_real v[3],
+                                         const fb_real w[3], const fb_real *q_dot)
 {
   const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
   fb_state out;
   fbi_kinetics k;
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
   status = fbi_velocity_check(body, state, v, w, rates);
   if (status != FB_OK) {
     return status;
@@ -5573,6 +5666,28 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   }
   *state = out;
   return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3],
+                                                            const fb_real w[3], const fb_real *q_dot)
+{
+  fbi_line_work line;
+  return fbi_state_from_velocity(&line, body, state, v, w, q_dot);
+}
+#endif
+
+FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
+                                        const fb_real *q_dot)
+{
+  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_state_from_velocity(body, state, v, w, q_dot);
+  }
+#endif
+  return fbi_state_from_velocity(NULL, body, state, v, w, q_dot);
 }
 
 /* Reactions of the base: S V_dot - y in the rows that it constrains, else zero. */
@@ -5791,21 +5906,20 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   return FB_OK;
 }
 
-FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
-                                     const fb_input *input)
+static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_motion *motion, const fb_state *state,
+                                 const fb_input *input)
 {
   fbi_kinetics k;
   fb_state rate, at;
   fb_motion out;
   fb_real velocity[3];
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
 
   /* rates of the state */
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
-  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
   if (status == FB_OK) {
     status = fbi_rates(&rate, &k, body, &at, input);
   }
@@ -5845,19 +5959,41 @@ FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
   return status;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
+                                                    const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_motion_eval(&line, body, motion, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
+                                     const fb_input *input)
+{
+  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_motion_eval(body, motion, state, input);
+  }
+#endif
+  return fbi_motion_eval(NULL, body, motion, state, input);
+}
+
 /* [E8.20] Motion of a node, s = r + u:
    velocity v + w x s + u_dot,  u_dot = J_u q_dot,
    acceleration a + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot, a that of O,
    angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
    Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
 #define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
-static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
-                            int node)
+static void fbi_node_motion(fb_node_motion *out, fbi_line_work *line, const fb_body *body, const fb_state *state,
+                            const fb_motion *motion, int node)
 {
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
   fbi_kinetics at;
-  FBI_WITH_LINES(at);
+  FBI_TAKE_LINES(at, line);
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_on_line(body, &body->node[node])) {
     fbi_lines_move(at.line, &body->lines, state->q);
@@ -5905,6 +6041,16 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   fb_quat_to_rotvec(out->rotation, turn);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE void fbi_large_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state,
+                                               const fb_motion *motion, int node)
+{
+  fbi_line_work line;
+  fbi_node_motion(out, &line, body, state, motion, node);
+}
+#endif
+
 FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node)
 {
@@ -5912,7 +6058,15 @@ FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *o
   fb_real all[FBI_NODE_MOTION];
   FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
   FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
-  fbi_node_motion(&found, body, state, motion, node);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, &body->node[node])) {
+    fbi_large_node_motion(&found, body, state, motion, node);
+  } else {
+    fbi_node_motion(&found, NULL, body, state, motion, node);
+  }
+#else
+  fbi_node_motion(&found, NULL, body, state, motion, node);
+#endif
   memcpy(all, &found, sizeof all);
   if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
     return FB_ERR_NOT_FINITE;
@@ -6275,7 +6429,7 @@ static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body 
 #if FB_WITH_GRAVITY
   {
     fb_real c[3], moment[3];
-    fbi_pull_eval(c, k->x, k, body, k->qx, body->gravity);
+    fbi_pull_eval(c, k->x, k, body, k->qx, body->gravity, fbi_is_large(body));
     fb_mat33_mul_vec3(moment, k->R, c);
     fbi_vec3_add(moment, body->mass, rho);
     energy->gravity -= fb_vec3_dot(moment, body->gravity);
@@ -6312,20 +6466,19 @@ static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
    frame, U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
-FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
-                                     const fb_input *input)
+static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_energy *energy, const fb_state *state,
+                                 const fb_input *input)
 {
   fbi_kinetics k;
   fb_energy out;
   fb_state at;
   fb_real u[3], p[3];
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
 
   /* velocities */
   fbi_state_enter(&at, k.R, body, state);
-  status = fbi_velocity(&k, body, &at, input);
+  status = fbi_velocity_now(&k, body, &at, input);
   if (status != FB_OK) {
     return status;
   }
@@ -6349,21 +6502,42 @@ FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, con
   return FB_OK;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
+                                                    const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_energy_eval(&line, body, energy, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
+                                     const fb_input *input)
+{
+  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_energy_eval(body, energy, state, input);
+  }
+#endif
+  return fbi_energy_eval(NULL, body, energy, state, input);
+}
+
 /* Linear momentum R p + m u and, about the inertial origin, angular momentum R h + R c x u + rho x (R p + m u). */
-FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                       const fb_input *input)
+static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_momentum *momentum,
+                                   const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
   fb_momentum out;
   fb_state at;
   fb_real u[3], c[3], arm[3];
   fb_status status;
-  FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+  FBI_TAKE_LINES(k, line);
 
   /* velocities, (p, h) */
   fbi_state_enter(&at, k.R, body, state);
-  status = fbi_velocity(&k, body, &at, input);
+  status = fbi_velocity_now(&k, body, &at, input);
   if (status != FB_OK) {
     return status;
   }
@@ -6388,6 +6562,28 @@ FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
   }
   *momentum = out;
   return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                                      const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_momentum_eval(&line, body, momentum, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                       const fb_input *input)
+{
+  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_momentum_eval(body, momentum, state, input);
+  }
+#endif
+  return fbi_momentum_eval(NULL, body, momentum, state, input);
 }
 
 /* ---- checks of a model whose memory may be corrupted */
@@ -9159,7 +9355,7 @@ static fb_status fbi_system_loads(fb_system_work *w, const fb_system *system, co
     fbi_vec6_zero(L->k.fg);
 #if FB_WITH_GRAVITY
     if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
-      fbi_gravity_add(&L->k, L->model);
+      fbi_gravity_add(&L->k, L->model, fbi_is_large(L->model));
     }
 #endif
   }
@@ -9608,7 +9804,7 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
   }
 #endif
   fbi_zero(x, body->n + 1);
-  fbi_pull_eval(c, x, &L->k, body, L->k.qx, d);
+  fbi_pull_eval(c, x, &L->k, body, L->k.qx, d, fbi_is_large(body));
   fbi_copy(e, x + 1, body->n);
   if (body->constant_S && body->n > 0) {
     const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -12858,7 +13054,7 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
 /* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form, rho only
    of bodies with lines. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
-                              const fb_state *rate)
+                              const fb_state *rate, int large)
 {
   fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
   fbi_vec3_advance(out->u, state->u, s, rate->u);
@@ -12866,7 +13062,7 @@ static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state
   if (fbi_form(body) != 0) {
     fbi_vec3_advance(out->L, state->L, s, rate->L);
   }
-  if (fbi_is_large(body)) { /* distributed loads see where they act */
+  if (large) { /* distributed loads see where they act */
     fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   }
   fbi_modes_advance(out, state, s, rate, body->n);
@@ -13051,7 +13247,7 @@ static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinet
 }
 #endif
 
-static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
+static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt, int large)
 {
   fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
   fbi_step_conditions(&spin, &acceleration, body, k, input);
@@ -13062,8 +13258,9 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
 #endif
   bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = fbi_is_large(body) ? fbi_large_bound(body, k, spin, acceleration) : bound;
+  bound = large ? fbi_large_bound(body, k, spin, acceleration) : bound;
 #endif
+  (void)large;
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
              ? FB_OK
              : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
@@ -13207,7 +13404,16 @@ static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], fbi_line_work *line, co
 {
   const fb_real share = FB_R(1.0) / body->mass;
   fb_real before[3], after[3], old[3], own[3];
-  fbi_center_pair(before, after, line, body, start->q, next->q, known);
+  if (!fbi_is_large(body)) {
+    fbi_center_pair(before, after, body, start->q, next->q);
+  } else {
+    if (known) {
+      fbi_vec3_copy(before, known);
+    } else {
+      fbi_center_eval(before, line, body, start->q);
+    }
+    fbi_center_eval(after, line, body, next->q);
+  }
   fbi_quat_turn(old, start->quat, before);
   fbi_quat_turn(own, next->quat, after);
   for (int i = 0; i < 3; i++) {
@@ -13237,7 +13443,8 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
    the start where known, of bodies with lines. FB_ERR_STEP: a rotation in one step so large that the attitude is lost to
    round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
-                              const fb_body *body, const fb_input *last, const fb_real at[4], const fb_real *c)
+                              const fb_body *body, const fb_input *last, const fb_real at[4], int large,
+                              const fb_real *c)
 {
   const int n = body->n;
   fb_status status;
@@ -13271,7 +13478,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   FBI_SUM_KEPT(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : fbi_state_range(body, next);
+  status = status ? status : fbi_state_range(body, next, large);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
@@ -13283,8 +13490,9 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 
 /* WHAT A STEP OF ONE BODY RUNS, in the momentum form: NAME: what it calls, but for vectors, copies and what is off by
    default (check-rooms compares these lines with the code). The equations are those of the section body.
-     fb_rk4_step: fbi_state_enter fbi_input_check fbi_rates fbi_rk4_check fbi_turn_check fbi_stage_advance fbi_step_end
-     fbi_rates: fbi_velocity fbi_forces fbi_momentum_rates
+     fb_rk4_step: fbi_state_enter fbi_input_check fbi_state_rates fbi_rk4_check fbi_turn_check fbi_stage_advance
+                  fbi_step_end
+     fbi_state_rates: fbi_velocity fbi_forces fbi_momentum_rates
      fbi_velocity: fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
      fbi_forces: fbi_load_add fbi_gravity_add fbi_fall
      fbi_load_add: fbi_node_eval fbi_node_quat
@@ -13292,60 +13500,48 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection
-     fbi_velocity: fbi_large_velocity
-     fbi_large_velocity: fbi_large_inertia fbi_large_S
+     fb_rk4_step: fbi_large_rk4_step
+     fbi_large_rk4_step: fbi_state_enter fbi_line_start fbi_input_check fbi_large_state_rates fbi_rk4_check
+                         fbi_turn_check fbi_stage_advance fbi_step_end
+     fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
+     fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
+     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
-     fbi_elastic_rates: fbi_large_rates
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
      fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
      fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
-/* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
-FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                                         const fb_input *middle, const fb_input *end, fb_real dt)
+static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
+static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                          FB_R(1.0) / FB_R(6.0)};
+
+#if FB_WITH_LARGE_DEFLECTION
+/* E11.3 of a body with lines. Written out once more, so that the loop of all other bodies keeps its registers. */
+static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                 fb_real dt)
 {
-  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
-  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
-                                    FB_R(1.0) / FB_R(6.0)};
-  const fb_input *input[4];
-  const fb_state *at;
+  const fb_input *const input[5] = {start, middle, middle, end, NULL};
+  const fb_state *at = &work->start;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)}, first[3];
-  fb_status status = FB_OK;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_USE_LINES(k, work);
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
-  }
-
-  /* Inputs of the four stages */
-  input[0] = start;
-  input[1] = input[2] = middle;
-  input[3] = end;
-  at = &work->start;
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_line_start(FBI_LINES(work), body, state, k.R,
-                 fbi_is_distributed(start) ? start
-                 : fbi_is_distributed(end) ? end
-                                           : middle);
-
-  /* Stages */
+  fbi_line_start(&work->line, body, state, k.R, start, middle, end);
   for (int stage = 0; stage < 4; stage++) {
     /* Rates */
-    status = fbi_input_check(body, input[stage]);
-    if (status == FB_OK) {
-      status = fbi_rates(&work->rate, &k, body, at, input[stage]);
-    }
+    fb_status status = fbi_input_check(body, input[stage]);
+    status = status == FB_OK ? fbi_large_state_rates(&work->rate, &k, body, at, input[stage]) : status;
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
-    if (status == FB_OK && stage == 0 && fbi_is_large(body)) {
-      fbi_center_placed(first, FBI_LINES(work), body, state->q);
+    if (status == FB_OK && stage == 0) {
+      fbi_center_placed(first, &work->line, body, state->q);
     }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &k, start, dt);
+      status = fbi_rk4_check(body, &k, start, dt, 1);
       fbi_vec3_copy(spin, k.V + 3);
     }
     if (status == FB_OK && stage == 3 && !body->allow_long_step) {
@@ -13357,19 +13553,83 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
 
     /* Weighted sum of rates, value of the next stage */
     if (stage == 0) {
-      fbi_state_scale(&work->sum, dt * weight[stage], &work->rate, body->n);
+      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
     } else {
-      fbi_state_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, body->n);
+      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
     }
     if (stage < 3) {
-      fbi_stage_advance(&work->stage, body, &work->start, dt * node[stage], &work->rate);
-      if (fbi_is_oriented(body, input[stage + 1])) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, 1);
+      if (fbi_is_oriented(body, input[stage + 1], 1)) {
         fb_quat_to_mat33(k.R, work->stage.quat);
       }
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, first);
+  return fbi_step_end(state, &work->sum, &work->line, &work->start, body, end, NULL, 1, first);
+}
+#endif
+
+/* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
+FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                                         const fb_input *middle, const fb_input *end, fb_real dt)
+{
+  const fb_input *input[4];
+  const fb_state *at;
+  fbi_kinetics k;
+  fb_real spin[3] = {FB_R(0.0)};
+  fb_status status = FB_OK;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
+  }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
+  }
+#endif
+
+  /* Inputs of the four stages */
+  input[0] = start;
+  input[1] = input[2] = middle;
+  input[3] = end;
+  at = &work->start;
+  fbi_state_enter(&work->start, k.R, body, state);
+
+  /* Stages */
+  for (int stage = 0; stage < 4; stage++) {
+    /* Rates */
+    status = fbi_input_check(body, input[stage]);
+    if (status == FB_OK) {
+      status = fbi_state_rates(&work->rate, &k, body, at, input[stage]);
+    }
+
+    /* Step limit at the start, rotation at the last stage */
+    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
+      status = fbi_rk4_check(body, &k, start, dt, 0);
+      fbi_vec3_copy(spin, k.V + 3);
+    }
+    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
+      status = fbi_turn_check(spin, k.V + 3, dt);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+
+    /* Weighted sum of rates, value of the next stage */
+    if (stage == 0) {
+      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
+    } else {
+      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
+    }
+    if (stage < 3) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, 0);
+      if (fbi_is_oriented(body, input[stage + 1], 0)) {
+        fb_quat_to_mat33(k.R, work->stage.quat);
+      }
+      at = &work->stage;
+    }
+  }
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, 0, NULL);
 }
 
 /* ---- implicit integrators */
@@ -13928,7 +14188,7 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
                                                     : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
-  fbi_line_start(FBI_LINES(w), body, state, k->R, input);
+  fbi_line_start(FBI_LINES(w), body, state, k->R, input, NULL, NULL);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
   }
@@ -13991,8 +14251,8 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
     FBI_USE_LINES(here, w);
 
     /* Residual f - k */
-    fbi_stage_advance(&w->stage, body, base, w->g, k);
-    if (fbi_is_oriented(body, input)) {
+    fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_is_large(body));
+    if (fbi_is_oriented(body, input, fbi_is_large(body))) {
       fb_quat_to_mat33(here.R, w->stage.quat);
     }
     status = fbi_rates(&w->rate, &here, body, &w->stage, input);
@@ -14052,7 +14312,8 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat,
+                      fbi_is_large(body), NULL);
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
@@ -14158,7 +14419,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   /* Second stage */
   if (status == FB_OK) {
     fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
-    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first);
+    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_is_large(body));
     status = fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt);
   }
   if (status != FB_OK) {
@@ -14167,7 +14428,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, fbi_is_large(body), NULL);
 }
 
 /* ---- exponential integrator */
@@ -14280,7 +14541,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
 
   /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
-  if (fbi_is_oriented(body, input)) {
+  if (fbi_is_oriented(body, input, fbi_is_large(body))) {
     fb_quat_to_mat33(k->R, z->quat);
   }
   status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
@@ -14502,10 +14763,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_line_start(FBI_LINES(work), body, state, k.R,
-                 fbi_is_distributed(start) ? start
-                 : fbi_is_distributed(end) ? end
-                                           : middle);
+  fbi_line_start(FBI_LINES(work), body, state, k.R, start, middle, end);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, body->n);
   fbi_modal_from(&work->z, scheme, body, &work->at);
@@ -14521,7 +14779,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, NULL);
+  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, fbi_is_large(body), NULL);
 }
 
 #if FB_WITH_SYSTEM
