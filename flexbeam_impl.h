@@ -5201,7 +5201,7 @@ static void fbi_frame_shift(fb_real *pi, fbi_line_work *line, const fb_body *bod
 
 /* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m]; lines stand where they are at q.
    Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static void fbi_center_placed(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
+static FBI_NOINLINE void fbi_center_placed(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
 {
   const fb_lambda_term *t = body->lambda;
   fbi_copy(c, fbi_center_start(body), 3);
