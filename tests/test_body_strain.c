@@ -927,9 +927,10 @@ static void list_unused_of_lines(void)
   }
   unused_from(all, 5 * sizeof(int), 5 * sizeof(int)); /* counts */
   for (int l = 0; l < all->n_line; l++) {
-    unused_from(&all->line[l], (size_t)((char *)&all->line[l].turned - (char *)&all->line[l]) + sizeof(short),
-                sizeof(short) + (size_t)((char *)&all->line[l].turned - (char *)&all->line[l]));
-    UNUSED(all->line[l].axes, all->line[l].turned ? 9 : 0);
+    const size_t whole = (size_t)((char *)all->line[l].axes - (char *)&all->line[l]);
+    unused_from(&all->line[l], whole, whole);
+    UNUSED(all->line[l].axes, 9);
+    UNUSED(all->line[l].root, 3);
   }
   UNUSED(all->mass, n);
   UNUSED(all->center, 3 * n);
@@ -947,7 +948,7 @@ static void list_unused_of_lines(void)
   for (int k = 0; k < body.n_node; k++) {
     fb_line_node *const node = &body.node[k].line;
     const fb_line *const line = node->line > 0 ? &all->line[node->line - 1] : NULL;
-    unused_from(node, 2 * sizeof(short), 2 * sizeof(short));
+    unused_from(node, 2 * sizeof(int), 2 * sizeof(int));
     UNUSED(node->start, line ? 3 : 0);
     UNUSED(node->weight, line ? line->count : 0);
     UNUSED(node->turn, line ? 3 * line->n : 0);
