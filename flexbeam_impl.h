@@ -6702,8 +6702,8 @@ static int fbi_line_is_sound(const fb_lines *all, const fb_line *line, int n)
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) &&
-              fbi_is_finite(line->axes, 9) && fbi_vec3_is_finite(line->root) && line->shift >= 0 &&
+              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && fbi_is_finite(line->axes, 9) &&
+              fbi_vec3_is_finite(line->root) && line->shift >= 0 &&
               line->shift <= all->n_table - 3 * line->n * line->moves;
   if (sound && line->hangs) {
     sound = line->hangs <= next;
@@ -13505,7 +13505,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
                          fbi_turn_check fbi_stage_advance fbi_step_end
      fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
      fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
-     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
+     fbi_large_velocity: fbi_large_inertia fbi_large_S
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
