@@ -13505,7 +13505,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
                          fbi_turn_check fbi_stage_advance fbi_step_end
      fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
      fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
-     fbi_large_velocity: fbi_large_inertia fbi_large_S
+     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_base_solve fbi_given_velocity
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
