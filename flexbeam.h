@@ -37,7 +37,7 @@
                                     .inertia = {80, 80, 80},
                                     .n_part = 1, // the boom; its tip is node 1
                                     .part = {{.n_node = 1, .node = {10}}},
-                                    .body = {.effects = FB_EFFECTS_FULL}};       // or fewer: FB_EFFECTS_LINEAR, ...
+                                    .body = {.effects = FB_EFFECTS_FULL}};       // FB_EFFECTS_LARGE: bends far
        const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, the origin
        fb_state state;
        fb_rk4_work work;
@@ -233,6 +233,9 @@
      a bent boom                   fb_beam_desc.point
      how many modes?               fb_modes_desc: count, lowest, omega_limit or mass_fraction; see fb_modes.effective
      loads at known places         fb_modes_desc.load: static corrections
+     air loads along a beam        fb_input.distributed: a function of the motion of its points (FB_EFFECTS_LARGE)
+     bending moment, shear,        fb_body_lines_eval along a beam (FB_EFFECTS_LARGE); at the root of a held base also
+     tension                       fb_motion.reaction_force, reaction_torque; fb_gauge_init
      an interface                  FB_BASIS_COMPONENT: constraint modes and modes with the boundary held
      several parts                 fb_modes_join, then one fb_shape_add_beam per part
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
@@ -252,7 +255,9 @@
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
      a beam that bends far         FB_EFFECTS_LARGE: the same modes, any deflection (examples/tutorial_large.c); as the
-                                   judge fb_exact_desc: curved, twisted, full 6x6 sections; steady and moving
+                                   judge fb_exact_desc: curved, twisted, full 6x6 sections; steady and moving.
+                                   Natural modes have no curvature at a free tip: where forces or moments act
+                                   there, add fb_modes_desc.load, a few modes are then exact
      flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
      control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
@@ -1062,7 +1067,7 @@ typedef struct fb_node_motion { /* inertial axes */
   fb_real position[3], quat[4]; /* of the node and its section */
   fb_real velocity[3], angular_rate[3];
   fb_real acceleration[3], angular_acceleration[3];
-  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad], half a turn at most */
+  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad], within half a turn */
 } fb_node_motion;
 
 typedef struct fb_energy {
@@ -1103,9 +1108,10 @@ typedef struct fb_line_motion {
 /* Motion and internal loads at all points of the lines of a single body, point[FB_MAX_LINE_POINTS], *n of them, in the
    order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by
    equilibrium: loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the
-   point itself included. They hold whatever the modes can represent, and with damping its part, too; at a root at rest
-   they are the load on the hub. motion and input are those of fb_body_motion_eval at state. FB_ERR_UNSUPPORTED: a body
-   without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
+   point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
+   computed: what the modes miss of it is missing in them (blades that spin: fb_modes_desc.spin; 4 natural modes were 8 %
+   off at the root, 4 modes of the spin 0.01 %). motion and input are those of fb_body_motion_eval at state.
+   FB_ERR_UNSUPPORTED: a body without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
 #endif
@@ -2032,7 +2038,8 @@ typedef struct fb_modes_desc {
                          FB_EFFECT_LARGE_DEFLECTION: lines take their loads themselves */
   /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
      attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
-     inertia relief. They are further modes, orthogonal to the others. */
+     inertia relief. They are further modes, orthogonal to the others. Nodes are those of the elements, 0..n_element: the
+     tip is n_element, not the number of a node of the body. */
   int n_load;
   fb_coordinate load[FB_MAX_COORDINATES];
   int n_boundary; /* FB_BASIS_COMPONENT */
@@ -2246,8 +2253,8 @@ typedef struct fb_body_desc {
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
-                                 the length, some percent at 15 %. Large deflection has none (FB_EFFECTS_LARGE): 0 then
-                                 limits the modes in which no beam bends alone */
+                                 the length, some percent at 15 %. Beams of FB_EFFECTS_LARGE have no such limit: it is then
+                                 one of the modes in which no beam bends */
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
@@ -2822,10 +2829,11 @@ typedef struct fb_advice {
   int long_step;      /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
   fb_real dt;         /* [s] */
   fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
-  fb_real deflection; /* [m] estimated maximum of the output */
+  fb_real deflection; /* [m] estimated maximum of the output, at most half the size of the body: beyond it a lower
+                         bound */
   /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
      bound; not from fb_advice_search), and by terms that the model lacks: those of its displacement field, error_field,
-     unless effects have FB_EFFECT_LARGE_DEFLECTION (above the tolerance: use the geometrically exact beam) */
+     unless effects have FB_EFFECT_LARGE_DEFLECTION */
   fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
   fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
@@ -2869,8 +2877,9 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
    (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
-   tolerance, and where it alone does, large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines
-   (lines_status FB_OK) and no load case buckles it or bends it by more than five lengths.
+   tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no
+   load case buckles it or bends it by more than five lengths. With it no step of fb_exponential_step is advised: its
+   limit depends on how far the beams are bent.
    The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
    They are often wrong by a factor of three. shape: natural modes, more than will be needed.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or

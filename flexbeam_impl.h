@@ -3421,8 +3421,8 @@ FB_DEF fb_status fb_effects_check(unsigned effects)
                       FB_R(0.0));
   }
   if ((effects & FB_EFFECT_LARGE_DEFLECTION) && (~effects & FB_EFFECTS_FULL)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with all of FB_EFFECTS_FULL", -1, FB_R(0.0),
-                      FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection needs all of FB_EFFECTS_FULL: FB_EFFECTS_LARGE", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
   return FB_OK;
 }
@@ -28080,9 +28080,9 @@ static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e, c
 /* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
    modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
    within 10 %. `sh bench/large_count.sh` counts again. */
-#define FBI_LARGE_POINT FB_R(850.0)
-#define FBI_LARGE_MODE FB_R(100.0)
-#define FBI_LARGE_PAIR FB_R(4.0)
+#define FBI_LARGE_POINT FB_R(2030.0)
+#define FBI_LARGE_MODE FB_R(208.0)
+#define FBI_LARGE_PAIR FB_R(3.4)
 static fb_real fbi_large_instructions(const fb_body *body)
 {
 #if FB_WITH_LARGE_DEFLECTION
@@ -28295,6 +28295,12 @@ static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape
   return work->buckled ? FB_HUGE : known ? field * fbi_advice_aside(work, shape) : field;
 }
 
+/* Can a step of the integrator be foreseen? That of the exponential scheme depends on how far a body with lines bends. */
+static int fbi_is_foreseen(const fb_body *body, fb_integrator integrator)
+{
+  return integrator != FB_INTEGRATOR_EXPONENTIAL || !fbi_is_large(body);
+}
+
 /* Integrator and step with the least cost within `tolerance`, what effects and modes have left. */
 static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const fb_envelope *e, fb_real tolerance)
 {
@@ -28305,7 +28311,7 @@ static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const
     const fb_real step = fbi_advice_step(work, e, integrator, advice->n, tolerance);
     const fb_real dt = fbi_frame_part(fbi_smaller(limit, step), e->frame);
     const fb_real cost = fbi_step_instructions(&work->body, integrator) / dt;
-    if (step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
+    if (step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost && fbi_is_foreseen(&work->body, integrator)) {
       advice->integrator = integrator;
       advice->dt = dt;
       advice->cost = cost;
@@ -28351,7 +28357,7 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
     const int set = k / shape->n, n = 1 + k % shape->n;
     const fb_real model = fbi_advice_model_error(work, shape, set == FBI_ADVICE_LARGE);
     const fb_real left = tolerance - fbi_smaller(model, FB_R(0.5) * tolerance);
-    const int beyond = model > tolerance;
+    const int beyond = model > FB_R(0.5) * tolerance;
     fb_real rest, own;
     fbi_advice_fill(&candidate, work, desc, set, n);
     rest = left - candidate.error_effects - candidate.error_modes;

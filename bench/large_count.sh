@@ -17,7 +17,7 @@ count() {
   cat $out/step.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | tail -n 1
 }
 
-for modes in "2 0" "3 3" "6 6"; do
+for modes in "1 1" "3 3" "6 6"; do
   set -- $modes
   echo "$(($1 + $2)) $(count "$1" "$2" 10) $(count "$1" "$2" 20)"
 done | awk '{ n[NR] = $1; f[NR] = ($3 - $2) / 40; printf "%2d modes: %6.0f a point and evaluation, %6.0f beside them\n", $1, f[NR], $2 / 4 - 10 * f[NR] }

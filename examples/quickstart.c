@@ -16,7 +16,7 @@ int main(void)
                                .inertia = {80, 80, 80},
                                .n_part = 1, // the boom; its tip is node 1
                                .part = {{.n_node = 1, .node = {10}}},
-                               .body = {.effects = FB_EFFECTS_FULL}};       // or fewer: FB_EFFECTS_LINEAR, ...
+                               .body = {.effects = FB_EFFECTS_FULL}};       // FB_EFFECTS_LARGE: bends far
   const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, the origin
   fb_state state;
   fb_rk4_work work;

@@ -1,5 +1,5 @@
-/* tutorial_large - a boom of a solar sail, clamped at its root, is pulled aside at its tip by a third of its length and let
-   go: by a modal body with the quadratic displacement field (FB_EFFECTS_FULL), by the same modes as modes of curvature
+/* tutorial_large - a boom of a solar sail, clamped at its root, is pulled aside at its tip by 44 % of its length and let go:
+   by a modal body with the quadratic displacement field (FB_EFFECTS_FULL), by the same modes as modes of curvature
    (FB_EFFECTS_LARGE), and by the geometrically exact beam, which is the judge. It prints where the tip is, the largest
    error by the largest deflection, and the time that a second takes.
    Check: large deflection is within 0.1 %, the quadratic field is not. Exit: 0 well, 1 a check failed. */

@@ -640,7 +640,7 @@ TEST(modes_beside_lines_keep_the_error_of_the_field)
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, desc.length), FB_OK);
   shape.node[node].psi[8] = FB_R(1.0);
   shape.K[8] = shape.K[0];
-  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.06)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.09)), FB_OK);
   for (int a = 0; a < 3; a++) {
     all += (double)work.most[a];
   }

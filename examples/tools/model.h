@@ -574,8 +574,9 @@ static void model_effects_check(text_file *t)
   }
   if ((model.n_damping > 0) != ((effects & FB_EFFECT_DAMPING) != 0)) {
     model_at(t, model.n_damping ? "damping" : "effects");
-    text_fail(t, model.n_damping ? "damping is given, but not among the effects (full damping, for instance)"
-                                 : "the effect damping wants a line damping");
+    text_fail(t, model.n_damping
+                     ? "damping is given, but not among the effects (full damping or large damping, for instance)"
+                     : "the effect damping wants a line damping");
   }
 }
 
