@@ -4336,7 +4336,7 @@ static void fbi_node_convection(fb_real u_dd[3], fb_real turn_dd[3], const fbi_n
   const int n = body->n;
   fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], phi_dot[3], phi_dd[3], rate[3];
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_on_line(body, node)) {
+  if (fbi_is_on_line(body, node) && k->line) {
     fbi_large_convection(u_dd, turn_dd, k->line, body, node, q, q_dot);
     return;
   }
@@ -21198,6 +21198,15 @@ static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan
   return status;
 }
 
+static int fbi_is_same(const fb_real *a, const fb_real *b, int n)
+{
+  int k = 0;
+  while (k < n && a[k] == b[k]) {
+    k++;
+  }
+  return k == n;
+}
+
 /* The line of a beam with its modes, by its place from root to tip, -1: it has none. */
 static int fbi_line_find(const fb_lines *all, int first, const fb_beam *beam, const fb_modes *modes)
 {
@@ -21211,10 +21220,8 @@ static int fbi_line_find(const fb_lines *all, int first, const fb_beam *beam, co
     fb_mat33_mulT_vec3(root, line->axes, beam->desc.position);
     fbi_vec3_add(apart, -FB_R(1.0), place);
     fbi_vec3_add(apart, -FB_R(1.0), root);
-    if (line->first == first && line->n == modes->n &&
-        memcmp(line->root, beam->desc.position, sizeof line->root) == 0 &&
-        memcmp(line->frame, beam->axes, sizeof beam->axes) == 0 &&
-        fbi_vec3_norm(apart) < FBI_LINE_GAP * beam->desc.length) {
+    if (line->first == first && line->n == modes->n && fbi_is_same(line->root, beam->desc.position, 3) &&
+        fbi_is_same(line->frame, beam->axes, 9) && fbi_vec3_norm(apart) < FBI_LINE_GAP * beam->desc.length) {
       return l;
     }
   }
@@ -22564,8 +22571,8 @@ static fb_status fbi_body_lines_check(const fb_shape *shape)
                       FB_R(1.0) * FB_MAX_POINTS);
   }
   if (!fbi_lines_are_alone(&mass, &node, shape)) {
-    return mass >= 0 ? FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_RIDES, mass, FB_R(0.0), FB_R(0.0))
-                     : FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_NODE, node, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS, mass >= 0 ? FBI_WORD_RIDES : FBI_WORD_NODE, mass >= 0 ? mass : node, FB_R(0.0),
+                      FB_R(0.0));
   }
   return FB_OK;
 }

@@ -211,7 +211,8 @@ TEST(accelerations_of_lines_are_derivatives_of_velocities)
                      FB_OK);
         }
       }
-#define SLOPE(x, of) ((8.0 * ((double)x[3].of - (double)x[1].of) - ((double)x[4].of - (double)x[0].of)) / (12.0 * dt))
+#define SLOPE(x, of) \
+  ((8.0 * ((double)(x)[3].of - (double)(x)[1].of) - ((double)(x)[4].of - (double)(x)[0].of)) / (12.0 * dt))
       for (int a = 0; a < body.n; a++) {
         size[0] = fmax(size[0], fabs((double)motion[2].q_ddot[a]));
       }
@@ -828,7 +829,8 @@ TEST(joined_lines_hang_on_each_other)
         FBT_INT_EQ(fb_rk4_step(&body, &other, &rk4_work, &in, &in, &in, (fb_real)(0.5 * dt)), FB_OK);
       }
     }
-#define SLOPE(x, of) ((8.0 * ((double)x[3].of - (double)x[1].of) - ((double)x[4].of - (double)x[0].of)) / (12.0 * dt))
+#define SLOPE(x, of) \
+  ((8.0 * ((double)(x)[3].of - (double)(x)[1].of) - ((double)(x)[4].of - (double)(x)[0].of)) / (12.0 * dt))
     size = fbt_largest(at[2].q_ddot, body.n) + fbt_largest(tip[2].acceleration, 3) +
            fbt_largest(tip[2].angular_acceleration, 3);
     for (int a = 0; a < body.n; a++) {
