@@ -4540,14 +4540,14 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
   const int n = body->n;
   const fb_lines *const all = &body->lines;
   fbi_line_work *const w = k->line;
-  fb_real q_dot[FB_MAX_MODES], origin[3], V[6];
+  fb_real *const q_dot = w->e, origin[3], V[6];
   fb_status status;
   int n_point;
 
   /* q_dot = M^-1 (pi - Lambda^T V); velocity of O */
-  fbi_copy(w->e, state->pi, n);
-  fbi_large_lambdaT_sub(w->e, k, body, k->V);
-  fb_chol_solve(q_dot, w->L, w->e, n);
+  fbi_copy(q_dot, state->pi, n);
+  fbi_large_lambdaT_sub(q_dot, k, body, k->V);
+  fb_chol_solve(q_dot, w->L, q_dot, n);
   fb_mat33_mulT_vec3(V, k->R, state->u);
   fbi_vec3_add(V, FB_R(1.0), k->V);
   fbi_vec3_copy(V + 3, k->V + 3);
@@ -13219,9 +13219,9 @@ static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit
 
   /* trace B^4 */
   for (int a = 0; a < n; a++) {
-    trace += B[a * (n + 1)] * B[a * (n + 1)];
-    for (int b = 0; b < a; b++) {
-      trace += FB_R(2.0) * B[a * n + b] * B[b * n + a];
+    const fb_real *const row = B + a * n, *column = B + a;
+    for (int b = 0; b < n; b++, column += n) {
+      trace += row[b] * *column;
     }
   }
   return unit * FB_SQRT(FB_SQRT(trace));

@@ -9,10 +9,10 @@ need gcc gcc
 need clang clang
 need qemu-mips qemu-user
 need mips-linux-gnu-gcc "gcc-mips-linux-gnu libc6-dev-mips-cross"
-few=60
-many=${STEPS:-600}
+few=300
+many=${STEPS:-10000}
 : > "$out/counts"
-for kind in large; do # large: lines of large deflection, by fewer compilers, a tenth of the steps
+for kind in full large; do # large: lines of large deflection, by fewer compilers, a tenth of the steps
   compilers="gcc:-O0 gcc:-O2 gcc:-O3 clang:-O0 clang:-O2 clang:-O3"
   [ $kind = full ] || compilers="gcc:-O0 gcc:-O2 clang:-O3" many=$(((many + 9) / 10))
   for precision in single double; do
