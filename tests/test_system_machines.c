@@ -139,8 +139,9 @@ static void unfold(path *p, int cut, double T, int steps)
   FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   for (int sample = 0; sample < SAMPLES; sample++) {
     for (int k = 0; k < steps; k++) {
-      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, (fb_real)(T / SAMPLES / steps)),
-                 FB_OK);
+      FBT_INT_EQ(
+          fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, (fb_real)(T / (SAMPLES * steps))),
+          FB_OK);
     }
     node_at(p->x[sample][0], &state, 4 * cut - 1, 1);
     node_at(p->x[sample][1], &state, 3 * cut - 1, 1);
@@ -207,7 +208,7 @@ static void turn_rotor(path *p, int cut, double T, int steps)
   middle = input;
   for (int sample = 0; sample < SAMPLES; sample++) {
     for (int k = 0; k < steps; k++) {
-      const double dt = T / SAMPLES / steps, t = dt * (sample * steps + k);
+      const double dt = T / (SAMPLES * steps), t = dt * (sample * steps + k);
       fb_system_input end = input;
       input.drive[0].value[0] = (fb_real)(spin * t);
       middle.drive[0].value[0] = (fb_real)(spin * (t + 0.5 * dt));
@@ -266,7 +267,7 @@ static void turn_crank(path *p, int cut, double T, int steps)
   for (int sample = 0; sample < SAMPLES; sample++) {
     double x[3], chord[2];
     for (int k = 0; k < steps; k++) {
-      const double dt = T / SAMPLES / steps, t = dt * (sample * steps + k);
+      const double dt = T / (SAMPLES * steps), t = dt * (sample * steps + k);
       fb_system_input end = input;
       middle.drive[0].value[0] = (fb_real)(spin * (t + 0.5 * dt));
       end.drive[0].value[0] = (fb_real)(spin * (t + dt));
