@@ -1050,10 +1050,10 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
                                  the equations of motion of the second- and first-order forms */
 #if FB_WITH_LARGE_DEFLECTION
+  fb_real t;                  /* [s] for distributed */
   fb_distributed distributed; /* loads along the lines of a body with FB_EFFECT_LARGE_DEFLECTION; NULL: none; others:
                                  FB_ERR_UNSUPPORTED */
   void *user;
-  fb_real t; /* [s] for distributed */
 #endif
 } fb_input;
 
