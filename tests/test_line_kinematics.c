@@ -699,12 +699,10 @@ TEST(free_lines_begin_as_the_polynomial_body)
     for (int what = 0; what < 3; what++) {
       double d[2][3];
       for (int of = 0; of < 2; of++) {
-        double(*const z)[3] = y[of];
-        d[of][0] = z[2][what];
-        d[of][1] = (8.0 * (z[3][what] - z[1][what]) - (z[4][what] - z[0][what])) / (12.0 * h);
-        d[of][2] =
-            (16.0 * (z[3][what] + z[1][what] - 2.0 * z[2][what]) - (z[4][what] + z[0][what] - 2.0 * z[2][what])) /
-            (12.0 * h * h);
+        const double z[5] = {y[of][0][what], y[of][1][what], y[of][2][what], y[of][3][what], y[of][4][what]};
+        d[of][0] = z[2];
+        d[of][1] = (8.0 * (z[3] - z[1]) - (z[4] - z[0])) / (12.0 * h);
+        d[of][2] = (16.0 * (z[3] + z[1] - 2.0 * z[2]) - (z[4] + z[0] - 2.0 * z[2])) / (12.0 * h * h);
       }
       for (int degree = 0; degree < (what ? 3 : 2); degree++) {
         FBT_NEAR_ABS(d[0][degree], d[1][degree], FBT_TOL(degree < 2 ? 1e-7 : 1e-6, 1e-2) * fmax(d[1][0], 1.0));
