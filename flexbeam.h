@@ -1109,8 +1109,8 @@ typedef struct fb_line_motion {
    order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by
    equilibrium: loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the
    point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
-   computed: what the modes miss of it is missing in them (blades that spin: fb_modes_desc.spin; 4 natural modes were 8 %
-   off at the root, 4 modes of the spin 0.01 %). motion and input are those of fb_body_motion_eval at state.
+   computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
+   input are those of fb_body_motion_eval at state.
    FB_ERR_UNSUPPORTED: a body without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);

@@ -2482,9 +2482,7 @@ static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot,
     out[i] = -a_dot * pc[i] - a * rc[i] + b_dot * ppc[i] + b * mixed[i];
   }
 }
-#endif
 
-#if FB_WITH_SYSTEM
 /* The same at point j. */
 static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
                              const fb_real c[3])
@@ -3290,9 +3288,7 @@ static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line
     x[line->first + k] += fb_vec3_dot(node->turn + 3 * k, own) - FBI_SIXTH * fb_vec3_dot(node->bow + 3 * k, mixed);
   }
 }
-#endif
 
-#if FB_WITH_SYSTEM
 /* [E9.25] Rate of a node's Jacobian on a line times a momentum (P, L) about the node, line axes: x_a += Jv_dot_a.P +
    Jw_dot_a.L at the velocities of fbi_line_rates, by one sweep from the tip. With the weights W_j of the tangents in the
    node's position, F_j = W_j P,  C: t x F, and L where the node is, summed from the tip,  D: t_dot x F likewise,

@@ -2,7 +2,7 @@
    same wherever it runs, and the fewest and most instructions of a step, which must be the same number.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms,
    -DINTEGRATORS, a mask of the lines below (all). sin, cos and atan2 are its own: those of C libraries differ in the
-   last bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ by more than -DAPART (0). */
+   last bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
 #include "../examples/firmware/board/board.h"
 #define FB_SIN(x) target_sin(x)
 #define FB_COS(x) target_cos(x)
@@ -21,9 +21,6 @@ static NUMBER target_atan2(NUMBER y, NUMBER x);
 
 #ifndef STEPS
 #define STEPS 1000
-#endif
-#ifndef APART
-#define APART 0
 #endif
 #ifndef INTEGRATORS
 #define INTEGRATORS 0x1ff
@@ -101,9 +98,14 @@ static void begin(const char *integrator)
   most = 0;
 }
 
-static void counted(void)
+/* The first step of an integrator is not counted: the emulator translates its code there, and adds up to 4 instructions that
+   a trace does not show. */
+static void counted(int step)
 {
   const uint32_t count = board_count();
+  if (step == 0) {
+    return;
+  }
   fewest = count < fewest ? count : fewest;
   most = count > most ? count : most;
 }
@@ -122,7 +124,7 @@ static int end(fb_status status, int step)
     board_print(fb_status_string(status));
     board_print("\n");
   }
-  return status == FB_OK && (most == 0 || most - fewest <= APART);
+  return status == FB_OK && (most == 0 || most == fewest);
 }
 
 /* ---- one body */
@@ -187,7 +189,7 @@ static int run_body(const char *name, int integrator)
     body_inputs();
     board_count_start();
     status = body_step(integrator);
-    counted();
+    counted(step);
     digest_reals(state.rho, 3);
     digest_reals(state.quat, 4);
     digest_reals(state.u, 3);
@@ -241,7 +243,7 @@ static int run_system(const char *name, fb_method method, int sdirk)
     board_count_start();
     status = sdirk ? fb_system_sdirk_step(&pair, &BODY, &system_state, &system_work, &in[0], &in[2], dt, 0)
                    : fb_system_rk4_step(&pair, &BODY, &system_state, &system_work, &in[0], &in[1], &in[2], dt);
-    counted();
+    counted(step);
     for (int l = 0; l < 2; l++) {
       digest_reals(system_state.link[l].x, 3);
       digest_reals(system_state.link[l].quat, 4);
@@ -287,7 +289,7 @@ static int run_exact(const char *name)
     board_count_start();
     status = fb_exact_step(&exact, &exact_state, &exact_work, &exact_input, dt);
     if (step >= 2) { /* the first two have less to extrapolate from */
-      counted();
+      counted(step);
     }
     digest_reals(exact_state.r, 3 * (FB_MAX_EXACT + 1));
     digest_reals(exact_state.quat, 4 * (FB_MAX_EXACT + 1));

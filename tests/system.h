@@ -511,4 +511,30 @@ static inline void node_at(double x[3], const fb_system_state *s, int body, int 
   }
 }
 
+/* The reactions on bodies 0 and 1 are what joint j between them bears, about their origins in their axes. */
+static inline void reactions_are_of_joint(int j, double tol)
+{
+  const fb_joint_motion *const at = &motion.joint[j];
+  for (int k = 0; k < 2; k++) {
+    const double sign = k == 0 ? -1.0 : 1.0;
+    fb_real R[9], frame[3], arm[3], moment[3], force[3], torque[3];
+    fb_quat_to_mat33(R, motion.pose[1].quat);
+    fb_mat33_mul_vec3(frame, R, desc.joint[j].child_position);
+    for (int i = 0; i < 3; i++) {
+      arm[i] = motion.pose[1].rho[i] + frame[i] - motion.pose[k].rho[i];
+    }
+    fb_vec3_cross(moment, arm, at->force);
+    for (int i = 0; i < 3; i++) {
+      moment[i] += at->torque[i];
+    }
+    fb_quat_to_mat33(R, motion.pose[k].quat);
+    fb_mat33_mulT_vec3(force, R, at->force);
+    fb_mat33_mulT_vec3(torque, R, moment);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(motion.motion[k].reaction_force[i], sign * (double)force[i], tol);
+      FBT_NEAR_ABS(motion.motion[k].reaction_torque[i], sign * (double)torque[i], tol);
+    }
+  }
+}
+
 #endif

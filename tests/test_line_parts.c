@@ -286,38 +286,6 @@ TEST(parts_that_shapes_move_with_a_line_are_refused)
   }
 }
 
-/* A node that was placed before its beam has no place on the line. */
-TEST(nodes_before_their_beam_are_refused)
-{
-  static fb_beam_desc desc;
-  static fb_beam beam;
-  static fb_modes modes;
-  static fb_modes_work work;
-  fb_modes_desc keep;
-  int node;
-  memset(&desc, 0, sizeof desc);
-  memset(&keep, 0, sizeof keep);
-  desc.length = FB_R(2.0);
-  desc.n_element = 4;
-  desc.n_station = 1;
-  desc.station[0].mass = FB_R(1.0);
-  desc.station[0].EI_y = desc.station[0].EI_z = FB_R(10.0);
-  keep.count[FB_KIND_BEND_Y] = 2;
-  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
-  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
-  for (int before = 0; before < 2; before++) {
-    const fb_real center[3] = {FB_R(0.0)}, inertia[6] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
-    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
-    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(5.0), center, inertia), FB_OK);
-    for (int k = 0; k < 2; k++) {
-      FBT_INT_EQ((k == 0) == before ? fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(1.5))
-                                    : fb_shape_add_beam(&shape, 0, &beam, &modes),
-                 FB_OK);
-    }
-    FBT_INT_EQ(parts_again(0), before ? FB_ERR_EFFECTS : FB_OK);
-  }
-}
-
-SUITE(line_parts, RUN(parts_that_shapes_move_with_a_line_are_refused), RUN(nodes_before_their_beam_are_refused),
-      RUN(rates_of_mixed_bodies_are_hamiltonian), RUN(accelerations_of_mixed_bodies_are_derivatives),
-      RUN(without_beams_the_effect_changes_nothing), RUN(mixed_bodies_tie_to_polynomial_ones))
+SUITE(line_parts, RUN(parts_that_shapes_move_with_a_line_are_refused), RUN(rates_of_mixed_bodies_are_hamiltonian),
+      RUN(accelerations_of_mixed_bodies_are_derivatives), RUN(without_beams_the_effect_changes_nothing),
+      RUN(mixed_bodies_tie_to_polynomial_ones))

@@ -298,7 +298,7 @@ TEST(refused_steppers_name_the_field)
              0.02);
   way.integrator = FB_INTEGRATOR_COUNT;
   (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "integrator, an fb_integrator, beyond", -1,
-             FB_INTEGRATOR_COUNT, FB_INTEGRATOR_COUNT - 1.0);
+             (double)FB_INTEGRATOR_COUNT, (double)FB_INTEGRATOR_COUNT - 1.0);
   way.integrator = FB_INTEGRATOR_MIDPOINT;
   way.system = &mechanism;
   (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "body, system or exact beam: one of them", -1, 0.0,

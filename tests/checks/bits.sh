@@ -1,8 +1,7 @@
 #!/bin/sh
 # Every stepper under random loads: the same bits from gcc and clang at -O0, -O2, -O3, twice, on Cortex-M4F and -M7, and on
 # a big-endian 32-bit machine (MIPS), in both precisions; on the boards the same number of instructions in every step.
-# Again with the beam as a line of large deflection: there steps of systems in double take up to 4 instructions more or less on
-# a board, by a branch of the compiler's that has not been found yet.
+# Again with the beam as a line of large deflection.
 # STEPS=100000 make check-bits counts more of them (half an hour).
 . tests/checks/common.sh
 . tests/checks/board.sh
@@ -18,7 +17,7 @@ for kind in full large; do # large: lines of large deflection, by fewer compiler
   [ $kind = full ] || compilers="gcc:-O0 gcc:-O2 clang:-O3" many=$(((many + 9) / 10))
   for precision in single double; do
     rom $precision $kind
-    options="$configuration $library_small -DBODY_HEADER=\"satellite_rom.h\" -DBODY=satellite -DAPART=$([ $kind = full ] && echo 0 || echo 4)"
+    options="$configuration $library_small -DBODY_HEADER=\"satellite_rom.h\" -DBODY=satellite"
     rm -f "$model/bits.txt"
     for compiler in $compilers; do
       try ${compiler%:*} $c99 ${compiler#*:} $options -DSTEPS=$few -o "$out/target" bench/target.c examples/firmware/board/desktop.c -lm
