@@ -234,8 +234,8 @@
      how many modes?               fb_modes_desc: count, lowest, omega_limit or mass_fraction; see fb_modes.effective
      loads at known places         fb_modes_desc.load: static corrections
      air loads along a beam        fb_input.distributed: a function of the motion of its points (FB_EFFECTS_LARGE)
-     bending moment, shear,        fb_body_lines_eval along a beam (FB_EFFECTS_LARGE); at the root of a held base also
-     tension                       fb_motion.reaction_force, reaction_torque; fb_gauge_init
+     bending moment, shear,        fb_body_lines_eval, fb_system_lines_eval along a beam (FB_EFFECTS_LARGE); at the root
+     tension                       of a held base also fb_motion.reaction_force, reaction_torque; fb_gauge_init
      an interface                  FB_BASIS_COMPONENT: constraint modes and modes with the boundary held
      several parts                 fb_modes_join, then one fb_shape_add_beam per part
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
@@ -744,9 +744,10 @@ typedef struct fb_line_point {
 } fb_line_point;
 
 /* Distributed loads: writes force and torque of all n points of a body, which are zero before, at time t; called once
-   an evaluation, of a system for each body with lines. Points are the roots and the nodes of quadrature, by lines from the root on: a load that varies smoothly
-   along the line is integrated as accurately as its product with the modes by a polynomial through them; one that jumps
-   where no point ends a stretch (lumped body, kink, step of the sections), less so. The status of a callback that fails
+   an evaluation, of a system for each body with lines. Points are the roots and the nodes of quadrature, by lines from
+   the root on: a load that varies smoothly along the line is integrated as accurately as its product with the modes by
+   a polynomial through them; one that jumps where no point ends a stretch (lumped body, kink, step of the sections),
+   less so. The status of a callback that fails
    ends the call, which then leaves the state as it was; FB_ERR_NOT_FINITE: it has written what is no number. It may be
    called several times for one step, at attempts too: keep no history in it. Loads that grow with the velocity are not
    part of the step limit. */
@@ -1451,6 +1452,12 @@ typedef struct fb_system_motion {
 FB_API fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_system_motion *motion, const fb_system_state *state,
                                        const fb_system_input *input);
+#if FB_WITH_LARGE_DEFLECTION
+/* fb_body_lines_eval of body k, loaded by joints, too; motion: fb_system_motion_eval with that input.
+   FB_ERR_UNSUPPORTED: a body without lines; with rows, whose forces motion does not hold. */
+FB_API fb_status fb_system_lines_eval(const fb_system *system, const fb_body *body, fb_line_motion *point, int *n,
+                                      const fb_system_motion *motion, const fb_system_input *input, int k);
+#endif
 /* strain holds the joint springs, too. */
 FB_API fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_energy *energy, const fb_system_state *state, const fb_system_input *input);

@@ -6268,9 +6268,19 @@ static void fbi_cut_write(fb_line_motion *out, const fbi_cut_point *p, const fb_
   fb_mat33_mulT_vec3(out->moment, at->axes, own);
 }
 
+/* What acts on a body along its lines and at its nodes; its number in a system. */
+typedef struct fbi_cut_load_set {
+  const fb_load *load;
+  int n_load, body;
+  fb_distributed distributed;
+  fb_real t;
+  void *user;
+} fbi_cut_load_set;
+
 /* Points and internal loads of line l; what hangs on it is in w.hung. */
 static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *body, int l, const fb_state *state,
-                         const fb_motion *motion, fbi_cut_lead *lead, const fb_input *input, const fb_real g_body[3])
+                         const fb_motion *motion, fbi_cut_lead *lead, const fbi_cut_load_set *acts,
+                         const fb_real g_body[3])
 {
   const fb_lines *const all = &body->lines;
   const fb_line *const line = &all->line[l];
@@ -6303,8 +6313,8 @@ static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *bo
   for (int i = first; i < line->count; i++) {
     const int j = i < 0 ? -1 : line->point + i;
     fbi_cut_sum(y, all, line, point, &root, j);
-    for (int n = 0; input && n < input->n_load; n++) {
-      fbi_cut_node_add(y, k, body, &input->load[n], l, j, state->q);
+    for (int n = 0; n < acts->n_load; n++) {
+      fbi_cut_node_add(y, k, body, &acts->load[n], l, j, state->q);
     }
     fbi_cut_write(out + i - first, i < 0 ? &root : &point[j], y, line, i < 0 ? &all->root[l] : &all->station[j],
                   load + i - first, k->R);
@@ -6319,9 +6329,10 @@ static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *bo
    f and t: loads, gravity, and inertia forces -m a by the accelerations of E14.16.
    Source: equilibrium with inertia forces (d'Alembert).  Cost: 200 flops a point, 40 a pair of points of a line.
    Fails: no lines, the callback, not finite.
-   Test: a_spinning_rod_is_under_its_tension, internal_loads_end_at_the_base, internal_moments_bend_the_line. */
-FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
-                                    const fb_motion *motion, const fb_input *input)
+   Test: a_spinning_rod_is_under_its_tension, internal_loads_end_at_the_base, internal_moments_bend_the_line,
+   internal_loads_of_systems_reach_the_hub. */
+static fb_status fbi_cut_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
+                              const fb_motion *motion, const fbi_cut_load_set *acts)
 {
   fb_line_motion out[FB_MAX_LINE_POINTS];
   fbi_cut_lead lead;
@@ -6330,14 +6341,6 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   fb_status status;
   int count;
   FBI_WITH_LINES(k);
-  FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
-  if (!fbi_is_large(body)) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
-  }
-  status = fbi_input_check(body, input);
-  if (status != FB_OK) {
-    return status;
-  }
 
   /* poses, velocities, loads */
   fb_quat_to_mat33(k.R, state->quat);
@@ -6351,7 +6354,10 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   memcpy(lead.alpha, k.line->w, sizeof lead.alpha);
   fbi_lines_drift(k.line, &body->lines, motion->q_dot);
   count = fbi_lines_look(k.line, &body->lines, k.R, state->rho, V);
-  status = fbi_is_distributed(input) ? input->distributed(k.line->point, count, input->t, input->user) : FB_OK;
+  for (int i = 0; i < count; i++) {
+    k.line->point[i].body = acts->body;
+  }
+  status = acts->distributed ? acts->distributed(k.line->point, count, acts->t, acts->user) : FB_OK;
   if (status != FB_OK) {
     return status;
   }
@@ -6364,7 +6370,7 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   /* from lines that hang to those that carry them */
   fbi_lines_unload(k.line, &body->lines);
   for (int l = body->lines.n_line - 1; l >= 0; l--) {
-    fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, input, g);
+    fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, acts, g);
   }
   for (int i = 0; i < count; i++) {
     const fb_line_point *const at = &out[i].at;
@@ -6378,6 +6384,32 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   memcpy(point, out, (size_t)count * sizeof *out);
   *n = count;
   return FB_OK;
+}
+
+/* Of what a model is to have */
+static fb_status fbi_refuse_no_lines(const fb_body *body)
+{
+  return fbi_is_large(body)
+             ? FB_OK
+             : FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
+}
+
+FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
+                                    const fb_motion *motion, const fb_input *input)
+{
+  fbi_cut_load_set acts = {NULL, 0, 0, NULL, FB_R(0.0), NULL};
+  fb_status status;
+  FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
+  status = fbi_refuse_no_lines(body);
+  status = status ? status : fbi_input_check(body, input);
+  if (status == FB_OK && input) {
+    acts.load = input->load;
+    acts.n_load = input->n_load;
+    acts.distributed = input->distributed;
+    acts.t = input->t;
+    acts.user = input->user;
+  }
+  return status ? status : fbi_cut_eval(body, point, n, state, motion, &acts);
 }
 #endif
 
@@ -11068,6 +11100,82 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   }
   return FB_OK;
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Adds to the loads of body k what joint j exerts on its node on a line, at its child's frame: side 1 on the child, 0 on
+   the parent. */
+static fb_status fbi_cut_joint_add(fbi_cut_load_set *acts, fb_load *load, const fb_system *system, const fb_body *body,
+                                   const fb_system_motion *motion, int j, int side)
+{
+  const fb_joint *const joint = &system->joint[j];
+  const fb_joint_motion *const at = &motion->joint[j];
+  const int child = j < system->n_body ? j : joint->child, of[2] = {joint->parent, child};
+  const int node[2] = {joint->parent_node, j < system->n_body ? 0 : joint->child_node};
+  const fb_real sign = side ? FB_R(1.0) : -FB_R(1.0);
+  fb_load *const own = &load[acts->n_load];
+  fb_node_motion moved[2];
+  fb_real arm[3], R[9];
+  if (of[side] != acts->body || fbi_model(system, body, acts->body)->node[node[side]].line.line == 0) {
+    return FB_OK;
+  }
+  for (int i = side ? 1 : 0; i < 2; i++) {
+    const fb_status status = fb_body_node_motion_eval(fbi_model(system, body, of[i]), &moved[i], &motion->pose[of[i]],
+                                                      &motion->motion[of[i]], node[i]);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+  fb_quat_to_mat33(R, moved[1].quat);
+  fb_mat33_mul_vec3(arm, R, joint->child_position);
+  for (int i = 0; i < 3; i++) {
+    arm[i] += moved[1].position[i] - moved[side].position[i];
+  }
+  fb_vec3_cross(own->torque, arm, at->force);
+  for (int i = 0; i < 3; i++) {
+    own->force[i] = sign * at->force[i];
+    own->torque[i] = sign * (own->torque[i] + at->torque[i]);
+  }
+  own->node = node[side];
+  own->axes = FB_AXES_INERTIAL;
+  acts->n_load++;
+  return FB_OK;
+}
+
+/* E14.41 of a body of a system: joints load its nodes. */
+FB_DEF fb_status fb_system_lines_eval(const fb_system *system, const fb_body *body, fb_line_motion *point, int *n,
+                                      const fb_system_motion *motion, const fb_system_input *input, int k)
+{
+  fb_load load[FB_MAX_LOADS + 2 * FBI_MAX_JOINTS];
+  fbi_cut_load_set acts = {NULL, 0, 0, NULL, FB_R(0.0), NULL};
+  fb_status status;
+  FBI_REQUIRE(system && body && point && n && motion, FB_ERR_NULL);
+  FBI_REQUIRE(k >= 0 && k < system->n_body, FB_ERR_CAPACITY);
+  status = fbi_refuse_no_lines(fbi_model(system, body, k));
+  status = status ? status : fbi_system_input_check(system, body, input);
+  if (status == FB_OK && input && input->rows) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: no rows, whose forces the motion does not hold", -1, FB_R(0.0),
+                      FB_R(0.0));
+  }
+  acts.load = load;
+  acts.body = k;
+  for (int i = 0; input && i < input->n_load && status == FB_OK; i++) {
+    if (input->load[i].body == k) {
+      load[acts.n_load++] = input->load[i].load;
+    }
+  }
+  if (input) {
+    acts.distributed = input->distributed;
+    acts.t = input->t;
+    acts.user = input->user;
+  }
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    status = fbi_cut_joint_add(&acts, load, system, body, motion, j, 0);
+    status = status ? status : fbi_cut_joint_add(&acts, load, system, body, motion, j, 1);
+  }
+  return status ? status
+                : fbi_cut_eval(fbi_model(system, body, k), point, n, &motion->pose[k], &motion->motion[k], &acts);
+}
+#endif
 
 /* Adds the energy of body k: kinetic in the tree's frame, (V.(p, h) + q_dot.M pb)/2, and by the velocity u of that
    frame, p.u + m u.u/2; potentials. */

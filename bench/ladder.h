@@ -5,7 +5,7 @@
 
 #include "case.h"
 
-#define FBB_MAX_ENTRIES 6000
+#define FBB_MAX_ENTRIES 12000
 
 /* Rungs of the ladder: what a picture shows as one curve. */
 enum {
@@ -156,9 +156,15 @@ static void fbb_climb_steps(const fbb_case *c, const fb_body *body, fbb_entry *e
   static fbb_history h;
   const double sample = c->duration / FBB_SAMPLES, limit = (double)fb_rk4_limit(body, (fb_real)fbb_largest_spin(c), 0);
   const int fewest = limit < sample ? (int)ceil(sample / limit) : 1;
+  static const int halves[] = {2, 3, 4, 6, 8, 12, 16};
   for (int integrator = 0; integrator < (int)FB_INTEGRATOR_COUNT; integrator++) {
-    for (int k = 0, steps = integrator == FB_INTEGRATOR_RK4 ? fewest : 1; k < 4 && steps <= 4 * fewest;
-         k++, steps *= 2) {
+    const int first = integrator == FB_INTEGRATOR_RK4 ? fewest : 1;
+    for (int k = 0, steps = 0; k < FBB_COUNT(halves) && steps < 4 * fewest; k++) {
+      const int before = steps;
+      steps = (first * halves[k] + 1) / 2;
+      if (steps == before) {
+        continue;
+      }
       if (integrator == FB_INTEGRATOR_RK4 && e->basis.elements && k > 0) {
         break; /* its steps are short enough */
       }
@@ -221,7 +227,7 @@ static const fbb_level fbb_large = {"large", FBB_LARGE, FB_EFFECTS_LARGE};
 /* Geometrically exact bodies of a basis with several numbers of points, by what they are more than modes of a plane. */
 static void fbb_climb_points(const fbb_case *c, const fbb_basis *basis)
 {
-  static const int more[] = {3, 5, 7};
+  static const int more[] = {2, 3, 5, 7};
   for (int k = 0; k < FBB_COUNT(more); k++) {
     fbb_basis b = *basis;
     b.points = (b.y > b.z ? b.y : b.z) + more[k];

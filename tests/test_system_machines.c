@@ -464,7 +464,119 @@ TEST(reactions_on_lines_are_the_sum_of_joint_forces)
   }
 }
 
+/* Joint j's force and torque about O of body k in its axes, as it acts on that body's hub; nothing: on none of its joints */
+static void hub_load_add(double F[3], double T[3], int k, int j)
+{
+  const int loop = j >= desc.n_body, child = loop ? desc.loop[j - desc.n_body].child : j;
+  const fb_joint_desc *const joint = loop ? &desc.loop[j - desc.n_body] : &desc.joint[j];
+  const int node = loop ? joint->child_node : 0, as_child = child == k && node == 0;
+  const double sign = as_child ? 1.0 : -1.0;
+  fb_node_motion at;
+  fb_real R[9], arm[3], moment[3], own[3];
+  if (!as_child && !(joint->parent == k && joint->parent_node == 0)) {
+    return;
+  }
+  FBT_INT_EQ(fb_body_node_motion_eval(&model[desc.model[child]], &at, &motion.pose[child], &motion.motion[child], node),
+             FB_OK);
+  fb_quat_to_mat33(R, at.quat);
+  fb_mat33_mul_vec3(arm, R, joint->child_position);
+  for (int i = 0; i < 3; i++) {
+    arm[i] += at.position[i] - motion.pose[k].rho[i];
+  }
+  fb_vec3_cross(moment, arm, motion.joint[j].force);
+  for (int i = 0; i < 3; i++) {
+    moment[i] += motion.joint[j].torque[i];
+  }
+  fb_quat_to_mat33(R, motion.pose[k].quat);
+  fb_mat33_mulT_vec3(own, R, motion.joint[j].force);
+  for (int i = 0; i < 3; i++) {
+    F[i] += sign * (double)own[i];
+  }
+  fb_mat33_mulT_vec3(own, R, moment);
+  for (int i = 0; i < 3; i++) {
+    T[i] += sign * (double)own[i];
+  }
+}
+
+static fb_status blow_by_body(fb_line_point *p, int n, fb_real t, void *user)
+{
+  for (int k = 0; k < n; k++) {
+    for (int i = 0; i < 3; i++) {
+      p[k].force[i] = p[k].length * (fb_real)sin(1.0 + 2.0 * i + 3.0 * (double)p[k].x + (double)p[k].body + (double)t);
+      p[k].torque[i] = FB_R(0.3) * p[k].length * (fb_real)cos(2.0 - i + (double)p[k].body);
+    }
+  }
+  (void)user;
+  return FB_OK;
+}
+
+/* Newton and Euler for the hub of every body with a line (flexible: 0.5 kg, 0.02 kg m^2): what its joints and the root of
+   its line exert on it. Only loads that the line hands on from its nodes reach it. */
+static void hubs_are_in_balance(double tol)
+{
+  for (int k = 0; k < desc.n_body; k++) {
+    static fb_line_motion point[FB_MAX_LINE_POINTS];
+    const fb_motion *const own = &motion.motion[k];
+    double F[3] = {0}, T[3] = {0};
+    int n;
+    if (model[desc.model[k]].n == 0) {
+      continue;
+    }
+    FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, k), FB_OK);
+    FBT_INT_EQ(point[0].at.body, k);
+    for (int j = 0; j < desc.n_body + desc.n_loop; j++) {
+      hub_load_add(F, T, k, j);
+    }
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(F[i] + (double)point[0].force[i], 0.5 * (double)own->acceleration[i], tol);
+      FBT_NEAR_ABS(T[i] + (double)point[0].moment[i], 0.02 * (double)own->w_dot[i], tol);
+    }
+  }
+}
+
+/* E14.41 in systems: all kinds of joints on nodes of lines, by elimination, one dense matrix and multipliers, closing a
+   loop forwards and backwards; distributed loads. */
+TEST(internal_loads_of_systems_reach_the_hub)
+{
+  static fb_system_motion first;
+  for (int kind = (int)FB_JOINT_RIGID; kind < (int)FB_JOINT_COUNT; kind++) {
+    const int forms = kind == FB_JOINT_SPHERICAL || axes_of(kind)->tilt >= 0 ? 4 : 5; /* their axes have an order */
+    for (int form = 0; form < forms; form++) {
+      bent_couple((fb_joint_kind)kind, 0, FB_AXIS_FREE);
+      if (form >= 3) {
+        couple_by_a_loop(&first, form == 4);
+      }
+      input.distributed = blow_by_body;
+      init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+      first = form ? first : motion;
+      hubs_are_in_balance(FBT_TOL(2e-6, 2e-2)); /* body: linear terms of the beam; points: of their quadrature */
+    }
+  }
+}
+
+/* A body without lines, rows, numbers of no body. */
+TEST(internal_loads_of_systems_that_are_not_known_are_refused)
+{
+  static fb_line_motion point[FB_MAX_LINE_POINTS];
+  int n = 7;
+  bent_couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
+  rigid(&model[1], 1.0, 0, 0, 0, 1, 1, 1);
+  hang(2, 1, FB_JOINT_REVOLUTE, 0, 1);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, 2), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, 3), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, -1), FB_ERR_CAPACITY);
+  input.rows = on_its_plane;
+  FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, 0), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(n, 7);
+}
+
 SUITE(system_machines, RUN(double_pendulums_of_lines_follow_the_reference), RUN(folded_booms_unfold_as_finer_ones_do),
       RUN(hinged_rotors_turn_as_finer_ones_do), RUN(slider_cranks_turn_as_finer_ones_do),
       RUN(every_joint_on_lines_is_the_same_eliminated_kept_or_closing_a_loop), RUN(rows_hold_nodes_of_lines),
-      RUN(joint_forces_on_lines_carry_what_hangs_on_them), RUN(reactions_on_lines_are_the_sum_of_joint_forces))
+      RUN(joint_forces_on_lines_carry_what_hangs_on_them), RUN(reactions_on_lines_are_the_sum_of_joint_forces),
+      RUN(internal_loads_of_systems_reach_the_hub), RUN(internal_loads_of_systems_that_are_not_known_are_refused))

@@ -55,6 +55,7 @@ static struct world {
   fb_system system, bent_system;
   fb_link_motion link_motion[FB_MAX_BODIES];
   fb_system_state system_state, bent_system_state;
+  fb_system_motion bent_system_motion;
   fb_system_input system_input;
   fb_exact_station exact_station;
   fb_exact_desc exact_desc;
@@ -324,6 +325,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     WORK(system_work), OUT(fb_system_state), IN(system_state), OPTIONAL(system_input))                                 \
   F(fb_system_motion_eval, fb_system_motion_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),   \
     WORK(system_work), OUT(fb_system_motion), IN(system_state), OPTIONAL(system_input))                                \
+  F(fb_system_lines_eval, fb_system_lines_eval(p[0], p[1], p[2], p[3], p[4], p[5], i[0]), 1, MODEL(bent_system),       \
+    MODEL(bent), OUT(line_points), OUT(int), IN(bent_system_motion), OPTIONAL(system_input), WHOLE(0))                 \
   F(fb_system_energy_eval, fb_system_energy_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),   \
     WORK(system_work), OUT(fb_energy), IN(system_state), OPTIONAL(system_input))                                       \
   F(fb_system_momentum_eval, fb_system_momentum_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system),            \
@@ -626,6 +629,8 @@ static void system_fill(void)
   need(fb_system_state_init(&w.system, &w.body, &w.system_state, &system_work, NULL, NULL), "state of the system");
   need(fb_system_init(&w.bent_system, &system_work, &w.bent, &w.system_desc, 1), "system with lines");
   need(fb_system_state_init(&w.bent_system, &w.bent, &w.bent_system_state, &system_work, NULL, NULL), "its state");
+  need(fb_system_motion_eval(&w.bent_system, &w.bent, &system_work, &w.bent_system_motion, &w.bent_system_state, NULL),
+       "its motion");
   w.system_input.n_load = 1;
   w.system_input.load[0].load = w.input.load[0];
   w.system_linear_desc = w.linear_desc;
