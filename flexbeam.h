@@ -1234,6 +1234,7 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
+  fb_real nutation[FB_MAX_BODIES]; /* rotors: frequency of nutation [rad/s] by spin about the joint; others: -1 */
   fb_joint joint[FBI_MAX_JOINTS];
   fb_joint free;
 } fb_system;
@@ -1353,7 +1354,8 @@ typedef struct fbi_link_work {
   fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
-  fb_real spin, acceleration;
+  fb_real spin, nutation,
+      acceleration; /* of step limits; nutation: what a rotor's spin about its joint adds (E11.41) */
 #if FB_WITH_LARGE_DEFLECTION
   fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
 #endif
@@ -1778,6 +1780,18 @@ FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
    0, 0: at rest. For accuracy of the fastest mode take a fifth of it. With lines of large deflection the step's own check
    may allow less, down to a fifth beside hubs much lighter than what bends. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
+
+typedef struct fb_system_limit {
+  fb_real rk4, sdirk; /* [s] longest step that each takes from there; sdirk: FB_HUGE where nothing turns */
+  fb_real spin;       /* [rad/s] rotation that they count: of the body that turns fastest, and nutation by all rotors */
+  int body;           /* that turns fastest */
+} fb_system_limit;
+/* Longest steps from a state, as the steps judge them. Rotors, rigid bodies on a hinge about which they are symmetric,
+   count by the nutation that their spin causes, so that steps may turn them by any angle; not with loads on them, rows,
+   bodies that hang on them or FB_METHOD_MULTIPLIERS. Statuses as of fb_system_rates_eval. */
+FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_limit *limit, const fb_system_state *state,
+                                      const fb_system_input *input);
 #endif
 
 #if FB_WITH_EXACT

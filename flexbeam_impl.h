@@ -11334,6 +11334,7 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   /* models and joints */
   for (int k = 0; sound && k < system->n_body; k++) {
     sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
+            system->nutation[k] >= -FB_R(1.0) && system->nutation[k] <= FB_HUGE &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
   }
   for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
@@ -11370,6 +11371,7 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
     const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
                               system->limit_kept_damping};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), limit, 4, FB_SINGLE);
+    crc = fbi_crc_reals(crc, system->nutation, system->n_body, FB_SINGLE);
   }
 
   /* models */
@@ -14988,16 +14990,39 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
 }
 
-/* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
-   spin of the bodies between it and the root, and from the force on the tree. */
-static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system)
+/* Does anything of the input turn with body k, loads or rows? */
+static int fbi_turns_with(const fb_system_input *input, int k)
 {
+  for (int i = 0; input && i < input->n_load; i++) {
+    if (input->load[i].body == k) {
+      return 1;
+    }
+  }
+  return input && input->rows;
+}
+
+/* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
+   spin of the bodies between it and the root, and from the force on the tree. Of the spin of rotors about their joints
+   only what it adds to the frequencies of the system counts (E11.41); not where loads or rows turn with them. */
+static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system,
+                                  const fb_system_input *input)
+{
+  fb_real nutation = FB_R(0.0);
   *spin = *stiffening = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = w->link[k].model;
     const fbi_link_work *parent = L->parent;
     L->spin = fbi_vec3_norm(L->V + 3);
+    L->nutation = FB_R(0.0);
+    if (system->nutation[k] >= FB_R(0.0) && !fbi_turns_with(input, k)) {
+      const fb_real about = fb_vec3_dot(system->joint[k].A + 3, L->V + 3);
+      fb_real across[3];
+      fbi_vec3_advance(across, L->V + 3, -about, system->joint[k].A + 3);
+      L->spin = fbi_vec3_norm(across);
+      L->nutation = system->nutation[k] * FB_FABS(about);
+      nutation += L->nutation;
+    }
     if (parent) {
       L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
     } else {
@@ -15007,6 +15032,7 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
     *stiffening =
         fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
   }
+  *spin += nutation;
 }
 
 #if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
@@ -15135,6 +15161,42 @@ static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, cons
   return fbi_system_frequency(system, spin, stiffening);
 }
 
+/* Longest step of E11.14 at a spin and stiffening. */
+static fb_real fbi_system_sdirk_limit(const fb_system *system, fb_real spin, fb_real stiffening)
+{
+  const fb_real bound = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiffening + system->limit_kept_elastic));
+  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, system->limit_kept_damping));
+}
+
+FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_limit *limit, const fb_system_state *state,
+                                      const fb_system_input *input)
+{
+  fb_real stiff, most = -FB_R(1.0);
+  fb_system_limit found = {FB_R(0.0), FB_R(0.0), FB_R(0.0), 0};
+  fb_status status;
+  FBI_REQUIRE(system && body && work && limit && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status ? status : fbi_system_rates(work, system, body, &work->rate, state, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_conditions(&found.spin, &stiff, work, system, input);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_real own = work->link[k].spin + work->link[k].nutation;
+    found.body = own > most ? k : found.body;
+    most = fbi_larger(most, own);
+  }
+  found.sdirk = fbi_system_sdirk_limit(system, found.spin, stiff);
+  found.rk4 = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, found.spin, stiff));
+  if (!fbi_is_finite(&found.spin, 1) || !(found.rk4 >= FB_R(0.0)) || !(found.sdirk >= FB_R(0.0))) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *limit = found;
+  return FB_OK;
+}
+
 #if FB_WITH_DETAIL
 /* FB_ERR_STEP with what bounds the step most and the fastest spin: a body's spin, stiffening or modes, a joint's spring
    or damper against what hangs on it (D of the articulated inertia). all: rk4, bounded by modes and joints of the tree,
@@ -15159,7 +15221,7 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
     if (j < system->n_body) {
       const fbi_link_work *L = &w->link[j];
       spin = fbi_larger(spin, L->spin);
-      own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * L->spin;
+      own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * (L->spin + L->nutation);
       own[1] = FB_SQRT(L->model->limit_spin * L->spin * L->spin + L->model->limit_acceleration * L->acceleration +
                        (all ? L->model->limit_elastic : FB_R(0.0)));
       own[2] = all ? L->model->limit_damping : FB_R(0.0);
@@ -15525,7 +15587,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
       fb_real spin, stiff, limit;
-      fbi_system_conditions(&spin, &stiff, work, system);
+      fbi_system_conditions(&spin, &stiff, work, system, start);
       limit = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, spin, stiff));
       status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
     }
@@ -15777,9 +15839,8 @@ static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *sy
   if (status != FB_OK) {
     return status;
   }
-  fbi_system_conditions(&spin, &stiff, w, system);
-  spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
-  limit = fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping));
+  fbi_system_conditions(&spin, &stiff, w, system, start);
+  limit = fbi_system_sdirk_limit(system, spin, stiff);
   status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(w, system, 0, dt, limit);
   (void)fbi_turns_check(w, system, dt, 1);
   return status;
@@ -23462,6 +23523,83 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
   return status;
 }
 
+/* Inertia about its joint's axis of body k, if it is a rotor: rigid, on a hinge through its mass center about which it
+   looks the same at all angles, with nothing that hangs on it or closes a loop; else 0. */
+static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, int k)
+{
+  const fb_joint *const joint = &system->joint[k];
+  const fb_real *const v = joint->A, *const e = v + 3, *const J = body->S0 + 15;
+  const fb_real own[9] = {J[0], J[1], J[2], J[1], J[3], J[4], J[2], J[4], J[5]};
+  fb_real r[3], moved[3], about, across, size = FB_R(0.0), miss = FB_R(0.0), center[9];
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    if (system->joint[j].parent == k || (j >= system->n_body && system->joint[j].child == k)) {
+      return FB_R(0.0);
+    }
+  }
+  if (joint->kind != FB_JOINT_REVOLUTE || system->method == FB_METHOD_MULTIPLIERS || body->n > 0 ||
+      !(body->mass > FB_R(0.0))) {
+    return FB_R(0.0);
+  }
+
+  /* The mass center is on the axis */
+  for (int i = 0; i < 3; i++) {
+    r[i] = body->c[i] / body->mass;
+  }
+  fb_vec3_cross(moved, e, r);
+  for (int i = 0; i < 3; i++) {
+    miss += FB_FABS(moved[i] + v[i]);
+    size += FB_FABS(r[i]) + FB_FABS(v[i]);
+  }
+  if (miss > FBI_ROUNDING * size) {
+    return FB_R(0.0);
+  }
+
+  /* J of the mass center = across (1 - e e^T) + about e e^T */
+  for (int i = 0; i < 9; i++) {
+    center[i] = own[i] + body->mass * r[i / 3] * r[i % 3] - (i % 4 == 0 ? body->mass * fb_vec3_dot(r, r) : FB_R(0.0));
+  }
+  fb_mat33_mul_vec3(moved, center, e);
+  about = fb_vec3_dot(e, moved);
+  across = FB_R(0.5) * (center[0] + center[4] + center[8] - about);
+  miss = size = FB_R(0.0);
+  for (int i = 0; i < 9; i++) {
+    miss += FB_FABS(center[i] - (about - across) * e[i / 3] * e[i % 3] - (i % 4 == 0 ? across : FB_R(0.0)));
+    size += FB_FABS(own[i]);
+  }
+  return miss <= FBI_ROUNDING * size ? about : FB_R(0.0);
+}
+
+/* [E11.41] Frequency of nutation by a rotor's spin s: the gyroscopic torque w x J s e turns what carries it at most by
+   s J lambda, lambda the largest eigenvalue of the mobility of the rotor across its axis, in the mass of the whole system
+   undeformed at zero joint coordinates: it is this that a step has to resolve, not the rotation of a body that looks the
+   same at all angles. -1: not a rotor.
+   Source: Euler's equations of a symmetric body.  Cost: two solutions.  Fails: never.
+   Test: rotors_take_long_steps, rotors_count_by_their_nutation. */
+static fb_status fbi_nutation_eval(fb_system *system, fb_system_work *w, const fb_body *body)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    const fb_real J = fbi_rotor_inertia(system, fbi_model(system, body, k), k), *const axes =
+                                                                                    system->joint[k].child_axes;
+    const fb_real u[2][3] = {{axes[0], axes[3], axes[6]}, {axes[1], axes[4], axes[7]}};
+    fb_real G[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, half;
+    system->nutation[k] = -FB_R(1.0);
+    if (!(J > FB_R(0.0))) {
+      continue;
+    }
+    for (int i = 0; i < 2 && status == FB_OK; i++) {
+      fbi_rhs_clear(w, system, body);
+      fbi_vec3_copy(w->link[k].y + 3, u[i]);
+      status = fbi_speeds_solve(w, system, body);
+      G[i] = fb_vec3_dot(u[i], w->link[k].V + 3);
+      G[2] = fb_vec3_dot(u[0], w->link[k].V + 3);
+    }
+    half = FB_R(0.5) * (G[0] - G[1]);
+    system->nutation[k] = J * (FB_R(0.5) * (G[0] + G[1]) + FB_SQRT(half * half + G[2] * G[2]));
+  }
+  return status;
+}
+
 /* Limits by springs and dampers of joints that multipliers enforce (kept): each axis adds its stiffness times the
    mobility along it; the sum is an upper bound. */
 static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_body *body)
@@ -23636,6 +23774,7 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
+  status = status == FB_OK ? fbi_nutation_eval(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
   }

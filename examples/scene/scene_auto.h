@@ -129,7 +129,7 @@ static void scene_note_body(const scene *s, int k)
     size += m->w[i] * m->w[i];
     felt += a * a;
   }
-  automatic.spin = fmax(automatic.spin, sqrt((double)size));
+  automatic.spin = scene_is_system(s) ? automatic.spin : fmax(automatic.spin, sqrt((double)size));
   automatic.acceleration = fmax(automatic.acceleration, sqrt((double)felt));
 }
 
@@ -179,9 +179,20 @@ static void scene_note_nothing(const scene *s)
   automatic.spin = automatic.acceleration = 0;
 }
 
+/* The rotation that the steps of a system are to resolve: that of rotors is not. */
+static fb_status scene_note_spin(const scene *s)
+{
+  fb_system_limit limit;
+  const fb_status status = fb_system_limit_eval(&engine.system, engine.body, &engine.system_work, &limit,
+                                                &engine.system_state, &engine.system_at[0]);
+  automatic.spin = status == FB_OK ? fmax(automatic.spin, (double)limit.spin) : automatic.spin;
+  return status;
+}
+
 static fb_status scene_note(const scene *s, double t)
 {
-  const fb_status status = scene_look(s, t);
+  fb_status status = scene_look(s, t);
+  status = status == FB_OK && scene_is_system(s) ? scene_note_spin(s) : status;
   for (int b = 0; b < s->n_body && status == FB_OK; b++) {
     scene_note_body(s, b);
   }

@@ -369,6 +369,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_system_sdirk_step, fb_system_sdirk_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0], i[0]), 1, MODEL(system),      \
     MODEL(body), STATE(system_state), WORK(system_work), IN(system_input), IN(system_input), REAL(FB_R(0.001)),        \
     WHOLE(2))                                                                                                          \
+  F(fb_system_limit_eval, fb_system_limit_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),     \
+    WORK(system_work), OUT(fb_system_limit), IN(system_state), OPTIONAL(system_input))                                 \
   F(fb_system_rk4_limit, give(fb_system_rk4_limit(p[0], p[1], x[0], x[1])), 0, MODEL(system), MODEL(body), REAL(1),    \
     REAL(1))                                                                                                           \
   F(fb_exact_step, fb_exact_step(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(exact), STATE(exact_state), WORK(exact_work), \
