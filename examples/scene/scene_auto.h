@@ -180,7 +180,7 @@ static void scene_note_nothing(const scene *s)
 }
 
 /* The rotation that the steps of a system are to resolve: that of rotors is not. */
-static fb_status scene_note_spin(const scene *s)
+static fb_status scene_note_spin(void)
 {
   fb_system_limit limit;
   const fb_status status = fb_system_limit_eval(&engine.system, engine.body, &engine.system_work, &limit,
@@ -192,7 +192,7 @@ static fb_status scene_note_spin(const scene *s)
 static fb_status scene_note(const scene *s, double t)
 {
   fb_status status = scene_look(s, t);
-  status = status == FB_OK && scene_is_system(s) ? scene_note_spin(s) : status;
+  status = status == FB_OK && scene_is_system(s) ? scene_note_spin() : status;
   for (int b = 0; b < s->n_body && status == FB_OK; b++) {
     scene_note_body(s, b);
   }
