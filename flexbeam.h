@@ -161,14 +161,14 @@
      fb_rk4_work                 54584
      fb_implicit_work            62584
      fb_exponential_work         57160
-     fb_system_work             608272
+     fb_system_work             608336
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               426272
      fb_build_work             4290696  most of it an fb_modes_work
      fb_analyse_work           1288592
-     fb_system_analyse_work    1934080
+     fb_system_analyse_work    1934144
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
@@ -1112,7 +1112,8 @@ typedef struct fb_line_motion {
    point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
    computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
    input are those of fb_body_motion_eval at state.
-   FB_ERR_UNSUPPORTED: a body without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
+   FB_ERR_UNSUPPORTED: a body without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n
+   are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
 #endif
@@ -1231,6 +1232,7 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
+  int has_rotors;             /* of some body nutation below is not -1 */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
@@ -1354,8 +1356,7 @@ typedef struct fbi_link_work {
   fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
-  fb_real spin, nutation,
-      acceleration; /* of step limits; nutation: what a rotor's spin about its joint adds (E11.41) */
+  fb_real spin, acceleration;
 #if FB_WITH_LARGE_DEFLECTION
   fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
 #endif
@@ -1758,9 +1759,9 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 
 /* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
-   at zero joint coordinates or, with lines of large deflection, as it is bent if that is higher; spin, stiffening), or a body turns faster or slower within it by more than half a radian;
-   FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
-   fb_rk4_step. On failure state is as before the call.
+   at zero joint coordinates or, with lines of large deflection, as it is bent if that is higher; spin, of rotors
+   nutation; stiffening), or a body turns faster or slower within it by more than half a radian; FB_ERR_UNDETERMINED,
+   FB_ERR_CONTRADICTION: work->joint; else as fb_rk4_step. On failure state is as before the call.
    FB_ERR_CONTRADICTION is also a prescribed axis whose value is the same at the start and the end of the step while its
    rates there have the same sign (of different inputs: one that is held over the step does not tell). Let value and
    rate belong together, with rate 0 where the value stays. */

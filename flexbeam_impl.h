@@ -6386,8 +6386,8 @@ static fb_status fbi_cut_eval(const fb_body *body, fb_line_motion *point, int *n
   return FB_OK;
 }
 
-/* Of what a model is to have */
-static fb_status fbi_refuse_no_lines(const fb_body *body)
+/* Internal loads are of lines. */
+static fb_status fbi_lines_required(const fb_body *body)
 {
   return fbi_is_large(body)
              ? FB_OK
@@ -6400,7 +6400,7 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   fbi_cut_load_set acts = {NULL, 0, 0, NULL, FB_R(0.0), NULL};
   fb_status status;
   FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
-  status = fbi_refuse_no_lines(body);
+  status = fbi_lines_required(body);
   status = status ? status : fbi_input_check(body, input);
   if (status == FB_OK && input) {
     acts.load = input->load;
@@ -11150,7 +11150,7 @@ FB_DEF fb_status fb_system_lines_eval(const fb_system *system, const fb_body *bo
   fb_status status;
   FBI_REQUIRE(system && body && point && n && motion, FB_ERR_NULL);
   FBI_REQUIRE(k >= 0 && k < system->n_body, FB_ERR_CAPACITY);
-  status = fbi_refuse_no_lines(fbi_model(system, body, k));
+  status = fbi_lines_required(fbi_model(system, body, k));
   status = status ? status : fbi_system_input_check(system, body, input);
   if (status == FB_OK && input && input->rows) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: no rows, whose forces the motion does not hold", -1, FB_R(0.0),
@@ -11327,8 +11327,8 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
     const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
                               system->limit_kept_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE &&
-            system->free.n_axis == 6 && system->free.parent == FB_GROUND;
+            fbi_is_flag(system->has_rotors) && fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) &&
+            system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 && system->free.parent == FB_GROUND;
   }
 
   /* models and joints */
@@ -11367,10 +11367,11 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 
   /* options and limits */
   {
-    const int whole[5] = {system->n_body, system->n_loop, (int)system->method, system->allow_long_step, system->tied};
+    const int whole[6] = {system->n_body,          system->n_loop, (int)system->method,
+                          system->allow_long_step, system->tied,   system->has_rotors};
     const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
                               system->limit_kept_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), limit, 4, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 6), limit, 4, FB_SINGLE);
     crc = fbi_crc_reals(crc, system->nutation, system->n_body, FB_SINGLE);
   }
 
@@ -15001,28 +15002,39 @@ static int fbi_turns_with(const fb_system_input *input, int k)
   return input && input->rows;
 }
 
+/* The spin that counts (E11.41): the fastest of the bodies, of rotors across their axes, and the nutation of all of
+   them. L.spin of a rotor becomes what it contributes. */
+static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *system, const fb_system_input *input)
+{
+  fb_real most = FB_R(0.0), nutation = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    if (system->nutation[k] >= FB_R(0.0) && !fbi_turns_with(input, k)) {
+      const fb_real about = fb_vec3_dot(system->joint[k].A + 3, L->V + 3);
+      fb_real across[3];
+      fbi_vec3_advance(across, L->V + 3, -about, system->joint[k].A + 3);
+      L->spin = fbi_vec3_norm(across);
+      most = fbi_larger(most, L->spin);
+      L->spin += system->nutation[k] * FB_FABS(about);
+      nutation += system->nutation[k] * FB_FABS(about);
+    } else {
+      most = fbi_larger(most, L->spin);
+    }
+  }
+  return most + nutation;
+}
+
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
-   spin of the bodies between it and the root, and from the force on the tree. Of the spin of rotors about their joints
-   only what it adds to the frequencies of the system counts (E11.41); not where loads or rows turn with them. */
-static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system,
+   spin of the bodies between it and the root, and from the force on the tree. */
+static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system,
                                   const fb_system_input *input)
 {
-  fb_real nutation = FB_R(0.0);
   *spin = *stiffening = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = w->link[k].model;
     const fbi_link_work *parent = L->parent;
     L->spin = fbi_vec3_norm(L->V + 3);
-    L->nutation = FB_R(0.0);
-    if (system->nutation[k] >= FB_R(0.0) && !fbi_turns_with(input, k)) {
-      const fb_real about = fb_vec3_dot(system->joint[k].A + 3, L->V + 3);
-      fb_real across[3];
-      fbi_vec3_advance(across, L->V + 3, -about, system->joint[k].A + 3);
-      L->spin = fbi_vec3_norm(across);
-      L->nutation = system->nutation[k] * FB_FABS(about);
-      nutation += L->nutation;
-    }
     if (parent) {
       L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
     } else {
@@ -15032,7 +15044,9 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
     *stiffening =
         fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
   }
-  *spin += nutation;
+  if (system->has_rotors) {
+    *spin = fbi_rotors_spin(w, system, input);
+  }
 }
 
 #if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
@@ -15184,9 +15198,8 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
   }
   fbi_system_conditions(&found.spin, &stiff, work, system, input);
   for (int k = 0; k < system->n_body; k++) {
-    const fb_real own = work->link[k].spin + work->link[k].nutation;
-    found.body = own > most ? k : found.body;
-    most = fbi_larger(most, own);
+    found.body = work->link[k].spin > most ? k : found.body;
+    most = fbi_larger(most, work->link[k].spin);
   }
   found.sdirk = fbi_system_sdirk_limit(system, found.spin, stiff);
   found.rk4 = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, found.spin, stiff));
@@ -15221,7 +15234,7 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
     if (j < system->n_body) {
       const fbi_link_work *L = &w->link[j];
       spin = fbi_larger(spin, L->spin);
-      own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * (L->spin + L->nutation);
+      own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * L->spin;
       own[1] = FB_SQRT(L->model->limit_spin * L->spin * L->spin + L->model->limit_acceleration * L->acceleration +
                        (all ? L->model->limit_elastic : FB_R(0.0)));
       own[2] = all ? L->model->limit_damping : FB_R(0.0);
@@ -23595,6 +23608,7 @@ static fb_status fbi_nutation_eval(fb_system *system, fb_system_work *w, const f
       G[2] = fb_vec3_dot(u[0], w->link[k].V + 3);
     }
     half = FB_R(0.5) * (G[0] - G[1]);
+    system->has_rotors = 1;
     system->nutation[k] = J * (FB_R(0.5) * (G[0] + G[1]) + FB_SQRT(half * half + G[2] * G[2]));
   }
   return status;

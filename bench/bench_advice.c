@@ -1,7 +1,8 @@
 /* bench_advice.c - whether what the library advises is right: the eight scenes of case.h, as they are and with sizes
-   drawn at random, and two of them bent far, each with three tolerances. Judged against all runs of ladder.h: is the tolerance met, how does the
-   time compare with the cheapest run that meets it, and does leaving out an effect, or a mode, miss it. Advised: by
-   fb_advice_solve, without simulation; found: by fb_advice_search against the same reference. */
+   drawn at random, and two of them bent far, each with three tolerances. Judged against all runs of ladder.h: is the
+   tolerance met, how does the time compare with the cheapest run that meets it, and does leaving out an effect, or a
+   mode, miss it. Advised: by fb_advice_solve, without simulation; found: by fb_advice_search against the same
+   reference. */
 #define _POSIX_C_SOURCE 200112L
 #define FB_MAX_EXACT 64
 #define FB_MAX_MODES 20

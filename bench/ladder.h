@@ -51,6 +51,7 @@ static const fbb_level fbb_levels[] = {
 static fbb_entry fbb_entries[FBB_MAX_ENTRIES];
 static int fbb_n_entry;
 static fbb_history fbb_reference;
+static int fbb_quick; /* every other step, and no fewer than 3 points more than modes */
 
 static void fbb_record(const fbb_entry *e, const fbb_history *h)
 {
@@ -159,7 +160,7 @@ static void fbb_climb_steps(const fbb_case *c, const fb_body *body, fbb_entry *e
   static const int halves[] = {2, 3, 4, 6, 8, 12, 16};
   for (int integrator = 0; integrator < (int)FB_INTEGRATOR_COUNT; integrator++) {
     const int first = integrator == FB_INTEGRATOR_RK4 ? fewest : 1;
-    for (int k = 0, steps = 0; k < FBB_COUNT(halves) && steps < 4 * fewest; k++) {
+    for (int k = 0, steps = 0; k < FBB_COUNT(halves) && steps < 4 * fewest; k += 1 + fbb_quick) {
       const int before = steps;
       steps = (first * halves[k] + 1) / 2;
       if (steps == before) {
@@ -228,7 +229,7 @@ static const fbb_level fbb_large = {"large", FBB_LARGE, FB_EFFECTS_LARGE};
 static void fbb_climb_points(const fbb_case *c, const fbb_basis *basis)
 {
   static const int more[] = {2, 3, 5, 7};
-  for (int k = 0; k < FBB_COUNT(more); k++) {
+  for (int k = fbb_quick; k < FBB_COUNT(more); k++) {
     fbb_basis b = *basis;
     b.points = (b.y > b.z ? b.y : b.z) + more[k];
     fbb_climb_body(c, &fbb_large, &b);
@@ -286,14 +287,15 @@ static int fbb_by_cost(const void *a, const void *b)
   return (x > y) - (x < y);
 }
 
-/* All of it, by cost, against the exact beam; `quick`: against the second reference, which takes seconds where the exact
-   beam takes up to a minute. Returns how far the exact beam is estimated to be off; second_off: how far the second
-   reference is from it. */
+/* All of it, by cost, against the exact beam; `quick`: less of it, against the second reference, which takes seconds
+   where the exact beam takes up to a minute. Returns how far the exact beam is estimated to be off; second_off: how
+   far the second reference is from it. */
 static double fbb_climb(double *second_off, const fbb_case *c, int quick)
 {
   static fbb_history second;
   double off = 0.0;
   fbb_n_entry = 0;
+  fbb_quick = quick;
   fbb_second_make(&second, c);
   fbb_reference = second;
   if (!quick) {

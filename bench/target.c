@@ -98,8 +98,8 @@ static void begin(const char *integrator)
   most = 0;
 }
 
-/* The first step of an integrator is not counted: the emulator translates its code there, and adds up to 4 instructions that
-   a trace does not show. */
+/* The first step of an integrator is not counted: the emulator translates its code there, and adds up to 4
+   instructions that a trace does not show. */
 static void counted(int step)
 {
   const uint32_t count = board_count();

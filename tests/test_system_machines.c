@@ -464,7 +464,7 @@ TEST(reactions_on_lines_are_the_sum_of_joint_forces)
   }
 }
 
-/* Joint j's force and torque about O of body k in its axes, as it acts on that body's hub; nothing: on none of its joints */
+/* F, T += force and torque about O of body k, in its axes, of joint j on that body's hub, if it is there */
 static void hub_load_add(double F[3], double T[3], int k, int j)
 {
   const int loop = j >= desc.n_body, child = loop ? desc.loop[j - desc.n_body].child : j;
