@@ -1232,11 +1232,11 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  int has_rotors;             /* of some body nutation below is not -1 */
+  int has_rotors;
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
-  fb_real nutation[FB_MAX_BODIES]; /* rotors: frequency of nutation [rad/s] by spin about the joint; others: -1 */
+  fb_real rotor[FB_MAX_BODIES]; /* [kg m^2] inertia about the hinge of what looks the same at all its angles, else 0 */
   fb_joint joint[FBI_MAX_JOINTS];
   fb_joint free;
 } fb_system;
@@ -1357,6 +1357,7 @@ typedef struct fbi_link_work {
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
   fb_real spin, acceleration;
+  int round; /* counts as a rotor in this step */
 #if FB_WITH_LARGE_DEFLECTION
   fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
 #endif
@@ -1778,8 +1779,9 @@ FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
 /* Largest stable step [s] of rk4 for the system, undeformed, at a spin [rad/s] and acceleration [m/s^2] of all of it;
-   0, 0: at rest. For accuracy of the fastest mode take a fifth of it. With lines of large deflection the step's own check
-   may allow less, down to a fifth beside hubs much lighter than what bends. */
+   0, 0: at rest. The spin of wheels about their hinges is none of all: fb_system_limit_eval counts it as it is. For
+   accuracy of the fastest mode take a fifth of it. With lines of large deflection the step's own check may allow less,
+   down to a fifth beside hubs much lighter than what bends. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 
 typedef struct fb_system_limit {
@@ -1787,9 +1789,10 @@ typedef struct fb_system_limit {
   fb_real spin;       /* [rad/s] rotation that they count: of the body that turns fastest, and nutation by all rotors */
   int body;           /* that turns fastest */
 } fb_system_limit;
-/* Longest steps from a state, as the steps judge them. Rotors, rigid bodies on a hinge about which they are symmetric,
-   count by the nutation that their spin causes, so that steps may turn them by any angle; not with loads on them, rows,
-   bodies that hang on them or FB_METHOD_MULTIPLIERS. Statuses as of fb_system_rates_eval. */
+/* Longest steps from a state, as the steps judge them. Rotors count by the nutation that their spin causes, so that
+   steps may turn them by any angle. They are rigid bodies on a hinge through their mass center about which their
+   inertia is the same all around to 1e-6, without loads on them (gravity is none), rows, bodies that hang on them or
+   FB_METHOD_MULTIPLIERS. Statuses as of fb_system_rates_eval. */
 FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_limit *limit, const fb_system_state *state,
                                       const fb_system_input *input);

@@ -10308,7 +10308,8 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
       deflection += model->reach[a] * FB_FABS(state->link[k].q[a]);
     }
     if (!(deflection <= model->deflection_limit)) {
-      return FB_ERR_RANGE;
+      return FBI_REFUSE(FB_ERR_RANGE, "body: sum of modal deflections [m], deflection_limit, at most", k, deflection,
+                        model->deflection_limit);
     }
 #if FB_WITH_LARGE_DEFLECTION
     if (fbi_is_large(model)) {
@@ -11334,7 +11335,7 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   /* models and joints */
   for (int k = 0; sound && k < system->n_body; k++) {
     sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
-            system->nutation[k] >= -FB_R(1.0) && system->nutation[k] <= FB_HUGE &&
+            system->rotor[k] >= FB_R(0.0) && system->rotor[k] <= FB_HUGE &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
   }
   for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
@@ -11372,7 +11373,7 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
     const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
                               system->limit_kept_damping};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 6), limit, 4, FB_SINGLE);
-    crc = fbi_crc_reals(crc, system->nutation, system->n_body, FB_SINGLE);
+    crc = fbi_crc_reals(crc, system->rotor, system->n_body, FB_SINGLE);
   }
 
   /* models */
@@ -14953,19 +14954,27 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
   }
 }
 
+/* E11.26 of a body; of a rotor about its axis: across it turns with what carries it. */
+static FBI_NOINLINE fb_status fbi_rotor_turn_check(const fbi_link_work *L, const fb_joint *joint, fb_real dt)
+{
+  const fb_real *const e = joint->A + 3;
+  const fb_real before[3] = {fb_vec3_dot(e, L->turn), FB_R(0.0), FB_R(0.0)};
+  const fb_real now[3] = {fb_vec3_dot(e, L->V + 3), FB_R(0.0), FB_R(0.0)};
+  return L->round ? fbi_turn_check(before, now, dt) : fbi_turn_check(L->turn, L->V + 3, dt);
+}
+
 /* E11.26 for all bodies. begin: stores the angular velocities of the start. */
 static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
 {
   fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    if (begin) {
-      fbi_vec3_copy(L->turn, L->V + 3);
-    }
-    if (status == FB_OK) {
-      status = fbi_turn_check(L->turn, L->V + 3, dt);
-      FBI_DETAIL_INDEX(status, k);
-    }
+  for (int k = 0; k < system->n_body && begin; k++) {
+    fbi_vec3_copy(w->link[k].turn, w->link[k].V + 3);
+  }
+  for (int k = 0; k < system->n_body && status == FB_OK && !begin; k++) {
+    const fbi_link_work *L = &w->link[k];
+    status =
+        system->has_rotors ? fbi_rotor_turn_check(L, &system->joint[k], dt) : fbi_turn_check(L->turn, L->V + 3, dt);
+    FBI_DETAIL_INDEX(status, k);
   }
   return status;
 }
@@ -14991,43 +15000,79 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
 }
 
-/* Does anything of the input turn with body k, loads or rows? */
-static int fbi_turns_with(const fb_system_input *input, int k)
+/* Does anything of the inputs of a step turn with body k, loads or rows? */
+static int fbi_turns_with(const fb_system_input *const input[3], int k)
 {
-  for (int i = 0; input && i < input->n_load; i++) {
-    if (input->load[i].body == k) {
-      return 1;
+  int turns = 0;
+  for (int stage = 0; stage < 3; stage++) {
+    for (int i = 0; input[stage] && i < input[stage]->n_load; i++) {
+      turns |= input[stage]->load[i].body == k;
     }
+    turns |= input[stage] && input[stage]->rows;
   }
-  return input && input->rows;
+  return turns;
 }
 
-/* The spin that counts (E11.41): the fastest of the bodies, of rotors across their axes, and the nutation of all of
-   them. L.spin of a rotor becomes what it contributes. */
-static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *system, const fb_system_input *input)
+/* [E11.41] Frequency of nutation by a rotor's spin s: the gyroscopic torque w x J s e turns what carries it at most by
+   s J lambda, lambda the largest eigenvalue of the mobility of rotor k across its axis, in the mass of the whole system
+   as placed, whose factors are at hand: it is this that a step has to resolve, not the rotation of a body that looks the
+   same at all angles. The result is J lambda; velocities V of the bodies are kept.
+   Source: Euler's equations of a symmetric body.  Cost: two solutions.  Fails: never, FB_HUGE without mobility.
+   Test: gyrostats_nutate_as_in_closed_form, rotors_count_by_their_nutation. */
+static fb_real fbi_nutation(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
 {
-  fb_real most = FB_R(0.0), nutation = FB_R(0.0);
+  const fb_real *const axes = system->joint[k].child_axes;
+  const fb_real u[2][3] = {{axes[0], axes[3], axes[6]}, {axes[1], axes[4], axes[7]}};
+  fb_real G[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, half;
+  fb_status status = FB_OK;
+  for (int l = 0; l < system->n_body; l++) {
+    fbi_vec6_copy(w->link[l].twist, w->link[l].V);
+  }
+  for (int i = 0; i < 2 && status == FB_OK; i++) {
+    fbi_rhs_clear(w, system, body);
+    fbi_vec3_copy(w->link[k].y + 3, u[i]);
+    status = fbi_speeds_solve(w, system, body);
+    G[i] = fb_vec3_dot(u[i], w->link[k].V + 3);
+    G[2] = fb_vec3_dot(u[0], w->link[k].V + 3);
+  }
+  for (int l = 0; l < system->n_body; l++) {
+    fbi_vec6_copy(w->link[l].V, w->link[l].twist);
+  }
+  half = FB_R(0.5) * (G[0] - G[1]);
+  return status == FB_OK ? system->rotor[k] * (FB_R(0.5) * (G[0] + G[1]) + FB_SQRT(half * half + G[2] * G[2]))
+                         : FB_HUGE;
+}
+
+/* The spin that counts: the fastest of the bodies, of rotors across their axes, and the nutation of all of them. L.spin
+   of a rotor becomes what it contributes. */
+static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                            const fb_system_input *const input[3])
+{
+  fb_real most = FB_R(0.0), all = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    if (system->nutation[k] >= FB_R(0.0) && !fbi_turns_with(input, k)) {
+    L->round = system->rotor[k] > FB_R(0.0) && !fbi_turns_with(input, k);
+    if (L->round) {
       const fb_real about = fb_vec3_dot(system->joint[k].A + 3, L->V + 3);
+      const fb_real nutation = fbi_nutation(w, system, body, k) * FB_FABS(about);
       fb_real across[3];
       fbi_vec3_advance(across, L->V + 3, -about, system->joint[k].A + 3);
       L->spin = fbi_vec3_norm(across);
       most = fbi_larger(most, L->spin);
-      L->spin += system->nutation[k] * FB_FABS(about);
-      nutation += system->nutation[k] * FB_FABS(about);
+      L->spin += nutation;
+      all += nutation;
     } else {
       most = fbi_larger(most, L->spin);
     }
   }
-  return most + nutation;
+  return most + all;
 }
 
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
    spin of the bodies between it and the root, and from the force on the tree. */
-static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system,
-                                  const fb_system_input *input)
+static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w,
+                                             const fb_system *system, const fb_body *body,
+                                             const fb_system_input *const input[3])
 {
   *spin = *stiffening = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
@@ -15045,7 +15090,7 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
         fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
   }
   if (system->has_rotors) {
-    *spin = fbi_rotors_spin(w, system, input);
+    *spin = fbi_rotors_spin(w, system, body, input);
   }
 }
 
@@ -15186,6 +15231,7 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
                                       fb_system_limit *limit, const fb_system_state *state,
                                       const fb_system_input *input)
 {
+  const fb_system_input *const of_step[3] = {input, NULL, NULL};
   fb_real stiff, most = -FB_R(1.0);
   fb_system_limit found = {FB_R(0.0), FB_R(0.0), FB_R(0.0), 0};
   fb_status status;
@@ -15196,7 +15242,7 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
-  fbi_system_conditions(&found.spin, &stiff, work, system, input);
+  fbi_system_conditions(&found.spin, &stiff, work, system, body, of_step);
   for (int k = 0; k < system->n_body; k++) {
     found.body = work->link[k].spin > most ? k : found.body;
     most = fbi_larger(most, work->link[k].spin);
@@ -15599,8 +15645,9 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
+      const fb_system_input *const of_step[3] = {start, middle, end};
       fb_real spin, stiff, limit;
-      fbi_system_conditions(&spin, &stiff, work, system, start);
+      fbi_system_conditions(&spin, &stiff, work, system, body, of_step);
       limit = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, spin, stiff));
       status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
     }
@@ -15736,7 +15783,7 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
     if (fbi_is_ball(joint->kind)) {
       sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
     } else {
-      for (int j = 0; j < joint->n_axis; j++) {
+      for (int j = 0; j < joint->n_axis && !(system->rotor[i] > FB_R(0.0)); j++) { /* rotors turn by any angle */
         const fb_real move = fbi_axis_slides(joint, j) ? size * x->x[j] : x->x[j];
         sum += move * move;
       }
@@ -15847,12 +15894,13 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
 static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *start, fb_real dt)
 {
+  const fb_system_input *const of_step[3] = {start, NULL, NULL}; /* loads of its end are at the same places */
   fb_real spin, stiff, limit;
   fb_status status = fbi_system_rates(w, system, body, &w->first, state, state, start);
   if (status != FB_OK) {
     return status;
   }
-  fbi_system_conditions(&spin, &stiff, w, system, start);
+  fbi_system_conditions(&spin, &stiff, w, system, body, of_step);
   limit = fbi_system_sdirk_limit(system, spin, stiff);
   status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(w, system, 0, dt, limit);
   (void)fbi_turns_check(w, system, dt, 1);
@@ -23563,7 +23611,7 @@ static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, i
     miss += FB_FABS(moved[i] + v[i]);
     size += FB_FABS(r[i]) + FB_FABS(v[i]);
   }
-  if (miss > FBI_ROUNDING * size) {
+  if (miss > FB_R(16.0) * FB_EPSILON * size) {
     return FB_R(0.0);
   }
 
@@ -23577,41 +23625,10 @@ static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, i
   miss = size = FB_R(0.0);
   for (int i = 0; i < 9; i++) {
     miss += FB_FABS(center[i] - (about - across) * e[i / 3] * e[i % 3] - (i % 4 == 0 ? across : FB_R(0.0)));
-    size += FB_FABS(own[i]);
+    size += FB_FABS(center[i]);
   }
-  return miss <= FBI_ROUNDING * size ? about : FB_R(0.0);
-}
-
-/* [E11.41] Frequency of nutation by a rotor's spin s: the gyroscopic torque w x J s e turns what carries it at most by
-   s J lambda, lambda the largest eigenvalue of the mobility of the rotor across its axis, in the mass of the whole system
-   undeformed at zero joint coordinates: it is this that a step has to resolve, not the rotation of a body that looks the
-   same at all angles. -1: not a rotor.
-   Source: Euler's equations of a symmetric body.  Cost: two solutions.  Fails: never.
-   Test: rotors_take_long_steps, rotors_count_by_their_nutation. */
-static fb_status fbi_nutation_eval(fb_system *system, fb_system_work *w, const fb_body *body)
-{
-  fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    const fb_real J = fbi_rotor_inertia(system, fbi_model(system, body, k), k), *const axes =
-                                                                                    system->joint[k].child_axes;
-    const fb_real u[2][3] = {{axes[0], axes[3], axes[6]}, {axes[1], axes[4], axes[7]}};
-    fb_real G[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, half;
-    system->nutation[k] = -FB_R(1.0);
-    if (!(J > FB_R(0.0))) {
-      continue;
-    }
-    for (int i = 0; i < 2 && status == FB_OK; i++) {
-      fbi_rhs_clear(w, system, body);
-      fbi_vec3_copy(w->link[k].y + 3, u[i]);
-      status = fbi_speeds_solve(w, system, body);
-      G[i] = fb_vec3_dot(u[i], w->link[k].V + 3);
-      G[2] = fb_vec3_dot(u[0], w->link[k].V + 3);
-    }
-    half = FB_R(0.5) * (G[0] - G[1]);
-    system->has_rotors = 1;
-    system->nutation[k] = J * (FB_R(0.5) * (G[0] + G[1]) + FB_SQRT(half * half + G[2] * G[2]));
-  }
-  return status;
+  fbi_vec3_add(moved, -about, e); /* products of inertia with the axis: a torque by the square of the spin */
+  return fbi_vec3_norm(moved) <= FBI_ROUNDING * size && miss <= FB_R(1e-6) * size ? about : FB_R(0.0);
 }
 
 /* Limits by springs and dampers of joints that multipliers enforce (kept): each axis adds its stiffness times the
@@ -23726,6 +23743,11 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
     out->tied = tied > out->tied ? tied : out->tied;
   }
 
+  for (int k = 0; k < desc->n_body; k++) {
+    out->rotor[k] = fbi_rotor_inertia(out, fbi_model(out, body, k), k);
+    out->has_rotors |= out->rotor[k] > FB_R(0.0);
+  }
+
   /* The joint of every body when multipliers enforce all joints */
   out->free.kind = FB_JOINT_FREE;
   out->free.parent = FB_GROUND;
@@ -23788,7 +23810,6 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
-  status = status == FB_OK ? fbi_nutation_eval(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
   }
@@ -25884,10 +25905,27 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
   return status;
 }
 
+/* Longest correction of Newton's method, relative to the size of the body or in radians: beams that loads bend far
+   stiffen on the way, and the tangent of the unbent ones leads out of the range of the model. */
+static fb_real fbi_trim_reach(const fbi_subject *s)
+{
+#if FB_WITH_SYSTEM
+  int large = 0;
+  for (int k = 0; s->system && k < s->system->n_body; k++) {
+    large |= fbi_is_large(fbi_model(s->system, s->body, k));
+  }
+  large |= !s->system && fbi_is_large(s->body);
+  return large ? FB_R(0.5) : FB_HUGE;
+#else
+  return fbi_is_large(s->body) ? FB_R(0.5) : FB_HUGE;
+#endif
+}
+
 /* Newton's method for f = 0 in n unknowns. change: the last correction relative to the size of the body, or in radians;
    the iteration ends when it is round-off. */
 static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
 {
+  const fb_real reach = fbi_trim_reach(s);
   fb_status status = FB_OK;
   *change = FB_R(1.0);
   for (int step = 0; step < 40 && *change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
@@ -25908,7 +25946,9 @@ static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_
     }
     for (int j = 0; j < n && status == FB_OK; j++) {
       *change = fbi_larger(*change, FB_FABS(work->column[j]) * FBI_DIFFERENCE / work->step[j]);
-      status = fbi_subject_move(s, j, -work->column[j]);
+    }
+    for (int j = 0; j < n && status == FB_OK; j++) {
+      status = fbi_subject_move(s, j, -work->column[j] / fbi_larger(FB_R(1.0), *change / reach));
     }
   }
   return status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));

@@ -484,8 +484,29 @@ TEST(rotations_of_half_a_turn_have_linear_models)
   }
 }
 
+/* E12.1: a dead tip force P of 10 and 40 EI/L^2 finds its steady state from the straight line at once. The elastica's
+   first integral ties tip angle and place: (P x)^2/(2 EI) = P sin phi. */
+TEST(trims_reach_far_from_the_straight_line)
+{
+  for (int k = 0; k < 2; k++) {
+    const double P = k ? 40.0 : 10.0;
+    fb_real R[9];
+    unit_line(0, 6);
+    load_mode(2);
+    line_body(0.0);
+    load_tip(FB_AXES_INERTIAL, 0.0, 0.0, P);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &tip, &state, &motion, 1), FB_OK);
+    fb_quat_to_mat33(R, tip.quat);
+    FBT_NEAR_REL(0.5 * P * pow((double)tip.position[0], 2.0), (double)R[6], 2e-3);
+    FBT_TRUE((double)tip.position[2] > (k ? 0.90 : 0.81));
+  }
+}
+
 SUITE(analyse_lines, RUN(cantilevers_bend_under_their_weight_as_exact_beams),
       RUN(spinning_blades_have_the_frequencies_of_exact_beams), RUN(columns_under_follower_forces_flutter_as_beck_says),
       RUN(columns_buckle_as_euler_says), RUN(deep_cantilevers_tip_over_at_prandtls_load), RUN(trimmed_spins_are_steady),
       RUN(distributed_drag_damps_modes_in_closed_form), RUN(shafts_of_lines_whirl_as_in_closed_form),
-      RUN(linear_models_of_bent_lines_answer_as_trims_do), RUN(rotations_of_half_a_turn_have_linear_models))
+      RUN(linear_models_of_bent_lines_answer_as_trims_do), RUN(rotations_of_half_a_turn_have_linear_models),
+      RUN(trims_reach_far_from_the_straight_line))

@@ -153,7 +153,9 @@ static void scene_read_output(text_file *t, scene *s)
   output.quantity = (scene_quantity)text_choice(t, "an output", names);
   if (s->is_exact ? !exact_has(output.quantity)
                   : output.quantity == SCENE_INTERNAL_FORCE || output.quantity == SCENE_INTERNAL_MOMENT) {
-    text_fail(t, s->is_exact ? "an exact beam has no output %s" : "%s is an output of exact beams",
+    text_fail(t,
+              s->is_exact ? "an exact beam has no output %s"
+                          : "%s is an output of exact beams (bodies: reaction_force, reaction_torque, strain)",
               names[output.quantity]);
   }
   scene_unit(s, &output, scene_quantities[output.quantity].unit);
