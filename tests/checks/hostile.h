@@ -133,6 +133,10 @@ static int give(fb_real value)
   {                                  \
     &w.field, sizeof w.field, 'b', 0 \
   }
+#define BUILT_TO(field, type, work)        \
+  {                                        \
+    &w.field, offsetof(type, work), 'b', 0 \
+  } /* the rest is scratch */
 #define SPOILED(field)               \
   {                                  \
     &w.field, sizeof w.field, 'x', 0 \
@@ -404,7 +408,7 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_advice_search, fb_advice_search(p[0], p[1], p[2], p[3], p[4], x[0], p[5]), 1, OUT(fb_advice),                   \
     WORK(advise_work), MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)), IN(trial))                       \
   F(fb_stepper_init, fb_stepper_init(p[0], p[1]), 1, OUT(fb_stepper), IN(stepper_desc))                                \
-  F(fb_stepper_step, fb_stepper_step(p[0]), 1, BUILT(stepper))                                                         \
+  F(fb_stepper_step, fb_stepper_step(p[0]), 1, BUILT_TO(stepper, fb_stepper, work))                                    \
   F(fb_version_string, fb_version_string() ? 0 : -1, 0, REAL(0))                                                       \
   F(fb_config_string, fb_config_string() ? 0 : -1, 0, REAL(0))                                                         \
   F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))                                                          \

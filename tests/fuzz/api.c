@@ -42,7 +42,15 @@ static void go_on(const function *f, const call *c)
   }
 }
 
-/* Spoils what is data, up to three words. */
+static void keep_pointers(void)
+{
+  for (size_t k = 0; k < sizeof untouched / sizeof *untouched; k++) {
+    const size_t at = (size_t)((const char *)untouched[k].at - (const char *)&w);
+    memcpy((char *)&w + at, (const char *)&kept + at, untouched[k].size);
+  }
+}
+
+/* Spoils what is data, up to three words, but for pointers. */
 static void spoil_arguments(const function *f, call *c, bytes *b)
 {
   const int words = take_byte(b) % 4;
@@ -56,12 +64,9 @@ static void spoil_arguments(const function *f, call *c, bytes *b)
       c->x[c->role[j]] = take_real(b);
     } else if (a->role == 'n') {
       c->i[c->role[j]] = take_whole(b);
-    } else if (strchr("i?s", a->role) && is_touchable(a->at) && a->at != &w.system_input && a->at != &w.input) {
+    } else if (strchr("i?s", a->role)) {
       spoil(a->at, a->size, b);
-    } else if (a->at == &w.system_input) { /* but its pointers */
-      spoil(&w.system_input, offsetof(fb_system_input, rows), b);
-    } else if (a->at == &w.input) {
-      spoil(&w.input, offsetof(fb_input, distributed), b);
+      keep_pointers();
     } else if (a->role == 'o' && f->has_status % ARITHMETIC) {
       c->p[c->role[j]] = NULL;
     }
