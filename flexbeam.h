@@ -165,14 +165,14 @@
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               426272
-     fb_build_work             4290696  most of it an fb_modes_work
+     fb_body_work               427552
+     fb_build_work             4291336  most of it an fb_modes_work
      fb_analyse_work           1288592
      fb_system_analyse_work    1934144
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work            1098488
+     fb_advice_work            1101688
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -234,8 +234,8 @@
      how many modes?               fb_modes_desc: count, lowest, omega_limit or mass_fraction; see fb_modes.effective
      loads at known places         fb_modes_desc.load: static corrections
      air loads along a beam        fb_input.distributed: a function of the motion of its points (FB_EFFECTS_LARGE)
-     bending moment, shear,        fb_body_lines_eval, fb_system_lines_eval along a beam (FB_EFFECTS_LARGE); at the root
-     tension                       of a held base also fb_motion.reaction_force, reaction_torque; fb_gauge_init
+     bending moment, shear,        fb_body_node_loads_eval, fb_body_lines_eval (FB_EFFECTS_LARGE), fb_system_.. alike;
+     tension                       at the root of a held base fb_motion.reaction_force, reaction_torque; fb_gauge_init
      an interface                  FB_BASIS_COMPONENT: constraint modes and modes with the boundary held
      several parts                 fb_modes_join, then one fb_shape_add_beam per part
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
@@ -758,6 +758,7 @@ typedef struct fb_line_node {              /* a node on a line, line axes */
   int after;                               /* 1 + the point before it; 0: the root */
   fb_real start[3], weight[FB_MAX_POINTS]; /* r = start + sum of weight t */
   fb_real turn[3 * FB_MAX_MODES], bow[3 * FB_MAX_MODES]; /* A, B of the interval from that point, n x 3 */
+  fb_real x, axes[9];                                    /* [m] from the root; section axes, undeformed, to line axes */
 } fb_line_node;
 
 typedef struct fbi_line_work { /* what an evaluation knows about the lines, line axes, by coordinate axis and point */
@@ -1116,6 +1117,13 @@ typedef struct fb_line_motion {
    are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
+typedef struct fb_node_loads { /* internal loads, section axes: force[0] tension, moment[0] torsion */
+  fb_real force[3], moment[3]; /* [N], [N m] */
+} fb_node_loads;
+/* Of these the internal loads at a node anywhere on a line, what acts at the node included. FB_ERR_UNSUPPORTED: a node on
+   no line; FB_ERR_CAPACITY: no such node. */
+FB_API fb_status fb_body_node_loads_eval(const fb_body *body, fb_node_loads *loads, const fb_state *state,
+                                         const fb_motion *motion, const fb_input *input, int node);
 #endif
 FB_API fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
                                      const fb_input *input);
@@ -1461,6 +1469,10 @@ FB_API fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
    FB_ERR_UNSUPPORTED: a body without lines; with rows, whose forces motion does not hold. */
 FB_API fb_status fb_system_lines_eval(const fb_system *system, const fb_body *body, fb_line_motion *point, int *n,
                                       const fb_system_motion *motion, const fb_system_input *input, int k);
+/* fb_body_node_loads_eval of body k, likewise. */
+FB_API fb_status fb_system_node_loads_eval(const fb_system *system, const fb_body *body, fb_node_loads *loads,
+                                           const fb_system_motion *motion, const fb_system_input *input, int k,
+                                           int node);
 #endif
 /* strain holds the joint springs, too. */
 FB_API fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,

@@ -6183,15 +6183,50 @@ static void fbi_cut_load(fbi_cut_point *p, const fb_lines *all, const fb_line *l
   }
 }
 
-/* y += the load at a node of a line, line axes, force and moment about O, unless it is inboard of point j. */
-static void fbi_cut_node_add(fb_real y[6], fbi_kinetics *k, const fb_body *body, const fb_load *load, int l, int j,
-                             const fb_real *q)
+/* Where a line is cut, and the part of each point's length that is inboard. */
+typedef struct fbi_cut_place {
+  const fb_real *inner; /* [m] by points, spacing `stride` */
+  int stride, next;     /* next: first point that is beyond */
+  fb_real x;            /* [m] from the root */
+  const fb_real *axes;  /* section axes, undeformed, to line axes */
+} fbi_cut_place;
+
+/* At a point (-1: the root at rest); what acts there is beyond. */
+static void fbi_cut_at_point(fbi_cut_place *cut, const fb_lines *all, const fb_line *line, int at)
+{
+  static const fb_real none = FB_R(0.0);
+  const fb_line_station *const s = at < 0 ? &all->root[line - all->line] : &all->station[at];
+  cut->inner = at < 0 ? &none : all->table + line->weight + at - line->point;
+  cut->stride = at < 0 ? 0 : line->stride;
+  cut->next = at < 0 ? line->point : at;
+  cut->x = s->x;
+  cut->axes = s->axes;
+}
+
+/* At a node, or at the point in its place. */
+static void fbi_cut_at_node(fbi_cut_place *cut, const fb_lines *all, const fb_line_node *node)
+{
+  const fb_line *const line = &all->line[node->line - 1];
+  const fb_real behind = node->x - (node->after ? all->station[node->after - 1].x : FB_R(0.0));
+  cut->inner = node->weight;
+  cut->stride = 1;
+  cut->next = node->after ? node->after : line->point;
+  cut->x = node->x;
+  cut->axes = node->axes;
+  if (behind <= FB_R(16.0) * FB_EPSILON * node->x && (node->after || all->root[node->line - 1].length > FB_R(0.0))) {
+    fbi_cut_at_point(cut, all, line, node->after - 1);
+  }
+}
+
+/* y += the load at a node of a line, line axes, force and moment about O, unless it is inboard of the cut. */
+static void fbi_cut_node_add(fb_real y[6], fbi_kinetics *k, const fb_body *body, const fb_load *load, int l,
+                             const fbi_cut_place *cut, const fb_real *q)
 {
   const fb_node *const node = &body->node[load->node];
   const fb_line *const line = &body->lines.line[l];
   fbi_node_field f;
   fb_real F[3], T[3], r[3], own[3];
-  if (node->line.line != l + 1 || (j >= 0 && node->line.after < j + 1)) {
+  if (node->line.line != l + 1 || node->line.x < cut->x * (FB_R(1.0) - FB_R(16.0) * FB_EPSILON)) {
     return;
   }
   fbi_node_eval(&f, k, body, node, q);
@@ -6215,70 +6250,103 @@ static void fbi_cut_node_add(fb_real y[6], fbi_kinetics *k, const fb_body *body,
   fbi_vec3_add(y + 3, FB_R(1.0), own);
 }
 
-/* What acts on a line beyond its point at (-1: the root at rest): the sections' load per length is the polynomial
-   through the nodes of each stretch, of which the line's weights are the integrals from the root. */
+/* What acts on a line beyond a cut: the sections' load per length is the polynomial through the nodes of each stretch, of
+   which the cut's `inner` are the integrals from the root. */
 static void fbi_cut_sum(fb_real y[6], const fb_lines *all, const fb_line *line, const fbi_cut_point *point,
-                        const fbi_cut_point *root, int at)
+                        const fbi_cut_point *root, const fbi_cut_place *cut)
 {
-  const int l = (int)(line - all->line);
+  const fb_line_station *const rest = &all->root[line - all->line];
+  fb_real of_root = cut->x;
   fbi_vec6_zero(y);
   for (int j = line->point; j < line->point + line->count; j++) {
     const fb_line_station *const s = &all->station[j];
-    const fbi_cut_point *const p = &point[j];
-    const fb_real inner =
-        at < 0 ? FB_R(0.0) : all->table[line->weight + (j - line->point) * line->stride + at - line->point];
-    const fb_real behind = s->length - s->before;
+    const fb_real inner = cut->inner[(j - line->point) * cut->stride], behind = s->length - s->before;
     fb_real share[3] = {FB_R(0.0), FB_R(1.0), FB_R(1.0)};
-    if (s->side == 0 || at <= j) {
+    if (s->side == 0 || cut->next <= j) {
       share[0] = s->before > FB_R(0.0) ? FB_R(1.0) - inner / s->before : FB_R(0.0);
     } else {
       share[1] = behind > FB_R(0.0) ? FB_R(1.0) - (inner - s->before) / behind : FB_R(0.0);
       share[2] = FB_R(0.0);
     }
     for (int k = 0; k < 3; k++) {
-      fbi_vec6_add(y, share[k], p->part[k]);
+      fbi_vec6_add(y, share[k], point[j].part[k]);
     }
+    of_root -= inner;
   }
-  if (all->root[l].length > FB_R(0.0)) {
-    const fb_line_station *const s = &all->root[l];
-    fb_real inner = FB_R(0.0);
-    for (int i = 0; i < 3 && at >= 0; i++) {
-      inner += s->axes[3 * i] * (all->start[i][at] - root->r[i]);
-    }
-    fbi_vec6_add(y, FB_R(1.0) - inner / s->length, root->part[1]);
+  if (rest->length > FB_R(0.0)) {
+    fbi_vec6_add(y, FB_R(1.0) - of_root / rest->length, root->part[1]);
   }
 }
 
-/* Internal loads at a point from what acts beyond it, section axes, and its accelerations, inertial axes. */
-static void fbi_cut_write(fb_line_motion *out, const fbi_cut_point *p, const fb_real y[6], const fb_line *line,
-                          const fb_line_station *at, const fb_line_point *load, const fb_real R[9])
+/* Loads beyond a cut at r from their sum about O, to its section axes; H: rotation of the section, line axes. */
+static void fbi_cut_loads(fb_real force[3], fb_real moment[3], const fbi_cut_place *cut, const fb_real y[6],
+                          const fb_real r[3], const fb_real H[9])
 {
   fb_real own[3], M[3];
+  fb_mat33_mulT_vec3(own, H, y);
+  fb_mat33_mulT_vec3(force, cut->axes, own);
+  fbi_vec3_copy(M, y + 3);
+  fbi_vec3_add_cross(M, y, r);
+  fb_mat33_mulT_vec3(own, H, M);
+  fb_mat33_mulT_vec3(moment, cut->axes, own);
+}
+
+/* A point with its accelerations, inertial axes. */
+static void fbi_cut_write(fb_line_motion *out, const fbi_cut_point *p, const fb_line *line, const fb_line_point *load,
+                          const fb_real R[9])
+{
+  fb_real own[3];
   memset(out, 0, sizeof *out);
   out->at = *load;
   fbi_line_to_body(own, line, p->a);
   fb_mat33_mul_vec3(out->acceleration, R, own);
   fbi_line_to_body(own, line, p->alpha);
   fb_mat33_mul_vec3(out->angular_acceleration, R, own);
-  fb_mat33_mulT_vec3(own, p->H, y);
-  fb_mat33_mulT_vec3(out->force, at->axes, own);
-  fbi_vec3_copy(M, y + 3);
-  fbi_vec3_add_cross(M, y, p->r);
-  fb_mat33_mulT_vec3(own, p->H, M);
-  fb_mat33_mulT_vec3(out->moment, at->axes, own);
 }
 
-/* What acts on a body along its lines and at its nodes; its number in a system. */
+/* What acts on a body along its lines and at its nodes; its number in a system; a node that is asked for, or -1. */
 typedef struct fbi_cut_load_set {
   const fb_load *load;
-  int n_load, body;
+  int n_load, body, node;
   fb_distributed distributed;
   fb_real t;
   void *user;
 } fbi_cut_load_set;
 
+typedef struct fbi_cut_result {
+  fb_line_motion point[FB_MAX_LINE_POINTS];
+  fb_node_loads node;
+} fbi_cut_result;
+
+/* What acts on line l beyond a cut. */
+static void fbi_cut_beyond(fb_real y[6], fbi_kinetics *k, const fb_body *body, int l, const fbi_cut_point *point,
+                           const fbi_cut_point *root, const fbi_cut_load_set *acts, const fbi_cut_place *cut,
+                           const fb_real *q)
+{
+  fbi_cut_sum(y, &body->lines, &body->lines.line[l], point, root, cut);
+  for (int n = 0; n < acts->n_load; n++) {
+    fbi_cut_node_add(y, k, body, &acts->load[n], l, cut, q);
+  }
+}
+
+/* Internal loads at a node of line l. */
+static void fbi_cut_node(fb_node_loads *out, fbi_kinetics *k, const fb_body *body, int l, const fbi_cut_point *point,
+                         const fbi_cut_point *root, const fbi_cut_load_set *acts, const fb_real *q)
+{
+  const fb_line_node *const node = &body->node[acts->node].line;
+  const fb_line *const line = &body->lines.line[l];
+  fbi_cut_place cut;
+  fbi_line_step step;
+  fb_real y[6], r[3];
+  fbi_cut_at_node(&cut, &body->lines, node);
+  fbi_cut_beyond(y, k, body, l, point, root, acts, &cut, q);
+  fbi_line_step_eval(&step, k->line, line, node, q);
+  fbi_line_node_pose(r, k->line, line, node, &body->lines, q);
+  fbi_cut_loads(out->force, out->moment, &cut, y, r, step.H);
+}
+
 /* Points and internal loads of line l; what hangs on it is in w.hung. */
-static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *body, int l, const fb_state *state,
+static void fbi_cut_line(fbi_cut_result *out, fbi_kinetics *k, const fb_body *body, int l, const fb_state *state,
                          const fb_motion *motion, fbi_cut_lead *lead, const fbi_cut_load_set *acts,
                          const fb_real g_body[3])
 {
@@ -6311,16 +6379,19 @@ static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *bo
 
   /* cuts */
   for (int i = first; i < line->count; i++) {
-    const int j = i < 0 ? -1 : line->point + i;
-    fbi_cut_sum(y, all, line, point, &root, j);
-    for (int n = 0; n < acts->n_load; n++) {
-      fbi_cut_node_add(y, k, body, &acts->load[n], l, j, state->q);
-    }
-    fbi_cut_write(out + i - first, i < 0 ? &root : &point[j], y, line, i < 0 ? &all->root[l] : &all->station[j],
-                  load + i - first, k->R);
+    const fbi_cut_point *const p = i < 0 ? &root : &point[line->point + i];
+    fb_line_motion *const at = out->point + fbi_lines_first(all, l) + i - first;
+    fbi_cut_place cut;
+    fbi_cut_at_point(&cut, all, line, i < 0 ? -1 : line->point + i);
+    fbi_cut_beyond(y, k, body, l, point, &root, acts, &cut, state->q);
+    fbi_cut_write(at, p, line, load + i - first, k->R);
+    fbi_cut_loads(at->force, at->moment, &cut, y, p->r, p->H);
     for (int c = 0; c < 6 && i == first && line->hangs; c++) {
       w->hung[c][line->hangs - 1] += y[c];
     }
+  }
+  if (acts->node >= 0 && body->node[acts->node].line.line == l + 1) {
+    fbi_cut_node(&out->node, k, body, l, point, &root, acts, state->q);
   }
 }
 
@@ -6330,11 +6401,10 @@ static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *bo
    Source: equilibrium with inertia forces (d'Alembert).  Cost: 200 flops a point, 40 a pair of points of a line.
    Fails: no lines, the callback, not finite.
    Test: a_spinning_rod_is_under_its_tension, internal_loads_end_at_the_base, internal_moments_bend_the_line,
-   internal_loads_of_systems_reach_the_hub. */
-static fb_status fbi_cut_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
-                              const fb_motion *motion, const fbi_cut_load_set *acts)
+   internal_loads_of_systems_reach_the_hub, internal_loads_of_nodes_are_those_of_points. */
+static fb_status fbi_cut_eval(fbi_cut_result *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
+                              const fbi_cut_load_set *acts)
 {
-  fb_line_motion out[FB_MAX_LINE_POINTS];
   fbi_cut_lead lead;
   fbi_kinetics k;
   fb_real V[6], g[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -6370,19 +6440,27 @@ static fb_status fbi_cut_eval(const fb_body *body, fb_line_motion *point, int *n
   /* from lines that hang to those that carry them */
   fbi_lines_unload(k.line, &body->lines);
   for (int l = body->lines.n_line - 1; l >= 0; l--) {
-    fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, acts, g);
+    fbi_cut_line(out, &k, body, l, state, motion, &lead, acts, g);
   }
   for (int i = 0; i < count; i++) {
-    const fb_line_point *const at = &out[i].at;
+    const fb_line_motion *const p = &out->point[i];
+    const fb_line_point *const at = &p->at;
     if (!fbi_vec3_is_finite(at->position) || !fbi_is_finite(at->R, 9) || !fbi_vec3_is_finite(at->velocity) ||
         !fbi_vec3_is_finite(at->angular_rate) || !fbi_vec3_is_finite(at->force) || !fbi_vec3_is_finite(at->torque) ||
-        !fbi_vec3_is_finite(out[i].acceleration) || !fbi_vec3_is_finite(out[i].angular_acceleration) ||
-        !fbi_vec3_is_finite(out[i].force) || !fbi_vec3_is_finite(out[i].moment)) {
+        !fbi_vec3_is_finite(p->acceleration) || !fbi_vec3_is_finite(p->angular_acceleration) ||
+        !fbi_vec3_is_finite(p->force) || !fbi_vec3_is_finite(p->moment)) {
       return FB_ERR_NOT_FINITE;
     }
   }
-  memcpy(point, out, (size_t)count * sizeof *out);
-  *n = count;
+  return acts->node < 0 || (fbi_vec3_is_finite(out->node.force) && fbi_vec3_is_finite(out->node.moment))
+             ? FB_OK
+             : FB_ERR_NOT_FINITE;
+}
+
+static fb_status fbi_cut_points(fb_line_motion *point, int *n, const fbi_cut_result *out, const fb_body *body)
+{
+  *n = fbi_lines_first(&body->lines, body->lines.n_line);
+  memcpy(point, out->point, (size_t)*n * sizeof *point);
   return FB_OK;
 }
 
@@ -6394,22 +6472,56 @@ static fb_status fbi_lines_required(const fb_body *body)
              : FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
 }
 
+/* The node is on a line. */
+static fb_status fbi_line_node_required(const fb_body *body, int node)
+{
+  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
+  return body->node[node].line.line ? FB_OK
+                                    : FBI_REFUSE(FB_ERR_UNSUPPORTED, "node: on a beam with FB_EFFECT_LARGE_DEFLECTION",
+                                                 node, FB_R(0.0), FB_R(0.0));
+}
+
+static fb_status fbi_body_acts(fbi_cut_load_set *acts, const fb_body *body, const fb_input *input)
+{
+  fb_status status = fbi_lines_required(body);
+  memset(acts, 0, sizeof *acts);
+  acts->node = -1;
+  status = status ? status : fbi_input_check(body, input);
+  if (status == FB_OK && input) {
+    acts->load = input->load;
+    acts->n_load = input->n_load;
+    acts->distributed = input->distributed;
+    acts->t = input->t;
+    acts->user = input->user;
+  }
+  return status;
+}
+
 FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input)
 {
-  fbi_cut_load_set acts = {NULL, 0, 0, NULL, FB_R(0.0), NULL};
+  fbi_cut_load_set acts;
+  fbi_cut_result out;
   fb_status status;
   FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
-  status = fbi_lines_required(body);
-  status = status ? status : fbi_input_check(body, input);
-  if (status == FB_OK && input) {
-    acts.load = input->load;
-    acts.n_load = input->n_load;
-    acts.distributed = input->distributed;
-    acts.t = input->t;
-    acts.user = input->user;
-  }
-  return status ? status : fbi_cut_eval(body, point, n, state, motion, &acts);
+  status = fbi_body_acts(&acts, body, input);
+  status = status ? status : fbi_cut_eval(&out, body, state, motion, &acts);
+  return status ? status : fbi_cut_points(point, n, &out, body);
+}
+
+FB_DEF fb_status fb_body_node_loads_eval(const fb_body *body, fb_node_loads *loads, const fb_state *state,
+                                         const fb_motion *motion, const fb_input *input, int node)
+{
+  fbi_cut_load_set acts;
+  fbi_cut_result out;
+  fb_status status;
+  FBI_REQUIRE(body && loads && state && motion, FB_ERR_NULL);
+  status = fbi_body_acts(&acts, body, input);
+  status = status ? status : fbi_line_node_required(body, node);
+  acts.node = node;
+  status = status ? status : fbi_cut_eval(&out, body, state, motion, &acts);
+  *loads = status ? *loads : out.node;
+  return status;
 }
 #endif
 
@@ -6758,7 +6870,8 @@ static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
   return node->line == 0 ||
          (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
           fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
-          fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n));
+          fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n) &&
+          fbi_is_finite(node->axes, 9) && fbi_is_finite(&node->x, 1));
 }
 
 /* Checks where points stand, and the masses beside them. */
@@ -7061,6 +7174,7 @@ static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
                 a = line->n < FB_MAX_MODES ? line->n : FB_MAX_MODES;
       crc = fbi_crc_reals(fbi_crc_reals(crc, node->start, 3, single), node->weight, count, single);
       crc = fbi_crc_reals(fbi_crc_reals(crc, node->turn, 3 * a, single), node->bow, 3 * a, single);
+      crc = fbi_crc_reals(fbi_crc_reals(crc, node->axes, 9, single), &node->x, 1, single);
     }
   }
   return crc;
@@ -11142,39 +11256,70 @@ static fb_status fbi_cut_joint_add(fbi_cut_load_set *acts, fb_load *load, const 
   return FB_OK;
 }
 
-/* E14.41 of a body of a system: joints load its nodes. */
-FB_DEF fb_status fb_system_lines_eval(const fb_system *system, const fb_body *body, fb_line_motion *point, int *n,
-                                      const fb_system_motion *motion, const fb_system_input *input, int k)
+/* What acts on body k; load: room for joints, which load its nodes, too. */
+static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb_system *system, const fb_body *body,
+                                 const fb_system_motion *motion, const fb_system_input *input, int k)
 {
-  fb_load load[FB_MAX_LOADS + 2 * FBI_MAX_JOINTS];
-  fbi_cut_load_set acts = {NULL, 0, 0, NULL, FB_R(0.0), NULL};
   fb_status status;
-  FBI_REQUIRE(system && body && point && n && motion, FB_ERR_NULL);
   FBI_REQUIRE(k >= 0 && k < system->n_body, FB_ERR_CAPACITY);
+  memset(acts, 0, sizeof *acts);
+  acts->load = load;
+  acts->body = k;
+  acts->node = -1;
   status = fbi_lines_required(fbi_model(system, body, k));
   status = status ? status : fbi_system_input_check(system, body, input);
   if (status == FB_OK && input && input->rows) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: no rows, whose forces the motion does not hold", -1, FB_R(0.0),
                       FB_R(0.0));
   }
-  acts.load = load;
-  acts.body = k;
   for (int i = 0; input && i < input->n_load && status == FB_OK; i++) {
     if (input->load[i].body == k) {
-      load[acts.n_load++] = input->load[i].load;
+      load[acts->n_load++] = input->load[i].load;
     }
   }
   if (input) {
-    acts.distributed = input->distributed;
-    acts.t = input->t;
-    acts.user = input->user;
+    acts->distributed = input->distributed;
+    acts->t = input->t;
+    acts->user = input->user;
   }
   for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    status = fbi_cut_joint_add(&acts, load, system, body, motion, j, 0);
-    status = status ? status : fbi_cut_joint_add(&acts, load, system, body, motion, j, 1);
+    status = fbi_cut_joint_add(acts, load, system, body, motion, j, 0);
+    status = status ? status : fbi_cut_joint_add(acts, load, system, body, motion, j, 1);
   }
-  return status ? status
-                : fbi_cut_eval(fbi_model(system, body, k), point, n, &motion->pose[k], &motion->motion[k], &acts);
+  return status;
+}
+
+/* E14.41 of a body of a system */
+FB_DEF fb_status fb_system_lines_eval(const fb_system *system, const fb_body *body, fb_line_motion *point, int *n,
+                                      const fb_system_motion *motion, const fb_system_input *input, int k)
+{
+  fb_load load[FB_MAX_LOADS + 2 * FBI_MAX_JOINTS];
+  fbi_cut_load_set acts;
+  fbi_cut_result out;
+  fb_status status;
+  FBI_REQUIRE(system && body && point && n && motion, FB_ERR_NULL);
+  status = fbi_system_acts(&acts, load, system, body, motion, input, k);
+  status =
+      status ? status : fbi_cut_eval(&out, fbi_model(system, body, k), &motion->pose[k], &motion->motion[k], &acts);
+  return status ? status : fbi_cut_points(point, n, &out, fbi_model(system, body, k));
+}
+
+FB_DEF fb_status fb_system_node_loads_eval(const fb_system *system, const fb_body *body, fb_node_loads *loads,
+                                           const fb_system_motion *motion, const fb_system_input *input, int k,
+                                           int node)
+{
+  fb_load load[FB_MAX_LOADS + 2 * FBI_MAX_JOINTS];
+  fbi_cut_load_set acts;
+  fbi_cut_result out;
+  fb_status status;
+  FBI_REQUIRE(system && body && loads && motion, FB_ERR_NULL);
+  status = fbi_system_acts(&acts, load, system, body, motion, input, k);
+  status = status ? status : fbi_line_node_required(fbi_model(system, body, k), node);
+  acts.node = node;
+  status =
+      status ? status : fbi_cut_eval(&out, fbi_model(system, body, k), &motion->pose[k], &motion->motion[k], &acts);
+  *loads = status ? *loads : out.node;
+  return status;
 }
 #endif
 
@@ -21349,27 +21494,32 @@ static void fbi_line_point_fill(fb_lines *all, fb_line *line, int at, const fbi_
   }
 }
 
+/* Undeformed section axes at x of an element, to line axes. */
+static void fbi_line_section_axes(fb_real axes[9], const fb_beam *beam, const fb_modes *modes, int element, fb_real x)
+{
+  fb_section section;
+  fb_beam_section_eval(beam, &section, x);
+  for (int k = 0; k < 3; k++) {
+    fb_real column[3], local[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+    if (k > 0) {
+      local[0] = FB_R(0.0);
+      fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0), -section.twist);
+    }
+    fbi_line_vector(column, beam, modes, element, local);
+    for (int i = 0; i < 3; i++) {
+      axes[3 * i + k] = column[i];
+    }
+  }
+}
+
 /* Adds the length dx of a stretch to what a station stands for; `from`: where its section is taken. An end of the
    stretch (behind: its first one) has its mass by sides, too. */
 static fb_status fbi_line_station_add(fb_lines *all, fb_line_station *to, const fb_beam *beam, const fb_modes *modes,
                                       fb_real x, int behind, int is_end, fb_real from, fb_real dx)
 {
   const int element = fbi_beam_element(beam, x, !behind);
-  if (!(to->length > FB_R(0.0))) { /* its section axes */
-    fb_section section;
-    fb_real column[3], local[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
-    fb_beam_section_eval(beam, &section, from);
-    for (int k = 0; k < 3; k++) {
-      if (k > 0) {
-        local[0] = FB_R(0.0);
-        fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0),
-                    -section.twist);
-      }
-      fbi_line_vector(column, beam, modes, element, local);
-      for (int i = 0; i < 3; i++) {
-        to->axes[3 * i + k] = column[i];
-      }
-    }
+  if (!(to->length > FB_R(0.0))) {
+    fbi_line_section_axes(to->axes, beam, modes, element, from);
   }
   to->x = x;
   to->length += dx;
@@ -21629,6 +21779,8 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
   }
   fbi_line_weights(node->weight, &root_weight, plan, x);
   fbi_line_begins_at(start, node->weight, all, line, beam, modes, x);
+  node->x = x;
+  fbi_line_section_axes(node->axes, beam, modes, fbi_beam_element(beam, x, 1), x);
   fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   for (int i = 0; i < 3; i++) {
     node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + start[i];
@@ -22887,6 +23039,8 @@ static void fbi_line_node_copy(fb_line_node *to, const fb_line_node *from, const
   fbi_copy(to->weight, from->weight, line->count);
   fbi_copy(to->turn, from->turn, 3 * line->n);
   fbi_copy(to->bow, from->bow, 3 * line->n);
+  fbi_mat33_copy(to->axes, from->axes);
+  to->x = from->x;
 }
 #endif
 

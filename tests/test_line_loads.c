@@ -451,16 +451,86 @@ TEST(a_spinning_rod_is_under_its_tension)
     input.w[2] = k < 2 ? (fb_real)spin : FB_R(0.0);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, input.w, NULL), FB_OK);
     internal(&state, &motion, &input);
-    for (int p = 0; p < n_point; p++) {
-      const double x = (double)point[p].at.x, inner = x < 1.0 ? 1.0 : x;
+    for (int p = -2; p < n_point; p++) { /* nodes 2 and 1, then the points */
+      fb_node_loads own;
+      const double x = p >= 0 ? (double)point[p].at.x : p == -1 ? 2.0 : 0.7, inner = x < 1.0 ? 1.0 : x;
       const double lumps = k % 2 ? 0.25 * (k < 2 ? 2.0 : 1.0) + (x < 1.0 + 1e-5 ? 0.5 : 0.0) : 0.0;
       const double rod = k < 2 ? 0.5 * (light * (4.0 - inner * inner) + half * (inner * inner - x * x))
                                : light * (2.0 - inner) + half * (inner - x);
       const double tension = (rod + lumps) * (k < 2 ? spin * spin : g);
-      FBT_NEAR_ABS(point[p].force[0], tension, FBT_TOL(1e-11, 1e-3) + (k % 2 ? FBT_TOL(1e-6, 1e-2) : 0.0));
-      FBT_NEAR_ABS(point[p].force[1], 0.0, FBT_TOL(1e-11, 1e-3));
-      FBT_NEAR_ABS(point[p].moment[2], 0.0, FBT_TOL(1e-11, 1e-3));
+      if (p < 0) {
+        FBT_INT_EQ(fb_body_node_loads_eval(&body, &own, &state, &motion, &input, -p), FB_OK);
+      } else {
+        memcpy(own.force, point[p].force, sizeof own.force);
+        memcpy(own.moment, point[p].moment, sizeof own.moment);
+      }
+      FBT_NEAR_ABS(own.force[0], tension, FBT_TOL(1e-11, 1e-3) + (k % 2 ? FBT_TOL(1e-6, 1e-2) : 0.0));
+      FBT_NEAR_ABS(own.force[1], 0.0, FBT_TOL(1e-11, 1e-3));
+      FBT_NEAR_ABS(own.moment[2], 0.0, FBT_TOL(1e-11, 1e-3));
     }
+  }
+}
+
+/* Loads in all axes at both nodes, along the line, by gravity and by a base that moves. */
+static void anything_acts(fb_input *input, int axes)
+{
+  memset(input, 0, sizeof *input);
+  for (int i = 0; i < 3; i++) {
+    input->v[i] = (fb_real)(0.5 - 0.4 * i);
+    input->w[i] = (fb_real)(0.7 * i - 1.0);
+    input->v_dot[i] = (fb_real)(0.3 * i);
+    input->w_dot[i] = (fb_real)(1.0 - 0.6 * i);
+  }
+  input->distributed = anything;
+  input->n_load = 2;
+  for (int l = 0; l < 2; l++) {
+    input->load[l].node = 1 + l;
+    input->load[l].axes = (fb_axes)((axes + l) % 3);
+    for (int i = 0; i < 3; i++) {
+      input->load[l].force[i] = (fb_real)(2.0 * cos(i + 2.0 * l));
+      input->load[l].torque[i] = (fb_real)(0.3 * sin(i + 1.0 * l));
+    }
+  }
+}
+
+/* E14.41: nodes in the places of points have the internal loads of those points, roots, lumped bodies, twist and loads at
+   nodes among them. (Between points: the closed forms around.) */
+TEST(internal_loads_of_nodes_are_those_of_points)
+{
+  for (int k = 0; k < 4; k++) {
+    fb_state state;
+    fb_motion motion;
+    fb_input input;
+    fb_node_loads loads, before;
+    line_make(k % 2);
+    line.attitude[0] = FB_R(0.6);
+    line.attitude[2] = FB_R(0.8);
+    line.n_station = 2;
+    line.station[1] = line.station[0];
+    line.station[1].x = line.length;
+    line.station[1].twist = k < 2 ? FB_R(0.0) : FB_R(0.8);
+    level.effects = FB_EFFECTS_LARGE | FB_EFFECT_GRAVITY;
+    level.gravity[1] = -FB_R(3.0);
+    line_body(0.0);
+    state_make(&state, 1.0);
+    anything_acts(&input, k);
+    internal(&state, &motion, &input);
+    for (int p = 0; p < n_point; p++) {
+      int node;
+      shape.n_node = 3;
+      FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, point[p].at.x), FB_OK);
+      FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+      FBT_INT_EQ(fb_body_node_loads_eval(&body, &loads, &state, &motion, &input, 3), FB_OK);
+      for (int i = 0; i < 3; i++) {
+        FBT_NEAR_ABS(loads.force[i], point[p].force[i], FBT_TOL(1e-11, 1e-3));
+        FBT_NEAR_ABS(loads.moment[i], point[p].moment[i], FBT_TOL(1e-11, 1e-3));
+      }
+    }
+    before = loads;
+    FBT_INT_EQ(fb_body_node_loads_eval(&body, &loads, &state, &motion, &input, 0), FB_ERR_UNSUPPORTED);
+    FBT_INT_EQ(fb_body_node_loads_eval(&body, &loads, &state, &motion, &input, 4), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_body_node_loads_eval(&body, &loads, &state, &motion, &input, -1), FB_ERR_CAPACITY);
+    FBT_TRUE(memcmp(&loads, &before, sizeof loads) == 0);
   }
 }
 
@@ -484,23 +554,7 @@ TEST(internal_loads_end_at_the_base)
     level.gravity[1] = -FB_R(3.0);
     line_body(0.0);
     state_make(&state, 1.0);
-    memset(&input, 0, sizeof input);
-    for (int i = 0; i < 3; i++) {
-      input.v[i] = (fb_real)(0.5 - 0.4 * i);
-      input.w[i] = (fb_real)(0.7 * i - 1.0);
-      input.v_dot[i] = (fb_real)(0.3 * i);
-      input.w_dot[i] = (fb_real)(1.0 - 0.6 * i);
-    }
-    input.distributed = anything;
-    input.n_load = 2;
-    for (int l = 0; l < 2; l++) {
-      input.load[l].node = 1 + l;
-      input.load[l].axes = (fb_axes)((k / 2 + l) % 3);
-      for (int i = 0; i < 3; i++) {
-        input.load[l].force[i] = (fb_real)(2.0 * cos(i + 2.0 * l));
-        input.load[l].torque[i] = (fb_real)(0.3 * sin(i + 1.0 * l));
-      }
-    }
+    anything_acts(&input, k / 2);
     internal(&state, &motion, &input);
     FBT_NEAR_ABS(point[0].at.x, 0.0, 0.0);
 
@@ -529,6 +583,8 @@ TEST(internal_moments_bend_the_line)
   fb_motion motion;
   fb_input input;
   fb_gauge gauge;
+  fb_node_loads own;
+  fb_node_motion at[2];
   double worst = 0.0, root = 0.0;
   line_make(0);
   line.n_element = 8;
@@ -558,6 +614,11 @@ TEST(internal_moments_bend_the_line)
     root = fmax(root, fabs((double)point[p].moment[2]));
   }
   FBT_BELOW(worst, FBT_TOL(1e-3, 2e-2) * root);
+  for (int node = 1; node <= 2; node++) {
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &at[node - 1], &state, &motion, node), FB_OK);
+    FBT_INT_EQ(fb_body_node_loads_eval(&body, &own, &state, &motion, &input, node), FB_OK);
+    FBT_NEAR_ABS(own.moment[2], 30.0 * (double)(at[0].position[0] - at[node - 1].position[0]), FBT_TOL(1e-8, 2e-2));
+  }
 }
 
 /* E8.7 with lines: damping takes the power q_dot^T C q_dot. */
@@ -616,4 +677,5 @@ SUITE(line_loads, RUN(a_weight_by_callback_is_gravity), RUN(power_of_distributed
       RUN(drag_by_mass_slows_momenta_in_closed_form), RUN(a_field_of_springs_conserves_energy),
       RUN(points_of_lines_move_as_nodes), RUN(callbacks_that_fail_leave_the_state),
       RUN(a_spinning_rod_is_under_its_tension), RUN(internal_loads_end_at_the_base),
-      RUN(internal_moments_bend_the_line), RUN(damping_of_lines_takes_its_power) LINE_FORMS)
+      RUN(internal_moments_bend_the_line), RUN(internal_loads_of_nodes_are_those_of_points),
+      RUN(damping_of_lines_takes_its_power) LINE_FORMS)

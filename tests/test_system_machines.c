@@ -510,6 +510,22 @@ static fb_status blow_by_body(fb_line_point *p, int n, fb_real t, void *user)
   return FB_OK;
 }
 
+/* Loads at nodes of lines: the tip's is that of the last point. */
+static void node_loads_are_between(const fb_line_motion *point, int n, int k)
+{
+  const fb_body *const own = &model[desc.model[k]];
+  fb_node_loads loads;
+  for (int node = 1; node < own->n_node; node++) {
+    FBT_INT_EQ(fb_system_node_loads_eval(&mechanism, model, &loads, &motion, &input, k, node), FB_OK);
+    for (int i = 0; i < 3 && own->node[node].line.x >= point[n - 1].at.x; i++) {
+      FBT_NEAR_ABS(loads.force[i], point[n - 1].force[i], FBT_TOL(1e-11, 1e-3));
+      FBT_NEAR_ABS(loads.moment[i], point[n - 1].moment[i], FBT_TOL(1e-11, 1e-3));
+    }
+  }
+  FBT_INT_EQ(fb_system_node_loads_eval(&mechanism, model, &loads, &motion, &input, k, 0), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_system_node_loads_eval(&mechanism, model, &loads, &motion, &input, desc.n_body, 1), FB_ERR_CAPACITY);
+}
+
 /* Newton and Euler for the hub of every body with a line (flexible: 0.5 kg, 0.02 kg m^2): what its joints and the root of
    its line exert on it. Only loads that the line hands on from its nodes reach it. */
 static void hubs_are_in_balance(double tol)
@@ -524,6 +540,7 @@ static void hubs_are_in_balance(double tol)
     }
     FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, k), FB_OK);
     FBT_INT_EQ(point[0].at.body, k);
+    node_loads_are_between(point, n, k);
     for (int j = 0; j < desc.n_body + desc.n_loop; j++) {
       hub_load_add(F, T, k, j);
     }

@@ -112,7 +112,7 @@ typedef enum scene_quantity {
   SCENE_RATE_DOT,
   SCENE_SPECIFIC_FORCE,
   SCENE_GYRO,
-  SCENE_INTERNAL_FORCE, /* of exact beams: */
+  SCENE_INTERNAL_FORCE, /* of exact beams and of modal ones with large deflection: */
   SCENE_INTERNAL_MOMENT,
   SCENE_SPIN,
   SCENE_ATTITUDE,

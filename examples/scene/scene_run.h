@@ -18,6 +18,20 @@ typedef struct scene_options { /* all zero: no files, no talk */
 
 /* ---- outputs */
 
+/* Section axes. */
+static double internal_output(const scene *s, const scene_output *o)
+{
+  fb_node_loads loads;
+  const fb_system_motion *const m = &engine.view.motion;
+  const fb_status status =
+      scene_is_system(s)
+          ? fb_system_node_loads_eval(&engine.system, engine.body, &loads, m, &engine.system_at[0], o->body, o->at)
+          : fb_body_node_loads_eval(&engine.body[0], &loads, &engine.state, &m->motion[0], &engine.at[0], o->at);
+  return status != FB_OK                       ? (double)NAN
+         : o->quantity == SCENE_INTERNAL_FORCE ? (double)loads.force[o->axis]
+                                               : (double)loads.moment[o->axis];
+}
+
 static double node_output(const scene *s, const scene_output *o)
 {
   fb_node_motion node;
@@ -134,7 +148,7 @@ static double scene_value(const scene *s, const scene_output *o)
   }
   switch (scene_quantities[o->quantity].place) {
   case SCENE_AT_NODE:
-    return node_output(s, o);
+    return scene_is_internal(o) ? internal_output(s, o) : node_output(s, o);
   case SCENE_AT_JOINT:
   case SCENE_AT_AXIS:
     return joint_output(s, o);
@@ -649,6 +663,19 @@ static int scene_check_exact(scene *s)
   return 0;
 }
 
+/* Refuses internal loads of beams that have none: only lines of large deflection know them. */
+static int scene_check_internal(scene *s)
+{
+  for (int k = 0; k < s->n_output; k++) {
+    const scene_output *const o = &s->output[k];
+    if (scene_is_internal(o) && engine.body[o->body].node[o->at].line.line == 0) {
+      return scene_fail_at(s, s->body[o->body].line, "output %s: %s is of beams with large deflection (effects large)",
+                           o->label, scene_quantities[o->quantity].name);
+    }
+  }
+  return 0;
+}
+
 /* Bodies of the effects and modes that are given or advised; what happens at most, where that is asked for. */
 static int scene_build(scene *s, const scene_options *o)
 {
@@ -678,7 +705,7 @@ static int scene_build(scene *s, const scene_options *o)
       return scene_fail_at(s, s->body[k].line, "body %s: %s", s->body[k].name, refusal_text(status));
     }
   }
-  return 0;
+  return scene_check_internal(s);
 }
 
 /* The fastest growth [1/s] among the n slowest of `all` modes, and those that are as slow as the last: of a pair

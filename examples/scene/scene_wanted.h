@@ -139,6 +139,11 @@ static void scene_add_axes(text_file *t, scene *s, const scene_output *output)
   }
 }
 
+static int scene_is_internal(const scene_output *output)
+{
+  return output->quantity == SCENE_INTERNAL_FORCE || output->quantity == SCENE_INTERNAL_MOMENT;
+}
+
 /* output LABEL QUANTITY PLACE [AXIS] */
 static void scene_read_output(text_file *t, scene *s)
 {
@@ -151,15 +156,15 @@ static void scene_read_output(text_file *t, scene *s)
   text_name(t, "an output", output.label);
   scene_new_output(t, s, output.label);
   output.quantity = (scene_quantity)text_choice(t, "an output", names);
-  if (s->is_exact ? !exact_has(output.quantity)
-                  : output.quantity == SCENE_INTERNAL_FORCE || output.quantity == SCENE_INTERNAL_MOMENT) {
-    text_fail(t,
-              s->is_exact ? "an exact beam has no output %s"
-                          : "%s is an output of exact beams (bodies: reaction_force, reaction_torque, strain)",
-              names[output.quantity]);
+  if (s->is_exact && !exact_has(output.quantity)) {
+    text_fail(t, "an exact beam has no output %s", names[output.quantity]);
   }
   scene_unit(s, &output, scene_quantities[output.quantity].unit);
   scene_read_where(t, s, &output);
+  if (scene_is_internal(&output) && !s->is_exact && !t->failed &&
+      (s->body[output.body].kind != MODEL_BEAM || output.at == 0)) {
+    text_fail(t, "%s is of nodes on beams (at an origin: reaction_force, reaction_torque)", names[output.quantity]);
+  }
   if (scene_quantities[output.quantity].axes[0] && !text_more(t)) {
     scene_add_axes(t, s, &output);
   } else if (!t->failed) {

@@ -159,6 +159,8 @@ static void rom_line_node(rom *r, const fb_lines *lines, const fb_line_node *nod
   rom_list(r, node->weight, lines->line[node->line - 1].count);
   rom_list(r, node->turn, 3 * lines->line[node->line - 1].n);
   rom_list(r, node->bow, 3 * lines->line[node->line - 1].n);
+  rom_real(r, node->x);
+  rom_list(r, node->axes, 9);
   rom_text(r, "},");
 }
 

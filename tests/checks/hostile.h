@@ -311,6 +311,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     OUT(fb_node_motion), IN(state), IN(motion), WHOLE(1))                                                              \
   F(fb_body_lines_eval, fb_body_lines_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(bent), OUT(line_points),      \
     OUT(int), IN(bent_state), IN(bent_motion), OPTIONAL(input))                                                        \
+  F(fb_body_node_loads_eval, fb_body_node_loads_eval(p[0], p[1], p[2], p[3], p[4], i[0]), 1, MODEL(bent),              \
+    OUT(fb_node_loads), IN(bent_state), IN(bent_motion), OPTIONAL(input), WHOLE(1))                                    \
   F(fb_body_energy_eval, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_energy), IN(state),       \
     OPTIONAL(input))                                                                                                   \
   F(fb_body_momentum_eval, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state), \
@@ -331,6 +333,9 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     WORK(system_work), OUT(fb_system_motion), IN(system_state), OPTIONAL(system_input))                                \
   F(fb_system_lines_eval, fb_system_lines_eval(p[0], p[1], p[2], p[3], p[4], p[5], i[0]), 1, MODEL(bent_system),       \
     MODEL(bent), OUT(line_points), OUT(int), IN(bent_system_motion), OPTIONAL(system_input), WHOLE(0))                 \
+  F(fb_system_node_loads_eval, fb_system_node_loads_eval(p[0], p[1], p[2], p[3], p[4], i[0], i[1]), 1,                 \
+    MODEL(bent_system), MODEL(bent), OUT(fb_node_loads), IN(bent_system_motion), OPTIONAL(system_input), WHOLE(0),     \
+    WHOLE(1))                                                                                                          \
   F(fb_system_energy_eval, fb_system_energy_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),   \
     WORK(system_work), OUT(fb_energy), IN(system_state), OPTIONAL(system_input))                                       \
   F(fb_system_momentum_eval, fb_system_momentum_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system),            \

@@ -148,9 +148,24 @@ refuse 10 "mode must be a whole number from 1 to 2" << END
 $beam
 output a mode beam 3
 END
-refuse 5 "internal_force is an output of exact beams" << END
+refuse 5 "internal_force is of nodes on beams" << END
 $top
 output a internal_force top x
+END
+refuse 3 "output m_x: internal_moment is of beams with large deflection" << END
+duration 1
+interval 0.5
+body strip beam
+  length 1
+  elements 2
+  stations x mass EI_z
+    0 1 1
+  end
+  modes bend_y 2
+  base prescribed
+  node tip tip
+end
+output m internal_moment strip.tip
 END
 refuse 5 "no output has the name a" << END
 $top
