@@ -117,7 +117,8 @@
      FB_MAX_STATIONS                  64       1..999  stations of a beam (model building only)
      FB_MAX_LUMPS                     8        1..255  lumped bodies on a beam (model building only)
      FB_MAX_BODIES                    8        1..99   bodies of a system
-     FB_MAX_LOOPS                     2        1..99   joints that close its loops
+     FB_MAX_LOOPS                     4        1..99   joints that close its loops
+     FB_MAX_SPRINGS                   4        1..99   its springs, dampers and actuators between points
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
      FB_MAX_EXACT                     40       1..999  elements of an exact beam
@@ -246,6 +247,8 @@
      which effects, how many modes? fb_advice_solve from what a scene does at most, fb_advice_search by simulations
      bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
      turning steadily              fb_system_spectrum_solve: a rotor with hinged blades, an arm, a satellite
+     springs, struts between points fb_system_desc.spring; their actuators: fb_system_input.pull
+     contact, airloads, feedback   fb_system_input.forces: loads, motor torques, pulls as a function of the state
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
      a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge
                                    next to no inertia. FB_ROOT_PINNED frees the slopes of both planes: for a spherical
@@ -337,7 +340,10 @@
 #define FB_MAX_BODIES 8
 #endif
 #ifndef FB_MAX_LOOPS
-#define FB_MAX_LOOPS 2
+#define FB_MAX_LOOPS 4
+#endif
+#ifndef FB_MAX_SPRINGS
+#define FB_MAX_SPRINGS 4
 #endif
 #ifndef FB_MAX_ROWS
 #define FB_MAX_ROWS 24
@@ -435,6 +441,9 @@
     FB_MAX_ROWS > 999 || FB_MAX_SPEEDS < 6 || FB_MAX_SPEEDS > 999
 #error "flexbeam: FB_MAX_BODIES and FB_MAX_LOOPS are 1..99, FB_MAX_ROWS 1..999, FB_MAX_SPEEDS 6..999"
 #endif
+#if FB_MAX_SPRINGS < 1 || FB_MAX_SPRINGS > 99
+#error "flexbeam: FB_MAX_SPRINGS is 1..99"
+#endif
 #if FB_MAX_EXACT < 1 || FB_MAX_EXACT > 999
 #error "flexbeam: FB_MAX_EXACT is 1..999"
 #endif
@@ -514,17 +523,17 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K)
 #define FBI_CONFIG_SYMBOL                                                                                              \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
            FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
            FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,     \
-           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE)
+           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -1233,8 +1242,16 @@ typedef struct fb_joint { /* a checked desc */
   fb_axis_mode mode[3];
 } fb_joint;
 
+/* Spring, damper and actuator along the line between two points: tension = stiffness (distance - length) +
+   damping d(distance)/dt + fb_system_input.pull. The points may meet only if length, damping and pull are zero. */
+typedef struct fb_spring {
+  int body[2], node[2];   /* or FB_GROUND, node 0 */
+  fb_real position[2][3]; /* [m] of each point from its node, in axes of its section; on the ground inertial */
+  fb_real stiffness, length, damping; /* [N/m], [m] unstretched, [N s/m] */
+} fb_spring;
+
 typedef struct fb_system { /* constant after init, may live in ROM; the models stay with the caller */
-  int n_body, n_loop;
+  int n_body, n_loop, n_spring;
   fb_method method;
   int allow_long_step;
   int model[FB_MAX_BODIES];
@@ -1243,10 +1260,12 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int has_rotors;
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
-  fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
+  fb_real limit_kept_elastic, limit_kept_damping;     /* what springs and dampers of kept joints add at most */
+  fb_real limit_spring_elastic, limit_spring_damping; /* and those between points, at zero joint coordinates */
   fb_real rotor[FB_MAX_BODIES]; /* [kg m^2] inertia about the hinge of what looks the same at all its angles, else 0 */
   fb_joint joint[FBI_MAX_JOINTS];
   fb_joint free;
+  fb_spring spring[FB_MAX_SPRINGS];
 } fb_system;
 
 typedef struct fb_link_state {
@@ -1271,7 +1290,7 @@ typedef struct fb_link_state {
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
   fb_link_state link[FB_MAX_BODIES];
-  fb_real motor_work;                   /* [J] done by the motor torques; what prescribed axes do is not in it */
+  fb_real motor_work;                   /* [J] done by motors and actuators; what prescribed axes do is not in it */
   fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
@@ -1316,13 +1335,50 @@ typedef struct fb_pose {     /* of a body */
    number; always the same rows in the same order. A negative number is a status and ends the call. */
 typedef int (*fb_rows)(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user);
 
+typedef struct fb_load_point { /* the node of fb_system_input.load of the same number, inertial axes */
+  int body, node;
+  fb_real position[3], R[9];            /* [m]; section to inertial axes */
+  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] */
+  fb_real force[3], torque[3];          /* [N], [N m] to be written: what acts beside the load */
+} fb_load_point;
+
+typedef struct fb_joint_point { /* a joint: that of the body of the same number, then the loops */
+  fb_real value[3], speed[3];   /* as fb_joint_motion; zero of a free joint */
+  fb_real torque[3];            /* [N m], [N] to be written: what its motors do beside fb_drive.torque, by axis */
+} fb_joint_point;
+
+typedef struct fb_spring_motion { /* between its points */
+  fb_real length, rate;           /* [m], [m/s] distance and its rate */
+  fb_real tension;                /* [N] of spring, damper and actuator */
+} fb_spring_motion;
+
+typedef struct fb_system_forces { /* all that forces may depend on */
+  fb_real t;                      /* [s] of the input */
+  int n_point, n_joint, n_spring;
+  fb_load_point point[FB_MAX_LOADS];
+  fb_joint_point joint[FBI_MAX_JOINTS];
+  fb_spring_motion spring[FB_MAX_SPRINGS]; /* tension: before the callback without the pull below */
+  fb_real pull[FB_MAX_SPRINGS];            /* [N] to be written: what its actuator does beside fb_system_input.pull */
+} fb_system_forces;
+
+/* Forces as functions of the state: reads where nodes, joints and springs are and how they move, and writes what acts
+   on them, which is zero before; called once an evaluation, also for attempts: keep no history in it. A node is seen
+   and loaded if a load, which may be zero, names it. What grows with deflection or velocity is not part of the step
+   limit: a penalty of stiffness k [N/m] on mass m [kg] takes rk4 steps below 2.7 sqrt(m/k); fb_system_sdirk_step finds
+   it by iteration, FB_ERR_CONVERGENCE from about sqrt(m/k) on. A status other than FB_OK ends the call, which leaves
+   the state as it was; FB_ERR_NOT_FINITE: what it wrote is no number; FB_ERR_VALUE: a torque on an axis without
+   motor. */
+typedef fb_status (*fb_forces)(fb_system_forces *now, void *user);
+
 typedef struct fb_system_input { /* all zero: nothing acts */
   int n_load;
   fb_system_load load[FB_MAX_LOADS];
+  fb_real pull[FB_MAX_SPRINGS];   /* [N] of the actuators: tension */
   fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
   fb_rows rows;                   /* NULL: none */
-  void *user;                     /* for rows and distributed */
-  fb_real t;                      /* [s] for rows and distributed */
+  fb_forces forces;               /* NULL: none */
+  void *user;                     /* for rows, forces and distributed */
+  fb_real t;                      /* [s] for rows, forces and distributed */
 #if FB_WITH_LARGE_DEFLECTION
   fb_distributed
       distributed; /* loads along the lines of all bodies that have FB_EFFECT_LARGE_DEFLECTION; NULL: none; no
@@ -1379,6 +1435,13 @@ typedef struct fbi_end { /* one side of a constraint */
   fb_real move[6];                                /* v, w of a solution */
 } fbi_end;
 
+typedef struct fbi_span { /* of a spring, between its points; inertial axes */
+  fbi_end end[2];
+  fb_real arm[2][3];         /* of the points from the nodes */
+  fb_real step[3], along[3]; /* from the first to the second; unit vector */
+  fb_spring_motion at;
+} fbi_span;
+
 typedef struct fbi_row {
   fb_row r;
   int end[2], joint, axis;
@@ -1405,6 +1468,11 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   int perm[FB_MAX_SPEEDS];
   fb_system system;
   fb_system_input between;
+  fb_system_forces forces;
+  int has_forces; /* they are those of a callback */
+  fbi_span span;
+  fb_real spring_elastic[FB_MAX_SPRINGS], spring_damping[FB_MAX_SPRINGS]; /* [1/s^2], [1/s] in the step limit.. */
+  fb_real elastic, damping;                                               /* ..and their sums */
   fb_system_state stage, rate, sum, first, base;
 #if FB_WITH_LARGE_DEFLECTION
   fbi_line_work line[FB_MAX_BODIES];
@@ -1438,7 +1506,8 @@ FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
                                     const fb_system_input *input);
 /* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis that moves no inertia,
    FB_ERR_CONTRADICTION: constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY (also
-   more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE. On failure rate is as before. */
+   more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE; FB_ERR_RANGE also: the points of
+   a spring meet. On failure rate is as before. */
 FB_API fb_status fb_system_rates_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_state *rate, const fb_system_state *state,
                                       const fb_system_input *input);
@@ -1456,7 +1525,9 @@ typedef struct fb_system_motion {
   fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion_eval with.. */
   fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
   fb_joint_motion joint[FBI_MAX_JOINTS];
-  fb_real power; /* [W] of motors and of what prescribes axes */
+  fb_spring_motion spring[FB_MAX_SPRINGS];
+  fb_real force[FB_MAX_LOADS][3], torque[FB_MAX_LOADS][3]; /* [N], [N m] of fb_forces at the loads, inertial axes */
+  fb_real power;                                           /* [W] of motors, actuators and of what prescribes axes */
 } fb_system_motion;
 
 /* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as
@@ -1474,7 +1545,7 @@ FB_API fb_status fb_system_node_loads_eval(const fb_system *system, const fb_bod
                                            const fb_system_motion *motion, const fb_system_input *input, int k,
                                            int node);
 #endif
-/* strain holds the joint springs, too. */
+/* strain holds the springs of joints and between points, too. */
 FB_API fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_energy *energy, const fb_system_state *state, const fb_system_input *input);
 FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
@@ -1783,8 +1854,9 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     const fb_system_input *end, fb_real dt);
 
 /* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
-   but the first with one more factorization. Springs and dampers of joints that are kept as constraints are explicit
-   in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
+   but the first with one more factorization. Springs and dampers between points, and of joints that are kept as
+   constraints, are explicit in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and
+   t + dt list the same loads.
    FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
    the first stage tells. Else as fb_system_rk4_step. */
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -2398,6 +2470,8 @@ typedef struct fb_system_desc {
   fb_joint_desc joint[FB_MAX_BODIES]; /* joint k connects body k to its parent, an earlier body or the ground */
   int n_loop;
   fb_joint_desc loop[FB_MAX_LOOPS]; /* joints that close loops between bodies of the tree, or one and the ground */
+  int n_spring;
+  fb_spring spring[FB_MAX_SPRINGS];
   fb_method method;
   int allow_long_step; /* 1: accept steps beyond the stability limit */
 } fb_system_desc;
@@ -2407,9 +2481,9 @@ typedef struct fb_system_desc {
    inertia about some axis. */
 
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
-   springs, negative stiffness or damping, an invalid mode, form or base of a body; FB_ERR_CAPACITY: numbers of bodies,
-   loops, models, nodes; FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular.
-   work->joint is the joint that failed. */
+   springs, negative stiffness, damping or length, a spring with both ends on the ground, an invalid mode, form or base of a
+   body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_SINGULAR: the mass matrix of the
+   undeformed system at zero coordinates is singular. work->joint is the joint that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -2516,12 +2590,15 @@ typedef enum fb_port_kind {
   FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
   FB_PORT_COORDINATE = 9, /* output [rad], [m], joint coordinate as fb_joint_motion.value */
   FB_PORT_SPEED = 10,     /* output [rad/s], [m/s], its speed */
+  /* systems only; body: the number of a spring; node and axis are not used */
+  FB_PORT_PULL = 11,   /* input [N], its actuator */
+  FB_PORT_LENGTH = 12, /* output [m], distance between its points */
   FB_PORT_COUNT
 } fb_port_kind;
 
 typedef struct fb_port {
   fb_port_kind kind;
-  int body;       /* of a system; else 0 */
+  int body;       /* of a system, or a spring; else 0 */
   int node, axis; /* axis 0..2 */
 } fb_port;
 

@@ -8417,30 +8417,14 @@ static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, co
 
 /* ---- constraints */
 
-/* End of a constraint, a node of a body or the ground: its index among the ends found so far, or a new one. */
-static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *system, const fb_body *body, int link,
-                              int node)
+/* End of a constraint or spring, a node of a body or the ground: position and section axes. */
+static void fbi_end_place(fbi_end *end, const fb_system_work *w, const fb_system *system, const fb_body *body, int link,
+                          int node)
 {
-  fbi_end *end = w->end;
-  FBI_REQUIRE(link >= FB_GROUND && link < system->n_body, FB_ERR_CAPACITY);
-  FBI_REQUIRE(node >= 0 && node < (link < 0 ? 1 : fbi_model(system, body, link)->n_node), FB_ERR_CAPACITY);
-
-  /* known already? */
-  for (*at = 0; *at < w->n_end; ++*at, end++) {
-    if (end->link == link && end->node == node) {
-      return FB_OK;
-    }
-  }
-
-  /* new, on the ground */
-  FBI_REQUIRE(w->n_end < FBI_MAX_ENDS, FB_ERR_CAPACITY);
-  w->n_end++;
   memset(end, 0, sizeof *end);
   end->link = link;
   end->node = node;
   end->R[0] = end->R[4] = end->R[8] = FB_R(1.0);
-
-  /* on a body: position and section axes of the node */
   if (link >= 0) {
     const fb_body *model = fbi_model(system, body, link);
     const fbi_link_work *L = &w->link[link];
@@ -8455,6 +8439,26 @@ static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *syste
     fb_mat33_mul_vec3(end->x, L->k.R, end->n);
     fbi_vec3_add(end->x, FB_R(1.0), L->rho);
   }
+}
+
+/* Index of an end among those found so far, or a new one. */
+static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *system, const fb_body *body, int link,
+                              int node)
+{
+  fbi_end *end = w->end;
+  FBI_REQUIRE(link >= FB_GROUND && link < system->n_body, FB_ERR_CAPACITY);
+  FBI_REQUIRE(node >= 0 && node < (link < 0 ? 1 : fbi_model(system, body, link)->n_node), FB_ERR_CAPACITY);
+
+  /* known already? */
+  for (*at = 0; *at < w->n_end; ++*at, end++) {
+    if (end->link == link && end->node == node) {
+      return FB_OK;
+    }
+  }
+
+  FBI_REQUIRE(w->n_end < FBI_MAX_ENDS, FB_ERR_CAPACITY);
+  w->n_end++;
+  fbi_end_place(end, w, system, body, link, node);
   return FB_OK;
 }
 
@@ -9486,11 +9490,257 @@ static FBI_NOINLINE fb_status fbi_link_distributed(fb_system_work *w, const fb_s
 }
 #endif
 
-/* Forces on all bodies by their own inertia, gravity and loads: k.fg and k.x. */
-static fb_status fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  const fb_system_input *input)
+/* Effort of the motor of axis i of joint j: of the input and of its forces. */
+static fb_real fbi_motor(const fb_system_work *w, const fb_system_input *input, int j, int i)
+{
+  const fb_real own = input ? input->drive[j].torque[i] : FB_R(0.0);
+  return w->has_forces ? own + w->forces.joint[j].torque[i] : own;
+}
+
+/* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
+   times the rotation vector, the gradient of k phi.phi/2.
+   Source: definition.  Test: springs_and_dampers_balance_energy. */
+static fb_real fbi_axis_torque(const fb_joint *joint, fb_real motor, int i, fb_real value, fb_real speed)
+{
+  return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
+}
+
+/* Has joint j a spring, a damper or a motor at work? */
+static int fbi_is_sprung(const fb_joint *joint, const fb_system_work *w, const fb_system_input *input, int j)
+{
+  fb_real sum = FB_R(0.0);
+  for (int i = 0; i < joint->n_axis && i < 3; i++) {
+    sum += joint->stiffness[i] + joint->damping[i] + FB_FABS(fbi_motor(w, input, j, i));
+  }
+  return sum > FB_R(0.0);
+}
+
+/* Speed of a joint from its frames: relative motion of the child in the direction (force, torque). */
+static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, const fb_real force[3],
+                                const fb_real torque[3])
+{
+  fb_real v[3], turn[3];
+  fbi_vec3_copy(v, f->end[1]->v);
+  fbi_vec3_add_cross(v, f->end[1]->w, f->arm[1]);
+  fbi_vec3_add(v, -FB_R(1.0), f->end[0]->v);
+  fbi_vec3_add_cross(v, f->arm[0], f->end[0]->w); /* - w x arm */
+  fbi_frames_apart_add(v, FB_R(1.0), w, f->end[0]->link, f->end[1]->link, 1);
+  for (int i = 0; i < 3; i++) {
+    turn[i] = f->end[1]->w[i] - f->end[0]->w[i];
+  }
+  return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
+}
+
+/* Coordinates of the axes of a joint of the tree, of a spherical one its rotation vector. */
+static void fbi_axis_values(fb_real value[3], const fb_joint *joint, const fb_link_state *x)
+{
+  fbi_vec3_copy(value, x->x);
+  if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_quat_to_rotvec(value, x->quat);
+  }
+}
+
+/* ---- springs between points, forces of the caller's */
+
+/* [E9.26] Spring, damper and actuator between two points: tension T = k (l - l_0) + c l_dot + pull along the line
+   between them, on the first +T d, on the second -T d, d = step/l; where l_0, c and pull are zero k times the step.
+   Fills w->span. Fails: FB_ERR_RANGE, the points meet, where that leaves no direction.
+   Source: definition; virtual work T dl.  Cost: two nodes.
+   Test: springs_between_points_balance_energy, andrews_squeezer_moves_as_published. */
+static fb_status fbi_span_eval(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real pull, int j)
+{
+  const fb_spring *const spring = &system->spring[j];
+  fbi_span *const s = &w->span;
+  fb_real speed[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size = FB_R(0.0);
+  fbi_vec3_zero(s->step);
+  for (int side = 0; side < 2; side++) {
+    fbi_end *const end = &s->end[side];
+    const fb_real sign = side ? FB_R(1.0) : -FB_R(1.0);
+    fb_real v[3];
+    fbi_end_place(end, w, system, body, spring->body[side], spring->node[side]);
+    fbi_end_velocity(end->v, end->w, w, system, body, end);
+    fb_mat33_mul_vec3(s->arm[side], end->R, spring->position[side]);
+    fbi_vec3_copy(v, end->v);
+    fbi_vec3_add_cross(v, end->w, s->arm[side]);
+    fbi_vec3_add(s->step, sign, end->x);
+    fbi_vec3_add(s->step, sign, s->arm[side]);
+    fbi_vec3_add(speed, sign, v);
+    size += fbi_vec3_norm(end->x) + fbi_vec3_norm(s->arm[side]);
+  }
+  fbi_frames_apart_add(s->step, FB_R(1.0), w, spring->body[0], spring->body[1], 0);
+  fbi_frames_apart_add(speed, FB_R(1.0), w, spring->body[0], spring->body[1], 1);
+
+  /* direction; none where the points meet */
+  size *= FB_R(16.0) * FB_EPSILON;
+  s->at.length = fbi_vec3_norm(s->step);
+  fbi_vec3_zero(s->along);
+  if (s->at.length > size) {
+    fbi_vec3_add(s->along, FB_R(1.0) / s->at.length, s->step);
+  } else if (!(spring->length == FB_R(0.0) && spring->damping == FB_R(0.0) && pull == FB_R(0.0))) {
+    return FBI_REFUSE(FB_ERR_RANGE, "spring: distance of its points [m], which meet, above", j, s->at.length, size);
+  }
+  s->at.rate = fb_vec3_dot(s->along, speed);
+  s->at.tension = spring->stiffness * (s->at.length - spring->length) + spring->damping * s->at.rate + pull;
+  return FB_OK;
+}
+
+/* Adds a force on both ends of w->span, drawing them together, to y about the origins and to e of the modes (loads or
+   impulses). */
+static void fbi_span_push(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_real force[3],
+                          int impulse)
+{
+  const fbi_span *const s = &w->span;
+  for (int side = 0; side < 2; side++) {
+    if (s->end[side].link >= 0) {
+      fbi_link_work *const L = &w->link[s->end[side].link];
+      fb_real moment[3];
+      fb_vec3_cross(moment, s->arm[side], force);
+      fbi_end_push(impulse ? L->y : L->k.fg, impulse ? L->pi : L->k.x + 1, L, &s->end[side],
+                   fbi_model(system, body, s->end[side].link)->n, side ? -FB_R(1.0) : FB_R(1.0), force, moment);
+    }
+  }
+}
+
+/* Pull of actuator j: of the input and of its forces. */
+static fb_real fbi_pull(const fb_system_work *w, const fb_system_input *input, int j)
+{
+  const fb_real own = input ? input->pull[j] : FB_R(0.0);
+  return w->has_forces ? own + w->forces.pull[j] : own;
+}
+
+/* Loads of the springs between points; *power: of their actuators. */
+static FBI_NOINLINE fb_status fbi_springs_load(fb_real *power, fb_system_work *w, const fb_system *system,
+                                               const fb_body *body, const fb_system_input *input)
 {
   fb_status status = FB_OK;
+  *power = FB_R(0.0);
+  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
+    const fb_real pull = fbi_pull(w, input, j);
+    status = fbi_span_eval(w, system, body, pull, j);
+    if (status == FB_OK) {
+      const fbi_span *const s = &w->span;
+      fb_real force[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      fbi_vec3_add(force, s->at.tension, s->along);
+      fbi_span_push(w, system, body, force, 0);
+      *power -= pull * s->at.rate;
+    }
+  }
+  return status;
+}
+
+/* What a caller's forces may look at: nodes of the loads, joints, springs. */
+static fb_status fbi_forces_look(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 const fb_system_state *state, const fb_system_input *input)
+{
+  fb_system_forces *const now = &w->forces;
+  fbi_end *const end = &w->span.end[0];
+  fb_status status = FB_OK;
+  memset(now, 0, sizeof *now);
+  now->t = input->t;
+  now->n_point = input->n_load;
+  now->n_joint = system->n_body + system->n_loop;
+  now->n_spring = system->n_spring;
+
+  /* nodes, from the ground */
+  for (int i = 0; i < now->n_point; i++) {
+    fb_load_point *const p = &now->point[i];
+    p->body = input->load[i].body;
+    p->node = input->load[i].load.node;
+    fbi_end_place(end, w, system, body, p->body, p->node);
+    fbi_end_velocity(p->velocity, p->angular_rate, w, system, body, end);
+    fbi_frames_apart_add(p->velocity, FB_R(1.0), w, FB_GROUND, p->body, 1);
+    fbi_copy(p->R, end->R, 9);
+    for (int k = 0; k < 3; k++) {
+      p->position[k] = fbi_true_position(w, p->body, end->x, k);
+    }
+  }
+
+  /* joints */
+  for (int j = 0; j < now->n_joint; j++) {
+    fb_joint_point *const p = &now->joint[j];
+    const fb_joint *const joint = &system->joint[j];
+    if (joint->kind == FB_JOINT_FREE) {
+      continue;
+    }
+    if (fbi_is_kept(system, w, j)) {
+      fbi_frames f;
+      (void)fbi_frames_eval(&f, w, system, body, j);
+      fbi_frames_value(p->value, &f, joint);
+      for (int i = 0; i < joint->n_axis; i++) {
+        fb_real force[3], torque[3];
+        fbi_frames_axis(force, torque, &f, joint, i);
+        p->speed[i] = fbi_frames_speed(&f, w, force, torque);
+      }
+    } else {
+      fbi_axis_values(p->value, joint, &state->link[j]);
+      fbi_copy(p->speed, w->link[j].u, joint->n_axis);
+    }
+  }
+
+  /* springs, without what the caller will add */
+  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
+    status = fbi_span_eval(w, system, body, input->pull[j], j);
+    now->spring[j] = w->span.at;
+  }
+  return status;
+}
+
+/* Is all finite that a caller's forces wrote, and no torque where there is no motor? */
+static fb_status fbi_forces_check(const fb_system_forces *now, const fb_system *system)
+{
+  for (int i = 0; i < now->n_point; i++) {
+    if (!fbi_vec3_is_finite(now->point[i].force) || !fbi_vec3_is_finite(now->point[i].torque)) {
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "forces: force [N] and torque [N m] of a point, finite", i, FB_R(0.0),
+                        FB_R(0.0));
+    }
+  }
+  for (int j = 0; j < now->n_joint; j++) {
+    const fb_joint *const joint = &system->joint[j];
+    if (!fbi_vec3_is_finite(now->joint[j].torque)) {
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "forces: torque [N m], [N] of a joint, finite", j, FB_R(0.0), FB_R(0.0));
+    }
+    for (int i = joint->kind == FB_JOINT_FREE ? 0 : joint->n_axis; i < 3; i++) {
+      if (!(now->joint[j].torque[i] == FB_R(0.0))) {
+        return FBI_REFUSE(FB_ERR_VALUE, "forces: torque of an axis without motor, equal to", j, now->joint[j].torque[i],
+                          FB_R(0.0));
+      }
+    }
+  }
+  return fbi_is_finite(now->pull, now->n_spring)
+             ? FB_OK
+             : FBI_REFUSE(FB_ERR_NOT_FINITE, "forces: pull [N], finite", -1, FB_R(0.0), FB_R(0.0));
+}
+
+/* [E9.27] Calls a caller's forces and adds them at the nodes of the loads.
+   Source: definition.  Cost: a node and a load each.  Fails: as fb_forces.
+   Test: forces_of_the_state_act_as_springs_do, forces_of_the_state_keep_the_order. */
+static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                              const fb_system_state *state, const fb_system_input *input)
+{
+  fb_status status = fbi_forces_look(w, system, body, state, input);
+  status = status ? status : input->forces(&w->forces, input->user);
+  status = status ? status : fbi_forces_check(&w->forces, system);
+  for (int i = 0; i < input->n_load && status == FB_OK; i++) {
+    const fb_load_point *const p = &w->forces.point[i];
+    const int k = input->load[i].body;
+    fb_load load;
+    load.node = input->load[i].load.node;
+    load.axes = FB_AXES_INERTIAL;
+    fbi_vec3_copy(load.force, p->force);
+    fbi_vec3_copy(load.torque, p->torque);
+    fbi_load_add(&w->link[k].k, fbi_model(system, body, k), &load, w->link[k].k.qx + 1);
+  }
+  return status;
+}
+
+/* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
+   actuators. */
+static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *state, const fb_system_input *input)
+{
+  fb_status status = FB_OK;
+  *power = FB_R(0.0);
+  w->has_forces = 0;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
@@ -9512,43 +9762,14 @@ static fb_status fbi_system_loads(fb_system_work *w, const fb_system *system, co
     }
   }
 #endif
+  if (input && input->forces) {
+    status = status ? status : fbi_forces_load(w, system, body, state, input);
+    w->has_forces = 1;
+  }
+  if (system->n_spring > 0 && status == FB_OK) {
+    status = fbi_springs_load(power, w, system, body, input);
+  }
   return status;
-}
-
-/* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
-   times the rotation vector, the gradient of k phi.phi/2.
-   Source: definition.  Test: springs_and_dampers_balance_energy. */
-static fb_real fbi_axis_torque(const fb_joint *joint, const fb_system_input *input, int j, int i, fb_real value,
-                               fb_real speed)
-{
-  const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
-  return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
-}
-
-/* Has joint j a spring, a damper or a motor at work? */
-static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, int j)
-{
-  fb_real sum = FB_R(0.0);
-  for (int i = 0; i < joint->n_axis && i < 3; i++) {
-    sum += joint->stiffness[i] + joint->damping[i] + (input ? FB_FABS(input->drive[j].torque[i]) : FB_R(0.0));
-  }
-  return sum > FB_R(0.0);
-}
-
-/* Speed of a joint from its frames: relative motion of the child in the direction (force, torque). */
-static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, const fb_real force[3],
-                                const fb_real torque[3])
-{
-  fb_real v[3], turn[3];
-  fbi_vec3_copy(v, f->end[1]->v);
-  fbi_vec3_add_cross(v, f->end[1]->w, f->arm[1]);
-  fbi_vec3_add(v, -FB_R(1.0), f->end[0]->v);
-  fbi_vec3_add_cross(v, f->arm[0], f->end[0]->w); /* - w x arm */
-  fbi_frames_apart_add(v, FB_R(1.0), w, f->end[0]->link, f->end[1]->link, 1);
-  for (int i = 0; i < 3; i++) {
-    turn[i] = f->end[1]->w[i] - f->end[0]->w[i];
-  }
-  return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
 }
 
 /* Loads of springs, dampers and motors of joints enforced by multipliers; returns the power of the motors. */
@@ -9560,7 +9781,7 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
     const fb_joint *joint = &system->joint[j];
     fbi_frames f;
     fb_real value[3];
-    if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, input, j)) {
+    if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, w, input, j)) {
       continue;
     }
 
@@ -9576,8 +9797,8 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
       /* effort and power */
       fbi_frames_axis(force, torque, &f, joint, i);
       speed = fbi_frames_speed(&f, w, force, torque);
-      tau = fbi_axis_torque(joint, input, j, i, value[i], speed);
-      power += (input ? input->drive[j].torque[i] : FB_R(0.0)) * speed;
+      tau = fbi_axis_torque(joint, fbi_motor(w, input, j, i), i, value[i], speed);
+      power += fbi_motor(w, input, j, i) * speed;
 
       /* on the child, and the reaction on the parent */
       for (int s = 0; s < 2; s++) {
@@ -9728,9 +9949,11 @@ static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, co
    P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
    Source: d/dt of A_i.G, G_dot = F - turning + joint reaction.  Cost: 60 flops.  Fails: never.
    Test: systems_keep_energy_and_momentum, every_joint_moves_as_it_should. */
-static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
-                                 const fb_link_state *x, const fb_system_input *input, int k)
+static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, const fb_link_state *x,
+                                 const fb_system_input *input, int k)
 {
+  const fbi_link_work *const L = &w->link[k];
+  const fb_joint *const joint = L->joint;
   fb_real turn[6], load[6], tau[3] = {0}, power = FB_R(0.0);
 
   /* free joint: inertial axes */
@@ -9760,8 +9983,9 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, co
         fb_quat_to_rotvec(phi, x->quat);
         value = phi[i];
       }
-      tau[i] = fbi_axis_torque(joint, input, k, i, value, L->u[i]) + fbi_vec6_dot(A, load);
-      power += (input ? input->drive[k].torque[i] : FB_R(0.0)) * L->u[i];
+      const fb_real motor = fbi_motor(w, input, k, i);
+      tau[i] = fbi_axis_torque(joint, motor, i, value, L->u[i]) + fbi_vec6_dot(A, load);
+      power += motor * L->u[i];
       rate->p[i] = tau[i];
     }
   }
@@ -9812,13 +10036,14 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
                                               const fb_system_state *modes, const fb_system_input *input)
 {
   fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+  fb_real power;
 
   /* forces on the bodies: loads, springs, impulses of the rows */
-  status = status == FB_OK ? fbi_system_loads(w, system, body, input) : status;
+  status = status == FB_OK ? fbi_system_loads(&power, w, system, body, state, input) : status;
   if (status != FB_OK) {
     return status;
   }
-  rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
+  rate->motor_work = w->kept || system->n_loop > 0 ? power + fbi_kept_springs(w, system, body, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
@@ -9830,7 +10055,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
     const fb_body *model = L->model;
     fb_link_state *out = &rate->link[k];
     fbi_coordinate_rates(out, L, L->joint, &state->link[k]);
-    rate->motor_work += fbi_momentum_rate(out, L, L->joint, &state->link[k], input, k);
+    rate->motor_work += fbi_momentum_rate(out, w, &state->link[k], input, k);
     fbi_load_hand_in(L);
     if (model->n > 0) {
       fbi_copy(out->q, L->q_dot, model->n);
@@ -9847,7 +10072,7 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
   w->heavy = w->clock = FB_R(0.0);
-  w->owns = 0;
+  w->owns = w->has_forces = 0;
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
@@ -10935,19 +11160,11 @@ static void fbi_given_accelerations(fb_system_work *w, const fb_joint *joint, co
   }
 }
 
-/* Coordinates of the axes of a joint of the tree, of a spherical one its rotation vector. */
-static void fbi_axis_values(fb_real value[3], const fb_joint *joint, const fb_link_state *x)
-{
-  fbi_vec3_copy(value, x->x);
-  if (joint->kind == FB_JOINT_SPHERICAL) {
-    fb_quat_to_rotvec(value, x->quat);
-  }
-}
-
 /* p = tau, the efforts of spring, damper and motor (E9.11) on the free axes of a joint; zero on the others. */
-static void fbi_free_efforts(fbi_link_work *L, const fb_joint *joint, const fb_link_state *x,
+static void fbi_free_efforts(fb_system_work *w, const fb_joint *joint, const fb_link_state *x,
                              const fb_system_input *input, int k)
 {
+  fbi_link_work *const L = &w->link[k];
   fb_real value[3];
   fbi_vec6_zero(L->p);
   if (joint->kind == FB_JOINT_FREE) {
@@ -10956,7 +11173,7 @@ static void fbi_free_efforts(fbi_link_work *L, const fb_joint *joint, const fb_l
   fbi_axis_values(value, joint, x);
   for (int i = 0; i < joint->n_axis; i++) {
     if (L->mode[i] == FB_AXIS_FREE) {
-      L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
+      L->p[i] = fbi_axis_torque(joint, fbi_motor(w, input, k, i), i, value[i], L->u[i]);
     }
   }
 }
@@ -10976,7 +11193,7 @@ static void fbi_acceleration_rhs(fb_system_work *w, const fb_system *system, con
   fbi_elastic_forces(L->pi, &L->k, model, x->q, L->q_dot);
   fbi_own_residual(L, model, L->V_dot, still);
   fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
-  fbi_free_efforts(L, joint, x, input, k);
+  fbi_free_efforts(w, joint, x, input, k);
 }
 
 /* c = b_dot + A_dot u + A a of the rows, a: accelerations of their ends at the bias accelerations of the bodies. */
@@ -11005,7 +11222,8 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                                           const fb_system_state *state, const fb_system_input *input)
 {
   /* forces on the bodies, then the efforts of joints enforced by multipliers */
-  const fb_status status = fbi_system_loads(w, system, body, input);
+  fb_real power;
+  const fb_status status = fbi_system_loads(&power, w, system, body, state, input);
   if (status != FB_OK) {
     return status;
   }
@@ -11089,7 +11307,7 @@ static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const
     fbi_frames_axis(force, torque, &f, joint, i);
     out->speed[i] = fbi_frames_speed(&f, w, force, torque);
     if (state->mode[j][i] == FB_AXIS_FREE) {
-      const fb_real tau = fbi_axis_torque(joint, input, j, i, out->value[i], out->speed[i]);
+      const fb_real tau = fbi_axis_torque(joint, fbi_motor(w, input, j, i), i, out->value[i], out->speed[i]);
       fbi_vec3_add(out->force, tau, force);
       fbi_vec3_add(out->torque, tau, torque);
     }
@@ -11112,9 +11330,8 @@ static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *a
     return state->mode[j][0] == FB_AXIS_PRESCRIBED ? fbi_vec6_dot(w->link[j].G, v) : power;
   }
   for (int i = 0; i < joint->n_axis; i++) {
-    const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
-    const fb_real drive = at->drive[i] - fbi_axis_torque(joint, NULL, j, i, at->value[i], at->speed[i]);
-    power += at->speed[i] * (state->mode[j][i] == FB_AXIS_FREE ? motor : drive);
+    const fb_real drive = at->drive[i] - fbi_axis_torque(joint, FB_R(0.0), i, at->value[i], at->speed[i]);
+    power += at->speed[i] * (state->mode[j][i] == FB_AXIS_FREE ? fbi_motor(w, input, j, i) : drive);
   }
   return power;
 }
@@ -11213,6 +11430,17 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     }
     motion->power += fbi_joint_power(work, at, joint, state, input, j);
   }
+
+  /* springs between points, forces of the caller's */
+  for (int j = 0; j < system->n_spring; j++) {
+    (void)fbi_span_eval(work, system, body, fbi_pull(work, input, j), j); /* as before, with FB_OK */
+    motion->spring[j] = work->span.at;
+    motion->power -= fbi_pull(work, input, j) * work->span.at.rate;
+  }
+  for (int i = 0; input && i < input->n_load && work->has_forces; i++) {
+    fbi_vec3_copy(motion->force[i], work->forces.point[i].force);
+    fbi_vec3_copy(motion->torque[i], work->forces.point[i].torque);
+  }
   return FB_OK;
 }
 
@@ -11256,7 +11484,67 @@ static fb_status fbi_cut_joint_add(fbi_cut_load_set *acts, fb_load *load, const 
   return FB_OK;
 }
 
-/* What acts on body k; load: room for joints, which load its nodes, too. */
+/* Adds to the loads of body k what spring j exerts on its node on a line. */
+static fb_status fbi_cut_spring_add(fbi_cut_load_set *acts, fb_load *load, const fb_system *system, const fb_body *body,
+                                    const fb_system_motion *motion, int j, int side)
+{
+  const fb_spring *const spring = &system->spring[j];
+  const fb_real pull = motion->spring[j].tension / fbi_larger(motion->spring[j].length, FB_TINY);
+  fb_load *const own = &load[acts->n_load];
+  fb_real point[2][3], arm[3] = {0};
+  if (spring->body[side] != acts->body ||
+      fbi_model(system, body, acts->body)->node[spring->node[side]].line.line == 0) {
+    return FB_OK;
+  }
+  for (int i = 0; i < 2; i++) {
+    const int k = spring->body[i];
+    fbi_vec3_copy(point[i], spring->position[i]);
+    if (k >= 0) {
+      fb_node_motion at;
+      fb_real R[9];
+      const fb_status status = fb_body_node_motion_eval(fbi_model(system, body, k), &at, &motion->pose[k],
+                                                        &motion->motion[k], spring->node[i]);
+      if (status != FB_OK) {
+        return status;
+      }
+      fb_quat_to_mat33(R, at.quat);
+      fb_mat33_mul_vec3(point[i], R, spring->position[i]);
+      if (i == side) {
+        fbi_vec3_copy(arm, point[i]);
+      }
+      fbi_vec3_add(point[i], FB_R(1.0), at.position);
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    own->force[i] = pull * (point[1 - side][i] - point[side][i]);
+  }
+  fb_vec3_cross(own->torque, arm, own->force);
+  own->node = spring->node[side];
+  own->axes = FB_AXES_INERTIAL;
+  acts->n_load++;
+  return FB_OK;
+}
+
+/* Adds to the loads of body k what fb_forces gave at its nodes; the motor torques are in the joints', pulls in the
+   springs' loads. */
+static void fbi_cut_forces_add(fbi_cut_load_set *acts, fb_load *load, const fb_system_motion *motion,
+                               const fb_system_input *input)
+{
+  for (int i = 0; input && input->forces && i < input->n_load; i++) {
+    if (input->load[i].body == acts->body) {
+      fb_load *const own = &load[acts->n_load++];
+      own->node = input->load[i].load.node;
+      own->axes = FB_AXES_INERTIAL;
+      fbi_vec3_copy(own->force, motion->force[i]);
+      fbi_vec3_copy(own->torque, motion->torque[i]);
+    }
+  }
+}
+
+/* Room for what can act on one body. */
+#define FBI_MAX_ACTS (2 * FB_MAX_LOADS + 2 * FBI_MAX_JOINTS + 2 * FB_MAX_SPRINGS)
+
+/* What acts on body k; load: room for joints and springs, which load its nodes, too. */
 static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb_system *system, const fb_body *body,
                                  const fb_system_motion *motion, const fb_system_input *input, int k)
 {
@@ -11286,6 +11574,11 @@ static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb
     status = fbi_cut_joint_add(acts, load, system, body, motion, j, 0);
     status = status ? status : fbi_cut_joint_add(acts, load, system, body, motion, j, 1);
   }
+  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
+    status = fbi_cut_spring_add(acts, load, system, body, motion, j, 0);
+    status = status ? status : fbi_cut_spring_add(acts, load, system, body, motion, j, 1);
+  }
+  fbi_cut_forces_add(acts, load, motion, input);
   return status;
 }
 
@@ -11293,7 +11586,7 @@ static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb
 FB_DEF fb_status fb_system_lines_eval(const fb_system *system, const fb_body *body, fb_line_motion *point, int *n,
                                       const fb_system_motion *motion, const fb_system_input *input, int k)
 {
-  fb_load load[FB_MAX_LOADS + 2 * FBI_MAX_JOINTS];
+  fb_load load[FBI_MAX_ACTS];
   fbi_cut_load_set acts;
   fbi_cut_result out;
   fb_status status;
@@ -11308,7 +11601,7 @@ FB_DEF fb_status fb_system_node_loads_eval(const fb_system *system, const fb_bod
                                            const fb_system_motion *motion, const fb_system_input *input, int k,
                                            int node)
 {
-  fb_load load[FB_MAX_LOADS + 2 * FBI_MAX_JOINTS];
+  fb_load load[FBI_MAX_ACTS];
   fbi_cut_load_set acts;
   fbi_cut_result out;
   fb_status status;
@@ -11358,6 +11651,17 @@ static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_sy
   }
 }
 
+/* Strain energy of spring j between points, k (l - l_0)^2/2. */
+static void fbi_span_energy_add(fb_energy *out, fb_system_work *w, const fb_system *system, const fb_body *body, int j)
+{
+  const fb_spring *const spring = &system->spring[j];
+  (void)fbi_span_eval(w, system, body, FB_R(0.0), j); /* the length is known where the points meet, too */
+  {
+    const fb_real stretch = w->span.at.length - spring->length;
+    out->strain += FB_R(0.5) * spring->stiffness * stretch * stretch;
+  }
+}
+
 FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_energy *energy, const fb_system_state *state, const fb_system_input *input)
 {
@@ -11378,9 +11682,12 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
     fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
   }
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    if (fbi_is_sprung(&system->joint[j], NULL, j)) {
+    if (fbi_is_sprung(&system->joint[j], work, NULL, j)) {
       fbi_spring_energy_add(&out, work, system, body, state, j);
     }
+  }
+  for (int j = 0; j < system->n_spring; j++) {
+    fbi_span_energy_add(&out, work, system, body, j);
   }
   if (!fbi_energy_is_finite(&out)) {
     return FB_ERR_NOT_FINITE;
@@ -11461,19 +11768,35 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
   return sound;
 }
 
+static int fbi_spring_is_sound(const fb_system *system, const fb_body *body, int j)
+{
+  const fb_spring *const spring = &system->spring[j];
+  const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
+  int sound = fbi_is_finite(value, 3) && fbi_is_finite(spring->position[0], 3) && fbi_is_finite(spring->position[1], 3);
+  for (int i = 0; i < 3; i++) {
+    sound = sound && value[i] >= FB_R(0.0);
+  }
+  for (int side = 0; sound && side < 2; side++) {
+    const int k = spring->body[side];
+    sound = k >= FB_GROUND && k < system->n_body &&
+            fbi_is_within(spring->node[side], k < 0 ? 0 : fbi_model(system, body, k)->n_node - 1);
+  }
+  return sound;
+}
+
 FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
 {
   int sound;
   FBI_REQUIRE(system && body, FB_ERR_NULL);
   if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
-      !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+      !fbi_is_within(system->n_loop, FB_MAX_LOOPS) || !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
     return FB_ERR_CAPACITY;
   }
   {
-    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
-                              system->limit_kept_damping};
+    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
+                              system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->has_rotors) && fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) &&
+            fbi_is_flag(system->has_rotors) && fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6) &&
             system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 && system->free.parent == FB_GROUND;
   }
 
@@ -11485,6 +11808,9 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   }
   for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
     sound = fbi_joint_is_sound(system, body, j);
+  }
+  for (int j = 0; sound && j < system->n_spring; j++) {
+    sound = fbi_spring_is_sound(system, body, j);
   }
   return sound ? FB_OK : FB_ERR_VALUE;
 }
@@ -11507,17 +11833,18 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 {
   unsigned crc;
   FBI_REQUIRE(system && body, 0);
-  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS) ||
+      !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
     return 0;
   }
 
   /* options and limits */
   {
-    const int whole[6] = {system->n_body,          system->n_loop, (int)system->method,
+    const int whole[7] = {system->n_body,          system->n_loop, system->n_spring,  (int)system->method,
                           system->allow_long_step, system->tied,   system->has_rotors};
-    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
-                              system->limit_kept_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 6), limit, 4, FB_SINGLE);
+    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
+                              system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), limit, 6, FB_SINGLE);
     crc = fbi_crc_reals(crc, system->rotor, system->n_body, FB_SINGLE);
   }
 
@@ -11537,6 +11864,13 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
   /* joints */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     crc = fbi_crc_joint(crc, &system->joint[j]);
+  }
+  for (int j = 0; j < system->n_spring; j++) {
+    const fb_spring *const spring = &system->spring[j];
+    const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
+    crc = fbi_crc_ints(fbi_crc_ints(crc, spring->body, 2), spring->node, 2);
+    crc = fbi_crc_reals(fbi_crc_reals(crc, spring->position[0], 3, FB_SINGLE), spring->position[1], 3, FB_SINGLE);
+    crc = fbi_crc_reals(crc, value, 3, FB_SINGLE);
   }
   return ~fbi_crc_joint(crc, &system->free);
 }
@@ -15124,11 +15458,73 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
   return status;
 }
 
-/* Bound of the highest frequency of a system: E8.8 with the springs and modes of the whole system. */
-static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
+/* Bound of the highest frequency of a system: E8.8 with the springs and modes of the whole system; elastic, damping: of
+   springs between points. */
+static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening, fb_real elastic,
+                                    fb_real damping)
 {
-  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping);
-  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + stiffening);
+  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping + damping);
+  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + elastic + stiffening);
+}
+
+/* [E11.42] What spring j between two points adds to the stiffness and damping of a system against its mass, as placed
+   and without constraints: with the mobility W of its points, their relative velocity by a unit impulse on them,
+   k d.W d + (T/l) (tr W - d.W d) and c d.W d, the traces of W times its stiffness along and across and times its damping:
+   upper bounds. across: at most this transverse stiffness counts. Velocities V and q_dot are lost.
+   Source: linear algebra.  Cost: three solutions.  Fails: as E9.5.  Test: springs_between_points_bound_the_step. */
+static fb_status fbi_spring_bound(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real pull,
+                                  fb_real most, int j)
+{
+  const fb_spring *const spring = &system->spring[j];
+  const fbi_span *const s = &w->span;
+  fb_status status = FB_OK;
+  fb_real trace = FB_R(0.0), along[3], across;
+  const int met = fbi_span_eval(w, system, body, pull, j) != FB_OK || !(fbi_vec3_norm(s->along) > FB_R(0.0));
+  across = met ? spring->stiffness : fbi_smaller(FB_FABS(s->at.tension) / s->at.length, most);
+  for (int i = 0; i < 3 && status == FB_OK; i++) {
+    const fb_real unit[3] = {i == 0 ? FB_R(1.0) : FB_R(0.0), i == 1 ? FB_R(1.0) : FB_R(0.0),
+                             i == 2 ? FB_R(1.0) : FB_R(0.0)};
+    fb_real v[2][3], turn[3];
+    fbi_rhs_clear(w, system, body);
+    fbi_span_push(w, system, body, unit, 1);
+    status = fbi_speeds_solve(w, system, body);
+    for (int side = 0; side < 2; side++) {
+      fbi_end_velocity(v[side], turn, w, system, body, &s->end[side]);
+      fbi_vec3_add_cross(v[side], turn, s->arm[side]);
+    }
+    trace += v[0][i] - v[1][i];
+    along[i] = fb_vec3_dot(s->along, v[0]) - fb_vec3_dot(s->along, v[1]);
+  }
+  {
+    const fb_real mobility = met ? trace : fb_vec3_dot(along, s->along);
+    w->spring_elastic[j] = spring->stiffness * mobility + across * (trace - mobility);
+    w->spring_damping[j] = spring->damping * mobility;
+  }
+  return status;
+}
+
+/* E11.42 of all springs, summed; velocities are kept. */
+static FBI_NOINLINE void fbi_springs_bound(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                           const fb_system_input *input)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->twist, L->V);
+    fbi_copy(L->q_speed, L->q_dot, L->model->n);
+  }
+  w->elastic = w->damping = FB_R(0.0);
+  for (int j = 0; j < system->n_spring; j++) {
+    status = status ? status : fbi_spring_bound(w, system, body, fbi_pull(w, input, j), FB_HUGE, j);
+    for (int k = 0; k < system->n_body; k++) {
+      fbi_link_work *const L = &w->link[k];
+      fbi_vec6_copy(L->V, L->twist);
+      fbi_copy(L->q_dot, L->q_speed, L->model->n);
+    }
+    w->elastic += w->spring_elastic[j];
+    w->damping += w->spring_damping[j];
+  }
+  w->elastic = status == FB_OK ? w->elastic : FB_HUGE;
 }
 
 /* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole
@@ -15142,7 +15538,8 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
     const fb_body *model = fbi_model(system, body, k);
     stiff = fbi_larger(stiff, model->limit_spin * spin * spin + model->limit_acceleration * FB_FABS(acceleration));
   }
-  return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
+  return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff, system->limit_spring_elastic,
+                                                             system->limit_spring_damping));
 }
 
 /* Does anything of the inputs of a step turn with body k, loads or rows? */
@@ -15236,6 +15633,10 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
   }
   if (system->has_rotors) {
     *spin = fbi_rotors_spin(w, system, body, input);
+  }
+  w->elastic = w->damping = FB_R(0.0);
+  if (system->n_spring > 0) {
+    fbi_springs_bound(w, system, body, input[0]);
   }
 }
 
@@ -15361,15 +15762,16 @@ static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, cons
     stiffening += fbi_larger(bent - system->limit_elastic, FB_R(0.0));
   }
 #endif
-  (void)w, (void)body;
-  return fbi_system_frequency(system, spin, stiffening);
+  (void)body;
+  return fbi_system_frequency(system, spin, stiffening, w->elastic, w->damping);
 }
 
 /* Longest step of E11.14 at a spin and stiffening. */
-static fb_real fbi_system_sdirk_limit(const fb_system *system, fb_real spin, fb_real stiffening)
+static fb_real fbi_system_sdirk_limit(const fb_system *system, const fb_system_work *w, fb_real spin,
+                                      fb_real stiffening)
 {
-  const fb_real bound = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiffening + system->limit_kept_elastic));
-  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, system->limit_kept_damping));
+  const fb_real bound = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiffening + system->limit_kept_elastic + w->elastic));
+  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, system->limit_kept_damping + w->damping));
 }
 
 FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
@@ -15392,7 +15794,7 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
     found.body = work->link[k].spin > most ? k : found.body;
     most = fbi_larger(most, work->link[k].spin);
   }
-  found.sdirk = fbi_system_sdirk_limit(system, found.spin, stiff);
+  found.sdirk = fbi_system_sdirk_limit(system, work, found.spin, stiff);
   found.rk4 = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, found.spin, stiff));
   if (!fbi_is_finite(&found.spin, 1) || !(found.rk4 >= FB_R(0.0)) || !(found.sdirk >= FB_R(0.0))) {
     return FB_ERR_NOT_FINITE;
@@ -15443,6 +15845,15 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
     }
     for (int i = 0; i < 5; i++) {
       what = own[i] > most ? text[i] : what;
+      index = own[i] > most ? j : index;
+      most = fbi_larger(most, own[i]);
+    }
+  }
+  for (int j = 0; j < system->n_spring; j++) {
+    own[0] = FB_SQRT(w->spring_elastic[j]);
+    own[1] = w->spring_damping[j];
+    for (int i = 0; i < 2; i++) {
+      what = own[i] > most ? "spring: dt [s] for it and its damper, with the fastest spin [rad/s], at most" : what;
       index = own[i] > most ? j : index;
       most = fbi_larger(most, own[i]);
     }
@@ -16000,7 +16411,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
 static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
 {
   *out = *a;
-  if (a->n_load != b->n_load || a->rows != b->rows) {
+  if (a->n_load != b->n_load || a->rows != b->rows || a->forces != b->forces || (a->forces && a->user != b->user)) {
     return FB_ERR_VALUE;
   }
 #if FB_WITH_LARGE_DEFLECTION
@@ -16022,7 +16433,10 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
     }
   }
 
-  /* Drives */
+  /* Actuators, drives */
+  for (int j = 0; j < FB_MAX_SPRINGS; j++) {
+    out->pull[j] += s * (b->pull[j] - a->pull[j]);
+  }
   for (int j = 0; j < FBI_MAX_JOINTS; j++) {
     for (int i = 0; i < 6; i++) {
       out->drive[j].rate[i] += s * (b->drive[j].rate[i] - a->drive[j].rate[i]);
@@ -16046,7 +16460,7 @@ static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *sy
     return status;
   }
   fbi_system_conditions(&spin, &stiff, w, system, body, of_step);
-  limit = fbi_system_sdirk_limit(system, spin, stiff);
+  limit = fbi_system_sdirk_limit(system, w, spin, stiff);
   status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(w, system, 0, dt, limit);
   (void)fbi_turns_check(w, system, dt, 1);
   return status;
@@ -23751,6 +24165,11 @@ static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, i
       return FB_R(0.0);
     }
   }
+  for (int j = 0; j < system->n_spring; j++) {
+    if (system->spring[j].body[0] == k || system->spring[j].body[1] == k) {
+      return FB_R(0.0);
+    }
+  }
   if (joint->kind != FB_JOINT_REVOLUTE || system->method == FB_METHOD_MULTIPLIERS || body->n > 0 ||
       !(body->mass > FB_R(0.0))) {
     return FB_R(0.0);
@@ -23824,11 +24243,51 @@ static int fbi_is_first(const int *model, int k)
   return i == k;
 }
 
+/* Limits by springs between points (E11.42), across them at most their own stiffness: where they are at zero
+   coordinates need not be where they work. */
+static fb_status fbi_springs_limits(fb_system *system, fb_system_work *w, const fb_body *body)
+{
+  fb_status status = FB_OK;
+  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
+    fbi_rhs_clear(w, system, body);
+    status = fbi_speeds_solve(w, system, body); /* at rest */
+    status = status ? status : fbi_spring_bound(w, system, body, FB_R(0.0), system->spring[j].stiffness, j);
+    system->limit_spring_elastic += w->spring_elastic[j];
+    system->limit_spring_damping += w->spring_damping[j];
+  }
+  return status;
+}
+
+static fb_status fbi_spring_check(const fb_system_desc *desc, const fb_body *body, int j)
+{
+  const fb_spring *const d = &desc->spring[j];
+  const fbi_number field[] = {FBI_ANY(d->position[0], 3, "spring: position[0] [m]"),
+                              FBI_ANY(d->position[1], 3, "spring: position[1] [m]"),
+                              FBI_NOT_NEGATIVE(&d->stiffness, 1, "spring: stiffness [N/m]"),
+                              FBI_NOT_NEGATIVE(&d->length, 1, "spring: length [m]"),
+                              FBI_NOT_NEGATIVE(&d->damping, 1, "spring: damping [N s/m]")};
+  const fbi_count end[] = {FBI_COUNT(d->body[0], FB_GROUND, desc->n_body - 1, "spring: body[0], or FB_GROUND, beyond"),
+                           FBI_COUNT(d->body[1], FB_GROUND, desc->n_body - 1, "spring: body[1], or FB_GROUND, beyond")};
+  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), j);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, end, FBI_LENGTH(end), j);
+  for (int side = 0; side < 2 && status == FB_OK; side++) {
+    const int last = d->body[side] >= 0 ? body[desc->model[d->body[side]]].n_node - 1 : 0;
+    const fbi_count node[] = {FBI_COUNT(d->node[side], 0, last, "spring: node, beyond")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), j);
+  }
+  if (status == FB_OK && d->body[0] < 0 && d->body[1] < 0) {
+    return FBI_REFUSE(FB_ERR_VALUE, "spring: body, one that moves at an end, not", j, (fb_real)FB_GROUND,
+                      (fb_real)FB_GROUND);
+  }
+  return status;
+}
+
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
 {
   int used = 0;
   FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
   FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
+  FBI_REQUIRE(desc->n_spring >= 0 && desc->n_spring <= FB_MAX_SPRINGS, FB_ERR_CAPACITY);
   if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_COUNT - 1)) {
     return FBI_REFUSE(FB_ERR_VALUE, "method, an fb_method, beyond", -1, (fb_real)(int)desc->method,
                       (fb_real)(int)FB_METHOD_COUNT - 1);
@@ -23879,7 +24338,11 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   memset(out, 0, sizeof *out);
   out->n_body = desc->n_body;
   out->n_loop = desc->n_loop;
+  out->n_spring = desc->n_spring;
   out->method = desc->method;
+  for (int j = 0; j < desc->n_spring; j++) {
+    out->spring[j] = desc->spring[j];
+  }
   out->allow_long_step = desc->allow_long_step != 0;
   for (int k = 0; k < desc->n_body; k++) {
     out->model[k] = desc->model[k];
@@ -23924,6 +24387,9 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
     status = fbi_joint_check(desc, body, j);
     work->joint = status == FB_OK ? -1 : j;
   }
+  for (int j = 0; status == FB_OK && j < desc->n_spring; j++) {
+    status = fbi_spring_check(desc, body, j);
+  }
   if (status != FB_OK) {
     return status;
   }
@@ -23964,6 +24430,7 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
+  status = status == FB_OK ? fbi_springs_limits(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
   }
@@ -25955,11 +26422,13 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 
 static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, fb_real h)
 {
-  fb_drive *const drive = &input->drive[port->body];
+  fb_drive *const drive = &input->drive[port->kind == FB_PORT_PULL ? 0 : port->body];
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
     drive->rate[(port->kind == FB_PORT_BASE_VELOCITY ? 0 : 3) + port->axis] += h;
   } else if (port->kind == FB_PORT_DRIVE) {
     drive->torque[port->axis] += h;
+  } else if (port->kind == FB_PORT_PULL) {
+    input->pull[port->body] += h;
   } else {
     input->load[input->n_load].body = port->body;
     fbi_port_load(&input->load[input->n_load].load, port, h);
@@ -25971,6 +26440,10 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
 {
   const fb_system_motion *const motion = &s->system_work->motion;
   const int k = port->body;
+  if (port->kind == FB_PORT_LENGTH) {
+    *y = motion->spring[k].length;
+    return FB_OK;
+  }
   if (port->kind == FB_PORT_COORDINATE || port->kind == FB_PORT_SPEED) {
     *y = (port->kind == FB_PORT_SPEED ? motion->joint[k].speed : motion->joint[k].value)[port->axis];
     return FB_OK;
@@ -26451,7 +26924,7 @@ static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
 
 static int fbi_port_is_input(fb_port_kind kind)
 {
-  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
+  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL;
 }
 
 /* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room:
@@ -26550,6 +27023,10 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
   const fb_joint *joint;
   const fb_axis_mode *mode;
   fb_status status;
+  if (port->kind == FB_PORT_PULL || port->kind == FB_PORT_LENGTH) {
+    FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_spring, FB_ERR_CAPACITY);
+    return fbi_port_check(port, is_input, FB_PORT_COUNT, 0, 0, 0);
+  }
   FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
   joint = &s->system->joint[port->body];
   mode = s->system_state->mode[port->body];
@@ -26963,6 +27440,9 @@ static fb_real fbi_system_force(const fbi_subject *s, fb_real k)
   for (int j = 0; input && j < s->system->n_body + s->system->n_loop; j++) {
     force += fbi_drive_size(&s->system->joint[j], &input->drive[j], size);
   }
+  for (int j = 0; input && j < s->system->n_spring; j++) {
+    force += FB_FABS(input->pull[j]);
+  }
   return force;
 }
 
@@ -26987,13 +27467,15 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real rate, fb_real ot
 {
   fb_system_analyse_work *const work = s->system_work;
   const fb_real size = fbi_system_size(s->system, s->body);
-  const fb_real force = fbi_system_force(s, s->system->limit_elastic + s->system->limit_damping * rate + rate * rate);
+  const fb_real force = fbi_system_force(s, s->system->limit_elastic + s->system->limit_spring_elastic +
+                                                s->system->limit_damping * rate + rate * rate);
   for (int i = 0; i < s->desc->n_in; i++) {
     const fb_port *const port = &s->desc->in[i];
-    const int slides = port->kind == FB_PORT_FORCE ||
+    const int slides = port->kind == FB_PORT_FORCE || port->kind == FB_PORT_PULL ||
                        (port->kind == FB_PORT_DRIVE && fbi_axis_slides(&s->system->joint[port->body], port->axis));
-    work->common.step[2 * work->n_independent + i] = fbi_port_step(
-        port->kind, slides, force, size, fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other), work->steady[port->body]);
+    work->common.step[2 * work->n_independent + i] =
+        fbi_port_step(port->kind, slides, force, size, fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other),
+                      work->steady[port->kind == FB_PORT_PULL ? 0 : port->body]);
   }
 }
 
@@ -27101,7 +27583,10 @@ static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, co
   for (int k = 0; k < system->n_body; k++) {
     acts |= fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY);
   }
-  acts |= fbi_has_distributed(input);
+  for (int j = 0; j < system->n_spring; j++) {
+    acts |= system->spring[j].body[0] < 0 || system->spring[j].body[1] < 0;
+  }
+  acts |= fbi_has_distributed(input) || (input && input->forces);
   for (int i = 0; input && i < input->n_load; i++) {
     acts |= input->load[i].load.axes == FB_AXES_INERTIAL;
   }

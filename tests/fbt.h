@@ -14,7 +14,7 @@
 #define FB_MAX_STRAINS 24
 #endif
 #ifndef FB_MAX_ROWS
-#define FB_MAX_ROWS 48
+#define FB_MAX_ROWS 60
 #endif
 #include "../flexbeam.h"
 #include <math.h>

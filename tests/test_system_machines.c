@@ -551,8 +551,35 @@ static void hubs_are_in_balance(double tol)
   }
 }
 
+/* Springs from node 2 of one line to the ground and to the tip of the other. */
+static void springs_on_lines(void)
+{
+  for (int j = 0; j < 2; j++) {
+    fb_spring *const s = &desc.spring[desc.n_spring++];
+    s->node[0] = 2;
+    s->body[1] = j ? 1 : FB_GROUND;
+    s->node[1] = j;
+    s->position[1][j] = FB_R(0.7);
+    s->position[0][2] = FB_R(0.1);
+    s->stiffness = FB_R(3.0);
+    s->length = FB_R(0.2);
+    s->damping = FB_R(0.1);
+    input.pull[j] = FB_R(0.4);
+  }
+}
+
+static fb_status push_on_lines(fb_system_forces *now, void *user)
+{
+  for (int i = 0; i < now->n_point; i++) {
+    now->point[i].force[i % 3] = now->point[i].node ? now->point[i].velocity[0] + FB_R(0.3) : FB_R(0.0);
+    now->point[i].torque[1] = now->point[i].node ? FB_R(0.2) : FB_R(0.0);
+  }
+  (void)user;
+  return FB_OK;
+}
+
 /* E14.41 in systems: all kinds of joints on nodes of lines, by elimination, one dense matrix and multipliers, closing a
-   loop forwards and backwards; distributed loads. */
+   loop forwards and backwards; distributed loads, springs, forces of the state. */
 TEST(internal_loads_of_systems_reach_the_hub)
 {
   static fb_system_motion first;
@@ -564,6 +591,8 @@ TEST(internal_loads_of_systems_reach_the_hub)
         couple_by_a_loop(&first, form == 4);
       }
       input.distributed = blow_by_body;
+      input.forces = push_on_lines;
+      springs_on_lines();
       init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
       FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);

@@ -237,7 +237,7 @@ static unsigned tree_word(void)
   return fb_system_crc(&mechanism, model, FB_MAX_BODIES);
 }
 
-/* E8.40: of a system the word sees all but unused joints and the padding of the others, and its models. */
+/* E8.40: of a system the word sees all but unused joints and springs and the padding of the others, and its models. */
 TEST(the_check_word_of_a_system_sees_every_byte)
 {
   const int pad = (int)(sizeof(fb_joint) - 52 * sizeof(fb_real) - 11 * sizeof(int));
@@ -245,10 +245,14 @@ TEST(the_check_word_of_a_system_sees_every_byte)
   int joints, most;
   tree(FB_EFFECTS_SPIN, 1);
   (void)close_loop(FB_JOINT_SPHERICAL, 4, 0, 6, 0);
+  desc.n_spring = 1;
+  desc.spring[0].body[1] = 3;
+  desc.spring[0].stiffness = FB_R(10.0);
   init(FB_METHOD_RECURSIVE);
   joints = mechanism.n_body + mechanism.n_loop;
   most = (int)sizeof(fb_joint) * (FBT_COUNT(mechanism.joint) - joints) + pad * (joints + 1) +
-         2 * (int)sizeof(int) * (FB_MAX_BODIES - mechanism.n_body) + (int)(sizeof(fb_real) - sizeof(int));
+         2 * (int)sizeof(int) * (FB_MAX_BODIES - mechanism.n_body) + (int)(sizeof(fb_real) - sizeof(int)) +
+         (int)sizeof(fb_spring) * (FB_MAX_SPRINGS - mechanism.n_spring);
   FBT_TRUE(pad < (int)sizeof(fb_real));
   FBT_TRUE(fbt_unseen(&mechanism, sizeof mechanism, tree_word) <= most);
   word = tree_word();

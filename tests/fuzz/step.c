@@ -348,6 +348,13 @@ static int build_system(bytes *b)
   desc.n_loop = take_byte(b) > 200;
   take_joint(&desc.loop[0], b, desc.n_body);
   desc.loop[0].child = take_below(b, desc.n_body);
+  desc.n_spring = take_byte(b) > 128;
+  desc.spring[0].body[0] = take_below(b, desc.n_body + 1) - 1;
+  desc.spring[0].body[1] = take_below(b, desc.n_body);
+  desc.spring[0].node[1] = take_byte(b) & 1;
+  desc.spring[0].stiffness = FB_FABS(take_part(b, 100.0));
+  desc.spring[0].damping = FB_FABS(take_part(b, 1.0));
+  desc.spring[0].length = FB_FABS(take_part(b, 1.0));
   if (take_byte(b) > 240) {
     spoil(&desc, sizeof desc, b);
   }
@@ -367,12 +374,28 @@ static int system_is_finite(const fb_system_state *s)
   return finite;
 }
 
+/* A penalty at the load, friction in the first joint. */
+static fb_status take_forces(fb_system_forces *now, void *user)
+{
+  for (int i = 0; i < now->n_point; i++) {
+    now->point[i].force[1] =
+        now->point[i].position[1] < FB_R(0.0) ? -FB_R(50.0) * now->point[i].position[1] : FB_R(0.0);
+    now->point[i].torque[0] = -now->point[i].angular_rate[0];
+  }
+  now->joint[0].torque[0] = -FB_R(0.1) * now->joint[0].speed[0];
+  now->pull[0] = -now->spring[0].rate;
+  (void)user;
+  return FB_OK;
+}
+
 static void take_system_input(fb_system_input *input, bytes *b)
 {
   memset(input, 0, sizeof *input);
   input->n_load = take_byte(b) & 1;
   input->load[0].body = take_below(b, links.n_body);
   take_load(&input->load[0].load, b);
+  input->pull[0] = take_part(b, 5.0);
+  input->forces = take_byte(b) > 200 ? take_forces : NULL;
   for (int j = 0; j < links.n_body; j++) {
     input->drive[j].torque[0] = take_part(b, 5.0);
     input->drive[j].rate[0] = take_part(b, 1.0);
