@@ -162,14 +162,14 @@
      fb_rk4_work                 54584
      fb_implicit_work            62584
      fb_exponential_work         57160
-     fb_system_work             608336
+     fb_system_work             620816
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               427552
      fb_build_work             4291336  most of it an fb_modes_work
      fb_analyse_work           1288592
-     fb_system_analyse_work    1934144
+     fb_system_analyse_work    1948224
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
