@@ -74,18 +74,16 @@ static fb_status scene_build_rigid(const scene *s)
   return status;
 }
 
-/* What a joint does to the body that carries it: minus its load on the child, in the body's axes. */
-static void scene_note_joint(const scene *s, const scene_joint *joint)
+/* What something connected to a node does to its body, inertial axes: the most in the body's axes. */
+static void scene_note_load(const scene *s, int body, int node, const fb_real force[3], const fb_real torque[3])
 {
-  const fb_joint_motion *const m = &engine.view.motion.joint[joint->at];
-  const int parent = joint->desc.parent;
-  fb_envelope *const e = parent == FB_GROUND ? NULL : &automatic.envelope[parent];
-  fb_real R[9];
-  int k = s->n_load; /* loads of the scene come first, then one place for each joint */
-  if (!e || s->body[parent].shape.n == 0) {
+  fb_envelope *const e = body == FB_GROUND ? NULL : &automatic.envelope[body];
+  fb_real R[9], own[3], turn[3];
+  int k = s->n_load; /* loads of the scene come first, then one place for each node */
+  if (!e || s->body[body].shape.n == 0) {
     return;
   }
-  while (k < e->n_load && e->load[k].node != joint->desc.parent_node) {
+  while (k < e->n_load && e->load[k].node != node) {
     k++;
   }
   if (k >= FB_MAX_LOADS) {
@@ -93,19 +91,50 @@ static void scene_note_joint(const scene *s, const scene_joint *joint)
   }
   if (k == e->n_load) {
     e->n_load++;
-    e->load[k].node = joint->desc.parent_node;
+    e->load[k].node = node;
     e->load[k].axes = FB_AXES_BODY;
   }
-  fb_quat_to_mat33(R, engine.view.motion.pose[parent].quat);
+  fb_quat_to_mat33(R, engine.view.motion.pose[body].quat);
+  fb_mat33_mulT_vec3(own, R, force);
+  fb_mat33_mulT_vec3(turn, R, torque);
   for (int i = 0; i < 3; i++) {
-    fb_real force = 0, torque = 0;
-    for (int j = 0; j < 3; j++) {
-      force -= R[3 * j + i] * m->force[j];
-      torque -= R[3 * j + i] * m->torque[j];
-    }
-    scene_widen(&e->load[k].force[i], force);
-    scene_widen(&e->load[k].torque[i], torque);
+    scene_widen(&e->load[k].force[i], own[i]);
+    scene_widen(&e->load[k].torque[i], turn[i]);
   }
+}
+
+/* What a joint does to the body that carries it: minus its load on the child. */
+static void scene_note_joint(const scene *s, const scene_joint *joint)
+{
+  const fb_joint_motion *const m = &engine.view.motion.joint[joint->at];
+  fb_real force[3], torque[3];
+  for (int i = 0; i < 3; i++) {
+    force[i] = -m->force[i];
+    torque[i] = -m->torque[i];
+  }
+  scene_note_load(s, joint->desc.parent, joint->desc.parent_node, force, torque);
+}
+
+/* What a spring does to the nodes of both its ends. */
+static fb_status scene_note_spring(const scene *s, int j)
+{
+  const fb_spring *const spring = &s->spring[j].desc;
+  const fb_spring_motion *const at = &engine.view.motion.spring[j];
+  fb_real x[2][3];
+  const fb_status status = scene_spring_points(x, s, j);
+  for (int side = 0; side < 2 && status == FB_OK && at->length > 0; side++) {
+    fb_real force[3], arm[3], torque[3], R[9];
+    for (int i = 0; i < 3; i++) {
+      force[i] = at->tension / at->length * (x[1 - side][i] - x[side][i]);
+    }
+    if (spring->body[side] >= 0) { /* the body is rigid here: its sections are turned as the body */
+      fb_quat_to_mat33(R, engine.view.motion.pose[spring->body[side]].quat);
+      fb_mat33_mul_vec3(arm, R, spring->position[side]);
+      fb_vec3_cross(torque, arm, force);
+      scene_note_load(s, spring->body[side], spring->node[side], force, torque);
+    }
+  }
+  return status;
 }
 
 static void scene_note_body(const scene *s, int k)
@@ -198,6 +227,9 @@ static fb_status scene_note(const scene *s, double t)
   }
   for (int j = 0; j < s->n_joint && status == FB_OK; j++) {
     scene_note_joint(s, &s->joint[j]);
+  }
+  for (int j = 0; j < s->n_spring && status == FB_OK; j++) {
+    status = scene_note_spring(s, j);
   }
   scene_note_loads(s, t);
   return status;

@@ -272,10 +272,10 @@ static void scene_check_system(text_file *t, const scene *s)
 
 /* ---- the whole */
 
-/* Bodies on joints; else one body alone. */
+/* Bodies on joints or springs; else one body alone. */
 static int scene_is_system(const scene *s)
 {
-  return s->n_body > 1 || s->n_joint > 0;
+  return s->n_body > 1 || s->n_joint > 0 || s->n_spring > 0;
 }
 
 /* Speeds that a steady state has no use for. */

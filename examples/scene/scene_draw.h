@@ -8,7 +8,7 @@
 #define SCENE_FRAMES 480
 #define SCENE_POINTS 49 /* of a body's line */
 #define SCENE_MARKS 16  /* of what is held by the ground; further ones are not drawn */
-#define SCENE_LINES (2 * FB_MAX_BODIES + SCENE_MARKS)
+#define SCENE_LINES (2 * FB_MAX_BODIES + FB_MAX_SPRINGS + SCENE_MARKS)
 
 /* Of a body, a link between bodies, or what the ground holds: its place, and behind it, where it is clamped, another
    place of what is. */
@@ -19,12 +19,12 @@ typedef struct scene_line {
 
 typedef struct scene_frame {
   double t;
-  scene_line line[SCENE_LINES]; /* bodies, then what joins them, then marks of the ground */
+  scene_line line[SCENE_LINES]; /* bodies, what joins them, springs, marks of the ground */
 } scene_frame;
 
 static struct scene_film {
-  int n, n_body, n_line;
-  double scale; /* of the page per length, 0: nothing has a size */
+  int n, n_body, n_part, n_line; /* n_part: lines before the marks of the ground */
+  double scale;                  /* of the page per length, 0: nothing has a size */
   scene_frame frame[SCENE_FRAMES];
 } film;
 
@@ -159,7 +159,7 @@ static void scene_project(scene_view_from view)
         line->x[p][0] = scene_margin + 0.5 * width + scale * (line->x[p][0] - 0.5 * (least[0] + most[0]));
         line->x[p][1] = scene_margin + 0.5 * height + scale * (line->x[p][1] - 0.5 * (least[1] + most[1]));
       }
-      if (l >= 2 * film.n_body && line->n > 0) {
+      if (l >= film.n_part && line->n > 0) {
         scene_draw_ground(line);
       }
     }
@@ -201,7 +201,7 @@ static void scene_svg_points(FILE *svg, const scene_line *line)
 
 static void scene_svg_style(FILE *svg, int l, double opacity)
 {
-  const int body = l < film.n_body, ground = l >= 2 * film.n_body;
+  const int body = l < film.n_body, ground = l >= film.n_part, spring = l >= 2 * film.n_body && !ground;
   fprintf(svg,
           "fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
           "opacity=\"%.2f\"",
@@ -209,6 +209,7 @@ static void scene_svg_style(FILE *svg, int l, double opacity)
           : ground ? "#333333"
                    : "#999999",
           body ? "3" : "1", opacity);
+  fputs(spring ? " stroke-dasharray=\"5 3\"" : "", svg);
 }
 
 /* n lines of a frame: marks of the ground and links lie below bodies. */
@@ -343,7 +344,7 @@ static int scene_write_picture(scene *s, const char *name)
   scene_svg_trails(svg, film.n - 1);
   for (int k = 1; k <= shown; k++) {
     const int at = shown > 1 ? (k - 1) * (film.n - 1) / (shown - 1) : 0;
-    scene_svg_frame(svg, &film.frame[at], k < shown ? 2 * film.n_body : film.n_line, 0.15 + 0.85 * k / shown);
+    scene_svg_frame(svg, &film.frame[at], k < shown ? film.n_part : film.n_line, 0.15 + 0.85 * k / shown);
   }
   return scene_svg_close(s, svg, name);
 }

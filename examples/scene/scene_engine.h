@@ -150,6 +150,10 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
   for (int k = 0; k < s->n_drive; k++) {
     system_drive(s, input, &s->drive[k], t, side);
   }
+  for (int k = 0; k < s->n_spring; k++) {
+    const scene_spring *const spring = &s->spring[k];
+    input->pull[k] = spring->pulls ? (fb_real)function_eval(&spring->pull, &s->tables, t, side).value : FB_R(0.0);
+  }
 }
 
 /* A body without a joint is free. */
@@ -159,6 +163,7 @@ static fb_status system_init(const scene *s)
   memset(&desc, 0, sizeof desc);
   desc.n_body = s->n_body;
   desc.n_loop = s->n_loop;
+  desc.n_spring = s->n_spring;
   desc.method = s->method;
   desc.allow_long_step = engine.long_step;
   for (int k = 0; k < s->n_body; k++) {
@@ -168,6 +173,9 @@ static fb_status system_init(const scene *s)
   for (int k = 0; k < s->n_joint; k++) {
     const scene_joint *const joint = &s->joint[k];
     *(joint->loop ? &desc.loop[joint->at - s->n_body] : &desc.joint[joint->at]) = joint->desc;
+  }
+  for (int k = 0; k < s->n_spring; k++) {
+    desc.spring[k] = s->spring[k].desc;
   }
   return fb_system_init(&engine.system, &engine.system_work, engine.body, &desc, s->n_body);
 }
@@ -344,7 +352,39 @@ static void scene_falling(int *fall, const scene *s)
         *parent = *parent && *child;
       }
     }
+    for (int j = 0; j < s->n_spring; j++) {
+      const int *const body = s->spring[j].desc.body;
+      const int falls = body[0] >= 0 && body[1] >= 0 && fall[body[0]] && fall[body[1]];
+      for (int side = 0; side < 2; side++) {
+        if (body[side] >= 0) {
+          fall[body[side]] = falls;
+        }
+      }
+    }
   }
+}
+
+/* Points of a spring, inertial axes, in the motion of the view. */
+static fb_status scene_spring_points(fb_real x[2][3], const scene *s, int k)
+{
+  const fb_spring *const spring = &s->spring[k].desc;
+  fb_status status = FB_OK;
+  for (int side = 0; side < 2 && status == FB_OK; side++) {
+    const int b = spring->body[side];
+    memcpy(x[side], spring->position[side], sizeof x[side]);
+    if (b >= 0) {
+      fb_node_motion at;
+      fb_real R[9];
+      status = fb_body_node_motion_eval(&engine.body[b], &at, &engine.view.motion.pose[b],
+                                        &engine.view.motion.motion[b], spring->node[side]);
+      fb_quat_to_mat33(R, at.quat);
+      fb_mat33_mul_vec3(x[side], R, spring->position[side]);
+      for (int i = 0; i < 3; i++) {
+        x[side][i] += at.position[i];
+      }
+    }
+  }
+  return status;
 }
 
 /* Modes about the present state. What falls, falls as it would without weight: the modes of its rigid motion are zeros

@@ -323,6 +323,90 @@ static void scene_read_loop(text_file *t, scene *s)
   scene_read_any_joint(t, s, 1);
 }
 
+static int scene_spring_of(text_file *t, const scene *s)
+{
+  const char *const word = text_word(t);
+  for (int k = 0; k < s->n_spring && word; k++) {
+    if (strcmp(s->spring[k].name, word) == 0) {
+      return k;
+    }
+  }
+  text_fail(t, "no spring has the name %s", word ? word : "(missing)");
+  return 0;
+}
+
+static void scene_read_spring_line(text_file *t, scene *s, scene_spring *spring, const char *word)
+{
+  static const char *const words[] = {"stiffness", "length", "damping"};
+  fb_spring *const d = &spring->desc;
+  fb_real *const number[] = {&d->stiffness, &d->length, &d->damping};
+  text_once(t, &spring->seen, word);
+  text_note(t, &spring->seen, word);
+  for (int k = 0; k < 3; k++) {
+    if (strcmp(word, words[k]) == 0) {
+      *number[k] = (fb_real)text_number(t, word);
+      if (!t->failed && *number[k] < 0) {
+        text_fail(t, "%s must not be negative", word);
+      }
+      text_end_of_line(t);
+      return;
+    }
+  }
+  if (strcmp(word, "position") == 0) {
+    text_reals(t, word, d->position[0], 3);
+    text_reals(t, word, d->position[1], 3);
+  } else if (strcmp(word, "pull") == 0) {
+    spring->pull = function_read(t, &s->tables, s->path);
+    spring->pulls = 1;
+  } else {
+    text_fail(t, "no such word for a spring: %s", word);
+    return;
+  }
+  text_end_of_line(t);
+}
+
+/* spring NAME NODE|ground NODE|ground, its lines, end */
+static void scene_read_spring(text_file *t, scene *s)
+{
+  scene_spring *const spring = &s->spring[s->n_spring];
+  const int begin = t->line;
+  int ended = 0;
+  if (s->n_spring == FB_MAX_SPRINGS) {
+    text_fail(t, "more than %d springs", FB_MAX_SPRINGS);
+    return;
+  }
+  memset(spring, 0, sizeof *spring);
+  spring->line = begin;
+  text_name(t, "a spring", spring->name);
+  for (int k = 0; k < s->n_spring; k++) {
+    if (strcmp(s->spring[k].name, spring->name) == 0) {
+      text_fail(t, "two springs have the name %s", spring->name);
+    }
+  }
+  for (int side = 0; side < 2; side++) {
+    if (text_take(t, "ground")) {
+      spring->desc.body[side] = FB_GROUND;
+    } else {
+      scene_read_node(t, s, &spring->desc.body[side], &spring->desc.node[side]);
+    }
+  }
+  if (!t->failed && spring->desc.body[0] == FB_GROUND && spring->desc.body[1] == FB_GROUND) {
+    text_fail(t, "spring %s connects the ground to itself", spring->name);
+  }
+  text_end_of_line(t);
+  while (!ended && text_line(t)) {
+    const char *const word = text_word(t);
+    ended = strcmp(word, "end") == 0;
+    if (!ended) {
+      scene_read_spring_line(t, s, spring, word);
+    }
+  }
+  if (!ended) {
+    text_fail(t, "spring %s of line %d wants a line `end`", spring->name, begin);
+  }
+  s->n_spring++;
+}
+
 /* event T free|lock|prescribe JOINT AXIS */
 static void scene_read_event(text_file *t, scene *s)
 {

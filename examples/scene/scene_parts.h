@@ -9,6 +9,7 @@
 #define FB_MAX_STRAINS 60
 #define FB_MAX_BODIES 12
 #define FB_MAX_LOOPS 4
+#define FB_MAX_SPRINGS 12
 #define FB_MAX_EXACT 100
 #define FB_WITH_FORMS 1
 #define FB_WITH_DETAIL 1
@@ -86,6 +87,14 @@ typedef struct scene_drive { /* of an axis of a joint */
   function f;
 } scene_drive;
 
+typedef struct scene_spring { /* between two points */
+  char name[TEXT_NAME];
+  int line, pulls; /* it has an actuator */
+  text_words seen;
+  fb_spring desc;
+  function pull;
+} scene_spring;
+
 typedef struct scene_event { /* an axis is locked, freed or prescribed */
   double t;
   int line, joint, axis;
@@ -99,6 +108,7 @@ typedef enum scene_place {
   SCENE_AT_GAUGE,
   SCENE_AT_JOINT, /* x, y, z */
   SCENE_AT_AXIS,  /* of a joint */
+  SCENE_AT_SPRING,
   SCENE_AT_ALL
 } scene_place;
 
@@ -127,6 +137,8 @@ typedef enum scene_quantity {
   SCENE_COORDINATE_RATE,
   SCENE_COORDINATE_ACCELERATION,
   SCENE_DRIVE,
+  SCENE_LENGTH,
+  SCENE_TENSION,
   SCENE_ENERGY,
   SCENE_MOMENTUM,
   SCENE_ANGULAR_MOMENTUM,
@@ -161,6 +173,8 @@ static const struct scene_quantity_row {
                         {"speed", "rad/s", SCENE_AT_AXIS, {NULL}},
                         {"joint_acceleration", "rad/s^2", SCENE_AT_AXIS, {NULL}},
                         {"drive", "N m", SCENE_AT_AXIS, {NULL}},
+                        {"length", "m", SCENE_AT_SPRING, {NULL}},
+                        {"tension", "N", SCENE_AT_SPRING, {NULL}},
                         {"energy", "J", SCENE_AT_ALL, {"total", "kinetic", "strain", "gravity"}},
                         {"momentum", "N s", SCENE_AT_ALL, {"x", "y", "z"}},
                         {"angular_momentum", "N m s", SCENE_AT_ALL, {"x", "y", "z"}},
@@ -170,7 +184,7 @@ static const struct scene_quantity_row {
 typedef struct scene_output {
   char label[TEXT_NAME];
   scene_quantity quantity;
-  int body, at, axis; /* at: node, mode, gauge or joint */
+  int body, at, axis; /* at: node, mode, gauge, joint or spring */
   char unit[32];
 } scene_output;
 
@@ -226,7 +240,8 @@ typedef struct scene {
   scene_view_from view;
   int view_of; /* body in whose frame it is seen; -1: at rest */
   fb_method method;
-  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_event, n_expectation, n_reference;
+  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_event, n_expectation,
+      n_reference;
   scene_body body[FB_MAX_BODIES];
   scene_load load[SCENE_LOADS];
   scene_motion motion[SCENE_MOTIONS];
@@ -235,6 +250,7 @@ typedef struct scene {
   double measured[SCENE_MEASURES]; /* by scene_run */
   scene_joint joint[SCENE_JOINTS];
   scene_drive drive[SCENE_DRIVES];
+  scene_spring spring[FB_MAX_SPRINGS];
   scene_event event[SCENE_EVENTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];

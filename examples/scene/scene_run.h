@@ -152,6 +152,9 @@ static double scene_value(const scene *s, const scene_output *o)
   case SCENE_AT_JOINT:
   case SCENE_AT_AXIS:
     return joint_output(s, o);
+  case SCENE_AT_SPRING:
+    return (double)(o->quantity == SCENE_LENGTH ? engine.view.motion.spring[o->at].length
+                                                : engine.view.motion.spring[o->at].tension);
   case SCENE_AT_ALL:
     return whole_output(o);
   default:
@@ -343,7 +346,7 @@ static void scene_mark_joint(const scene *s, scene_frame *frame, const fb_joint_
 /* What the ground holds. */
 static void scene_mark_ground(const scene *s, scene_frame *frame)
 {
-  film.n_line = 2 * s->n_body;
+  film.n_line = film.n_part = 2 * s->n_body + s->n_spring;
   if (s->is_exact) {
     scene_mark_exact(s, frame);
   } else if (!scene_is_system(s)) {
@@ -355,9 +358,18 @@ static void scene_mark_ground(const scene *s, scene_frame *frame)
       scene_mark_joint(s, frame, d);
     }
   }
+  for (int j = 0; j < s->n_spring; j++) {
+    const scene_line *const line = &frame->line[2 * s->n_body + j];
+    for (int side = 0; side < 2 && line->n == 2; side++) {
+      if (s->spring[j].desc.body[side] == FB_GROUND) {
+        scene_add_mark(frame, line->x[side], NULL);
+      }
+    }
+  }
 }
 
-/* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin. */
+/* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin, springs from
+   point to point. */
 static void scene_film_frame(const scene *s, double t)
 {
   scene_frame *const frame = &film.frame[film.n];
@@ -390,6 +402,14 @@ static void scene_film_frame(const scene *s, double t)
       }
       scene_add_point(s, line, d->parent, d->parent_node);
       scene_add_point(s, line, d->child, 0);
+    }
+  }
+  for (int j = 0; j < s->n_spring; j++) {
+    scene_line *const line = &frame->line[2 * s->n_body + j];
+    fb_real x[2][3];
+    if (scene_spring_points(x, s, j) == FB_OK) {
+      scene_seen(s, line->x[line->n++], x[0]);
+      scene_seen(s, line->x[line->n++], x[1]);
     }
   }
   scene_mark_ground(s, frame);

@@ -117,6 +117,9 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
       text_fail(t, "a loop has no joint_acceleration");
     }
     break;
+  case SCENE_AT_SPRING:
+    output->at = scene_spring_of(t, s);
+    break;
   default:
     break;
   }

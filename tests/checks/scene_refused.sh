@@ -950,3 +950,48 @@ body b exact
   node tip tip
 end
 END
+ball='duration 1
+body b rigid
+  hub 1  0 0 0  1 1 1
+end'
+refuse 5 "spring s connects the ground to itself" << END
+$ball
+spring s ground ground
+end
+END
+refuse 6 "stiffness must not be negative" << END
+$ball
+spring s b ground
+  stiffness -1
+end
+END
+refuse 6 "no such word for a spring: rest" << END
+$ball
+spring s b ground
+  rest 1
+end
+END
+refuse 7 "length is there twice" << END
+$ball
+spring s b ground
+  length 1
+  length 2
+end
+END
+refuse 5 "spring s of line 5 wants a line \`end\`" << END
+$ball
+spring s b ground
+END
+refuse 7 "two springs have the name s" << END
+$ball
+spring s b ground
+end
+spring s ground b
+end
+END
+refuse 7 "no spring has the name r" << END
+$ball
+spring s b ground
+end
+output l length r
+END
