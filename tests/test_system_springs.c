@@ -52,8 +52,9 @@ static double energy_slope(double tol)
     moved(&kept, &state, &rate, side * h);
     slope += weight[side + 2] / h * energy_of(&kept);
     FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &at, &kept, &input), FB_OK);
-    for (int i = 0; i < 6; i++) {
-      force[i] += weight[side + 2] / h * (double)(i < 3 ? at.linear[i] : at.angular[i - 3]);
+    for (int i = 0; i < 3; i++) {
+      force[i] += weight[side + 2] / h * (double)at.linear[i];
+      force[3 + i] += weight[side + 2] / h * (double)at.angular[i];
     }
   }
   for (int i = 0; i < 6; i++) {
