@@ -221,6 +221,30 @@ static void scene_read_load(text_file *t, scene *s)
   scene_read_any_load(t, s, 0);
 }
 
+/* distributed BODY dead|follower force|torque X Y Z [to X Y Z] [FUNCTION]: per length, linear from root to tip */
+static void scene_read_distributed(text_file *t, scene *s)
+{
+  static const char *const axes[] = {"dead", "follower", NULL};
+  scene_distributed *const d = &s->distributed[s->n_distributed];
+  if (s->n_distributed == SCENE_DISTRIBUTED) {
+    text_fail(t, "more than %d distributed loads", SCENE_DISTRIBUTED);
+    return;
+  }
+  d->line = t->line;
+  d->body = scene_read_whole_body(t, s);
+  d->follower = text_choice(t, "axes of a distributed load", axes);
+  d->torque = scene_read_force_or_torque(t, d->vector);
+  memcpy(d->end, d->vector, sizeof d->end);
+  if (text_take(t, "to")) {
+    text_vector(t, "at the tip", d->end, 3);
+  }
+  d->f = scene_read_function(t, s);
+  if (!t->failed && (s->is_exact || !(s->body[d->body].level.effects & FB_EFFECT_LARGE_DEFLECTION))) {
+    text_fail(t, "distributed loads are on beams with `effects large`; an exact beam has `line` among its own words");
+  }
+  s->n_distributed++;
+}
+
 static void scene_read_nudge(text_file *t, scene *s)
 {
   scene_read_any_load(t, s, 1);
@@ -360,6 +384,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
                {"event", scene_read_event, 0},
                {"load", scene_read_load, 0},
                {"nudge", scene_read_nudge, 0},
+               {"distributed", scene_read_distributed, 0},
                {"motion", scene_read_motion, 0},
                {"output", scene_read_output, 0},
                {"measure", scene_read_measure, 0},

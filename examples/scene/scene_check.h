@@ -356,6 +356,17 @@ static void scene_check_parameters(text_file *t, const scene *s)
 }
 
 /* What only the whole file tells: first what has no line of its own. */
+/* What chooses steps and modes knows no distributed loads. */
+static void scene_check_distributed(text_file *t, scene *s)
+{
+  for (int k = 0; k < s->n_distributed; k++) {
+    if (s->body[s->distributed[k].body].tolerance > 0 || (s->duration > 0 && !(s->step > 0))) {
+      t->line = s->distributed[k].line;
+      text_fail(t, "distributed loads want a step, and a body without auto");
+    }
+  }
+}
+
 static void scene_check(text_file *t, scene *s)
 {
   t->line = 0;
@@ -369,6 +380,7 @@ static void scene_check(text_file *t, scene *s)
     scene_refuse(t, &s->body[k].seen, "auto", "wants a duration");
   }
   scene_check_settings(t, s);
+  scene_check_distributed(t, s);
   if (!s->is_exact || !s->trim) {
     scene_refuse(t, &s->seen, "nudge", s->is_exact ? "wants trim" : "is that of an exact beam");
   }

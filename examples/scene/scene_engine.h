@@ -5,6 +5,11 @@
 #include "scene_time.h"
 #include "../common/stepper.h"
 
+typedef struct scene_instant { /* of a step: what a distributed load needs to know beside its points and the time */
+  const scene *s;
+  double side;
+} scene_instant;
+
 static struct scene_engine { /* one scene at a time */
   fb_body body[FB_MAX_BODIES];
   fb_body_work body_work;
@@ -24,6 +29,7 @@ static struct scene_engine { /* one scene at a time */
   double origin[SCENE_JOINTS][3]; /* of the axes of joints: from where a rate goes on */
   fb_system_analyse_work system_analyse;
   fb_spectrum spectrum;
+  scene_instant instant;
   scene_view view;
 } engine;
 
@@ -39,11 +45,54 @@ static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_bod
   }
 }
 
+/* ---- distributed loads */
+
+/* Adds one of them at a point. x: 0 at the root, 1 at the tip. */
+static void scene_distribute(fb_line_point *p, const scene_distributed *d, double f, double x)
+{
+  fb_real *const to = d->torque ? p->torque : p->force, own[3], turned[3];
+  for (int i = 0; i < 3; i++) {
+    own[i] = (fb_real)(f * (d->vector[i] + x * (d->end[i] - d->vector[i]))) * p->length;
+  }
+  fb_mat33_mul_vec3(turned, p->R, own);
+  for (int i = 0; i < 3; i++) {
+    to[i] += d->follower ? turned[i] : own[i];
+  }
+}
+
+/* fb_distributed of a scene: user is the scene_instant. */
+static fb_status scene_distributed_at(fb_line_point *point, int n, fb_real t, void *user)
+{
+  const scene_instant *const now = (const scene_instant *)user;
+  const scene *const s = now->s;
+  for (int k = 0; k < s->n_distributed; k++) {
+    const scene_distributed *const d = &s->distributed[k];
+    const double f = function_eval(&d->f, &s->tables, (double)t, now->side).value;
+    for (int i = 0; i < n; i++) {
+      int tip = i;
+      while (tip + 1 < n && point[tip + 1].body == point[i].body && point[tip + 1].line == point[i].line) {
+        tip++;
+      }
+      if (point[i].body == d->body) {
+        scene_distribute(&point[i], d, f, (double)(point[i].x / point[tip].x));
+      }
+    }
+  }
+  return FB_OK;
+}
+
 /* ---- one body alone */
 
 static void single_input(const scene *s, fb_input *input, double t, double side)
 {
   memset(input, 0, sizeof *input);
+  input->t = (fb_real)t;
+  if (s->n_distributed > 0) {
+    input->distributed = scene_distributed_at;
+    engine.instant.s = s;
+    engine.instant.side = side;
+    input->user = &engine.instant;
+  }
   input->n_load = s->n_load;
   for (int k = 0; k < s->n_load; k++) {
     input->load[k] = scene_load_at(s, &s->load[k], t, side);
@@ -137,6 +186,13 @@ static void system_drive(const scene *s, fb_system_input *input, const scene_dri
 static void system_input(const scene *s, fb_system_input *input, double t, double side)
 {
   memset(input, 0, sizeof *input);
+  input->t = (fb_real)t;
+  if (s->n_distributed > 0) {
+    input->distributed = scene_distributed_at;
+    engine.instant.s = s;
+    engine.instant.side = side;
+    input->user = &engine.instant;
+  }
   input->n_load = s->n_load;
   for (int k = 0; k < s->n_load; k++) {
     input->load[k].body = s->load[k].body;

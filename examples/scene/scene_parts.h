@@ -26,6 +26,7 @@
 #define SCENE_MEASURES 64
 #define SCENE_LOADS FB_MAX_LOADS
 #define SCENE_MOTIONS 12
+#define SCENE_DISTRIBUTED 8
 #define SCENE_GAUGES 4
 #define SCENE_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS)
 #define SCENE_DRIVES 64
@@ -61,6 +62,12 @@ typedef struct scene_load { /* vector times function */
   double vector[3];
   function f;
 } scene_load;
+
+typedef struct scene_distributed { /* along the beam of a body, per length: vector at its root to end at its tip */
+  int line, body, torque, follower;
+  double vector[3], end[3];
+  function f;
+} scene_distributed;
 
 typedef struct scene_motion { /* of a prescribed base, body axes */
   int rate;                   /* [rad/s], else a velocity [m/s] */
@@ -241,9 +248,10 @@ typedef struct scene {
   int view_of; /* body in whose frame it is seen; -1: at rest */
   fb_method method;
   int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_event, n_expectation,
-      n_reference;
+      n_reference, n_distributed;
   scene_body body[FB_MAX_BODIES];
   scene_load load[SCENE_LOADS];
+  scene_distributed distributed[SCENE_DISTRIBUTED];
   scene_motion motion[SCENE_MOTIONS];
   scene_output output[SCENE_OUTPUTS];
   scene_measure measure[SCENE_MEASURES];

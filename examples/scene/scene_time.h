@@ -4,7 +4,7 @@
 #define SCENE_TIME_H
 #include "scene.h"
 
-#define SCENE_FUNCTIONS (SCENE_LOADS + SCENE_MOTIONS + SCENE_DRIVES)
+#define SCENE_FUNCTIONS (SCENE_LOADS + SCENE_MOTIONS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_DISTRIBUTED)
 #define SCENE_INSTANTS (FUNCTION_ROWS + 3 * SCENE_FUNCTIONS + SCENE_EVENTS)
 #define SCENE_STEPS 1e10 /* at most, of a run: hours of the quickest */
 
@@ -24,11 +24,14 @@ typedef struct scene_piece {
 /* Function k of all that act; NULL: there are no more. */
 static const function *scene_function(const scene *s, int k)
 {
-  const int motion = k - s->n_load, drive = motion - s->n_motion;
-  return k < s->n_load          ? &s->load[k].f
-         : motion < s->n_motion ? &s->motion[motion].f
-         : drive < s->n_drive   ? &s->drive[drive].f
-                                : NULL;
+  const int motion = k - s->n_load, drive = motion - s->n_motion, spring = drive - s->n_drive,
+            spread = spring - s->n_spring;
+  return k < s->n_load               ? &s->load[k].f
+         : motion < s->n_motion      ? &s->motion[motion].f
+         : drive < s->n_drive        ? &s->drive[drive].f
+         : spring < s->n_spring      ? &s->spring[spring].pull
+         : spread < s->n_distributed ? &s->distributed[spread].f
+                                     : NULL;
 }
 
 static int scene_earlier(const void *a, const void *b)

@@ -450,6 +450,7 @@ static const struct {
                  {&w.bent_input.distributed, sizeof w.bent_input.distributed},
                  {&w.bent_input.user, sizeof w.bent_input.user},
                  {&w.system_input.rows, sizeof w.system_input.rows},
+                 {&w.system_input.forces, sizeof w.system_input.forces},
                  {&w.system_input.user, sizeof w.system_input.user},
                  {&w.system_input.distributed, sizeof w.system_input.distributed},
                  {&w.trial, sizeof w.trial},
@@ -467,6 +468,17 @@ static fb_status trial_run(void *user, fb_real *output, const fb_advice *candida
   for (int k = 0; k < 3; k++) {
     output[k] = FB_R(1.0);
   }
+  return FB_OK;
+}
+
+/* Forces by the motion of a load's node and of a spring. */
+static fb_status hold_back(fb_system_forces *now, void *user)
+{
+  (void)user;
+  for (int i = 0; i < 3 && now->n_point > 0; i++) {
+    now->point[0].force[i] = -FB_R(0.1) * now->point[0].velocity[i];
+  }
+  now->pull[0] = now->n_spring > 0 ? FB_R(0.1) * now->spring[0].rate : FB_R(0.0);
   return FB_OK;
 }
 
@@ -636,6 +648,12 @@ static void system_fill(void)
   w.system_desc.joint[0].parent = FB_GROUND;
   w.system_desc.joint[1].parent_node = 1;
   w.system_desc.joint[0].stiffness[0] = w.system_desc.joint[1].stiffness[0] = FB_R(1000.0);
+  w.system_desc.n_spring = 1;
+  w.system_desc.spring[0].node[0] = 1;
+  w.system_desc.spring[0].body[1] = FB_GROUND;
+  w.system_desc.spring[0].position[1][1] = FB_R(3.0);
+  w.system_desc.spring[0].stiffness = FB_R(0.01);
+  w.system_desc.spring[0].damping = FB_R(0.01);
   need(fb_system_init(&w.system, &system_work, &w.body, &w.system_desc, 1), "system");
   need(fb_system_state_init(&w.system, &w.body, &w.system_state, &system_work, NULL, NULL), "state of the system");
   need(fb_system_init(&w.bent_system, &system_work, &w.bent, &w.system_desc, 1), "system with lines");
@@ -644,6 +662,7 @@ static void system_fill(void)
        "its motion");
   w.system_input.n_load = 1;
   w.system_input.load[0].load = w.input.load[0];
+  w.system_input.forces = hold_back;
   w.system_linear_desc = w.linear_desc;
   w.system_linear_desc.in[0].kind = FB_PORT_DRIVE;
 }

@@ -995,3 +995,31 @@ spring s b ground
 end
 output l length r
 END
+strip='body b beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  modes bend_y 2
+  base prescribed'
+refuse 10 "distributed loads are on beams with \`effects large\`; an exact beam has \`line\` among its own words" << END
+duration 1
+$strip
+end
+distributed b dead force 0 1 0
+END
+refuse 11 "distributed loads want a step, and a body without auto" << END
+duration 1
+$strip
+  effects large
+end
+distributed b dead force 0 1 0 to 0 2 0 sine 1 2
+END
+refuse 12 "axes of a distributed load must be one of dead follower, is base" << END
+step 0.01
+duration 1
+$strip
+  effects large
+end
+distributed b base force 0 1 0
+END
