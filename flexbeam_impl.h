@@ -11578,7 +11578,9 @@ static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb
     status = fbi_cut_spring_add(acts, load, system, body, motion, j, 0);
     status = status ? status : fbi_cut_spring_add(acts, load, system, body, motion, j, 1);
   }
-  fbi_cut_forces_add(acts, load, motion, input);
+  if (status == FB_OK) {
+    fbi_cut_forces_add(acts, load, motion, input);
+  }
   return status;
 }
 
