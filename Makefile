@@ -11,14 +11,14 @@ export WARNINGS WARNINGS_C
 LIBRARY  = flexbeam.h flexbeam_impl.h
 TESTS    = $(wildcard tests/test_*.c)
 EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_flap arm fourbar \
-           elastica follower flap whirl leigh hil_plant hil_controller \
+           elastica follower flap whirl wing_goland ground_resonance leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile rooms removed single advise rom mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -265,6 +265,8 @@ ci:
 	@echo "ci: all $(words $(CHECKS)) checks passed"
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
+
+check-aero: build/examples/wing_goland build/examples/ground_resonance
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 

@@ -1,0 +1,15 @@
+#!/bin/sh
+# Wings and rotors in air: each program checks itself against what is published or closed forms, and says so by its exit status.
+. tests/checks/common.sh
+count=0
+for program in wing_goland ground_resonance; do
+  try build/examples/$program --out "$out/$program.csv"
+  ! grep -q FAILED "$out/log" || fail "$program ends well although a check of it failed"
+  count=$((count + $(grep -c ' ok$' "$out/log")))
+  [ "$(wc -l < "$out/$program.csv")" -gt 20 ] || fail "$program writes no curves"
+done
+try build/examples/ground_resonance --blades 3 --offset 0.5 --lag-damper 9000 --damping 15000 --out "$out/damped.csv"
+status=0
+build/examples/wing_goland --density 0.6 --modes 7 > "$out/log" 2>&1 || status=$?
+[ $status = 2 ] && grep -q -- '--modes is 2 to 6' "$out/log" || fail "wing_goland --modes 7: exit status $status"
+ok "$count comparisons with published results and closed forms"
