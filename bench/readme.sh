@@ -294,6 +294,18 @@ compile() {
   { echo '```'; sh bench/compile.sh; echo '```'; } | block compile
 }
 
+aero() {
+  make -s build/examples/wing_goland build/examples/ground_resonance
+  {
+    echo '```'
+    for program in wing_goland ground_resonance; do
+      [ $program = wing_goland ] || echo
+      build/examples/$program --out "$out/$program.csv" | grep -v -e '^curves' -e '^picture'
+    done
+    echo '```'
+  } | block aero
+}
+
 # Of the sizes the rows of six modes on a Cortex-M4F.
 flight() {
   document=$(grep -lxF '<!-- sizes -->' $documents)
@@ -305,7 +317,7 @@ if [ $# -gt 0 ]; then # one part alone
   exit
 fi
 for part in hil accuracy advice advise flags hard campaign speedup scene hostile faults coverage program figures spinup forms table1 system \
-  exact leigh blade identities peers instructions single sizes compile; do
+  exact leigh blade identities peers instructions single sizes compile aero; do
   "$part"
 done
 echo "tables, program and pictures of the documents regenerated"

@@ -221,6 +221,11 @@ static void scene_read_load(text_file *t, scene *s)
   scene_read_any_load(t, s, 0);
 }
 
+static void scene_read_nudge(text_file *t, scene *s)
+{
+  scene_read_any_load(t, s, 1);
+}
+
 /* distributed BODY dead|follower force|torque X Y Z [to X Y Z] [FUNCTION]: per length, linear from root to tip */
 static void scene_read_distributed(text_file *t, scene *s)
 {
@@ -243,11 +248,6 @@ static void scene_read_distributed(text_file *t, scene *s)
     text_fail(t, "distributed loads are on beams with `effects large`; an exact beam has `line` among its own words");
   }
   s->n_distributed++;
-}
-
-static void scene_read_nudge(text_file *t, scene *s)
-{
-  scene_read_any_load(t, s, 1);
 }
 
 /* motion velocity|rate X Y Z [FUNCTION] */

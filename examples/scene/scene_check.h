@@ -355,18 +355,20 @@ static void scene_check_parameters(text_file *t, const scene *s)
   }
 }
 
-/* What only the whole file tells: first what has no line of its own. */
 /* What chooses steps and modes knows no distributed loads. */
-static void scene_check_distributed(text_file *t, scene *s)
+static void scene_check_distributed(text_file *t, const scene *s)
 {
-  for (int k = 0; k < s->n_distributed; k++) {
-    if (s->body[s->distributed[k].body].tolerance > 0 || (s->duration > 0 && !(s->step > 0))) {
-      t->line = s->distributed[k].line;
-      text_fail(t, "distributed loads want a step, and a body without auto");
-    }
+  int chosen = s->duration > 0 && !(s->step > 0);
+  for (int k = 0; k < s->n_body; k++) {
+    chosen |= s->body[k].tolerance > 0;
+  }
+  if (s->n_distributed > 0 && chosen) {
+    t->line = s->distributed[0].line;
+    text_fail(t, "distributed loads want a step, and bodies without auto");
   }
 }
 
+/* What only the whole file tells: first what has no line of its own. */
 static void scene_check(text_file *t, scene *s)
 {
   t->line = 0;

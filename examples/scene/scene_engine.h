@@ -81,18 +81,22 @@ static fb_status scene_distributed_at(fb_line_point *point, int n, fb_real t, vo
   return FB_OK;
 }
 
+/* The distributed loads of the step that holds `side`; NULL: the scene has none. */
+static fb_distributed scene_distributed_from(const scene *s, double side)
+{
+  engine.instant.s = s;
+  engine.instant.side = side;
+  return s->n_distributed > 0 ? scene_distributed_at : NULL;
+}
+
 /* ---- one body alone */
 
 static void single_input(const scene *s, fb_input *input, double t, double side)
 {
   memset(input, 0, sizeof *input);
   input->t = (fb_real)t;
-  if (s->n_distributed > 0) {
-    input->distributed = scene_distributed_at;
-    engine.instant.s = s;
-    engine.instant.side = side;
-    input->user = &engine.instant;
-  }
+  input->distributed = scene_distributed_from(s, side);
+  input->user = &engine.instant;
   input->n_load = s->n_load;
   for (int k = 0; k < s->n_load; k++) {
     input->load[k] = scene_load_at(s, &s->load[k], t, side);
@@ -187,12 +191,8 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
 {
   memset(input, 0, sizeof *input);
   input->t = (fb_real)t;
-  if (s->n_distributed > 0) {
-    input->distributed = scene_distributed_at;
-    engine.instant.s = s;
-    engine.instant.side = side;
-    input->user = &engine.instant;
-  }
+  input->distributed = scene_distributed_from(s, side);
+  input->user = &engine.instant;
   input->n_load = s->n_load;
   for (int k = 0; k < s->n_load; k++) {
     input->load[k].body = s->load[k].body;

@@ -1,7 +1,10 @@
 #!/bin/sh
-# Wings and rotors in air: each program checks itself against what is published or closed forms, and says so by its exit status.
+# Wings and rotors in air: each program checks itself against what is published or closed forms, and says so by its exit
+# status; aero.c checks what they do not use.
 . tests/checks/common.sh
-count=0
+try ${CC:-cc} $c99 -O1 -o "$out/parts" tests/checks/aero.c -lm
+"$out/parts" > "$out/log" || fail "$(grep FAILED "$out/log")"
+count=$(grep -c ' ok$' "$out/log")
 for program in wing_goland ground_resonance; do
   try build/examples/$program --out "$out/$program.csv"
   ! grep -q FAILED "$out/log" || fail "$program ends well although a check of it failed"

@@ -38,6 +38,41 @@ expect y 0.695 tolerance 1e-12
 expect z 0.02 tolerance 1e-12
 END
 done
+# the pull of a spring, and a distributed load, from 10 N/m at the root to 30 N/m at the tip: impulses of a pulse within a step
+meets << END
+duration 1
+interval 0.5
+step 0.25
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+spring s b ground
+  position 0 0 0  100 0 0
+  pull pulse 10 0.11 0.12
+end
+output v velocity b x
+measure x final v
+expect x 0.1 tolerance 1e-12
+END
+meets << END
+duration 0.2
+interval 0.1
+step 0.1
+integrator sdirk
+body b beam
+  length 2
+  stations x mass EI_z
+    0 1 100
+  end
+  hub 1  0 0 0  1 1 1
+  modes bend_y 2
+  effects large
+end
+distributed b dead force 0 0 10 to 0 0 30 pulse 1 0.11 0.12
+output p momentum z
+measure z final p
+expect z 0.4 tolerance 1e-9
+END
 # events within a step
 meets << END
 duration 1

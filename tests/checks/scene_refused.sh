@@ -1008,7 +1008,7 @@ $strip
 end
 distributed b dead force 0 1 0
 END
-refuse 11 "distributed loads want a step, and a body without auto" << END
+refuse 11 "distributed loads want a step, and bodies without auto" << END
 duration 1
 $strip
   effects large
@@ -1022,4 +1022,22 @@ $strip
   effects large
 end
 distributed b base force 0 1 0
+END
+refuse 22 "distributed loads want a step, and bodies without auto" << END
+step 0.01
+duration 1
+$strip
+  effects large
+end
+body c beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  modes bend_y 2
+  base prescribed
+  node 1 tip
+  auto 0.01
+end
+distributed b dead force 0 1 0
 END

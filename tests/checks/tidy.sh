@@ -11,11 +11,13 @@
 need clang-tidy clang-tidy
 need cppcheck cppcheck
 need gcc gcc
-files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e wing_goland -e ground_resonance -e rom.c -e checks/single.c -e checks/advise.c)" # they want a generated header, or other libraries
+files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e rom.c -e checks/single.c -e checks/advise.c)" # they want a generated header, or other libraries
 in_double="jacobian.c|shape_rates.c"
 inside="test_main.c|bench_exact.c|bench_system.c|sizes.c|advise.c|analyse.c|reduce.c|exact.c|campbell.c|scene.c|campaign.c|tutorial_import.c|two_precisions.c"
 printf '#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include "flexbeam_impl.h"\n' > "$out/library.c"
-try clang-tidy --quiet $files -- -std=c99 -I. -DFB_SINGLE=0
+try clang-tidy --quiet $(echo "$files" | grep -v wing_goland.c) -- -std=c99 -I. -DFB_SINGLE=0
+# without the library in line: clang-tidy does not see there that a node that is on no line stays so
+try clang-tidy --quiet examples/aero/wing_goland.c -- -std=c99 -I. -DFB_SINGLE=0 -DFLEXBEAM_IMPL_INCLUDED
 in_single=$(echo "$files" | grep -v -E "$in_double")
 try clang-tidy --quiet $(echo "$in_single" | grep -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1
 try clang-tidy --quiet $(echo "$in_single" | grep -v -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1 -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED
