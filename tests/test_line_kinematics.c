@@ -508,7 +508,7 @@ TEST(default_points_reach_far_shapes_of_many_modes)
         line_count(n, planes == 2 ? other : 0, 0, 0);
         line_build();
         FBT_TRUE(modes.line_points <= FB_MAX_POINTS);
-        e = worst_pose(60, 1.0);
+        e = worst_pose(FBT_LONG(60, 6), 1.0);
         FBT_BELOW(e.tip, 5e-4);
         FBT_BELOW(e.attitude, 0.05 * DEGREE);
         most[planes - 1].tip = fmax(most[planes - 1].tip, e.tip);
