@@ -69,7 +69,7 @@ enum { FBT_IDENTITY, FBT_PRINTED, FBT_BOUNDARY };
 #define FBT_SET_TORQUE(desc, number) ((void)(number))
 #endif
 
-/* Steps or seconds of a long run. Sanitizers (tests/checks/sanitize.sh) set FBT_SHORT: the code that a step runs
+/* Steps or seconds of a long run. Sanitizers (tests/checks/common.sh) set FBT_SHORT: the code that a step runs
    through is the same in every step, a short run shows them all of it, under the same bounds. */
 #ifndef FBT_SHORT
 #define FBT_SHORT 0

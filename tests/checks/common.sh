@@ -32,3 +32,15 @@ try() {
     fail "the command above"
   }
 }
+
+# sanitized COMPILER SANITIZERS OPTIONS...: the QUICK START as it ships and the tests with FB_WITH_FORMS, which leaves out nothing, run
+# clean; sets passed. FBT_SHORT: long runs are brief, they show no other code.
+sanitized() {
+  build="$1 -fsanitize=$2 -fno-sanitize-recover=all $c99 -g"
+  shift 2
+  try $build "$@" -o "$out/quickstart" examples/quickstart.c -lm
+  try "$out/quickstart"
+  try $build "$@" -DFBT_SHORT=1 -DFB_WITH_FORMS=1 -o "$out/runner" tests/test_*.c -lm
+  try "$out/runner"
+  passed=$(tail -n 1 "$out/log" | cut -d ' ' -f 1)
+}
