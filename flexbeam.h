@@ -162,14 +162,14 @@
      fb_rk4_work                 54584
      fb_implicit_work            62584
      fb_exponential_work         57160
-     fb_system_work             620816
+     fb_system_work             623192
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               427552
      fb_build_work             4291336  most of it an fb_modes_work
      fb_analyse_work           1288592
-     fb_system_analyse_work    1948224
+     fb_system_analyse_work    1950600
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
@@ -1239,6 +1239,8 @@ typedef struct fb_joint { /* a checked desc */
   fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
   fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
   fb_real pitch, stiffness[3], rest[3], damping[3];
+  int rubs; /* an axis has friction or stops */
+  fb_real friction[3], slip[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   fb_axis_mode mode[3];
 } fb_joint;
 
@@ -1413,6 +1415,7 @@ typedef struct fbi_link_work {
   fb_real S[21];                /* articulated inertia */
   fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
   fb_real U[18], D[3];  /* S A, 1/(A S A) */
+  fb_real stiffness[3], damping[3]; /* of the axes of its joint, in an implicit step */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
@@ -1473,6 +1476,7 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   fbi_span span;
   fb_real spring_elastic[FB_MAX_SPRINGS], spring_damping[FB_MAX_SPRINGS]; /* [1/s^2], [1/s] in the step limit.. */
   fb_real elastic, damping;                                               /* ..and their sums */
+  fb_real impact[2]; /* of stops: bound of a joint of the tree, greatest stop_loss times speed of one that is kept */
   fb_system_state stage, rate, sum, first, base;
 #if FB_WITH_LARGE_DEFLECTION
   fbi_line_work line[FB_MAX_BODIES];
@@ -1854,8 +1858,8 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     const fb_system_input *end, fb_real dt);
 
 /* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
-   but the first with one more factorization. Springs and dampers between points, and of joints that are kept as
-   constraints, are explicit in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and
+   but the first with one more factorization. Springs and dampers between points, and springs, dampers, friction
+   and stops of joints that are kept as constraints, are explicit in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and
    t + dt list the same loads.
    FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
    the first stage tells. Else as fb_system_rk4_step. */
@@ -2456,6 +2460,12 @@ typedef struct fb_joint_desc {
   fb_axis_mode mode[3];  /* initial mode of each axis; spherical and free: mode[0] applies to all */
   fb_real stiffness[3], rest[3],
       damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
+  /* Friction, E9.28: Coulomb's [N m, N], regularized. It has 71 % of its size at the speed slip [rad/s, m/s]; below it
+     is a damper, so that a joint under load creeps. slip is positive where there is friction. Stops, E9.29: springs
+     [N m/rad, N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; loss [s/rad, s/m]: an
+     impact at the speed v comes back with about (1 - 2/3 loss v) v. stop_stiffness zero: no stops. Neither on spherical
+     and free joints; stops about the axes of joints that are kept within half a turn */
+  fb_real friction[3], slip[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
      moves, in axes of the parent and of the child, of any length. The joint axes are those of the body rotated by the
      smallest rotation that takes z there. child_axis (and child_attitude) all zero: as axis, so that the axes of both
@@ -3064,6 +3074,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             scheme in scenes, --scheme of the examples    integrator, --integrator
             shape.ups, .Gam, .Pi, .Gamchi, .pchi, .hchi,  shape.second.ups, ...
             .reach
+          Joints: friction and stops (fb_joint_desc.friction, slip, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and

@@ -7942,7 +7942,8 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
   const fb_real mass = L->mass, moment = L->moment; /* eliminated further out */
   for (int i = 0; i < joint->n_axis; i++) {
     const fb_real *A = L->A + 6 * i;
-    fb_real *U = L->U + 6 * i, D = g * joint->damping[i] + g * g * joint->stiffness[i], reference = D;
+    fb_real *U = L->U + 6 * i, D = g > FB_R(0.0) ? g * L->damping[i] + g * g * L->stiffness[i] : FB_R(0.0),
+            reference = D;
     if (L->mode[i] != FB_AXIS_FREE) {
       continue;
     }
@@ -8289,7 +8290,7 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
     fbi_row_sub(w->M + (modes + a) * N + modes, -FB_R(1.0), L->E + a * model->n, a + 1);
   }
   for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-    w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
+    w->M[(axes + i) * (N + 1)] += g > FB_R(0.0) ? g * L->damping[i] + g * g * L->stiffness[i] : FB_R(0.0);
   }
 }
 
@@ -9497,12 +9498,56 @@ static fb_real fbi_motor(const fb_system_work *w, const fb_system_input *input, 
   return w->has_forces ? own + w->forces.joint[j].torque[i] : own;
 }
 
+/* [E9.28] Friction of axis i over its speed u, regularized Coulomb friction: F/sqrt(u^2 + u_0^2), so that the effort
+   -F u/sqrt(u^2 + u_0^2) opposes the speed.
+   Source: definition.  Test: friction_stops_a_wheel_as_in_closed_form. */
+static fb_real fbi_friction(const fb_joint *joint, int i, fb_real speed)
+{
+  return joint->friction[i] > FB_R(0.0) ? joint->friction[i] / FB_SQRT(speed * speed + joint->slip[i] * joint->slip[i])
+                                        : FB_R(0.0);
+}
+
+/* How far axis i is beyond one of its stops; negative: the lower. */
+static fb_real fbi_stop_depth(const fb_joint *joint, int i, fb_real value)
+{
+  const fb_real low = value - joint->stop[i][0], high = value - joint->stop[i][1];
+  return !(joint->stop_stiffness[i] > FB_R(0.0)) ? FB_R(0.0) : low < FB_R(0.0) ? low : fbi_larger(high, FB_R(0.0));
+}
+
+/* [E9.29] Stiffness of a stop at a depth d and speed u, k (1 + c u) inwards, k (1 - c u) outwards, never below zero: the
+   effort is this times -d.
+   Source: [HC] with a linear spring.  Test: stops_return_an_impact_as_in_closed_form. */
+static fb_real fbi_stop_secant(const fb_joint *joint, int i, fb_real depth, fb_real speed)
+{
+  const fb_real inwards = depth < FB_R(0.0) ? -speed : speed;
+  return joint->stop_stiffness[i] * fbi_larger(FB_R(1.0) + joint->stop_loss[i] * inwards, FB_R(0.0));
+}
+
+/* Effort of friction and stops on axis i. */
+static FBI_NOINLINE fb_real fbi_rubbing(const fb_joint *joint, int i, fb_real value, fb_real speed)
+{
+  const fb_real depth = fbi_stop_depth(joint, i, value);
+  return -fbi_friction(joint, i, speed) * speed - fbi_stop_secant(joint, i, depth, speed) * depth;
+}
+
 /* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
-   times the rotation vector, the gradient of k phi.phi/2.
+   times the rotation vector, the gradient of k phi.phi/2. With friction (E9.28) and stops (E9.29).
    Source: definition.  Test: springs_and_dampers_balance_energy. */
 static fb_real fbi_axis_torque(const fb_joint *joint, fb_real motor, int i, fb_real value, fb_real speed)
 {
-  return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
+  const fb_real linear = motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
+  return joint->rubs ? linear + fbi_rubbing(joint, i, value, speed) : linear;
+}
+
+/* Greatest stiffness and damping of axis i, stops at impacts much slower than 1/stop_loss. */
+static fb_real fbi_axis_stiffness(const fb_joint *joint, int i)
+{
+  return joint->stiffness[i] + joint->stop_stiffness[i];
+}
+
+static fb_real fbi_axis_damping(const fb_joint *joint, int i)
+{
+  return joint->damping[i] + fbi_friction(joint, i, FB_R(0.0));
 }
 
 /* Has joint j a spring, a damper or a motor at work? */
@@ -9510,7 +9555,7 @@ static int fbi_is_sprung(const fb_joint *joint, const fb_system_work *w, const f
 {
   fb_real sum = FB_R(0.0);
   for (int i = 0; i < joint->n_axis && i < 3; i++) {
-    sum += joint->stiffness[i] + joint->damping[i] + FB_FABS(fbi_motor(w, input, j, i));
+    sum += fbi_axis_stiffness(joint, i) + fbi_axis_damping(joint, i) + FB_FABS(fbi_motor(w, input, j, i));
   }
   return sum > FB_R(0.0);
 }
@@ -9741,6 +9786,7 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
   fb_status status = FB_OK;
   *power = FB_R(0.0);
   w->has_forces = 0;
+  w->impact[1] = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
@@ -9797,6 +9843,7 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
       /* effort and power */
       fbi_frames_axis(force, torque, &f, joint, i);
       speed = fbi_frames_speed(&f, w, force, torque);
+      w->impact[1] = fbi_larger(w->impact[1], joint->stop_loss[i] * FB_FABS(speed));
       tau = fbi_axis_torque(joint, fbi_motor(w, input, j, i), i, value[i], speed);
       power += fbi_motor(w, input, j, i) * speed;
 
@@ -11634,7 +11681,7 @@ static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body
   fbi_potential_add(out, &L->k, model, q, rho);
 }
 
-/* Strain energy of the springs of joint j, sum of k (x - rest)^2/2. */
+/* Strain energy of the springs and stops of joint j, sum of k (x - rest)^2/2. */
 static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_state *state, int j)
 {
@@ -11649,7 +11696,8 @@ static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_sy
   }
   for (int i = 0; i < joint->n_axis && i < 3; i++) {
     const fb_real stretch = value[i] - joint->rest[i];
-    out->strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+    const fb_real depth = fbi_stop_depth(joint, i, value[i]);
+    out->strain += FB_R(0.5) * (joint->stiffness[i] * stretch * stretch + joint->stop_stiffness[i] * depth * depth);
   }
 }
 
@@ -11762,10 +11810,14 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
   sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
           fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
           fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
-          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3);
+          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
+          fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->slip, 3) && fbi_is_finite(joint->stop[0], 6) &&
+          fbi_is_finite(joint->stop_stiffness, 3) && fbi_is_finite(joint->stop_loss, 3);
   for (int i = 0; sound && i < 3; i++) {
     sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
-            joint->damping[i] >= FB_R(0.0);
+            joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
+            joint->stop_stiffness[i] >= FB_R(0.0) && joint->stop_loss[i] >= FB_R(0.0) &&
+            (joint->slip[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0)));
   }
   return sound;
 }
@@ -11828,7 +11880,13 @@ static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
-  return fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
+  crc = fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
+  if (joint->rubs) { /* the word of a system without is what it was */
+    crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->slip, 3, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stop[0], 6, FB_SINGLE), joint->stop_stiffness, 3, FB_SINGLE);
+    crc = fbi_crc_reals(crc, joint->stop_loss, 3, FB_SINGLE);
+  }
+  return crc;
 }
 
 FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
@@ -15612,6 +15670,23 @@ static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *
   return most + all;
 }
 
+/* [E11.43] Bound of the frequency of a stop at impacts of speed u, stiffness k (1 + c u) and damping at most c u w_k with
+   w_k^2 = k mobility: w_k (1 + c u), as of the stiffness k (1 + c u)^2. The square less 1 for the fastest axis of the
+   tree to w->impact[0]; of joints that are kept to w->elastic.
+   Source: E9.29, E8.8.  Test: stops_bound_the_step. */
+static void fbi_impacts_bound(fb_system_work *w, const fb_system *system)
+{
+  fb_real tree = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *const joint = &system->joint[k];
+    for (int i = 0; joint->rubs && i < joint->n_axis && !fbi_is_kept(system, w, k); i++) {
+      tree = fbi_larger(tree, joint->stop_loss[i] * FB_FABS(w->link[k].u[i]));
+    }
+  }
+  w->impact[0] = tree * (FB_R(2.0) + tree);
+  w->elastic += w->impact[1] * (FB_R(2.0) + w->impact[1]) * system->limit_kept_elastic;
+}
+
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
    spin of the bodies between it and the root, and from the force on the tree. */
 static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w,
@@ -15640,6 +15715,7 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
   if (system->n_spring > 0) {
     fbi_springs_bound(w, system, body, input[0]);
   }
+  fbi_impacts_bound(w, system);
 }
 
 #if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
@@ -15649,8 +15725,6 @@ typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* 
 static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
                                fbi_coefficient A)
 {
-  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
-
   /* Modes */
   fbi_zero(L->pi, body->n);
   if (A == FBI_STIFFNESS) {
@@ -15662,7 +15736,8 @@ static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *b
 
   /* Axes; a free joint has neither springs nor dampers */
   for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
+    const fb_real axis = A == FBI_STIFFNESS ? fbi_axis_stiffness(joint, i) : fbi_axis_damping(joint, i);
+    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis * L->u[i] : FB_R(0.0);
     *size += L->p[i] * L->u[i];
   }
 }
@@ -15727,7 +15802,7 @@ static FBI_NOINLINE fb_real fbi_system_bent(fb_system_work *w, const fb_system *
       L->pi[a] = (7 * k + 3 * a) % 5 < 2 ? -L->pi[a] : L->pi[a];
     }
     for (int i = 0; i < L->joint->n_axis && i < 3 && L->joint->kind != FB_JOINT_FREE; i++) {
-      L->p[i] = L->mode[i] == FB_AXIS_FREE ? FB_SQRT(L->joint->stiffness[i]) : FB_R(0.0);
+      L->p[i] = L->mode[i] == FB_AXIS_FREE ? FB_SQRT(fbi_axis_stiffness(L->joint, i)) : FB_R(0.0);
     }
   }
   status = fbi_speeds_solve(w, system, body);
@@ -15765,6 +15840,7 @@ static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, cons
   }
 #endif
   (void)body;
+  stiffening += w->impact[0] * system->limit_elastic;
   return fbi_system_frequency(system, spin, stiffening, w->elastic, w->damping);
 }
 
@@ -15816,11 +15892,12 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
   fb_real most = -FB_R(1.0), spin = FB_R(0.0), own[5];
   int index = -1;
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    static const char *const text[5] = {"body: dt [s] for its spin, with the fastest spin [rad/s], at most",
-                                        "body: dt [s] for its modes, with the fastest spin [rad/s], at most",
-                                        "body: dt [s] for its modal damping, with the fastest spin [rad/s], at most",
-                                        "joint: dt [s] for its spring, with the fastest spin [rad/s], at most",
-                                        "joint: dt [s] for its damper, with the fastest spin [rad/s], at most"};
+    static const char *const text[5] = {
+        "body: dt [s] for its spin, with the fastest spin [rad/s], at most",
+        "body: dt [s] for its modes, with the fastest spin [rad/s], at most",
+        "body: dt [s] for its modal damping, with the fastest spin [rad/s], at most",
+        "joint: dt [s] for its spring or stop, with the fastest spin [rad/s], at most",
+        "joint: dt [s] for its damper or friction, with the fastest spin [rad/s], at most"};
     const fb_joint *joint = &system->joint[j];
     const int kept = fbi_is_kept(system, w, j);
     fbi_zero(own, 5);
@@ -15838,12 +15915,11 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
     /* Its joint, or one that constraint rows enforce */
     for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
       const int tree = all && !kept && w->link[j].mode[i] == FB_AXIS_FREE;
-      const fb_real stiff = kept   ? system->limit_kept_elastic
-                            : tree ? joint->stiffness[i] * w->link[j].D[i]
-                                   : FB_R(0.0);
-      const fb_real damp = kept ? system->limit_kept_damping : tree ? joint->damping[i] * w->link[j].D[i] : FB_R(0.0);
-      own[3] = joint->stiffness[i] > FB_R(0.0) ? fbi_larger(own[3], FB_SQRT(stiff)) : own[3];
-      own[4] = joint->damping[i] > FB_R(0.0) ? fbi_larger(own[4], damp) : own[4];
+      const fb_real k = fbi_axis_stiffness(joint, i), c = fbi_axis_damping(joint, i);
+      const fb_real stiff = kept ? system->limit_kept_elastic : tree ? k * w->link[j].D[i] : FB_R(0.0);
+      const fb_real damp = kept ? system->limit_kept_damping : tree ? c * w->link[j].D[i] : FB_R(0.0);
+      own[3] = k > FB_R(0.0) ? fbi_larger(own[3], FB_SQRT(stiff)) : own[3];
+      own[4] = c > FB_R(0.0) ? fbi_larger(own[4], damp) : own[4];
     }
     for (int i = 0; i < 5; i++) {
       what = own[i] > most ? text[i] : what;
@@ -16245,6 +16321,26 @@ static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_
   (void)L;
 }
 
+/* Stiffness and damping of the axes of all joints for E11.13; of friction as a secant, with which the iterations approach
+   the speed from one side: its tangent would send them past zero. */
+static void fbi_axes_soften(fb_system_work *w, const fb_system *system, const fb_system_state *at)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fbi_link_work *L = &w->link[k];
+    fbi_vec3_copy(L->stiffness, joint->stiffness);
+    fbi_vec3_copy(L->damping, joint->damping);
+    for (int i = 0; joint->rubs && i < joint->n_axis; i++) {
+      const fb_real depth = fbi_stop_depth(joint, i, at->link[k].x[i]);
+      if (!(depth == FB_R(0.0))) {
+        L->stiffness[i] += fbi_stop_secant(joint, i, depth, L->u[i]);
+        L->damping[i] += joint->stop_loss[i] * joint->stop_stiffness[i] * FB_FABS(depth);
+      }
+      L->damping[i] += fbi_friction(joint, i, L->u[i]);
+    }
+  }
+}
+
 /* Right-hand side g r_p - g^2 K r_v of E11.13. */
 static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_system_state *r,
                             const fb_system_state *at, fb_real g)
@@ -16270,11 +16366,11 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3];
       fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
-      fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
+      fbi_row_sub(L->p, g * g * L->stiffness[0], turn, 3);
     }
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       const int moves = joint->kind != FB_JOINT_SPHERICAL;
-      L->p[i] -= moves ? g * g * joint->stiffness[i] * x->x[i] : FB_R(0.0);
+      L->p[i] -= moves ? g * g * L->stiffness[i] * x->x[i] : FB_R(0.0);
       L->p[i] = L->mode[i] == FB_AXIS_FREE ? L->p[i] : FB_R(0.0);
     }
   }
@@ -16307,7 +16403,7 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
       fb_real turn[3], torque[3], inertial[3];
       fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
       for (int i = 0; i < 3; i++) {
-        turn[i] = -g * joint->stiffness[0] * turn[i] - joint->damping[0] * L->u[i];
+        turn[i] = -g * L->stiffness[0] * turn[i] - L->damping[0] * L->u[i];
       }
       fb_mat33_mul_vec3(torque, joint->child_axes, turn);
       fb_mat33_mul_vec3(inertial, L->k.R, torque);
@@ -16316,7 +16412,7 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
       for (int i = 0; i < joint->n_axis; i++) {
         x->x[i] += move.x[i];
         if (L->mode[i] == FB_AXIS_FREE) {
-          x->p[i] -= g * joint->stiffness[i] * x->x[i] + joint->damping[i] * L->u[i];
+          x->p[i] -= g * L->stiffness[i] * x->x[i] + L->damping[i] * L->u[i];
         }
       }
     }
@@ -16359,7 +16455,7 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
 
 /* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
    (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
-   K, C: modes, springs and dampers of the tree's joints; M at the present positions.
+   K, C: modes, springs and dampers of the tree's joints, their friction and stops; M at the present positions.
    Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
    Fails: as E9.15; FB_ERR_CONVERGENCE (E11.25).
    Test: systems_converge_with_the_order_of_the_integrator, stiff_joints_take_long_steps. */
@@ -16381,6 +16477,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     /* Residual f - k and iteration matrix */
     if (status == FB_OK) {
       fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
+      fbi_axes_soften(w, system, &w->stage);
       status = fbi_mass_factor(w, system, body, g);
     }
 
@@ -24004,19 +24101,48 @@ static int fbi_is_side(const fb_real axis[3], const fb_real attitude[4])
   return fbi_is_zero(axis, 3) || (fbi_is_zero(attitude, 4) && fbi_vec3_norm(axis) > FB_TINY);
 }
 
+/* Has each axis with friction a speed at which it saturates? */
+static int fbi_has_slip(const fb_joint_desc *d)
+{
+  int has = 1;
+  for (int i = 0; i < 3; i++) {
+    has &= !(d->friction[i] > FB_R(0.0)) || d->slip[i] > FB_R(0.0);
+  }
+  return has;
+}
+
+/* Are the stops in order, and can the joint reach them? Angles of those that are kept are known within half a turn. */
+static int fbi_has_stops(const fb_joint_desc *d, int kept)
+{
+  const int slide = fbi_is_choice((int)d->kind, (int)FB_JOINT_COUNT - 1) ? fbi_joint_table[(int)d->kind].slide : 0;
+  int has = 1;
+  for (int i = 0; i < 3; i++) {
+    const fb_real *const stop = d->stop[i];
+    const int within = !kept || i == slide || (stop[0] > -FB_R(3.14159) && stop[1] < FB_R(3.14159));
+    has &= !(d->stop_stiffness[i] > FB_R(0.0)) || (stop[0] < stop[1] && within);
+  }
+  return has;
+}
+
 /* Checks joint j of a desc: those from n_body on close loops. */
 static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body, int j)
 {
   const int loop = j >= desc->n_body, last = loop ? desc->n_body : j;
   const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
   const int kind = (int)d->kind, free = d->kind == FB_JOINT_FREE,
-            bare = fbi_is_zero(d->stiffness, 3) && fbi_is_zero(d->damping, 3);
+            bare = fbi_is_zero(d->stiffness, 3) && fbi_is_zero(d->damping, 3),
+            smooth = fbi_is_zero(d->friction, 3) && fbi_is_zero(d->stop_stiffness, 3);
   const fbi_number field[] = {FBI_ANY(d->position, 3, "joint: position [m]"),
                               FBI_ANY(d->child_position, 3, "joint: child_position [m]"),
                               FBI_ANY(&d->pitch, 1, "joint: pitch [m/rad]"),
                               FBI_NOT_NEGATIVE(d->stiffness, 3, "joint: stiffness [N m/rad, N/m]"),
                               FBI_ANY(d->rest, 3, "joint: rest [rad, m]"),
                               FBI_NOT_NEGATIVE(d->damping, 3, "joint: damping [N m s/rad, N s/m]"),
+                              FBI_NOT_NEGATIVE(d->friction, 3, "joint: friction [N m, N]"),
+                              FBI_NOT_NEGATIVE(d->slip, 3, "joint: slip [rad/s, m/s]"),
+                              FBI_ANY(d->stop[0], 6, "joint: stop [rad, m]"),
+                              FBI_NOT_NEGATIVE(d->stop_stiffness, 3, "joint: stop_stiffness [N m/rad, N/m]"),
+                              FBI_NOT_NEGATIVE(d->stop_loss, 3, "joint: stop_loss [s/rad, s/m]"),
                               FBI_ANY(d->attitude, 4, "joint: attitude"),
                               FBI_ANY(d->child_attitude, 4, "joint: child_attitude"),
                               FBI_ANY(d->axis, 3, "joint: axis"),
@@ -24032,7 +24158,12 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       FBI_CLAIM(fbi_is_side(d->child_axis, d->child_attitude),
                 "joint: child_axis, not so short and without child_attitude"),
       FBI_CLAIM(!free || !loop, "joint: kind of one that closes a loop, not FB_JOINT_FREE"),
-      FBI_CLAIM(!free || bare, "joint: stiffness and damping of FB_JOINT_FREE, 0")};
+      FBI_CLAIM(!free || bare, "joint: stiffness and damping of FB_JOINT_FREE, 0"),
+      FBI_CLAIM(!fbi_is_ball(d->kind) || smooth,
+                "joint: friction and stop_stiffness of FB_JOINT_FREE and _SPHERICAL, 0"),
+      FBI_CLAIM(fbi_has_slip(d), "joint: slip [rad/s, m/s] of an axis with friction, positive"),
+      FBI_CLAIM(fbi_has_stops(d, loop || desc->method == FB_METHOD_MULTIPLIERS),
+                "joint: stop, the lower value first, and of joints that are kept within half a turn")};
 
   /* Parents of a tree come first; nodes are counted where the bodies exist */
   const int tied = !free && d->parent >= FB_GROUND && d->parent < last;
@@ -24108,6 +24239,13 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
     joint->stiffness[i] = d->stiffness[i];
     joint->rest[i] = d->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : d->rest[i];
     joint->damping[i] = d->damping[i];
+    joint->friction[i] = d->friction[i];
+    joint->slip[i] = d->slip[i];
+    joint->stop_stiffness[i] = d->stop_stiffness[i];
+    joint->stop_loss[i] = d->stop_loss[i];
+    joint->stop[i][0] = d->stop[i][0];
+    joint->stop[i][1] = d->stop[i][1];
+    joint->rubs |= d->friction[i] > FB_R(0.0) || d->stop_stiffness[i] > FB_R(0.0);
   }
   if (fbi_is_ball(d->kind)) {
     for (int i = 1; i < 3; i++) {
@@ -24227,8 +24365,8 @@ static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_
         status = fbi_speeds_solve(w, system, body);
         fbi_ends_move(w, system, body);
         mobility = fbi_row_eval(&w->row[0], w);
-        system->limit_kept_elastic += joint->stiffness[i] * mobility;
-        system->limit_kept_damping += joint->damping[i] * mobility;
+        system->limit_kept_elastic += fbi_axis_stiffness(joint, i) * mobility;
+        system->limit_kept_damping += fbi_axis_damping(joint, i) * mobility;
       }
     }
   }

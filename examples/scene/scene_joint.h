@@ -184,12 +184,46 @@ static void scene_read_axes(text_file *t, const scene_joint *joint, const char *
   }
 }
 
+/* stops AXIS LOW HIGH stiffness K [loss C] */
+static void scene_read_stops(text_file *t, scene_joint *joint)
+{
+  fb_joint_desc *const d = &joint->desc;
+  const int axis = scene_read_axis(t, joint);
+  if (t->failed) {
+    return;
+  }
+  if (d->kind == FB_JOINT_FREE || d->kind == FB_JOINT_SPHERICAL) {
+    text_fail(t, "stops of a spherical or free joint");
+    return;
+  }
+  scene_once_numbered(t, &joint->seen, "stops", axis + 1);
+  d->stop[axis][0] = (fb_real)text_number(t, "lowest value");
+  d->stop[axis][1] = (fb_real)text_number(t, "highest value");
+  if (!t->failed && !(d->stop[axis][0] < d->stop[axis][1])) {
+    text_fail(t, "the lower stop comes first");
+  }
+  if (!text_take(t, "stiffness")) {
+    text_fail(t, "stops end in: stiffness K, maybe loss C");
+    return;
+  }
+  d->stop_stiffness[axis] = (fb_real)text_number(t, "stiffness");
+  if (!t->failed && !(d->stop_stiffness[axis] > 0)) {
+    text_fail(t, "the stiffness of stops must be positive");
+  }
+  if (text_take(t, "loss")) {
+    d->stop_loss[axis] = (fb_real)text_number(t, "loss");
+    if (!t->failed && d->stop_loss[axis] < 0) {
+      text_fail(t, "the loss of stops must not be negative");
+    }
+  }
+}
+
 static void scene_read_joint_line(text_file *t, scene *s, const char *word)
 {
   scene_joint *const joint = &s->joint[s->n_joint];
   fb_joint_desc *const d = &joint->desc;
   const int many = strcmp(word, "motor") == 0 || strcmp(word, "value") == 0 || strcmp(word, "rate") == 0;
-  if (!many && strcmp(word, "start") != 0) {
+  if (!many && strcmp(word, "start") != 0 && strcmp(word, "stops") != 0) {
     text_once(t, &joint->seen, word);
   }
   if (scene_read_frame(t, joint, word)) {
@@ -210,6 +244,12 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
     scene_read_axes(t, joint, word, d->rest);
   } else if (strcmp(word, "damping") == 0) {
     scene_read_axes(t, joint, word, d->damping);
+  } else if (strcmp(word, "friction") == 0) {
+    scene_read_axes(t, joint, word, d->friction);
+  } else if (strcmp(word, "slip") == 0) {
+    scene_read_axes(t, joint, word, d->slip);
+  } else if (strcmp(word, "stops") == 0) {
+    scene_read_stops(t, joint);
   } else if (strcmp(word, "mode") == 0) {
     scene_read_modes(t, joint);
   } else if (many) {

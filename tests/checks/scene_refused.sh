@@ -208,6 +208,43 @@ joint j revolute ground top
   axis 0 0 0
 end
 END
+refuse 6 "the lower stop comes first" << END
+$top
+joint j revolute ground top
+  stops 1 2 1 stiffness 3
+end
+END
+refuse 6 "stops end in: stiffness K, maybe loss C" << END
+$top
+joint j revolute ground top
+  stops 1 -1 1
+end
+END
+refuse 6 "the stiffness of stops must be positive" << END
+$top
+joint j revolute ground top
+  stops 1 -1 1 stiffness 0
+end
+END
+refuse 6 "the loss of stops must not be negative" << END
+$top
+joint j revolute ground top
+  stops 1 -1 1 stiffness 2 loss -1
+end
+END
+refuse 6 "slip is negative" << END
+$top
+joint j revolute ground top
+  slip -3
+end
+END
+refuse 7 "is there twice" << END
+$top
+joint j revolute ground top
+  stops 1 -1 1 stiffness 2
+  stops 1 -1 1 stiffness 2
+end
+END
 refuse 5 "a body hangs by its origin" << END
 $top
 joint j revolute ground top.tip

@@ -1,15 +1,15 @@
 #!/bin/sh
 # The tests pass with gcc and clang in both precisions, and as C++11, in the default configuration and with FB_WITH_FORMS; gcc
-# in double precision by default is `make test`.
+# in double precision by default is `make test`. What differs by forms or language from a run in full is brief (FBT_SHORT).
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
 need clang clang
 result=
-# compiler, FB_SINGLE, FB_WITH_FORMS
-for run in "gcc 1 0" "gcc 0 1" "gcc 1 1" "clang 0 0" "clang 1 0" "clang 1 1" "g++ 0 0" "g++ 0 1"; do
+# compiler, FB_SINGLE, FB_WITH_FORMS, FBT_SHORT
+for run in "gcc 1 0 0" "gcc 0 1 1" "gcc 1 1 1" "clang 0 0 0" "clang 1 0 0" "clang 1 1 1" "g++ 0 0 1" "g++ 0 1 1"; do
   set -- $run
-  options="-O2 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3"
+  options="-O2 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3 -DFBT_SHORT=$4"
   case $1 in
   g++) try g++ -x c++ -std=c++11 $base $options -o "$out/runner" tests/test_*.c -lm ;;
   *) try $1 $c99 $options -o "$out/runner" tests/test_*.c -lm ;;
