@@ -329,8 +329,15 @@ static void take_joint(fb_joint_desc *joint, bytes *b, int below)
   joint->attitude[2] = take_part(b, 1.0);
   joint->pitch = take_part(b, 0.1);
   for (int i = 0; i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-    joint->stiffness[i] = take_byte(b) & 1 ? FB_R(100.0) : FB_R(0.0);
-    joint->damping[i] = take_byte(b) & 1 ? FB_R(1.0) : FB_R(0.0);
+    const int springs = take_byte(b), dampers = take_byte(b), ball = joint->kind == FB_JOINT_SPHERICAL;
+    joint->stiffness[i] = springs & 1 ? FB_R(100.0) : FB_R(0.0);
+    joint->stop_stiffness[i] = springs & 2 && !ball ? FB_R(300.0) : FB_R(0.0);
+    joint->stop[i][0] = FB_R(-0.1);
+    joint->stop[i][1] = FB_R(0.2);
+    joint->damping[i] = dampers & 1 ? FB_R(1.0) : FB_R(0.0);
+    joint->friction[i] = dampers & 2 && !ball ? FB_R(2.0) : FB_R(0.0);
+    joint->slip[i] = FB_R(0.1);
+    joint->stop_loss[i] = dampers & 4 ? FB_R(0.5) : FB_R(0.0);
     joint->mode[i] = (fb_axis_mode)(take_byte(b) < 200 ? 0 : take_below(b, FB_AXIS_COUNT));
   }
 }
