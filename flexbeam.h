@@ -130,6 +130,8 @@
      FB_WITH_GRAVITY                  1        0, 1    "
      FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
      FB_WITH_LARGE_DEFLECTION         1        0, 1    "
+     FB_WITH_ROTORS                   1        0, 1    "
+     FB_MAX_ROTORS                    4        1..99   rotors of a body
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
      FB_MAX_POINTS                    32       2..998  points of a body's lines (large deflection only), even
      FB_MAX_LINES                     8        1..99   its lines: beams of a body (large deflection only)
@@ -159,21 +161,21 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
-     fb_rk4_work                 54584
-     fb_implicit_work            62584
-     fb_exponential_work         57160
-     fb_system_work             623192
+     fb_rk4_work                 54840
+     fb_implicit_work            63032
+     fb_exponential_work         57864
+     fb_system_work             624472
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               427552
-     fb_build_work             4291336  most of it an fb_modes_work
-     fb_analyse_work           1288592
-     fb_system_analyse_work    1950600
+     fb_body_work               428104
+     fb_build_work             4291880  most of it an fb_modes_work
+     fb_analyse_work           1288976
+     fb_system_analyse_work    1952904
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work            1101688
+     fb_advice_work            1104080
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -378,6 +380,12 @@
 #ifndef FB_WITH_LARGE_DEFLECTION
 #define FB_WITH_LARGE_DEFLECTION 1
 #endif
+#ifndef FB_WITH_ROTORS
+#define FB_WITH_ROTORS 1
+#endif
+#ifndef FB_MAX_ROTORS
+#define FB_MAX_ROTORS 4
+#endif
 #ifndef FB_MAX_POINTS
 #define FB_MAX_POINTS 32
 #endif
@@ -448,8 +456,8 @@
 #error "flexbeam: FB_MAX_EXACT is 1..999"
 #endif
 #if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
-     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_LARGE_DEFLECTION | FB_WITH_FORMS |      \
-     FB_WITH_SYSTEM | FB_WITH_EXACT | FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
+     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_LARGE_DEFLECTION | FB_WITH_ROTORS |     \
+     FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
 #endif
 #if FB_WITH_DETAIL != 0 && FB_WITH_DETAIL != 1
@@ -457,6 +465,9 @@
 #endif
 #if FB_WITH_ANALYSE && !FB_WITH_BUILD
 #error "flexbeam: FB_WITH_ANALYSE needs FB_WITH_BUILD"
+#endif
+#if FB_MAX_ROTORS < 1 || FB_MAX_ROTORS > 99
+#error "flexbeam: FB_MAX_ROTORS is 1..99"
 #endif
 #if FB_MAX_POINTS < 2 || FB_MAX_POINTS > 998 || FB_MAX_POINTS % 2
 #error "flexbeam: FB_MAX_POINTS is 2..998, even"
@@ -523,17 +534,19 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K, \
+                L, M)                                                                                                 \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_forms##o##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K, \
+                 L, M)                                                                                                 \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K, L, M)
 #define FBI_CONFIG_SYMBOL                                                                                              \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
            FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
            FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,     \
-           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS)
+           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS, FB_MAX_ROTORS, FB_WITH_ROTORS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -562,7 +575,8 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_WITH_QUADRATIC (FB_WITH_SPIN_STIFFENING || FB_WITH_ACCELERATION_STIFFENING)
 #define FBI_WITH_SHAPE_INERTIA (FB_WITH_RESIDUAL_INERTIA || FBI_WITH_QUADRATIC)
 #define FBI_MAX_PAIRS (FB_MAX_MODES * (FB_MAX_MODES + 1) / 2)
-#define FBI_MAX_STRAINS ((FB_MAX_STRAINS + 3) / 4 * 4) /* whole groups of four */
+#define FBI_MAX_COORDINATES (FB_MAX_MODES + FB_WITH_ROTORS * FB_MAX_ROTORS) /* of a body: modes, then rotors */
+#define FBI_MAX_STRAINS ((FB_MAX_STRAINS + 3) / 4 * 4)                      /* whole groups of four */
 #define FBI_EXPONENTIAL_STRAINS (FB_WITH_NONLINEAR_STRAIN ? FBI_MAX_STRAINS : 1)
 #define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 16 * FB_MAX_ELEMENTS)
 #define FBI_MAX_ROW (3 * 6 + 2 * 16) /* of K and M of a beam */
@@ -814,7 +828,8 @@ typedef enum fb_effect {
   FB_EFFECT_DAMPING = 32,                 /* modal damping */
   FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
   FB_EFFECT_NONLINEAR_STRAIN = 128, /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
-  FB_EFFECT_LARGE_DEFLECTION = 256  /* beams bend and twist by any angle: their modes are modes of curvature (>>line) */
+  FB_EFFECT_LARGE_DEFLECTION = 256, /* beams bend and twist by any angle: their modes are modes of curvature (>>line) */
+  FB_EFFECT_ROTORS = 512            /* wheels turn inside; fb_body_init sets it where fb_body_desc has any */
 } fb_effect;
 #define FB_EFFECTS_RIGID 0u
 #define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
@@ -855,6 +870,47 @@ typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds
 } fb_gauge;
 /* Strain [-], linear in q; with lines of large deflection exact for any: coordinates are those of curvature. */
 FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
+
+#if FB_WITH_ROTORS
+/* A rotor: a wheel that turns about an axis of its own inside a body, with its speed as the only freedom: reaction
+   wheels, gyros, flywheels, turbines (a gyrostat). It has no body and no joint, and however fast it turns it costs no
+   shorter step: a step resolves the nutation that its momentum causes.
+   What the caller gives as mass and inertia of the body (hub, lumped bodies) has the mass of the rotor and its inertia
+   across its axis, but NOT that about its axis. Of a craft whose inertia is known with its wheels locked, subtract
+   inertia axis axis^T of each; of a wheel on a beam leave out the component about its axis of the lumped body.
+   Its momentum is inertia (rate of the node about the axis + speed), of fb_state the pi behind those of the modes. A
+   momentum that is given follows the input whatever torque that takes; torque of the input, its rate, matters to
+   accelerations and reactions alone.
+   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor trim, linear
+   models, spectra and advice; internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
+   Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
+   a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
+   energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
+   rotation of a rotor that has any. */
+typedef struct fb_rotor {
+  int node;        /* on whose section it sits; 0: on the body frame. On other nodes the modes turn its axis */
+  int given;       /* 1: its momentum is that of the input; 0: it follows from the torques */
+  fb_real axis[3]; /* body axes, of the undeformed body; fb_body_init makes it a unit vector */
+  fb_real inertia; /* [kg m^2] about the axis, above 0 */
+  /* friction torque -(damping speed + friction speed/sqrt(speed^2 + friction_speed^2)): viscous, and Coulomb friction
+     that goes through zero with a slope */
+  fb_real damping, friction, friction_speed; /* [N m s], [N m], [rad/s] above 0 with friction */
+  fb_real static_imbalance;                  /* [kg m] force static_imbalance spin^2 along x (angle) */
+  fb_real dynamic_imbalance; /* [kg m^2] torque dynamic_imbalance spin^2 along x (angle + dynamic_phase) */
+  fb_real dynamic_phase;     /* [rad] */
+  /* set by fb_body_init: */
+  int moves;         /* modes move the node */
+  fb_real across[3]; /* x at angle 0 */
+  fb_real
+      mobility; /* [1/(kg m^2)] largest of the body, undeformed, across the axis: nutation is at most momentum times it */
+  fb_real rate; /* [1/s] by which friction brakes at most */
+} fb_rotor;
+
+typedef struct fb_rotor_input {
+  fb_real torque;   /* [N m] of the motor on the rotor, and reversed on the body; given: the rate of its momentum */
+  fb_real momentum; /* [N m s] of a rotor whose momentum is given; else 0 */
+} fb_rotor_input;
+#endif
 
 typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_FREE = 0,
@@ -952,7 +1008,8 @@ typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (
 
 /* The model a step needs; constant after init, may live in ROM. */
 typedef struct fb_body {
-  int n, n_node;
+  int n, n_node;    /* modes, nodes */
+  int n_coordinate; /* modes and rotors */
   unsigned effects;
   fb_base base;
   int unit_mass;  /* M = 1 */
@@ -1000,6 +1057,10 @@ typedef struct fb_body {
 #if FB_WITH_GRAVITY
   fb_real gravity[3];
 #endif
+#if FB_WITH_ROTORS
+  int n_rotor;
+  fb_rotor rotor[FB_MAX_ROTORS];
+#endif
   fb_lambda_row lambda_row[6];
   fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
   fb_real S[FBI_MAX_S];                  /* S_i(q) = S0_i + sum of S (1, q)_a (1, q)_b over the pairs of its runs */
@@ -1028,12 +1089,14 @@ typedef struct fb_state {
                       last step; pinned, hinged: zero */
   fb_real L[3];    /* [N m s] angular momentum, inertial axes, about the mass center; pinned: about O; hinged: about O,
                       along the hinge; prescribed: zero */
-  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates; momenta int psi_a . (velocity - u) dm */
-  fb_real h[3];                              /* [N m s] L in body axes, as the last step had it: written, not read */
+  /* elastic coordinates, behind them the angles of rotors [rad]; conjugate momenta, int psi_a . (velocity - u) dm and
+     of rotors [N m s] */
+  fb_real q[FBI_MAX_COORDINATES], pi[FBI_MAX_COORDINATES];
+  fb_real h[3]; /* [N m s] L in body axes, as the last step had it: written, not read */
   /* Kahan compensation terms of the last update. Set to zero when you write a state. */
   fb_real lost_rho[3], lost_u[3];
 #if FB_SINGLE
-  fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES];
+  fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FBI_MAX_COORDINATES], lost_pi[FBI_MAX_COORDINATES];
 #endif
 } fb_state; /* other forms: u is that of O (but for a prescribed base), L is w (body axes), pi is q_dot (second-order)
                or v_e (first-order) */
@@ -1060,6 +1123,9 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   fb_real v[3], w[3];
   fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
                                  the equations of motion of the second- and first-order forms */
+#if FB_WITH_ROTORS
+  fb_rotor_input rotor[FB_MAX_ROTORS];
+#endif
 #if FB_WITH_LARGE_DEFLECTION
   fb_real t;                  /* [s] for distributed */
   fb_distributed distributed; /* loads along the lines of a body with FB_EFFECT_LARGE_DEFLECTION; NULL: none; others:
@@ -1072,6 +1138,9 @@ typedef struct fb_motion { /* velocities and accelerations, body axes */
   fb_real v[3], w[3], q_dot[FB_MAX_MODES];
   fb_real acceleration[3], w_dot[3], q_ddot[FB_MAX_MODES]; /* of O [m/s^2]; rates of w and q_dot */
   fb_real reaction_force[3], reaction_torque[3]; /* [N], [N m] of the base on the body at O; zero for what is free */
+#if FB_WITH_ROTORS
+  fb_real rotor_speed[FB_MAX_ROTORS], rotor_momentum[FB_MAX_ROTORS]; /* [rad/s] relative to the node; [N m s] */
+#endif
 } fb_motion;
 
 typedef struct fb_node_motion { /* inertial axes */
@@ -1097,6 +1166,13 @@ FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
    FB_ERR_VALUE: a velocity that a pinned or hinged base holds at zero. */
 FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot);
+#if FB_WITH_ROTORS
+/* Sets the speed [rad/s] and the angle [rad] of a rotor relative to its node; the velocities of the body and the other
+   rotors stay, momenta follow. input: as fb_body_motion_eval, NULL: nothing. FB_ERR_CAPACITY: no such rotor;
+   FB_ERR_VALUE: its momentum is given; FB_ERR_RANGE, FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
+                                    const fb_input *input);
+#endif
 /* Finite, unit quaternion, within the deflection limit (of large deflection: no interval of a line turns by more than
    1.22 rad), u and lost_u zero on a pinned or hinged base. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. Every state
    that a step leaves passes. */
@@ -1122,8 +1198,8 @@ typedef struct fb_line_motion {
    point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
    computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
    input are those of fb_body_motion_eval at state.
-   FB_ERR_UNSUPPORTED: a body without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n
-   are as before. */
+   FB_ERR_UNSUPPORTED: a body without lines, or with a rotor on a node that moves; FB_ERR_NOT_FINITE; a status of
+   input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
 typedef struct fb_node_loads { /* internal loads, section axes: force[0] tension, moment[0] torsion */
@@ -1145,8 +1221,12 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real R[9];                 /* body to inertial axes */
   fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
   fb_real Minv_pi[FB_MAX_MODES];
-  const fb_real *pb;           /* M^-1 pi: the above, or pi itself where M = 1 */
-  fb_real V[6];                /* (v, w), body axes; of single bodies v relative to state.u */
+  const fb_real *pb; /* M^-1 pi: the above, or pi itself where M = 1 */
+  fb_real V[6];      /* (v, w), body axes; of single bodies v relative to state.u */
+#if FB_WITH_ROTORS
+  fb_real rotor_axis[FB_MAX_ROTORS][3]; /* body axes */
+  fb_real rotor_momentum[FB_MAX_ROTORS], rotor_speed[FB_MAX_ROTORS];
+#endif
   fb_real ph[6];               /* (p, h), body axes */
   fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
   int loaded;                  /* loads or gravity act: fg is not zero */
@@ -1764,7 +1844,9 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    input that is not a number. FB_EFFECT_LARGE_DEFLECTION: of the undeformed body, too; mass and recoil change as it
    bends, and the step's own check takes those it finds, and the fastest rotation of a section: a tip at 80 degrees may
    allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
-   for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam. */
+   for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam.
+   Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum| mobility/2
+   + the largest rate, + |momentum|/inertia of those with an imbalance. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
@@ -2376,6 +2458,10 @@ typedef struct fb_body_desc {
   fb_form form;
   fb_stiffness_torque stiffness_torque;
 #endif
+#if FB_WITH_ROTORS
+  int n_rotor;
+  fb_rotor rotor[FB_MAX_ROTORS]; /* of the momentum form */
+#endif
   int allow_split_effects; /* 1: accept an incomplete set of effects, which fb_effects_check refuses */
   int allow_long_step;     /* 1: accept steps beyond the stability limit */
 } fb_body_desc;
@@ -2393,8 +2479,10 @@ typedef struct fb_body_work {
 /* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or
    S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest, in single precision 1e-5),
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL; FB_EFFECT_LARGE_DEFLECTION: lines_status of
-   the shape, FB_ERR_UNSUPPORTED of a node that moves with a beam but was added before it, or by fb_shape_add_node. body
-   is written only on FB_OK. */
+   the shape, FB_ERR_UNSUPPORTED of a node that moves with a beam but was added before it, or by fb_shape_add_node.
+   Rotors: FB_ERR_CAPACITY: their number or a node; FB_ERR_VALUE: an axis of no length, inertia not above 0, friction
+   without friction_speed, what is negative; FB_ERR_EFFECTS: another form than the momentum form, FB_EFFECT_ROTORS
+   without any. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
 /* Builds a body of a rigid hub, beams on it or joined to each other, and nodes from one description: fb_beam_init,
@@ -2492,8 +2580,8 @@ typedef struct fb_system_desc {
 
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
    springs, negative stiffness, damping or length, a spring with both ends on the ground, an invalid mode, form or base of a
-   body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_SINGULAR: the mass matrix of the
-   undeformed system at zero coordinates is singular. work->joint is the joint that failed. */
+   body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors;
+   FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -2673,7 +2761,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed. */
+   prescribed; FB_ERR_UNSUPPORTED: a body with rotors. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
@@ -3076,6 +3164,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             .reach
           Joints: friction and stops (fb_joint_desc.friction, slip, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
+          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

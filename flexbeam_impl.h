@@ -3388,7 +3388,8 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
    (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
    (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
    (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                           \
-   (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0))
+   (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0) | (FB_WITH_ROTORS ? FB_EFFECT_ROTORS : 0))
+#define FBI_WITH_FURTHER (FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS)
 #define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
 /* 1 if one of these effects is on; a compile-time 0 where they were removed. */
 static int fbi_has(unsigned effects, int effect)
@@ -3427,6 +3428,13 @@ FB_DEF fb_status fb_effects_check(unsigned effects)
 static int fbi_is_large(const fb_body *body)
 {
   return fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION);
+}
+
+/* What a body has beside modes of polynomials: of its effects those of lines and rotors, whose steps run further
+   functions. */
+static int fbi_further(const fb_body *body)
+{
+  return (int)(body->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS) & (unsigned)FBI_EFFECTS_BUILT);
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -4035,18 +4043,11 @@ static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
   }
 }
 
-/* E8.13 for a body with lines. */
-static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                                 const fb_input *input)
+/* E8.13 for a body with lines whose inertia is known. */
+static fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fb_real y[6];
   fbi_line_work *const w = k->line;
-  fb_status status;
-  fbi_modes_enter(k, state->q, body->n);
-  status = fbi_large_inertia(k, body, state->q);
-  if (status != FB_OK) {
-    return status;
-  }
   fbi_chol_forward(w->p, w->L, state->pi, body->n);
   fbi_chol_back(k->Minv_pi, w->L, w->p, body->n);
   k->pb = k->Minv_pi;
@@ -4066,6 +4067,16 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
     return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
   }
   return FB_OK;
+}
+
+/* The same of any body with lines. */
+static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                 const fb_input *input)
+{
+  fb_status status;
+  fbi_modes_enter(k, state->q, body->n);
+  status = fbi_large_inertia(k, body, state->q);
+  return status == FB_OK ? fbi_large_solve(k, body, state, input) : status;
 }
 #endif
 
@@ -4125,17 +4136,6 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
   k->V[4] = fbi_vec6_dot(body->S0_inverse + 24, y);
   k->V[5] = fbi_vec6_dot(body->S0_inverse + 30, y);
   return FB_OK;
-}
-
-/* The same of any body. */
-static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
-{
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_velocity(k, body, state, input);
-  }
-#endif
-  return fbi_velocity(k, body, state, input);
 }
 
 #if FBI_WITH_QUADRATIC
@@ -4201,7 +4201,7 @@ static FBI_NOINLINE void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3
   fbi_line_to_body(turn_dd, line, alpha);
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_ROTORS
 /* x_a += (rate of the Jacobian of a node)_a . G, G a momentum about the node, body axes (E9.25). */
 static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_node *node,
                                 const fb_real *q_dot, const fb_real G[6])
@@ -4447,6 +4447,13 @@ static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body, int large)
 }
 #endif
 
+#if FB_WITH_ROTORS
+static int fbi_is_unbalanced(const fb_rotor *rotor)
+{
+  return rotor->static_imbalance != FB_R(0.0) || rotor->dynamic_imbalance != FB_R(0.0);
+}
+#endif
+
 /* 1 if distributed loads act. */
 static int fbi_is_distributed(const fb_input *input)
 {
@@ -4485,12 +4492,25 @@ static int fbi_is_flying(const fb_body *body)
   return body->base == FB_BASE_FREE && fbi_form(body) == 0;
 }
 
+/* 1 if loads along lines or of imbalance act. */
+static int fbi_further_loads(const fb_body *body, const fb_input *input, int further)
+{
+  int acts = (further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input);
+#if FB_WITH_ROTORS
+  for (int r = 0; (further & FB_EFFECT_ROTORS) && r < body->n_rotor; r++) {
+    acts |= fbi_is_unbalanced(&body->rotor[r]);
+  }
+#endif
+  (void)body;
+  return acts;
+}
+
 /* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
    without gravity. */
-static int fbi_is_oriented(const fb_body *body, const fb_input *input, int large)
+static int fbi_is_oriented(const fb_body *body, const fb_input *input, int further)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         (large && fbi_is_distributed(input)) ||
+         (further && fbi_further_loads(body, input, further)) ||
          (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
@@ -5044,7 +5064,430 @@ static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics
 }
 #endif
 
-/* Rates of a body without lines */
+/* Copies the pose and the momenta of the frame, which are not stiff. */
+static void fbi_frame_copy(fb_state *out, const fb_state *in)
+{
+  fbi_vec3_copy(out->rho, in->rho);
+  fbi_vec3_copy(out->quat, in->quat);
+  out->quat[3] = in->quat[3];
+  fbi_vec3_copy(out->u, in->u);
+  fbi_vec3_copy(out->L, in->L);
+  fbi_vec3_copy(out->h, in->h);
+}
+
+static void fbi_elastic_copy(fb_state *out, const fb_state *in, int n)
+{
+  for (int a = 0; a < n; a++) {
+    out->q[a] = in->q[a];
+    out->pi[a] = in->pi[a];
+  }
+}
+
+#if FB_WITH_SYSTEM || FB_WITH_ROTORS
+#if FB_WITH_LARGE_DEFLECTION
+/* E9.12 of a node on a line, with J_dot_a.G by E9.25. */
+static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                        const fb_node *node, const fb_real *q_dot, const fb_real V[6],
+                                        const fb_real n[3], const fb_real G[6], const fb_real F[6])
+{
+  fb_real at[6], turn[6], load[6];
+  fbi_vec6_copy(at, V);
+  fbi_vec3_add_cross(at, V + 3, n);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
+  }
+  fbi_turning(turn, at, G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = F[i] - turn[i];
+  }
+  for (int a = 0; a < body->n; a++) {
+    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3);
+  }
+  fbi_large_node_take(x, k, body, node, q_dot, G);
+}
+#endif
+
+/* [E9.12] Generalized force on the modes of a body by what a node carries that they move: with the momentum G and load
+   F of that about the node, body axes,
+   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning: the transport term (w x p, w x h + v_n x p) with v_n of
+   the node, w of the body.
+   Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
+   Test: systems_keep_energy_and_momentum. */
+static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                       const fb_node *node, const fb_real *q_dot, const fb_real V[6],
+                                       const fb_real n[3], const fb_real G[6], const fb_real F[6])
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, node)) {
+    fbi_large_take(x, f, k, body, node, q_dot, V, n, G, F);
+    return;
+  }
+#endif
+  (void)k;
+  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
+
+  /* velocity of the node, rates of its rotation parameters phi and of their gradients */
+  fbi_vec6_copy(at, V);
+  fbi_vec3_add_cross(at, V + 3, n);
+  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
+  fbi_vec3_zero(phi_dot);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
+    fbi_vec3_add(phi_dot, q_dot[a], f->turn + 3 * a);
+  }
+  shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
+
+  /* F - turning */
+  fbi_turning(turn, at, G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = F[i] - turn[i];
+  }
+
+  /* J_a.(F - turning) + J_dot_a.G; rate: J_dot_a of the rotation */
+  for (int a = 0; a < body->n; a++) {
+    fb_real rate[3];
+    fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
+    fbi_vec3_add_cross(rate, f->phi, turn_dot + 3 * a);
+    for (int i = 0; i < 3; i++) {
+      rate[i] = scale * (turn_dot[3 * a + i] + FB_R(0.5) * rate[i] - shrink * f->Jphi[3 * a + i]);
+    }
+    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3) + fb_vec3_dot(Ju_dot + 3 * a, G) +
+            fb_vec3_dot(rate, G + 3);
+  }
+}
+#endif
+
+#if FB_WITH_ROTORS
+/* ---- rotors */
+
+static int fbi_has_rotors(const fb_body *body)
+{
+  return fbi_has(body->effects, FB_EFFECT_ROTORS);
+}
+
+/* Motor of a rotor, or its momentum if it is given: what has no meaning is zero. */
+static fb_status fbi_rotors_check(const fb_body *body, const fb_input *input)
+{
+  for (int r = 0; input && r < body->n_rotor; r++) {
+    const fb_rotor_input *const in = &input->rotor[r];
+    if (!fbi_is_finite(&in->torque, 1) || !fbi_is_finite(&in->momentum, 1)) {
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "rotor: torque [N m] and momentum [N m s] of the input, finite", r,
+                        FB_R(0.0), FB_R(0.0));
+    }
+    if (!body->rotor[r].given && in->momentum != FB_R(0.0)) {
+      return FBI_REFUSE(FB_ERR_VALUE, "rotor: momentum [N m s] of the input, where it is not given, equal to", r,
+                        in->momentum, FB_R(0.0));
+    }
+  }
+  return FB_OK;
+}
+
+/* Axis of a rotor at q, body axes; f: its node, where modes move it; with lines they are posed. */
+static void fbi_rotor_place(fb_real axis[3], fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                            const fb_rotor *rotor, const fb_real *q)
+{
+  fb_real turn[4];
+  if (!rotor->moves) {
+    fbi_vec3_copy(axis, rotor->axis);
+    return;
+  }
+  fbi_node_eval(f, k, body, &body->node[rotor->node], q);
+  fbi_node_quat(turn, f, body, &body->node[rotor->node]);
+  fbi_quat_turn(axis, turn, rotor->axis);
+}
+
+/* [E8.41] Momenta of a body without those of its rotors, h - sum h_r a_r and pi - sum h_r J_r^T a_r, of which E8.13 and
+   E8.17 make its velocities: a_r(q) is the axis of rotor r in body axes, J_r the rotation of its node by q_dot (E8.14).
+   Source: E8.13 by Routh's transformation in the rotors' speeds, T = T_body + sum 1/2 I_r (a_r.w_r + speed)^2.
+   Shapes: f FB_MAX_ROTORS.  Cost: 10 flops a rotor; where modes move it E8.14.  Fails: never.
+   Test: rotors_are_wheels_on_hinges. */
+static void fbi_rotors_enter(fbi_node_field *f, fb_state *own, fbi_kinetics *k, const fb_body *body,
+                             const fb_state *state, const fb_input *input)
+{
+  const int n = body->n;
+  fbi_frame_copy(own, state);
+  fbi_elastic_copy(own, state, n);
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real h = !rotor->given ? state->pi[n + r] : input ? input->rotor[r].momentum : FB_R(0.0);
+    fb_real *const axis = k->rotor_axis[r];
+    k->rotor_momentum[r] = h;
+    fbi_rotor_place(axis, &f[r], k, body, rotor, state->q);
+    fbi_vec3_add(own->h, -h, axis);
+    for (int a = 0; a < n && rotor->moves; a++) {
+      own->pi[a] -= h * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
+    }
+  }
+}
+
+/* E8.13 of a body with rotors; own: the state without their momenta. */
+static fb_status fbi_rotor_velocity(fbi_node_field *f, fb_state *own, fbi_kinetics *k, const fb_body *body,
+                                    const fb_state *state, const fb_input *input)
+{
+  fb_status status = fbi_rotors_check(body, input);
+  if (status != FB_OK) {
+    return status;
+  }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_modes_enter(k, state->q, body->n);
+    status = fbi_large_inertia(k, body, state->q);
+    if (status == FB_OK) {
+      fbi_rotors_enter(f, own, k, body, state, input);
+      status = fbi_large_solve(k, body, own, input);
+    }
+    fbi_vec3_copy(k->ph + 3, state->h);
+    return status;
+  }
+#endif
+  fbi_rotors_enter(f, own, k, body, state, input);
+  status = fbi_velocity(k, body, own, input);
+  fbi_copy(k->Minv_pi, k->pb, body->n); /* own is gone when these are read */
+  k->pb = k->Minv_pi;
+  fbi_vec3_copy(k->ph + 3, state->h);
+  return status;
+}
+
+/* [E8.42] Force and torque of an imbalance, U spin^2 along x cos(angle) + y sin(angle) in axes of the node, spin = h/I,
+   U static or dynamic; x and y are across the axis. Added behind other loads: E8.33 is linear.
+   Source: THEORY.md 8, centripetal force at a constant speed.  Fails: never.
+   Test: unbalanced_rotors_shake_their_body. */
+static void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, int large)
+{
+  fb_real fg[6], a[3];
+  int any = 0;
+  for (int r = 0; r < body->n_rotor; r++) {
+    any |= fbi_is_unbalanced(&body->rotor[r]);
+  }
+  if (!any) {
+    return;
+  }
+  fbi_vec6_copy(fg, k->fg);
+  fbi_vec3_copy(a, k->a);
+  fbi_vec6_zero(k->fg);
+  fbi_vec3_zero(k->a);
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    if (fbi_is_unbalanced(rotor)) {
+      const fb_real spin = k->rotor_momentum[r] / rotor->inertia, angle = state->q[body->n + r];
+      const fb_real at = angle + rotor->dynamic_phase, force = rotor->static_imbalance * spin * spin;
+      const fb_real torque = rotor->dynamic_imbalance * spin * spin;
+      fb_real y[3];
+      fb_load load;
+      memset(&load, 0, sizeof load);
+      load.node = rotor->node;
+      load.axes = FB_AXES_NODE;
+      fb_vec3_cross(y, rotor->axis, rotor->across);
+      fbi_vec3_add(load.force, force * FB_COS(angle), rotor->across);
+      fbi_vec3_add(load.force, force * FB_SIN(angle), y);
+      fbi_vec3_add(load.torque, torque * FB_COS(at), rotor->across);
+      fbi_vec3_add(load.torque, torque * FB_SIN(at), y);
+      fbi_load_add(k, body, &load, state->q);
+    }
+  }
+  if (fbi_is_flying(body)) {
+    fbi_fall(k, body, large);
+  }
+  k->loaded = 1;
+  fbi_vec6_add(k->fg, FB_R(1.0), fg);
+  fbi_vec3_add(k->a, FB_R(1.0), a);
+}
+
+/* Friction torque on a rotor [N m]. */
+static fb_real fbi_rotor_friction(const fb_rotor *rotor, fb_real speed)
+{
+  const fb_real dry = rotor->friction > FB_R(0.0)
+                          ? rotor->friction / FB_SQRT(speed * speed + rotor->friction_speed * rotor->friction_speed)
+                          : FB_R(0.0);
+  return -(rotor->damping + dry) * speed;
+}
+
+/* Torque on rotor r [N m]: the rate of its momentum. */
+static fb_real fbi_rotor_torque(const fb_body *body, const fbi_kinetics *k, const fb_input *input, int r)
+{
+  const fb_rotor *const rotor = &body->rotor[r];
+  const fb_real motor = input ? input->rotor[r].torque : FB_R(0.0);
+  return rotor->given ? motor : motor + fbi_rotor_friction(rotor, k->rotor_speed[r]);
+}
+
+/* [E8.43] Rates of the rotors, angle' = speed = h_r/I_r - a_r.(w + J_r q_dot) and h_r' = motor + friction, and what
+   their momentum does to the modes that move them, pi_dot += h_r (J_r^T (a_r x w) + J_r_dot^T a_r): E9.12 with the
+   momentum h_r a_r and no load. The body feels motor and friction by E8.41: its momenta are those of all of it.
+   Source: gradient by q of h_r a_r(q).(w + J_r(q) q_dot); Euler-Poincare equations of rotations.  Fails: never.
+   Test: rotors_are_wheels_on_hinges, gyrostats_keep_energy_and_momentum. */
+static void fbi_rotors_turn(fb_state *rate, const fbi_node_field *f, fbi_kinetics *k, const fb_body *body,
+                            const fb_input *input)
+{
+  static const fb_real none[6] = {FB_R(0.0)};
+  const int n = body->n;
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real *const axis = k->rotor_axis[r];
+    fb_real w[3];
+    fbi_vec3_copy(w, k->V + 3);
+    for (int a = 0; a < n && rotor->moves; a++) {
+      fbi_vec3_add(w, rate->q[a], f[r].Jphi + 3 * a);
+    }
+    k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - fb_vec3_dot(axis, w);
+    rate->q[n + r] = k->rotor_speed[r];
+    rate->pi[n + r] = rotor->given ? FB_R(0.0) : fbi_rotor_torque(body, k, input, r);
+    if (rotor->moves) {
+      const fb_real h = k->rotor_momentum[r],
+                    G[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), h * axis[0], h * axis[1], h * axis[2]};
+      fbi_node_take(rate->pi, &f[r], k, body, &body->node[rotor->node], rate->q, k->V, none, G, none);
+    }
+  }
+}
+
+/* Rates of a body with rotors. */
+static FBI_NOINLINE fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
+                                                    const fb_state *state, const fb_input *input)
+{
+  const int large = fbi_is_large(body);
+  fbi_node_field f[FB_MAX_ROTORS];
+  fb_state own;
+  fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+#if FB_WITH_LARGE_DEFLECTION
+  if (large) {
+    status = fbi_large_forces(k, body, &own, input);
+    if (status != FB_OK) {
+      return status;
+    }
+    fbi_imbalance_add(k, body, state, large);
+    fbi_large_rates(rate->q, k, body, own.pi);
+    fbi_elastic_forces(rate->pi, k, body, own.q, rate->q);
+  }
+#endif
+  if (!large) {
+    fbi_forces(k, body, &own, input);
+    fbi_imbalance_add(k, body, state, large);
+    fbi_elastic_rates(rate, k, body, &own);
+  }
+  fbi_rigid_rates(rate, k, body, state);
+  fbi_rotors_turn(rate, f, k, body, input);
+  return FB_OK;
+}
+
+/* [E8.44] Torque of a rotor on its body at known velocities, -(h_r' a + h_r (w + J q_dot) x a), for accelerations and
+   reactions: to k.fg, and by J^T into the rate of the body's own elastic momenta, rate.pi less E8.43.
+   Source: Euler's equation of a rotor about its mass center.  Fails: never.
+   Test: accelerations_of_gyrostats_are_derivatives_of_velocities. */
+static void fbi_rotors_load(fb_state *own, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
+                            const fb_input *input)
+{
+  static const fb_real none[6] = {FB_R(0.0)};
+  const int n = body->n;
+  *own = *rate;
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real h = k->rotor_momentum[r], change = fbi_rotor_torque(body, k, input, r);
+    const fb_real *const axis = k->rotor_axis[r];
+    fbi_node_field f;
+    fb_real w[3], T[3], unused[3];
+    fbi_vec3_copy(w, k->V + 3);
+    if (rotor->moves) {
+      fbi_rotor_place(unused, &f, k, body, rotor, k->qx + 1);
+      for (int a = 0; a < n; a++) {
+        fbi_vec3_add(w, rate->q[a], f.Jphi + 3 * a);
+      }
+    }
+    fb_vec3_cross(T, axis, w);
+    for (int i = 0; i < 3; i++) {
+      T[i] = h * T[i] - change * axis[i];
+      k->fg[3 + i] += T[i];
+    }
+    if (rotor->moves) {
+      const fb_real G[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), h * axis[0], h * axis[1], h * axis[2]};
+      fb_real x[FB_MAX_MODES];
+      fbi_zero(x, n);
+      fbi_node_take(x, &f, k, body, &body->node[rotor->node], rate->q, k->V, none, G, none);
+      for (int a = 0; a < n; a++) {
+        own->pi[a] += fb_vec3_dot(f.Jphi + 3 * a, T) - x[a];
+      }
+    }
+  }
+}
+
+/* Adds the momenta h_r of rotors to those of the modes and of the frame of a state; with lines they are posed. */
+static void fbi_rotors_add(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real *momentum)
+{
+  fb_real h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, L[3];
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    fbi_node_field f;
+    fb_real axis[3];
+    fbi_rotor_place(axis, &f, k, body, rotor, state->q);
+    fbi_vec3_add(h, momentum[r], axis);
+    for (int a = 0; a < body->n && rotor->moves; a++) {
+      state->pi[a] += momentum[r] * fb_vec3_dot(f.Jphi + 3 * a, axis);
+    }
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_turning_part(h, body->base);
+    fb_mat33_mul_vec3(L, k->R, h);
+    fbi_vec3_add(state->L, FB_R(1.0), L);
+    fbi_vec3_add(state->h, FB_R(1.0), h);
+  }
+}
+
+/* Kinetic energy of the rotation of rotors, h^2/(2 I), and their momenta about their axes to h; after velocities. */
+static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_body *body)
+{
+  fb_real T = FB_R(0.0);
+  fbi_vec3_zero(h);
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_real own = k->rotor_momentum[r];
+    T += FB_R(0.5) * own * own / body->rotor[r].inertia;
+    fbi_vec3_add(h, own, k->rotor_axis[r]);
+  }
+  return T;
+}
+#endif
+
+#if FBI_WITH_FURTHER
+/* Rates of a body with lines or rotors, further. */
+static fb_status fbi_further_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                   const fb_input *input, int further)
+{
+  (void)further;
+#if FB_WITH_ROTORS
+  if (further & FB_EFFECT_ROTORS) {
+    return fbi_rotor_state_rates(rate, k, body, state, input);
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  return fbi_large_state_rates(rate, k, body, state, input);
+#else
+  return FB_ERR_UNSUPPORTED;
+#endif
+}
+#endif
+
+/* Velocities of any body at a state; with rotors state.pi becomes what it is without them. */
+static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state *state, const fb_input *input)
+{
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body)) {
+    fbi_node_field f[FB_MAX_ROTORS];
+    fb_state own;
+    const fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input);
+    fbi_copy(state->pi, own.pi, body->n);
+    return status;
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_velocity(k, body, state, input);
+  }
+#endif
+  return fbi_velocity(k, body, state, input);
+}
+
+/* Rates of a body without lines and rotors */
 static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                  const fb_input *input)
 {
@@ -5063,9 +5506,9 @@ static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body 
 static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                            const fb_input *input)
 {
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_state_rates(rate, k, body, state, input);
+#if FBI_WITH_FURTHER
+  if (fbi_further(body)) {
+    return fbi_further_rates(rate, k, body, state, input, fbi_further(body));
   }
 #endif
   return fbi_state_rates(rate, k, body, state, input);
@@ -5076,17 +5519,6 @@ static int fbi_state_is_finite(const fb_state *state, int n)
   return fbi_is_finite(state->rho, 3) && fbi_is_finite(state->quat, 4) && fbi_is_finite(state->u, 3) &&
          fbi_is_finite(state->L, 3) && fbi_is_finite(state->h, 3) && fbi_is_finite(state->q, n) &&
          fbi_is_finite(state->pi, n);
-}
-
-/* Copies the pose and the momenta of the frame, which are not stiff. */
-static void fbi_frame_copy(fb_state *out, const fb_state *in)
-{
-  fbi_vec3_copy(out->rho, in->rho);
-  fbi_vec3_copy(out->quat, in->quat);
-  out->quat[3] = in->quat[3];
-  fbi_vec3_copy(out->u, in->u);
-  fbi_vec3_copy(out->L, in->L);
-  fbi_vec3_copy(out->h, in->h);
 }
 
 /* 1 if the attitude follows from the angular momentum about all axes: free and pinned bodies in momentum form. */
@@ -5128,14 +5560,6 @@ static FBI_NOINLINE void fbi_turning_keep(fb_state *next, const fb_state *from, 
 }
 #endif
 
-static void fbi_elastic_copy(fb_state *out, const fb_state *in, int n)
-{
-  for (int a = 0; a < n; a++) {
-    out->q[a] = in->q[a];
-    out->pi[a] = in->pi[a];
-  }
-}
-
 /* Copies the part of a state that a body uses; sets R and h = R^T L, plus lost_h in single precision. */
 static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_body *body, const fb_state *state)
 {
@@ -5144,7 +5568,7 @@ static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_b
   out->quat[3] = state->quat[3];
   fbi_vec3_copy(out->u, state->u);
   fbi_vec3_copy(out->L, state->L);
-  fbi_elastic_copy(out, state, body->n);
+  fbi_elastic_copy(out, state, body->n_coordinate);
   fb_quat_to_mat33(R, state->quat);
   fb_mat33_mulT_vec3(out->h, R, state->L);
 #if FB_SINGLE
@@ -5334,7 +5758,7 @@ static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_sta
   if (status == FB_OK && fbi_is_flying(body)) {
     fbi_origin_velocity(out.rho, &k, body, &at, out.q);
   }
-  status = status == FB_OK && !fbi_state_is_finite(&out, body->n) ? FB_ERR_NOT_FINITE : status;
+  status = status == FB_OK && !fbi_state_is_finite(&out, body->n_coordinate) ? FB_ERR_NOT_FINITE : status;
   if (status == FB_OK) {
     *rate = out;
   }
@@ -5406,8 +5830,8 @@ static fb_status fbi_pin_check(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
-/* Checks that a state is finite and within the deflection limit. large: 1 for a body with lines. */
-static fb_status fbi_state_range(const fb_body *body, const fb_state *state, int large)
+/* Checks that a state is finite and within the deflection limit; without its lines and rotors. */
+static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 {
   fb_real deflection = FB_R(0.0), momenta = FB_R(0.0);
   for (int a = 0; a < body->n; a++) {
@@ -5426,13 +5850,23 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state, int
                : FBI_REFUSE(FB_ERR_NOT_FINITE, "mode: coordinate q of the state, finite", fbi_farthest(body, state->q),
                             FB_R(0.0), FB_R(0.0));
   }
-#if FB_WITH_LARGE_DEFLECTION
-  if (large) {
-    return fbi_large_range(body, state->q);
+  return FB_OK;
+}
+
+/* The same of a body with lines or rotors. */
+static FBI_NOINLINE fb_status fbi_further_range(const fb_body *body, const fb_state *state)
+{
+  fb_status status = fbi_state_range(body, state);
+#if FB_WITH_ROTORS
+  if (status == FB_OK && !(fbi_is_finite(state->q + body->n, body->n_coordinate - body->n) &&
+                           fbi_is_finite(state->pi + body->n, body->n_coordinate - body->n))) {
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "state: angles and momenta of rotors, finite", -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
-  (void)large;
-  return FB_OK;
+#if FB_WITH_LARGE_DEFLECTION
+  status = status == FB_OK && fbi_is_large(body) ? fbi_large_range(body, state->q) : status;
+#endif
+  return status;
 }
 
 #if FB_SINGLE
@@ -5441,7 +5875,7 @@ static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
 {
   const fb_real *const turn = state->lost_quat;
   if (!fbi_is_finite(turn, 4) || !fbi_is_finite(state->lost_L, 3) || !fbi_is_finite(state->lost_h, 3) ||
-      !fbi_is_finite(state->lost_q, body->n) || !fbi_is_finite(state->lost_pi, body->n)) {
+      !fbi_is_finite(state->lost_q, body->n_coordinate) || !fbi_is_finite(state->lost_pi, body->n_coordinate)) {
     return FB_ERR_NOT_FINITE;
   }
   return turn[0] * turn[0] + fb_vec3_dot(turn + 1, turn + 1) < FB_R(1e-10) ? FB_OK : FB_ERR_VALUE;
@@ -5452,7 +5886,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
-  status = fbi_state_range(body, state, fbi_is_large(body));
+  status = fbi_further(body) ? fbi_further_range(body, state) : fbi_state_range(body, state);
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
@@ -5651,13 +6085,18 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
   }
 #endif
   fbi_momenta_set(&out, &k, body, v, rates);
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body)) {
+    fbi_rotors_add(&out, &k, body, state->pi + body->n);
+  }
+#endif
   fbi_zero(out.lost_u, 3);
 #if FB_SINGLE
   fbi_zero(out.lost_L, 3);
   fbi_zero(out.lost_pi, body->n);
   fbi_zero(out.lost_h, 3);
 #endif
-  if (!fbi_state_is_finite(&out, body->n)) {
+  if (!fbi_state_is_finite(&out, body->n_coordinate)) {
     return FB_ERR_NOT_FINITE;
   }
   *state = out;
@@ -5685,6 +6124,51 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
 #endif
   return fbi_state_from_velocity(NULL, body, state, v, w, q_dot);
 }
+
+#if FB_WITH_ROTORS
+/* Room for what an evaluation knows about the lines, if there are any. */
+static fb_status fbi_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
+                               const fb_input *input)
+{
+  fb_real momentum[FB_MAX_ROTORS] = {FB_R(0.0)};
+  fb_state out = *state, at, rate;
+  fbi_kinetics k;
+  fb_status status;
+  FBI_WITH_LINES(k);
+  fbi_state_enter(&at, k.R, body, state);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
+  status = fbi_rotor_state_rates(&rate, &k, body, &at, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  momentum[rotor] = body->rotor[rotor].inertia * (speed - k.rotor_speed[rotor]);
+  out.q[body->n + rotor] = angle;
+  out.pi[body->n + rotor] += momentum[rotor];
+  fbi_rotors_add(&out, &k, body, momentum);
+  if (!fbi_state_is_finite(&out, body->n_coordinate)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *state = out;
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
+                                    const fb_input *input)
+{
+  fb_status status;
+  FBI_REQUIRE(body && state, FB_ERR_NULL);
+  FBI_REQUIRE(rotor >= 0 && rotor < body->n_rotor, FB_ERR_CAPACITY);
+  if (!fbi_is_finite(&speed, 1) || !fbi_is_finite(&angle, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (body->rotor[rotor].given) {
+    return FBI_REFUSE(FB_ERR_VALUE, "rotor: its momentum is given by the input", rotor, FB_R(0.0), FB_R(0.0));
+  }
+  status = fbi_input_check(body, input);
+  status = status ? status : fb_state_check(body, state);
+  return status ? status : fbi_rotor_set(body, state, rotor, speed, angle, input);
+}
+#endif
 
 /* Reactions of the base: S V_dot - y in the rows that it constrains, else zero. */
 static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21], const fb_real V_dot[6],
@@ -5902,6 +6386,16 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   return FB_OK;
 }
 
+static int fbi_rotors_are_finite(const fb_motion *motion, const fb_body *body)
+{
+#if FB_WITH_ROTORS
+  return fbi_is_finite(motion->rotor_speed, body->n_rotor) && fbi_is_finite(motion->rotor_momentum, body->n_rotor);
+#else
+  (void)motion, (void)body;
+  return 1;
+#endif
+}
+
 static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_motion *motion, const fb_state *state,
                                  const fb_input *input)
 {
@@ -5940,13 +6434,22 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   }
 #endif
   if (fbi_form(body) == 0) {
-    status = fbi_accelerations(&out, &k, body, &rate, input);
+    const fb_state *load = &rate;
+#if FB_WITH_ROTORS
+    if (fbi_has_rotors(body)) {
+      fbi_rotors_load(&at, &k, body, &rate, input);
+      fbi_copy(out.rotor_speed, k.rotor_speed, body->n_rotor);
+      fbi_copy(out.rotor_momentum, k.rotor_momentum, body->n_rotor);
+      load = &at;
+    }
+#endif
+    status = fbi_accelerations(&out, &k, body, load, input);
   }
 
   /* result, if finite */
-  if (status == FB_OK &&
-      (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.acceleration, 3) ||
-       !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) || !fbi_is_finite(out.q_ddot, body->n))) {
+  if (status == FB_OK && (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.acceleration, 3) ||
+                          !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) ||
+                          !fbi_is_finite(out.q_ddot, body->n) || !fbi_rotors_are_finite(&out, body))) {
     status = FB_ERR_NOT_FINITE;
   }
   if (status == FB_OK) {
@@ -6486,6 +6989,14 @@ static fb_status fbi_body_acts(fbi_cut_load_set *acts, const fb_body *body, cons
   fb_status status = fbi_lines_required(body);
   memset(acts, 0, sizeof *acts);
   acts->node = -1;
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor && status == FB_OK; r++) {
+    if (body->rotor[r].moves) { /* its torque on the section is missing */
+      status = FBI_REFUSE(FB_ERR_UNSUPPORTED, "rotor: internal loads of lines, with rotors on the hub alone", r,
+                          FB_R(0.0), FB_R(0.0));
+    }
+  }
+#endif
   status = status ? status : fbi_input_check(body, input);
   if (status == FB_OK && input) {
     acts->load = input->load;
@@ -6625,6 +7136,11 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
 
   /* kinetic energy in the frame, then of its motion: u.(R p + 1/2 m u) */
   out.kinetic = fbi_kinetic_energy(&k, body, &at);
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body)) {
+    out.kinetic += fbi_rotors_energy(p, &k, body);
+  }
+#endif
   fbi_true_momenta(&k, body);
   fbi_frame_velocity(u, &k, body, &at, input);
   fb_mat33_mul_vec3(p, k.R, k.ph);
@@ -6682,6 +7198,12 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
     return status;
   }
   fbi_true_momenta(&k, body);
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body) && body->base != FB_BASE_FREE) {
+    (void)fbi_rotors_energy(arm, &k, body);
+    fbi_vec3_add(k.ph + 3, FB_R(1.0), arm);
+  }
+#endif
   fbi_frame_velocity(u, &k, body, &at, input);
 
   /* linear; angular about O, in the frame */
@@ -6938,6 +7460,28 @@ static int fbi_matrices_are_sound(const fb_body *body)
   return sound;
 }
 
+#if FB_WITH_ROTORS
+static int fbi_rotors_are_sound(const fb_body *body)
+{
+  int sound = fbi_is_within(body->n_rotor, FB_MAX_ROTORS) && body->n_coordinate == body->n + body->n_rotor &&
+              fbi_has_rotors(body) == (body->n_rotor > 0);
+  for (int r = 0; sound && r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real least[6] = {rotor->damping,  rotor->friction, rotor->friction_speed,
+                              rotor->mobility, rotor->rate,     rotor->inertia};
+    const fb_real other[3] = {rotor->static_imbalance, rotor->dynamic_imbalance, rotor->dynamic_phase};
+    sound = fbi_is_within(rotor->node, body->n_node - 1) && fbi_is_flag(rotor->given) && fbi_is_flag(rotor->moves) &&
+            fbi_is_finite(least, 6) && fbi_is_finite(other, 3) && fbi_vec3_is_finite(rotor->axis) &&
+            fbi_vec3_is_finite(rotor->across) && rotor->inertia > FB_R(0.0) &&
+            (rotor->friction_speed > FB_R(0.0) || rotor->friction == FB_R(0.0));
+    for (int i = 0; sound && i < 5; i++) {
+      sound = least[i] >= FB_R(0.0);
+    }
+  }
+  return sound;
+}
+#endif
+
 /* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite; of a body with
    lines the inverse is, and S_0 finite. */
 static int fbi_rigid_is_sound(const fb_body *body)
@@ -6987,6 +7531,11 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   sound = sound && (!fbi_is_large(body) || fbi_lines_are_sound(body));
+#endif
+#if FB_WITH_ROTORS
+  sound = sound && fbi_rotors_are_sound(body);
+#else
+  sound = sound && body->n_coordinate == body->n;
 #endif
 #if FB_WITH_GRAVITY
   sound = sound && fbi_is_finite(body->gravity, 3);
@@ -7181,6 +7730,23 @@ static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
 }
 #endif
 
+#if FB_WITH_ROTORS
+static unsigned fbi_crc_rotors(unsigned crc, const fb_body *body, int single)
+{
+  crc = fbi_crc_word(crc, (unsigned)body->n_rotor);
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const int whole[3] = {rotor->node, rotor->given, rotor->moves};
+    const fb_real number[] = {rotor->inertia,        rotor->damping,          rotor->friction,
+                              rotor->friction_speed, rotor->static_imbalance, rotor->dynamic_imbalance,
+                              rotor->dynamic_phase,  rotor->mobility,         rotor->rate};
+    crc = fbi_crc_reals(fbi_crc_ints(crc, whole, 3), number, (int)(sizeof number / sizeof *number), single);
+    crc = fbi_crc_reals(fbi_crc_reals(crc, rotor->axis, 3, single), rotor->across, 3, single);
+  }
+  return crc;
+}
+#endif
+
 /* Data of optional effects and forms; a body without them adds nothing. */
 static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
 {
@@ -7209,6 +7775,11 @@ static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
     crc = fbi_crc_lines(crc, body, single);
   }
 #endif
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body)) {
+    crc = fbi_crc_rotors(crc, body, single);
+  }
+#endif
   (void)body, (void)single; /* all of it may be removed at compile time */
   return crc;
 }
@@ -7217,6 +7788,7 @@ static unsigned fbi_body_crc(const fb_body *body, int single)
 {
   const int whole[] = {body->n,
                        body->n_node,
+                       body->n_coordinate,
                        (int)body->effects,
                        (int)body->base,
                        body->n_lambda,
@@ -7263,6 +7835,9 @@ static int fbi_counts_are_sound(const fb_body *body)
 #if FB_WITH_LARGE_DEFLECTION
   sound = sound && (!fbi_is_large(body) ||
                     (fbi_line_counts_are_sound(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
+#endif
+#if FB_WITH_ROTORS
+  sound = sound && fbi_is_within(body->n_rotor, FB_MAX_ROTORS);
 #endif
   return sound;
 }
@@ -9861,79 +10436,6 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
     }
   }
   return power;
-}
-
-#if FB_WITH_LARGE_DEFLECTION
-/* E9.12 of a node on a line, with J_dot_a.G by E9.25. */
-static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
-                                        const fb_node *node, const fb_real *q_dot, const fb_real V[6],
-                                        const fb_real n[3], const fb_real G[6], const fb_real F[6])
-{
-  fb_real at[6], turn[6], load[6];
-  fbi_vec6_copy(at, V);
-  fbi_vec3_add_cross(at, V + 3, n);
-  for (int a = 0; a < body->n; a++) {
-    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
-  }
-  fbi_turning(turn, at, G);
-  for (int i = 0; i < 6; i++) {
-    load[i] = F[i] - turn[i];
-  }
-  for (int a = 0; a < body->n; a++) {
-    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3);
-  }
-  fbi_large_node_take(x, k, body, node, q_dot, G);
-}
-#endif
-
-/* [E9.12] Generalized force on the modes of a body by what a node carries that they move: with the momentum G and load
-   F of that about the node, body axes,
-   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning: the transport term (w x p, w x h + v_n x p) with v_n of
-   the node, w of the body.
-   Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
-   Test: systems_keep_energy_and_momentum. */
-static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
-                                       const fb_node *node, const fb_real *q_dot, const fb_real V[6],
-                                       const fb_real n[3], const fb_real G[6], const fb_real F[6])
-{
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_on_line(body, node)) {
-    fbi_large_take(x, f, k, body, node, q_dot, V, n, G, F);
-    return;
-  }
-#endif
-  (void)k;
-  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
-  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
-
-  /* velocity of the node, rates of its rotation parameters phi and of their gradients */
-  fbi_vec6_copy(at, V);
-  fbi_vec3_add_cross(at, V + 3, n);
-  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
-  fbi_vec3_zero(phi_dot);
-  for (int a = 0; a < body->n; a++) {
-    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
-    fbi_vec3_add(phi_dot, q_dot[a], f->turn + 3 * a);
-  }
-  shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
-
-  /* F - turning */
-  fbi_turning(turn, at, G);
-  for (int i = 0; i < 6; i++) {
-    load[i] = F[i] - turn[i];
-  }
-
-  /* J_a.(F - turning) + J_dot_a.G; rate: J_dot_a of the rotation */
-  for (int a = 0; a < body->n; a++) {
-    fb_real rate[3];
-    fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
-    fbi_vec3_add_cross(rate, f->phi, turn_dot + 3 * a);
-    for (int i = 0; i < 3; i++) {
-      rate[i] = scale * (turn_dot[3 * a + i] + FB_R(0.5) * rate[i] - shrink * f->Jphi[3 * a + i]);
-    }
-    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3) + fb_vec3_dot(Ju_dot + 3 * a, G) +
-            fb_vec3_dot(rate, G + 3);
-  }
 }
 
 /* [E9.13] Loads by the rows' impulses, which are momentum outside of the tree's, -(f, t) at the ends. With mu constant
@@ -13698,10 +14200,20 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form, rho only
-   of bodies with lines. */
+/* What stages have beside modes and momenta of the frame: rho, which distributed loads see, and rotors. */
+static void fbi_further_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
+                                const fb_state *rate)
+{
+  fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
+  for (int a = body->n; a < body->n_coordinate; a++) {
+    out->q[a] = state->q[a] + s * rate->q[a];
+    out->pi[a] = state->pi[a] + s * rate->pi[a];
+  }
+}
+
+/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
-                              const fb_state *rate, int large)
+                              const fb_state *rate, int further)
 {
   fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
   fbi_vec3_advance(out->u, state->u, s, rate->u);
@@ -13709,8 +14221,8 @@ static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state
   if (fbi_form(body) != 0) {
     fbi_vec3_advance(out->L, state->L, s, rate->L);
   }
-  if (large) { /* distributed loads see where they act */
-    fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
+  if (further) {
+    fbi_further_advance(out, body, state, s, rate);
   }
   fbi_modes_advance(out, state, s, rate, body->n);
 }
@@ -13894,10 +14406,43 @@ static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinet
 }
 #endif
 
-static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt, int large)
+#if FB_WITH_ROTORS
+/* [E11.46] What rotors add to the rotation that a step has to resolve, spin: a rotor of momentum h turns what carries it
+   by at most h times the mobility across its axis (of the undeformed body), and 2 spin bounds that frequency (E8.8);
+   braking by friction; the rotation of rotors with an imbalance.
+   Source: E11.41.  Cost: 6 flops a rotor.  Fails: never.
+   Test: wheels_at_600_rad_per_s_cost_no_step, rotors_bound_the_step. */
+static fb_real fbi_own_rotors_spin(const fb_body *body, const fbi_kinetics *k)
+{
+  fb_real spin = FB_R(0.0), rate = FB_R(0.0);
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    spin += FB_R(0.5) * FB_FABS(k->rotor_momentum[r]) * rotor->mobility;
+    rate = fbi_larger(rate, rotor->rate);
+    spin += fbi_is_unbalanced(rotor) ? FB_FABS(k->rotor_momentum[r]) / rotor->inertia : FB_R(0.0);
+  }
+  return spin + rate;
+}
+#endif
+
+/* Arguments of the step limits of a body with rotors (further) or without. */
+static void fbi_further_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
+                                   const fb_input *input, int further)
+{
+  fbi_step_conditions(spin, acceleration, body, k, input);
+#if FB_WITH_ROTORS
+  if (further & FB_EFFECT_ROTORS) {
+    *spin += fbi_own_rotors_spin(body, k);
+  }
+#endif
+  (void)further;
+}
+
+static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
+                               int further)
 {
   fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
-  fbi_step_conditions(&spin, &acceleration, body, k, input);
+  fbi_further_conditions(&spin, &acceleration, body, k, input, further);
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     fbi_largest_slopes(&slope, &strain, k, body->n_strain);
@@ -13905,9 +14450,8 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
 #endif
   bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = large ? fbi_large_bound(body, k, spin, acceleration) : bound;
+  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, spin, acceleration) : bound;
 #endif
-  (void)large;
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
              ? FB_OK
              : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
@@ -14085,15 +14629,37 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
   fbi_frame_shift(next->pi, line, body, next->q, R, next->u);
 }
 
+/* Of lines and rotors at the end of a step: range; angles within half a turn, momenta that are given as the input has
+   them. */
+static FBI_NOINLINE fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
+{
+  const fb_status status = fbi_further_range(body, next);
+#if FB_WITH_ROTORS
+  const fb_real turn = FB_R(6.283185307179586477);
+  for (int r = 0; r < body->n_rotor && status == FB_OK; r++) {
+    fb_real *const angle = &next->q[body->n + r];
+    const fb_real turns = *angle / turn;
+    if (FB_FABS(turns) < FB_R(1e9)) {
+      *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+    }
+    if (body->rotor[r].given) {
+      next->pi[body->n + r] = last ? last->rotor[r].momentum : FB_R(0.0);
+    }
+  }
+#endif
+  (void)last;
+  return status;
+}
+
 /* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
    of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end); c: c(q) of
    the start where known, of bodies with lines. FB_ERR_STEP: a rotation in one step so large that the attitude is lost to
    round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
-                              const fb_body *body, const fb_input *last, const fb_real at[4], int large,
+                              const fb_body *body, const fb_input *last, const fb_real at[4], int further,
                               const fb_real *c)
 {
-  const int n = body->n;
+  const int n = body->n_coordinate;
   fb_status status;
 
   /* Attitude and modes */
@@ -14125,7 +14691,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   FBI_SUM_KEPT(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : fbi_state_range(body, next, large);
+  status = status ? status : further ? fbi_further_end(next, body, last) : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
@@ -14165,30 +14731,33 @@ static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
 static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
                                           FB_R(1.0) / FB_R(6.0)};
 
-#if FB_WITH_LARGE_DEFLECTION
-/* E11.3 of a body with lines. Written out once more, so that the loop of all other bodies keeps its registers. */
-static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                 fb_real dt)
+#if FBI_WITH_FURTHER
+/* E11.3 of a body with lines, or (rotors) with rotors. Written out once more, so that the loop of all other bodies keeps
+   its registers. */
+static FBI_INLINE fb_status fbi_further_rk4(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                            const fb_input *start, const fb_input *middle, const fb_input *end,
+                                            fb_real dt, int further)
 {
+  const int large = (further & FB_EFFECT_LARGE_DEFLECTION) != 0;
+  const int n = further & FB_EFFECT_ROTORS ? body->n_coordinate : body->n;
   const fb_input *const input[5] = {start, middle, middle, end, NULL};
   const fb_state *at = &work->start;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)}, first[3];
   FBI_USE_LINES(k, work);
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_line_start(&work->line, body, state, k.R, start, middle, end);
+  fbi_line_start(FBI_LINES(work), body, state, k.R, start, middle, end);
   for (int stage = 0; stage < 4; stage++) {
     /* Rates */
     fb_status status = fbi_input_check(body, input[stage]);
-    status = status == FB_OK ? fbi_large_state_rates(&work->rate, &k, body, at, input[stage]) : status;
+    status = status == FB_OK ? fbi_further_rates(&work->rate, &k, body, at, input[stage], further) : status;
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
-    if (status == FB_OK && stage == 0) {
-      fbi_center_placed(first, &work->line, body, state->q);
+    if (status == FB_OK && stage == 0 && large) {
+      fbi_center_placed(first, FBI_LINES(work), body, state->q);
     }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &k, start, dt, 1);
+      status = fbi_rk4_check(body, &k, start, dt, further);
       fbi_vec3_copy(spin, k.V + 3);
     }
     if (status == FB_OK && stage == 3 && !body->allow_long_step) {
@@ -14200,19 +14769,53 @@ static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *
 
     /* Weighted sum of rates, value of the next stage */
     if (stage == 0) {
-      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
+      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, n);
     } else {
-      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
+      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, n);
     }
     if (stage < 3) {
-      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, 1);
-      if (fbi_is_oriented(body, input[stage + 1], 1)) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, further);
+      if (fbi_is_oriented(body, input[stage + 1], further)) {
         fb_quat_to_mat33(k.R, work->stage.quat);
       }
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, &work->line, &work->start, body, end, NULL, 1, first);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, further, large ? first : NULL);
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                 fb_real dt)
+{
+  return fbi_further_rk4(body, state, work, start, middle, end, dt, FB_EFFECT_LARGE_DEFLECTION);
+}
+#endif
+
+#if FB_WITH_ROTORS
+static FBI_NOINLINE fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                 fb_real dt)
+{
+  return fbi_further_rk4(body, state, work, start, middle, end, dt,
+                         FB_EFFECT_ROTORS | (fbi_is_large(body) ? FB_EFFECT_LARGE_DEFLECTION : 0));
+}
+#endif
+
+static fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                                      const fb_input *middle, const fb_input *end, fb_real dt)
+{
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body)) {
+    return fbi_rotor_rk4_step(body, state, work, start, middle, end, dt);
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
+#else
+  return FB_ERR_UNSUPPORTED;
+#endif
 }
 #endif
 
@@ -14229,9 +14832,9 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
+#if FBI_WITH_FURTHER
+  if (fbi_further(body)) {
+    return fbi_further_rk4_step(body, state, work, start, middle, end, dt);
   }
 #endif
 
@@ -14822,7 +15425,7 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
   if (body->allow_long_step) {
     return FB_OK;
   }
-  fbi_step_conditions(&spin, &acceleration, body, k, input);
+  fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
   return dt <= fb_implicit_limit(body, spin, acceleration)
              ? FB_OK
              : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, dt, fb_implicit_limit(body, spin, acceleration), spin);
@@ -14898,19 +15501,19 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
     FBI_USE_LINES(here, w);
 
     /* Residual f - k */
-    fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_is_large(body));
-    if (fbi_is_oriented(body, input, fbi_is_large(body))) {
+    fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_further(body));
+    if (fbi_is_oriented(body, input, fbi_further(body))) {
       fb_quat_to_mat33(here.R, w->stage.quat);
     }
     status = fbi_rates(&w->rate, &here, body, &w->stage, input);
     if (status == FB_OK && i == iterations - 1 && !body->allow_long_step) {
       status = fbi_turn_check(at->V + 3, here.V + 3, dt);
     }
-    fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
+    fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n_coordinate);
 
     /* Correction */
     fbi_implicit_solve(&w->rate, w, body, at, &w->start);
-    fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
+    fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n_coordinate);
     last = fbi_rate_size(&w->rate, w, body, w->g);
     first = i == 0 ? last : first;
   }
@@ -14958,9 +15561,9 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   }
 
   /* dt k */
-  fbi_state_scale(&work->sum, dt, &work->first, body->n);
+  fbi_state_scale(&work->sum, dt, &work->first, body->n_coordinate);
   return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat,
-                      fbi_is_large(body), NULL);
+                      fbi_further(body), NULL);
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
@@ -14985,6 +15588,12 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
 #endif
 
   /* Linear interpolation */
+#if FB_WITH_ROTORS
+  for (int r = 0; r < FB_MAX_ROTORS; r++) {
+    out->rotor[r].torque += s * (b->rotor[r].torque - a->rotor[r].torque);
+    out->rotor[r].momentum += s * (b->rotor[r].momentum - a->rotor[r].momentum);
+  }
+#endif
   for (int i = 0; i < 3; i++) {
     for (int k = 0; k < a->n_load; k++) {
       out->load[k].force[i] += s * (b->load[k].force[i] - a->load[k].force[i]);
@@ -15065,8 +15674,8 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* Second stage */
   if (status == FB_OK) {
-    fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
-    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_is_large(body));
+    fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n_coordinate);
+    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_further(body));
     status = fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt);
   }
   if (status != FB_OK) {
@@ -15074,8 +15683,8 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   }
 
   /* (1-c) dt k_1 + c dt k_2 */
-  fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, fbi_is_large(body), NULL);
+  fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n_coordinate);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, fbi_further(body), NULL);
 }
 
 /* ---- exponential integrator */
@@ -15188,7 +15797,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
 
   /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
-  if (fbi_is_oriented(body, input, fbi_is_large(body))) {
+  if (fbi_is_oriented(body, input, fbi_further(body))) {
     fb_quat_to_mat33(k->R, z->quat);
   }
   status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
@@ -15335,11 +15944,37 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
     }
   }
 #endif
-  fbi_step_conditions(&spin, &acceleration, body, k, input);
+  fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
   return h <= fb_exponential_limit(body, spin, acceleration)
              ? FB_OK
              : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, h, fb_exponential_limit(body, spin, acceleration), spin);
 }
+
+#if FB_WITH_ROTORS
+/* Rotors in E11.10, which for them is the classical Runge-Kutta scheme: after the rates of a stage their values at the
+   next one to w->at, after the last one their increments. */
+static FBI_NOINLINE void fbi_exponential_rotors(fb_exponential_work *w, const fb_body *body, int stage, fb_real h)
+{
+  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                    FB_R(1.0) / FB_R(6.0)};
+  fb_state *const sum = &w->z;
+  for (int a = body->n; a < body->n_coordinate; a++) {
+    sum->q[a] = (stage > 0 ? sum->q[a] : FB_R(0.0)) + weight[stage] * h * w->rate.q[a];
+    sum->pi[a] = (stage > 0 ? sum->pi[a] : FB_R(0.0)) + weight[stage] * h * w->rate.pi[a];
+    w->at.q[a] = stage < 3 ? w->start.q[a] + node[stage] * h * w->rate.q[a] : sum->q[a];
+    w->at.pi[a] = stage < 3 ? w->start.pi[a] + node[stage] * h * w->rate.pi[a] : sum->pi[a];
+  }
+}
+#define FBI_EXPONENTIAL_ROTORS(w, body, stage, h)      \
+  do {                                                 \
+    if (fbi_has_rotors(body)) {                        \
+      fbi_exponential_rotors((w), (body), (stage), h); \
+    }                                                  \
+  } while (0)
+#else
+#define FBI_EXPONENTIAL_ROTORS(w, body, stage, h) ((void)0)
+#endif
 
 /* Stages of E11.10 after the first: z_2, z_3, z_4 and their N; w->full = (e^(hL) - 1) z + h phi_1(hL) N_1. */
 static fb_status fbi_exponential_stages(fb_exponential_work *w, fbi_kinetics *k, const fb_exponential *scheme,
@@ -15354,12 +15989,14 @@ static fb_status fbi_exponential_stages(fb_exponential_work *w, fbi_kinetics *k,
   memset(&w->half, 0, sizeof w->half);
   fbi_phi_add(&w->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
   fbi_phi_add(&w->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
+  FBI_EXPONENTIAL_ROTORS(w, body, 0, h);
   status = fbi_modal_rates(&N[1], k, w, scheme, body, &w->half, middle);
 
   /* z_3, N_3 */
   if (status == FB_OK) {
     fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
     fbi_phi_add(&w->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
+    FBI_EXPONENTIAL_ROTORS(w, body, 1, h);
     status = fbi_modal_rates(&N[2], k, w, scheme, body, &w->half, middle);
   }
 
@@ -15371,6 +16008,7 @@ static fb_status fbi_exponential_stages(fb_exponential_work *w, fbi_kinetics *k,
     fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
     fbi_state_advance(&w->half, z, FB_R(1.0), &w->full, n);
     fbi_phi_add(&w->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
+    FBI_EXPONENTIAL_ROTORS(w, body, 2, h);
     status = fbi_modal_rates(&N[3], k, w, scheme, body, &w->half, end);
   }
   return status;
@@ -15412,7 +16050,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_state_enter(&work->start, k.R, body, state);
   fbi_line_start(FBI_LINES(work), body, state, k.R, start, middle, end);
   fbi_frame_copy(&work->at, &work->start);
-  fbi_elastic_copy(&work->at, &work->start, body->n);
+  fbi_elastic_copy(&work->at, &work->start, body->n_coordinate);
   fbi_modal_from(&work->z, scheme, body, &work->at);
   status = fbi_modal_rates(&work->N[0], &k, work, scheme, body, &work->z, start);
   status = status == FB_OK ? fbi_exponential_limited(body, &k, scheme, start) : status;
@@ -15426,7 +16064,8 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, fbi_is_large(body), NULL);
+  FBI_EXPONENTIAL_ROTORS(work, body, 3, scheme->dt);
+  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, fbi_further(body), NULL);
 }
 
 #if FB_WITH_SYSTEM
@@ -23520,6 +24159,47 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #endif
 }
 
+#if FB_WITH_ROTORS
+static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc *desc)
+{
+  fb_status status = FB_OK;
+  FBI_REQUIRE(desc->n_rotor >= 0 && desc->n_rotor <= FB_MAX_ROTORS, FB_ERR_CAPACITY);
+  for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
+    const fb_rotor *const rotor = &desc->rotor[r];
+    const fb_real length = fbi_vec3_norm(rotor->axis);
+    const fbi_number field[] = {FBI_ANY(rotor->axis, 3, "rotor: axis"),
+                                FBI_NOT_NEGATIVE(&rotor->inertia, 1, "rotor: inertia [kg m^2]"),
+                                FBI_NOT_NEGATIVE(&rotor->damping, 1, "rotor: damping [N m s]"),
+                                FBI_NOT_NEGATIVE(&rotor->friction, 1, "rotor: friction [N m]"),
+                                FBI_NOT_NEGATIVE(&rotor->friction_speed, 1, "rotor: friction_speed [rad/s]"),
+                                FBI_NOT_NEGATIVE(&rotor->static_imbalance, 1, "rotor: static_imbalance [kg m]"),
+                                FBI_NOT_NEGATIVE(&rotor->dynamic_imbalance, 1, "rotor: dynamic_imbalance [kg m^2]"),
+                                FBI_ANY(&rotor->dynamic_phase, 1, "rotor: dynamic_phase [rad]")};
+    FBI_REQUIRE(rotor->node >= 0 && rotor->node < shape->n_node, FB_ERR_CAPACITY);
+    status = fbi_numbers_check(field, FBI_LENGTH(field), r);
+    if (status == FB_OK && !(length > FB_R(0.0))) {
+      status = FBI_REFUSE(FB_ERR_VALUE, "rotor: length of its axis, above", r, length, FB_R(0.0));
+    }
+    if (status == FB_OK && !(rotor->inertia > FB_R(0.0))) {
+      status = FBI_REFUSE(FB_ERR_VALUE, "rotor: inertia [kg m^2], above", r, rotor->inertia, FB_R(0.0));
+    }
+    if (status == FB_OK && rotor->friction > FB_R(0.0) && !(rotor->friction_speed > FB_R(0.0))) {
+      status = FBI_REFUSE(FB_ERR_VALUE, "rotor: friction_speed [rad/s] of friction, above", r, rotor->friction_speed,
+                          FB_R(0.0));
+    }
+  }
+#if FB_WITH_FORMS
+  if (status == FB_OK && desc->n_rotor > 0 && desc->form != FB_FORM_MOMENTUM) {
+    status = FBI_REFUSE(FB_ERR_EFFECTS, "rotors, with the momentum form", -1, FB_R(0.0), FB_R(0.0));
+  }
+#endif
+  if (status == FB_OK && desc->n_rotor == 0 && fbi_has(desc->effects, FB_EFFECT_ROTORS)) {
+    status = FBI_REFUSE(FB_ERR_EFFECTS, "effects: rotors, with n_rotor above", -1, FB_R(0.0), FB_R(0.0));
+  }
+  return status;
+}
+#endif
+
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const fbi_number field[] = {FBI_ANY(desc->zeta, shape->n, "zeta"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
@@ -23538,6 +24218,9 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   if (status == FB_OK && !(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED))) {
     return FBI_REFUSE(FB_ERR_VALUE, "mass [kg] (of a prescribed base at least) above", -1, shape->mass, FB_R(0.0));
   }
+#if FB_WITH_ROTORS
+  status = status ? status : fbi_rotors_desc_check(shape, desc);
+#endif
   return status ? status : fbi_body_effects_check(shape, desc);
 }
 
@@ -23590,6 +24273,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
 
   /* Sizes and options */
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
+  body->n_coordinate = body->n;
   body->n_node = shape->n_node;
   body->base = desc->base;
   body->allow_long_step = desc->allow_long_step != 0;
@@ -23869,6 +24553,106 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
 }
 #endif
 
+#if FB_WITH_ROTORS || FB_WITH_SYSTEM
+/* Axes of a joint whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis)
+   about z x axis; about x where it is -z. */
+static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
+{
+  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
+  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
+  if (across > FB_R(0.0)) {
+    phi[0] = -angle * (axis[1] / across);
+    phi[1] = angle * (axis[0] / across);
+  }
+  fb_quat_from_rotvec(quat, phi);
+  fb_quat_to_mat33(R, quat);
+}
+#endif
+
+#if FB_WITH_ROTORS
+/* Angular velocity w of a node of the undeformed body by an impulse T [N m s] on it. */
+static void fbi_node_answer(fb_real w[3], const fb_body *body, const fb_body_work *work, const fb_shape *shape,
+                            const fb_node *node, const fb_real T[3])
+{
+  const int n = body->n;
+  fb_real e[FB_MAX_MODES], x[FB_MAX_MODES], y[6] = {FB_R(0.0)}, V[6];
+  fbi_vec3_copy(y + 3, T);
+  for (int a = 0; a < n; a++) {
+    e[a] = fb_vec3_dot(node->theta + 3 * a, T);
+  }
+  fb_chol_solve(x, work->L, e, n);
+  for (int a = 0; a < n; a++) {
+    fbi_vec3_add(y, -x[a], shape->P + 3 * a);
+    fbi_vec3_add(y + 3, -x[a], shape->H + 3 * a);
+  }
+  for (int i = 0; i < 6; i++) {
+    V[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
+  }
+  for (int a = 0; a < n; a++) {
+    e[a] -= fb_vec3_dot(shape->P + 3 * a, V) + fb_vec3_dot(shape->H + 3 * a, V + 3);
+  }
+  fb_chol_solve(x, work->L, e, n);
+  fbi_vec3_copy(w, V + 3);
+  for (int a = 0; a < n; a++) {
+    fbi_vec3_add(w, x[a], node->theta + 3 * a);
+  }
+}
+
+/* [E8.45] Mobility of a rotor's node, W = [1 J] M^-1 [1 J]^T of the undeformed body: across the axis its largest
+   eigenvalue, along it the part of friction that acts on the body.
+   Source: block elimination.  Fails: never.  Test: rotors_bound_the_step. */
+static void fbi_rotor_fill(fb_rotor *rotor, const fb_body *body, const fb_body_work *work, const fb_shape *shape)
+{
+  const fb_node *const node = &shape->node[rotor->node];
+  const fb_real size = fbi_vec3_norm(rotor->axis);
+  fb_real frame[9], W[3][3], column[3], axis[3][3], half, apart, slope = rotor->damping;
+  for (int i = 0; i < 3; i++) {
+    rotor->axis[i] /= size;
+  }
+  fbi_axis_frame(frame, rotor->axis);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      axis[i][j] = frame[3 * j + i];
+    }
+  }
+  fbi_vec3_copy(rotor->across, axis[0]);
+  for (int i = 0; i < 3; i++) {
+    fbi_node_answer(column, body, work, shape, node, axis[i]);
+    for (int j = 0; j < 3; j++) {
+      W[i][j] = fb_vec3_dot(column, axis[j]);
+    }
+  }
+  half = FB_R(0.5) * (W[0][0] + W[1][1]);
+  apart = FB_R(0.5) * (W[0][0] - W[1][1]);
+  rotor->mobility = fbi_larger(half + FB_SQRT(apart * apart + W[0][1] * W[1][0]), FB_R(0.0));
+  slope += rotor->friction > FB_R(0.0) ? rotor->friction / rotor->friction_speed : FB_R(0.0);
+  rotor->rate = slope * (FB_R(1.0) / rotor->inertia + fbi_larger(W[2][2], FB_R(0.0)));
+}
+
+/* Rotors of a body whose inverses are known. */
+static void fbi_rotors_fill(fb_body *body, const fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
+{
+  body->n_rotor = desc->n_rotor;
+  body->n_coordinate = body->n + desc->n_rotor;
+  body->effects &= ~(unsigned)FB_EFFECT_ROTORS;
+  body->effects |= desc->n_rotor > 0 ? (unsigned)FB_EFFECT_ROTORS : 0u;
+  for (int r = 0; r < desc->n_rotor; r++) {
+    fb_rotor *const rotor = &body->rotor[r];
+    const fb_node *const node = &shape->node[desc->rotor[r].node];
+    *rotor = desc->rotor[r];
+    rotor->given = rotor->given != 0;
+    rotor->moves = !fbi_is_zero(node->theta, 3 * body->n);
+#if FBI_WITH_QUADRATIC
+    rotor->moves |= !fbi_is_zero(node->chi_theta, 3 * body->n * (body->n + 1) / 2);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+    rotor->moves |= fbi_is_large(body) && node->line.line > 0;
+#endif
+    fbi_rotor_fill(rotor, body, work, shape);
+  }
+}
+#endif
+
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   fb_body *out;
@@ -23888,6 +24672,11 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   status = status == FB_OK ? fbi_terms_fill(out, work, shape) : status;
   status = status == FB_OK ? fbi_inverses_fill(out, work) : status;
   status = status == FB_OK ? fbi_recoil_fill(out, shape) : status;
+#if FB_WITH_ROTORS
+  if (status == FB_OK) {
+    fbi_rotors_fill(out, work, shape, desc);
+  }
+#endif
 #if FB_WITH_LARGE_DEFLECTION
   if (status == FB_OK && fbi_is_large(out)) {
     status = fbi_large_fill(out, work, shape, desc);
@@ -24079,20 +24868,6 @@ static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
 {
   const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_quat_to_mat33(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
-}
-
-/* Axes of a joint whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis)
-   about z x axis; about x where it is -z. */
-static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
-{
-  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
-  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
-  if (across > FB_R(0.0)) {
-    phi[0] = -angle * (axis[1] / across);
-    phi[1] = angle * (axis[0] / across);
-  }
-  fb_quat_from_rotvec(quat, phi);
-  fb_quat_to_mat33(R, quat);
 }
 
 /* A side of a joint has an axis, which is one, or an attitude, or neither. */
@@ -24438,6 +25213,9 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
                         FB_R(0.0));
+    }
+    if (fbi_has(body[desc->model[k]].effects, FB_EFFECT_ROTORS)) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, without rotors", k, FB_R(0.0), FB_R(0.0));
     }
   }
   /* an unused model though there are bodies enough: desc->model was forgotten */
@@ -25860,6 +26638,10 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
   if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
+  }
+  if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   return fb_state_check(body, state);
 }
@@ -28771,6 +29553,12 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
     return FB_ERR_VALUE;
   }
   FBI_REQUIRE(e->node > 0 && e->node < shape->n_node, FB_ERR_CAPACITY);
+#if FB_WITH_ROTORS
+  if (desc->n_rotor != 0) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without rotors, n_rotor", -1, (fb_real)desc->n_rotor,
+                      FB_R(0.0));
+  }
+#endif
   return fbi_advise_modes_check(shape);
 }
 

@@ -229,7 +229,96 @@ TEST(steps_of_the_limit_are_taken)
   }
 }
 
+#if FB_WITH_ROTORS && FB_WITH_LARGE_DEFLECTION
+/* The body of `flexible` with a rotor at its tip, with what that has beside its inertia about the axis: mass and inertia across. */
+static void carrier(fb_body *whole, unsigned effects, double mass, double across)
+{
+  const fb_real root[3] = {0}, inertia[6] = {FB_R(0.02), FB_R(0.02), FB_R(0.02), 0, 0, 0};
+  const double size = sqrt(1.0 + 4.0 + 2.25), a[3] = {1.0 / size, 2.0 / size, -1.5 / size};
+  fb_lump *const lump = &beam_desc.lump[0];
+  int node;
+  beam_desc.n_lump = 1;
+  lump->node = beam_desc.n_element;
+  lump->mass = (fb_real)mass;
+  for (int i = 0; i < 3; i++) {
+    lump->inertia[i] = (fb_real)(across * (1.0 - a[i] * a[i]));
+  }
+  lump->inertia[3] = (fb_real)(-across * a[0] * a[1]);
+  lump->inertia[4] = (fb_real)(-across * a[0] * a[2]);
+  lump->inertia[5] = (fb_real)(-across * a[1] * a[2]);
+  memset(&body_desc, 0, sizeof body_desc);
+  body_desc.effects = effects;
+  body_desc.deflection_limit = FB_R(1.0);
+  body_desc.n_rotor = 1;
+  body_desc.rotor[0].node = 1;
+  for (int i = 0; i < 3; i++) {
+    body_desc.rotor[0].axis[i] = (fb_real)a[i];
+  }
+  body_desc.rotor[0].inertia = FB_R(0.004);
+  body_desc.rotor[0].damping = FB_R(1e-4);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(0.5), root, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(1.0)), FB_OK);
+  fbt_fit(&body_desc);
+  FBT_INT_EQ(fb_body_init(whole, &body_work, &shape, &body_desc), FB_OK);
+  memset(&body_desc, 0, sizeof body_desc);
+}
+
+/* E8.41, E8.43: a rotor inside a body is a wheel on a hinge at the tip of a free beam, with its motor and damper. What a
+   line makes of the inertia of a lumped body differs by 2e-7 from that of a body there: without rotation, too. */
+TEST(rotors_are_wheels_on_hinges)
+{
+  static fb_body whole;
+  static fb_rk4_work rk4;
+  const fb_real v[3] = {FB_R(0.1), FB_R(0.2), -FB_R(0.1)}, w[3] = {FB_R(0.5), -FB_R(0.4), FB_R(0.7)};
+  const double speed = 90.0, dt = FBT_TOL(2.5e-4, 1e-3), mass = 0.05, across = 0.003;
+  const int steps = FBT_TOL(2000, 500);
+  fb_state one;
+  fb_input in;
+  fb_motion at;
+  fresh();
+  memset(&in, 0, sizeof in);
+  flexible(&model[0], 2, 1, 1, FB_EFFECTS_LARGE);
+  carrier(&whole, FB_EFFECTS_LARGE, mass, across);
+  rigid(&model[1], mass, 0, 0, 0, across, across, 0.004);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_REVOLUTE, 0, 1);
+  memcpy(desc.joint[1].axis, whole.rotor[0].axis, sizeof whole.rotor[0].axis);
+  desc.joint[1].child_axis[2] = FB_R(1.0);
+  desc.joint[1].damping[0] = FB_R(1e-4);
+  start[1].speed[0] = (fb_real)speed;
+  FBT_INT_EQ(fb_state_init(&whole, &one), FB_OK);
+  for (int a = 0; a < whole.n; a++) {
+    start[0].q[a] = one.q[a] = (fb_real)(0.01 * (a + 1));
+    start[0].q_dot[a] = (fb_real)(0.05 * (2 - a));
+  }
+  memcpy(start[0].speed, v, sizeof v);
+  memcpy(start[0].speed + 3, w, sizeof w);
+  begin(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_state_from_velocity(&whole, &one, v, w, start[0].q_dot), FB_OK);
+  FBT_INT_EQ(fb_state_rotor_set(&whole, &one, 0, (fb_real)speed, 0, NULL), FB_OK);
+  in.rotor[0].torque = input.drive[1].torque[0] = FB_R(0.05);
+  FBT_INT_EQ(run(dt, dt * steps), FB_OK);
+  for (int k = 0; k < steps; k++) {
+    FBT_INT_EQ(fb_rk4_step(&whole, &one, &rk4, &in, &in, &in, (fb_real)dt), FB_OK);
+  }
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&whole, &at, &one, &in), FB_OK);
+  FBT_NEAR_ABS(fbt_difference(motion.pose[0].q, one.q, whole.n), 0.0, FBT_TOL(1e-7, 1e-3));
+  FBT_NEAR_ABS(fbt_difference(motion.motion[0].q_dot, at.q_dot, whole.n), 0.0, FBT_TOL(5e-6, 5e-2));
+  FBT_NEAR_ABS(fbt_difference(motion.motion[0].w, at.w, 3), 0.0, FBT_TOL(5e-6, 5e-2));
+  FBT_NEAR_ABS(fbt_difference(motion.motion[0].v, at.v, 3), 0.0, FBT_TOL(2e-6, 1e-2));
+  FBT_NEAR_ABS(fbt_difference(motion.motion[0].w_dot, at.w_dot, 3), 0.0, FBT_TOL(5e-4, 2.0));
+  FBT_NEAR_ABS(motion.joint[1].speed[0], at.rotor_speed[0], FBT_TOL(5e-5, 0.1));
+}
+#define WHEELS , RUN(rotors_are_wheels_on_hinges)
+#else
+#define WHEELS
+#endif
+
 SUITE(system_rotors, RUN(gyrostats_nutate_as_in_closed_form), RUN(rotors_take_long_steps),
       RUN(rotors_count_by_their_nutation), RUN(bodies_that_are_no_rotors_count_whole),
       RUN(loads_on_rotors_within_the_step_count), RUN(rotors_count_where_they_are),
-      RUN(rotors_hide_nothing_that_did_not_converge), RUN(steps_of_the_limit_are_taken))
+      RUN(rotors_hide_nothing_that_did_not_converge), RUN(steps_of_the_limit_are_taken) WHEELS)

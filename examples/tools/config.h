@@ -9,7 +9,7 @@ typedef struct config_effect { /* that a compiler flag takes out */
   const char *name;
 } config_effect;
 
-#define CONFIG_EFFECTS 7
+#define CONFIG_EFFECTS 8
 static const config_effect config_effects[CONFIG_EFFECTS] = {
     {FB_EFFECT_SPIN_COUPLING, "SPIN_COUPLING"},
     {FB_EFFECT_RESIDUAL_INERTIA, "RESIDUAL_INERTIA"},
@@ -17,7 +17,8 @@ static const config_effect config_effects[CONFIG_EFFECTS] = {
     {FB_EFFECT_ACCELERATION_STIFFENING, "ACCELERATION_STIFFENING"},
     {FB_EFFECT_DAMPING, "DAMPING"},
     {FB_EFFECT_GRAVITY, "GRAVITY"},
-    {FB_EFFECT_LARGE_DEFLECTION, "LARGE_DEFLECTION"}};
+    {FB_EFFECT_LARGE_DEFLECTION, "LARGE_DEFLECTION"},
+    {FB_EFFECT_ROTORS, "ROTORS"}};
 
 /* Its compiler flags; between: what parts the capacities from the effects left out. */
 static void config_flags(FILE *out, const fb_body *body, int single, const char *between)
@@ -31,6 +32,11 @@ static void config_flags(FILE *out, const fb_body *body, int single, const char 
     fprintf(out, " -DFB_MAX_POINTS=%d -DFB_MAX_LINES=%d -DFB_MAX_LINE_ROWS=%d -DFB_MAX_LINE_TABLE=%d%s",
             lines->n_point > 2 ? lines->n_point : 2, lines->n_line > 0 ? lines->n_line : 1,
             lines->n_row > 0 ? lines->n_row : 1, lines->n_table > 0 ? lines->n_table : 1, between);
+  }
+#endif
+#if FB_WITH_ROTORS
+  if (body->n_rotor > 0) {
+    fprintf(out, " -DFB_MAX_ROTORS=%d%s", body->n_rotor, between);
   }
 #endif
   for (int k = 0; k < CONFIG_EFFECTS; k++) {

@@ -289,6 +289,37 @@ static void rom_nodes(rom *r, const fb_body *body)
   rom_close(r);
 }
 
+#if FB_WITH_ROTORS
+static void rom_rotors(rom *r, const fb_body *body)
+{
+  if (body->n_rotor == 0) {
+    return;
+  }
+  fprintf(r->out, "\n  .n_rotor = %d,", body->n_rotor);
+  rom_open(r, "rotor");
+  for (int k = 0; k < body->n_rotor; k++) {
+    const fb_rotor *rotor = &body->rotor[k];
+    rom_text(r, "{");
+    rom_whole(r, rotor->node);
+    rom_whole(r, rotor->given);
+    rom_list(r, rotor->axis, 3);
+    rom_real(r, rotor->inertia);
+    rom_real(r, rotor->damping);
+    rom_real(r, rotor->friction);
+    rom_real(r, rotor->friction_speed);
+    rom_real(r, rotor->static_imbalance);
+    rom_real(r, rotor->dynamic_imbalance);
+    rom_real(r, rotor->dynamic_phase);
+    rom_whole(r, rotor->moves);
+    rom_list(r, rotor->across, 3);
+    rom_real(r, rotor->mobility);
+    rom_real(r, rotor->rate);
+    rom_text(r, "},");
+  }
+  rom_close(r);
+}
+#endif
+
 /* An option that must be least at least; or 0, as large as can be, where that is a choice. */
 static void rom_capacity(const rom *r, const char *option, int least, int or_zero)
 {
@@ -313,6 +344,11 @@ static void rom_capacities(rom *r, const fb_body *body)
   rom_capacity(r, "FB_MAX_LAMBDA", body->n_lambda, 1);
   rom_capacity(r, "FB_MAX_S", body->n_S, 1);
   rom_capacity(r, "FB_MAX_RUNS", body->n_run, 1);
+#if FB_WITH_ROTORS
+  if (body->n_rotor > 0) {
+    rom_capacity(r, "FB_MAX_ROTORS", body->n_rotor, 0);
+  }
+#endif
 #if FB_WITH_LARGE_DEFLECTION
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
     rom_capacity(r, "FB_MAX_POINTS", body->lines.n_point, 0);
@@ -341,14 +377,15 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
   }
   fprintf(out, " for flexbeam %s; include flexbeam.h first. C99, or C++20.\n", FB_VERSION);
   rom_capacities(&r, body);
-  fprintf(out,
-          "static const fb_body %s = {\n  .n = %d, .n_node = %d, .effects = %uu, .base = (fb_base)%d,\n"
-          "  .unit_mass = %d, .constant_S = %d, .allow_long_step = %d,\n"
-          "  .n_lambda = %d, .n_lambda_constant = %d, .n_linear_constant = %d, .n_linear = %d, .n_row = %d,\n"
-          "  .n_S = %d, .n_run = %d, .n_pair = %d,",
-          name, body->n, body->n_node, body->effects, (int)body->base, body->unit_mass, body->constant_S,
-          body->allow_long_step, body->n_lambda, body->n_lambda_constant, body->n_linear_constant, body->n_linear,
-          body->n_row, body->n_S, body->n_run, body->n_pair);
+  fprintf(
+      out,
+      "static const fb_body %s = {\n  .n = %d, .n_node = %d, .n_coordinate = %d, .effects = %uu, .base = (fb_base)%d,\n"
+      "  .unit_mass = %d, .constant_S = %d, .allow_long_step = %d,\n"
+      "  .n_lambda = %d, .n_lambda_constant = %d, .n_linear_constant = %d, .n_linear = %d, .n_row = %d,\n"
+      "  .n_S = %d, .n_run = %d, .n_pair = %d,",
+      name, body->n, body->n_node, body->n_coordinate, body->effects, (int)body->base, body->unit_mass,
+      body->constant_S, body->allow_long_step, body->n_lambda, body->n_lambda_constant, body->n_linear_constant,
+      body->n_linear, body->n_row, body->n_S, body->n_run, body->n_pair);
   rom_number(&r, "mass", body->mass);
   rom_reals(&r, "c", body->c, 3);
   rom_number(&r, "deflection_limit", body->deflection_limit);
@@ -378,6 +415,9 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
   if (body->effects & FB_EFFECT_GRAVITY) {
     rom_reals(&r, "gravity", body->gravity, 3);
   }
+#endif
+#if FB_WITH_ROTORS
+  rom_rotors(&r, body);
 #endif
   rom_terms(&r, body);
   rom_nodes(&r, body);

@@ -5,11 +5,15 @@
 
 int main(void)
 {
-  static const unsigned effects[] = {
-      FB_EFFECT_SPIN_COUPLING,    FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
-      FB_EFFECT_SPIN_STIFFENING,  FB_EFFECT_ACCELERATION_STIFFENING,
-      FB_EFFECT_DAMPING,          FB_EFFECT_GRAVITY,
-      FB_EFFECT_NONLINEAR_STRAIN, FB_EFFECTS_LARGE};
+  static const unsigned effects[] = {FB_EFFECT_SPIN_COUPLING,
+                                     FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
+                                     FB_EFFECT_SPIN_STIFFENING,
+                                     FB_EFFECT_ACCELERATION_STIFFENING,
+                                     FB_EFFECT_DAMPING,
+                                     FB_EFFECT_GRAVITY,
+                                     FB_EFFECT_NONLINEAR_STRAIN,
+                                     FB_EFFECTS_LARGE,
+                                     FB_EFFECT_ROTORS};
   static fb_shape shape;
   static fb_body body;
   static fb_body_work work;
@@ -22,11 +26,15 @@ int main(void)
   shape.n_strain = 4; /* an effect without its data is refused, too */
 #endif
   printf("%d ", (int)sizeof(fb_body));
-  for (int k = 0; k < 8; k++) { /* refused by the check, and by fb_body_init: 1 */
+  for (int k = 0; k < 9; k++) { /* refused by the check, and by fb_body_init: 1 */
     fb_body_desc desc = {0};
     fb_status status;
     desc.effects = effects[k] | FB_EFFECT_ELASTIC;
     desc.allow_split_effects = 1;
+#if FB_WITH_ROTORS
+    desc.n_rotor = effects[k] == FB_EFFECT_ROTORS; /* the effect of what it describes */
+    desc.rotor[0].axis[2] = desc.rotor[0].inertia = 1;
+#endif
     status = fb_body_init(&body, &work, &shape, &desc);
     if (status != fb_effects_check(desc.effects) || (status != FB_OK && status != FB_ERR_EFFECTS)) {
       return 1;

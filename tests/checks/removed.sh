@@ -4,7 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 need clang clang
-effects="SPIN_COUPLING RESIDUAL_INERTIA SPIN_STIFFENING ACCELERATION_STIFFENING DAMPING GRAVITY NONLINEAR_STRAIN LARGE_DEFLECTION"
+effects="SPIN_COUPLING RESIDUAL_INERTIA SPIN_STIFFENING ACCELERATION_STIFFENING DAMPING GRAVITY NONLINEAR_STRAIN LARGE_DEFLECTION ROTORS"
 all=$(for e in $effects; do printf -- '-DFB_WITH_%s=0 ' $e; done)
 
 # measure SINGLE OPTIONS...: sets text, body, refused
@@ -24,7 +24,7 @@ for single in 0 1; do
   measure $single
   full_text=$text full_body=$body
   [ $single = 1 ] || result=" full $text/$body"
-  [ $refused = 00000000 ] || fail "the full build refuses effects: $refused"
+  [ $refused = 000000000 ] || fail "the full build refuses effects: $refused"
   k=1
   for effect in $effects; do
     measure $single -DFB_WITH_$effect=0
@@ -34,12 +34,12 @@ for single in 0 1; do
     k=$((k + 1))
   done
   measure $single $all
-  [ $refused = 11111111 ] || fail "all removed, but not all refused: $refused"
+  [ $refused = 111111111 ] || fail "all removed, but not all refused: $refused"
   [ $single = 1 ] || result="$result, all $((full_text - text))/$((full_body - body))"
 done
 gcc -std=c99 -I. -O0 -c -o "$out/full.o" "$out/impl.c"
 gcc -std=c99 -I. -O0 $all -c -o "$out/none.o" "$out/impl.c"
-for function in fbi_S_gradient fbi_gravity_add fbi_damping_fill fbi_strain_sub fbi_lines_pose fbi_large_rates fbi_line_add; do
+for function in fbi_S_gradient fbi_gravity_add fbi_damping_fill fbi_strain_sub fbi_lines_pose fbi_large_rates fbi_line_add fbi_rotors_turn fbi_rotor_fill; do
   nm "$out/full.o" | grep -q " $function\$" || fail "no function $function: this list is out of date"
   nm "$out/none.o" | grep -q " $function\$" && fail "$function is still there with all effects removed"
 done

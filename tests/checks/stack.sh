@@ -1,6 +1,6 @@
 #!/bin/sh
 # Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
-# both precisions, all forms of the equations, both boards; without large deflection, and with it). libc and libm count as nothing. Bounds: what was measured and
+# both precisions, all forms of the equations, both boards; without large deflection and rotors, and with both). libc and libm count as nothing. Bounds: what was measured and
 # about a quarter more.
 . tests/checks/common.sh
 . tests/checks/board.sh
@@ -8,7 +8,7 @@ need gcc gcc
 step_bound=6144
 forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
-large_step_bound=22528 # with FB_WITH_LARGE_DEFLECTION=1: points of the lines by axis
+large_step_bound=22528 # with FB_WITH_LARGE_DEFLECTION=1, FB_WITH_ROTORS=1: points of the lines by axis, nodes of rotors
 large_bound=102400      # evaluations beside the step and building: what an evaluation knows about the lines (fbi_line_work)
 # usage NAME COMPILER...: writes the call graph of one build, to a file of that name and a number
 builds=0
@@ -22,11 +22,11 @@ usage() {
 for opt in -O2 -Os; do
   for single in 0 1; do
     for forms in 0 1; do
-      usage forms$forms gcc $opt -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms -DFB_WITH_LARGE_DEFLECTION=0
+      usage forms$forms gcc $opt -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms -DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0
     done
     usage large gcc $opt -DFB_SINGLE=$single
     precision $([ $single = 1 ] && echo single || echo double)
-    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single -DFB_WITH_LARGE_DEFLECTION=0
+    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single -DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0
   done
 done
 # node: { title: "impl.c:f" label: "f\nfile:line:col\nBYTES bytes (static)" }, edge: { sourcename: "f" targetname: "g" }
