@@ -238,7 +238,7 @@ joint j revolute ground top
   slip -3
 end
 END
-refuse 7 "is there twice" << END
+refuse 7 "stops 1 is there twice" << END
 $top
 joint j revolute ground top
   stops 1 -1 1 stiffness 2
