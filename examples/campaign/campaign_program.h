@@ -130,9 +130,8 @@ static int program_scene(program *p)
   p->l.n_measure = s->n_measure;
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *m = &s->measure[k];
-    const char *unit = m->kind == SCENE_FREQUENCY ? "rad/s"
-                       : m->kind == SCENE_GROWTH  ? "1/s"
-                                                  : s->output[m->output].unit;
+    const char *unit =
+        m->kind < SCENE_FREQUENCY ? s->output[m->output].unit : scene_kind_units[m->kind - SCENE_FREQUENCY];
     strcpy(p->l.label[k], m->label);
     snprintf(p->l.title[k], sizeof p->l.title[k], "%s [%s]", m->label, unit);
   }

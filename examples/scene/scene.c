@@ -17,6 +17,8 @@ static const char help[] =
     "usage: flexbeam scene FILE [options]\n"
     "  --set NAME=VALUE  another value of a parameter of the file; may be there many times\n"
     "  --out FILE        outputs as CSV, FILE.part until the run ends; curves beside it as SVG where gnuplot is there\n"
+    "  --margins FILE    response of the loops of controllers over frequency as CSV (Bode and Nyquist, as SVG beside\n"
+    "                    it); prints their margins\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -84,10 +86,11 @@ static int read_option(void *to, const char *name, const char *text)
     c->options.n_frame = (int)n;
     return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; k < 5; k++) {
     const struct {
       const char *name, **file;
     } files[] = {{"--out", &c->options.csv},
+                 {"--margins", &c->options.margins},
                  {"--picture", &c->options.picture},
                  {"--animation", &c->options.animation},
                  {"--frames", &c->options.frames}};
@@ -178,6 +181,37 @@ static void draw_curves(const scene *s, const char *csv)
   }
 }
 
+/* One panel of the loops' responses: a curve for each. */
+static void draw_loops(FILE *gnuplot, const scene *s, const char *csv, const char *settings, const char *columns)
+{
+  fprintf(gnuplot, "%s\nplot \\\n", settings);
+  for (int k = 0; k < s->n_control; k++) {
+    put_quoted(gnuplot, csv);
+    fprintf(gnuplot, " using (strcol(1) eq '%s' ? %s with lines title '%s'%s\n", s->control[k].name, columns,
+            s->control[k].name, k + 1 < s->n_control ? ",\\" : "");
+  }
+}
+
+/* Bode and Nyquist, the circle of radius 1 and the point -1 in it. */
+static void draw_margins(const scene *s, const char *csv)
+{
+  char svg[512];
+  FILE *gnuplot;
+  other_name(svg, sizeof svg, csv, ".svg");
+  gnuplot = plot_begin(svg, 1200, stdout);
+  if (gnuplot) {
+    fputs("set key outside right top noenhanced\nset lmargin 12\nset multiplot layout 3,1\nset logscale x\n", gnuplot);
+    draw_loops(gnuplot, s, csv, "set xlabel 'omega [rad/s]'\nset ylabel 'gain [dB]'", "$2 : NaN):3");
+    draw_loops(gnuplot, s, csv, "set ylabel 'phase [deg]'", "$2 : NaN):4");
+    draw_loops(gnuplot, s, csv,
+               "unset logscale x\nset xlabel 're L'\nset ylabel 'im L'\nset size ratio -1\nset xrange [-3:2]\n"
+               "set yrange [-2:2]\nset object circle at 0,0 size 1 fs empty border lc rgb '#888888'\nset label at -1,0 "
+               "point pt 7",
+               "$5 : NaN):6");
+    plot_end(gnuplot, svg, stdout);
+  }
+}
+
 /* Runs the scene; a status of main. The rows get their name when the run has ended, well or with a reason. */
 static int run_scene(scene *s, const scene_options *o)
 {
@@ -241,6 +275,9 @@ int scene_main(int argc, char **argv)
   tell(s, quiet);
   if (has_curves(s, &c.options)) {
     draw_curves(s, c.options.csv);
+  }
+  if (c.options.margins && !quiet && scene_is_plain(c.options.margins)) {
+    draw_margins(s, c.options.margins);
   }
   return s->missed > 0 ? 1 : 0;
 }

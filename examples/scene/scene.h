@@ -12,7 +12,7 @@
    scene_read is here, scene_run in scene_run.h, which includes this file. */
 #ifndef SCENE_H
 #define SCENE_H
-#include "scene_check.h"
+#include "scene_control.h"
 
 /* ---- bodies */
 
@@ -182,17 +182,6 @@ static void scene_read_body(text_file *t, scene *s)
 
 /* ---- loads and the motion of the base */
 
-/* Forces or torques with that many numbers. */
-static int scene_read_force_or_torque(text_file *t, double vector[3])
-{
-  static const char *const kinds[] = {"force", "torque", NULL};
-  const int torque = text_choice(t, "a load", kinds);
-  text_vector(t, kinds[torque], vector, 3);
-  return torque;
-}
-
-static const function function_of_one = {FUNCTION_CONSTANT, 1, 0, 0, 0, 0, 0, 0};
-
 /* What follows a vector: a function, or nothing, for a constant. */
 static function scene_read_function(text_file *t, scene *s)
 {
@@ -209,6 +198,7 @@ static void scene_read_any_load(text_file *t, scene *s, int nudge)
     return;
   }
   load->nudge = nudge;
+  load->control = -1;
   scene_read_node(t, s, &load->body, &load->node);
   load->axes = (fb_axes)text_choice(t, "axes of a load", axes);
   load->torque = scene_read_force_or_torque(t, load->vector);
@@ -386,6 +376,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
                {"nudge", scene_read_nudge, 0},
                {"distributed", scene_read_distributed, 0},
                {"motion", scene_read_motion, 0},
+               {"control", scene_read_control, 0},
                {"output", scene_read_output, 0},
                {"measure", scene_read_measure, 0},
                {"expect", scene_read_expectation, 0},

@@ -192,7 +192,8 @@ static double scene_frequency(const scene *s)
   if (starts && !s->trim) {
     return HUGE_VAL; /* it falls onto an undeformed body */
   }
-  return s->n_event > 0 ? HUGE_VAL : fmax(frequency, starts || scene_is_system(s) ? automatic.spin : 0);
+  return s->n_event > 0 || s->n_control > 0 ? HUGE_VAL
+                                            : fmax(frequency, starts || scene_is_system(s) ? automatic.spin : 0);
 }
 
 #define SCENE_RIGID_ROWS 2000 /* at most, and.. */
@@ -235,16 +236,19 @@ static fb_status scene_note(const scene *s, double t)
   return status;
 }
 
-/* Steps of a piece, each noted. */
-static fb_status scene_take_rigid(const scene *s, const scene_piece *p, int *event)
+/* Steps of the piece from *t on, each noted; *t is its end. */
+static fb_status scene_take_rigid(const scene *s, long row, double *t, int *event)
 {
-  fb_status status = FB_OK;
-  for (long k = 0; (double)k < p->steps && status == FB_OK; k++) {
-    const double t = p->begin + (double)k * p->dt;
-    status = scene_note(s, t);
-    status = status ? status : system_events(s, event, t);
-    status = status ? status : scene_step(s, t, p->dt);
+  fb_status status = scene_note(s, *t);
+  scene_piece p;
+  status = status ? status : scene_happen(s, event, *t);
+  p = scene_piece_from(s, row, *t);
+  for (long k = 0; (double)k < p.steps && status == FB_OK; k++) {
+    const double at = p.begin + (double)k * p.dt;
+    status = k > 0 ? scene_note(s, at) : FB_OK;
+    status = status ? status : scene_step(s, at, p.dt);
   }
+  *t = p.end;
   return status;
 }
 
@@ -265,9 +269,7 @@ static fb_status scene_run_rigid_once(const scene *s, double dt, int *rough)
   for (long row = 0; row < timing.rows && status == FB_OK; row++) {
     double t = (double)row * timing.interval;
     while (t < (double)(row + 1) * timing.interval && status == FB_OK) {
-      const scene_piece p = scene_piece_from(s, row, t);
-      status = scene_take_rigid(s, &p, &event);
-      t = p.end;
+      status = scene_take_rigid(s, row, &t, &event);
     }
   }
   status = status ? status : scene_note(s, s->duration);

@@ -331,6 +331,21 @@ static void scene_check_measures(text_file *t, const scene *s)
   }
 }
 
+/* Their instants are told apart: those that are closer than 1e-9 of an interval are one. */
+static void scene_check_controls(text_file *t, const scene *s)
+{
+  for (int k = 0; k < s->n_control; k++) {
+    const scene_control *const c = &s->control[k];
+    t->line = text_seen(&c->seen, "sample");
+    if (c->sample < 1e-6 * s->interval) {
+      text_fail(t, "a sample of %g s is below 1e-6 of the interval of %g s", c->sample, s->interval);
+    }
+    if (s->duration > 1e10 * c->sample) {
+      text_fail(t, "a sample of %g s is there more than 1e10 times in the duration of %g s", c->sample, s->duration);
+    }
+  }
+}
+
 static void scene_check_settings(text_file *t, const scene *s)
 {
   for (int k = 0; k < s->n_set; k++) {
@@ -404,6 +419,7 @@ static void scene_check(text_file *t, scene *s)
     scene_check_trim(t, s);
     scene_check_events(t, s);
     scene_check_measures(t, s);
+    scene_check_controls(t, s);
     scene_check_parameters(t, s);
   }
 }

@@ -173,7 +173,7 @@ static void system_drive(const scene *s, fb_system_input *input, const scene_dri
   fb_drive *const drive = &input->drive[joint->at];
   const function_value f = function_eval(&d->f, &s->tables, t, side);
   if (d->kind == SCENE_MOTOR) {
-    drive->torque[d->axis] += (fb_real)f.value;
+    drive->torque[d->axis] += (fb_real)(d->control < 0 ? f.value : controlling[d->control].acting);
   } else if (d->kind == SCENE_VALUE) {
     drive->value[d->axis] += (fb_real)f.value;
     drive->rate[d->axis] += (fb_real)f.rate;
@@ -209,6 +209,7 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
   for (int k = 0; k < s->n_spring; k++) {
     const scene_spring *const spring = &s->spring[k];
     input->pull[k] = spring->pulls ? (fb_real)function_eval(&spring->pull, &s->tables, t, side).value : FB_R(0.0);
+    input->pull[k] += spring->control < 0 ? FB_R(0.0) : (fb_real)controlling[spring->control].acting;
   }
 }
 
@@ -376,6 +377,7 @@ static fb_status system_look(const scene *s, double t)
 
 static fb_status scene_start(const scene *s)
 {
+  memset(controlling, 0, sizeof controlling);
   return s->is_exact ? exact_start(s) : scene_is_system(s) ? system_start(s) : single_start(s);
 }
 
@@ -387,6 +389,70 @@ static fb_status scene_step(const scene *s, double t, double dt)
 static fb_status scene_look(const scene *s, double t)
 {
   return s->is_exact ? exact_look(&engine.view) : scene_is_system(s) ? system_look(s, t) : single_look(s, t);
+}
+
+/* By scene_run.h. */
+static double scene_value(const scene *s, const scene_output *o);
+
+/* Orders of a controller that are due: the last one acts. */
+static void control_obey(struct scene_controlling *c, double t)
+{
+  const int room = (int)(sizeof c->order / sizeof *c->order);
+  for (; c->n > 0 && c->order[c->first].t <= t + timing.slack; c->n--) {
+    c->acting = c->order[c->first].value;
+    c->first = (c->first + 1) % room;
+  }
+}
+
+static void control_order(struct scene_controlling *c, double t, double value)
+{
+  const int room = (int)(sizeof c->order / sizeof *c->order);
+  c->order[(c->first + c->n) % room] = (scene_order){t, value};
+  c->n++;
+}
+
+/* What a controller makes of what its sensors say at t. */
+static void control_sample(const scene *s, const scene_control *d, struct scene_controlling *c, double t)
+{
+  const double at = (double)c->sampled * d->sample + d->delay;
+  double v = function_eval(&d->reference, &s->tables, t, t + timing.slack).value, width;
+  for (int i = 0; i < d->n_sensor; i++) {
+    v -= d->sensor[i].gain * control_round(scene_value(s, &s->output[d->sensor[i].output]), d->sensor[i].step);
+  }
+  v = control_step(d->block, c->memory, d->n_block, v, d->sample, c->sampled == 0, &width);
+  control_order(c, at, v);
+  if (width < d->sample) {
+    control_order(c, at + width, 0);
+  }
+  c->sampled++;
+}
+
+/* Controllers whose instant has come see the state before it, and the commands that acted before; then what is due
+   acts. */
+static fb_status scene_control_act(const scene *s, double t)
+{
+  int looked = 0;
+  for (int k = 0; k < s->n_control; k++) {
+    const scene_control *const d = &s->control[k];
+    while ((double)controlling[k].sampled * d->sample <= t + timing.slack) {
+      const fb_status status = looked++ ? FB_OK : scene_look(s, t);
+      if (status != FB_OK) {
+        return status;
+      }
+      control_sample(s, d, &controlling[k], t);
+    }
+  }
+  for (int k = 0; k < s->n_control; k++) {
+    control_obey(&controlling[k], t);
+  }
+  return FB_OK;
+}
+
+/* What happens at t before the step that begins there: samples, then events. */
+static fb_status scene_happen(const scene *s, int *event, double t)
+{
+  const fb_status status = scene_control_act(s, t);
+  return status ? status : system_events(s, event, t);
 }
 
 /* fall[b]: the ground does not hold body b, not through any joint or loop. */
@@ -443,13 +509,11 @@ static fb_status scene_spring_points(fb_real x[2][3], const scene *s, int k)
   return status;
 }
 
-/* Modes about the present state. What falls, falls as it would without weight: the modes of its rigid motion are zeros
-   then, and not what rounding makes of falling where it leans to. */
-static fb_status scene_spectrum(const scene *s)
+/* What falls, falls as it would without weight: the modes of its rigid motion are zeros then, and not what rounding
+   makes of falling where it leans to. weight: to be put back. */
+static void scene_drop_weight(const scene *s, fb_real weight[FB_MAX_BODIES][3])
 {
-  fb_real weight[FB_MAX_BODIES][3];
   int fall[FB_MAX_BODIES];
-  fb_status status;
   scene_falling(fall, s);
   for (int b = 0; b < s->n_body; b++) {
     memcpy(weight[b], engine.body[b].gravity, sizeof weight[b]);
@@ -457,6 +521,21 @@ static fb_status scene_spectrum(const scene *s)
       engine.body[b].gravity[i] = 0;
     }
   }
+}
+
+static void scene_put_weight(const scene *s, fb_real weight[FB_MAX_BODIES][3])
+{
+  for (int b = 0; b < s->n_body; b++) {
+    memcpy(engine.body[b].gravity, weight[b], sizeof weight[b]);
+  }
+}
+
+/* Modes about the present state. */
+static fb_status scene_spectrum(const scene *s)
+{
+  fb_real weight[FB_MAX_BODIES][3];
+  fb_status status;
+  scene_drop_weight(s, weight);
   if (scene_is_system(s)) {
     system_input(s, &engine.system_at[0], 0, 0);
     status = fb_system_spectrum_solve(&engine.system, engine.body, &engine.system_analyse, &engine.spectrum,
@@ -465,9 +544,7 @@ static fb_status scene_spectrum(const scene *s)
     single_input(s, &engine.at[0], 0, 0);
     status = fb_body_spectrum_solve(&engine.body[0], &engine.analyse, &engine.spectrum, &engine.state, &engine.at[0]);
   }
-  for (int b = 0; b < s->n_body; b++) {
-    memcpy(engine.body[b].gravity, weight[b], sizeof weight[b]);
-  }
+  scene_put_weight(s, weight);
   return status;
 }
 

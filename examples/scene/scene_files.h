@@ -114,10 +114,12 @@ static int scene_empty_folder(const char *folder)
 /* 0, or 2 after a message; curves: some are drawn beside --out. What was not there is not there afterwards. */
 static int scene_files_check(const char *scene_name, const scene_options *o, int curves)
 {
-  char svg[512], frame[512], part[512];
+  char svg[512], bode[512], frame[512], part[512];
   scene_out out[] = {{"--out", o->csv, 0},
                      {"--out until the run ends", NULL, 0},
                      {"curves of --out", o->csv && curves ? svg : NULL, 0},
+                     {"--margins", o->margins, 0},
+                     {"curves of --margins", o->margins && o->talk && scene_is_plain(o->margins) ? bode : NULL, 0},
                      {"--picture", o->picture, 0},
                      {"--animation", o->animation, 0},
                      {"--frames", o->frames ? frame : NULL, 0}};
@@ -126,6 +128,9 @@ static int scene_files_check(const char *scene_name, const scene_options *o, int
   if (o->csv) {
     other_name(svg, sizeof svg, o->csv, ".svg");
     out[1].name = scene_part_name(part, o->csv) == part ? part : NULL;
+  }
+  if (o->margins) {
+    other_name(bode, sizeof bode, o->margins, ".svg");
   }
   if (o->frames) {
     scene_frame_name(frame, sizeof frame, o->frames, 0);

@@ -18,6 +18,7 @@
 #include "../tools/model.h"
 #include "../common/csv.h"
 #include "function.h"
+#include "control.h"
 #include "../tools/exact_text.h"
 
 #define SCENE_NODES 11 /* of a body, with names; the rest is for drawing */
@@ -31,6 +32,10 @@
 #define SCENE_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS)
 #define SCENE_DRIVES 64
 #define SCENE_EVENTS 32
+#define SCENE_CONTROLS 6
+#define SCENE_SENSORS 4 /* of a controller */
+#define SCENE_BLOCKS 12 /* of it */
+#define SCENE_LATE 60   /* samples: the longest delay */
 
 typedef struct scene_setting { /* a parameter that is not to have the file's value */
   const char *name;
@@ -57,7 +62,8 @@ typedef struct scene_body {
 
 typedef struct scene_load { /* vector times function */
   int body, node, torque;
-  int nudge; /* it acts while the steady state is looked for */
+  int nudge;   /* it acts while the steady state is looked for */
+  int control; /* whose command is the function; -1: none */
   fb_axes axes;
   double vector[3];
   function f;
@@ -91,6 +97,7 @@ typedef enum scene_drive_kind { SCENE_MOTOR, SCENE_VALUE, SCENE_SPEED } scene_dr
 typedef struct scene_drive { /* of an axis of a joint */
   scene_drive_kind kind;
   int line, joint, axis;
+  int control; /* whose command is the function; -1: none */
   function f;
 } scene_drive;
 
@@ -100,6 +107,7 @@ typedef struct scene_spring { /* between two points */
   text_words seen;
   fb_spring desc;
   function pull;
+  int control; /* whose command adds to it; -1: none */
 } scene_spring;
 
 typedef struct scene_event { /* an axis is locked, freed or prescribed */
@@ -107,6 +115,25 @@ typedef struct scene_event { /* an axis is locked, freed or prescribed */
   int line, joint, axis;
   fb_axis_mode mode;
 } scene_event;
+
+typedef enum scene_actor { SCENE_BY_NONE, SCENE_BY_MOTOR, SCENE_BY_PULL, SCENE_BY_LOAD } scene_actor;
+
+typedef struct scene_control { /* a sampled controller */
+  char name[TEXT_NAME];
+  int line;
+  text_words seen;
+  double sample, delay; /* [s] */
+  int n_sensor, n_block;
+  struct {
+    int output;
+    double gain, step; /* step: of its numbers, 0: none */
+  } sensor[SCENE_SENSORS];
+  function reference;
+  control_block block[SCENE_BLOCKS];
+  scene_actor actor;
+  int at; /* number of its drive, spring or load */
+  char unit[32];
+} scene_control;
 
 typedef enum scene_place {
   SCENE_AT_NODE,
@@ -116,6 +143,7 @@ typedef enum scene_place {
   SCENE_AT_JOINT, /* x, y, z */
   SCENE_AT_AXIS,  /* of a joint */
   SCENE_AT_SPRING,
+  SCENE_AT_CONTROL,
   SCENE_AT_ALL
 } scene_place;
 
@@ -146,6 +174,7 @@ typedef enum scene_quantity {
   SCENE_DRIVE,
   SCENE_LENGTH,
   SCENE_TENSION,
+  SCENE_COMMAND,
   SCENE_ENERGY,
   SCENE_MOMENTUM,
   SCENE_ANGULAR_MOMENTUM,
@@ -182,6 +211,7 @@ static const struct scene_quantity_row {
                         {"drive", "N m", SCENE_AT_AXIS, {NULL}},
                         {"length", "m", SCENE_AT_SPRING, {NULL}},
                         {"tension", "N", SCENE_AT_SPRING, {NULL}},
+                        {"command", "-", SCENE_AT_CONTROL, {NULL}},
                         {"energy", "J", SCENE_AT_ALL, {"total", "kinetic", "strain", "gravity"}},
                         {"momentum", "N s", SCENE_AT_ALL, {"x", "y", "z"}},
                         {"angular_momentum", "N m s", SCENE_AT_ALL, {"x", "y", "z"}},
@@ -191,7 +221,7 @@ static const struct scene_quantity_row {
 typedef struct scene_output {
   char label[TEXT_NAME];
   scene_quantity quantity;
-  int body, at, axis; /* at: node, mode, gauge, joint or spring */
+  int body, at, axis; /* at: node, mode, gauge, joint, spring or controller */
   char unit[32];
 } scene_output;
 
@@ -201,16 +231,25 @@ typedef enum scene_kind {
   SCENE_MEAN,
   SCENE_RMS,
   SCENE_FINAL,
-  SCENE_FREQUENCY, /* of the spectrum about the start: */
-  SCENE_GROWTH     /* the fastest of so many */
+  SCENE_FREQUENCY,   /* of the spectrum about the start: */
+  SCENE_GROWTH,      /* the fastest of so many */
+  SCENE_GAIN_MARGIN, /* of the loop of a controller about the start: */
+  SCENE_GAIN_REDUCTION,
+  SCENE_PHASE_MARGIN,
+  SCENE_DELAY_MARGIN,
+  SCENE_POLE_RADIUS
 } scene_kind;
-static const char *const scene_kinds[] = {"max", "min", "mean", "rms", "final", "frequency", "growth", NULL};
+static const char *const scene_kinds[] = {
+    "max",    "min",         "mean",           "rms",          "final",        "frequency",
+    "growth", "gain_margin", "gain_reduction", "phase_margin", "delay_margin", "pole_radius",
+    NULL};
+static const char *const scene_kind_units[] = {"rad/s", "1/s", "-", "-", "rad", "s", "-"}; /* from frequency on */
 
 typedef struct scene_measure {
   char label[TEXT_NAME];
   int line;
   scene_kind kind;
-  int output;   /* or mode, of the spectrum */
+  int output;   /* or mode of the spectrum, or controller */
   double after; /* [s] */
 } scene_measure;
 
@@ -247,8 +286,8 @@ typedef struct scene {
   scene_view_from view;
   int view_of; /* body in whose frame it is seen; -1: at rest */
   fb_method method;
-  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_event, n_expectation,
-      n_reference, n_distributed;
+  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_event, n_control,
+      n_expectation, n_reference, n_distributed;
   scene_body body[FB_MAX_BODIES];
   scene_load load[SCENE_LOADS];
   scene_distributed distributed[SCENE_DISTRIBUTED];
@@ -260,6 +299,7 @@ typedef struct scene {
   scene_drive drive[SCENE_DRIVES];
   scene_spring spring[FB_MAX_SPRINGS];
   scene_event event[SCENE_EVENTS];
+  scene_control control[SCENE_CONTROLS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
   int missed; /* expectations, references and estimates of auto beyond their tolerance, by scene_run */
@@ -327,10 +367,22 @@ static void scene_reals(fb_real *x, const double *value, int n)
   }
 }
 
+typedef struct scene_order { /* a command, from when on */
+  double t, value;
+} scene_order;
+
+static struct scene_controlling { /* what controllers know, of the one scene that runs */
+  double acting;                  /* command */
+  long sampled;                   /* so many times */
+  control_memory memory[SCENE_BLOCKS];
+  int first, n; /* orders that are under way, a ring */
+  scene_order order[2 * SCENE_LATE + 8];
+} controlling[SCENE_CONTROLS];
+
 /* A load at t, of the piece that holds `side`. */
 static fb_load scene_load_at(const scene *s, const scene_load *l, double t, double side)
 {
-  const double f = function_eval(&l->f, &s->tables, t, side).value;
+  const double f = l->control < 0 ? function_eval(&l->f, &s->tables, t, side).value : controlling[l->control].acting;
   fb_load load;
   memset(&load, 0, sizeof load);
   load.node = l->node;

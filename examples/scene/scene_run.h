@@ -3,10 +3,12 @@
 #define SCENE_RUN_H
 #include "scene_auto.h"
 #include "scene_draw.h"
+#include "scene_margins.h"
 #include <time.h>
 
 typedef struct scene_options { /* all zero: no files, no talk */
   const char *csv;             /* name of the file that the outputs go to */
+  const char *margins;         /* response of the loops of controllers over frequency */
   const char *picture;         /* a few frames over each other, SVG */
   const char *animation;       /* SVG that moves */
   const char *frames;          /* folder for numbered frames, SVG */
@@ -143,7 +145,7 @@ static double whole_output(const scene_output *o)
 
 static double scene_value(const scene *s, const scene_output *o)
 {
-  if (s->is_exact && scene_quantities[o->quantity].place != SCENE_AT_ALL) {
+  if (s->is_exact && scene_quantities[o->quantity].place < SCENE_AT_CONTROL) {
     return exact_value(s, &engine.view, o);
   }
   switch (scene_quantities[o->quantity].place) {
@@ -155,6 +157,8 @@ static double scene_value(const scene *s, const scene_output *o)
   case SCENE_AT_SPRING:
     return (double)(o->quantity == SCENE_LENGTH ? engine.view.motion.spring[o->at].length
                                                 : engine.view.motion.spring[o->at].tension);
+  case SCENE_AT_CONTROL:
+    return controlling[o->at].acting;
   case SCENE_AT_ALL:
     return whole_output(o);
   default:
@@ -551,11 +555,11 @@ static int scene_no_start(scene *s, fb_status status)
   return scene_failed(s, s->trim ? "no steady state" : "start", status);
 }
 
-/* Steps of a piece; ends before the one that fails. */
-static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p)
+/* What happens at `begin`, which may say when the piece from there ends, and its steps; ends before the one that fails. */
+static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p, double begin)
 {
-  const double begin = p->begin;
-  fb_status status = system_events(s, &run->event, begin);
+  fb_status status = scene_happen(s, &run->event, begin);
+  *p = scene_piece_from(s, run->row, begin);
   for (long long k = 0; (double)k < p->steps && status == FB_OK; k++) {
     p->begin = begin + (double)k * p->dt;
     status = scene_step(s, p->begin, p->dt);
@@ -571,8 +575,8 @@ static fb_status scene_interval(scene *s, scene_run_state *run, char when[96])
   const long row = run->row;
   fb_status status = FB_OK;
   while (t < (double)(row + 1) * timing.interval && status == FB_OK) {
-    scene_piece p = scene_piece_from(s, row, t);
-    status = scene_take(s, run, &p);
+    scene_piece p;
+    status = scene_take(s, run, &p, t);
     snprintf(when, 96, "at %.6g s, step of %.4g s", p.begin, p.dt);
     t = p.begin;
     if (status == FB_ERR_STEP && !(s->step > 0) && run->halved < SCENE_HALVINGS) {
@@ -747,8 +751,9 @@ static int scene_measure_spectrum(scene *s)
   int wanted = 0, n;
   fb_status status;
   for (int k = 0; k < s->n_measure; k++) {
-    wanted =
-        s->measure[k].kind >= SCENE_FREQUENCY && s->measure[k].output >= wanted ? s->measure[k].output + 1 : wanted;
+    const scene_measure *const m = &s->measure[k];
+    const int asked = m->kind == SCENE_FREQUENCY || m->kind == SCENE_GROWTH;
+    wanted = asked && m->output >= wanted ? m->output + 1 : wanted;
   }
   if (wanted == 0) {
     return 0;
@@ -837,7 +842,7 @@ static int scene_run(scene *s, const scene_options *o)
     scene_warn(s, o->warn,
                "warning: no run with rigid bodies tells what happens at most; what is chosen fits the start");
   }
-  if (scene_measure_spectrum(s)) {
+  if (scene_measure_spectrum(s) || scene_measure_margins(s, o->margins, o->talk)) {
     return 1;
   }
   scene_clock_init(s, scene_rows(s));

@@ -94,16 +94,56 @@ static double scene_instant_after(double t, double end)
   return low < timing.n && timing.instant[low] < end - timing.slack ? timing.instant[low] : end;
 }
 
+/* The first of the instants begin, begin + T, .. after t. */
+static double scene_series_after(double begin, double T, double t)
+{
+  double k = fmax(0, floor((t + timing.slack - begin) / T) - 1);
+  while (begin + k * T <= t + timing.slack) {
+    k++;
+  }
+  return begin + k * T;
+}
+
+/* When a controller samples, or a command of it begins or ends to act, after t. */
+static double scene_sample_after(const scene *s, double t)
+{
+  double next = HUGE_VAL;
+  for (int k = 0; k < s->n_control; k++) {
+    const scene_control *const d = &s->control[k];
+    const struct scene_controlling *const c = &controlling[k];
+    next = fmin(next, fmin(scene_series_after(0, d->sample, t), scene_series_after(d->delay, d->sample, t)));
+    for (int i = 0; i < c->n; i++) {
+      const double due = c->order[(c->first + i) % (int)(sizeof c->order / sizeof *c->order)].t;
+      next = due > t + timing.slack ? fmin(next, due) : next;
+    }
+  }
+  return next;
+}
+
+/* The length of a piece; one sample is the same wherever it begins, to the last bit. */
+static double scene_piece_length(const scene *s, double begin, double end)
+{
+  for (int k = 0; k < s->n_control; k++) {
+    if (fabs(end - begin - s->control[k].sample) <= timing.slack) {
+      return s->control[k].sample;
+    }
+  }
+  return end - begin;
+}
+
 /* What comes next of the interval after row `row`. */
 static scene_piece scene_piece_from(const scene *s, long row, double begin)
 {
   const double start = (double)row * timing.interval, last = (double)(row + 1) * timing.interval;
   scene_piece p;
-  double length;
+  double length, sample;
   p.begin = begin;
   p.end = scene_instant_after(begin, last);
-  length =
-      begin == start && p.end == last ? timing.interval : p.end - begin; /* the same in every row, to the last bit */
+  sample = scene_sample_after(s, begin);
+  p.end = sample < p.end - timing.slack ? sample : p.end;
+  length = begin == start && p.end == last
+               ? timing.interval
+               : scene_piece_length(s, begin, p.end); /* the same in every row, to the last bit */
   p.dt = fmin(timing.longest, timing.part / scene_pace(s, 0.5 * (begin + p.end)));
   p.steps = fmax(1, ceil(length / p.dt * (1 - 1e-9)));
   p.dt = length / p.steps;

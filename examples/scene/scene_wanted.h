@@ -86,6 +86,18 @@ static void scene_new_output(text_file *t, const scene *s, const char *label)
   }
 }
 
+static int scene_control_of(text_file *t, const scene *s)
+{
+  const char *const word = text_word(t);
+  for (int k = 0; k < s->n_control && word; k++) {
+    if (strcmp(s->control[k].name, word) == 0) {
+      return k;
+    }
+  }
+  text_fail(t, "no controller has the name %s", word ? word : "(missing)");
+  return 0;
+}
+
 /* Node, body, mode, gauge, or joint with its axis. */
 static void scene_read_where(text_file *t, const scene *s, scene_output *output)
 {
@@ -119,6 +131,10 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     break;
   case SCENE_AT_SPRING:
     output->at = scene_spring_of(t, s);
+    break;
+  case SCENE_AT_CONTROL:
+    output->at = scene_control_of(t, s);
+    scene_unit(s, output, s->control[output->at].unit);
     break;
   default:
     break;
@@ -247,6 +263,11 @@ static void scene_read_measure(text_file *t, scene *s)
     }
   }
   measure->kind = (scene_kind)text_choice(t, "a measure", scene_kinds);
+  if (measure->kind >= SCENE_GAIN_MARGIN) {
+    measure->output = scene_control_of(t, s);
+    s->n_measure++;
+    return;
+  }
   if (measure->kind >= SCENE_FREQUENCY) {
     measure->output = text_whole(t, "number of the mode", 1, FB_MAX_LINEAR) - 1;
     s->n_measure++;

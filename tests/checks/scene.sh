@@ -95,6 +95,37 @@ while IFS=, read -r degrees _ load x y; do
 done < "$out/bent.csv"
 known tip_turn 1.0471975511966 1e-6 postbuckling --set nudge=30 # far beyond what it is to lead to
 
+# margins by SciPy of a shaft's loop with other delays, and of a sensor at its far end
+while IFS=, read -r case gain reduction phase late radius; do
+  case $case in
+    disks) set -- delay=0 ;;
+    disks_*ms) set -- "delay=$(echo "$case" | sed 's/disks_\(.*\)ms/\1e-3/')" ;;
+    far) set -- far=1 --set notch=3.5588 --set depth=0.02 --set lowpass=5 ;;
+    *) continue ;;
+  esac
+  known gain "$gain" 1e-6 shaft_control --set "$@"
+  known reduction "$reduction" 1e-6 shaft_control --set "$@"
+  known phase "$phase" 1e-6 shaft_control --set "$@"
+  known late "$late" 1e-6 shaft_control --set "$@"
+  known radius "$radius" 1e-6 shaft_control --set "$@"
+done < tests/reference/p13_margins.csv
+# the response of a loop over frequency: ascending, |L| in dB and its parts agree, the margin is where it crosses
+try "$out/scene" examples/scenes/shaft_control.txt --quiet --margins "$out/margins.csv"
+awk -F, 'NR == 1 { next } $2 < last || ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) - 1 > 1e-9 || 1 - ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) > 1e-9 { wrong++ }
+  { last = $2 } $3 > 0 { crossing = $4 + 180 } END { exit wrong > 0 || NR < 1000 || (crossing - 70.754) ^ 2 > 0.1 }' "$out/margins.csv" ||
+  fail "the response of a loop is not what its margins say"
+# a satellite turned by a controller, and the same as a program
+try ${CC:-cc} $c99 -O1 -o "$out/satellite" tests/checks/satellite.c -lm
+"$out/satellite" > "$out/satellite.csv" || fail "the satellite as a program: $(tail -n 1 "$out/satellite.csv")"
+{
+  cat examples/scenes/satellite_control.txt
+  for column in turn rate bend wheel torque; do
+    echo "reference satellite.csv t $column output $column tolerance 1e-9 relative"
+  done
+} > "$out/satellite.txt"
+try "$out/scene" "$out/satellite.txt" --quiet
+[ ! -s "$out/log" ] || fail "the satellite as a scene: $(cat "$out/log")"
+
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"
@@ -138,6 +169,9 @@ printf 'load b dead force 1 0 0 file table.csv t x\n' >> "$out/long.txt"
 cp "$out/long.txt" "$out/kept.txt"
 collides "--out: that is the scene itself, or what it reads" --out "$out/table.csv"
 cmp "$out/table.csv" "$out/table_kept.csv" || fail "a table that the scene reads was written over"
+collides "--margins: that is the scene itself" --margins "$out/long.txt"
+collides "curves of --margins and --picture are the same file" --margins "$out/c.csv" --picture "$out/c.svg"
+collides "margins: the scene has no controller" --margins "$out/c.csv"
 collides "curves of --out and --picture are the same file" --out "$out/c.csv" --picture "$out/c.svg"
 collides "--out and curves of --out are the same file" --out "$out/c.svg"
 collides "--picture and --animation are the same file" --picture "$out/c.svg" --animation "$out/./c.svg"

@@ -470,3 +470,228 @@ end
 measure seventh frequency 7
 expect seventh 0 tolerance 1e-6
 END
+# ---- sampled controllers. Of a double integrator, in two samples at its place and at rest: u = m/T^2 (r - x) - 3/2 m/T v
+for acts in 'motor j 1' 'load b dead force 1 0 0' 'pull s'; do
+  meets << END
+duration 2
+interval 0.5
+step 0.1
+body b rigid
+  hub 2  0 0 0  1 1 1
+end
+joint j prismatic ground b
+  axis 1 0 0
+end
+spring s b ground
+  position 0 0 0  9 0 0
+  stiffness 0
+  length 1
+end
+output x coordinate j 1
+output v speed j 1
+control c
+  sample 0.5
+  input x
+  input v 0.75
+  reference constant 1
+  pid 8 0 0
+  output $acts
+end
+output u command c
+measure x final x
+measure v final v
+measure most max x
+measure least min u
+expect x 1 tolerance 1e-12
+expect v 0 tolerance 1e-12
+expect most 1 tolerance 1e-12
+expect least -8 tolerance 1e-12
+END
+done
+# pid with all its parts, filtered: the difference equations of a mass that it pushes, 200 samples
+pid=$(awk 'BEGIN { T = 0.05; tau = 0.1; m = 2
+  for (k = 0; k < 200; k++) {
+    e = 1 - x
+    s += T / 2 * (e + (k ? last : 0))
+    d = (tau * d + e - (k ? last : e)) / (tau + T)
+    last = e
+    u = 3 * e + 0.5 * s + 4 * d
+    x += T * v + T * T / 2 * u / m
+    v += T * u / m
+  }
+  printf "%.15g", x }')
+meets << END
+duration 10
+interval 1
+step 0.05
+body b rigid
+  hub 2  0 0 0  1 1 1
+end
+output x position b x
+control c
+  sample 0.05
+  input x
+  reference constant 1
+  pid 3 0.5 4 0.1
+  output load b dead force 1 0 0
+end
+measure x final x
+expect x $pid tolerance 1e-11
+END
+# what a controller commands that sees nothing: answers of its blocks to a reference, the last ones at 0.9 s and 5.9 s
+# commands DURATION VALUE REFERENCE BLOCK..
+commands() {
+  duration=$1 value=$2 reference=$3
+  shift 3
+  {
+    printf 'duration %s\ninterval 0.1\nstep 0.1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\noutput y position b y\n' "$duration"
+    printf 'control c\n  sample 0.1\n  input y\n  reference %s\n' "$reference"
+    printf '  %s\n' "$@"
+    printf '  output load b dead force 1 0 0\nend\noutput u command c\nmeasure u final u\nexpect u %s tolerance 1e-12\n' "$value"
+  } > "$out/control.txt"
+  meets < "$out/control.txt"
+}
+commands 1 0.998046875 'constant 1' 'state_space 1  0.5  0.5  1  0'     # 1 - 0.5^9
+commands 1 3.5 'constant 1' 'state_space 2  0 -1  1 0  1 2  1 1  0.5' # a quarter of a turn in a sample: C B + D at the tenth
+commands 1 0.25 'constant 0.37' 'quantize 0.25'
+commands 1 -0.5 'constant -0.375' 'quantize 0.25'                       # halves away from zero
+commands 6 -0.45 'table 0 1 4.95 1 4.96 -1' 'pid 0 1 0' 'saturate 0.5'  # the integral waits at 0.5: 0.45 at 5 s, then down
+# a filter at the frequency that it is exact at: nothing behind a notch, 1/(2 zeta) behind a low-pass filter, a quarter later
+for filter in 'notch 1 0 0.7/0' 'notch 1 0.35 0.7/0.5' 'lowpass 1 0.7/0.714285714286'; do
+  meets << END
+duration 10
+interval 0.01
+step 0.01
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+output y position b y
+control c
+  sample 0.01
+  input y
+  reference sine 1 1
+  ${filter%/*}
+  output load b dead force 1 0 0
+end
+output u command c
+measure u max u after 8
+expect u ${filter#*/} tolerance 1e-10
+END
+done
+# pushes DURATION SPEED REFERENCE LINE..: of 1 kg, by what acts and when
+pushes() {
+  duration=$1 value=$2 reference=$3
+  shift 3
+  {
+    printf 'duration %s\ninterval 0.5\nstep 0.5\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\noutput y position b y\noutput v velocity b x\n' "$duration"
+    printf 'control c\n  sample 0.1\n  input y\n  reference %s\n' "$reference"
+    printf '  %s\n' "$@"
+    printf '  output load b dead force 1 0 0\nend\nmeasure v final v\nexpect v %s tolerance 1e-12\n' "$value"
+  } > "$out/control.txt"
+  meets < "$out/control.txt"
+}
+pushes 1 1 'constant 1' 'pid 1 0 0'
+pushes 1 0.75 'constant 1' 'delay 0.25' 'pid 1 0 0'
+pushes 7 1 'constant 1' 'delay 6' 'pid 1 0 0'
+pushes 1 0.45 'ramp 1 0 1' 'pid 1 0 0'                        # 0.1 (0 + 0.1 + .. + 0.9)
+pushes 1.05 0.45 'ramp 1 0 1' 'delay 0.05' 'pid 1 0 0'
+pushes 2 2.6 'table 0 0 1 1 2 0' 'thruster 2 0.45 0.25'       # on from 0.5 s to 1.8 s
+pushes 2 -2.6 'table 0 0 1 -1 2 0' 'thruster 2 0.45 0.25'
+pushes 2 2.4 'table 0 0 1 1 2 0' 'thruster 2 0.45 0.35'       # to 1.7 s
+pushes 1 0.2 'pulse 1 0.25 0.35' 'thruster 2 0.5 0.1'         # one sample
+pushes 1 0.6 'pulse 1 0.25 0.35' 'thruster 2 0.5 0.1 0.25'    # the shortest pulse, in whole samples
+pushes 1 0.6 'pulse 1 0.25 0.35' 'thruster 2 0.5 0.1 0.3'
+pushes 1 0.5 'constant 0.5' 'pulse 2'                         # a quarter of each sample
+pushes 1 -0.5 'constant -0.5' 'pulse 2 0.02'
+pushes 1 0 'constant 0.5' 'pulse 2 0.03'                      # which is below the shortest pulse
+pushes 1 2 'constant 7' 'pulse 2 0.03'
+pushes 1 0.5 'constant 0.5' 'delay 0.04' 'pulse 2'
+# a sensor is rounded before its gain: 4 for 3.7; it sees what acted before, u' = 1 - u; two controllers, each at its own sample
+meets << END
+duration 1
+interval 0.05
+step 0.05
+body b rigid
+  hub 1  0 0 0  1 1 1
+  start_velocity 0 3.7 0
+end
+output v velocity b y
+output a specific_force b x
+control first
+  sample 0.05
+  input v 0.5 quantize 1
+  pid 1 0 0
+  output load b dead force 0 0 1
+end
+control second
+  sample 0.1
+  input a
+  reference constant 1
+  pid 1 0 0
+  output load b dead force 1 0 0
+end
+output u command first
+output w velocity b
+measure u min u
+measure x final w_x
+measure z final w_z
+expect u -2 tolerance 1e-12
+expect x 0.5 tolerance 1e-12
+expect z -2 tolerance 1e-12
+END
+# ---- margins: a mass whose speed is held, L = a/(z - 1), a = K T/m: 2/a at z = -1, pi/2 - asin(a/2), that over its frequency.
+# margin MEASURE VALUE LINE..: K = 4, T = 0.1 s, m = 2 kg
+margin() {
+  measure=$1 value=$2
+  shift 2
+  {
+    printf 'duration 0.1\ninterval 0.1\nstep 0.1\nbody b rigid\n  hub 2  0 0 0  1 1 1\nend\njoint j prismatic ground b\n  axis 1 0 0\nend\n'
+    printf 'output v speed j 1\noutput a specific_force b x\ncontrol c\n  sample 0.1\n'
+    printf '  %s\n' "$@"
+    printf '  output motor j 1\nend\nmeasure m %s c\nexpect m %s tolerance 1e-9 relative\n' "$measure" "$value"
+  } > "$out/control.txt"
+  meets < "$out/control.txt"
+}
+margin gain_margin 10 'input v' 'pid 4 0 0'
+margin phase_margin 1.470628905633337 'input v' 'pid 4 0 0'
+margin delay_margin 0.734085438449 'input v' 'pid 4 0 0'
+margin gain_margin 5 'input v' 'pid 4 0 0' 'state_space 1  0.5  0.5  1  0' # |z| = 1 where 0.5 + 0.5 a g = 1
+margin gain_margin 2 'input a' 'pid 1 0 0'                                 # it feels what acted before: L = K/(m z)
+margin phase_margin 3.141592653589793 'input a' 'pid 1 0 0'
+margin gain_margin 10 'input v' 'pid 4 0 0' 'saturate 1' 'quantize 0.1'    # while small
+margin gain_margin 1 'input v' 'pid 41 0 0'                                # unstable
+margin pole_radius 1.05 'input v' 'pid 41 0 0'
+# the same by SciPy of a disk of 100 kg m^2, rate and angle fed back, for half a sample of delay
+IFS=, read -r case gain reduction phase late radius << END
+$(grep '^rigid,' tests/reference/p13_margins.csv)
+END
+meets << END
+duration 0.1
+interval 0.1
+step 0.01
+body b rigid
+  hub 1  0 0 0  100 100 100
+end
+joint j revolute ground b
+end
+output angle coordinate j 1
+output rate speed j 1
+control c
+  sample 0.01
+  delay 0.005
+  input angle
+  input rate 3
+  pid 40 0 0
+  output motor j 1
+end
+measure gain gain_margin c
+measure reduction gain_reduction c
+measure phase phase_margin c
+measure late delay_margin c
+measure radius pole_radius c
+expect gain $gain tolerance 1e-6 relative
+expect reduction $reduction tolerance 1e-6
+expect phase $phase tolerance 1e-6 relative
+expect late $late tolerance 1e-6 relative
+expect radius $radius tolerance 1e-6 relative
+END

@@ -238,7 +238,7 @@ joint j revolute ground top
   slip -3
 end
 END
-refuse 7 "is there twice" << END
+refuse 7 "stops 1 is there twice" << END
 $top
 joint j revolute ground top
   stops 1 -1 1 stiffness 2
@@ -1078,3 +1078,76 @@ body c beam
 end
 distributed b dead force 0 1 0
 END
+# ---- controllers, from line 11 on
+# control LINE REASON LINE..: refused
+control() {
+  line=$1 reason=$2
+  shift 2
+  {
+    printf 'duration 1\ninterval 0.1\n%s\njoint j revolute ground top\nend\noutput w gyro top z\noutput x position top x\ncontrol c\n' "$top"
+    printf '  %s\n' "$@"
+    printf 'end\n'
+  } > "$out/control.txt"
+  refuse "$line" "$reason" < "$out/control.txt"
+}
+control 11 "controller c has no sample: its instants are at multiples of it" 'input w' 'output motor j 1'
+control 11 "controller c has no input" 'sample 0.1' 'pid 1 0 0' 'output motor j 1'
+control 11 "controller c has no block" 'sample 0.1' 'input w' 'output motor j 1'
+control 11 "controller c has no output" 'sample 0.1' 'input w' 'pid 1 0 0'
+control 11 "controller c: a delay of 7 s is more than 60 samples" 'sample 0.1' 'delay 7' 'input w' 'pid 1 0 0' 'output motor j 1'
+control 12 "sample must be greater than 0" 'sample 0'
+control 13 "sample is there twice" 'sample 1' 'sample 1'
+control 12 "a sample of 1e-08 s is below 1e-6 of the interval of 0.1 s" 'sample 1e-8' 'input w' 'pid 1 0 0' 'output motor j 1'
+control 12 "delay must not be negative" 'delay -1'
+control 12 "no output has the name v" 'input v'
+control 12 "no such word for a controller: pd" 'pd 1 2'
+control 12 "sample must stand before the blocks" 'pid 1 2 3'
+control 12 "too much on the line" 'input w 1 2'
+control 12 "quantize must be greater than 0" 'input w 1 quantize 0'
+control 16 "more than 4 inputs" 'input w' 'input w' 'input w' 'input w' 'input w'
+control 13 "differential gain is missing" 'sample 0.1' 'pid 1 2'
+control 13 "time constant must not be negative" 'sample 0.1' 'pid 1 2 3 -1'
+control 13 "7 Hz is not below half the frequency of the samples, 5 Hz" 'sample 0.1' 'notch 7 0.1 0.7'
+control 13 "frequency in Hz must be greater than 0" 'sample 0.1' 'lowpass 0 0.7'
+control 13 "damping of the poles must be greater than 0" 'sample 0.1' 'notch 1 0 0'
+control 13 "order must be a whole number from 1 to 6" 'sample 0.1' 'state_space 7'
+control 13 "state_space is unstable: |z| = 1.1 of a pole; 1 at most" 'sample 0.1' 'state_space 1 1.1 1 1 0'
+control 13 "D is missing" 'sample 0.1' 'state_space 1 0.5 1 1'
+control 13 "saturate must be greater than 0" 'sample 0.1' 'saturate -1'
+control 13 "a thruster goes off at 2, above 1 where it goes on" 'sample 0.1' 'thruster 5 1 2'
+control 13 "shortest pulse must not be negative" 'sample 0.1' 'pulse 5 -0.1'
+control 14 "nothing stands behind a thruster or pulse" 'sample 0.1' 'pulse 5' 'saturate 1'
+control 12 "output of a controller must be one of motor pull load, is wheel" 'output wheel j 1'
+control 12 "no joint has the name k" 'output motor k 1'
+control 12 "no spring has the name s" 'output pull s'
+control 13 "output is there twice" 'output motor j 1' 'output motor j 1'
+control 12 "no output has the name u" 'input u'
+loop="sample 0.1;input w;pid 1 0 0;output motor j 1;end"
+IFS=';'
+control 18 "the motor has the controller c already" $loop 'control d' 'output motor j 1'
+control 19 "u is a command: an input is what a sensor sees" $loop 'output u command c' 'control d' 'input u'
+control 17 "two controllers have the name c" $loop 'control c'
+control 17 "no controller has the name d" $loop 'output u command d'
+control 17 "no controller has the name d" $loop 'measure m phase_margin d'
+unset IFS
+refuse 7 "controller c of line 6 wants a line \`end\`" << END
+duration 1
+$top
+control c
+  sample 0.1
+END
+# what has no margins
+no_margin() {
+  line=$1 reason=$2
+  shift 2
+  {
+    printf 'duration 1\ninterval 0.1\nstep 0.1\n%s\njoint j revolute ground top\nend\noutput w gyro top z\noutput x position top x\ncontrol c\n' "$top"
+    printf '  %s\n' "$@"
+    printf 'end\nmeasure m phase_margin c\n'
+  } > "$out/control.txt"
+  refuse "$line" "$reason" < "$out/control.txt"
+}
+no_margin 15 "margins: a thruster or pulse is not linear" 'sample 0.1' 'input w' 'thruster 1 1 0' 'output motor j 1'
+no_margin 12 "margins: x has no linear model: take displacement" 'sample 0.1' 'input x' 'pid 1 0 0' 'output motor j 1'
+no_margin 18 "margins: d has another sample than the controllers before it" 'sample 0.1' 'input w' 'pid 1 0 0' 'output motor j 1' end 'control d' \
+  'sample 0.2' 'input w' 'pid 1 0 0' 'output load top base torque 0 0 1'

@@ -29,8 +29,11 @@ static FILE *fuzz_file(const char *name, const char *mode)
 /* Four intervals of eight steps at most; where the step is left to the program, its choice. */
 static void run_scene(scene *s)
 {
-  static const scene_options all = {"x", "x", "x", "x", 3, NULL, NULL, NULL};
+  static const scene_options all = {"x", NULL, "x", "x", "x", 3, NULL, NULL, NULL};
   s->duration = fmin(s->duration, 4 * s->interval);
+  for (int k = 0; k < s->n_control; k++) { /* so that there are few samples, too */
+    s->control[k].sample = fmax(s->control[k].sample, s->interval / 8);
+  }
   if (s->step > 0 || s->duration == 0) {
     s->step = fmax(s->step, s->interval / 8);
     (void)scene_run(s, &all);
