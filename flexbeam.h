@@ -1320,7 +1320,7 @@ typedef struct fb_joint { /* a checked desc */
   fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
   fb_real pitch, stiffness[3], rest[3], damping[3];
   int rubs; /* an axis has friction or stops */
-  fb_real friction[3], slip[3], stop[3][2], stop_stiffness[3], stop_loss[3];
+  fb_real friction[3], friction_speed[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   fb_axis_mode mode[3];
 } fb_joint;
 
@@ -2548,12 +2548,12 @@ typedef struct fb_joint_desc {
   fb_axis_mode mode[3];  /* initial mode of each axis; spherical and free: mode[0] applies to all */
   fb_real stiffness[3], rest[3],
       damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
-  /* Friction, E9.28: Coulomb's [N m, N], regularized. It has 71 % of its size at the speed slip [rad/s, m/s]; below it
-     is a damper, so that a joint under load creeps. slip is positive where there is friction. Stops, E9.29: springs
-     [N m/rad, N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; loss [s/rad, s/m]: an
-     impact at the speed v comes back with about (1 - 2/3 loss v) v. stop_stiffness zero: no stops. Neither on spherical
-     and free joints; stops about the axes of joints that are kept within half a turn */
-  fb_real friction[3], slip[3], stop[3][2], stop_stiffness[3], stop_loss[3];
+  /* Friction, E9.28: Coulomb's [N m, N], regularized. It has 71 % of its size at friction_speed [rad/s, m/s], positive
+     where there is friction; below it is a damper, so that a joint under load creeps. Stops, E9.29: springs [N m/rad,
+     N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; loss [s/rad, s/m]: an impact at the
+     speed v comes back with about (1 - 2/3 loss v) v. stop_stiffness zero: no stops. Neither on spherical and free
+     joints; stops about the axes of joints that are kept within half a turn */
+  fb_real friction[3], friction_speed[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
      moves, in axes of the parent and of the child, of any length. The joint axes are those of the body rotated by the
      smallest rotation that takes z there. child_axis (and child_attitude) all zero: as axis, so that the axes of both
@@ -3162,7 +3162,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             scheme in scenes, --scheme of the examples    integrator, --integrator
             shape.ups, .Gam, .Pi, .Gamchi, .pchi, .hchi,  shape.second.ups, ...
             .reach
-          Joints: friction and stops (fb_joint_desc.friction, slip, stop, stop_stiffness, stop_loss).
+          Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,

@@ -5158,6 +5158,16 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
 }
 #endif
 
+#if FB_WITH_SYSTEM || FB_WITH_ROTORS
+/* [E9.28] Regularized Coulomb friction over the speed u: F/sqrt(u^2 + u_0^2), so that the effort -F u/sqrt(u^2 + u_0^2)
+   opposes the speed.
+   Source: definition.  Test: friction_stops_a_wheel_as_in_closed_form. */
+static fb_real fbi_dry_friction(fb_real friction, fb_real friction_speed, fb_real speed)
+{
+  return friction > FB_R(0.0) ? friction / FB_SQRT(speed * speed + friction_speed * friction_speed) : FB_R(0.0);
+}
+#endif
+
 #if FB_WITH_ROTORS
 /* ---- rotors */
 
@@ -5297,10 +5307,7 @@ static void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_sta
 /* Friction torque on a rotor [N m]. */
 static fb_real fbi_rotor_friction(const fb_rotor *rotor, fb_real speed)
 {
-  const fb_real dry = rotor->friction > FB_R(0.0)
-                          ? rotor->friction / FB_SQRT(speed * speed + rotor->friction_speed * rotor->friction_speed)
-                          : FB_R(0.0);
-  return -(rotor->damping + dry) * speed;
+  return -(rotor->damping + fbi_dry_friction(rotor->friction, rotor->friction_speed, speed)) * speed;
 }
 
 /* Torque on rotor r [N m]: the rate of its momentum. */
@@ -10073,13 +10080,10 @@ static fb_real fbi_motor(const fb_system_work *w, const fb_system_input *input, 
   return w->has_forces ? own + w->forces.joint[j].torque[i] : own;
 }
 
-/* [E9.28] Friction of axis i over its speed u, regularized Coulomb friction: F/sqrt(u^2 + u_0^2), so that the effort
-   -F u/sqrt(u^2 + u_0^2) opposes the speed.
-   Source: definition.  Test: friction_stops_a_wheel_as_in_closed_form. */
+/* Friction of axis i of a joint over its speed (E9.28). */
 static fb_real fbi_friction(const fb_joint *joint, int i, fb_real speed)
 {
-  return joint->friction[i] > FB_R(0.0) ? joint->friction[i] / FB_SQRT(speed * speed + joint->slip[i] * joint->slip[i])
-                                        : FB_R(0.0);
+  return fbi_dry_friction(joint->friction[i], joint->friction_speed[i], speed);
 }
 
 /* How far axis i is beyond one of its stops; negative: the lower. */
@@ -12313,13 +12317,14 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
           fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
           fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
           fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
-          fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->slip, 3) && fbi_is_finite(joint->stop[0], 6) &&
-          fbi_is_finite(joint->stop_stiffness, 3) && fbi_is_finite(joint->stop_loss, 3);
+          fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->friction_speed, 3) &&
+          fbi_is_finite(joint->stop[0], 6) && fbi_is_finite(joint->stop_stiffness, 3) &&
+          fbi_is_finite(joint->stop_loss, 3);
   for (int i = 0; sound && i < 3; i++) {
     sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
             joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
             joint->stop_stiffness[i] >= FB_R(0.0) && joint->stop_loss[i] >= FB_R(0.0) &&
-            (joint->slip[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0)));
+            (joint->friction_speed[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0)));
   }
   return sound;
 }
@@ -12384,7 +12389,7 @@ static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
   crc = fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
   if (joint->rubs) { /* the word of a system without is what it was */
-    crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->slip, 3, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->friction_speed, 3, FB_SINGLE);
     crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stop[0], 6, FB_SINGLE), joint->stop_stiffness, 3, FB_SINGLE);
     crc = fbi_crc_reals(crc, joint->stop_loss, 3, FB_SINGLE);
   }
@@ -24877,11 +24882,11 @@ static int fbi_is_side(const fb_real axis[3], const fb_real attitude[4])
 }
 
 /* Has each axis with friction a speed at which it saturates? */
-static int fbi_has_slip(const fb_joint_desc *d)
+static int fbi_has_friction_speed(const fb_joint_desc *d)
 {
   int has = 1;
   for (int i = 0; i < 3; i++) {
-    has &= !(d->friction[i] > FB_R(0.0)) || d->slip[i] > FB_R(0.0);
+    has &= !(d->friction[i] > FB_R(0.0)) || d->friction_speed[i] > FB_R(0.0);
   }
   return has;
 }
@@ -24914,7 +24919,7 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
                               FBI_ANY(d->rest, 3, "joint: rest [rad, m]"),
                               FBI_NOT_NEGATIVE(d->damping, 3, "joint: damping [N m s/rad, N s/m]"),
                               FBI_NOT_NEGATIVE(d->friction, 3, "joint: friction [N m, N]"),
-                              FBI_NOT_NEGATIVE(d->slip, 3, "joint: slip [rad/s, m/s]"),
+                              FBI_NOT_NEGATIVE(d->friction_speed, 3, "joint: friction_speed [rad/s, m/s]"),
                               FBI_ANY(d->stop[0], 6, "joint: stop [rad, m]"),
                               FBI_NOT_NEGATIVE(d->stop_stiffness, 3, "joint: stop_stiffness [N m/rad, N/m]"),
                               FBI_NOT_NEGATIVE(d->stop_loss, 3, "joint: stop_loss [s/rad, s/m]"),
@@ -24936,7 +24941,7 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       FBI_CLAIM(!free || bare, "joint: stiffness and damping of FB_JOINT_FREE, 0"),
       FBI_CLAIM(!fbi_is_ball(d->kind) || smooth,
                 "joint: friction and stop_stiffness of FB_JOINT_FREE and _SPHERICAL, 0"),
-      FBI_CLAIM(fbi_has_slip(d), "joint: slip [rad/s, m/s] of an axis with friction, positive"),
+      FBI_CLAIM(fbi_has_friction_speed(d), "joint: friction_speed [rad/s, m/s] of an axis with friction, positive"),
       FBI_CLAIM(fbi_has_stops(d, loop || desc->method == FB_METHOD_MULTIPLIERS),
                 "joint: stop, the lower value first, and of joints that are kept within half a turn")};
 
@@ -25015,7 +25020,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
     joint->rest[i] = d->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : d->rest[i];
     joint->damping[i] = d->damping[i];
     joint->friction[i] = d->friction[i];
-    joint->slip[i] = d->slip[i];
+    joint->friction_speed[i] = d->friction_speed[i];
     joint->stop_stiffness[i] = d->stop_stiffness[i];
     joint->stop_loss[i] = d->stop_loss[i];
     joint->stop[i][0] = d->stop[i][0];

@@ -46,7 +46,7 @@ TEST(friction_stops_a_wheel_as_in_closed_form)
     double value, speed;
     fb_joint_desc *j = one_axis(0);
     j->friction[0] = (fb_real)F;
-    j->slip[0] = (fb_real)u0;
+    j->friction_speed[0] = (fb_real)u0;
     implicit = run % 2 ? 4 : 0;
     set_off(run < 2 ? FB_METHOD_RECURSIVE : FB_METHOD_MULTIPLIERS, 0.0, first);
     for (int step = 0; step < 1050; step++) {
@@ -111,7 +111,7 @@ static void rubbing_tree(void)
     fb_joint_desc *j = &desc.joint[k];
     for (int i = 0; i < 3 && j->kind != FB_JOINT_SPHERICAL; i++) {
       j->friction[i] = (fb_real)(0.5 + 0.4 * fbt_random());
-      j->slip[i] = FB_R(0.3);
+      j->friction_speed[i] = FB_R(0.3);
       j->stop_stiffness[i] = (fb_real)(5.0 + fbt_random());
       j->stop_loss[i] = FB_R(0.2);
       j->stop[i][0] = i + k % 2 ? FB_R(-0.02) : FB_R(0.5);
@@ -172,7 +172,7 @@ TEST(stops_bound_the_step)
     fb_joint_desc *j = one_axis(1);
     if (rubs) {
       j->friction[0] = (fb_real)F;
-      j->slip[0] = (fb_real)u0;
+      j->friction_speed[0] = (fb_real)u0;
     } else {
       j->stop[0][1] = FB_R(0.3);
       j->stop_stiffness[0] = (fb_real)k;
@@ -205,7 +205,7 @@ TEST(implicit_steps_rest_in_friction_and_on_stops)
   double value, speed;
   fb_joint_desc *j = one_axis(0);
   j->friction[0] = FB_R(1.5);
-  j->slip[0] = FB_R(1e-4); /* 1/30000 s */
+  j->friction_speed[0] = FB_R(1e-4); /* 1/30000 s */
   implicit = 12;
   set_off(FB_METHOD_RECURSIVE, 0.0, 3.0);
   for (int step = 0; step < 200; step++) {
@@ -239,7 +239,7 @@ TEST(friction_and_stops_are_checked)
     fb_joint_desc *j = one_axis(0);
     fb_status want = FB_ERR_VALUE;
     j->friction[0] = FB_R(1.0);
-    j->slip[0] = FB_R(0.1);
+    j->friction_speed[0] = FB_R(0.1);
     j->stop_stiffness[0] = FB_R(10.0);
     j->stop[0][1] = FB_R(0.5);
     switch (run) {
@@ -247,7 +247,7 @@ TEST(friction_and_stops_are_checked)
       j->friction[0] = FB_R(-1.0);
       break;
     case 1:
-      j->slip[0] = FB_R(0.0);
+      j->friction_speed[0] = FB_R(0.0);
       break;
     case 2:
       j->stop[0][0] = FB_R(0.5);
@@ -276,7 +276,7 @@ TEST(friction_and_stops_are_checked)
   word = fb_system_crc(&mechanism, model, FB_MAX_BODIES);
   for (int run = 0; run < 5; run++) {
     fb_joint *const j = &mechanism.joint[0];
-    fb_real *const field[5] = {j->friction, j->slip, j->stop[0], j->stop_stiffness, j->stop_loss};
+    fb_real *const field[5] = {j->friction, j->friction_speed, j->stop[0], j->stop_stiffness, j->stop_loss};
     const fb_real was = *field[run];
     *field[run] = was + FB_R(0.5);
     FBT_TRUE(fb_system_crc(&mechanism, model, FB_MAX_BODIES) != word);

@@ -247,8 +247,8 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
     scene_read_axes(t, joint, word, d->damping);
   } else if (strcmp(word, "friction") == 0) {
     scene_read_axes(t, joint, word, d->friction);
-  } else if (strcmp(word, "slip") == 0) {
-    scene_read_axes(t, joint, word, d->slip);
+  } else if (strcmp(word, "friction_speed") == 0) {
+    scene_read_axes(t, joint, word, d->friction_speed);
   } else if (strcmp(word, "stops") == 0) {
     scene_read_stops(t, joint);
   } else if (strcmp(word, "mode") == 0) {

@@ -232,10 +232,10 @@ joint j revolute ground top
   stops 1 -1 1 stiffness 2 loss -1
 end
 END
-refuse 6 "slip is negative" << END
+refuse 6 "friction_speed is negative" << END
 $top
 joint j revolute ground top
-  slip -3
+  friction_speed -3
 end
 END
 refuse 7 "stops 1 is there twice" << END

@@ -336,7 +336,7 @@ static void take_joint(fb_joint_desc *joint, bytes *b, int below)
     joint->stop[i][1] = FB_R(0.2);
     joint->damping[i] = dampers & 1 ? FB_R(1.0) : FB_R(0.0);
     joint->friction[i] = dampers & 2 && !ball ? FB_R(2.0) : FB_R(0.0);
-    joint->slip[i] = FB_R(0.1);
+    joint->friction_speed[i] = FB_R(0.1);
     joint->stop_loss[i] = dampers & 4 ? FB_R(0.5) : FB_R(0.0);
     joint->mode[i] = (fb_axis_mode)(take_byte(b) < 200 ? 0 : take_below(b, FB_AXIS_COUNT));
   }
