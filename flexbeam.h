@@ -164,14 +164,14 @@
      fb_rk4_work                 54840
      fb_implicit_work            63032
      fb_exponential_work         57864
-     fb_system_work             624472
+     fb_system_work             624680
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428104
      fb_build_work             4291880  most of it an fb_modes_work
      fb_analyse_work           1288976
-     fb_system_analyse_work    1952904
+     fb_system_analyse_work    1953112
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
@@ -1319,9 +1319,10 @@ typedef struct fb_joint { /* a checked desc */
   fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
   fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
   fb_real pitch, stiffness[3], rest[3], damping[3];
-  int rubs; /* an axis has friction or stops */
   fb_real friction[3], friction_speed[3], stop[3][2], stop_stiffness[3], stop_loss[3];
+  fb_real bias[3]; /* of linear models: effort of friction beyond that of a damper */
   fb_axis_mode mode[3];
+  int rubs; /* an axis has friction or stops */
 } fb_joint;
 
 /* Spring, damper and actuator along the line between two points: tension = stiffness (distance - length) +

@@ -2467,7 +2467,7 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
   }
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_ROTORS
 /* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 (E14.3). */
 static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot, fb_real b_dot, const fb_real phi[3],
                             const fb_real rate[3], const fb_real c[3])
@@ -3251,7 +3251,7 @@ static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w,
   }
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_ROTORS
 /* x_k += J_dot_k.L of the interval before a node: what L about the node adds by that interval (E9.25). */
 static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
                                const fbi_line_step *s, const fb_real *q_dot, const fb_real L[3])
@@ -10106,7 +10106,7 @@ static fb_real fbi_stop_secant(const fb_joint *joint, int i, fb_real depth, fb_r
 static FBI_NOINLINE fb_real fbi_rubbing(const fb_joint *joint, int i, fb_real value, fb_real speed)
 {
   const fb_real depth = fbi_stop_depth(joint, i, value);
-  return -fbi_friction(joint, i, speed) * speed - fbi_stop_secant(joint, i, depth, speed) * depth;
+  return joint->bias[i] - fbi_friction(joint, i, speed) * speed - fbi_stop_secant(joint, i, depth, speed) * depth;
 }
 
 /* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
@@ -12319,7 +12319,7 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
           fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
           fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->friction_speed, 3) &&
           fbi_is_finite(joint->stop[0], 6) && fbi_is_finite(joint->stop_stiffness, 3) &&
-          fbi_is_finite(joint->stop_loss, 3);
+          fbi_is_finite(joint->stop_loss, 3) && fbi_is_finite(joint->bias, 3);
   for (int i = 0; sound && i < 3; i++) {
     sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
             joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
@@ -12379,21 +12379,18 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
 /* CRC of a joint (E8.40). */
 static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
 {
-  const int whole[] = {(int)joint->kind,    joint->parent,       joint->parent_node, joint->child,
-                       joint->child_node,   joint->n_axis,       joint->moves,       joint->turned,
-                       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
+  const int whole[] = {(int)joint->kind,  joint->parent,       joint->parent_node,  joint->child,
+                       joint->child_node, joint->n_axis,       joint->moves,        joint->turned,
+                       joint->rubs,       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->position, 3, FB_SINGLE), joint->axes, 9, FB_SINGLE);
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
   crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
   crc = fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
-  if (joint->rubs) { /* the word of a system without is what it was */
-    crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->friction_speed, 3, FB_SINGLE);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stop[0], 6, FB_SINGLE), joint->stop_stiffness, 3, FB_SINGLE);
-    crc = fbi_crc_reals(crc, joint->stop_loss, 3, FB_SINGLE);
-  }
-  return crc;
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->friction_speed, 3, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stop[0], 6, FB_SINGLE), joint->stop_stiffness, 3, FB_SINGLE);
+  return fbi_crc_reals(fbi_crc_reals(crc, joint->stop_loss, 3, FB_SINGLE), joint->bias, 3, FB_SINGLE);
 }
 
 FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
@@ -16329,6 +16326,19 @@ static void fbi_impacts_bound(fb_system_work *w, const fb_system *system)
   }
   w->impact[0] = tree * (FB_R(2.0) + tree);
   w->elastic += w->impact[1] * (FB_R(2.0) + w->impact[1]) * system->limit_kept_elastic;
+}
+
+/* Speed of axis i of joint j where velocities are known. */
+static fb_real fbi_axis_speed(fb_system_work *w, const fb_system *system, const fb_body *body, int j, int i)
+{
+  fb_real force[3], torque[3];
+  fbi_frames f;
+  if (!fbi_is_kept(system, w, j)) {
+    return w->link[j].u[i];
+  }
+  (void)fbi_frames_eval(&f, w, system, body, j);
+  fbi_frames_axis(force, torque, &f, &system->joint[j], i);
+  return fbi_frames_speed(&f, w, force, torque);
 }
 
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
@@ -28432,6 +28442,39 @@ static void fbi_frames_ground(fb_system_state *state, fb_system_work *w, const f
   fbi_frames_set(state, w, system);
 }
 
+/* Friction of all joints as its tangent at the steady state, damper and constant effort, in a copy of the system:
+   differences of the momenta are wide, friction is not linear within them. */
+static fb_status fbi_friction_straighten(fbi_subject *s, const fb_system_state *state)
+{
+  fb_system_work *const w = &s->system_work->system;
+  fb_system *const straight = &w->system;
+  const fb_system *const system = s->system;
+  fb_status status;
+  int rubs = 0;
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    rubs |= system->joint[j].rubs;
+  }
+  if (!rubs) {
+    return FB_OK;
+  }
+  *straight = *system;
+  status = fbi_system_rates(w, system, s->body, &w->rate, state, state, s->system_input);
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    fb_joint *const joint = &straight->joint[j];
+    for (int i = 0; joint->rubs && i < joint->n_axis; i++) {
+      const fb_real u = fbi_axis_speed(w, system, s->body, j, i), secant = fbi_friction(joint, i, u);
+      const fb_real part =
+          joint->friction[i] > FB_R(0.0) ? secant * joint->friction_speed[i] / joint->friction[i] : FB_R(0.0);
+      const fb_real slope = secant * part * part; /* F u_0^2/(u^2 + u_0^2)^(3/2) */
+      joint->bias[i] += (slope - secant) * u;
+      joint->damping[i] += slope;
+      joint->friction[i] = FB_R(0.0);
+    }
+  }
+  s->system = straight;
+  return status;
+}
+
 /* Linear model of a system, in work->common.linear. */
 static fb_status fbi_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                       const fb_system_state *state, const fb_system_input *input,
@@ -28454,6 +28497,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);
   status = status ? status : fbi_system_steady(&rate, &s);
+  status = status ? status : fbi_friction_straighten(&s, state);
   if (status != FB_OK) {
     return status;
   }

@@ -990,6 +990,10 @@ static void list_unused(void)
 #if FB_WITH_LARGE_DEFLECTION
   list_unused_of_lines();
 #endif
+#if FB_WITH_ROTORS
+  unused_from(&body.n_rotor, 0, sizeof body.n_rotor);
+  UNUSED(body.rotor, 0);
+#endif
 #if FB_WITH_FORMS
   UNUSED(body.gam, body.n_gam);
   UNUSED(body.torque, body.n_torque);

@@ -2,6 +2,8 @@
 #include "system.h"
 
 static fb_system_state kept, rate;
+static fb_system_analyse_work analyse_work;
+static fb_spectrum spectrum;
 
 /* A body of 2 kg and 0.5 kg m^2 about z that turns about z or slides along it. */
 static fb_joint_desc *one_axis(int slides)
@@ -230,6 +232,48 @@ TEST(implicit_steps_rest_in_friction_and_on_stops)
   implicit = 0;
 }
 
+/* E12.9: linear models about rest hold friction as the damper F/u_0 and a stop that a motor leans on as its spring with the
+   damper k c d, d where the trim finds it. */
+TEST(linear_models_hold_friction_and_stops)
+{
+  const double J = 0.5, k = 800.0, c = 0.4, F = 1.5, u0 = 0.5, load = 6.0;
+  for (int run = 0; run < 4; run++) {
+    const double damping = run % 2 ? k * c * load / k : F / u0;
+    double worst = 0.0;
+    fb_joint_desc *j = one_axis(0);
+    if (run % 2) {
+      j->stop[0][1] = FB_R(0.3);
+      j->stop_stiffness[0] = (fb_real)k;
+      j->stop_loss[0] = (fb_real)c;
+      input.drive[0].torque[0] = (fb_real)load;
+    } else {
+      j->stiffness[0] = (fb_real)k;
+      j->friction[0] = (fb_real)F;
+      j->friction_speed[0] = (fb_real)u0;
+    }
+    set_off(run < 2 ? FB_METHOD_RECURSIVE : FB_METHOD_DENSE, run % 2 ? 0.31 : 0.0, 0.0);
+    FBT_INT_EQ(fb_system_trim(&mechanism, model, &state, &analyse_work, &input), FB_OK);
+    FBT_NEAR_ABS(state.link[0].x[0], run % 2 ? 0.3 + load / k : 0.0, FBT_TOL(1e-9, 1e-4));
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, model, &analyse_work, &spectrum, &state, &input), FB_OK);
+    FBT_INT_EQ(spectrum.n, 1);
+    worst = fmax(worst, fabs((double)spectrum.re[0] / (-damping / (2.0 * J)) - 1.0));
+    worst = fmax(worst, fabs((double)spectrum.im[0] / sqrt(k / J - pow(damping / (2.0 * J), 2.0)) - 1.0));
+    FBT_BELOW(worst, FBT_TOL(1e-6, 1e-2));
+  }
+  for (int method = 0; method < 2;
+       method++) { /* a wheel that turns steadily: the tangent F u_0^2/(u^2 + u_0^2)^(3/2) */
+    static fb_linear linear;
+    const double u = 0.7;
+    fb_joint_desc *j = one_axis(0);
+    j->friction[0] = (fb_real)F;
+    j->friction_speed[0] = (fb_real)u0;
+    input.drive[0].torque[0] = (fb_real)(F * u / sqrt(u * u + u0 * u0));
+    set_off((fb_method)method, 0.2, u);
+    FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse_work, &linear, &state, &input, NULL), FB_OK);
+    FBT_NEAR_REL(linear.A[3], -F * u0 * u0 / pow(u * u + u0 * u0, 1.5) / J, FBT_TOL(1e-6, 1e-2));
+  }
+}
+
 /* Joints refuse friction and stops that mean nothing; check and word see each field. */
 TEST(friction_and_stops_are_checked)
 {
@@ -289,4 +333,5 @@ TEST(friction_and_stops_are_checked)
 
 SUITE(system_friction, RUN(friction_stops_a_wheel_as_in_closed_form), RUN(stops_return_an_impact_as_in_closed_form),
       RUN(friction_and_stops_take_the_energy_that_they_say), RUN(stops_bound_the_step),
-      RUN(implicit_steps_rest_in_friction_and_on_stops), RUN(friction_and_stops_are_checked))
+      RUN(implicit_steps_rest_in_friction_and_on_stops), RUN(linear_models_hold_friction_and_stops),
+      RUN(friction_and_stops_are_checked))
