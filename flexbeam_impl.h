@@ -16328,19 +16328,6 @@ static void fbi_impacts_bound(fb_system_work *w, const fb_system *system)
   w->elastic += w->impact[1] * (FB_R(2.0) + w->impact[1]) * system->limit_kept_elastic;
 }
 
-/* Speed of axis i of joint j where velocities are known. */
-static fb_real fbi_axis_speed(fb_system_work *w, const fb_system *system, const fb_body *body, int j, int i)
-{
-  fb_real force[3], torque[3];
-  fbi_frames f;
-  if (!fbi_is_kept(system, w, j)) {
-    return w->link[j].u[i];
-  }
-  (void)fbi_frames_eval(&f, w, system, body, j);
-  fbi_frames_axis(force, torque, &f, &system->joint[j], i);
-  return fbi_frames_speed(&f, w, force, torque);
-}
-
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
    spin of the bodies between it and the root, and from the force on the tree. */
 static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w,
@@ -28440,6 +28427,19 @@ static void fbi_frames_ground(fb_system_state *state, fb_system_work *w, const f
   fbi_trees_weigh(w, system, 1);
   fbi_momenta_reframe(state, w, system);
   fbi_frames_set(state, w, system);
+}
+
+/* Speed of axis i of joint j where velocities are known. */
+static fb_real fbi_axis_speed(fb_system_work *w, const fb_system *system, const fb_body *body, int j, int i)
+{
+  fb_real force[3], torque[3];
+  fbi_frames f;
+  if (!fbi_is_kept(system, w, j)) {
+    return w->link[j].u[i];
+  }
+  (void)fbi_frames_eval(&f, w, system, body, j);
+  fbi_frames_axis(force, torque, &f, &system->joint[j], i);
+  return fbi_frames_speed(&f, w, force, torque);
 }
 
 /* Friction of all joints as its tangent at the steady state, damper and constant effort, in a copy of the system:
