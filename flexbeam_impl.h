@@ -24631,8 +24631,9 @@ static void fbi_rotor_fill(fb_rotor *rotor, const fb_body *body, const fb_body_w
   rotor->rate = slope * (FB_R(1.0) / rotor->inertia + fbi_larger(W[2][2], FB_R(0.0)));
 }
 
-/* Rotors of a body whose inverses are known. */
-static void fbi_rotors_fill(fb_body *body, const fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
+/* Rotors of a body whose inverses are known. FB_ERR_VALUE: what follows from a rotor is beyond all numbers. */
+static fb_status fbi_rotors_fill(fb_body *body, const fb_body_work *work, const fb_shape *shape,
+                                 const fb_body_desc *desc)
 {
   body->n_rotor = desc->n_rotor;
   body->n_coordinate = body->n + desc->n_rotor;
@@ -24640,9 +24641,19 @@ static void fbi_rotors_fill(fb_body *body, const fb_body_work *work, const fb_sh
   body->effects |= desc->n_rotor > 0 ? (unsigned)FB_EFFECT_ROTORS : 0u;
   for (int r = 0; r < desc->n_rotor; r++) {
     fb_rotor *const rotor = &body->rotor[r];
-    const fb_node *const node = &shape->node[desc->rotor[r].node];
-    *rotor = desc->rotor[r];
-    rotor->given = rotor->given != 0;
+    const fb_rotor *const d = &desc->rotor[r];
+    const fb_node *const node = &shape->node[d->node];
+    memset(rotor, 0, sizeof *rotor);
+    rotor->node = d->node;
+    rotor->given = d->given != 0;
+    fbi_vec3_copy(rotor->axis, d->axis);
+    rotor->inertia = d->inertia;
+    rotor->damping = d->damping;
+    rotor->friction = d->friction;
+    rotor->friction_speed = d->friction_speed;
+    rotor->static_imbalance = d->static_imbalance;
+    rotor->dynamic_imbalance = d->dynamic_imbalance;
+    rotor->dynamic_phase = d->dynamic_phase;
     rotor->moves = !fbi_is_zero(node->theta, 3 * body->n);
 #if FBI_WITH_QUADRATIC
     rotor->moves |= !fbi_is_zero(node->chi_theta, 3 * body->n * (body->n + 1) / 2);
@@ -24651,7 +24662,14 @@ static void fbi_rotors_fill(fb_body *body, const fb_body_work *work, const fb_sh
     rotor->moves |= fbi_is_large(body) && node->line.line > 0;
 #endif
     fbi_rotor_fill(rotor, body, work, shape);
+    if (!fbi_is_finite(&rotor->mobility, 1) || !fbi_is_finite(&rotor->rate, 1)) {
+      return FBI_REFUSE(FB_ERR_VALUE,
+                        "rotor: inertia and friction_speed, so large that friction/friction_speed/inertia is finite; "
+                        "inertia [kg m^2]",
+                        r, rotor->inertia, FB_R(0.0));
+    }
   }
+  return FB_OK;
 }
 #endif
 
@@ -24675,9 +24693,7 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   status = status == FB_OK ? fbi_inverses_fill(out, work) : status;
   status = status == FB_OK ? fbi_recoil_fill(out, shape) : status;
 #if FB_WITH_ROTORS
-  if (status == FB_OK) {
-    fbi_rotors_fill(out, work, shape, desc);
-  }
+  status = status == FB_OK ? fbi_rotors_fill(out, work, shape, desc) : status;
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   if (status == FB_OK && fbi_is_large(out)) {

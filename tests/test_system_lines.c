@@ -345,7 +345,7 @@ TEST(a_line_alone_is_the_single_body)
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_state_init(&model[0], &single), FB_OK);
     memcpy(single.quat, start[0].quat, sizeof single.quat);
-    memcpy(single.q, start[0].q, sizeof single.q);
+    memcpy(single.q, start[0].q, sizeof start[0].q);
     memcpy(v, start[0].speed, sizeof v);
     memcpy(w, start[0].speed + 3, sizeof w);
     memset(single.rho, 0, sizeof single.rho);

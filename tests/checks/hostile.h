@@ -43,14 +43,14 @@ static struct world {
   int coordinate[2];
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
-  fb_body_desc body_desc, scene_desc, bent_desc;
-  fb_body body, held, bent, bent_held; /* the last two with lines */
-  fb_state state, bent_state;
-  fb_input input, bent_input;
+  fb_body_desc body_desc, scene_desc, bent_desc, spun_desc;
+  fb_body body, held, bent, bent_held, spun; /* bent ones with lines, the last with rotors */
+  fb_state state, bent_state, spun_state;
+  fb_input input, bent_input, spun_input;
   fb_motion motion, bent_motion;
   fb_node_motion node_motion;
   fb_real v[3], w[3], q_dot[FB_MAX_MODES], gravity[3];
-  fb_exponential exponential, bent_exponential;
+  fb_exponential exponential, bent_exponential, spun_exponential;
   fb_system_desc system_desc;
   fb_system system, bent_system;
   fb_link_motion link_motion[FB_MAX_BODIES];
@@ -179,7 +179,37 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
 /* F(function, call, has a status, arguments...) */
 #define SLOW 2       /* it has: few poisons */
 #define ARITHMETIC 3 /* none, and pointers are valid */
-/* Again with a body with lines, its loads distributed by a callback; hostile.sh takes the ending off. */
+/* Again with a body with rotors, one of them on a node that moves; hostile.sh takes the ending off. */
+#define OF_ROTORS(F)                                                                                                  \
+  F(fb_body_init_of_rotors, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),   \
+    IN(spun_desc))                                                                                                    \
+  F(fb_body_check_of_rotors, fb_body_check(p[0]), 1, MODEL(spun))                                                     \
+  F(fb_body_crc_of_rotors, give((fb_real)fb_body_crc(p[0])), 0, MODEL(spun))                                          \
+  F(fb_state_from_velocity_of_rotors, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(spun),           \
+    STATE(spun_state), IN(v), IN(w), OPTIONAL(q_dot))                                                                 \
+  F(fb_state_rotor_set, fb_state_rotor_set(p[0], p[1], i[0], x[0], x[1], p[2]), 1, MODEL(spun), STATE(spun_state),    \
+    WHOLE(1), REAL(FB_R(1.0)), REAL(FB_R(0.5)), OPTIONAL(spun_input))                                                 \
+  F(fb_state_check_of_rotors, fb_state_check(p[0], p[1]), 1, MODEL(spun), IN(spun_state))                             \
+  F(fb_body_rates_eval_of_rotors, fb_body_rates_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_state),          \
+    IN(spun_state), OPTIONAL(spun_input))                                                                             \
+  F(fb_body_motion_eval_of_rotors, fb_body_motion_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_motion),       \
+    IN(spun_state), OPTIONAL(spun_input))                                                                             \
+  F(fb_body_energy_eval_of_rotors, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_energy),       \
+    IN(spun_state), OPTIONAL(spun_input))                                                                             \
+  F(fb_body_momentum_eval_of_rotors, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_momentum), \
+    IN(spun_state), OPTIONAL(spun_input))                                                                             \
+  F(fb_rk4_step_of_rotors, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(spun), STATE(spun_state),  \
+    WORK(rk4_work), OPTIONAL(spun_input), OPTIONAL(spun_input), OPTIONAL(spun_input), REAL(FB_R(0.01)))               \
+  F(fb_midpoint_step_of_rotors, fb_midpoint_step(p[0], p[1], p[2], p[3], x[0], i[0]), 1, MODEL(spun),                 \
+    STATE(spun_state), WORK(implicit_work), OPTIONAL(spun_input), REAL(FB_R(0.01)), WHOLE(2))                         \
+  F(fb_sdirk_step_of_rotors, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(spun),                 \
+    STATE(spun_state), WORK(implicit_work), IN(spun_input), IN(spun_input), REAL(FB_R(0.01)), WHOLE(2))               \
+  F(fb_exponential_init_of_rotors, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential),               \
+    WORK(body_work), MODEL(spun), REAL(FB_R(0.01)))                                                                   \
+  F(fb_exponential_step_of_rotors, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(spun),     \
+    MODEL(spun_exponential), STATE(spun_state), WORK(exponential_work), OPTIONAL(spun_input), OPTIONAL(spun_input),   \
+    OPTIONAL(spun_input))
+/* Again with a body with lines, its loads distributed by a callback. */
 #define OF_LINES(F)                                                                                                   \
   F(fb_body_init_of_lines, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),    \
     IN(bent_desc))                                                                                                    \
@@ -418,7 +448,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_config_string, fb_config_string() ? 0 : -1, 0, REAL(0))                                                         \
   F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))                                                          \
   F(fb_build_check, fb_build_check(), 0, REAL(0))                                                                      \
-  OF_LINES(F)
+  OF_LINES(F)                                                                                                          \
+  OF_ROTORS(F)
 
 #define AS_CALL(function, call, has_status, ...) CALL(function, call)
 FUNCTIONS(AS_CALL)
@@ -603,6 +634,20 @@ static void body_fill(void)
   need(fb_body_init(&w.bent, &body_work, &w.natural, &w.bent_desc), "body with lines");
   need(fb_state_init(&w.bent, &w.bent_state), "its state");
   w.bent_input.distributed = drag;
+  w.spun_desc = w.body_desc;
+  w.spun_desc.n_rotor = 2;
+  w.spun_desc.rotor[0].axis[0] = w.spun_desc.rotor[1].axis[2] = FB_R(1.0);
+  w.spun_desc.rotor[0].inertia = w.spun_desc.rotor[1].inertia = FB_R(0.01);
+  w.spun_desc.rotor[0].given = 1;
+  w.spun_desc.rotor[1].node = 1;
+  w.spun_desc.rotor[1].friction = FB_R(1e-4);
+  w.spun_desc.rotor[1].friction_speed = FB_R(0.1);
+  w.spun_desc.rotor[1].static_imbalance = w.spun_desc.rotor[1].dynamic_imbalance = FB_R(1e-4);
+  need(fb_body_init(&w.spun, &body_work, &w.natural, &w.spun_desc), "body with rotors");
+  need(fb_state_init(&w.spun, &w.spun_state), "its state");
+  w.spun_input.rotor[0].momentum = FB_R(1e-3);
+  need(fb_state_rotor_set(&w.spun, &w.spun_state, 1, FB_R(2.0), FB_R(0.1), &w.spun_input), "its wheel");
+  need(fb_exponential_init(&w.spun_exponential, &body_work, &w.spun, FB_R(0.01)), "its exponential scheme");
   w.scene_desc = w.bent_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.bent_held, &body_work, &w.natural, &w.scene_desc), "held body with lines");
