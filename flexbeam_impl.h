@@ -1804,7 +1804,7 @@ static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, co
   return sound;
 }
 
-#if FB_WITH_SYSTEM || FB_WITH_BUILD
+#if FB_WITH_SYSTEM || FB_WITH_BUILD || FB_WITH_ROTORS
 /* The line that a point belongs to. */
 static const fb_line *fbi_line_of(const fb_lines *all, int point)
 {
