@@ -14714,19 +14714,27 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
-   with lines of large deflection
-     fb_rk4_step: fbi_large_rk4_step
-     fbi_large_rk4_step: fbi_state_enter fbi_line_start fbi_input_check fbi_large_state_rates fbi_rk4_check
-                         fbi_turn_check fbi_stage_advance fbi_step_end
+   with lines of large deflection or rotors
+     fb_rk4_step: fbi_further_rk4_step
+     fbi_further_rk4_step: fbi_large_rk4_step fbi_rotor_rk4_step
+     fbi_large_rk4_step: fbi_further_rk4_stages
+     fbi_rotor_rk4_step: fbi_further_rk4_stages
+     fbi_further_rk4_stages: fbi_state_enter fbi_line_start fbi_input_check fbi_further_rates fbi_rk4_check fbi_turn_check
+                      fbi_stage_advance fbi_step_end
+     fbi_further_rates: fbi_rotor_state_rates fbi_large_state_rates
+     fbi_rotor_state_rates: fbi_rotor_velocity fbi_forces fbi_imbalance_add fbi_elastic_rates fbi_rigid_rates
+                            fbi_rotors_turn
+     fbi_rotor_velocity: fbi_rotors_check fbi_rotors_enter fbi_velocity fbi_large_inertia fbi_large_solve
      fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
      fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
-     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_base_solve fbi_given_velocity
+     fbi_large_velocity: fbi_large_inertia fbi_large_solve
+     fbi_large_solve: fbi_large_S fbi_base_solve fbi_given_velocity
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
      fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
-     fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
+     fbi_rk4_check: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
 static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
@@ -14736,9 +14744,9 @@ static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_
 #if FBI_WITH_FURTHER
 /* E11.3 of a body with lines, or (rotors) with rotors. Written out once more, so that the loop of all other bodies keeps
    its registers. */
-static FBI_INLINE fb_status fbi_further_rk4(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                            const fb_input *start, const fb_input *middle, const fb_input *end,
-                                            fb_real dt, int further)
+static FBI_INLINE fb_status fbi_further_rk4_stages(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                   const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                   fb_real dt, int further)
 {
   const int large = (further & FB_EFFECT_LARGE_DEFLECTION) != 0;
   const int n = further & FB_EFFECT_ROTORS ? body->n_coordinate : body->n;
@@ -14791,7 +14799,7 @@ static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *
                                                  const fb_input *start, const fb_input *middle, const fb_input *end,
                                                  fb_real dt)
 {
-  return fbi_further_rk4(body, state, work, start, middle, end, dt, FB_EFFECT_LARGE_DEFLECTION);
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_LARGE_DEFLECTION);
 }
 #endif
 
@@ -14800,8 +14808,8 @@ static FBI_NOINLINE fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *
                                                  const fb_input *start, const fb_input *middle, const fb_input *end,
                                                  fb_real dt)
 {
-  return fbi_further_rk4(body, state, work, start, middle, end, dt,
-                         FB_EFFECT_ROTORS | (fbi_is_large(body) ? FB_EFFECT_LARGE_DEFLECTION : 0));
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
+                                FB_EFFECT_ROTORS | (fbi_is_large(body) ? FB_EFFECT_LARGE_DEFLECTION : 0));
 }
 #endif
 
