@@ -902,7 +902,7 @@ typedef struct fb_rotor {
   int moves;         /* modes move the node */
   fb_real across[3]; /* x at angle 0 */
   fb_real
-      mobility; /* [1/(kg m^2)] largest of the body, undeformed, across the axis: nutation is at most momentum times it */
+      mobility; /* [1/(kg m^2)] largest of the undeformed body across the axis: nutation is at most momentum times it */
   fb_real rate; /* [1/s] by which friction brakes at most */
 } fb_rotor;
 
@@ -1341,6 +1341,7 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
   int has_rotors;
+  int rubs;              /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_kept_elastic, limit_kept_damping;     /* what springs and dampers of kept joints add at most */
@@ -1496,7 +1497,7 @@ typedef struct fbi_link_work {
   fb_real S[21];                /* articulated inertia */
   fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
   fb_real U[18], D[3];  /* S A, 1/(A S A) */
-  fb_real stiffness[3], damping[3]; /* of the axes of its joint, in an implicit step */
+  fb_real stiffness[3], damping[3]; /* of the axes of a joint with friction or stops, in an implicit step */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
@@ -1603,7 +1604,7 @@ typedef struct fb_joint_motion {
   fb_real value[3], speed[6], acceleration[6];
   fb_real force[3],
       torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
-  fb_real drive[3]; /* of them the part along each axis: motor, spring and damper, or what holds or drives it */
+  fb_real drive[3]; /* of them the part along each axis: motor, spring, damper, friction and stop, or what holds it */
 } fb_joint_motion;
 
 typedef struct fb_system_motion {
@@ -1846,8 +1847,8 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    bends, and the step's own check takes those it finds, and the fastest rotation of a section: a tip at 80 degrees may
    allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
    for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam.
-   Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum| mobility/2
-   + the largest rate, + |momentum|/inertia of those with an imbalance. */
+   Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum|
+   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
@@ -1941,9 +1942,9 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     const fb_system_input *end, fb_real dt);
 
 /* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
-   but the first with one more factorization. Springs and dampers between points, and springs, dampers, friction
-   and stops of joints that are kept as constraints, are explicit in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and
-   t + dt list the same loads.
+   but the first with one more factorization. Springs and dampers between points, and springs, dampers, friction and
+   stops of joints that are kept as constraints, are explicit in it and bound the step, as does the fastest spin:
+   |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
    FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
    the first stage tells. Else as fb_system_rk4_step. */
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -2551,8 +2552,8 @@ typedef struct fb_joint_desc {
       damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
   /* Friction, E9.28: Coulomb's [N m, N], regularized. It has 71 % of its size at friction_speed [rad/s, m/s], positive
      where there is friction; below it is a damper, so that a joint under load creeps. Stops, E9.29: springs [N m/rad,
-     N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; loss [s/rad, s/m]: an impact at the
-     speed v comes back with about (1 - 2/3 loss v) v. stop_stiffness zero: no stops. Neither on spherical and free
+     N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; stop_loss c [s/rad, s/m]: an impact
+     at the speed v comes back with about (1 - 2/3 c v) v. stop_stiffness zero: no stops. Neither on spherical and free
      joints; stops about the axes of joints that are kept within half a turn */
   fb_real friction[3], friction_speed[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
@@ -2580,9 +2581,11 @@ typedef struct fb_system_desc {
    inertia about some axis. */
 
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
-   springs, negative stiffness, damping or length, a spring with both ends on the ground, an invalid mode, form or base of a
-   body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors;
-   FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint that failed. */
+   springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
+   order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
+   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors;
+   FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint
+   that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif

@@ -3998,7 +3998,7 @@ static FBI_NOINLINE void fbi_large_gradient(fbi_kinetics *k, const fb_body *body
 /* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
    V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
    Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
-static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+static FBI_INLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   fbi_line_work *const w = k->line;
   if (body->base == FB_BASE_PRESCRIBED) {
@@ -4044,7 +4044,8 @@ static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
 }
 
 /* E8.13 for a body with lines whose inertia is known. */
-static fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                            const fb_input *input)
 {
   fb_real y[6];
   fbi_line_work *const w = k->line;
@@ -4606,7 +4607,8 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
 
 #if FB_WITH_LARGE_DEFLECTION
 /* The same of a body with lines. */
-static fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_INLINE fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                             const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
   const int distributed = fbi_is_distributed(input), loaded = n_load > 0 || distributed;
@@ -5861,7 +5863,7 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 }
 
 /* The same of a body with lines or rotors. */
-static FBI_NOINLINE fb_status fbi_further_range(const fb_body *body, const fb_state *state)
+static fb_status fbi_further_range(const fb_body *body, const fb_state *state)
 {
   fb_status status = fbi_state_range(body, state);
 #if FB_WITH_ROTORS
@@ -6133,7 +6135,7 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
 }
 
 #if FB_WITH_ROTORS
-/* Room for what an evaluation knows about the lines, if there are any. */
+/* fb_state_rotor_set with room for what an evaluation knows about the lines, if there are any. */
 static fb_status fbi_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
                                const fb_input *input)
 {
@@ -8496,6 +8498,17 @@ static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
   return FB_OK;
 }
 
+/* Stiffness and damping of the axes of a joint; in an implicit step (g > 0) with those of its friction and stops. */
+static const fb_real *fbi_stiffness_of(const fbi_link_work *L, const fb_joint *joint, fb_real g)
+{
+  return joint->rubs && g > FB_R(0.0) ? L->stiffness : joint->stiffness;
+}
+
+static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joint, fb_real g)
+{
+  return joint->rubs && g > FB_R(0.0) ? L->damping : joint->damping;
+}
+
 /* [E9.4] Articulated-body inertia: each free axis is eliminated, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k. Axes
    of one joint are eliminated one after the other, as if massless bodies were between them. An axis moves no inertia
    where D is round-off, of its own summands or of the largest inertia that an axis further out has eliminated.
@@ -8521,11 +8534,11 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
   }
 
   /* free axes */
+  const fb_real *const stiffness = fbi_stiffness_of(L, joint, g), *const damping = fbi_damping_of(L, joint, g);
   const fb_real mass = L->mass, moment = L->moment; /* eliminated further out */
   for (int i = 0; i < joint->n_axis; i++) {
     const fb_real *A = L->A + 6 * i;
-    fb_real *U = L->U + 6 * i, D = g > FB_R(0.0) ? g * L->damping[i] + g * g * L->stiffness[i] : FB_R(0.0),
-            reference = D;
+    fb_real *U = L->U + 6 * i, D = g * damping[i] + g * g * stiffness[i], reference = D;
     if (L->mode[i] != FB_AXIS_FREE) {
       continue;
     }
@@ -8872,7 +8885,7 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
     fbi_row_sub(w->M + (modes + a) * N + modes, -FB_R(1.0), L->E + a * model->n, a + 1);
   }
   for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-    w->M[(axes + i) * (N + 1)] += g > FB_R(0.0) ? g * L->damping[i] + g * g * L->stiffness[i] : FB_R(0.0);
+    w->M[(axes + i) * (N + 1)] += g * fbi_damping_of(L, joint, g)[i] + g * g * fbi_stiffness_of(L, joint, g)[i];
   }
 }
 
@@ -10129,12 +10142,13 @@ static fb_real fbi_axis_damping(const fb_joint *joint, int i)
   return joint->damping[i] + fbi_friction(joint, i, FB_R(0.0));
 }
 
-/* Has joint j a spring, a damper or a motor at work? */
+/* Has joint j a spring, a damper, a stop, friction or a motor at work? */
 static int fbi_is_sprung(const fb_joint *joint, const fb_system_work *w, const fb_system_input *input, int j)
 {
   fb_real sum = FB_R(0.0);
   for (int i = 0; i < joint->n_axis && i < 3; i++) {
-    sum += fbi_axis_stiffness(joint, i) + fbi_axis_damping(joint, i) + FB_FABS(fbi_motor(w, input, j, i));
+    sum += joint->stiffness[i] + joint->damping[i] + joint->stop_stiffness[i] + joint->friction[i];
+    sum += FB_FABS(fbi_motor(w, input, j, i));
   }
   return sum > FB_R(0.0);
 }
@@ -12357,8 +12371,9 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
                               system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->has_rotors) && fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6) &&
-            system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 && system->free.parent == FB_GROUND;
+            fbi_is_flag(system->has_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
+            fbi_is_finite(limit, 6) && system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 &&
+            system->free.parent == FB_GROUND;
   }
 
   /* models and joints */
@@ -12404,11 +12419,11 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 
   /* options and limits */
   {
-    const int whole[7] = {system->n_body,          system->n_loop, system->n_spring,  (int)system->method,
-                          system->allow_long_step, system->tied,   system->has_rotors};
+    const int whole[8] = {system->n_body,          system->n_loop, system->n_spring,   (int)system->method,
+                          system->allow_long_step, system->tied,   system->has_rotors, system->rubs};
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
                               system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), limit, 6, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 8), limit, 6, FB_SINGLE);
     crc = fbi_crc_reals(crc, system->rotor, system->n_body, FB_SINGLE);
   }
 
@@ -14428,8 +14443,8 @@ static fb_real fbi_own_rotors_spin(const fb_body *body, const fbi_kinetics *k)
 #endif
 
 /* Arguments of the step limits of a body with rotors (further) or without. */
-static void fbi_further_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
-                                   const fb_input *input, int further)
+static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body,
+                                              const fbi_kinetics *k, const fb_input *input, int further)
 {
   fbi_step_conditions(spin, acceleration, body, k, input);
 #if FB_WITH_ROTORS
@@ -14440,8 +14455,8 @@ static void fbi_further_conditions(fb_real *spin, fb_real *acceleration, const f
   (void)further;
 }
 
-static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
-                               int further)
+static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
+                                          int further)
 {
   fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
   fbi_further_conditions(&spin, &acceleration, body, k, input, further);
@@ -14633,7 +14648,7 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
 
 /* Of lines and rotors at the end of a step: range; angles within half a turn, momenta that are given as the input has
    them. */
-static FBI_NOINLINE fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
+static fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
 {
   const fb_status status = fbi_further_range(body, next);
 #if FB_WITH_ROTORS
@@ -16323,12 +16338,13 @@ static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *
    w_k^2 = k mobility: w_k (1 + c u), as of the stiffness k (1 + c u)^2. The square less 1 for the fastest axis of the
    tree to w->impact[0]; of joints that are kept to w->elastic.
    Source: E9.29, E8.8.  Test: stops_bound_the_step. */
-static void fbi_impacts_bound(fb_system_work *w, const fb_system *system)
+static FBI_NOINLINE void fbi_impacts_bound(fb_system_work *w, const fb_system *system)
 {
   fb_real tree = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *const joint = &system->joint[k];
-    for (int i = 0; joint->rubs && i < joint->n_axis && !fbi_is_kept(system, w, k); i++) {
+    const int most = joint->rubs && !fbi_is_kept(system, w, k) ? joint->n_axis : 0;
+    for (int i = 0; i < most; i++) {
       tree = fbi_larger(tree, joint->stop_loss[i] * FB_FABS(w->link[k].u[i]));
     }
   }
@@ -16364,7 +16380,10 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
   if (system->n_spring > 0) {
     fbi_springs_bound(w, system, body, input[0]);
   }
-  fbi_impacts_bound(w, system);
+  w->impact[0] = FB_R(0.0);
+  if (system->rubs) {
+    fbi_impacts_bound(w, system);
+  }
 }
 
 #if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
@@ -16970,16 +16989,19 @@ static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_
   (void)L;
 }
 
-/* Stiffness and damping of the axes of all joints for E11.13; of friction as a secant, with which the iterations approach
+/* Stiffness and damping of the axes of joints with friction or stops for E11.13; of friction as a secant, with which the iterations approach
    the speed from one side: its tangent would send them past zero. */
-static void fbi_axes_soften(fb_system_work *w, const fb_system *system, const fb_system_state *at)
+static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *system, const fb_system_state *at)
 {
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     fbi_link_work *L = &w->link[k];
+    if (!joint->rubs || fbi_is_kept(system, w, k)) {
+      continue;
+    }
     fbi_vec3_copy(L->stiffness, joint->stiffness);
     fbi_vec3_copy(L->damping, joint->damping);
-    for (int i = 0; joint->rubs && i < joint->n_axis; i++) {
+    for (int i = 0; i < joint->n_axis; i++) {
       const fb_real depth = fbi_stop_depth(joint, i, at->link[k].x[i]);
       if (!(depth == FB_R(0.0))) {
         L->stiffness[i] += fbi_stop_secant(joint, i, depth, L->u[i]);
@@ -17000,6 +17022,7 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     const fb_body *model = fbi_model(system, body, k);
     const fb_link_state *x = &r->link[k];
     fbi_link_work *L = &w->link[k];
+    const fb_real *const stiffness = joint->rubs ? L->stiffness : joint->stiffness;
 
     /* Modes */
     fbi_stiffness_sub(L->pi, g * g, L, model, x->q);
@@ -17015,11 +17038,11 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3];
       fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
-      fbi_row_sub(L->p, g * g * L->stiffness[0], turn, 3);
+      fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
     }
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       const int moves = joint->kind != FB_JOINT_SPHERICAL;
-      L->p[i] -= moves ? g * g * L->stiffness[i] * x->x[i] : FB_R(0.0);
+      L->p[i] -= moves ? g * g * stiffness[i] * x->x[i] : FB_R(0.0);
       L->p[i] = L->mode[i] == FB_AXIS_FREE ? L->p[i] : FB_R(0.0);
     }
   }
@@ -17052,16 +17075,18 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
       fb_real turn[3], torque[3], inertial[3];
       fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
       for (int i = 0; i < 3; i++) {
-        turn[i] = -g * L->stiffness[0] * turn[i] - L->damping[0] * L->u[i];
+        turn[i] = -g * joint->stiffness[0] * turn[i] - joint->damping[0] * L->u[i];
       }
       fb_mat33_mul_vec3(torque, joint->child_axes, turn);
       fb_mat33_mul_vec3(inertial, L->k.R, torque);
       fbi_vec3_add(x->p, L->mode[0] == FB_AXIS_FREE ? FB_R(1.0) : FB_R(0.0), inertial);
     } else {
+      const fb_real *const stiffness = joint->rubs ? L->stiffness : joint->stiffness;
+      const fb_real *const damping = joint->rubs ? L->damping : joint->damping;
       for (int i = 0; i < joint->n_axis; i++) {
         x->x[i] += move.x[i];
         if (L->mode[i] == FB_AXIS_FREE) {
-          x->p[i] -= g * L->stiffness[i] * x->x[i] + L->damping[i] * L->u[i];
+          x->p[i] -= g * stiffness[i] * x->x[i] + damping[i] * L->u[i];
         }
       }
     }
@@ -17126,7 +17151,9 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     /* Residual f - k and iteration matrix */
     if (status == FB_OK) {
       fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
-      fbi_axes_soften(w, system, &w->stage);
+      if (system->rubs) {
+        fbi_axes_soften(w, system, &w->stage);
+      }
       status = fbi_mass_factor(w, system, body, g);
     }
 
@@ -25295,6 +25322,7 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   /* Joints, and what the constraints connect */
   for (int j = 0; j < desc->n_body + desc->n_loop; j++) {
     fbi_joint_fill(&out->joint[j], desc, body, j);
+    out->rubs |= out->joint[j].rubs;
     if (j < desc->n_body && out->joint[j].moves) {
       out->coupled[out->joint[j].parent] = 1;
     }
@@ -28474,11 +28502,7 @@ static fb_status fbi_friction_straighten(fbi_subject *s, const fb_system_state *
   fb_system *const straight = &w->system;
   const fb_system *const system = s->system;
   fb_status status;
-  int rubs = 0;
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    rubs |= system->joint[j].rubs;
-  }
-  if (!rubs) {
+  if (!system->rubs) {
     return FB_OK;
   }
   *straight = *system;

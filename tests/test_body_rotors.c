@@ -120,7 +120,7 @@ TEST(gyrostats_nutate_and_wobble_in_closed_form)
     fb_quat_mul(quat, turn, about);
     for (int i = 0; i < 4; i++) {
       const double sign = (double)(quat[0] * state.quat[0]) > 0.0 ? 1.0 : -1.0;
-      FBT_NEAR_ABS(state.quat[i], sign * (double)quat[i], 10.0 * bound);
+      FBT_NEAR_ABS(state.quat[i], sign * (double)quat[i], FBT_TOL(1.0, 10.0) * bound);
     }
   }
 }

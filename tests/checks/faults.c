@@ -126,27 +126,47 @@ static unsigned large_word(void)
   return fb_body_crc(&large);
 }
 
-/* The first status that is not FB_OK of a step, motion, motion of a node, energy, momentum of a body with lines. */
-static fb_status use_large(void)
+/* The first status that is not FB_OK of a step, motion, motion of a node, energy, momentum of another body. */
+static fb_status use_other(const fb_body *other, const fb_input *input)
 {
   fb_state state;
   fb_motion motion;
   fb_node_motion node;
   fb_energy energy;
   fb_momentum momentum;
-  fb_status status = fb_state_init(&large, &state);
+  fb_status status = fb_state_init(other, &state);
   memset(&motion, 0, sizeof motion);
   state.q[0] = FB_R(0.01);
-  status = status ? status : fb_rk4_step(&large, &state, &rk4_work, &w.input, &w.input, &w.input, FB_R(0.0001));
+  status = status ? status : fb_rk4_step(other, &state, &rk4_work, input, input, input, FB_R(0.0001));
   status = finite_or(status, &state, sizeof state);
-  status = status ? status : fb_body_motion_eval(&large, &motion, &state, &w.input);
+  status = status ? status : fb_body_motion_eval(other, &motion, &state, input);
   status = finite_or(status, &motion, sizeof motion);
-  status = status ? status : fb_body_node_motion_eval(&large, &node, &state, &motion, 1);
+  status = status ? status : fb_body_node_motion_eval(other, &node, &state, &motion, 1);
   status = finite_or(status, &node, sizeof node);
-  status = status ? status : fb_body_energy_eval(&large, &energy, &state, &w.input);
+  status = status ? status : fb_body_energy_eval(other, &energy, &state, input);
   status = finite_or(status, &energy, sizeof energy);
-  status = status ? status : fb_body_momentum_eval(&large, &momentum, &state, &w.input);
+  status = status ? status : fb_body_momentum_eval(other, &momentum, &state, input);
   return finite_or(status, &momentum, sizeof momentum);
+}
+
+static fb_status use_large(void)
+{
+  return use_other(&large, &w.input);
+}
+
+static fb_status check_spun(void)
+{
+  return fb_body_check(&w.spun);
+}
+
+static unsigned spun_word(void)
+{
+  return fb_body_crc(&w.spun);
+}
+
+static fb_status use_spun(void)
+{
+  return use_other(&w.spun, &w.spun_input);
 }
 
 static fb_status use_system(void)
@@ -246,6 +266,7 @@ int main(void)
   static const subject subjects[] = {
       {"fb_body", &w.body, sizeof w.body, check_body, use_body, body_word},
       {"fb_body, lines", &large, sizeof large, check_large, use_large, large_word},
+      {"fb_body, rotors", &w.spun, sizeof w.spun, check_spun, use_spun, spun_word},
       {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body, NULL},
       {"fb_state", &w.state, sizeof w.state, check_state, use_body, NULL},
       {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},

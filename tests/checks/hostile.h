@@ -693,6 +693,11 @@ static void system_fill(void)
   w.system_desc.joint[0].parent = FB_GROUND;
   w.system_desc.joint[1].parent_node = 1;
   w.system_desc.joint[0].stiffness[0] = w.system_desc.joint[1].stiffness[0] = FB_R(1000.0);
+  w.system_desc.joint[1].friction[0] = w.system_desc.joint[1].friction_speed[0] = FB_R(0.1);
+  w.system_desc.joint[1].stop[0][0] = FB_R(-0.5);
+  w.system_desc.joint[1].stop[0][1] = FB_R(0.5);
+  w.system_desc.joint[1].stop_stiffness[0] = FB_R(10.0);
+  w.system_desc.joint[1].stop_loss[0] = FB_R(0.1);
   w.system_desc.n_spring = 1;
   w.system_desc.spring[0].node[0] = 1;
   w.system_desc.spring[0].body[1] = FB_GROUND;

@@ -8,17 +8,25 @@ need clang clang
 try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 sed 's/effects full damping/effects large damping/' examples/satellite.txt > "$out/large.txt"
 grep -q 'effects large' "$out/large.txt" || fail "examples/satellite.txt has no effects full damping"
-for model in examples/blade examples/panel examples/satellite "$out/large"; do
-  for single in 0 1; do
-    precision=$([ $single = 1 ] && echo --single || true)
+# again NAME SOURCE SINGLE: the header is included, written again, and compared
+again() {
+  flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/rom.h")
+  try gcc $c99 -I"$out" $flags -DSOURCE="\"$2\"" -o "$out/again" tests/checks/rom.c -lm
+  "$out/again" > "$out/again.h"
+  try clang $c99 -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
+  try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
+  cmp -s "$out/rom.h" "$out/again.h" || fail "$1, $([ $3 = 1 ] && echo single || echo double): not every number comes back"
+}
+try gcc $c99 -O1 -o "$out/rotors" tests/checks/rom_rotors.c -lm
+for single in 0 1; do
+  precision=$([ $single = 1 ] && echo --single || true)
+  for model in examples/blade examples/panel examples/satellite "$out/large"; do
     try "$out/reduce" $model.txt $precision --name rom_body --out "$out/rom.h"
-    flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/rom.h")
-    try gcc $c99 -I"$out" $flags -DSOURCE="\"$model.txt\"" -o "$out/again" tests/checks/rom.c -lm
-    "$out/again" > "$out/again.h"
-    try clang $c99 -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
-    try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
-    cmp -s "$out/rom.h" "$out/again.h" || fail "$model, $([ $single = 1 ] && echo single || echo double): not every number comes back"
+    again $model $model.txt $single
   done
+  "$out/rotors" $precision > "$out/rom.h"
+  grep -q 'n_rotor = 2' "$out/rom.h" || fail "rotors are not written"
+  again rotors rotors $single
 done
 for capacity in FB_MAX_POINTS=8 FB_MAX_LINE_ROWS=5 FB_MAX_LINE_TABLE=359; do # 10, 6 and 360 are wanted
   try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm

@@ -116,7 +116,7 @@ static int build_body(bytes *b, int plain, int lines)
   fb_beam_desc desc;
   fb_modes_desc keep;
   fb_body_desc level;
-  int node, form;
+  int node, form, bits;
   memset(&desc, 0, sizeof desc);
   memset(&keep, 0, sizeof keep);
   memset(&level, 0, sizeof level);
@@ -139,7 +139,17 @@ static int build_body(bytes *b, int plain, int lines)
   (void)form;
 #endif
   level.allow_long_step = take_byte(b) & 1;
-  level.zeta[0] = level.zeta[1] = take_byte(b) & 1 ? FB_R(0.02) : FB_R(1.5);
+  bits = take_byte(b);
+  level.zeta[0] = level.zeta[1] = bits & 1 ? FB_R(0.02) : FB_R(1.5);
+  if ((bits & 2) && form == 0) {
+    level.n_rotor = 2;
+    level.rotor[0].axis[0] = level.rotor[1].axis[2] = FB_R(1.0);
+    level.rotor[0].inertia = level.rotor[1].inertia = FB_R(0.05);
+    level.rotor[0].friction = level.rotor[0].friction_speed = FB_R(0.1);
+    level.rotor[0].static_imbalance = bits & 4 ? FB_R(1e-3) : FB_R(0.0);
+    level.rotor[1].node = 1;
+    level.rotor[1].given = (bits & 8) != 0;
+  }
   level.gravity[2] = take_real(b);
   if (!(level.effects & FB_EFFECT_DAMPING)) {
     level.zeta[0] = level.zeta[1] = FB_R(0.0);
@@ -194,6 +204,8 @@ static void take_input(fb_input *input, bytes *b)
     input->v_dot[i] = take_part(b, 3.0);
     input->w_dot[i] = take_part(b, 3.0);
   }
+  input->rotor[0].torque = input->v[0];
+  input->rotor[1].momentum = body.n_rotor > 0 && body.rotor[1].given ? input->v[1] : FB_R(0.0);
   if (take_byte(b) > 220) {
     spoil(input, sizeof *input, b);
   }
@@ -284,6 +296,9 @@ static void run_body(bytes *b, int lines)
     for (int i = 0; i < body.n; i++) {
       state.q[i] += take_part(b, 0.1);
       state.pi[i] += take_part(b, 1.0);
+      if (i < body.n_rotor) {
+        state.pi[body.n + i] += state.q[i];
+      }
     }
     state.L[take_below(b, 3)] += take_part(b, 30.0);
     if (take_byte(b) > 230) {
