@@ -13,7 +13,7 @@
                              both bilinear, s = w / tan(w T/2) (z - 1)/(z + 1), which is exact at w (prewarped)
    state_space N A B C D     the sampled block itself: A by rows
    saturate U                w_k = v_k, at least -U and at most U. The integral of a pid before it rests while it
-                             limits, as long as the integral would drive it further
+                             limits, as long as the integral would drive it further; blocks between the two keep the sign
    quantize Q                w_k = Q round(v_k / Q), halves away from zero
    thruster LEVEL ON OFF [MINIMUM]
                              on with the sign of v_k where |v_k| >= ON, off where v_k times that sign <= OFF and it was

@@ -36,20 +36,21 @@ typedef struct loop_point {
 static struct scene_loops {
   fb_linear_desc desc;
   fb_linear linear;
-  int n, order;                                                    /* of the plant; with delays and controllers */
-  double sample;                                                   /* [s] */
-  double A[FB_MAX_LINEAR * FB_MAX_LINEAR];                         /* of the plant */
-  double F[FB_MAX_LINEAR * FB_MAX_LINEAR];                         /* of one sample */
-  double B[SCENE_CONTROLS][FB_MAX_LINEAR];                         /* of a command */
-  double before[SCENE_CONTROLS][FB_MAX_LINEAR];                    /* F(q) G(T - q) */
-  double after[SCENE_CONTROLS][FB_MAX_LINEAR];                     /* G(q) */
-  double C[SCENE_CONTROLS][FB_MAX_LINEAR];                         /* what the sensors of a controller add up to.. */
-  double D[SCENE_CONTROLS][SCENE_CONTROLS];                        /* ..with the commands that act */
-  int late[SCENE_CONTROLS], history[SCENE_CONTROLS];               /* m; where past commands stand in the state */
-  double part[SCENE_CONTROLS];                                     /* q [s] */
-  int memory[SCENE_CONTROLS][SCENE_BLOCKS];                        /* where blocks stand in the state */
-  double H[LOOP_ORDER * LOOP_ORDER], b[LOOP_ORDER], c[LOOP_ORDER]; /* of a loop that is cut, in Hessenberg form */
-  fb_real eigen[LOOP_ORDER * LOOP_ORDER], X[2 * LOOP_ORDER * LOOP_ORDER], work[4 * LOOP_ORDER * LOOP_ORDER];
+  int n, order;                                      /* of the plant; with delays and controllers */
+  double sample;                                     /* [s] */
+  fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR];          /* of the plant */
+  double F[FB_MAX_LINEAR * FB_MAX_LINEAR];           /* of one sample */
+  double B[SCENE_CONTROLS][FB_MAX_LINEAR];           /* of a command */
+  double before[SCENE_CONTROLS][FB_MAX_LINEAR];      /* F(q) G(T - q) */
+  double after[SCENE_CONTROLS][FB_MAX_LINEAR];       /* G(q) */
+  double C[SCENE_CONTROLS][FB_MAX_LINEAR];           /* what the sensors of a controller add up to.. */
+  double D[SCENE_CONTROLS][SCENE_CONTROLS];          /* ..with the commands that act */
+  int late[SCENE_CONTROLS], history[SCENE_CONTROLS]; /* m; where past commands stand in the state */
+  double part[SCENE_CONTROLS];                       /* q [s] */
+  int memory[SCENE_CONTROLS][SCENE_BLOCKS];          /* where blocks stand in the state */
+  fb_real H[LOOP_ORDER * LOOP_ORDER];                /* of a loop that is cut, in Hessenberg form */
+  double b[LOOP_ORDER], c[LOOP_ORDER];
+  fb_real X[2 * LOOP_ORDER * LOOP_ORDER], work[4 * LOOP_ORDER * LOOP_ORDER];
   fb_real re[LOOP_ORDER], im[LOOP_ORDER];
   double complex M[LOOP_ORDER * LOOP_ORDER];
   int n_point;
@@ -241,7 +242,7 @@ static void loop_mul(double *out, const double *a, const double *b, int n)
 }
 
 /* F(t), and column G(t) of B: the exponential of the plant with its input, by its series and squaring. */
-static void loop_hold(double *F, double *G, const double *A, const double *B, int n, double t)
+static void loop_hold(double *F, double *G, const fb_real *A, const double *B, int n, double t)
 {
   static double M[(FB_MAX_LINEAR + 1) * (FB_MAX_LINEAR + 1)], sum[(FB_MAX_LINEAR + 1) * (FB_MAX_LINEAR + 1)];
   static double term[(FB_MAX_LINEAR + 1) * (FB_MAX_LINEAR + 1)], next[(FB_MAX_LINEAR + 1) * (FB_MAX_LINEAR + 1)];
@@ -253,7 +254,7 @@ static void loop_hold(double *F, double *G, const double *A, const double *B, in
   for (int i = 0; i < n; i++) {
     double row = fabs(B[i] * t);
     for (int j = 0; j < n; j++) {
-      M[m * i + j] = A[n * i + j] * t;
+      M[m * i + j] = (double)A[n * i + j] * t;
       row += fabs(M[m * i + j]);
     }
     M[m * i + n] = B[i] * t;
@@ -282,29 +283,6 @@ static void loop_hold(double *F, double *G, const double *A, const double *B, in
   for (int i = 0; i < n; i++) {
     memcpy(F + n * i, sum + m * i, (size_t)n * sizeof *F);
     G[i] = sum[m * i + n];
-  }
-}
-
-/* Powers of two that make rows and columns alike: x of a state becomes x/scale. */
-static void loop_balance(double *A, double *scale, int n)
-{
-  for (int i = 0; i < n; i++) {
-    scale[i] = 1;
-  }
-  for (int sweep = 0; sweep < 20; sweep++) {
-    for (int i = 0; i < n; i++) {
-      double row = 0, column = 0, f;
-      for (int j = 0; j < n; j++) {
-        row += j == i ? 0 : fabs(A[n * i + j]);
-        column += j == i ? 0 : fabs(A[n * j + i]);
-      }
-      f = row > 0 && column > 0 ? exp2(round(0.5 * log2(row / column))) : 1;
-      scale[i] *= f;
-      for (int j = 0; j < n; j++) {
-        A[n * i + j] /= f;
-        A[n * j + i] *= f;
-      }
-    }
   }
 }
 
@@ -354,7 +332,7 @@ static double loop_step(const scene *s, double *next, const double *x, int cut, 
 
 /* Columns of one sample: M (order x order), what a command in place of controller `cut` does, and what it would
    command by the state. */
-static void loop_matrix(const scene *s, double *M, double *b, double *c, int cut)
+static void loop_matrix(const scene *s, fb_real *M, double *b, double *c, int cut)
 {
   static double x[LOOP_ORDER], next[LOOP_ORDER];
   const int n = loops.order;
@@ -364,53 +342,37 @@ static void loop_matrix(const scene *s, double *M, double *b, double *c, int cut
     c[j] = loop_step(s, next, x, cut, 0);
     x[j] = 0;
     for (int i = 0; i < n; i++) {
-      M[n * i + j] = next[i];
+      M[n * i + j] = (fb_real)next[i];
     }
   }
   loop_step(s, b, x, cut, 1);
 }
 
-/* Poles of a matrix, into re and im; 0 where they are not found. */
-static int loop_poles(const double *M, int n)
+/* Poles of a matrix, which is lost, into re and im; 0 where they are not found. */
+static int loop_poles(fb_real *M)
 {
-  for (int i = 0; i < n * n; i++) {
-    loops.eigen[i] = (fb_real)M[i];
-  }
-  return fb_eig_general_solve(loops.re, loops.im, loops.X, loops.eigen, loops.work, n) == FB_OK;
+  return fb_eig_general_solve(loops.re, loops.im, loops.X, M, loops.work, loops.order) == FB_OK;
 }
 
 /* ---- response over frequency */
 
-/* Householder reflections: M to Hessenberg form, b and c with it. */
-static void loop_hessenberg(double *M, double *b, double *c, int n)
+/* H, b and c of a loop in coordinates of like size, where H is of Hessenberg form. */
+static void loop_reduce(void)
 {
-  for (int k = 0; k + 2 < n; k++) {
-    double v[LOOP_ORDER] = {0}, size = 0, square;
-    for (int i = k + 1; i < n; i++) {
-      v[i] = M[n * i + k];
-      size = hypot(size, v[i]);
-    }
-    v[k + 1] += v[k + 1] < 0 ? -size : size;
-    square = size * (size + fabs(M[n * (k + 1) + k]));
-    for (int j = 0; j < n + 1 && square > 0; j++) { /* rows, and b */
-      double dot = 0;
-      for (int i = k + 1; i < n; i++) {
-        dot += v[i] * (j < n ? M[n * i + j] : b[i]);
-      }
-      for (int i = k + 1; i < n; i++) {
-        *(j < n ? &M[n * i + j] : &b[i]) -= v[i] * dot / square;
-      }
-    }
-    for (int j = 0; j < n + 1 && square > 0; j++) { /* columns, and c */
-      double *const row = j < n ? M + n * j : c, dot = 0;
-      for (int i = k + 1; i < n; i++) {
-        dot += v[i] * row[i];
-      }
-      for (int i = k + 1; i < n; i++) {
-        row[i] -= v[i] * dot / square;
-      }
+  static fb_real scale[LOOP_ORDER], Q[LOOP_ORDER * LOOP_ORDER];
+  static double b[LOOP_ORDER], c[LOOP_ORDER];
+  const int n = loops.order;
+  fbi_balance(loops.H, scale, n);
+  fbi_hessenberg(loops.H, Q, n);
+  for (int i = 0; i < n; i++) {
+    b[i] = c[i] = 0;
+    for (int j = 0; j < n; j++) {
+      b[i] += (double)Q[n * j + i] * loops.b[j] / (double)scale[j];
+      c[i] += (double)Q[n * j + i] * loops.c[j] * (double)scale[j];
     }
   }
+  memcpy(loops.b, b, sizeof b);
+  memcpy(loops.c, c, sizeof c);
 }
 
 /* L = -c (z - H)^-1 b at z = e^{i omega T}. */
@@ -422,7 +384,7 @@ static double complex loop_gain(double omega)
   const double complex z = cos(omega * loops.sample) + sin(omega * loops.sample) * (double complex)_Complex_I;
   for (int i = 0; i < n; i++) {
     for (int j = i > 0 ? i - 1 : 0; j < n; j++) {
-      M[n * i + j] = -loops.H[n * i + j];
+      M[n * i + j] = -(double)loops.H[n * i + j];
     }
     M[n * i + i] += z;
     y[i] = loops.b[i];
@@ -672,23 +634,22 @@ static int loop_connect(scene *s)
 /* The plant over one sample, and where everything stands in the state. */
 static int loop_discretize(scene *s, int line)
 {
-  static double scale[FB_MAX_LINEAR], F[FB_MAX_LINEAR * FB_MAX_LINEAR], G[FB_MAX_LINEAR];
+  static fb_real scale[FB_MAX_LINEAR];
+  static double F[FB_MAX_LINEAR * FB_MAX_LINEAR], G[FB_MAX_LINEAR];
   const double T = s->control[0].sample;
   const int n = loops.linear.n;
   loops.n = loops.order = n;
   loops.sample = T;
-  for (int i = 0; i < n * n; i++) {
-    loops.A[i] = (double)loops.linear.A[i];
-  }
-  loop_balance(loops.A, scale, n);
+  memcpy(loops.A, loops.linear.A, (size_t)(n * n) * sizeof *loops.A);
+  fbi_balance(loops.A, scale, n);
   for (int k = 0; k < s->n_control; k++) {
     const scene_control *const c = &s->control[k];
     const double late = ceil(c->delay / T * (1 - 1e-9)), part = late * T - c->delay;
     loops.late[k] = (int)late;
     loops.part[k] = part > 1e-9 * T ? part : 0;
     for (int i = 0; i < n; i++) {
-      loops.B[k][i] /= scale[i];
-      loops.C[k][i] *= scale[i];
+      loops.B[k][i] /= (double)scale[i];
+      loops.C[k][i] *= (double)scale[i];
     }
     loop_hold(F, G, loops.A, loops.B[k], n, T - loops.part[k]);
     loop_hold(loops.F, loops.after[k], loops.A, loops.B[k], n, loops.part[k]);
@@ -715,20 +676,14 @@ static int loop_discretize(scene *s, int line)
 /* A loop, from its cut: its response over frequency, and its margins unless the closed loops are unstable. */
 static int loop_open(scene *s, int k, double radius)
 {
-  static double M[LOOP_ORDER * LOOP_ORDER], scale[LOOP_ORDER];
-  const int n = loops.order;
+  static fb_real M[LOOP_ORDER * LOOP_ORDER];
   loop_margins *const m = &loops.margins[k];
   loop_matrix(s, loops.H, loops.b, loops.c, k);
-  loop_balance(loops.H, scale, n);
-  for (int i = 0; i < n; i++) {
-    loops.b[i] /= scale[i];
-    loops.c[i] *= scale[i];
-  }
-  memcpy(M, loops.H, (size_t)(n * n) * sizeof *M);
-  if (!loop_poles(M, n)) {
+  memcpy(M, loops.H, sizeof M);
+  if (!loop_poles(M)) {
     return loop_fail(s, s->control[k].line, s->control[k].name, "has a loop whose poles are not found");
   }
-  loop_hessenberg(loops.H, loops.b, loops.c, n);
+  loop_reduce();
   loop_grid();
   memset(m, 0, sizeof *m);
   loop_find_margins(m);
@@ -743,11 +698,11 @@ static int loop_open(scene *s, int k, double radius)
 /* The closed loops: the largest |z| of their poles; negative where they are not found. */
 static double loop_close(const scene *s)
 {
-  static double M[LOOP_ORDER * LOOP_ORDER], b[LOOP_ORDER], c[LOOP_ORDER], scale[LOOP_ORDER];
+  static fb_real M[LOOP_ORDER * LOOP_ORDER];
+  static double b[LOOP_ORDER], c[LOOP_ORDER];
   double radius = 0;
   loop_matrix(s, M, b, c, -1);
-  loop_balance(M, scale, loops.order);
-  if (!loop_poles(M, loops.order)) {
+  if (!loop_poles(M)) {
     return -1;
   }
   for (int i = 0; i < loops.order; i++) {
