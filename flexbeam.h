@@ -2384,6 +2384,13 @@ typedef struct fb_shape {
   fb_node node[FB_MAX_NODES];
 } fb_shape;
 
+/* How the modes move a point: displacement and rotation, linear (n x 3) and quadratic (n x n x 3), body axes. */
+typedef struct fb_fields {
+  fb_real r[3]; /* [m] of the undeformed body */
+  fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
+  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES], chi_theta[3 * FB_MAX_MODES * FB_MAX_MODES];
+} fb_fields;
+
 /* An empty body with n elastic coordinates and node 0. FB_ERR_CAPACITY, FB_ERR_NULL. */
 FB_API fb_status fb_shape_init(fb_shape *shape, int n);
 /* Adds a point mass [kg] at r [m] with displacement shapes psi (n x 3) and second-order displacements chi (n x n x 3,
@@ -2406,6 +2413,25 @@ FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
                                    const fb_real *theta);
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
+/* Import with the effects of second degree (stiffening by spin and by acceleration), in one of two ways beside
+   fb_shape_add_pair. Of any part: geometric stiffness K_G of the coordinates a, b, once for each a >= b, as a
+   finite-element program has it for the stresses under the inertia loads of a frame that accelerates by 1 m/s^2 along x,
+   y, z (acceleration; a gravity of -1 m/s^2 is the same load), turns faster by 1 rad/s^2 about x, y, z (turn), or spins
+   with w: K_G = s0 w_x^2 + s1 w_y^2 + s2 w_z^2 + s3 w_x w_y + s4 w_x w_z + s5 w_y w_z (spin), [kg/m] and [kg] of modes
+   without a unit. Forces at nodes do not stiffen such parts. */
+FB_API fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb_real acceleration[3],
+                                         const fb_real turn[3], const fb_real spin[6]);
+/* Of line-like parts (masts, booms, frames; a panel that hangs on a mast is a line of two points): from mode shapes
+   alone, as lines keep their length. fb_fields_init finds the fields of a point of a line from those of the point
+   before it (from; NULL: the first one, whose quadratic fields are zero, as at an interface); theta NULL, where the
+   model has no rotations: lines from point to point stay straight. Then, in place of fb_shape_add_lump and
+   fb_shape_add_node, fb_shape_add_field_lump and fb_shape_add_field_node. Errors as there; FB_ERR_VALUE: a point on the
+   one before it. */
+FB_API fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const fb_fields *from, const fb_real r[3],
+                                const fb_real *psi, const fb_real *theta);
+FB_API fb_status fb_shape_add_field_lump(fb_shape *shape, const fb_fields *fields, fb_real mass,
+                                         const fb_real *inertia);
+FB_API fb_status fb_shape_add_field_node(fb_shape *shape, int *node, const fb_fields *fields);
 /* Adds a beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. If its root moves
    with the modes, the second-order displacement continues from the node of the shape that has the same position and
    motion (fb_modes_join); without such a node joined modes are refused (FB_ERR_VALUE). */

@@ -21664,15 +21664,9 @@ static void fbi_cell_fields_init(fbi_cell_fields *c, const fb_beam *beam, const 
   }
 }
 
-typedef struct fbi_station { /* the displacement fields of all modes at a point of the reference line, body axes */
-  fb_real r[3];
-  fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
-  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES], chi_theta[3 * FB_MAX_MODES * FB_MAX_MODES]; /* n x n x 3 */
-} fbi_station;
-
 /* Advances the quadratic field (chi, turn = chi_theta) of modes a, b from the beginning of an interval to its
    fraction t, whose partial integral has the weights w (E8.2). */
-static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st, const fbi_cell_fields *c,
+static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fb_fields *st, const fbi_cell_fields *c,
                           const fb_real w[FBI_GAUSS], int a, int b)
 {
   const fb_real e[3] = {c->axes[0], c->axes[3], c->axes[6]};
@@ -21698,8 +21692,8 @@ static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st
 }
 
 /* Fields at the fraction t of an interval from those at its beginning, start, which may be st itself. */
-static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell_fields *c,
-                             fb_real t, const fbi_station *start)
+static void fbi_station_eval(fb_fields *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell_fields *c,
+                             fb_real t, const fb_fields *start)
 {
   const int n = modes->n, element = c->cell.element;
   const fb_real x[3] = {c->cell.x0 + t * (c->cell.x1 - c->cell.x0) - beam->start[element], FB_R(0.0), FB_R(0.0)};
@@ -21741,7 +21735,7 @@ static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_mode
    With linear = 0 only these parts are formed (a direction of spread, E6.2).
    Source: exponential map to second degree.  Shapes: psi n x 3, chi n x n x 3.  Fails: never.
    Test: offset_masses_move_with_their_section. */
-static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, const fb_real d[3], int n, int linear)
+static void fbi_offset_field(fb_real *psi, fb_real *chi, const fb_fields *st, const fb_real d[3], int n, int linear)
 {
   for (int a = 0; a < n; a++) {
     fb_vec3_cross(psi + 3 * a, st->theta + 3 * a, d);
@@ -21764,7 +21758,7 @@ static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, 
 
 /* Adds a rigid slice at a point of the reference line: a mass at the offset d and directions of spread s_k with
    weights w_k (E6.2), body axes. */
-static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int n, fb_real mass, const fb_real d[3],
+static void fbi_slice_add(fb_shape *shape, const fb_fields *st, int first, int n, fb_real mass, const fb_real d[3],
                           fb_real spread[3][3], const fb_real w[3], int is_line)
 {
   fb_real psi[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES], r[3];
@@ -21782,7 +21776,7 @@ static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int
 }
 
 /* Adds the lumped bodies of an element node; st holds the fields there. */
-static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_station *st, int node, int first, int n)
+static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fb_fields *st, int node, int first, int n)
 {
   for (int k = 0; k < beam->desc.n_lump; k++) {
     const fb_lump *lump = &beam->desc.lump[k];
@@ -21800,8 +21794,8 @@ static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_s
 
 /* Adds a length dx of beam: its mass at the mass center, its rotary inertia as spread along the section axes (element
    axes y, z rotated by the twist). */
-static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const fb_section *section,
-                                 const fb_real axes[9], fb_real dx, int first, int n)
+static void fbi_section_to_shape(fb_shape *shape, const fb_fields *st, const fb_section *section, const fb_real axes[9],
+                                 fb_real dx, int first, int n)
 {
   const fb_real w[3] = {FB_R(0.0), dx * section->i_z, dx * section->i_y};
   fb_real local[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, spread[3][3], d[3];
@@ -21815,6 +21809,15 @@ static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const f
   fbi_slice_add(shape, st, first, n, dx * section->mass, d, spread, w, 1);
 }
 
+/* Linear fields at a point, the quadratic ones zero. */
+static void fbi_fields_enter(fb_fields *at, const fb_real r[3], const fb_real *psi, const fb_real *theta, int n)
+{
+  memset(at, 0, sizeof *at);
+  fbi_copy(at->r, r, 3);
+  fbi_copy(at->u, psi, 3 * n);
+  fbi_copy(at->theta, theta, 3 * n);
+}
+
 static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], const fb_real *psi, const fb_real *theta)
 {
   FBI_REQUIRE(shape && r && ((psi && theta) || shape->n == 0), FB_ERR_NULL);
@@ -21825,43 +21828,152 @@ static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], con
   }
 }
 
-FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
-                                   const fb_real *psi, const fb_real *theta)
+/* Adds a lumped mass, with its inertia (NULL: none), that moves as the fields say. */
+static fb_status fbi_field_lump_add(fb_shape *shape, const fb_fields *at, fb_real mass, const fb_real *inertia)
 {
   const fb_real none[6] = {FB_R(0.0)}, unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
+  const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"),
+                              FBI_ANY(inertia ? inertia : none, 6, "inertia [kg m^2]")};
   fb_real spread[3][3];
-  fbi_station st;
-  fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
+  const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
   if (status != FB_OK) {
     return status;
-  }
-  {
-    const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"),
-                                FBI_ANY(inertia ? inertia : none, 6, "inertia [kg m^2]")};
-    status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
   }
   if (fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
   }
-  memset(&st, 0, sizeof st);
-  fbi_copy(st.r, r, 3);
-  fbi_copy(st.u, psi, 3 * shape->n);
-  fbi_copy(st.theta, theta, 3 * shape->n);
-  fbi_slice_add(shape, &st, 0, shape->n, mass, none, spread, unit, 0);
+  fbi_slice_add(shape, at, 0, shape->n, mass, none, spread, unit, 0);
   return FB_OK;
 }
 
-FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
-                                   const fb_real *theta)
+FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
+                                   const fb_real *psi, const fb_real *theta)
 {
+  fb_fields at;
   const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
-  fb_node *out;
   if (status != FB_OK) {
     return status;
   }
+  fbi_fields_enter(&at, r, psi, theta, shape->n);
+  return fbi_field_lump_add(shape, &at, mass, inertia);
+}
+
+/* Axes whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis) about
+   z x axis; about x where it is -z. */
+static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
+{
+  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
+  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
+  if (across > FB_R(0.0)) {
+    phi[0] = -angle * (axis[1] / across);
+    phi[1] = angle * (axis[0] / across);
+  }
+  fb_quat_from_rotvec(quat, phi);
+  fb_quat_to_mat33(R, quat);
+}
+
+/* Fields of all modes between two points of an imported line, chord axes x along e: E6.1 between their displacements
+   and rotations; without rotations the chord stays straight and does not twist. */
+static void fbi_chord_fields_init(fbi_cell_fields *c, const fb_fields *from, const fb_fields *to, int n, int turns)
+{
+  fb_real chord[3] = {to->r[0], to->r[1], to->r[2]}, R[9], length;
+  fbi_vec3_add(chord, -FB_R(1.0), from->r);
+  length = fbi_vec3_norm(chord);
+  fbi_axis_frame(R, chord);
+  for (int i = 0; i < 9; i++) {
+    c->axes[i] = R[i / 3 * 3 + (i + 2) % 3];
+  }
+  c->cell.element = 0;
+  c->cell.x0 = FB_R(0.0);
+  c->cell.x1 = length;
+  for (int a = 0; a < n; a++) {
+    fb_real e[12];
+    fb_mat33_mulT_vec3(e, c->axes, from->u + 3 * a);
+    fb_mat33_mulT_vec3(e + 3, c->axes, from->theta + 3 * a);
+    fb_mat33_mulT_vec3(e + 6, c->axes, to->u + 3 * a);
+    fb_mat33_mulT_vec3(e + 9, c->axes, to->theta + 3 * a);
+    if (!turns) {
+      e[3] = e[9] = FB_R(0.0);
+      e[4] = e[10] = (e[2] - e[8]) / length;
+      e[5] = e[11] = (e[7] - e[1]) / length;
+    }
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      fbi_field_eval(&c->at[a][g], e, fbi_gauss_x[g], length);
+    }
+  }
+}
+
+/* [E8.50] Quadratic fields along an imported line, from node to node of a finite-element model: E8.2 over each chord,
+   in which the modes bend and twist as E6.1 has it from the displacements and rotations of its ends.
+   Source: E8.2, E6.1.  Cost: 150 n^2 flops.  Fails: the points coincide.
+   Test: imported_lines_have_the_fields_of_their_beam. */
+static void fbi_chord_pass(fb_fields *to, const fb_fields *from, int n, int turns)
+{
+  fbi_cell_fields c;
+  fbi_chord_fields_init(&c, from, to, n, turns);
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      const int ab = 3 * (a * n + b), ba = 3 * (b * n + a);
+      fbi_copy(to->chi + ab, from->chi + ab, 3);
+      fbi_copy(to->chi_theta + ab, from->chi_theta + ab, 3);
+      fbi_pair_eval(to->chi + ab, to->chi_theta + ab, to, &c, fbi_gauss_w, a, b);
+      fbi_copy(to->chi + ba, to->chi + ab, 3);
+      fbi_copy(to->chi_theta + ba, to->chi_theta + ab, 3);
+    }
+  }
+}
+
+/* FB_ERR_NOT_FINITE where a field of a point is not finite. */
+static fb_status fbi_fields_check(const fb_fields *at, int n)
+{
+  const fbi_number field[] = {FBI_ANY(at->r, 3, "r [m]"), FBI_ANY(at->u, 3 * n, "psi"),
+                              FBI_ANY(at->theta, 3 * n, "theta"), FBI_ANY(at->chi, 3 * n * n, "chi"),
+                              FBI_ANY(at->chi_theta, 3 * n * n, "chi_theta")};
+  return fbi_numbers_check(field, FBI_LENGTH(field), -1);
+}
+
+FB_DEF fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const fb_fields *from, const fb_real r[3],
+                                const fb_real *psi, const fb_real *theta)
+{
+  static const fb_real none[3 * FB_MAX_MODES] = {FB_R(0.0)};
+  fb_status status;
+  fb_fields to;
+  FBI_REQUIRE(fields, FB_ERR_NULL);
+  status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta ? theta : none));
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_fields_enter(&to, r, psi, theta ? theta : none, shape->n);
+  if (from) {
+    fb_real apart[3] = {r[0], r[1], r[2]}, length;
+    fbi_vec3_add(apart, -FB_R(1.0), from->r);
+    length = fbi_vec3_norm(apart);
+    if (!(length > FB_EPSILON * fbi_vec3_norm(r))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "r: distance [m] from the point of the line before it, above", -1, length,
+                        FB_EPSILON * fbi_vec3_norm(r));
+    }
+    fbi_chord_pass(&to, from, shape->n, theta != NULL);
+  }
+  status = FBI_ENTERED(fbi_fields_check(&to, shape->n));
+  if (status == FB_OK) {
+    *fields = to;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_shape_add_field_lump(fb_shape *shape, const fb_fields *fields, fb_real mass, const fb_real *inertia)
+{
+  fb_status status;
+  FBI_REQUIRE(shape && fields, FB_ERR_NULL);
+  status = FBI_ENTERED(fbi_fields_check(fields, shape->n));
+  return status ? status : FBI_ENTERED(fbi_field_lump_add(shape, fields, mass, inertia));
+}
+
+/* A further node that moves as the fields say. */
+static fb_status fbi_node_add(fb_shape *shape, int *node, const fb_fields *at)
+{
+  const int n = shape->n;
+  fb_node *out;
   FBI_REQUIRE(node, FB_ERR_NULL);
   if (shape->n_node >= FB_MAX_NODES) {
     return FBI_REFUSE(FB_ERR_CAPACITY, "count of nodes with node 0, FB_MAX_NODES, at most", -1,
@@ -21869,11 +21981,39 @@ FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
   }
   out = &shape->node[shape->n_node];
   memset(out, 0, sizeof *out);
-  fbi_copy(out->r, r, 3);
-  fbi_copy(out->psi, psi, 3 * shape->n);
-  fbi_copy(out->theta, theta, 3 * shape->n);
+  fbi_copy(out->r, at->r, 3);
+  fbi_copy(out->psi, at->u, 3 * n);
+  fbi_copy(out->theta, at->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      fbi_copy(out->chi + fbi_pair(a, b), at->chi + 3 * (a * n + b), 3);
+      fbi_copy(out->chi_theta + fbi_pair(a, b), at->chi_theta + 3 * (a * n + b), 3);
+    }
+  }
+#endif
   *node = shape->n_node++;
   return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_field_node(fb_shape *shape, int *node, const fb_fields *fields)
+{
+  fb_status status;
+  FBI_REQUIRE(shape && fields, FB_ERR_NULL);
+  status = FBI_ENTERED(fbi_fields_check(fields, shape->n));
+  return status ? status : FBI_ENTERED(fbi_node_add(shape, node, fields));
+}
+
+FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
+                                   const fb_real *theta)
+{
+  fb_fields at;
+  const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_fields_enter(&at, r, psi, theta, shape->n);
+  return fbi_node_add(shape, node, &at);
 }
 
 /* out[k] = in[coordinate[k]], each `width` reals */
@@ -22042,6 +22182,42 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   return FB_OK;
 }
 
+/* [E8.51] Integrals of the quadratic field from the geometric stiffness that inertia loads give: -f(r) a load per mass,
+   1/2 q^T K_G q its work on 1/2 chi q q, so that a frame that accelerates by A, turns by W' and spins with w has
+   K_G = A.p^chi + W'.h^chi - w^T Gamma^chi w.  Gamma^chi = -(the symmetric matrix of the spins) - h^chi^/2.
+   Source: virtual work; E8.1.  Cost: 20 flops.  Fails: never.
+   Test: geometric_stiffness_gives_the_integrals_of_the_quadratic_field. */
+static void fbi_stiffening_to_second(fb_real G[9], const fb_real h[3], const fb_real s[6])
+{
+  const fb_real half = FB_R(0.5);
+  G[0] = -s[0];
+  G[4] = -s[1];
+  G[8] = -s[2];
+  G[1] = -half * (s[3] + h[2]);
+  G[3] = -half * (s[3] - h[2]);
+  G[2] = -half * (s[4] - h[1]);
+  G[6] = -half * (s[4] + h[1]);
+  G[5] = -half * (s[5] + h[0]);
+  G[7] = -half * (s[5] - h[0]);
+}
+
+FB_DEF fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb_real acceleration[3],
+                                         const fb_real turn[3], const fb_real spin[6])
+{
+  fb_real G[9];
+  FBI_REQUIRE(shape && acceleration && turn && spin, FB_ERR_NULL);
+  {
+    const fbi_number field[] = {FBI_ANY(acceleration, 3, "acceleration [kg/m]"), FBI_ANY(turn, 3, "turn [kg]"),
+                                FBI_ANY(spin, 6, "spin [kg]")};
+    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+  fbi_stiffening_to_second(G, turn, spin);
+  return FBI_ENTERED(fb_shape_add_pair(shape, a, b, acceleration, turn, G));
+}
+
 /* Is there room for the modes of a beam from coordinate `first` on, and are they modes of this beam? */
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
@@ -22060,7 +22236,7 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
    of that degree and much larger.
    Source: int chi dm = 0, the second degree of a mean axis; to some 1e-4 of chi by the quadrature.  Fails: never.
    Test: a_free_beam_swings_as_the_exact_one. */
-static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
+static void fbi_station_center(fb_fields *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
 {
   const int n = modes->n;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
@@ -22094,7 +22270,7 @@ static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const f
 
 /* Start of the quadratic field of a beam: zero at a fixed root; at a root that moves with the modes, the field of the
    shape's node that is there and moves with it (E7.12); for a free beam by itself, E8.32. */
-static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, const fb_shape *shape, int first,
+static fb_status fbi_station_start(fb_fields *st, fbi_cell_fields *scratch, const fb_shape *shape, int first,
                                    const fb_beam *beam, const fb_modes *modes)
 {
   int hangs = 0;
@@ -22985,7 +23161,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
   const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
-  fbi_station start, st;
+  fb_fields start, st;
   int node = 0;
   if (status != FB_OK) {
     return status;
@@ -23042,7 +23218,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
-  fbi_station st;
+  fb_fields st;
   if (status != FB_OK) {
     return status;
   }
@@ -24587,22 +24763,6 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS
              ? FB_ERR_CAPACITY
              : fbi_large_limits_fill(body, work);
-}
-#endif
-
-#if FB_WITH_ROTORS || FB_WITH_SYSTEM
-/* Axes of a joint whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis)
-   about z x axis; about x where it is -z. */
-static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
-{
-  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
-  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
-  if (across > FB_R(0.0)) {
-    phi[0] = -angle * (axis[1] / across);
-    phi[1] = angle * (axis[0] / across);
-  }
-  fb_quat_from_rotvec(quat, phi);
-  fb_quat_to_mat33(R, quat);
 }
 #endif
 

@@ -39,7 +39,8 @@ static struct world {
   fb_join_desc join_desc;
   fb_shape shape, empty, natural;
   fb_real r[3], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real center[3], inertia[6], pchi[3], hchi[3], Gamchi[9];
+  fb_real center[3], inertia[6], pchi[3], hchi[3], Gamchi[9], spins[6];
+  fb_fields fields;
   int coordinate[2];
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
@@ -313,6 +314,13 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     IN(theta))                                                                                                         \
   F(fb_shape_add_pair, fb_shape_add_pair(p[0], i[0], i[1], p[1], p[2], p[3]), 1, BUILT(empty), WHOLE(0), WHOLE(1),     \
     OPTIONAL(pchi), OPTIONAL(hchi), OPTIONAL(Gamchi))                                                                  \
+  F(fb_shape_add_stiffening, fb_shape_add_stiffening(p[0], i[0], i[1], p[1], p[2], p[3]), 1, BUILT(empty), WHOLE(0),   \
+    WHOLE(1), IN(pchi), IN(hchi), IN(spins))                                                                           \
+  F(fb_fields_init, fb_fields_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, OUT(fb_fields), MODEL(empty),               \
+    OPTIONAL(fields), IN(r), IN(psi), OPTIONAL(theta))                                                                 \
+  F(fb_shape_add_field_lump, fb_shape_add_field_lump(p[0], p[1], x[0], p[2]), 1, BUILT(empty), IN(fields),             \
+    REAL(FB_R(1.5)), OPTIONAL(inertia))                                                                                \
+  F(fb_shape_add_field_node, fb_shape_add_field_node(p[0], p[1], p[2]), 1, BUILT(empty), OUT(int), IN(fields))         \
   F(fb_shape_add_beam, fb_shape_add_beam(p[0], i[0], p[1], p[2]), 1, BUILT(empty), WHOLE(0), MODEL(beam[0]),           \
     MODEL(modes))                                                                                                      \
   F(fb_shape_add_beam_node, fb_shape_add_beam_node(p[0], p[1], i[0], p[2], p[3], x[0]), 1, BUILT(shape), OUT(int),     \
