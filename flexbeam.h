@@ -165,16 +165,16 @@
      fb_implicit_work            63032
      fb_exponential_work         57864
      fb_system_work             624680
-     fb_exact_work              173904
+     fb_exact_work              173328
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428104
      fb_build_work             4291880  most of it an fb_modes_work
      fb_analyse_work           1288976
      fb_system_analyse_work    1953112
-     fb_exact_path_work         203040
-     fb_exact_spectrum_work    1625760
-     fb_exact_linear_work      1999440
+     fb_exact_path_work         202464
+     fb_exact_spectrum_work    1625184
+     fb_exact_linear_work      1998864
      fb_advice_work            1104080
 
    CONVENTIONS
@@ -1767,7 +1767,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real back[6 * (FB_MAX_EXACT + 1)]; /* way of held nodes back to their place */
   fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
-  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36], column[72];
+  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
   fb_real y[12 * (FB_MAX_EXACT + 1)];
   int perm[12 * FB_MAX_EXACT + 6];
   fbi_exact_cell cell;

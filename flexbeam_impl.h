@@ -1081,17 +1081,9 @@ static void fbi_swap(fb_real *x, fb_real *y, int n)
   }
 }
 
-/* [E5.1] LU with scaled partial pivoting, P A = L U.
-   A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
-   largest elements: neither row nor column scaling changes the result of the test.
-   Source: [GV] 3.4.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: singular, not finite.
-   Test: lu_solves_random_graded_and_refuses_singular_matrices. */
-FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
+/* Row scales, and no rows exchanged yet. */
+static FBI_INLINE fb_status fbi_lu_scales(const fb_real *A, int *perm, fb_real *scale, int n)
 {
-  FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
-  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
-
-  /* row scales */
   for (int i = 0; i < n; i++) {
     fb_real largest = FB_R(0.0);
     if (!fbi_is_finite(A + i * n, n)) {
@@ -1106,38 +1098,54 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     scale[i] = FB_R(1.0) / largest;
     perm[i] = i;
   }
+  return FB_OK;
+}
 
-  for (int k = 0; k < n; k++) {
-    fb_real best = FB_R(0.0), column = FB_R(0.0), pivot;
-    int row = k, p;
+/* Exchanges row k with that of the largest scaled element of its column, from row k on. */
+static FBI_INLINE fb_status fbi_lu_pivot(fb_real *A, int *perm, fb_real *scale, int k, int n)
+{
+  fb_real best = FB_R(0.0), column = FB_R(0.0);
+  int row = k, p;
+  for (int i = 0; i < n; i++) { /* rows above k hold U, in place of the original column */
+    const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
+    column = fbi_larger(column, size);
+    row = i >= k && size > best ? i : row;
+    best = i >= k ? fbi_larger(best, size) : best;
+  }
+  if (!(best > (fb_real)n * FB_EPSILON * column)) {
+    return FB_ERR_SINGULAR;
+  }
+  p = perm[k]; /* also for row == k: constant instruction count */
+  perm[k] = perm[row];
+  perm[row] = p;
+  fbi_swap(scale + k, scale + row, 1);
+  fbi_swap(A + k * n, A + row * n, n);
+  return FB_OK;
+}
 
-    /* pivot: largest scaled element of the column, from row k on */
-    for (int i = 0; i < n; i++) { /* rows above k hold U, in place of the original column */
-      const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
-      column = fbi_larger(column, size);
-      row = i >= k && size > best ? i : row;
-      best = i >= k ? fbi_larger(best, size) : best;
-    }
-    if (!(best > (fb_real)n * FB_EPSILON * column)) {
-      return FB_ERR_SINGULAR;
-    }
-
-    /* row exchange */
-    p = perm[k]; /* also for row == k: constant instruction count */
-    perm[k] = perm[row];
-    perm[row] = p;
-    fbi_swap(scale + k, scale + row, 1);
-    fbi_swap(A + k * n, A + row * n, n);
-
-    /* column k of L; rows below: A_i -= L_ik U_k */
-    pivot = FB_R(1.0) / A[k * n + k];
-    for (int i = k + 1; i < n; i++) {
-      const fb_real factor = A[i * n + k] * pivot;
-      A[i * n + k] = factor;
-      fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
+/* [E5.1] LU with scaled partial pivoting, P A = L U.
+   A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
+   largest elements: neither row nor column scaling changes the result of the test.
+   Source: [GV] 3.4.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: singular, not finite.
+   Test: lu_solves_random_graded_and_refuses_singular_matrices. */
+FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
+{
+  fb_status status;
+  FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
+  status = fbi_lu_scales(A, perm, scale, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    status = fbi_lu_pivot(A, perm, scale, k, n);
+    if (status == FB_OK) {
+      const fb_real pivot = FB_R(1.0) / A[k * n + k];
+      for (int i = k + 1; i < n; i++) {
+        const fb_real factor = A[i * n + k] * pivot;
+        A[i * n + k] = factor;
+        fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
+      }
     }
   }
-  return FB_OK;
+  return status;
 }
 
 FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n)
@@ -1152,23 +1160,87 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
 }
 
 #if FB_WITH_EXACT
-/* X = A^-1 X for n x c right-hand sides, row-major; y: scratch of the same size. */
-static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const int *perm, int n, int c)
+/* y -= s x from number `first` on, a multiple of four, to twelve */
+static FBI_INLINE void fbi_vec12_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int first)
 {
-  fbi_copy(y, X, n * c);
-  for (int i = 0; i < n; i++) {
-    fbi_copy(X + i * c, y + perm[i] * c, c);
-    for (int k = 0; k < i; k++) {
-      fbi_row_sub(X + i * c, LU[i * n + k], X + k * c, c);
+  FBI_UNROLL
+  for (int j = first; j < 12; j += 4) {
+    const fb_real a = y[j] - s * x[j], b = y[j + 1] - s * x[j + 1], c = y[j + 2] - s * x[j + 2],
+                  d = y[j + 3] - s * x[j + 3];
+    y[j] = a;
+    y[j + 1] = b;
+    y[j + 2] = c;
+    y[j + 3] = d;
+  }
+}
+
+/* Rows below k of E5.1 for n = 12: A_i -= L_ik U_k from column `first` on, a multiple of four up to k, with zeros for what
+   stands before U_k. Rows of a length that compilers know take half the instructions. */
+static FBI_INLINE void fbi_lu_12_below(fb_real *A, int k, int first)
+{
+  const fb_real pivot = FB_R(1.0) / A[13 * k];
+  fb_real U[12];
+  for (int j = first; j < 12; j++) {
+    U[j] = j > k ? A[12 * k + j] : FB_R(0.0);
+  }
+  for (int i = k + 1; i < 12; i++) {
+    const fb_real factor = A[12 * i + k] * pivot;
+    A[12 * i + k] = factor;
+    fbi_vec12_sub(A + 12 * i, factor, U, first);
+  }
+}
+
+/* E5.1 of a 12 x 12 matrix. */
+static fb_status fbi_lu_12_factor(fb_real *A, int *perm, fb_real *scale)
+{
+  fb_status status = fbi_lu_scales(A, perm, scale, 12);
+  for (int k = 0; k < 12 && status == FB_OK; k++) {
+    status = fbi_lu_pivot(A, perm, scale, k, 12);
+    if (status == FB_OK && k < 4) {
+      fbi_lu_12_below(A, k, 0);
+    } else if (status == FB_OK && k < 8) {
+      fbi_lu_12_below(A, k, 4);
+    } else if (status == FB_OK) {
+      fbi_lu_12_below(A, k, 8);
     }
   }
-  for (int i = n - 1; i >= 0; i--) {
-    const fb_real pivot = FB_R(1.0) / LU[i * n + i];
-    for (int k = i + 1; k < n; k++) {
-      fbi_row_sub(X + i * c, LU[i * n + k], X + k * c, c);
+  return status;
+}
+
+/* y -= s x of six numbers that do not overlap */
+static FBI_INLINE void fbi_vec6_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x)
+{
+  const fb_real a = y[0] - s * x[0], b = y[1] - s * x[1], c = y[2] - s * x[2], d = y[3] - s * x[3], e = y[4] - s * x[4],
+                f = y[5] - s * x[5];
+  y[0] = a;
+  y[1] = b;
+  y[2] = c;
+  y[3] = d;
+  y[4] = e;
+  y[5] = f;
+}
+
+/* X = A^-1 X for six right-hand sides, row-major. */
+static void fbi_lu_12_solve_rows(fb_real *FBI_RESTRICT X, const fb_real *LU, const int *perm)
+{
+  fb_real Y[72];
+  for (int i = 0; i < 12; i++) {
+    fb_real y[6];
+    fbi_vec6_copy(y, X + 6 * perm[i]);
+    for (int k = 0; k < i; k++) {
+      fbi_vec6_sub(y, LU[12 * i + k], Y + 6 * k);
     }
-    for (int j = 0; j < c; j++) {
-      X[i * c + j] *= pivot;
+    fbi_vec6_copy(Y + 6 * i, y);
+  }
+  for (int i = 11; i >= 0; i--) {
+    const fb_real pivot = FB_R(1.0) / LU[13 * i];
+    fb_real y[6];
+    fbi_vec6_copy(y, Y + 6 * i);
+    for (int k = i + 1; k < 12; k++) {
+      fbi_vec6_sub(y, LU[12 * i + k], X + 6 * k);
+    }
+    for (int j = 0; j < 6; j++) {
+      X[6 * i + j] = y[j] * pivot;
     }
   }
 }
@@ -13117,11 +13189,11 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
 {
   fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
   fb_real scale[12];
-  const fb_status status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
+  const fb_status status = fbi_lu_12_factor(A, work->perm + 12 * k, scale);
   if (status != FB_OK) {
     return status;
   }
-  fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
+  fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
   for (int r = 0; r < 6; r++) {
     for (int i = 0; i < 6; i++) {
       K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
