@@ -194,7 +194,7 @@ static void turned(double out[3], const double R[9], const double x[3])
 }
 
 /* Adds the points to a shape of n coordinates, from `first` on, displaced by p and turned by R. */
-static void add_points(fb_shape *shape, const point *point, const double at[3], const double R[9], int first,
+static void add_points(fb_shape *shape, const point *p, const double at[3], const double R[9], int first,
                        const double scale[SHAPES])
 {
   static const int pair[SHAPES][SHAPES] = {{0, 1}, {1, 2}}, J_at[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
@@ -204,7 +204,7 @@ static void add_points(fb_shape *shape, const point *point, const double at[3], 
         chi[3 * FB_MAX_MODES * FB_MAX_MODES];
     fb_real r[3], J[6];
     double x[3], full[9] = {0};
-    turned(x, R, point[k].x);
+    turned(x, R, p[k].x);
     for (int i = 0; i < 3; i++) {
       r[i] = (fb_real)(x[i] + at[i]);
     }
@@ -213,15 +213,15 @@ static void add_points(fb_shape *shape, const point *point, const double at[3], 
     memset(chi, 0, sizeof chi);
     for (int a = 0; a < SHAPES; a++) {
       double u[3], turn[3];
-      turned(u, R, point[k].u[a]);
-      turned(turn, R, point[k].turn[a]);
+      turned(u, R, p[k].u[a]);
+      turned(turn, R, p[k].turn[a]);
       for (int i = 0; i < 3; i++) {
         psi[3 * (first + a) + i] = (fb_real)(scale[a] * u[i]);
         theta[3 * (first + a) + i] = (fb_real)(scale[a] * turn[i]);
       }
       for (int b = 0; b < SHAPES; b++) {
         double c[3];
-        turned(c, R, point[k].chi[pair[a][b]]);
+        turned(c, R, p[k].chi[pair[a][b]]);
         for (int i = 0; i < 3; i++) {
           chi[3 * ((first + a) * n + first + b) + i] = (fb_real)(scale[a] * scale[b] * c[i]);
         }
@@ -229,14 +229,14 @@ static void add_points(fb_shape *shape, const point *point, const double at[3], 
     }
     for (int ij = 0; ij < 9; ij++) {
       for (int lm = 0; lm < 9; lm++) {
-        full[ij] += R[3 * (ij / 3) + lm / 3] * point[k].J[J_at[lm]] * R[3 * (ij % 3) + lm % 3];
+        full[ij] += R[3 * (ij / 3) + lm / 3] * p[k].J[J_at[lm]] * R[3 * (ij % 3) + lm % 3];
       }
     }
     for (int i = 0; i < 3; i++) {
       J[i] = (fb_real)full[4 * i];
       J[3 + i] = (fb_real)full[i < 2 ? 1 + i : 5];
     }
-    require(fb_shape_add_particle(shape, (fb_real)point[k].mass, r, psi, chi), "a point");
+    require(fb_shape_add_particle(shape, (fb_real)p[k].mass, r, psi, chi), "a point");
     require(fb_shape_add_lump(shape, FB_R(0.0), r, J, none, theta), "its inertia");
     if (k == 0) {
       int node;
@@ -340,7 +340,7 @@ static void rings_down(int mode, double zeta)
 {
   static fb_rk4_work work;
   const double w = sqrt((double)model_shape.K[mode * (model_shape.n + 1)]), wd = w * sqrt(1 - zeta * zeta);
-  const fb_input still = {.base = {0}};
+  const fb_input still = {.n_load = 0};
   const int steps = 4000;
   const double dt = 6 * 2 * model_pi / w / steps;
   fb_state state;

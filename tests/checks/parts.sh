@@ -11,11 +11,11 @@ try ${CC:-cc} $c99 -I"$out" -O1 -o "$out/parts" tests/checks/parts.c -lm
 try "$out/parts" "$out"
 figures=$(tail -n 1 "$out/log")
 
-# a hub with two booms in closed form: both bend along y or z, or against each other; four modes of a plane are stiffer by 1e-4 at most
+# roots of the equation of a hub with two beams: both bend along y or z, or against each other; two modes of a plane are a little stiffer
 try "$out/analyse" examples/two_booms.txt
-for hz in 0.556 0.556 0.985 1.076; do
-  grep -q "^ *[0-9]* .* $hz[0-9]* " "$out/log" || fail "no mode at $hz Hz: $(cat "$out/log")"
-done
+awk 'BEGIN { split("0.556348344 0.556348344 0.985076724 1.07648635", hz, " ") }
+  $1 == "mode" { reads = 1; next } !/^ *[0-9]/ { reads = 0 } reads && $4 > 0.1 && k < 4 { k++; off = $4 / hz[k] - 1; wrong += off < 0 || off > 6e-4 }
+  END { exit k != 4 || wrong > 0 }' "$out/log" || fail "other frequencies than in closed form: $(cat "$out/log")"
 try "$out/advise" examples/two_booms.txt --torque 0,0,0,5 --frequency 0.1
 grep -q '^ *[0-9]* *bend_y .* left ' "$out/log" && grep -q '^  beam left:$' "$out/log" || fail "advise does not name the parts"
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" | grep -A1 '^  beam' | grep -q '^    modes bend_y' || fail "advise does not say which modes of a part"
