@@ -23,7 +23,7 @@ static const char help[] =
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
-    "The descriptions are explained in examples/tools/README.md; examples/blade.txt and examples/panel.txt are "
+    "The descriptions are explained in examples/tools/README.md; examples/two_booms.txt and examples/panel.txt are "
     "two.\n";
 
 static void summarize_part(const model_part *part, const fb_modes *modes)

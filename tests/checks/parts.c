@@ -193,9 +193,10 @@ static void turned(double out[3], const double R[9], const double x[3])
   }
 }
 
-/* Adds the points to a shape of n coordinates, from `first` on, displaced by p and turned by R. */
+/* Adds the points to a shape of n coordinates, from `first` on, displaced by `at` and turned by R; lumps: with their
+   inertia, whose rotation has a second-order displacement of its own. */
 static void add_points(fb_shape *shape, const point *p, const double at[3], const double R[9], int first,
-                       const double scale[SHAPES])
+                       const double scale[SHAPES], int lumps)
 {
   static const int pair[SHAPES][SHAPES] = {{0, 1}, {1, 2}}, J_at[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
   const int n = shape->n;
@@ -237,7 +238,7 @@ static void add_points(fb_shape *shape, const point *p, const double at[3], cons
       J[3 + i] = (fb_real)full[i < 2 ? 1 + i : 5];
     }
     require(fb_shape_add_particle(shape, (fb_real)p[k].mass, r, psi, chi), "a point");
-    require(fb_shape_add_lump(shape, FB_R(0.0), r, J, none, theta), "its inertia");
+    require(lumps ? fb_shape_add_lump(shape, FB_R(0.0), r, J, none, theta) : FB_OK, "its inertia");
     if (k == 0) {
       int node;
       require(fb_shape_add_node(shape, &node, r, psi, theta), "its node");
@@ -285,7 +286,7 @@ static void write_component(FILE *out, const point *p)
     }
   }
   require(fb_shape_init(&local, SHAPES), "the component as it is");
-  add_points(&local, p, here, as_it_is, 0, one);
+  add_points(&local, p, here, as_it_is, 0, one, 0);
   for (int a = 0; a < SHAPES; a++) {
     for (int b = a; b < SHAPES; b++) {
       const int ab = a * SHAPES + b;
@@ -394,7 +395,7 @@ static void placed(const char *file)
   require(fb_shape_init(&shape, 4 + SHAPES), "shape");
   require(fb_shape_add_beam(&shape, 0, &beam, &modes), "beam");
   require(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 8), "node");
-  add_points(&shape, points, at, R, 4, scale);
+  add_points(&shape, points, at, R, 4, scale, 1);
   for (int a = 0; a < SHAPES; a++) {
     shape.K[(4 + a) * (4 + SHAPES + 1)] = (fb_real)(omega[a] * omega[a]);
   }
