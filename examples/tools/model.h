@@ -40,7 +40,7 @@ static struct model {
   model_kind kind;
   double hub_mass, hub_center[3], hub_inertia[6];
   fb_body_desc level;
-  double zeta; /* of parts without a damping of their own */
+  double zeta;                                               /* of parts without a damping of their own */
   int hub, n_damping, n_part, n_node, n_pair, n_mark, built; /* built: the last part tried, -1: the whole */
   text_words seen;
   model_part part[FB_MAX_PARTS]; /* of a beam and a component one, of a rigid body none */
@@ -775,8 +775,8 @@ static void model_beam_check(text_file *t, model_part *part)
 /* Refuses a word that was there before, but for those of which there may be many. */
 static void model_once(text_file *t, text_words *seen, const char *word)
 {
-  static const char *const many[] = {"point",     "lump",     "load", "node",     "taper", "shape", "mark",
-                                     "quadratic", "boundary", "beam", "component"};
+  static const char *const many[] = {"point", "lump",      "load",     "node", "taper",    "shape",
+                                     "mark",  "quadratic", "boundary", "beam", "component"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
       text_note(t, seen, word);

@@ -368,8 +368,8 @@ static void placed(const char *file)
   const double c = cos(0.9), s = sin(0.9), C = cos(-0.4), S = sin(-0.4); /* z, then the turned x */
   const double R[9] = {c, -s * C, s * S, s, c * C, -c * S, 0, S, C};
   const fb_section tube = {.mass = FB_R(0.5), .EI_y = 2000, .EI_z = 3000};
-  const fb_beam_desc desc = {.length = 8, .n_element = 8, .n_station = 1, .station = {tube},
-                             .position = {FB_R(0.5), 0, FB_R(0.1)}};
+  const fb_beam_desc desc = {
+      .length = 8, .n_element = 8, .n_station = 1, .station = {tube}, .position = {FB_R(0.5), 0, FB_R(0.1)}};
   const fb_modes_desc keep = {.count = {2, 2}};
   const fb_real center[3] = {FB_R(0.1), 0, 0}, inertia[6] = {60, 70, 80};
   fb_body_desc level = {.effects = FB_EFFECTS_FULL};
@@ -383,7 +383,8 @@ static void placed(const char *file)
   make_points(points);
   make_scales(scale, points);
   fprintf(out, "parts\nhub 400  0.1 0 0  60 70 80\neffects full\nbeam boom\n  length 8\n  elements 8\n");
-  fprintf(out, "  position 0.5 0 0.1\n  modes bend_y 2 bend_z 2\n  stations x mass EI_y EI_z\n  0 0.5 2000 3000\n  end\n");
+  fprintf(out,
+          "  position 0.5 0 0.1\n  modes bend_y 2 bend_z 2\n  stations x mass EI_y EI_z\n  0 0.5 2000 3000\n  end\n");
   fprintf(out, "  node tip tip\nend\ncomponent wing\n  position 0.7 -1.1 0.4\n  attitude z %.17g x %.17g\n",
           0.9 * 180 / model_pi, -0.4 * 180 / model_pi);
   write_component(out, points);

@@ -12,21 +12,21 @@ try "$out/parts" "$out"
 figures=$(tail -n 1 "$out/log")
 
 # roots of the equation of a hub with two beams: both bend along y or z, or against each other; two modes of a plane are a little stiffer
-try "$out/analyse" examples/two_booms.txt
+try "$out/analyse" examples/two_booms.txt --modes 10
 awk 'BEGIN { split("0.556348344 0.556348344 0.985076724 1.07648635", hz, " ") }
-  $1 == "mode" { reads = 1; next } !/^ *[0-9]/ { reads = 0 } reads && $4 > 0.1 && k < 4 { k++; off = $4 / hz[k] - 1; wrong += off < 0 || off > 6e-4 }
+  $1 == "mode" { reads = 1; next } !/^ *[0-9]/ { reads = 0 } reads && $4 > 0.1 && k < 4 { k++; off = $4 / hz[k] - 1; wrong += off < -1e-5 || off > 6e-4 }
   END { exit k != 4 || wrong > 0 }' "$out/log" || fail "other frequencies than in closed form: $(cat "$out/log")"
 try "$out/advise" examples/two_booms.txt --torque 0,0,0,5 --frequency 0.1
 grep -q '^ *[0-9]* *bend_y .* left ' "$out/log" && grep -q '^  beam left:$' "$out/log" || fail "advise does not name the parts"
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" | grep -A1 '^  beam' | grep -q '^    modes bend_y' || fail "advise does not say which modes of a part"
 
 # refuse LINE TEXT: of the file at the standard input
-refused=0
+: > "$out/refused"
 refuse() {
   cat > "$out/bad.txt"
   ! "$out/reduce" "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" || fail "taken: $2"
   grep -q -F -e "bad.txt$([ "$1" = 0 ] || echo ":$1"): $2" "$out/log" || fail "not '$1: $2' but $(cat "$out/log")"
-  refused=$((refused + 1))
+  echo "$2" >> "$out/refused"
 }
 boom='length 8
 elements 4
@@ -51,7 +51,7 @@ try "$out/reduce" "$out/good.txt" --out "$out/good.h"
 whole linear "beam a" "$boom" end "beam a" "$boom" end | refuse 12 "two parts have the name a"
 whole linear "beam" "$boom" end | refuse 4 "the name of a part is missing"
 whole linear "beam a b" "$boom" end | refuse 4 "too much on the line: b"
-whole linear "beam a" "$boom" | refuse 4 "beam a of line 4 wants a line \`end\`"
+whole linear "beam a" "$boom" | refuse 10 "beam a of line 4 wants a line \`end\`"
 whole linear "beam a" "$boom" "hub 1 0 0 0 1 1 1" end | refuse 11 "no such word for a beam: hub"
 whole linear "beam a" "$boom" "effects full" end | refuse 11 "no such word for a beam: effects"
 whole linear "beam a" "$boom" "frequency_hz 1" end | refuse 11 "no such word for a beam: frequency_hz"
@@ -85,4 +85,4 @@ for k in 1 2 3 4 5 6 7 8 9; do
 done > "$out/nine"
 whole linear "$(cat "$out/nine")" | refuse 68 "more than 8 parts"
 printf 'rigid\nhub 1 0 0 0 1 1 1\nbeam a\nend\n' | refuse 3 "no such word for a rigid body: beam"
-ok "$figures; $refused malformed files refused"
+ok "$figures; $(wc -l < "$out/refused") malformed files refused"
