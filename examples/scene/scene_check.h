@@ -23,7 +23,7 @@ static void scene_pull_body(text_file *t, const scene *s)
     return;
   }
   if (text_seen(&model.seen, "gravity") || fabs((double)own[0]) + fabs((double)own[1]) + fabs((double)own[2]) > 0) {
-    model_at(t, "gravity");
+    model_at(t, NULL, "gravity");
     text_fail(t, "gravity of a body under that of the scene");
   }
   text_note(t, &model.seen, "gravity");

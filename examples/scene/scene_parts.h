@@ -49,7 +49,9 @@ typedef struct scene_body {
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
-  int n_node; /* with node 0; further ones of the shape are drawn */
+  int n_node;                /* with node 0; further ones of the shape are drawn: */
+  int n_beam, n_drawn;       /* of each of its beams so many, from the root on */
+  int on_beam[FB_MAX_NODES]; /* is the node on one of them? */
   char node_name[FB_MAX_NODES][TEXT_NAME];
   double node_x[FB_MAX_NODES];    /* of an exact beam, and.. */
   int element_node[FB_MAX_NODES]; /* ..which of its nodes */

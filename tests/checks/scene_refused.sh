@@ -809,6 +809,57 @@ body b beam
   gauge g 0 1 0
 end
 END
+refuse 2 "gauges are on beams" << END
+body b rigid
+  gauge g 0 0 1
+end
+END
+refuse 10 "no beam of body b has the name tip" << END
+body b parts
+  beam boom
+    length 1
+    modes bend_y 1
+    stations x mass EI_y
+      0 1 1
+    end
+    node tip tip
+  end
+  gauge g tip 0 0 1
+end
+END
+refuse 3 "no such word for a beam: start_spin" << END
+body b parts
+  beam boom
+    start_spin 0 0 1
+  end
+end
+END
+refuse 4 "beam boom of line 2 wants a line \`end\`" << END
+body b parts
+  beam boom
+    length 1
+  # the file ends here
+END
+refuse 6 "beam boom, its modes: " << END
+body b parts
+  hub 1  0 0 0  1 1 1
+  effects linear
+  beam boom
+    length 1
+    modes bend_y 1
+    stations x mass EI_y
+      0 1 1
+    end
+  end
+end
+END
+refuse 2 "exact takes a straight beam" << END
+exact 4
+body b parts
+  hub 1  0 0 0  1 1 1
+  effects rigid
+end
+END
 printf 'duration 1\nstep \000 0.1\n' > "$out/zero.txt"
 status=0
 "$out/careful" "$out/zero.txt" > "$out/log" 2>&1 || status=$?
