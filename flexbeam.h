@@ -227,7 +227,7 @@
      P, H           element.momentum, .angular_momentum      kg/s, N s [L], per length
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
-   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, friction, stops, warping. Strain is
+   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, friction, stops, warping. Strain is
    linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
 
    FROM WHAT YOU HOLD TO A BODY
@@ -829,7 +829,8 @@ typedef enum fb_effect {
   FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
   FB_EFFECT_NONLINEAR_STRAIN = 128, /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
   FB_EFFECT_LARGE_DEFLECTION = 256, /* beams bend and twist by any angle: their modes are modes of curvature (>>line) */
-  FB_EFFECT_ROTORS = 512            /* wheels turn inside; fb_body_init sets it where fb_body_desc has any */
+  FB_EFFECT_ROTORS = 512,           /* wheels turn inside; fb_body_init sets it where fb_body_desc has any */
+  FB_EFFECT_CENTRAL_GRAVITY = 1024  /* gravity of a center; fb_body_init sets it where mu of fb_body_desc is above 0 */
 } fb_effect;
 #define FB_EFFECTS_RIGID 0u
 #define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
@@ -1055,7 +1056,7 @@ typedef struct fb_body {
   fb_sparse C;
 #endif
 #if FB_WITH_GRAVITY
-  fb_real gravity[3];
+  fb_real gravity[3], mu, center[3];
 #endif
 #if FB_WITH_ROTORS
   int n_rotor;
@@ -1152,7 +1153,8 @@ typedef struct fb_node_motion { /* inertial axes */
 
 typedef struct fb_energy {
   fb_real kinetic, strain,
-      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin */
+      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin, and that of
+                  a center, zero far from it */
 } fb_energy;
 
 typedef struct fb_momentum {
@@ -1186,6 +1188,11 @@ FB_API fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
 /* Pose, velocity and acceleration of a node, from the motion at the same state. */
 FB_API fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node);
+#if FB_WITH_GRAVITY
+/* g [m/s^2]: gravity at a place, uniform and of a center, inertial axes, for fb_imu_eval. FB_ERR_RANGE: at the center;
+   FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_body_gravity_eval(const fb_body *body, fb_real g[3], const fb_real position[3]);
+#endif
 #if FB_WITH_LARGE_DEFLECTION
 typedef struct fb_line_motion {
   fb_line_point at;                                 /* with the distributed load that acts there */
@@ -1233,6 +1240,9 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
                                   the torque about the mass center, E8.33 */
   fb_real a[3];                /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
+#if FB_WITH_GRAVITY
+  fb_real fall[3], fall_rate; /* [m/s^2], [rad/s] by central gravity: of the mass center, inertial axes; E8.37 */
+#endif
   fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
   fb_real e[FB_MAX_MODES];     /* scratch */
 #if FB_WITH_FORMS
@@ -1264,7 +1274,8 @@ typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
 typedef struct fb_imu {                       /* section axes of the node */
   fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
 } fb_imu;
-/* What an inertial measurement unit at a node reads; gravity in inertial axes (NULL: none). */
+/* What an inertial measurement unit at a node reads; gravity in inertial axes at the node (NULL: none; with that of a
+   center: fb_body_gravity_eval). */
 FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity);
 
 #if FB_WITH_SYSTEM
@@ -2447,6 +2458,13 @@ typedef struct fb_body_desc {
      fb_body_spectrum_solve tells. Must be zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
   fb_real zeta[FB_MAX_MODES];
   fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
+  /* Gravity of a center, beside that: mu [m^3/s^2] (0: none; G times its mass), the center [m] in inertial axes. Force,
+     gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
+     deformed body; what is left out is, relative to them, about its size over the distance. Of the momentum form, with
+     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not of bodies of systems, nor with trim, linear models, spectra
+     and internal loads of lines (FB_ERR_UNSUPPORTED). The mass center must stay farther from the center than twice the
+     root mean square distance of the body's mass from it (FB_ERR_RANGE) */
+  fb_real mu, center[3];
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
@@ -2482,6 +2500,7 @@ typedef struct fb_body_work {
    S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest, in single precision 1e-5),
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL; FB_EFFECT_LARGE_DEFLECTION: lines_status of
    the shape, FB_ERR_UNSUPPORTED of a node that moves with a beam but was added before it, or by fb_shape_add_node.
+   mu: FB_ERR_VALUE: negative; FB_ERR_EFFECTS: another form, or modes without inertia that follows the shape.
    Rotors: FB_ERR_CAPACITY: their number or a node; FB_ERR_VALUE: an axis of no length, inertia not above 0, friction
    without friction_speed, what is negative; FB_ERR_EFFECTS: another form than the momentum form, FB_EFFECT_ROTORS
    without any. body is written only on FB_OK. */
