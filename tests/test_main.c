@@ -18,7 +18,7 @@
 #define SUITES(X) \
   X(status) X(status_detail) X(vec3) X(rotation) X(linalg) X(beam) \
   X(modes_frequencies) X(modes_components) X(modes_selection) \
-  X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_rotors) X(body_refusals) X(body_build) \
+  X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_rotors) X(body_gravity) X(body_refusals) X(body_build) \
   X(line_parts) X(line_loads) X(line_refusals) \
   FORMS(X) \
   X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
