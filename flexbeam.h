@@ -1205,7 +1205,7 @@ typedef struct fb_line_motion {
    point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
    computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
    input are those of fb_body_motion_eval at state.
-   FB_ERR_UNSUPPORTED: a body without lines, or with a rotor on a node that moves; FB_ERR_NOT_FINITE; a status of
+   FB_ERR_UNSUPPORTED: a body without lines, with central gravity, or with a rotor on a node that moves; FB_ERR_NOT_FINITE; a status of
    input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
@@ -1859,7 +1859,8 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
    for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam.
    Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum|
-   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance. */
+   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance; with central gravity, + sqrt(3 mu/d^3)
+   at the distance d. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
@@ -2602,7 +2603,8 @@ typedef struct fb_system_desc {
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
    springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
    order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
-   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors;
+   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors
+   or central gravity;
    FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint
    that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
@@ -2784,7 +2786,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed; FB_ERR_UNSUPPORTED: a body with rotors. */
+   prescribed; FB_ERR_UNSUPPORTED: a body with rotors or central gravity. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
@@ -3188,6 +3190,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
+          Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

@@ -30001,6 +30001,9 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
     return FB_ERR_VALUE;
   }
   FBI_REQUIRE(e->node > 0 && e->node < shape->n_node, FB_ERR_CAPACITY);
+  if (desc->mu != FB_R(0.0)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without central gravity, mu", -1, desc->mu, FB_R(0.0));
+  }
 #if FB_WITH_ROTORS
   if (desc->n_rotor != 0) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without rotors, n_rotor", -1, (fb_real)desc->n_rotor,

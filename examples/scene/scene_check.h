@@ -85,6 +85,9 @@ static void scene_check_auto(text_file *t, const scene_body *body)
   if (body->level.form != FB_FORM_MOMENTUM || body->level.truncation != FB_TRUNCATE_NONE) {
     scene_refuse(t, &body->seen, "auto", "chooses among effects of the momentum form, not truncated");
   }
+  if (body->level.mu > FB_R(0.0)) {
+    scene_refuse(t, &body->seen, "auto", "does not know central_gravity");
+  }
   if (body->n_node < 2) {
     scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
   }
@@ -134,6 +137,13 @@ static void scene_check_single(text_file *t, const scene *s)
   for (int k = 0; k < s->n_output; k++) {
     if (s->output[k].quantity == SCENE_POWER) {
       text_fail(t, "output %s: power is that of joints", s->output[k].label);
+    }
+  }
+  if (modal && body->level.mu > FB_R(0.0)) {
+    scene_refuse(t, &s->seen, "trim", "does not know central_gravity");
+    if (s->duration > 0 && !(s->step > 0)) {
+      t->line = body->line;
+      text_fail(t, "central_gravity of body %s wants a step", body->name);
     }
   }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
@@ -249,6 +259,10 @@ static void scene_check_system(text_file *t, const scene *s)
   for (int k = 0; k < s->n_body; k++) {
     if (s->body[k].level.form != FB_FORM_MOMENTUM) {
       scene_refuse(t, &s->body[k].seen, "form", "is that of a body alone: joints want momentum");
+    }
+    if (s->body[k].level.mu > FB_R(0.0) && !t->failed) {
+      t->line = s->body[k].line;
+      text_fail(t, "central_gravity of body %s on a joint or among others: it acts on a body alone", s->body[k].name);
     }
   }
   for (int k = 0; k < s->n_output && s->method == FB_METHOD_MULTIPLIERS; k++) {
