@@ -4738,19 +4738,23 @@ static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *bo
   return FB_OK;
 }
 
-static fb_real fbi_central_energy(fbi_kinetics *k, const fb_body *body, const fb_real rho[3])
+/* energy += U; rho: of O. */
+static FBI_NOINLINE fb_status fbi_central_energy_add(fb_real *energy, fbi_kinetics *k, const fb_body *body,
+                                                     const fb_real rho[3])
 {
   fbi_central f;
   fb_real c[3], mass[3], own[3];
+  fb_status status;
   fbi_center_placed(c, FBI_LINE_OF(k), body, k->qx + 1);
   fb_mat33_mul_vec3(own, k->R, c);
   fbi_vec3_advance(mass, rho, -FB_R(1.0), body->center);
   fbi_vec3_add(mass, FB_R(1.0) / body->mass, own);
-  if (fbi_central_eval(&f, k, body, c, mass) != FB_OK) {
-    return FB_HUGE * FB_HUGE * FB_HUGE; /* beyond the model: not finite */
+  status = fbi_central_eval(&f, k, body, c, mass);
+  if (status == FB_OK) {
+    *energy -=
+        body->mu / f.distance * (body->mass + FB_R(0.5) * ((f.sum - FB_R(3.0) * f.nJn) / f.distance / f.distance));
   }
-  return -body->mu / f.distance *
-         (body->mass + FB_R(0.5) * ((f.sum - FB_R(3.0) * f.nJn) / f.distance / f.distance));
+  return status;
 }
 #endif
 
@@ -7360,7 +7364,6 @@ static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body 
     fb_mat33_mul_vec3(moment, k->R, c);
     fbi_vec3_add(moment, body->mass, rho);
     energy->gravity -= fb_vec3_dot(moment, body->gravity);
-    energy->gravity += fbi_is_central(body) ? fbi_central_energy(k, body, rho) : FB_R(0.0);
   }
 #endif
   (void)rho;
@@ -7428,11 +7431,14 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
   fbi_potential_add(&out, &k, body, state->q, state->rho);
-  if (!fbi_energy_is_finite(&out)) {
-    return FB_ERR_NOT_FINITE;
+#if FB_WITH_GRAVITY
+  status = fbi_is_central(body) ? fbi_central_energy_add(&out.gravity, &k, body, state->rho) : status;
+#endif
+  if (status == FB_OK && !fbi_energy_is_finite(&out)) {
+    status = FB_ERR_NOT_FINITE;
   }
-  *energy = out;
-  return FB_OK;
+  *energy = status ? *energy : out;
+  return status;
 }
 
 #if FB_WITH_LARGE_DEFLECTION
