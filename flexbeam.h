@@ -164,18 +164,18 @@
      fb_rk4_work                 54840
      fb_implicit_work            63032
      fb_exponential_work         57864
-     fb_system_work             624680
+     fb_system_work             624936
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               428104
-     fb_build_work             4291880  most of it an fb_modes_work
+     fb_body_work               428136
+     fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
-     fb_system_analyse_work    1953112
+     fb_system_analyse_work    1953368
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work            1104080
+     fb_advice_work            1104208
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -1234,12 +1234,12 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real rotor_axis[FB_MAX_ROTORS][3]; /* body axes */
   fb_real rotor_momentum[FB_MAX_ROTORS], rotor_speed[FB_MAX_ROTORS];
 #endif
-  fb_real ph[6];               /* (p, h), body axes */
-  fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
-  int loaded;                  /* loads or gravity act: fg is not zero */
-  fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
+  fb_real ph[6];         /* (p, h), body axes */
+  fb_real S[21], dS[21]; /* S(q) and its rate, when they were needed */
+  int loaded;            /* loads or gravity act: fg is not zero */
+  fb_real fg[6];         /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
                                   the torque about the mass center, E8.33 */
-  fb_real a[3];                /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
+  fb_real a[3];          /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
 #if FB_WITH_GRAVITY
   fb_real fall[3], fall_rate; /* [m/s^2], [rad/s] by central gravity: of the mass center, inertial axes; E8.37 */
 #endif

@@ -3381,13 +3381,13 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
 
 /* ---- effects, sparse matrices, the base */
 
-#define FBI_EFFECTS_BUILT                                                                  \
-  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |             \
-   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                           \
-   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                             \
-   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
-   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
-   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                           \
+#define FBI_EFFECTS_BUILT                                                                                  \
+  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |                             \
+   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                                           \
+   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                                             \
+   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |                             \
+   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) |                 \
+   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                                           \
    (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0) | (FB_WITH_ROTORS ? FB_EFFECT_ROTORS : 0) | \
    (FB_WITH_GRAVITY ? FB_EFFECT_CENTRAL_GRAVITY : 0))
 #define FBI_WITH_FURTHER (FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS || FB_WITH_GRAVITY)
@@ -4526,8 +4526,8 @@ static int fbi_is_flying(const fb_body *body)
 /* 1 if loads along lines or of imbalance act, or gravity of a center. */
 static int fbi_further_loads(const fb_body *body, const fb_input *input, int further)
 {
-  int acts = (further & FB_EFFECT_CENTRAL_GRAVITY) ||
-             ((further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
+  int acts =
+      (further & FB_EFFECT_CENTRAL_GRAVITY) || ((further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
 #if FB_WITH_ROTORS
   for (int r = 0; (further & FB_EFFECT_ROTORS) && r < body->n_rotor; r++) {
     acts |= fbi_is_unbalanced(&body->rotor[r]);
@@ -4638,7 +4638,7 @@ static FBI_NOINLINE void fbi_central_rotors(fbi_central *f, const fbi_kinetics *
 /* [E8.36] Body in the field of a center, its mass center at d n from there: J about the mass center and the gradient
    of (tr J - 3 n.J n)/2 by three rotations (fbi_central_turn) about n and two axes across, tr J = n.J n + a.J a + b.J b.
    mass: position of the mass center less that of the field's center, inertial axes.
-   Source: second moments of mass as kinetic energies.  Cost: 3 gradients of E8.10 and E8.12.
+   Source: THEORY.md 8.2.  Cost: 3 gradients of E8.10 and E8.12.
    Fails: d not above twice the root mean square radius, sqrt(tr J/(2 m)).
    Test: modal_forces_of_a_center_are_the_slope_of_the_energy, a_center_pulls_as_the_sum_over_particles. */
 static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body *body, const fb_real c[3],
@@ -4693,7 +4693,7 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
    -mu n/d^2 - 3 mu (2 J n - 5 (n.J n) n + (tr J) n)/(2 m d^4), torque about it 3 mu n x J n/d^3, modal forces
    mu/d^3 d/dq (tr J - 3 n.J n)/2. The frame of a free body falls with its mass center, as E8.16 in E8.33; others feel
    that acceleration as a uniform field. state.rho: of a free body its mass center (fbi_field_start).
-   Source: P. C. Hughes, Spacecraft Attitude Dynamics, 1986, 8.1.  Fails: as E8.36.
+   Source: [HS] 8.  Fails: as E8.36.
    Test: a_center_pulls_as_the_sum_over_particles, satellites_librate_at_the_frequencies_of_the_gradient. */
 static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
@@ -15126,8 +15126,7 @@ static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *
                                                  fb_real dt)
 {
   return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
-                                FB_EFFECT_LARGE_DEFLECTION |
-                                    (fbi_is_central(body) ? FB_EFFECT_CENTRAL_GRAVITY : 0));
+                                FB_EFFECT_LARGE_DEFLECTION | (fbi_is_central(body) ? FB_EFFECT_CENTRAL_GRAVITY : 0));
 }
 #endif
 
@@ -15136,8 +15135,7 @@ static FBI_NOINLINE fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *
                                                  const fb_input *start, const fb_input *middle, const fb_input *end,
                                                  fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
-                                FB_EFFECT_ROTORS | fbi_further(body));
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_further(body));
 }
 #endif
 
@@ -24477,8 +24475,9 @@ static int fbi_center_is_sound(const fb_shape *shape, const fb_body_desc *desc)
 {
   const unsigned inertia = FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA, quadratic = FBI_QUADRATIC_EFFECTS,
                  effects = desc->effects;
-  int whole = !(effects & FB_EFFECT_ELASTIC) || ((effects & inertia) == inertia && desc->truncation == FB_TRUNCATE_NONE &&
-                                                 ((effects & quadratic) == 0 || (effects & quadratic) == quadratic));
+  int whole =
+      !(effects & FB_EFFECT_ELASTIC) || ((effects & inertia) == inertia && desc->truncation == FB_TRUNCATE_NONE &&
+                                         ((effects & quadratic) == 0 || (effects & quadratic) == quadratic));
   if (desc->mu == FB_R(0.0)) {
     return !(effects & FB_EFFECT_CENTRAL_GRAVITY);
   }
@@ -24501,10 +24500,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
     return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
   }
   if (!fbi_center_is_sound(shape, desc)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS,
-                      "mu [m^3/s^2], 0 without mass, FB_WITH_GRAVITY, momentum form, FB_EFFECTS_FULL, _LARGE or _STRAIN of "
-                      "modes; above 0 with FB_EFFECT_CENTRAL_GRAVITY",
-                      -1, desc->mu, FB_R(0.0));
+    return FBI_REFUSE(
+        FB_ERR_EFFECTS,
+        "mu [m^3/s^2], 0 without mass, FB_WITH_GRAVITY, momentum form, FB_EFFECTS_FULL, _LARGE or _STRAIN of "
+        "modes; above 0 with FB_EFFECT_CENTRAL_GRAVITY",
+        -1, desc->mu, FB_R(0.0));
   }
   if (!desc->allow_split_effects) {
     const int whole = fb_effects_check(desc->effects) == FB_OK; /* with a record of its own */
@@ -24589,8 +24589,7 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const fbi_number field[] = {FBI_ANY(desc->zeta, shape->n, "zeta"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
-                              FBI_NOT_NEGATIVE(&desc->mu, 1, "mu [m^3/s^2]"),
-                              FBI_ANY(desc->center, 3, "center [m]"),
+                              FBI_NOT_NEGATIVE(&desc->mu, 1, "mu [m^3/s^2]"), FBI_ANY(desc->center, 3, "center [m]"),
                               FBI_NOT_NEGATIVE(&desc->deflection_limit, 1, "deflection_limit [m]")};
   const fbi_count count[] = {
       FBI_COUNT((int)desc->base, 0, (int)FB_BASE_COUNT - 1, "base, an fb_base, beyond"),
@@ -27051,8 +27050,8 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
     return FB_ERR_VALUE;
   }
   if (fbi_has(body->effects, FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY)) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors and central gravity", -1,
-                      FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors and central gravity",
+                      -1, FB_R(0.0), FB_R(0.0));
   }
   return fb_state_check(body, state);
 }

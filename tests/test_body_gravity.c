@@ -1,7 +1,6 @@
 /* >>body: gravity of a center. The judge is the sum over particles of an inverse-square field, slopes of the potential,
    closed forms of orbits and librations, and what is conserved. */
 #include "body.h"
-#if FB_WITH_GRAVITY
 
 static fb_body_desc desc;
 static fb_state state, rate, before;
@@ -270,7 +269,7 @@ static double residue(const double *x, int n, const double *angle, int n_angle)
 }
 
 /* E8.37: a rigid satellite on a circular orbit librates about the local vertical, in pitch at n sqrt(3 (J_r - J_y)/J_p),
-   roll and yaw coupled: s^4 + (1 + 3 a + a b) n^2 s^2 + 4 a b n^4, a = (J_p - J_y)/J_r, b = (J_p - J_r)/J_y (Hughes,
+   roll and yaw coupled: s^4 + (1 + 3 a + a b) n^2 s^2 + 4 a b n^4, a = (J_p - J_y)/J_r, b = (J_p - J_r)/J_y ([HS]
    9.2). r along the flight, p normal to the orbit, y along the radius. */
 TEST(satellites_librate_at_the_frequencies_of_the_gradient)
 {
@@ -572,6 +571,3 @@ SUITE(body_gravity, RUN(a_center_pulls_as_the_sum_over_particles),
       RUN(satellites_librate_at_the_frequencies_of_the_gradient), RUN(a_center_keeps_energy_and_angular_momentum),
       RUN(integrators_agree_on_a_center), RUN(the_gradient_stretches_a_boom),
       RUN(accelerometers_read_the_difference_of_the_field), RUN(centers_refuse_what_they_do_not_know))
-#else
-SUITE(body_gravity, {"", NULL, 0})
-#endif
