@@ -2462,9 +2462,9 @@ typedef struct fb_body_desc {
   /* Gravity of a center, beside that: mu [m^3/s^2] (0: none; G times its mass), the center [m] in inertial axes. Force,
      gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
      deformed body; what is left out is, relative to them, about its size over the distance. Of the momentum form, with
-     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not of bodies of systems, nor with trim, linear models, spectra
-     and internal loads of lines (FB_ERR_UNSUPPORTED). The mass center must stay farther from the center than twice the
-     root mean square distance of the body's mass from it (FB_ERR_RANGE) */
+     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with trim, linear models, spectra and internal loads of
+     lines, and of bodies of systems in double precision alone (FB_ERR_UNSUPPORTED). The mass center must stay farther
+     from the center than twice the root mean square distance of the body's mass from it (FB_ERR_RANGE) */
   fb_real mu, center[3];
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
@@ -2603,8 +2603,8 @@ typedef struct fb_system_desc {
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
    springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
    order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
-   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors
-   or central gravity;
+   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors,
+   or in single precision with central gravity;
    FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint
    that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,

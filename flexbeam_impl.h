@@ -4692,17 +4692,17 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
    center of the field, n the direction, J the inertia about the mass center: acceleration of the mass center
    -mu n/d^2 - 3 mu (2 J n - 5 (n.J n) n + (tr J) n)/(2 m d^4), torque about it 3 mu n x J n/d^3, modal forces
    mu/d^3 d/dq (tr J - 3 n.J n)/2. The frame of a free body falls with its mass center, as E8.16 in E8.33; others feel
-   that acceleration as a uniform field. state.rho: of a free body its mass center (fbi_field_start).
+   that acceleration as a uniform field. rho: of O, of a flying body of its mass center (fbi_field_start).
    Source: [HS] 8.  Fails: as E8.36.
    Test: a_center_pulls_as_the_sum_over_particles, satellites_librate_at_the_frequencies_of_the_gradient. */
-static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *body, const fb_state *state)
+static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *body, const fb_real rho[3], int flying)
 {
   fbi_central f;
   fb_real c[3], mass[3], a[3], own[3], torque[3], s;
   fb_status status;
   fbi_center_placed(c, FBI_LINE_OF(k), body, k->qx + 1);
-  fbi_vec3_advance(mass, state->rho, -FB_R(1.0), body->center);
-  if (!fbi_is_flying(body)) {
+  fbi_vec3_advance(mass, rho, -FB_R(1.0), body->center);
+  if (!flying) {
     fb_mat33_mul_vec3(own, k->R, c);
     fbi_vec3_add(mass, FB_R(1.0) / body->mass, own);
   }
@@ -4725,7 +4725,7 @@ static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *bo
   s /= f.distance;
   k->fall_rate = FB_SQRT(FB_R(3.0) * s);
   k->loaded = 1;
-  if (!fbi_is_flying(body)) {
+  if (!flying) {
     fbi_pull_eval(c, k->x, k, body, k->qx, a, fbi_is_large(body));
     fbi_vec3_add(k->fg, body->mass, a);
     fbi_vec3_add_cross(k->fg + 3, c, a);
@@ -4763,7 +4763,7 @@ static FBI_INLINE fb_status fbi_further_gravity(fbi_kinetics *k, const fb_body *
 {
 #if FB_WITH_GRAVITY
   if (fbi_is_central(body)) {
-    return fbi_central_add(k, body, state);
+    return fbi_central_add(k, body, state->rho, fbi_is_flying(body));
   }
 #endif
   (void)k, (void)body, (void)state;
@@ -5709,7 +5709,7 @@ static FBI_NOINLINE fb_status fbi_central_state_rates(fb_state *rate, fbi_kineti
   fb_status status = fbi_velocity(k, body, state, input);
   if (status == FB_OK) {
     fbi_forces(k, body, state, input);
-    status = fbi_central_add(k, body, state);
+    status = fbi_central_add(k, body, state->rho, fbi_is_flying(body));
   }
   return status == FB_OK ? fbi_momentum_rates(rate, k, body, state) : status;
 }
@@ -7246,6 +7246,10 @@ static fb_status fbi_cut_points(fb_line_motion *point, int *n, const fbi_cut_res
 /* Internal loads are of lines. */
 static fb_status fbi_lines_required(const fb_body *body)
 {
+  if (fbi_is_central(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: internal loads of lines, without central gravity", -1, FB_R(0.0),
+                      FB_R(0.0));
+  }
   return fbi_is_large(body)
              ? FB_OK
              : FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
@@ -7265,10 +7269,6 @@ static fb_status fbi_body_acts(fbi_cut_load_set *acts, const fb_body *body, cons
   fb_status status = fbi_lines_required(body);
   memset(acts, 0, sizeof *acts);
   acts->node = -1;
-  if (status == FB_OK && fbi_is_central(body)) {
-    status = FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: internal loads of lines, without central gravity", -1, FB_R(0.0),
-                        FB_R(0.0));
-  }
 #if FB_WITH_ROTORS
   for (int r = 0; r < body->n_rotor && status == FB_OK; r++) {
     if (body->rotor[r].moves) { /* its torque on the section is missing */
@@ -10670,6 +10670,32 @@ static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system
   return status;
 }
 
+#if FB_WITH_GRAVITY
+/* Uniform gravity on a body, and that of a center, which leaves velocities of its own at the points of lines. */
+static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
+{
+  fbi_link_work *const L = &w->link[k];
+  fb_real rho[3];
+  fb_status status;
+  if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
+    fbi_gravity_add(&L->k, L->model, fbi_is_large(L->model));
+  }
+  if (!fbi_is_central(L->model)) {
+    return FB_OK;
+  }
+  for (int i = 0; i < 3; i++) {
+    rho[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  status = fbi_central_add(&L->k, L->model, rho, 0);
+#if FB_WITH_LARGE_DEFLECTION
+  for (int l = 0; fbi_is_large(L->model) && l < L->model->lines.n_line; l++) {
+    fbi_line_rates(L->k.line, &L->model->lines, &L->model->lines.line[l], L->q_dot);
+  }
+#endif
+  return status;
+}
+#endif
+
 /* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
    actuators. */
 static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -10684,8 +10710,8 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
 #if FB_WITH_GRAVITY
-    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
-      fbi_gravity_add(&L->k, L->model, fbi_is_large(L->model));
+    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY) && status == FB_OK) {
+      status = fbi_link_gravity_add(w, k);
     }
 #endif
   }
@@ -12486,7 +12512,7 @@ FB_DEF fb_status fb_system_node_loads_eval(const fb_system *system, const fb_bod
 
 /* Adds the energy of body k: kinetic in the tree's frame, (V.(p, h) + q_dot.M pb)/2, and by the velocity u of that
    frame, p.u + m u.u/2; potentials. */
-static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body *model, const fb_real *q, int k)
+static fb_status fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body *model, const fb_real *q, int k)
 {
   fbi_link_work *L = &w->link[k];
   fb_real u[3] = {0}, rho[3];
@@ -12498,6 +12524,11 @@ static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body
     rho[i] = fbi_true_position(w, k, L->rho, i);
   }
   fbi_potential_add(out, &L->k, model, q, rho);
+#if FB_WITH_GRAVITY
+  return fbi_is_central(model) ? fbi_central_energy_add(&out->gravity, &L->k, model, rho) : FB_OK;
+#else
+  return FB_OK;
+#endif
 }
 
 /* Strain energy of the springs and stops of joint j, sum of k (x - rest)^2/2. */
@@ -12547,8 +12578,11 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
   }
 
   /* bodies, springs of joints */
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
+  }
+  if (status != FB_OK) {
+    return status;
   }
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     if (fbi_is_sprung(&system->joint[j], work, NULL, j)) {
@@ -16689,6 +16723,9 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
     const fb_body *model = w->link[k].model;
     const fbi_link_work *parent = L->parent;
     L->spin = fbi_vec3_norm(L->V + 3);
+#if FB_WITH_GRAVITY
+    L->spin += fbi_is_central(model) ? L->k.fall_rate : FB_R(0.0);
+#endif
     if (parent) {
       L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
     } else {
@@ -25622,9 +25659,13 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
                         FB_R(0.0));
     }
-    if (fbi_has(body[desc->model[k]].effects, FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY)) {
-      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, without rotors and central gravity", k, FB_R(0.0),
-                        FB_R(0.0));
+    if (FB_SINGLE &&
+        fbi_is_central(&body[desc->model[k]])) { /* rounding of mu/d^2 is more than what bodies differ by */
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, in single precision without central gravity", k,
+                        FB_R(0.0), FB_R(0.0));
+    }
+    if (fbi_has(body[desc->model[k]].effects, FB_EFFECT_ROTORS)) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, without rotors", k, FB_R(0.0), FB_R(0.0));
     }
   }
   /* an unused model though there are bodies enough: desc->model was forgotten */
@@ -27331,6 +27372,12 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   work->system.joint = -1; /* no joint has failed yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_UNSUPPORTED;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    if (fbi_is_central(fbi_model(system, body, k))) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without central gravity", k,
+                        FB_R(0.0), FB_R(0.0));
+    }
   }
   status = fbi_system_input_check(system, body, input);
   return status ? status : fbi_system_range(system, body, state);

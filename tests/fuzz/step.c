@@ -150,7 +150,7 @@ static int build_body(bytes *b, int plain, int lines)
     level.rotor[1].node = 1;
     level.rotor[1].given = (bits & 8) != 0;
   }
-  if ((bits & 16) && !plain && form == 0 && (level.effects & FB_EFFECT_RESIDUAL_INERTIA)) {
+  if ((bits & 16) && !(plain && FB_SINGLE) && form == 0 && (level.effects & FB_EFFECT_RESIDUAL_INERTIA)) {
     level.mu = FB_R(20.0);
     level.center[1] = FB_R(5.0);
   }
