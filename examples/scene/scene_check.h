@@ -123,6 +123,18 @@ static void scene_check_exact_body(text_file *t, const scene *s, const scene_bod
   }
 }
 
+/* What chooses steps and steady states knows no gravity of a center. */
+static void scene_check_center(text_file *t, const scene *s, const scene_body *body)
+{
+  if (body->level.mu > FB_R(0.0)) {
+    scene_refuse(t, &s->seen, "trim", "does not know central_gravity");
+    if (s->duration > 0 && !(s->step > 0)) {
+      t->line = body->line;
+      text_fail(t, "central_gravity of body %s wants a step", body->name);
+    }
+  }
+}
+
 /* ---- bodies alone, at the end of the file */
 
 static void scene_check_single(text_file *t, const scene *s)
@@ -139,12 +151,8 @@ static void scene_check_single(text_file *t, const scene *s)
       text_fail(t, "output %s: power is that of joints", s->output[k].label);
     }
   }
-  if (modal && body->level.mu > FB_R(0.0)) {
-    scene_refuse(t, &s->seen, "trim", "does not know central_gravity");
-    if (s->duration > 0 && !(s->step > 0)) {
-      t->line = body->line;
-      text_fail(t, "central_gravity of body %s wants a step", body->name);
-    }
+  if (modal) {
+    scene_check_center(t, s, body);
   }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
     t->line = body->line;
@@ -260,10 +268,7 @@ static void scene_check_system(text_file *t, const scene *s)
     if (s->body[k].level.form != FB_FORM_MOMENTUM) {
       scene_refuse(t, &s->body[k].seen, "form", "is that of a body alone: joints want momentum");
     }
-    if (s->body[k].level.mu > FB_R(0.0) && !t->failed) {
-      t->line = s->body[k].line;
-      text_fail(t, "central_gravity of body %s on a joint or among others: it acts on a body alone", s->body[k].name);
-    }
+    scene_check_center(t, s, &s->body[k]);
   }
   for (int k = 0; k < s->n_output && s->method == FB_METHOD_MULTIPLIERS; k++) {
     if (s->output[k].quantity == SCENE_COORDINATE_ACCELERATION) {

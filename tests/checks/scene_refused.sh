@@ -463,9 +463,8 @@ body b rigid
 end
 output x position b x
 END
-refuse 3 "central_gravity of body b on a joint or among others: it acts on a body alone" << END
+refuse 2 "central_gravity of body b wants a step" << END
 duration 1
-step 0.1
 body b rigid
   hub 1  0 0 0  1 1 1
   central_gravity 5  0 0 9
