@@ -164,18 +164,18 @@
      fb_rk4_work                 54840
      fb_implicit_work            63032
      fb_exponential_work         57864
-     fb_system_work             624680
+     fb_system_work             624936
      fb_exact_work              173328
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               428104
-     fb_build_work             4291880  most of it an fb_modes_work
+     fb_body_work               428136
+     fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
-     fb_system_analyse_work    1953112
+     fb_system_analyse_work    1953368
      fb_exact_path_work         202464
      fb_exact_spectrum_work    1625184
      fb_exact_linear_work      1998864
-     fb_advice_work            1104080
+     fb_advice_work            1104208
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -227,7 +227,7 @@
      P, H           element.momentum, .angular_momentum      kg/s, N s [L], per length
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
-   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, friction, stops, warping. Strain is
+   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, friction, stops, warping. Strain is
    linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
 
    FROM WHAT YOU HOLD TO A BODY
@@ -829,7 +829,8 @@ typedef enum fb_effect {
   FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
   FB_EFFECT_NONLINEAR_STRAIN = 128, /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
   FB_EFFECT_LARGE_DEFLECTION = 256, /* beams bend and twist by any angle: their modes are modes of curvature (>>line) */
-  FB_EFFECT_ROTORS = 512            /* wheels turn inside; fb_body_init sets it where fb_body_desc has any */
+  FB_EFFECT_ROTORS = 512,           /* wheels turn inside; fb_body_init sets it where fb_body_desc has any */
+  FB_EFFECT_CENTRAL_GRAVITY = 1024  /* gravity of a center; fb_body_init sets it where mu of fb_body_desc is above 0 */
 } fb_effect;
 #define FB_EFFECTS_RIGID 0u
 #define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
@@ -1055,7 +1056,7 @@ typedef struct fb_body {
   fb_sparse C;
 #endif
 #if FB_WITH_GRAVITY
-  fb_real gravity[3];
+  fb_real gravity[3], mu, center[3];
 #endif
 #if FB_WITH_ROTORS
   int n_rotor;
@@ -1152,7 +1153,8 @@ typedef struct fb_node_motion { /* inertial axes */
 
 typedef struct fb_energy {
   fb_real kinetic, strain,
-      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin */
+      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin, and that of
+                  a center, zero far from it */
 } fb_energy;
 
 typedef struct fb_momentum {
@@ -1186,6 +1188,11 @@ FB_API fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
 /* Pose, velocity and acceleration of a node, from the motion at the same state. */
 FB_API fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node);
+#if FB_WITH_GRAVITY
+/* g [m/s^2]: gravity at a place, uniform and of a center, inertial axes, for fb_imu_eval. FB_ERR_RANGE: at the center;
+   FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_body_gravity_eval(const fb_body *body, fb_real g[3], const fb_real position[3]);
+#endif
 #if FB_WITH_LARGE_DEFLECTION
 typedef struct fb_line_motion {
   fb_line_point at;                                 /* with the distributed load that acts there */
@@ -1198,7 +1205,7 @@ typedef struct fb_line_motion {
    point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
    computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
    input are those of fb_body_motion_eval at state.
-   FB_ERR_UNSUPPORTED: a body without lines, or with a rotor on a node that moves; FB_ERR_NOT_FINITE; a status of
+   FB_ERR_UNSUPPORTED: a body without lines, with central gravity, or with a rotor on a node that moves; FB_ERR_NOT_FINITE; a status of
    input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
@@ -1227,12 +1234,15 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real rotor_axis[FB_MAX_ROTORS][3]; /* body axes */
   fb_real rotor_momentum[FB_MAX_ROTORS], rotor_speed[FB_MAX_ROTORS];
 #endif
-  fb_real ph[6];               /* (p, h), body axes */
-  fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
-  int loaded;                  /* loads or gravity act: fg is not zero */
-  fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
+  fb_real ph[6];         /* (p, h), body axes */
+  fb_real S[21], dS[21]; /* S(q) and its rate, when they were needed */
+  int loaded;            /* loads or gravity act: fg is not zero */
+  fb_real fg[6];         /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
                                   the torque about the mass center, E8.33 */
-  fb_real a[3];                /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
+  fb_real a[3];          /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
+#if FB_WITH_GRAVITY
+  fb_real fall[3], fall_rate; /* [m/s^2], [rad/s] by central gravity: of the mass center, inertial axes; E8.37 */
+#endif
   fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
   fb_real e[FB_MAX_MODES];     /* scratch */
 #if FB_WITH_FORMS
@@ -1264,7 +1274,8 @@ typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
 typedef struct fb_imu {                       /* section axes of the node */
   fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
 } fb_imu;
-/* What an inertial measurement unit at a node reads; gravity in inertial axes (NULL: none). */
+/* What an inertial measurement unit at a node reads; gravity in inertial axes at the node (NULL: none; with that of a
+   center: fb_body_gravity_eval). */
 FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity);
 
 #if FB_WITH_SYSTEM
@@ -1848,7 +1859,8 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
    for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam.
    Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum|
-   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance. */
+   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance; with central gravity, + sqrt(3 mu/d^3)
+   at the distance d. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
@@ -2473,6 +2485,13 @@ typedef struct fb_body_desc {
      fb_body_spectrum_solve tells. Must be zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
   fb_real zeta[FB_MAX_MODES];
   fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
+  /* Gravity of a center, beside that: mu [m^3/s^2] (0: none; G times its mass), the center [m] in inertial axes. Force,
+     gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
+     deformed body; what is left out is, relative to them, about its size over the distance. Of the momentum form, with
+     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with trim, linear models, spectra and internal loads of
+     lines, and of bodies of systems in double precision alone (FB_ERR_UNSUPPORTED). The mass center must stay farther
+     from the center than twice the root mean square distance of the body's mass from it (FB_ERR_RANGE) */
+  fb_real mu, center[3];
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
@@ -2508,6 +2527,7 @@ typedef struct fb_body_work {
    S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest, in single precision 1e-5),
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL; FB_EFFECT_LARGE_DEFLECTION: lines_status of
    the shape, FB_ERR_UNSUPPORTED of a node that moves with a beam but was added before it, or by fb_shape_add_node.
+   mu: FB_ERR_VALUE: negative; FB_ERR_EFFECTS: another form, or modes without inertia that follows the shape.
    Rotors: FB_ERR_CAPACITY: their number or a node; FB_ERR_VALUE: an axis of no length, inertia not above 0, friction
    without friction_speed, what is negative; FB_ERR_EFFECTS: another form than the momentum form, FB_EFFECT_ROTORS
    without any. body is written only on FB_OK. */
@@ -2609,7 +2629,8 @@ typedef struct fb_system_desc {
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
    springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
    order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
-   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors;
+   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors,
+   or in single precision with central gravity;
    FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint
    that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
@@ -2791,7 +2812,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed; FB_ERR_UNSUPPORTED: a body with rotors. */
+   prescribed; FB_ERR_UNSUPPORTED: a body with rotors or central gravity. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
@@ -3195,6 +3216,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
+          Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

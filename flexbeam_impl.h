@@ -3453,15 +3453,17 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
 
 /* ---- effects, sparse matrices, the base */
 
-#define FBI_EFFECTS_BUILT                                                                  \
-  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |             \
-   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                           \
-   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                             \
-   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
-   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
-   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                           \
-   (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0) | (FB_WITH_ROTORS ? FB_EFFECT_ROTORS : 0))
-#define FBI_WITH_FURTHER (FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS)
+#define FBI_EFFECTS_BUILT                                                                                  \
+  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |                             \
+   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                                           \
+   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                                             \
+   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |                             \
+   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) |                 \
+   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                                           \
+   (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0) | (FB_WITH_ROTORS ? FB_EFFECT_ROTORS : 0) | \
+   (FB_WITH_GRAVITY ? FB_EFFECT_CENTRAL_GRAVITY : 0))
+#define FBI_WITH_FURTHER (FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS || FB_WITH_GRAVITY)
+#define FBI_WORD_CENTER "body: distance of its mass center from the center of gravity [m], for the second degree above"
 #define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
 /* 1 if one of these effects is on; a compile-time 0 where they were removed. */
 static int fbi_has(unsigned effects, int effect)
@@ -3502,11 +3504,18 @@ static int fbi_is_large(const fb_body *body)
   return fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION);
 }
 
-/* What a body has beside modes of polynomials: of its effects those of lines and rotors, whose steps run further
-   functions. */
+/* 1 with gravity of a center; a compile-time 0 where it was removed. */
+static int fbi_is_central(const fb_body *body)
+{
+  return fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY);
+}
+
+/* What a body has beside modes of polynomials: of its effects those of lines, rotors and central gravity, whose steps
+   run further functions. */
 static int fbi_further(const fb_body *body)
 {
-  return (int)(body->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS) & (unsigned)FBI_EFFECTS_BUILT);
+  return (int)(body->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY) &
+               (unsigned)FBI_EFFECTS_BUILT);
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -4481,6 +4490,27 @@ static const fb_real *fbi_center_start(const fb_body *body)
 #endif
 }
 
+/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m]; lines stand where they are at q.
+   Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
+static FBI_NOINLINE void fbi_center_placed(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
+{
+  const fb_lambda_term *t = body->lambda;
+  fbi_copy(c, fbi_center_start(body), 3);
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    c[t->i] -= t->c * q[t->b];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    c[t->i] -= FB_R(0.5) * t->c * q[t->a - 1] * q[t->b];
+  }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_lines_pull(c, NULL, line, &body->lines, c);
+  }
+#endif
+  (void)line;
+}
+
 /* [E8.16] Forces of a uniform acceleration field g, of potential -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q
    the first moment of mass: force m g, torque c(q) x g, modal forces x += (dc/dq)^T g, x indexed as (1, q). c and its
    gradient come from the terms of the linear momentum in Lambda. g in body axes; yields c and x.
@@ -4565,10 +4595,11 @@ static int fbi_is_flying(const fb_body *body)
   return body->base == FB_BASE_FREE && fbi_form(body) == 0;
 }
 
-/* 1 if loads along lines or of imbalance act. */
+/* 1 if loads along lines or of imbalance act, or gravity of a center. */
 static int fbi_further_loads(const fb_body *body, const fb_input *input, int further)
 {
-  int acts = (further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input);
+  int acts =
+      (further & FB_EFFECT_CENTRAL_GRAVITY) || ((further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
 #if FB_WITH_ROTORS
   for (int r = 0; (further & FB_EFFECT_ROTORS) && r < body->n_rotor; r++) {
     acts |= fbi_is_unbalanced(&body->rotor[r]);
@@ -4602,6 +4633,213 @@ static void fbi_fall(fbi_kinetics *k, const fb_body *body, int large)
   }
   fbi_pull_eval(c, k->x, k, body, k->qx, field, large);
   fbi_vec3_add_cross(k->fg + 3, c, field);
+}
+
+#if FB_WITH_GRAVITY
+/* Gravity of a center by the second degree about a body's mass center. */
+typedef struct fbi_central {
+  fb_real n[3], distance;  /* from the center of the field to that of mass, body axes; [m] */
+  fb_real Jn[3], nJn, sum; /* J about the mass center, deformed, with n; its trace */
+  fb_real x[FB_MAX_MODES]; /* d/dq (tr J - 3 n.J n)/2 */
+} fbi_central;
+
+/* The body as it turns with angular velocity e about its mass center, which rests: h = J e, and x += weight d/dq
+   (1/2 e.J e), by the kinetic energy of V = (c x e/m, e) and no q_dot; M_rr = S + Lambda M^-1 Lambda^T. */
+static void fbi_central_turn(fb_real h[3], fb_real *x, fb_real weight, fbi_kinetics *k, const fb_body *body,
+                             const fb_real S[21], const fb_real c[3], const fb_real e[3])
+{
+  const int n = body->n;
+  fb_real V[6], y[6], slope[FB_MAX_MODES + 1] = {FB_R(0.0)}, none[FB_MAX_MODES] = {FB_R(0.0)};
+  fb_vec3_cross(V, c, e);
+  for (int i = 0; i < 3; i++) {
+    V[i] /= body->mass;
+    V[3 + i] = e[i];
+  }
+  fb_sym6_mul_vec6(y, S, V);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_lines_gradient_add(slope + 1, k->line, &body->lines, V, none);
+  } else
+#endif
+  { /* pb = M^-1 Lambda^T V */
+    fb_real pb[FB_MAX_MODES] = {FB_R(0.0)};
+    fbi_lambda_gradients(pb, slope, body, V, k->qx, none);
+    fbi_mass_solve(none, body, pb);
+    fbi_lambda_sub(y, body, k->qx, none);
+    for (int a = 0; a < n; a++) {
+      pb[a] = -none[a];
+    }
+    fbi_zero(none, n);
+    fbi_lambda_linear_gradients(none, slope, body, V, k->qx, pb);
+  }
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_gradient(slope, body, V, k->qx);
+  }
+#endif
+  fbi_vec3_copy(h, y + 3);
+  for (int a = 0; a < n; a++) {
+    x[a] += weight * slope[a + 1];
+  }
+}
+
+#if FB_WITH_ROTORS
+/* The inertia of rotors about their axes, which is not the body's. */
+static FBI_NOINLINE void fbi_central_rotors(fbi_central *f, const fbi_kinetics *k, const fb_body *body)
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real *const axis = k->rotor_axis[r];
+    const fb_real own = rotor->inertia * fb_vec3_dot(axis, f->n);
+    fbi_vec3_add(f->Jn, own, axis);
+    f->nJn += own * fb_vec3_dot(axis, f->n);
+    f->sum += rotor->inertia;
+    if (rotor->moves) { /* by a rate of q the axis turns by J_phi x axis */
+      fbi_node_field node;
+      fb_real turn[3];
+      fbi_node_eval(&node, k, body, &body->node[rotor->node], k->qx + 1);
+      fb_vec3_cross(turn, axis, f->n);
+      for (int a = 0; a < body->n; a++) {
+        f->x[a] -= FB_R(3.0) * own * fb_vec3_dot(node.Jphi + 3 * a, turn);
+      }
+    }
+  }
+}
+#endif
+
+/* [E8.36] Body in the field of a center, its mass center at d n from there: J about the mass center and the gradient
+   of (tr J - 3 n.J n)/2 by three rotations (fbi_central_turn) about n and two axes across, tr J = n.J n + a.J a + b.J b.
+   mass: position of the mass center less that of the field's center, inertial axes.
+   Source: THEORY.md 8.2.  Cost: 3 gradients of E8.10 and E8.12.
+   Fails: d not above twice the root mean square radius, sqrt(tr J/(2 m)).
+   Test: modal_forces_of_a_center_are_the_slope_of_the_energy, a_center_pulls_as_the_sum_over_particles. */
+static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body *body, const fb_real c[3],
+                                  const fb_real mass[3])
+{
+  fb_real own[21], a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, b[3], h[3], length;
+  const fb_real *S = own;
+  int least = 0;
+
+  /* n and two axes across it */
+  f->distance = fbi_vec3_norm(mass);
+  if (!(f->distance > FB_R(0.0) && f->distance < FB_HUGE)) {
+    return fbi_vec3_is_finite(mass) ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_CENTER, -1, f->distance, FB_R(0.0))
+                                    : FB_ERR_NOT_FINITE;
+  }
+  fb_mat33_mulT_vec3(f->n, k->R, mass);
+  for (int i = 0; i < 3; i++) {
+    f->n[i] /= f->distance;
+    least = FB_FABS(f->n[i]) < FB_FABS(f->n[least]) ? i : least;
+  }
+  a[least] = FB_R(1.0);
+  fb_vec3_cross(b, f->n, a);
+  length = fbi_vec3_norm(b);
+  for (int i = 0; i < 3; i++) {
+    b[i] /= length;
+  }
+  fb_vec3_cross(a, b, f->n);
+
+  /* J and its gradient */
+#if FB_WITH_LARGE_DEFLECTION
+  S = fbi_is_large(body) ? k->line->M_rr : own;
+#endif
+  if (S == own) {
+    fbi_S_eval(own, body, k->qx, body->n_run);
+  }
+  fbi_zero(f->x, body->n);
+  fbi_central_turn(f->Jn, f->x, -FB_R(2.0), k, body, S, c, f->n);
+  f->nJn = f->sum = fb_vec3_dot(f->n, f->Jn);
+  fbi_central_turn(h, f->x, FB_R(1.0), k, body, S, c, a);
+  f->sum += fb_vec3_dot(a, h);
+  fbi_central_turn(h, f->x, FB_R(1.0), k, body, S, c, b);
+  f->sum += fb_vec3_dot(b, h);
+#if FB_WITH_ROTORS
+  fbi_central_rotors(f, k, body);
+#endif
+  length = FB_R(2.0) * FB_SQRT(fbi_larger(f->sum, FB_R(0.0)) / (FB_R(2.0) * body->mass));
+  return f->distance > length ? FB_OK : FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_CENTER, -1, f->distance, length);
+}
+
+/* [E8.37] Forces of the potential U = -mu m/d - mu (tr J - 3 n.J n)/(2 d^3), d the distance of the mass center from the
+   center of the field, n the direction, J the inertia about the mass center: acceleration of the mass center
+   -mu n/d^2 - 3 mu (2 J n - 5 (n.J n) n + (tr J) n)/(2 m d^4), torque about it 3 mu n x J n/d^3, modal forces
+   mu/d^3 d/dq (tr J - 3 n.J n)/2. The frame of a free body falls with its mass center, as E8.16 in E8.33; others feel
+   that acceleration as a uniform field. rho: of O, of a flying body of its mass center (fbi_field_start).
+   Source: [HS] 8.  Fails: as E8.36.
+   Test: a_center_pulls_as_the_sum_over_particles, satellites_librate_at_the_frequencies_of_the_gradient. */
+static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *body, const fb_real rho[3], int flying)
+{
+  fbi_central f;
+  fb_real c[3], mass[3], a[3], own[3], torque[3], s;
+  fb_status status;
+  fbi_center_placed(c, FBI_LINE_OF(k), body, k->qx + 1);
+  fbi_vec3_advance(mass, rho, -FB_R(1.0), body->center);
+  if (!flying) {
+    fb_mat33_mul_vec3(own, k->R, c);
+    fbi_vec3_add(mass, FB_R(1.0) / body->mass, own);
+  }
+  status = fbi_central_eval(&f, k, body, c, mass);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* acceleration of the mass center: second degree in body axes, then all of it in inertial ones */
+  s = body->mu / f.distance / f.distance;
+  for (int i = 0; i < 3; i++) {
+    own[i] = -FB_R(1.5) * (s / f.distance) *
+             ((FB_R(2.0) * f.Jn[i] + (f.sum - FB_R(5.0) * f.nJn) * f.n[i]) / body->mass / f.distance);
+    a[i] = own[i] - s * f.n[i];
+  }
+  fb_mat33_mul_vec3(k->fall, k->R, own);
+  fbi_vec3_add(k->fall, -s / f.distance, mass);
+
+  /* torque and modal forces */
+  s /= f.distance;
+  k->fall_rate = FB_SQRT(FB_R(3.0) * s);
+  k->loaded = 1;
+  if (!flying) {
+    fbi_pull_eval(c, k->x, k, body, k->qx, a, fbi_is_large(body));
+    fbi_vec3_add(k->fg, body->mass, a);
+    fbi_vec3_add_cross(k->fg + 3, c, a);
+  }
+  fb_vec3_cross(torque, f.n, f.Jn);
+  fbi_vec3_add(k->fg + 3, FB_R(3.0) * s, torque);
+  for (int m = 0; m < body->n; m++) {
+    k->x[m + 1] += s * f.x[m];
+  }
+  return FB_OK;
+}
+
+/* energy += U; rho: of O. */
+static FBI_NOINLINE fb_status fbi_central_energy_add(fb_real *energy, fbi_kinetics *k, const fb_body *body,
+                                                     const fb_real rho[3])
+{
+  fbi_central f;
+  fb_real c[3], mass[3], own[3];
+  fb_status status;
+  fbi_center_placed(c, FBI_LINE_OF(k), body, k->qx + 1);
+  fb_mat33_mul_vec3(own, k->R, c);
+  fbi_vec3_advance(mass, rho, -FB_R(1.0), body->center);
+  fbi_vec3_add(mass, FB_R(1.0) / body->mass, own);
+  status = fbi_central_eval(&f, k, body, c, mass);
+  if (status == FB_OK) {
+    *energy -=
+        body->mu / f.distance * (body->mass + FB_R(0.5) * ((f.sum - FB_R(3.0) * f.nJn) / f.distance / f.distance));
+  }
+  return status;
+}
+#endif
+
+/* Gravity of a center, where a body has any. */
+static FBI_INLINE fb_status fbi_further_gravity(fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+#if FB_WITH_GRAVITY
+  if (fbi_is_central(body)) {
+    return fbi_central_add(k, body, state->rho, fbi_is_flying(body));
+  }
+#endif
+  (void)k, (void)body, (void)state;
+  return FB_OK;
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -5129,6 +5367,7 @@ static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics
 {
   fb_status status = fbi_large_velocity(k, body, state, input);
   status = status == FB_OK ? fbi_large_forces(k, body, state, input) : status;
+  status = status == FB_OK ? fbi_further_gravity(k, body, state) : status;
   if (status == FB_OK) {
     fbi_large_rates(rate->q, k, body, state->pi);
     fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
@@ -5435,6 +5674,7 @@ static FBI_NOINLINE fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics
 #if FB_WITH_LARGE_DEFLECTION
   if (large) {
     status = fbi_large_forces(k, body, &own, input);
+    status = status == FB_OK ? fbi_further_gravity(k, body, state) : status;
     if (status != FB_OK) {
       return status;
     }
@@ -5445,6 +5685,10 @@ static FBI_NOINLINE fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics
 #endif
   if (!large) {
     fbi_forces(k, body, &own, input);
+    status = fbi_further_gravity(k, body, state);
+    if (status != FB_OK) {
+      return status;
+    }
     fbi_imbalance_add(k, body, state, large);
     fbi_elastic_rates(rate, k, body, &own);
   }
@@ -5529,22 +5773,52 @@ static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_b
 }
 #endif
 
+#if FB_WITH_GRAVITY
+/* Rates of a body with central gravity, without lines and rotors. */
+static FBI_NOINLINE fb_status fbi_central_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
+                                                      const fb_state *state, const fb_input *input)
+{
+  fb_status status = fbi_velocity(k, body, state, input);
+  if (status == FB_OK) {
+    fbi_forces(k, body, state, input);
+    status = fbi_central_add(k, body, state->rho, fbi_is_flying(body));
+  }
+  return status == FB_OK ? fbi_momentum_rates(rate, k, body, state) : status;
+}
+#endif
+
 #if FBI_WITH_FURTHER
-/* Rates of a body with lines or rotors, further. */
+/* Rates of a body with lines, rotors or central gravity, further. */
 static fb_status fbi_further_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                    const fb_input *input, int further)
 {
-  (void)further;
-#if FB_WITH_ROTORS
-  if (further & FB_EFFECT_ROTORS) {
-    return fbi_rotor_state_rates(rate, k, body, state, input);
-  }
+  fb_status status = FB_ERR_UNSUPPORTED;
+  switch (further & (FB_EFFECT_ROTORS | FB_EFFECT_LARGE_DEFLECTION)) {
+#if FB_WITH_GRAVITY
+  case 0:
+    status = fbi_central_state_rates(rate, k, body, state, input);
+    break;
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  return fbi_large_state_rates(rate, k, body, state, input);
-#else
-  return FB_ERR_UNSUPPORTED;
+  case FB_EFFECT_LARGE_DEFLECTION:
+    status = fbi_large_state_rates(rate, k, body, state, input);
+    break;
 #endif
+#if FB_WITH_ROTORS
+  case FB_EFFECT_ROTORS:
+  case FB_EFFECT_ROTORS | FB_EFFECT_LARGE_DEFLECTION:
+    status = fbi_rotor_state_rates(rate, k, body, state, input);
+    break;
+#endif
+  default:
+    break;
+  }
+#if FB_WITH_GRAVITY
+  if ((further & FB_EFFECT_CENTRAL_GRAVITY) && status == FB_OK && fbi_is_flying(body)) {
+    fbi_vec3_add(rate->u, FB_R(1.0), k->fall);
+  }
+#endif
+  return status;
 }
 #endif
 
@@ -5700,27 +5974,6 @@ static void fbi_frame_shift(fb_real *pi, fbi_line_work *line, const fb_body *bod
   }
 }
 
-/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m]; lines stand where they are at q.
-   Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static FBI_NOINLINE void fbi_center_placed(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
-{
-  const fb_lambda_term *t = body->lambda;
-  fbi_copy(c, fbi_center_start(body), 3);
-  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
-    c[t->i] -= t->c * q[t->b];
-  }
-  t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
-    c[t->i] -= FB_R(0.5) * t->c * q[t->a - 1] * q[t->b];
-  }
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    fbi_lines_pull(c, NULL, line, &body->lines, c);
-  }
-#endif
-  (void)line;
-}
-
 /* The same with lines wherever they are. */
 static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
 {
@@ -5812,16 +6065,30 @@ static FBI_NOINLINE void fbi_large_start(fbi_line_work *line, const fb_body *bod
 }
 #endif
 
-/* Before the evaluations of a step from a state whose attitude is R: E14.40 needs O of its stages (fbi_line_origin). */
-static void fbi_line_start(fbi_line_work *line, const fb_body *body, const fb_state *state, const fb_real R[9],
-                           const fb_input *start, const fb_input *middle, const fb_input *end)
+/* Before the evaluations of a step from a state whose attitude is R: E14.40 needs O of its stages (fbi_line_origin),
+   E8.37 the mass center of a free body, which takes the place of O in the stages' rho. */
+static void fbi_field_start(fb_state *state, fbi_line_work *line, const fb_body *body, const fb_real R[9],
+                            const fb_input *start, const fb_input *middle, const fb_input *end)
 {
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body) && (fbi_is_distributed(start) || fbi_is_distributed(middle) || fbi_is_distributed(end))) {
     fbi_large_start(line, body, state, R);
   }
 #endif
-  (void)line, (void)body, (void)state, (void)R, (void)start, (void)middle, (void)end;
+#if FB_WITH_GRAVITY
+  if (fbi_is_central(body) && fbi_is_flying(body)) {
+    fb_real c[3], own[3];
+    fbi_center_eval(c, line, body, state->q);
+    fb_mat33_mul_vec3(own, R, c);
+    fbi_vec3_add(state->rho, FB_R(1.0) / body->mass, own);
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(body)) {
+      fbi_zero(line->center, 3);
+    }
+#endif
+  }
+#endif
+  (void)state, (void)line, (void)body, (void)R, (void)start, (void)middle, (void)end;
 }
 
 static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_state *rate, const fb_state *state,
@@ -5833,7 +6100,7 @@ static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_sta
   FBI_TAKE_LINES(k, line);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
-  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
+  fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   memset(&out, 0, sizeof out);
   status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
   if (status == FB_OK && fbi_is_flying(body)) {
@@ -6217,7 +6484,7 @@ static fb_status fbi_rotor_set(const fb_body *body, fb_state *state, int rotor, 
   fb_status status;
   FBI_WITH_LINES(k);
   fbi_state_enter(&at, k.R, body, state);
-  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
+  fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   status = fbi_rotor_state_rates(&rate, &k, body, &at, input);
   if (status != FB_OK) {
     return status;
@@ -6490,7 +6757,7 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   /* rates of the state */
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
-  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
+  fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   if (status == FB_OK) {
     status = fbi_rates(&rate, &k, body, &at, input);
   }
@@ -7051,6 +7318,10 @@ static fb_status fbi_cut_points(fb_line_motion *point, int *n, const fbi_cut_res
 /* Internal loads are of lines. */
 static fb_status fbi_lines_required(const fb_body *body)
 {
+  if (fbi_is_central(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: internal loads of lines, without central gravity", -1, FB_R(0.0),
+                      FB_R(0.0));
+  }
   return fbi_is_large(body)
              ? FB_OK
              : FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
@@ -7232,11 +7503,14 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
   fbi_potential_add(&out, &k, body, state->q, state->rho);
-  if (!fbi_energy_is_finite(&out)) {
-    return FB_ERR_NOT_FINITE;
+#if FB_WITH_GRAVITY
+  status = fbi_is_central(body) ? fbi_central_energy_add(&out.gravity, &k, body, state->rho) : status;
+#endif
+  if (status == FB_OK && !fbi_energy_is_finite(&out)) {
+    status = FB_ERR_NOT_FINITE;
   }
-  *energy = out;
-  return FB_OK;
+  *energy = status ? *energy : out;
+  return status;
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -7619,7 +7893,8 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
   sound = sound && body->n_coordinate == body->n;
 #endif
 #if FB_WITH_GRAVITY
-  sound = sound && fbi_is_finite(body->gravity, 3);
+  sound = sound && fbi_is_finite(body->gravity, 3) && fbi_is_finite(body->center, 3) && body->mu < FB_HUGE &&
+          (fbi_is_central(body) ? body->mu > FB_R(0.0) && fbi_form(body) == 0 : body->mu == FB_R(0.0));
 #endif
   for (int k = 0; sound && k < body->n_node; k++) {
     sound = fbi_node_is_finite(&body->node[k], body->n);
@@ -7840,6 +8115,9 @@ static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     crc = fbi_crc_reals(crc, body->gravity, 3, single);
   }
+  if (fbi_is_central(body)) {
+    crc = fbi_crc_reals(fbi_crc_reals(crc, &body->mu, 1, single), body->center, 3, single);
+  }
 #endif
 #if FB_WITH_FORMS
   if (fbi_form(body) != 0) {
@@ -7944,6 +8222,27 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
   fb_mat33_mulT_vec3(imu->specific_force, R, a);
   fb_mat33_mulT_vec3(imu->angular_rate, R, node->angular_rate);
 }
+
+#if FB_WITH_GRAVITY
+FB_DEF fb_status fb_body_gravity_eval(const fb_body *body, fb_real g[3], const fb_real position[3])
+{
+  fb_real place[3], distance;
+  FBI_REQUIRE(body && g && position, FB_ERR_NULL);
+  if (!fbi_is_finite(position, 3)) {
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "position [m], finite", -1, FB_R(0.0), FB_R(0.0));
+  }
+  fbi_vec3_advance(place, position, -FB_R(1.0), body->center);
+  distance = fbi_vec3_norm(place);
+  if (fbi_is_central(body) && !(distance > FB_R(0.0))) {
+    return FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_CENTER, -1, distance, FB_R(0.0));
+  }
+  fbi_vec3_copy(g, body->gravity);
+  if (fbi_is_central(body)) {
+    fbi_vec3_add(g, -body->mu / distance / distance / distance, place);
+  }
+  return FB_OK;
+}
+#endif
 
 #if FB_WITH_SYSTEM
 /* ---------------------------------------------------------------------------------------------------------------
@@ -10443,6 +10742,32 @@ static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system
   return status;
 }
 
+#if FB_WITH_GRAVITY
+/* Uniform gravity on a body, and that of a center, which leaves velocities of its own at the points of lines. */
+static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
+{
+  fbi_link_work *const L = &w->link[k];
+  fb_real rho[3];
+  fb_status status;
+  if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
+    fbi_gravity_add(&L->k, L->model, fbi_is_large(L->model));
+  }
+  if (!fbi_is_central(L->model)) {
+    return FB_OK;
+  }
+  for (int i = 0; i < 3; i++) {
+    rho[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  status = fbi_central_add(&L->k, L->model, rho, 0);
+#if FB_WITH_LARGE_DEFLECTION
+  for (int l = 0; fbi_is_large(L->model) && l < L->model->lines.n_line; l++) {
+    fbi_line_rates(L->k.line, &L->model->lines, &L->model->lines.line[l], L->q_dot);
+  }
+#endif
+  return status;
+}
+#endif
+
 /* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
    actuators. */
 static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -10457,8 +10782,8 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
 #if FB_WITH_GRAVITY
-    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
-      fbi_gravity_add(&L->k, L->model, fbi_is_large(L->model));
+    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY) && status == FB_OK) {
+      status = fbi_link_gravity_add(w, k);
     }
 #endif
   }
@@ -12259,7 +12584,7 @@ FB_DEF fb_status fb_system_node_loads_eval(const fb_system *system, const fb_bod
 
 /* Adds the energy of body k: kinetic in the tree's frame, (V.(p, h) + q_dot.M pb)/2, and by the velocity u of that
    frame, p.u + m u.u/2; potentials. */
-static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body *model, const fb_real *q, int k)
+static fb_status fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body *model, const fb_real *q, int k)
 {
   fbi_link_work *L = &w->link[k];
   fb_real u[3] = {0}, rho[3];
@@ -12271,6 +12596,11 @@ static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body
     rho[i] = fbi_true_position(w, k, L->rho, i);
   }
   fbi_potential_add(out, &L->k, model, q, rho);
+#if FB_WITH_GRAVITY
+  return fbi_is_central(model) ? fbi_central_energy_add(&out->gravity, &L->k, model, rho) : FB_OK;
+#else
+  return FB_OK;
+#endif
 }
 
 /* Strain energy of the springs and stops of joint j, sum of k (x - rest)^2/2. */
@@ -12320,8 +12650,11 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
   }
 
   /* bodies, springs of joints */
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
+  }
+  if (status != FB_OK) {
+    return status;
   }
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     if (fbi_is_sprung(&system->joint[j], work, NULL, j)) {
@@ -14514,7 +14847,7 @@ static fb_real fbi_own_rotors_spin(const fb_body *body, const fbi_kinetics *k)
 }
 #endif
 
-/* Arguments of the step limits of a body with rotors (further) or without. */
+/* Arguments of the step limits of a body with rotors, central gravity (further) or without. */
 static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body,
                                               const fbi_kinetics *k, const fb_input *input, int further)
 {
@@ -14522,6 +14855,12 @@ static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *accelerati
 #if FB_WITH_ROTORS
   if (further & FB_EFFECT_ROTORS) {
     *spin += fbi_own_rotors_spin(body, k);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  if (further & FB_EFFECT_CENTRAL_GRAVITY) { /* E8.37 */
+    *spin += k->fall_rate;
+    *acceleration += fbi_is_flying(body) ? FB_R(0.0) : fbi_vec3_norm(k->fall);
   }
 #endif
   (void)further;
@@ -14801,18 +15140,24 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
-   with lines of large deflection or rotors
+   with lines of large deflection, rotors or central gravity
      fb_rk4_step: fbi_further_rk4_step
-     fbi_further_rk4_step: fbi_large_rk4_step fbi_rotor_rk4_step
+     fbi_further_rk4_step: fbi_large_rk4_step fbi_rotor_rk4_step fbi_central_rk4_step
      fbi_large_rk4_step: fbi_further_rk4_stages
+     fbi_central_rk4_step: fbi_further_rk4_stages
      fbi_rotor_rk4_step: fbi_further_rk4_stages
-     fbi_further_rk4_stages: fbi_state_enter fbi_line_start fbi_input_check fbi_further_rates fbi_rk4_check fbi_turn_check
+     fbi_further_rk4_stages: fbi_state_enter fbi_field_start fbi_input_check fbi_further_rates fbi_rk4_check fbi_turn_check
                       fbi_stage_advance fbi_step_end
-     fbi_further_rates: fbi_rotor_state_rates fbi_large_state_rates
+     fbi_further_rates: fbi_rotor_state_rates fbi_large_state_rates fbi_central_state_rates
+     fbi_central_state_rates: fbi_velocity fbi_forces fbi_central_add fbi_momentum_rates
+     fbi_central_add: fbi_central_eval
+     fbi_central_eval: fbi_central_turn
+     fbi_central_turn: fbi_lambda_gradients fbi_lambda_sub fbi_S_gradient fbi_lines_gradient_add
+     fbi_further_gravity: fbi_central_add
      fbi_rotor_state_rates: fbi_rotor_velocity fbi_forces fbi_imbalance_add fbi_elastic_rates fbi_rigid_rates
                             fbi_rotors_turn
      fbi_rotor_velocity: fbi_rotors_check fbi_rotors_enter fbi_velocity fbi_large_inertia fbi_large_solve
-     fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_large_rates fbi_elastic_forces fbi_rigid_rates
+     fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_further_gravity fbi_large_rates fbi_elastic_forces fbi_rigid_rates
      fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
      fbi_large_velocity: fbi_large_inertia fbi_large_solve
      fbi_large_solve: fbi_large_S fbi_base_solve fbi_given_velocity
@@ -14829,8 +15174,8 @@ static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_
                                           FB_R(1.0) / FB_R(6.0)};
 
 #if FBI_WITH_FURTHER
-/* E11.3 of a body with lines, or (rotors) with rotors. Written out once more, so that the loop of all other bodies keeps
-   its registers. */
+/* E11.3 of a body with lines, rotors or central gravity. Written out once more, so that the loop of all other bodies
+   keeps its registers. */
 static FBI_INLINE fb_status fbi_further_rk4_stages(const fb_body *body, fb_state *state, fb_rk4_work *work,
                                                    const fb_input *start, const fb_input *middle, const fb_input *end,
                                                    fb_real dt, int further)
@@ -14843,7 +15188,7 @@ static FBI_INLINE fb_status fbi_further_rk4_stages(const fb_body *body, fb_state
   fb_real spin[3] = {FB_R(0.0)}, first[3];
   FBI_USE_LINES(k, work);
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_line_start(FBI_LINES(work), body, state, k.R, start, middle, end);
+  fbi_field_start(&work->start, FBI_LINES(work), body, k.R, start, middle, end);
   for (int stage = 0; stage < 4; stage++) {
     /* Rates */
     fb_status status = fbi_input_check(body, input[stage]);
@@ -14886,7 +15231,8 @@ static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *
                                                  const fb_input *start, const fb_input *middle, const fb_input *end,
                                                  fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_LARGE_DEFLECTION);
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
+                                FB_EFFECT_LARGE_DEFLECTION | (fbi_is_central(body) ? FB_EFFECT_CENTRAL_GRAVITY : 0));
 }
 #endif
 
@@ -14895,8 +15241,16 @@ static FBI_NOINLINE fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *
                                                  const fb_input *start, const fb_input *middle, const fb_input *end,
                                                  fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
-                                FB_EFFECT_ROTORS | (fbi_is_large(body) ? FB_EFFECT_LARGE_DEFLECTION : 0));
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_further(body));
+}
+#endif
+
+#if FB_WITH_GRAVITY
+static FBI_NOINLINE fb_status fbi_central_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                   const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                   fb_real dt)
+{
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_CENTRAL_GRAVITY);
 }
 #endif
 
@@ -14909,7 +15263,12 @@ static fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_r
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
+  if (fbi_is_large(body)) {
+    return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  return fbi_central_rk4_step(body, state, work, start, middle, end, dt);
 #else
   return FB_ERR_UNSUPPORTED;
 #endif
@@ -15535,7 +15894,7 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
                                                     : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
-  fbi_line_start(FBI_LINES(w), body, state, k->R, input, NULL, NULL);
+  fbi_field_start(&w->start, FBI_LINES(w), body, k->R, input, NULL, NULL);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
   }
@@ -16145,7 +16504,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_line_start(FBI_LINES(work), body, state, k.R, start, middle, end);
+  fbi_field_start(&work->start, FBI_LINES(work), body, k.R, start, middle, end);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, body->n_coordinate);
   fbi_modal_from(&work->z, scheme, body, &work->at);
@@ -16436,6 +16795,9 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
     const fb_body *model = w->link[k].model;
     const fbi_link_work *parent = L->parent;
     L->spin = fbi_vec3_norm(L->V + 3);
+#if FB_WITH_GRAVITY
+    L->spin += fbi_is_central(model) ? L->k.fall_rate : FB_R(0.0);
+#endif
     if (parent) {
       L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
     } else {
@@ -24393,6 +24755,23 @@ static fb_status fbi_body_lines_check(const fb_shape *shape)
 }
 #endif
 
+/* 1 if there is no central gravity, or E8.36 holds: M_rr(q) and c(q) to the same degree. */
+static int fbi_center_is_sound(const fb_shape *shape, const fb_body_desc *desc)
+{
+  const unsigned inertia = FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA, quadratic = FBI_QUADRATIC_EFFECTS,
+                 effects = desc->effects;
+  int whole =
+      !(effects & FB_EFFECT_ELASTIC) || ((effects & inertia) == inertia && desc->truncation == FB_TRUNCATE_NONE &&
+                                         ((effects & quadratic) == 0 || (effects & quadratic) == quadratic));
+  if (desc->mu == FB_R(0.0)) {
+    return !(effects & FB_EFFECT_CENTRAL_GRAVITY);
+  }
+#if FB_WITH_FORMS
+  whole = whole && desc->form == FB_FORM_MOMENTUM;
+#endif
+  return FB_WITH_GRAVITY && whole && shape->mass > FB_R(0.0);
+}
+
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -24404,6 +24783,13 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   }
   if (fbi_is_excluded(desc->effects)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (!fbi_center_is_sound(shape, desc)) {
+    return FBI_REFUSE(
+        FB_ERR_EFFECTS,
+        "mu [m^3/s^2], 0 without mass, FB_WITH_GRAVITY, momentum form, FB_EFFECTS_FULL, _LARGE or _STRAIN of "
+        "modes; above 0 with FB_EFFECT_CENTRAL_GRAVITY",
+        -1, desc->mu, FB_R(0.0));
   }
   if (!desc->allow_split_effects) {
     const int whole = fb_effects_check(desc->effects) == FB_OK; /* with a record of its own */
@@ -24488,6 +24874,7 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const fbi_number field[] = {FBI_ANY(desc->zeta, shape->n, "zeta"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
+                              FBI_NOT_NEGATIVE(&desc->mu, 1, "mu [m^3/s^2]"), FBI_ANY(desc->center, 3, "center [m]"),
                               FBI_NOT_NEGATIVE(&desc->deflection_limit, 1, "deflection_limit [m]")};
   const fbi_count count[] = {
       FBI_COUNT((int)desc->base, 0, (int)FB_BASE_COUNT - 1, "base, an fb_base, beyond"),
@@ -24544,6 +24931,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
 
   /* Effects and form */
   body->effects = desc->effects & FB_EFFECT_ELASTIC ? desc->effects : desc->effects & FB_EFFECT_GRAVITY;
+  body->effects |= desc->mu > FB_R(0.0) ? (unsigned)FB_EFFECT_CENTRAL_GRAVITY : 0u;
   if (desc->truncation == FB_TRUNCATE_ABOVE_0) {
     body->effects &= ~(unsigned)FB_EFFECT_NONLINEAR_STRAIN;
   }
@@ -24578,6 +24966,10 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     fbi_copy(body->gravity, desc->gravity, 3);
+  }
+  if (fbi_is_central(body)) {
+    body->mu = desc->mu;
+    fbi_copy(body->center, desc->center, 3);
   }
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
@@ -25498,6 +25890,11 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
                         FB_R(0.0));
+    }
+    if (FB_SINGLE &&
+        fbi_is_central(&body[desc->model[k]])) { /* rounding of mu/d^2 is more than what bodies differ by */
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, in single precision without central gravity", k,
+                        FB_R(0.0), FB_R(0.0));
     }
     if (fbi_has(body[desc->model[k]].effects, FB_EFFECT_ROTORS)) {
       return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, without rotors", k, FB_R(0.0), FB_R(0.0));
@@ -26925,9 +27322,9 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
   }
-  if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors", -1, FB_R(0.0),
-                      FB_R(0.0));
+  if (fbi_has(body->effects, FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors and central gravity",
+                      -1, FB_R(0.0), FB_R(0.0));
   }
   return fb_state_check(body, state);
 }
@@ -27207,6 +27604,12 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   work->system.joint = -1; /* no joint has failed yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_UNSUPPORTED;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    if (fbi_is_central(fbi_model(system, body, k))) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without central gravity", k,
+                        FB_R(0.0), FB_R(0.0));
+    }
   }
   status = fbi_system_input_check(system, body, input);
   return status ? status : fbi_system_range(system, body, state);
@@ -29882,6 +30285,9 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
     return FB_ERR_VALUE;
   }
   FBI_REQUIRE(e->node > 0 && e->node < shape->n_node, FB_ERR_CAPACITY);
+  if (desc->mu != FB_R(0.0)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without central gravity, mu", -1, desc->mu, FB_R(0.0));
+  }
 #if FB_WITH_ROTORS
   if (desc->n_rotor != 0) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without rotors, n_rotor", -1, (fb_real)desc->n_rotor,

@@ -85,6 +85,9 @@ static void scene_check_auto(text_file *t, const scene_body *body)
   if (body->level.form != FB_FORM_MOMENTUM || body->level.truncation != FB_TRUNCATE_NONE) {
     scene_refuse(t, &body->seen, "auto", "chooses among effects of the momentum form, not truncated");
   }
+  if (body->level.mu > FB_R(0.0)) {
+    scene_refuse(t, &body->seen, "auto", "does not know central_gravity");
+  }
   if (body->n_node < 2) {
     scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
   }
@@ -120,6 +123,18 @@ static void scene_check_exact_body(text_file *t, const scene *s, const scene_bod
   }
 }
 
+/* What chooses steps and steady states knows no gravity of a center. */
+static void scene_check_center(text_file *t, const scene *s, const scene_body *body)
+{
+  if (body->level.mu > FB_R(0.0)) {
+    scene_refuse(t, &s->seen, "trim", "does not know central_gravity");
+    if (s->duration > 0 && !(s->step > 0)) {
+      t->line = body->line;
+      text_fail(t, "central_gravity of body %s wants a step", body->name);
+    }
+  }
+}
+
 /* ---- bodies alone, at the end of the file */
 
 static void scene_check_single(text_file *t, const scene *s)
@@ -135,6 +150,9 @@ static void scene_check_single(text_file *t, const scene *s)
     if (s->output[k].quantity == SCENE_POWER) {
       text_fail(t, "output %s: power is that of joints", s->output[k].label);
     }
+  }
+  if (modal) {
+    scene_check_center(t, s, body);
   }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
     t->line = body->line;
@@ -250,6 +268,7 @@ static void scene_check_system(text_file *t, const scene *s)
     if (s->body[k].level.form != FB_FORM_MOMENTUM) {
       scene_refuse(t, &s->body[k].seen, "form", "is that of a body alone: joints want momentum");
     }
+    scene_check_center(t, s, &s->body[k]);
   }
   for (int k = 0; k < s->n_output && s->method == FB_METHOD_MULTIPLIERS; k++) {
     if (s->output[k].quantity == SCENE_COORDINATE_ACCELERATION) {

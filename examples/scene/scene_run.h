@@ -34,9 +34,10 @@ static double internal_output(const scene *s, const scene_output *o)
                                                : (double)loads.moment[o->axis];
 }
 
-static double node_output(const scene *s, const scene_output *o)
+static double node_output(const scene_output *o)
 {
   fb_node_motion node;
+  fb_real gravity[3];
   fb_imu imu;
   const fb_real *const value[] = {node.displacement,
                                   node.rotation,
@@ -51,7 +52,10 @@ static double node_output(const scene *s, const scene_output *o)
                                &engine.view.motion.motion[o->body], o->at) != FB_OK) {
     return (double)NAN;
   }
-  fb_imu_eval(&imu, &node, s->body[o->body].level.gravity);
+  if (fb_body_gravity_eval(&engine.body[o->body], gravity, node.position) != FB_OK) {
+    return (double)NAN;
+  }
+  fb_imu_eval(&imu, &node, gravity);
   return (double)value[o->quantity - SCENE_DISPLACEMENT][o->axis];
 }
 
@@ -150,7 +154,7 @@ static double scene_value(const scene *s, const scene_output *o)
   }
   switch (scene_quantities[o->quantity].place) {
   case SCENE_AT_NODE:
-    return scene_is_internal(o) ? internal_output(s, o) : node_output(s, o);
+    return scene_is_internal(o) ? internal_output(s, o) : node_output(o);
   case SCENE_AT_JOINT:
   case SCENE_AT_AXIS:
     return joint_output(s, o);

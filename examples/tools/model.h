@@ -224,6 +224,12 @@ static int model_common(text_file *t, const char *word)
     model_effects(t);
   } else if (strcmp(word, "gravity") == 0) {
     text_reals(t, "gravity", model.level.gravity, 3);
+  } else if (strcmp(word, "central_gravity") == 0) {
+    model.level.mu = (fb_real)text_number(t, "mu [m^3/s^2]");
+    if (!(model.level.mu > FB_R(0.0))) {
+      text_fail(t, "central_gravity wants mu above 0, then its center x y z");
+    }
+    text_reals(t, "the center", model.level.center, 3);
   } else if (strcmp(word, "deflection_limit") == 0) {
     model.level.deflection_limit = (fb_real)text_number(t, "deflection_limit");
   } else if (strcmp(word, "damping") == 0) {

@@ -415,6 +415,10 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
   if (body->effects & FB_EFFECT_GRAVITY) {
     rom_reals(&r, "gravity", body->gravity, 3);
   }
+  if (body->effects & FB_EFFECT_CENTRAL_GRAVITY) {
+    rom_number(&r, "mu", body->mu);
+    rom_reals(&r, "center", body->center, 3);
+  }
 #endif
 #if FB_WITH_ROTORS
   rom_rotors(&r, body);

@@ -45,7 +45,7 @@ static struct world {
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
   fb_body_desc body_desc, scene_desc, bent_desc, spun_desc;
-  fb_body body, held, bent, bent_held, spun; /* bent ones with lines, the last with rotors */
+  fb_body body, held, bent, bent_held, spun; /* bent ones with lines, the last with rotors, central gravity */
   fb_state state, bent_state, spun_state;
   fb_input input, bent_input, spun_input;
   fb_motion motion, bent_motion;
@@ -180,7 +180,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
 /* F(function, call, has a status, arguments...) */
 #define SLOW 2       /* it has: few poisons */
 #define ARITHMETIC 3 /* none, and pointers are valid */
-/* Again with a body with rotors, one of them on a node that moves; hostile.sh takes the ending off. */
+/* Again with a body with rotors, one of them on a node that moves, and central gravity; hostile.sh takes the ending
+   off. */
 #define OF_ROTORS(F)                                                                                                  \
   F(fb_body_init_of_rotors, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),   \
     IN(spun_desc))                                                                                                    \
@@ -351,6 +352,7 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     OUT(int), IN(bent_state), IN(bent_motion), OPTIONAL(input))                                                        \
   F(fb_body_node_loads_eval, fb_body_node_loads_eval(p[0], p[1], p[2], p[3], p[4], i[0]), 1, MODEL(bent),              \
     OUT(fb_node_loads), IN(bent_state), IN(bent_motion), OPTIONAL(input), WHOLE(1))                                    \
+  F(fb_body_gravity_eval, fb_body_gravity_eval(p[0], p[1], p[2]), 1, MODEL(spun), OUT(vec3), IN(r))                    \
   F(fb_body_energy_eval, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_energy), IN(state),       \
     OPTIONAL(input))                                                                                                   \
   F(fb_body_momentum_eval, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state), \
@@ -643,6 +645,8 @@ static void body_fill(void)
   need(fb_state_init(&w.bent, &w.bent_state), "its state");
   w.bent_input.distributed = drag;
   w.spun_desc = w.body_desc;
+  w.spun_desc.mu = FB_R(100.0);
+  w.spun_desc.center[1] = FB_R(40.0);
   w.spun_desc.n_rotor = 2;
   w.spun_desc.rotor[0].axis[0] = w.spun_desc.rotor[1].axis[2] = FB_R(1.0);
   w.spun_desc.rotor[0].inertia = w.spun_desc.rotor[1].inertia = FB_R(0.01);

@@ -13,6 +13,8 @@ int main(int argc, char **argv)
   const fb_modes_desc keep = {.count = {1, 1}};
   fb_build_desc desc = {.mass = 50, .inertia = {5, 6, 7}, .n_part = 1, .part = {{.n_node = 1, .node = {3}}}};
   desc.body.effects = FB_EFFECTS_FULL;
+  desc.body.mu = FB_R(4e5);
+  desc.body.center[0] = -FB_R(300.0);
   desc.body.n_rotor = 2;
   desc.body.rotor[0].axis[2] = FB_R(1.0);
   desc.body.rotor[0].inertia = FB_R(0.02);

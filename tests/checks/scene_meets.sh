@@ -251,6 +251,21 @@ measure q final q
 expect f 9.81 tolerance 1e-9
 expect q -0.1962 tolerance 1e-9
 END
+# an IMU in free fall towards a center feels nothing: g = 1000/(100 - x)^2, x = t^2/20 (1 + t^2/6000)
+meets << END
+duration 1
+step 0.01
+body b rigid
+  hub 2  0 0 0  1 1 1
+  central_gravity 1000  -100 0 0
+end
+output f specific_force b x
+output a acceleration b x
+measure f final f
+measure a final a
+expect f 0 tolerance 1e-12
+expect a -0.100100092 tolerance 1e-9
+END
 # a body whose name begins with `ground`: two equal wheels drive each other apart by a motor
 meets << END
 duration 1

@@ -435,6 +435,44 @@ body b rigid
   effects rigid gravity
 end
 END
+refuse 3 "central_gravity wants mu above 0, then its center x y z" << END
+body b rigid
+  hub 1  0 0 0  1 1 1
+  central_gravity -5  0 0 9
+end
+END
+refuse 3 "the center, number 3 of 3 is missing" << END
+body b rigid
+  hub 1  0 0 0  1 1 1
+  central_gravity 5  0 0
+end
+END
+refuse 2 "central_gravity of body b wants a step" << END
+duration 1
+body b rigid
+  hub 1  0 0 0  1 1 1
+  central_gravity 5  0 0 9
+end
+output x position b x
+END
+refuse 1 "trim does not know central_gravity" << END
+trim
+body b rigid
+  hub 1  0 0 0  1 1 1
+  central_gravity 5  0 0 9
+end
+output x position b x
+END
+refuse 2 "central_gravity of body b wants a step" << END
+duration 1
+body b rigid
+  hub 1  0 0 0  1 1 1
+  central_gravity 5  0 0 9
+end
+joint j free ground b
+end
+output x position b x
+END
 refuse 2 "the effect gravity wants a line gravity x y z" << END
 body b rigid
   effects rigid gravity

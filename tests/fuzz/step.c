@@ -150,6 +150,10 @@ static int build_body(bytes *b, int plain, int lines)
     level.rotor[1].node = 1;
     level.rotor[1].given = (bits & 8) != 0;
   }
+  if ((bits & 16) && !(plain && FB_SINGLE) && form == 0 && (level.effects & FB_EFFECT_RESIDUAL_INERTIA)) {
+    level.mu = FB_R(20.0);
+    level.center[1] = FB_R(5.0);
+  }
   level.gravity[2] = take_real(b);
   if (!(level.effects & FB_EFFECT_DAMPING)) {
     level.zeta[0] = level.zeta[1] = FB_R(0.0);
