@@ -1926,6 +1926,16 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    change times dt, or the rotation of a section within dt, is too large. For bodies that bend a little. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
+typedef struct fb_body_limit {
+  fb_real rk4, implicit, exponential; /* [s] longest step that each takes from there */
+  fb_real spin, acceleration;         /* [rad/s], [m/s^2] that they count, arguments of the limits above */
+} fb_body_limit;
+/* Longest steps of one body from a state under an input (NULL: none), as the steps judge them: with the slopes, the
+   loads and the rotors that are there; exponential with lines of large deflection but for what these change in the
+   modes. The steps refuse further what turns or bends too far within one. Statuses as of fb_body_rates_eval. */
+FB_API fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                    const fb_input *input);
+
 #if FB_WITH_SYSTEM
 /* ---- systems: body is the array of models; the inputs as those of a body */
 
@@ -3178,7 +3188,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             .reach
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
-          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
+          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
+          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

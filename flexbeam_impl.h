@@ -14455,24 +14455,32 @@ static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *accelerati
   (void)further;
 }
 
-static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
-                                          int further)
+/* Longest step of rk4 from where rates were evaluated, with the spin and acceleration that it counts. */
+static FBI_INLINE fb_real fbi_rk4_longest(fb_real *spin, fb_real *acceleration, const fb_body *body,
+                                          const fbi_kinetics *k, const fb_input *input, int further)
 {
-  fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
-  fbi_further_conditions(&spin, &acceleration, body, k, input, further);
+  fb_real slope = FB_R(0.0), strain = FB_R(0.0), bound;
+  fbi_further_conditions(spin, acceleration, body, k, input, further);
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     fbi_largest_slopes(&slope, &strain, k, body->n_strain);
   }
 #endif
-  bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+  bound = fbi_frequency_bound(body, *spin, *acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, spin, acceleration) : bound;
+  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, *spin, *acceleration) : bound;
 #endif
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
+  return fbi_step_limit(FBI_RK4_RADIUS, bound);
+}
+
+static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
+                                          int further)
+{
+  fb_real spin, acceleration;
+  const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, further);
+  return dt <= longest
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
-                             fbi_step_limit(FBI_RK4_RADIUS, bound), spin);
+             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt, longest, spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -14749,7 +14757,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
      fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
-     fbi_rk4_check: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
+     fbi_rk4_check: fbi_rk4_longest
+     fbi_rk4_longest: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
 static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
@@ -15729,6 +15738,53 @@ FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
   bound = fbi_larger(bound, body->limit_tension * spin * spin);
 #endif
   return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
+}
+
+static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body *body, fb_body_limit *limit,
+                                             const fb_state *state, const fb_input *input)
+{
+  fb_body_limit found;
+  fbi_kinetics k;
+  fb_state rate, at;
+  fb_status status;
+  FBI_TAKE_LINES(k, line);
+  status = fbi_input_check(body, input);
+  fbi_state_enter(&at, k.R, body, state);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input, NULL, NULL);
+  status = status == FB_OK ? fbi_rates(&rate, &k, body, &at, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_further(body));
+  found.implicit = fb_implicit_limit(body, found.spin, found.acceleration);
+  found.exponential = fb_exponential_limit(body, found.spin, found.acceleration);
+  if (!fbi_is_finite(&found.spin, 1) || !fbi_is_finite(&found.acceleration, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *limit = found;
+  return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                                   const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_limit_eval(&line, body, limit, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                    const fb_input *input)
+{
+  FBI_REQUIRE(body && limit && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_limit_eval(body, limit, state, input);
+  }
+#endif
+  return fbi_limit_eval(NULL, body, limit, state, input);
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -26454,39 +26510,28 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
 #endif
 
 #if FB_WITH_ROTORS
-/* w x (J w + h) */
-static void fbi_gyrostat_torque(fb_real out[3], const fb_real J[9], const fb_real h[3], const fb_real w[3])
+/* L = J w + h; returns |w x L|, what turns the axis. */
+static fb_real fbi_gyrostat_momentum(fb_real L[3], const fb_real J[9], const fb_real h[3], const fb_real w[3])
 {
-  fb_real L[3];
+  fb_real turn[3];
   fb_mat33_mul_vec3(L, J, w);
   fbi_vec3_add(L, FB_R(1.0), h);
-  fb_vec3_cross(out, w, L);
+  fb_vec3_cross(turn, w, L);
+  return fbi_vec3_norm(turn);
 }
 
-/* [E8.46] Steady spin of a gyrostat, J w + h = lambda w at |w| = spin, h the momentum of its rotors: Newton's method in
-   (w, lambda), from w or the direction `wanted`, of which the torque w x (J w + h) is less.
-   Source: Euler's equations at w_dot = 0; Rayleigh quotient.  Cost: 30 solutions of 4 equations at most.
-   Fails: FB_ERR_CONVERGENCE; FB_ERR_SINGULAR.  Test: gyrostats_spin_steadily_about_no_axis_of_their_own. */
-static fb_status fbi_gyrostat_spin(fb_real w[3], const fb_real J[9], const fb_real h[3], const fb_real wanted[3])
+/* Newton's method in (w, lambda), w in parts of spin: (J - lambda) dw - w dlambda = lambda w - J w - h,
+   w.dw = (spin^2 - w.w)/2. */
+static fb_status fbi_gyrostat_newton(fb_real w[3], const fb_real J[9], const fb_real h[3], fb_real spin, fb_real size)
 {
-  const fb_real spin = fbi_vec3_norm(wanted), size = fbi_vec3_norm(J) + fbi_vec3_norm(J + 3) + fbi_vec3_norm(J + 6);
-  fb_real lambda, L[3], own[3], other[3], change = FB_R(1.0);
+  fb_real lambda, L[3], change = FB_R(1.0);
   fb_status status = FB_OK;
-  fbi_gyrostat_torque(own, J, h, w);
-  fbi_gyrostat_torque(other, J, h, wanted);
-  if (fbi_vec3_norm(other) < fbi_vec3_norm(own)) {
-    fbi_vec3_copy(w, wanted);
-  }
-  fb_mat33_mul_vec3(L, J, w);
-  fbi_vec3_add(L, FB_R(1.0), h);
+  (void)fbi_gyrostat_momentum(L, J, h, w);
   lambda = fb_vec3_dot(w, L) / (spin * spin);
-
-  /* (J - lambda) dw - w dlambda = -(J w + h - lambda w), w.dw = (spin^2 - w.w)/2; w in parts of spin */
   for (int step = 0; step < 30 && change > FB_R(16.0) * FB_EPSILON && status == FB_OK; step++) {
     fb_real A[16] = {FB_R(0.0)}, f[4], x[4], scale[4];
     int perm[4];
-    fb_mat33_mul_vec3(L, J, w);
-    fbi_vec3_add(L, FB_R(1.0), h);
+    (void)fbi_gyrostat_momentum(L, J, h, w);
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 3; j++) {
         A[4 * i + j] = (J[3 * i + j] - (i == j ? lambda : FB_R(0.0))) / size;
@@ -26506,6 +26551,30 @@ static fb_status fbi_gyrostat_spin(fb_real w[3], const fb_real J[9], const fb_re
   }
   return status != FB_OK || change <= FB_R(1e4) * FB_EPSILON ? status : FB_ERR_CONVERGENCE;
 }
+
+/* [E8.46] Steady spin of a gyrostat, J w + h = lambda w at |w| = spin, h the momentum of its rotors: by Newton's method
+   from w or the direction `wanted`, of which the torque w x (J w + h) is less. Where that does not converge, from
+   `wanted` uphill in the energy 1/2 w.J w + h.w along its gradient, and by Newton's method from there.
+   Source: Euler's equations at w_dot = 0.  Cost: 60 solutions of 4 equations at most.  Fails: FB_ERR_CONVERGENCE.
+   Test: gyrostats_spin_steadily_about_no_axis_of_their_own. */
+static fb_status fbi_gyrostat_spin(fb_real w[3], const fb_real J[9], const fb_real h[3], const fb_real wanted[3])
+{
+  const fb_real spin = fbi_vec3_norm(wanted), size = fbi_vec3_norm(J) + fbi_vec3_norm(J + 3) + fbi_vec3_norm(J + 6);
+  fb_real L[3];
+  if (fbi_gyrostat_momentum(L, J, h, wanted) < fbi_gyrostat_momentum(L, J, h, w)) {
+    fbi_vec3_copy(w, wanted);
+  }
+  if (fbi_gyrostat_newton(w, J, h, spin, size) == FB_OK) {
+    return FB_OK;
+  }
+  fbi_vec3_copy(w, wanted);
+  for (int step = 0; step < 100; step++) { /* the energy is convex, so that each step goes up */
+    (void)fbi_gyrostat_momentum(L, J, h, w);
+    fbi_zero(w, 3);
+    fbi_vec3_add(w, spin / fbi_vec3_norm(L), L);
+  }
+  return fbi_is_finite(w, 3) ? fbi_gyrostat_newton(w, J, h, spin, size) : FB_ERR_CONVERGENCE;
+}
 #endif
 
 /* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted` or,
@@ -26516,7 +26585,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
                                const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
-  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
+  fb_real J[9], kept[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
   fb_status status;
   fbi_vec6_zero(V);
   if (!fbi_is_finite(&spin, 1)) {
@@ -26536,6 +26605,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
   }
 
   /* w along the projection of `wanted` on a principal axis, or on the space of all with the same inertia */
+  fbi_copy(kept, J, 9);
   status = fb_eig_sym_solve(value, axes, J, 3);
   for (int k = 0; k < 3 && status == FB_OK; k++) {
     fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
@@ -26554,10 +26624,11 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
 
 #if FB_WITH_ROTORS
   if (status == FB_OK && !fbi_is_zero(own, 3)) {
-    status = fbi_gyrostat_spin(V + 3, J, own, wanted);
+    status = fbi_gyrostat_spin(V + 3, kept, own, wanted);
   }
 #endif
   (void)own;
+  (void)kept;
 
   /* Center of mass at rest: mass v + w x c = 0 */
   if (mass > FB_R(0.0)) {
@@ -28761,8 +28832,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
-  status = fbi_linear_fill(&work->common, &s, 2 * work->n_independent, work->n_independent,
-                                             work->n_independent, n_free);
+  status =
+      fbi_linear_fill(&work->common, &s, 2 * work->n_independent, work->n_independent, work->n_independent, n_free);
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
