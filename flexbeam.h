@@ -881,6 +881,8 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    Its momentum is inertia (rate of the node about the axis + speed), of fb_state the pi behind those of the modes. A
    momentum that is given follows the input whatever torque that takes; torque of the input, its rate, matters to
    accelerations and reactions alone.
+   The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
+   turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
    Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor advice;
    internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at

@@ -532,6 +532,40 @@ TEST(steps_of_one_body_are_those_of_its_limit)
 
 /* ---- imbalance, given momenta */
 
+/* E8.41, E11.46: a top that spins at 400 rad/s about its axis of symmetry moves as a body at rest about that axis with a
+   rotor of the same momentum: steps in which the top would turn by 4 rad, refused without the rotor. */
+TEST(fast_tops_are_bodies_with_rotors)
+{
+  const double A = 20.0, C = 0.7, own = 0.01, m = 4.0, l = 0.3, spin = 400.0, T = 1.0, wheel = C * spin / (C - own);
+  const fb_real tilt[3] = {0, FB_R(1.1), 0}, still[3] = {0, 0, 0};
+  fb_real axis[2][3], R[9];
+  for (int with = 0; with < 2; with++) {
+    const fb_real w[3] = {FB_R(0.1), 0, (fb_real)(with ? 0.0 : spin)};
+    const double dt = with ? 0.01 : FBT_TOL(1e-4, 4e-4);
+    fresh(FB_BASE_PINNED, FB_EFFECT_GRAVITY);
+    desc.gravity[2] = -FB_R(9.81);
+    if (with) {
+      rotor_add(0, 0, 0, 1, C - own);
+    }
+    rigid_hub(m, l, A, A, with ? own : C);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    fb_quat_from_rotvec(state.quat, tilt);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, still, w, NULL), FB_OK);
+    if (with) {
+      FBT_INT_EQ(fb_state_rotor_set(&body, &state, 0, (fb_real)wheel, 0, NULL), FB_OK);
+    } else {
+      FBT_INT_EQ(step(FB_INTEGRATOR_RK4, 0.01), FB_ERR_STEP);
+    }
+    run(FB_INTEGRATOR_RK4, dt, (int)(T / dt + 0.5));
+    fb_quat_to_mat33(R, state.quat);
+    for (int i = 0; i < 3; i++) {
+      axis[with][i] = R[3 * i + 2];
+    }
+  }
+  FBT_NEAR_ABS(fbt_difference(axis[0], axis[1], 3), 0.0, FBT_TOL(1e-6, 1e-3));
+  FBT_TRUE(fabs((double)axis[0][1]) > 1e-3); /* it has moved across */
+}
+
 /* E8.42: a heavy body is shaken by U spin^2 along a direction that turns: velocity U spin/m (sin, 1 - cos) of the mass
    center, angular velocity by the dynamic imbalance alike, a quarter of a turn ahead. */
 TEST(unbalanced_rotors_shake_their_body)
@@ -744,7 +778,8 @@ SUITE(body_rotors, RUN(gyrostats_nutate_and_wobble_in_closed_form), RUN(gyroscop
       RUN(momenta_of_rotors_are_those_of_their_sections), RUN(gyrostats_keep_energy_and_momentum),
       RUN(power_of_rotors_is_the_rate_of_energy), RUN(accelerations_of_gyrostats_are_derivatives_of_velocities),
       RUN(integrators_of_gyrostats_agree), RUN(wheels_at_600_rad_per_s_cost_no_step), RUN(rotors_bound_the_step),
-      RUN(steps_of_one_body_are_those_of_its_limit), RUN(unbalanced_rotors_shake_their_body),
-      RUN(imbalance_acts_as_a_load_on_its_node), RUN(given_momenta_turn_the_body_against_them),
-      RUN(bad_rotors_are_refused), RUN(rotors_are_refused_where_there_are_none))
+      RUN(steps_of_one_body_are_those_of_its_limit), RUN(fast_tops_are_bodies_with_rotors),
+      RUN(unbalanced_rotors_shake_their_body), RUN(imbalance_acts_as_a_load_on_its_node),
+      RUN(given_momenta_turn_the_body_against_them), RUN(bad_rotors_are_refused),
+      RUN(rotors_are_refused_where_there_are_none))
 #endif
