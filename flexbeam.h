@@ -882,8 +882,10 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    Its momentum is inertia (rate of the node about the axis + speed), of fb_state the pi behind those of the modes. A
    momentum that is given follows the input whatever torque that takes; torque of the input, its rate, matters to
    accelerations and reactions alone.
-   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor trim, linear
-   models, spectra and advice; internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
+   The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
+   turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
+   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor advice;
+   internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
    energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
@@ -1938,6 +1940,16 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    change times dt, or the rotation of a section within dt, is too large. For bodies that bend a little. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
+typedef struct fb_body_limit {
+  fb_real rk4, implicit, exponential; /* [s] longest step that each takes from there */
+  fb_real spin, acceleration;         /* [rad/s], [m/s^2] that they count, arguments of the limits above */
+} fb_body_limit;
+/* Longest steps of one body from a state under an input (NULL: none), as the steps judge them: with the slopes, the
+   loads and the rotors that are there; exponential with lines of large deflection but for what these change in the
+   modes. The steps refuse further what turns or bends too far within one. Statuses as of fb_body_rates_eval. */
+FB_API fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                    const fb_input *input);
+
 #if FB_WITH_SYSTEM
 /* ---- systems: body is the array of models; the inputs as those of a body */
 
@@ -2720,7 +2732,7 @@ FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_
 #endif
 
 /* Maximum number of states of a linear model: of one body, or of a system with the capacity of FB_METHOD_DENSE. */
-#define FB_MAX_LINEAR (2 * (FB_MAX_MODES + 6 > FB_MAX_SPEEDS ? FB_MAX_MODES + 6 : FB_MAX_SPEEDS))
+#define FB_MAX_LINEAR (2 * (FBI_MAX_COORDINATES + 6 > FB_MAX_SPEEDS ? FBI_MAX_COORDINATES + 6 : FB_MAX_SPEEDS))
 #define FB_MAX_PORTS 12 /* maximum number of its inputs, and of its outputs */
 
 typedef enum fb_port_kind {
@@ -2732,8 +2744,8 @@ typedef enum fb_port_kind {
   FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
                                 state; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion as input the term in the
-     rate of the input is left out (y = C x + D u has no u_dot) */
+  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion or a given momentum as
+     input the term in the rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
   /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
   FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
@@ -2742,13 +2754,16 @@ typedef enum fb_port_kind {
   /* systems only; body: the number of a spring; node and axis are not used */
   FB_PORT_PULL = 11,   /* input [N], its actuator */
   FB_PORT_LENGTH = 12, /* output [m], distance between its points */
+  /* one body only; axis: the number of a rotor; node is not used */
+  FB_PORT_MOTOR = 13,       /* input [N m], its motor; of a rotor whose momentum is given [N m s], that momentum */
+  FB_PORT_ROTOR_SPEED = 14, /* output [rad/s], relative to its node */
   FB_PORT_COUNT
 } fb_port_kind;
 
 typedef struct fb_port {
   fb_port_kind kind;
   int body;       /* of a system, or a spring; else 0 */
-  int node, axis; /* axis 0..2 */
+  int node, axis; /* axis 0..2, or a rotor */
 } fb_port;
 
 typedef struct fb_linear_desc {
@@ -2762,6 +2777,8 @@ typedef struct fb_linear_desc {
    the steady v, w, body axes. Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
    (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
    (hinged: the last); a star tracker is a row of C with a 1 there.
+   With rotors x = (q, pi, rotors, momenta, pose): rotors are the momenta of those whose momentum is not given. Their
+   angles act on nothing. Of friction the model has the tangent.
    System: x = (free axes of all joints, q of all bodies, both in the order of the bodies, conjugate momenta in the same
    order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
    the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
@@ -2769,7 +2786,7 @@ typedef struct fb_linear_desc {
    the independent coordinates and their conjugate momenta only; the others depend on them. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) */
+  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) + rotors */
   /* index of x_i, i < n/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
@@ -2812,7 +2829,12 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed; FB_ERR_UNSUPPORTED: a body with rotors or central gravity. */
+   prescribed. FB_ERR_UNSUPPORTED: a body with central gravity.
+   Rotors keep the momenta that they have in state, or input. A free or pinned body with turning rotors spins at
+   |input.w| such that w and the momentum of all of it are parallel, found from the direction of input.w, not always the
+   nearest such axis; input.w 0: at rest, whatever the rotors do. FB_ERR_UNREST: also a motor that does not balance the
+   friction of its rotor, given: one whose momentum has a rate; a turning rotor with an imbalance, here and in linear
+   models and spectra. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
@@ -3215,7 +3237,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             .reach
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
-          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
+          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
+          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and

@@ -14866,24 +14866,32 @@ static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *accelerati
   (void)further;
 }
 
-static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
-                                          int further)
+/* Longest step of rk4 from where rates were evaluated, with the spin and acceleration that it counts. */
+static FBI_INLINE fb_real fbi_rk4_longest(fb_real *spin, fb_real *acceleration, const fb_body *body,
+                                          const fbi_kinetics *k, const fb_input *input, int further)
 {
-  fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
-  fbi_further_conditions(&spin, &acceleration, body, k, input, further);
+  fb_real slope = FB_R(0.0), strain = FB_R(0.0), bound;
+  fbi_further_conditions(spin, acceleration, body, k, input, further);
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     fbi_largest_slopes(&slope, &strain, k, body->n_strain);
   }
 #endif
-  bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+  bound = fbi_frequency_bound(body, *spin, *acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, spin, acceleration) : bound;
+  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, *spin, *acceleration) : bound;
 #endif
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
+  return fbi_step_limit(FBI_RK4_RADIUS, bound);
+}
+
+static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
+                                          int further)
+{
+  fb_real spin, acceleration;
+  const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, further);
+  return dt <= longest
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
-                             fbi_step_limit(FBI_RK4_RADIUS, bound), spin);
+             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt, longest, spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -15166,7 +15174,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
      fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
-     fbi_rk4_check: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
+     fbi_rk4_check: fbi_rk4_longest
+     fbi_rk4_longest: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
 static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
@@ -16160,6 +16169,53 @@ FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
   bound = fbi_larger(bound, body->limit_tension * spin * spin);
 #endif
   return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
+}
+
+static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body *body, fb_body_limit *limit,
+                                             const fb_state *state, const fb_input *input)
+{
+  fb_body_limit found;
+  fbi_kinetics k;
+  fb_state rate, at;
+  fb_status status;
+  FBI_TAKE_LINES(k, line);
+  status = fbi_input_check(body, input);
+  fbi_state_enter(&at, k.R, body, state);
+  fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
+  status = status == FB_OK ? fbi_rates(&rate, &k, body, &at, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_further(body));
+  found.implicit = fb_implicit_limit(body, found.spin, found.acceleration);
+  found.exponential = fb_exponential_limit(body, found.spin, found.acceleration);
+  if (!fbi_is_finite(&found.spin, 1) || !fbi_is_finite(&found.acceleration, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *limit = found;
+  return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                                   const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_limit_eval(&line, body, limit, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                    const fb_input *input)
+{
+  FBI_REQUIRE(body && limit && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_limit_eval(body, limit, state, input);
+  }
+#endif
+  return fbi_limit_eval(NULL, body, limit, state, input);
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -27082,13 +27138,83 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
 }
 #endif
 
-/* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted`.
-   momenta: (p, h) about the origin O at w = e_i, i = 1 2 3: p = e_i x c, h = J e_i with c = mass times the center of
-   mass. mass > 0: the center of mass is at rest, J about it; 0: O is fixed. */
-static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
+#if FB_WITH_ROTORS
+/* L = J w + h; returns |w x L|, what turns the axis. */
+static fb_real fbi_gyrostat_momentum(fb_real L[3], const fb_real J[9], const fb_real h[3], const fb_real w[3])
+{
+  fb_real turn[3];
+  fb_mat33_mul_vec3(L, J, w);
+  fbi_vec3_add(L, FB_R(1.0), h);
+  fb_vec3_cross(turn, w, L);
+  return fbi_vec3_norm(turn);
+}
+
+/* Newton's method in (w, lambda), w in parts of spin: (J - lambda) dw - w dlambda = lambda w - J w - h,
+   w.dw = (spin^2 - w.w)/2. */
+static fb_status fbi_gyrostat_newton(fb_real w[3], const fb_real J[9], const fb_real h[3], fb_real spin, fb_real size)
+{
+  fb_real lambda, L[3], change = FB_R(1.0);
+  fb_status status = FB_OK;
+  (void)fbi_gyrostat_momentum(L, J, h, w);
+  lambda = fb_vec3_dot(w, L) / (spin * spin);
+  for (int step = 0; step < 30 && change > FB_R(16.0) * FB_EPSILON && status == FB_OK; step++) {
+    fb_real A[16] = {FB_R(0.0)}, f[4], x[4], scale[4];
+    int perm[4];
+    (void)fbi_gyrostat_momentum(L, J, h, w);
+    for (int i = 0; i < 3; i++) {
+      for (int j = 0; j < 3; j++) {
+        A[4 * i + j] = (J[3 * i + j] - (i == j ? lambda : FB_R(0.0))) / size;
+      }
+      A[4 * i + 3] = -w[i] / spin;
+      A[12 + i] = w[i] / spin;
+      f[i] = (lambda * w[i] - L[i]) / (size * spin);
+    }
+    f[3] = FB_R(0.5) * (FB_R(1.0) - fb_vec3_dot(w, w) / (spin * spin));
+    status = fb_lu_factor(A, perm, scale, 4);
+    if (status == FB_OK) {
+      fb_lu_solve(x, A, perm, f, 4);
+      fbi_vec3_add(w, spin, x);
+      lambda += size * x[3];
+      change = fbi_vec3_norm(x);
+    }
+  }
+  return status != FB_OK || change <= FB_R(1e4) * FB_EPSILON ? status : FB_ERR_CONVERGENCE;
+}
+
+/* [E8.46] Steady spin of a gyrostat, J w + h = lambda w at |w| = spin, h the momentum of its rotors: by Newton's method
+   from w or the direction `wanted`, of which the torque w x (J w + h) is less. Where that does not converge, from
+   `wanted` uphill in the energy 1/2 w.J w + h.w along its gradient, and by Newton's method from there.
+   Source: Euler's equations at w_dot = 0.  Cost: 60 solutions of 4 equations at most.  Fails: FB_ERR_CONVERGENCE.
+   Test: gyrostats_spin_steadily_about_no_axis_of_their_own. */
+static fb_status fbi_gyrostat_spin(fb_real w[3], const fb_real J[9], const fb_real h[3], const fb_real wanted[3])
+{
+  const fb_real spin = fbi_vec3_norm(wanted), size = fbi_vec3_norm(J) + fbi_vec3_norm(J + 3) + fbi_vec3_norm(J + 6);
+  fb_real L[3];
+  if (fbi_gyrostat_momentum(L, J, h, wanted) < fbi_gyrostat_momentum(L, J, h, w)) {
+    fbi_vec3_copy(w, wanted);
+  }
+  if (fbi_gyrostat_newton(w, J, h, spin, size) == FB_OK) {
+    return FB_OK;
+  }
+  fbi_vec3_copy(w, wanted);
+  for (int step = 0; step < 100; step++) { /* the energy is convex, so that each step goes up */
+    (void)fbi_gyrostat_momentum(L, J, h, w);
+    fbi_zero(w, 3);
+    fbi_vec3_add(w, spin / fbi_vec3_norm(L), L);
+  }
+  return fbi_is_finite(w, 3) ? fbi_gyrostat_newton(w, J, h, spin, size) : FB_ERR_CONVERGENCE;
+}
+#endif
+
+/* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted` or,
+   with the momentum `own` of rotors, by E8.46. momenta: (p, h) about the origin O at w = e_i, i = 1 2 3: p = e_i x c,
+   h = J e_i with c = mass times the center of mass. mass > 0: the center of mass is at rest, J about it; 0: O is
+   fixed. */
+static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb_real own[3], fb_real mass,
+                               const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
-  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
+  fb_real J[9], kept[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
   fb_status status;
   fbi_vec6_zero(V);
   if (!fbi_is_finite(&spin, 1)) {
@@ -27108,6 +27234,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   }
 
   /* w along the projection of `wanted` on a principal axis, or on the space of all with the same inertia */
+  fbi_copy(kept, J, 9);
   status = fb_eig_sym_solve(value, axes, J, 3);
   for (int k = 0; k < 3 && status == FB_OK; k++) {
     fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
@@ -27123,6 +27250,14 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
       fbi_vec3_add(V + 3, spin / size, along);
     }
   }
+
+#if FB_WITH_ROTORS
+  if (status == FB_OK && !fbi_is_zero(own, 3)) {
+    status = fbi_gyrostat_spin(V + 3, kept, own, wanted);
+  }
+#endif
+  (void)own;
+  (void)kept;
 
   /* Center of mass at rest: mass v + w x c = 0 */
   if (mass > FB_R(0.0)) {
@@ -27290,7 +27425,14 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
+  fb_status status;
+#if FB_WITH_ROTORS
+  if (port->kind == FB_PORT_ROTOR_SPEED) {
+    *y = motion->rotor_speed[port->axis];
+    return FB_OK;
+  }
+#endif
+  status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
   gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
 #endif
@@ -27322,11 +27464,49 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
   }
-  if (fbi_has(body->effects, FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY)) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors and central gravity",
-                      -1, FB_R(0.0), FB_R(0.0));
+  if (fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without central gravity", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_real h = body->rotor[r].given ? input->rotor[r].momentum : state->pi[body->n + r];
+    if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
+      return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
+                        r, h, FB_R(0.0));
+    }
+  }
+#endif
   return fb_state_check(body, state);
+}
+
+/* Rotors whose momentum is a state of the linear model: their number, and where they stand among all to `at`. */
+static int fbi_rotors_free(int at[FB_MAX_ROTORS], const fb_body *body)
+{
+  int n = 0;
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    at[n] = r;
+    n += !body->rotor[r].given;
+  }
+#endif
+  (void)at;
+  (void)body;
+  return n;
+}
+
+/* Momenta of rotors that are given go into the state, by which velocities become momenta. */
+static void fbi_rotors_give(fb_state *state, const fb_body *body, const fb_input *input)
+{
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    fb_real *const h = &state->pi[body->n + r];
+    *h = body->rotor[r].given ? input->rotor[r].momentum : *h;
+  }
+#endif
+  (void)state;
+  (void)body;
+  (void)input;
 }
 
 /* Momenta (p, h) about O of a body whose base is not prescribed, body axes. */
@@ -27367,7 +27547,7 @@ static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_rea
 static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *body, const fb_real wanted[3])
 {
   const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real R[9], momenta[18];
+  fb_real R[9], momenta[18], own[6] = {FB_R(0.0)};
   fb_status status = FB_OK;
   fbi_zero(V, 3);
   fbi_copy(V + 3, wanted, 3);
@@ -27375,15 +27555,23 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
     return FB_OK;
   }
 
-  /* Momenta by a unit angular velocity about each axis */
+  /* Momenta of rotors, and by a unit angular velocity about each axis */
   fb_quat_to_mat33(R, state->quat);
+  if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
+    status = fb_state_from_velocity(body, state, still, still, NULL);
+    fbi_momenta_about_origin(own, body, state, R);
+  }
   for (int i = 0; i < 3 && status == FB_OK; i++) {
     fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     w[i] = FB_R(1.0);
     status = fb_state_from_velocity(body, state, still, w, NULL);
     fbi_momenta_about_origin(momenta + 6 * i, body, state, R);
+    for (int j = 0; j < 6; j++) {
+      momenta[6 * i + j] -= own[j];
+    }
   }
-  return status ? status : fbi_free_spin(V, momenta, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
+  return status ? status
+                : fbi_free_spin(V, momenta, own + 3, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
 }
 
 /* Residual of the trim: pi_dot at q_dot = 0, with q_j increased by h; the base moves as the input prescribes, or spins
@@ -27433,6 +27621,25 @@ static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *wo
 }
 #endif
 
+/* FB_ERR_UNREST: the momentum of a rotor changes; need: the torque of its motor that keeps it. */
+static fb_status fbi_rotors_rest(const fb_body *body, const fb_motion *motion, const fb_input *input)
+{
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real motor = input->rotor[r].torque;
+    const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, motion->rotor_speed[r]);
+    if (!(FB_FABS(motor + brake) <= FBI_UNREST * (FB_FABS(motor) + FB_FABS(brake)))) {
+      return FBI_REFUSE(FB_ERR_UNREST, "rotor: torque [N m] of its motor, against its friction", r, motor, -brake);
+    }
+  }
+#endif
+  (void)body;
+  (void)motion;
+  (void)input;
+  return FB_OK;
+}
+
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
@@ -27440,6 +27647,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
   fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
+  status = status ? status : fbi_rotors_rest(body, &work->motion, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
@@ -27474,7 +27682,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
              : FB_ERR_UNREST;
 }
 
-/* State with element j of x increased by h; x = (q, pi, momenta of the base, position and attitude). With q the
+/* State with element j of x increased by h; x = (q, pi, rotors, momenta of the base, position and attitude). With q the
    velocities stay constant and the momenta change (E12.12); with the attitude the momenta keep their components in body
    axes. */
 static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_real h)
@@ -27482,8 +27690,9 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
   const fb_motion *const steady = &s->work->steady;
   const fb_body *const body = s->body;
   const fb_state *const state = s->state;
-  const int n = body->n, first = fbi_first_free(body->base), momentum = j - 2 * n + first,
-            pose = momentum - (6 - first);
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base),
+            momentum = j - 2 * n - m + first, pose = momentum - (6 - first);
   fb_real R[9], ph[6];
   *out = *state;
 
@@ -27496,6 +27705,8 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
   /* pi, else momenta or pose of the base */
   if (j < 2 * n) {
     out->pi[j - n] += h;
+  } else if (j < 2 * n + m) {
+    out->pi[n + rotor[j - 2 * n]] += h;
   } else {
     fb_quat_to_mat33(R, state->quat);
     fb_mat33_mulT_vec3(ph, R, state->u);
@@ -27532,8 +27743,16 @@ static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, cons
 }
 
 /* Increases an input by h. */
-static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
+static void fbi_port_drive(fb_input *input, const fb_body *body, const fb_port *port, fb_real h)
 {
+  (void)body;
+#if FB_WITH_ROTORS
+  if (port->kind == FB_PORT_MOTOR) {
+    fb_rotor_input *const rotor = &input->rotor[port->axis];
+    *(body->rotor[port->axis].given ? &rotor->momentum : &rotor->torque) += h;
+    return;
+  }
+#endif
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
     (port->kind == FB_PORT_BASE_VELOCITY ? input->v : input->w)[port->axis] += h;
   } else {
@@ -27542,10 +27761,31 @@ static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
   }
 }
 
-/* Momenta of the linear model: those of the modes, then the free ones of the base, body axes. */
+#if FB_WITH_ROTORS
+/* [E8.47] Friction of rotors as its tangent at the steady speeds, by the torques of the motors in work->input: of a
+   rotor at the speed s + x, dry friction T becomes T(s) + T'(s) x, T' = -F s_0^2/(s^2 + s_0^2)^(3/2). The differences
+   of the momenta are wider than s_0.
+   Source: E9.28.  Fails: never.  Test: linear_models_of_rotors_are_derivatives_of_rates. */
+static void fbi_rotors_tangent(fb_state *rate, fb_input *input, const fb_motion *steady, const fb_body *body)
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real F = rotor->friction, s0 = rotor->friction_speed, s = steady->rotor_speed[r];
+    const fb_real x = rate->q[body->n + r] - s, old = fbi_dry_friction(F, s0, s), at = fbi_dry_friction(F, s0, s + x);
+    if (!rotor->given && F > FB_R(0.0)) {
+      const fb_real part = old * s0 / F, more = at * (s + x) - old * (s + part * part * x);
+      rate->pi[body->n + r] += more;
+      input->rotor[r].torque += more;
+    }
+  }
+}
+#endif
+
+/* Momenta of the linear model: those of the modes, of rotors, then the free ones of the base, body axes. */
 static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *state)
 {
-  const int n = body->n, first = fbi_first_free(body->base);
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base);
   fb_real R[9], ph[6];
   fb_quat_to_mat33(R, state->quat);
   fb_mat33_mulT_vec3(ph, R, state->u);
@@ -27554,7 +27794,10 @@ static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *
   }
   fb_mat33_mulT_vec3(ph + 3, R, state->L);
   fbi_copy(p, state->pi, n);
-  fbi_copy(p + n, ph + first, 6 - first);
+  for (int i = 0; i < m; i++) {
+    p[n + i] = state->pi[n + rotor[i]];
+  }
+  fbi_copy(p + n + m, ph + first, 6 - first);
 }
 
 /* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
@@ -27562,7 +27805,9 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 {
   fb_analyse_work *const work = s->work;
   const fb_body *const body = s->body;
-  const int n = body->n, first = fbi_first_free(body->base), n_free = 6 - first, states = 2 * (n + n_free);
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base), n_free = 6 - first,
+            base = 2 * n + m, states = base + 2 * n_free;
   fb_real frame[12];
   fb_status status = FB_OK;
 
@@ -27572,9 +27817,14 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   if (j < states) {
     status = fbi_linear_move(&work->moved, s, j, h);
   } else {
-    fbi_port_drive(&work->input, &s->desc->in[j - states], h);
+    fbi_port_drive(&work->input, body, &s->desc->in[j - states], h);
   }
   status = status ? status : fb_body_rates_eval(body, &work->rate, &work->moved, &work->input);
+#if FB_WITH_ROTORS
+  if (status == FB_OK) {
+    fbi_rotors_tangent(&work->rate, &work->input, &work->steady, body);
+  }
+#endif
   status = status ? status : fb_body_motion_eval(body, &work->motion, &work->moved, &work->input);
   if (status != FB_OK) {
     return status;
@@ -27583,9 +27833,12 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   /* Rates of x, outputs, momenta */
   fbi_copy(f, work->rate.q, n);
   fbi_copy(f + n, work->rate.pi, n);
+  for (int i = 0; i < m; i++) {
+    f[2 * n + i] = work->rate.pi[n + rotor[i]];
+  }
   fbi_linear_frame(frame, work, s->state, body->mass);
-  fbi_copy(f + 2 * n, frame + first, n_free);
-  fbi_copy(f + 2 * n + n_free, frame + 6 + first, n_free);
+  fbi_copy(f + base, frame + first, n_free);
+  fbi_copy(f + base + n_free, frame + 6 + first, n_free);
   fbi_linear_momenta(f + states + s->desc->n_out, body, &work->moved);
   for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
     status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k], s->state->q);
@@ -27915,7 +28168,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
       const fbi_coordinate c = {k, 0, (3 + i) % 6};
       fbi_unit_momenta(momenta + 6 * i, s, &c);
     }
-    status = fbi_free_spin(work->rest[k].speed, momenta, momenta[18], wanted);
+    status = fbi_free_spin(work->rest[k].speed, momenta, fbi_origin, momenta[18], wanted);
   }
   return status;
 }
@@ -28227,6 +28480,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   /* Newton's method from the given state */
   s = fbi_subject_body(body, work, &work->state, input, NULL);
   work->state = *state;
+  fbi_rotors_give(&work->state, body, input);
   for (int a = 0; a < body->n; a++) {
     work->common.step[a] = fbi_difference_step(body, a);
   }
@@ -28535,7 +28789,7 @@ static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
 
 static int fbi_port_is_input(fb_port_kind kind)
 {
-  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL;
+  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL || kind == FB_PORT_MOTOR;
 }
 
 /* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room:
@@ -28583,7 +28837,8 @@ static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_m
 static fb_real fbi_linear_step(const fbi_subject *s, int j)
 {
   const fb_body *const body = s->body;
-  const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base), free = 6 - first;
   const fb_real size = fbi_body_size(body);
   fb_real all;
   const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
@@ -28599,9 +28854,16 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
            fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
   }
 
+#if FB_WITH_ROTORS
+  if (j < 2 * n + m) {
+    const int r = rotor[j - 2 * n];
+    return FB_R(100.0) * FBI_DIFFERENCE * body->rotor[r].inertia * (FB_FABS(s->work->steady.rotor_speed[r]) + all);
+  }
+#endif
+
   /* Momenta and pose of the base */
-  moves = (j - 2 * n) % free + first < 3; /* the others are rotations */
-  if (j < 2 * n + free) {
+  moves = (j - 2 * n - m) % free + first < 3; /* the others are rotations */
+  if (j < 2 * n + m + free) {
     return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
   }
   return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
@@ -28618,8 +28880,16 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const fb_status status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED,
-                                            body->n_node, input->n_load < FB_MAX_LOADS);
+    fb_status status = FB_OK;
+#if FB_WITH_ROTORS
+    if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
+      FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
+      FBI_REQUIRE(port->axis >= 0 && port->axis < body->n_rotor && port->body == 0, FB_ERR_CAPACITY);
+      continue;
+    }
+#endif
+    status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
+                            input->n_load < FB_MAX_LOADS);
     if (status != FB_OK || port->body != 0) {
       return status ? status : FB_ERR_CAPACITY;
     }
@@ -28636,12 +28906,12 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
   fb_status status;
   if (port->kind == FB_PORT_PULL || port->kind == FB_PORT_LENGTH) {
     FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_spring, FB_ERR_CAPACITY);
-    return fbi_port_check(port, is_input, FB_PORT_COUNT, 0, 0, 0);
+    return fbi_port_check(port, is_input, FB_PORT_MOTOR, 0, 0, 0);
   }
   FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
   joint = &s->system->joint[port->body];
   mode = s->system_state->mode[port->body];
-  status = fbi_port_check(port, is_input, FB_PORT_COUNT, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
+  status = fbi_port_check(port, is_input, FB_PORT_MOTOR, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
                           fbi_model(s->system, s->body, port->body)->n_node,
                           !s->system_input || s->system_input->n_load < FB_MAX_LOADS);
   if (status != FB_OK || port->kind < FB_PORT_DRIVE) {
@@ -28780,10 +29050,10 @@ static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
 
 /* Matrices of work->linear by differences, and E, the error estimates of A. The n_q columns of the coordinates come
    before those of the n_p momenta. */
-static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_free)
+static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_q, int n_p, int n_free)
 {
   fb_linear *const out = &work->linear;
-  const int n_p = n / 2, n_q = s->system ? n_p : n_p - n_free, rows = n + s->desc->n_out;
+  const int rows = n + s->desc->n_out;
   fb_real norm;
   fb_status status = FB_OK;
   memset(out, 0, sizeof *out);
@@ -28951,17 +29221,24 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
 {
   fbi_subject s;
   fb_status status = fbi_analyse_check(body, state, input);
-  const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
+  int rotor[FB_MAX_ROTORS], n_free, n_p, n;
+
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  n_free = 6 - fbi_first_free(body->base);
+  n_p = body->n + fbi_rotors_free(rotor, body) + n_free;
+  n = body->n + n_p + n_free;
 
   /* Check the arguments; steady motion, with a prescribed base relative to the ground */
-  FBI_REQUIRE(work, FB_ERR_NULL);
-  s = fbi_subject_body(body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
-  status = status ? status : fbi_linear_desc_check(body, input, s.desc);
+  work->state = *state;
+  fbi_rotors_give(&work->state, body, input);
+  s = fbi_subject_body(body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
+  status = fbi_linear_desc_check(body, input, s.desc);
   status = status ? status : fb_body_motion_eval(body, &work->steady, state, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
-    work->state = *state;
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
-    s.state = &work->state;
   }
 
   /* Finite-difference steps, then the matrices */
@@ -28971,8 +29248,8 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   if (status == FB_OK) {
     fbi_body_port_steps(&s, n);
   }
-  status = status ? status : fbi_linear_fill(&work->common, &s, n, n_free);
-  for (int a = 0; a < n / 2 - n_free && status == FB_OK; a++) {
+  status = status ? status : fbi_linear_fill(&work->common, &s, n, body->n, n_p, n_free);
+  for (int a = 0; a < body->n && status == FB_OK; a++) {
     work->common.linear.coordinate[a] = a;
   }
   return status;
@@ -29194,7 +29471,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
-  status = fbi_linear_fill(&work->common, &s, 2 * work->n_independent, n_free);
+  status =
+      fbi_linear_fill(&work->common, &s, 2 * work->n_independent, work->n_independent, work->n_independent, n_free);
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }

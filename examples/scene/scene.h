@@ -370,6 +370,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
                {"joint", scene_read_joint, 0},
                {"loop", scene_read_loop, 0},
                {"spring", scene_read_spring, 0},
+               {"rotor", scene_read_rotor, 0},
                {"event", scene_read_event, 0},
                {"load", scene_read_load, 0},
                {"nudge", scene_read_nudge, 0},

@@ -161,6 +161,9 @@ static double scene_value(const scene *s, const scene_output *o)
   case SCENE_AT_SPRING:
     return (double)(o->quantity == SCENE_LENGTH ? engine.view.motion.spring[o->at].length
                                                 : engine.view.motion.spring[o->at].tension);
+  case SCENE_AT_ROTOR:
+    return (double)(o->quantity == SCENE_ROTOR_SPEED ? engine.view.motion.motion[0].rotor_speed[o->at]
+                                                     : engine.view.motion.motion[0].rotor_momentum[o->at]);
   case SCENE_AT_CONTROL:
     return controlling[o->at].acting;
   case SCENE_AT_ALL:
