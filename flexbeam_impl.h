@@ -29926,9 +29926,9 @@ static void fbi_advise_note(fb_advice_work *work, int n)
   }
 }
 
-/* [E13.8] What a coordinate matters to the output: of each mode's contribution the share of its strain energy,
-   x_a (K x)_a/omega^2, that is the coordinate's. By that the square of the mode's frequency changes if it is held.
-   Directly a coordinate gives psi_a q_a; one that moves the base alone gives nothing, but matters.
+/* [E13.8] What a coordinate matters to the output: what it gives directly, psi_a q_a, and of each mode's contribution
+   the share of its strain energy, x_a (K x)_a/omega^2, that is the coordinate's. By that the square of the mode's
+   frequency changes if it is held: a coordinate that moves the base alone gives nothing, but matters.
    Source: own; Rayleigh's quotient.  Cost: n^3.  Fails: never.  Test: two_booms_move_as_their_sum_and_difference. */
 static void fbi_advise_score(fb_advice_work *work, const fb_envelope *e, const fb_real *q)
 {
@@ -29948,7 +29948,7 @@ static void fbi_advise_score(fb_advice_work *work, const fb_envelope *e, const f
   }
   for (int a = 0; a < n; a++) {
     const fb_real give = FB_FABS(q[a]) * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a);
-    work->score[a] = fbi_larger(work->score[a], score[a]);
+    work->score[a] = fbi_larger(work->score[a], score[a] + give);
     work->give[a] = fbi_larger(work->give[a], give);
   }
 }

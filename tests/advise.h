@@ -92,6 +92,7 @@ static inline void make_two_booms(int along_y, int along_z)
   level.effects = FB_EFFECTS_FULL;
   memset(&envelope, 0, sizeof envelope);
   envelope.node = 1;
+  envelope.duration = FB_R(10.0);
   envelope.n_load = 1;
   envelope.load[0].axes = FB_AXES_BODY;
 }

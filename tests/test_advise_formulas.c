@@ -295,15 +295,15 @@ TEST(two_booms_move_as_their_sum_and_difference)
     FBT_NEAR_REL(work.omega[1][0] * work.omega[1][0], omega2 / sum, FBT_TOL(1e-3, 1e-2));
     FBT_NEAR_REL(work.omega[1][1] * work.omega[1][1], omega2 / difference, FBT_TOL(1e-3, 1e-2));
     FBT_NEAR_REL(work.omega[0][0] * work.omega[0][0], omega2 / alone, FBT_TOL(1e-3, 1e-2));
-    FBT_NEAR_REL(work.score[0], bend / 2.0, FBT_TOL(1e-3, 1e-2));
-    FBT_NEAR_REL(work.score[1], bend / 2.0, FBT_TOL(1e-3, 1e-2));
+    FBT_NEAR_REL(work.score[0], 1.5 * bend, FBT_TOL(1e-3, 1e-2));
+    FBT_NEAR_REL(work.score[1], 0.5 * bend, FBT_TOL(1e-3, 1e-2));
     FBT_NEAR_REL(work.give[0], bend, FBT_TOL(1e-3, 1e-2));
     FBT_NEAR_ABS(work.give[1], 0.0, 0.0);
     FBT_NEAR_ABS(work.error_modes[0], 0.0, FBT_TOL(1e-6, 1e-3)); /* statically one boom does */
     envelope.frequency = FB_HUGE;
     envelope.duration = FB_R(1e4);
     FBT_NEAR_REL(deflection(), 2.0 * bend, FBT_TOL(1e-3, 1e-2));
-    FBT_TRUE(work.error_modes[0] > FB_R(0.9) && work.error_modes[0] < FB_R(1.01)); /* phases are lost */
+    FBT_TRUE(work.error_modes[0] > FB_R(0.9) && work.error_modes[0] < FB_R(1.05)); /* phases are lost */
   }
 }
 

@@ -729,9 +729,9 @@ static double off_by(const fb_advice *candidate)
   static fb_real out[SWINGS], reference[SWINGS];
   fb_advice all = *candidate;
   all.effects = FB_EFFECTS_FULL;
-  all.integrator = FB_INTEGRATOR_SDIRK;
+  all.integrator = FB_INTEGRATOR_RK4;
   all.n = shape.n;
-  all.dt = FB_R(0.02);
+  all.dt = FB_R(0.005);
   for (int a = 0; a < all.n; a++) {
     all.coordinate[a] = a;
   }
