@@ -7,7 +7,6 @@
 #include "ladder.h"
 
 #define FBB_BEAMS 4
-#define FBB_NONE FB_MAX_MODES
 
 typedef struct fbb_several {
   const char *name;
