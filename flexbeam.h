@@ -3128,7 +3128,14 @@ typedef struct fb_advice {
 #define FBI_ADVICE_SETS 11
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
+#define FBI_ADVICE_TIMES 129 /* a quasi-static one, then those of two drives */
 #define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
+
+typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in a load case */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
+  fb_real omega[FB_MAX_MODES], zeta[FB_MAX_MODES], part[FB_MAX_MODES]; /* [rad/s], -, of the quasi-static answer */
+  fb_real gain[FB_MAX_MODES], give[FB_MAX_MODES][3];                   /* to the output, without gain [m] */
+} fbi_advice_modes;
 
 typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_body_work body_work;
@@ -3142,13 +3149,21 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_spectrum spectrum;
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
-  /* K q = f of the load cases, K also at rest; accelerations and output of the full set in phases of the load cases */
+  int all[FB_MAX_MODES];                        /* 0, 1, ... */
+  fb_real inertia[FB_MAX_MODES * FB_MAX_MODES]; /* M of the modes while the base recoils */
+  fbi_advice_modes modes;
+  /* K q = f of the load cases, K also at rest; forces and output of the full set in phases of the load cases */
   fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
   fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
-  fb_real q_ddot[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
+  fb_real q_dot[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
+  fb_real force[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
-  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
-  int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
+  /* of the body with the first n coordinates in that order: highest frequency and largest contribution of each mode of
+     its own, row n - 1; its motion in the load cases with all of them */
+  fb_real omega[FB_MAX_MODES][FB_MAX_MODES], most[FB_MAX_MODES][FB_MAX_MODES];
+  fb_real history[FBI_ADVICE_INSTANTS][FBI_ADVICE_TIMES][3];
+  int order[FB_MAX_MODES]; /* coordinates in descending order of what they matter to the output, score */
+  fb_real score[FB_MAX_MODES], give[FB_MAX_MODES]; /* give: what they give directly */
   fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
