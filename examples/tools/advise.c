@@ -175,9 +175,10 @@ static int check_options(options *o)
     return fail("the description has no such node (a line `node` makes one)", o->node > 0 ? "--node" : "");
   }
   for (int k = 0; k < model.n_part; k++) {
-    if (model.part[k].kind == MODEL_COMPONENT && model.part[k].n_pair == 0) {
-      return fail("a component wants quadratic lines: without them nobody knows what stiffening would do",
-                  model.part[k].name[0] ? model.part[k].name : model.name);
+    if (model.part[k].kind == MODEL_COMPONENT && model.part[k].second == 0) {
+      return fail(
+          "a component wants line, geometric or quadratic lines: without them nobody knows what stiffening would do",
+          model.part[k].name[0] ? model.part[k].name : model.name);
     }
   }
   for (int k = 0; k < s->n_load; k++) {

@@ -16,7 +16,13 @@ typedef struct model_node {
   double x[3], mass, inertia[6];
   double shape[6 * FB_MAX_MODES]; /* displacement and rotation by mode */
   int have[FB_MAX_MODES];
+  int line, straight; /* 1: on a line; without rotations */
+  int from;           /* index of the node of the line before it; -1: of none, or of the frame at `root` */
+  double root[3];
+  int rooted;
 } model_node;
+
+enum { MODEL_QUADRATIC = 1, MODEL_GEOMETRIC = 2, MODEL_LINE = 4 }; /* what gives the second order of a component */
 
 typedef struct model_part { /* a beam, or nodes and shapes of a finite-element program */
   model_kind kind;
@@ -31,6 +37,7 @@ typedef struct model_part { /* a beam, or nodes and shapes of a finite-element p
   int is_fraction[FB_MAX_STATIONS]; /* x of a station is to be multiplied by the length */
   int has_elements, has_modes;
   int n_mode, node, n_node, pair, n_pair; /* of a component: its first of all nodes, of all pairs */
+  int second;                             /* MODEL_QUADRATIC, _GEOMETRIC, _LINE */
   double frequency[FB_MAX_MODES];
   int first, n; /* its coordinates, once built */
 } model_part;
@@ -537,6 +544,81 @@ static int model_count_modes(void)
   return n;
 }
 
+/* quadratic MODE MODE p^chi (3) h^chi (3) Gamma^chi (9), or geometric MODE MODE and the geometric stiffness by
+   accelerations (3), angular accelerations (3) and spins (6) of the frame */
+static void model_pair_line(text_file *t, model_part *part, int geometric)
+{
+  fb_real by[12];
+  if (part->n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
+    text_fail(t, part->n_mode ? "more pairs than there are" : "modes must come before");
+    return;
+  }
+  model.pair[model.n_pair].a = text_whole(t, "mode", 1, part->n_mode) - 1;
+  model.pair[model.n_pair].b = text_whole(t, "mode", 1, part->n_mode) - 1;
+  for (int k = part->pair; k < model.n_pair && !t->failed; k++) {
+    const int a = model.pair[model.n_pair].a, b = model.pair[model.n_pair].b;
+    if ((model.pair[k].a == a && model.pair[k].b == b) || (model.pair[k].a == b && model.pair[k].b == a)) {
+      text_fail(t, "the pair %d %d is there twice", a + 1, b + 1);
+    }
+  }
+  if (geometric) {
+    text_reals(t, "stiffness by accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz", by, 12);
+    if (!t->failed && fb_shape_init(&model_shape, 1) == FB_OK && /* built afresh later */
+        fb_shape_add_stiffening(&model_shape, 0, 0, by, by + 3, by + 6) == FB_OK) {
+      for (int i = 0; i < 9; i++) {
+        model.pair[model.n_pair].p[i % 3] = (double)model_shape.second.pchi[i % 3];
+        model.pair[model.n_pair].h[i % 3] = (double)model_shape.second.hchi[i % 3];
+        model.pair[model.n_pair].gamma[i] = (double)model_shape.second.Gamchi[i];
+      }
+    }
+  } else {
+    text_vector(t, "p^chi", model.pair[model.n_pair].p, 3);
+    text_vector(t, "h^chi", model.pair[model.n_pair].h, 3);
+    text_vector(t, "Gamma^chi", model.pair[model.n_pair].gamma, 9);
+  }
+  part->second |= geometric ? MODEL_GEOMETRIC : MODEL_QUADRATIC;
+  model.n_pair++;
+  part->n_pair++;
+}
+
+/* line [straight] [frame X Y Z] NODE NODE ...: the nodes follow each other along a line */
+static void model_line_line(text_file *t, model_part *part)
+{
+  const int is_straight = text_take(t, "straight"), rooted = text_take(t, "frame");
+  double root[3] = {0};
+  int from = -1, n = 0;
+  part->second |= MODEL_LINE;
+  if (rooted) {
+    text_vector(t, "where the line begins on the frame", root, 3);
+  }
+  do {
+    model_node *const node = model_find(t, part);
+    const int at = (int)(node - model.node);
+    if (t->failed) {
+      return;
+    }
+    if (n == 0 && !rooted && node->line) { /* it goes on from a line before */
+      from = at;
+      n++;
+      continue;
+    }
+    if (node->line) {
+      text_fail(t, "node %d is on a line before: a line begins there, or leaves it out", node->id);
+      return;
+    }
+    node->line = 1;
+    node->straight = is_straight;
+    node->from = from;
+    node->rooted = n == 0 && rooted;
+    memcpy(node->root, root, sizeof root);
+    from = at;
+    n++;
+  } while (text_more(t));
+  if (n + rooted < 2) {
+    text_fail(t, "a line wants two places at least");
+  }
+}
+
 static void model_component_line(text_file *t, model_part *part, const char *word)
 {
   if (strcmp(word, "modes") == 0) {
@@ -595,24 +677,10 @@ static void model_component_line(text_file *t, model_part *part, const char *wor
     if (text_more(t)) {
       text_name(t, "a node", node->name);
     }
-  } else if (strcmp(word, "quadratic") == 0) {
-    if (part->n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
-      text_fail(t, part->n_mode ? "more pairs than there are" : "modes must come before");
-      return;
-    }
-    model.pair[model.n_pair].a = text_whole(t, "mode", 1, part->n_mode) - 1;
-    model.pair[model.n_pair].b = text_whole(t, "mode", 1, part->n_mode) - 1;
-    for (int k = part->pair; k < model.n_pair && !t->failed; k++) {
-      const int a = model.pair[model.n_pair].a, b = model.pair[model.n_pair].b;
-      if ((model.pair[k].a == a && model.pair[k].b == b) || (model.pair[k].a == b && model.pair[k].b == a)) {
-        text_fail(t, "the pair %d %d is there twice", a + 1, b + 1);
-      }
-    }
-    text_vector(t, "p^chi", model.pair[model.n_pair].p, 3);
-    text_vector(t, "h^chi", model.pair[model.n_pair].h, 3);
-    text_vector(t, "Gamma^chi", model.pair[model.n_pair].gamma, 9);
-    model.n_pair++;
-    part->n_pair++;
+  } else if (strcmp(word, "quadratic") == 0 || strcmp(word, "geometric") == 0) {
+    model_pair_line(t, part, word[0] == 'g');
+  } else if (strcmp(word, "line") == 0) {
+    model_line_line(t, part);
   } else {
     text_fail(t, "no such word for a component: %s", word);
     return;
@@ -683,11 +751,20 @@ static void model_quadratic_check(text_file *t)
   const unsigned stiffening = FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING;
   for (int k = 0; k < model.n_part && (model.level.effects & stiffening); k++) {
     const model_part *const part = &model.part[k];
-    if (part->kind == MODEL_COMPONENT && part->n_pair == 0) {
+    if (part->kind == MODEL_COMPONENT && part->second == 0) {
       t->line = part->line > 0 ? part->line : t->line;
-      text_fail(t, "stiffening wants quadratic lines; without them choose effects spin or linear");
+      text_fail(t, "stiffening wants line, geometric or quadratic lines; without them choose effects spin or linear");
     }
   }
+}
+
+static int model_moves(const model_node *node, int n)
+{
+  double most = 0;
+  for (int k = 0; k < 6 * n; k++) {
+    most = fmax(most, fabs(node->shape[k]));
+  }
+  return most > 0;
 }
 
 static void model_component_check(text_file *t, model_part *part)
@@ -704,7 +781,17 @@ static void model_component_check(text_file *t, model_part *part)
     text_fail(t, "a component wants modes, frequency_hz, node and shape lines");
   }
   if (part->n_pair > 0 && part->n_pair != part->n_mode * (part->n_mode + 1) / 2) {
-    text_fail(t, "a quadratic line is missing: every pair of modes wants one");
+    text_fail(t, "a %s line is missing: every pair of modes wants one",
+              part->second & MODEL_GEOMETRIC ? "geometric" : "quadratic");
+  }
+  if (part->second & (part->second - 1)) {
+    text_fail(t, "the second order of a component is given by line, by geometric or by quadratic, not by two of them");
+  }
+  for (int k = 0; k < part->n_node && part->second == MODEL_LINE; k++) {
+    const model_node *const node = &model.node[part->node + k];
+    if (!node->line && model_moves(node, part->n_mode)) {
+      text_fail(t, "node %d moves, and is on no line", node->id);
+    }
   }
 }
 
@@ -781,8 +868,8 @@ static void model_beam_check(text_file *t, model_part *part)
 /* Refuses a word that was there before, but for those of which there may be many. */
 static void model_once(text_file *t, text_words *seen, const char *word)
 {
-  static const char *const many[] = {"point", "lump",      "load",     "node", "taper",    "shape",
-                                     "mark",  "quadratic", "boundary", "beam", "component"};
+  static const char *const many[] = {"point",     "lump",     "load", "node",      "taper", "shape",    "mark",
+                                     "quadratic", "boundary", "beam", "component", "line",  "geometric"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
       text_note(t, seen, word);
@@ -987,22 +1074,30 @@ static void model_axes(const model_part *part, fb_real R[9])
   fb_quat_to_mat33(R, quat);
 }
 
-/* Place and shapes of a component's node in axes of the body, its coordinates from `first` on of n; each is scaled. */
-static void model_place_node(const model_part *part, const model_node *node, const fb_real *scale, int first, int n,
-                             fb_real r[3], fb_real inertia[6], fb_real *psi, fb_real *theta)
+typedef struct model_target { /* where the modes of a component go: coordinates from `first` on of n, each scaled */
+  const model_part *part;
+  const fb_real *scale;
+  int first, n;
+} model_target;
+
+typedef struct model_moving { /* a component's node in axes of the body */
+  fb_real r[3], inertia[6], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
+} model_moving;
+
+static void model_place_node(model_moving *out, const model_target *to, const model_node *node)
 {
+  const model_part *const part = to->part;
   fb_real R[9], back[9], J[9], half[9], own[3];
   model_axes(part, R);
-  memset(psi, 0, 3 * (size_t)n * sizeof *psi);
-  memset(theta, 0, 3 * (size_t)n * sizeof *theta);
+  memset(out, 0, sizeof *out);
   for (int a = 0; a < part->n_mode; a++) {
     fb_real u[3], turn[3];
     for (int i = 0; i < 3; i++) {
-      u[i] = scale[a] * (fb_real)node->shape[6 * a + i];
-      turn[i] = scale[a] * (fb_real)node->shape[6 * a + 3 + i];
+      u[i] = to->scale[a] * (fb_real)node->shape[6 * a + i];
+      turn[i] = to->scale[a] * (fb_real)node->shape[6 * a + 3 + i];
     }
-    fb_mat33_mul_vec3(psi + 3 * (first + a), R, u);
-    fb_mat33_mul_vec3(theta + 3 * (first + a), R, turn);
+    fb_mat33_mul_vec3(out->psi + 3 * (to->first + a), R, u);
+    fb_mat33_mul_vec3(out->theta + 3 * (to->first + a), R, turn);
   }
   for (int i = 0; i < 9; i++) {
     static const int at[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
@@ -1010,32 +1105,68 @@ static void model_place_node(const model_part *part, const model_node *node, con
     own[i % 3] = (fb_real)node->x[i % 3];
     back[i] = R[3 * (i % 3) + i / 3];
   }
-  fb_mat33_mul_vec3(r, R, own);
+  fb_mat33_mul_vec3(out->r, R, own);
   fb_mat33_mul(half, R, J);
   fb_mat33_mul(J, half, back);
   for (int i = 0; i < 3; i++) {
-    r[i] += part->position[i];
-    inertia[i] = J[4 * i];
-    inertia[3 + i] = J[i < 2 ? 1 + i : 5];
+    out->r[i] += part->position[i];
+    out->inertia[i] = J[4 * i];
+    out->inertia[3 + i] = J[i < 2 ? 1 + i : 5];
   }
 }
 
-/* Adds the nodes of a component to a shape of n coordinates; marked: and makes marked ones nodes of the body. */
-static fb_status model_add_nodes(const model_part *part, const fb_real *scale, int first, int n, int marked,
-                                 const char **what)
+/* Fields of a node of a line, from those of the nodes before it; `known` are those of node *have, which is on the way
+   where the nodes come in the order of their line. */
+static fb_status model_fields(fb_fields *known, int *have, const model_target *to, int at)
+{
+  static int way[MODEL_NODES];
+  model_moving m;
+  int steps = 0;
+  fb_status status = FB_OK;
+  for (int k = at; k >= 0 && k != *have; k = model.node[k].from) {
+    way[steps++] = k;
+  }
+  while (steps > 0 && status == FB_OK) {
+    const model_node *const node = &model.node[way[--steps]];
+    const fb_fields *from = node->from >= 0 || node->rooted ? known : NULL;
+    if (node->rooted) {
+      model_node root;
+      memset(&root, 0, sizeof root);
+      memcpy(root.x, node->root, sizeof root.x);
+      model_place_node(&m, to, &root);
+      status = fb_fields_init(known, &model_shape, NULL, m.r, m.psi, m.theta);
+    }
+    model_place_node(&m, to, node);
+    status = status ? status : fb_fields_init(known, &model_shape, from, m.r, m.psi, node->straight ? NULL : m.theta);
+  }
+  *have = status == FB_OK ? at : -1;
+  return status;
+}
+
+/* Adds the nodes of a component to a shape; whole: with the second order along lines, and marked ones as nodes of the
+   body. */
+static fb_status model_add_nodes(const model_target *to, int whole, const char **what)
 {
   static char at_node[32];
+  static fb_fields known;
   fb_status status = FB_OK;
-  for (int k = 0; k < part->n_node && status == FB_OK; k++) {
-    const model_node *const node = &model.node[part->node + k];
-    fb_real psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], r[3], inertia[6];
+  int have = -1;
+  for (int k = to->part->node; k < to->part->node + to->part->n_node && status == FB_OK; k++) {
+    const model_node *const node = &model.node[k];
+    const int line = whole && node->line;
+    model_moving m;
     int at;
-    model_place_node(part, node, scale, first, n, r, inertia, psi, theta);
-    status = fb_shape_add_lump(&model_shape, (fb_real)node->mass, r, inertia, psi, theta);
-    if (status == FB_OK && marked && node->marked) {
-      status = fb_shape_add_node(&model_shape, &at, r, psi, theta);
+    status = line ? model_fields(&known, &have, to, k) : FB_OK;
+    model_place_node(&m, to, node);
+    if (status == FB_OK) {
+      status = line ? fb_shape_add_field_lump(&model_shape, &known, (fb_real)node->mass, m.inertia)
+                    : fb_shape_add_lump(&model_shape, (fb_real)node->mass, m.r, m.inertia, m.psi, m.theta);
+    }
+    if (status == FB_OK && whole && node->marked) {
+      status = line ? fb_shape_add_field_node(&model_shape, &at, &known)
+                    : fb_shape_add_node(&model_shape, &at, m.r, m.psi, m.theta);
       if (status == FB_OK) {
-        model_note_node(at, (int)(part - model.part), node->name);
+        model_note_node(at, (int)(to->part - model.part), node->name);
       }
     }
     if (status != FB_OK) {
@@ -1086,7 +1217,8 @@ static fb_status model_add_pairs(const model_part *part, const fb_real *scale)
 static fb_status model_component_shape(model_part *part, const char **what)
 {
   const int n = model_shape.n;
-  fb_status status = model_add_nodes(part, model_scale[part - model.part], part->first, n, 1, what);
+  const model_target to = {part, model_scale[part - model.part], part->first, n};
+  fb_status status = model_add_nodes(&to, 1, what);
   for (int a = 0; a < part->n && status == FB_OK; a++) {
     const fb_real w = (fb_real)(2.0 * model_pi * part->frequency[a]);
     model_shape.K[(part->first + a) * (n + 1)] = w * w;
@@ -1154,7 +1286,10 @@ static fb_status model_solve_part(model_part *part, const char **what)
     scale[a] = FB_R(1.0);
   }
   status = fb_shape_init(&model_shape, part->n); /* built afresh later */
-  status = status ? status : model_add_nodes(part, scale, 0, part->n, 0, what);
+  if (status == FB_OK) {
+    const model_target alone = {part, scale, 0, part->n};
+    status = model_add_nodes(&alone, 0, what);
+  }
   for (int a = 0; a < part->n && status == FB_OK; a++) {
     const fb_real m = model_shape.M[a * (part->n + 1)];
     status = m > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;

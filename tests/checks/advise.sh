@@ -42,6 +42,7 @@ try ${CC:-cc} $c99 -O1 -DLINES="\"$out/lines.h\"" -DWORK=$work -o "$out/lines" t
 try "$out/lines"
 
 refused=0
+sed -e '/^line/d' -e 's/^effects full/effects spin/' examples/panel.txt > "$out/panel.txt"
 while read -r options; do
   status=0
   "$out/advise" $options > "$out/log" 2>&1 || status=$?
@@ -60,6 +61,6 @@ nothing.txt
 --duration nan
 --pulse --frequency jump
 examples/satellite.txt --acceleration 1
-examples/panel.txt --base prescribed --acceleration 0,0,1
+build/checks/advise/panel.txt --base prescribed --acceleration 0,0,1
 END
 ok "$scenes scenes, $met tolerances met again; flags as of reduce; lines of C: $("$out/lines"); $refused inputs refused"

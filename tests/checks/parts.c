@@ -159,6 +159,11 @@ typedef struct point {
 
 static const double omega[SHAPES] = {2.5, 4.0}; /* [rad/s] */
 
+/* How the second order is given; along lines: from which point each comes, -1: the frame, 3 without rotations. */
+enum { QUADRATIC, GEOMETRIC, LINE, WAYS };
+static const int before[POINTS] = {-1, 0, 1, 1, 2};
+static const double begin[3] = {0.1, -0.2, 0.3};
+
 /* Numbers from -1 to 1. */
 static double any(void)
 {
@@ -193,11 +198,29 @@ static void turned(double out[3], const double R[9], const double x[3])
   }
 }
 
+/* Fields of point k along its line, where it is in the shape; those of the points before are known. */
+static void follow(fb_fields *fields, const fb_shape *shape, int k, const double at[3], const double R[9],
+                   const fb_real r[3], const fb_real *psi, const fb_real *theta)
+{
+  static fb_fields root;
+  static const fb_real none[3 * FB_MAX_MODES];
+  double x[3];
+  fb_real place[3];
+  turned(x, R, begin);
+  for (int i = 0; i < 3; i++) {
+    place[i] = (fb_real)(x[i] + at[i]);
+  }
+  require(fb_fields_init(&root, shape, NULL, place, none, none), "the beginning of a line");
+  require(fb_fields_init(&fields[k], shape, before[k] < 0 ? &root : &fields[before[k]], r, psi, k == 3 ? NULL : theta),
+          "a point of a line");
+}
+
 /* Adds the points to a shape of n coordinates, from `first` on, displaced by `at` and turned by R; lumps: with their
    inertia, whose rotation has a second-order displacement of its own. */
 static void add_points(fb_shape *shape, const point *p, const double at[3], const double R[9], int first,
-                       const double scale[SHAPES], int lumps)
+                       const double scale[SHAPES], int lumps, int way)
 {
+  static fb_fields fields[POINTS];
   static const int pair[SHAPES][SHAPES] = {{0, 1}, {1, 2}}, J_at[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
   const int n = shape->n;
   for (int k = 0; k < POINTS; k++) {
@@ -237,6 +260,15 @@ static void add_points(fb_shape *shape, const point *p, const double at[3], cons
       J[i] = (fb_real)full[4 * i];
       J[3 + i] = (fb_real)full[i < 2 ? 1 + i : 5];
     }
+    if (way == LINE) {
+      follow(fields, shape, k, at, R, r, psi, theta);
+      require(fb_shape_add_field_lump(shape, &fields[k], (fb_real)p[k].mass, J), "a point of a line");
+      if (k == 0) {
+        int node;
+        require(fb_shape_add_field_node(shape, &node, &fields[k]), "its node");
+      }
+      continue;
+    }
     require(fb_shape_add_particle(shape, (fb_real)p[k].mass, r, psi, chi), "a point");
     require(lumps ? fb_shape_add_lump(shape, FB_R(0.0), r, J, none, theta) : FB_OK, "its inertia");
     if (k == 0) {
@@ -269,7 +301,29 @@ static void write_numbers(FILE *out, const fb_real *x, int n)
   }
 }
 
-static void write_component(FILE *out, const point *p)
+/* Lines from point to point, or what a pair's integrals are, or give as geometric stiffness. */
+static void write_second_order(FILE *out, const fb_shape *local, int way)
+{
+  if (way == LINE) {
+    fprintf(out, "  line frame %.17g %.17g %.17g 10 11 12\n  line straight 11 13\n  line 12 14\n", begin[0], begin[1],
+            begin[2]);
+    return;
+  }
+  for (int a = 0; a < SHAPES; a++) {
+    for (int b = a; b < SHAPES; b++) {
+      const int ab = a * SHAPES + b;
+      const fb_real *const G = local->second.Gamchi + 9 * ab;
+      const fb_real spin[6] = {-G[0], -G[4], -G[8], -G[1] - G[3], -G[2] - G[6], -G[5] - G[7]};
+      fprintf(out, "  %s %d %d ", way == GEOMETRIC ? "geometric" : "quadratic", a + 1, b + 1);
+      write_numbers(out, local->second.pchi + 3 * ab, 3);
+      write_numbers(out, local->second.hchi + 3 * ab, 3);
+      write_numbers(out, way == GEOMETRIC ? spin : G, way == GEOMETRIC ? 6 : 9);
+      fprintf(out, "\n");
+    }
+  }
+}
+
+static void write_component(FILE *out, const point *p, int way)
 {
   static fb_shape local;
   static const double here[3] = {0}, as_it_is[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, one[SHAPES] = {1, 1};
@@ -286,17 +340,8 @@ static void write_component(FILE *out, const point *p)
     }
   }
   require(fb_shape_init(&local, SHAPES), "the component as it is");
-  add_points(&local, p, here, as_it_is, 0, one, 0);
-  for (int a = 0; a < SHAPES; a++) {
-    for (int b = a; b < SHAPES; b++) {
-      const int ab = a * SHAPES + b;
-      fprintf(out, "  quadratic %d %d ", a + 1, b + 1);
-      write_numbers(out, local.second.pchi + 3 * ab, 3);
-      write_numbers(out, local.second.hchi + 3 * ab, 3);
-      write_numbers(out, local.second.Gamchi + 9 * ab, 9);
-      fprintf(out, "\n");
-    }
-  }
+  add_points(&local, p, here, as_it_is, 0, one, 0, QUADRATIC);
+  write_second_order(out, &local, way);
   fprintf(out, "  mark 10 point\n");
 }
 
@@ -356,7 +401,7 @@ static void rings_down(int mode, double zeta)
           0.01 * exp(-zeta * w * t) * (cos(wd * t) + zeta * w / wd * sin(wd * t)), 0.01, 1e-4);
 }
 
-static void placed(const char *file)
+static void placed(const char *file, int way)
 {
   static point points[POINTS];
   static fb_shape shape;
@@ -387,7 +432,7 @@ static void placed(const char *file)
           "  position 0.5 0 0.1\n  modes bend_y 2 bend_z 2\n  stations x mass EI_y EI_z\n  0 0.5 2000 3000\n  end\n");
   fprintf(out, "  node tip tip\nend\ncomponent wing\n  position 0.7 -1.1 0.4\n  attitude z %.17g x %.17g\n",
           0.9 * 180 / model_pi, -0.4 * 180 / model_pi);
-  write_component(out, points);
+  write_component(out, points, way);
   fprintf(out, "end\n");
   fclose(out);
   read_body(file);
@@ -396,7 +441,7 @@ static void placed(const char *file)
   require(fb_shape_init(&shape, 4 + SHAPES), "shape");
   require(fb_shape_add_beam(&shape, 0, &beam, &modes), "beam");
   require(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 8), "node");
-  add_points(&shape, points, at, R, 4, scale, 1);
+  add_points(&shape, points, at, R, 4, scale, 1, way);
   for (int a = 0; a < SHAPES; a++) {
     shape.K[(4 + a) * (4 + SHAPES + 1)] = (fb_real)(omega[a] * omega[a]);
   }
@@ -426,7 +471,9 @@ int main(int argc, char **argv)
   const char *what;
   snprintf(file, sizeof file, "%s/placed.txt", argc > 1 ? argv[1] : ".");
   two_booms();
-  placed(file);
+  for (int way = WAYS - 1; way >= 0; way--) { /* the file of the last one stays */
+    placed(file, way);
+  }
   read_body("examples/two_booms.txt");
   model.level.base = FB_BASE_PRESCRIBED;
   require(model_build(&what), "two booms, held");

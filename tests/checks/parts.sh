@@ -73,7 +73,23 @@ whole linear "beam a" "$boom" end "component b" "$wing" "shape 1 3 0 0 1 0 0 0" 
 whole linear "component a" "$wing" end "component b" "modes 1" "frequency_hz 1" "shape 1 1 0 0 1 0 0 0" end |
   refuse 15 "no node has the number 1"
 whole linear "component b" "modes 1" "frequency_hz 1" "node 1 1 0 0 2" end | refuse 4 "node 1 has no shape of mode 1"
-whole full "beam a" "$boom" end "component b" "$wing" end | refuse 12 "stiffening wants quadratic lines"
+whole full "beam a" "$boom" end "component b" "$wing" end | refuse 12 "stiffening wants line, geometric or quadratic lines"
+# line LINES...: that component, with effects full, and these lines
+line() {
+  printf 'component\nhub 10 0 0 0 1 1 1\neffects full\n%s\n' "$wing"
+  printf '%s\n' "$@"
+}
+line "line frame 0 0 0 1 2" > "$out/good.txt"
+try "$out/reduce" "$out/good.txt" --out "$out/good.h"
+line "line 1" | refuse 10 "a line wants two places at least"
+line "line frame 0 0 0 1 3" | refuse 10 "no node has the number 3"
+line "line frame 0 0 0 1" "line 2 1" | refuse 11 "node 1 is on a line before: a line begins there, or leaves it out"
+line "line frame 0 0 0 1" | refuse 0 "node 2 moves, and is on no line"
+line "line frame 1 0 0 1 2" > "$out/bad.txt"
+! "$out/reduce" "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" && grep -q -F "node 1: a value is out of its range" "$out/log" || fail "$(cat "$out/log")"
+line "line frame 0 0 0 1 2" "geometric 1 1  1 0 0 0 0 0 0 0 1 0 0 0" |
+  refuse 0 "the second order of a component is given by line, by geometric or by quadratic, not by two of them"
+line "geometric 1 1 1 0 0" | refuse 10 "stiffness by accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz, number 4 of 12"
 whole linear "component b" "modes 20" end "component c" "modes 5" end | refuse 4 "a component wants modes"
 whole linear "stations x" | refuse 4 "no such word for a body of parts (beam, component, node): stations"
 whole linear "end" | refuse 4 "no such word for a body of parts (beam, component, node): end"
