@@ -94,6 +94,9 @@ static void scene_check_auto(text_file *t, const scene_body *body)
   if (body->shape.n == 0) {
     scene_refuse(t, &body->seen, "auto", "wants modes to choose among");
   }
+  if (model.by_frequency) {
+    scene_refuse(t, &body->seen, "auto", "wants one damping ratio of parts whose modes are not orthogonal to rounding");
+  }
   if (wanted != 0 && wanted != (unsigned)FB_EFFECTS_FULL) {
     scene_refuse(t, &body->seen, "auto", "chooses the effects itself: leave them out, but for gravity and damping");
   }

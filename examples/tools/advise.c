@@ -181,6 +181,9 @@ static int check_options(options *o)
           model.part[k].name[0] ? model.part[k].name : model.name);
     }
   }
+  if (model.by_frequency) {
+    return fail("parts whose modes are not orthogonal to rounding want one damping ratio here", model.name);
+  }
   for (int k = 0; k < s->n_load; k++) {
     if (s->load[k].node >= model_shape.n_node) {
       return fail("the description has no such node", "--force, --torque");

@@ -47,7 +47,8 @@ static struct model {
   model_kind kind;
   double hub_mass, hub_center[3], hub_inertia[6];
   fb_body_desc level;
-  double zeta;                                               /* of parts without a damping of their own */
+  double zeta;      /* of parts without a damping of their own */
+  int by_frequency; /* damping ratios differ, and count modes by frequency, not coordinates: see model_damp_parts */
   int hub, n_damping, n_part, n_node, n_pair, n_mark, built; /* built: the last part tried, -1: the whole */
   text_words seen;
   model_part part[FB_MAX_PARTS]; /* of a beam and a component one, of a rigid body none */
@@ -1336,12 +1337,20 @@ static fb_status model_modes_order(int *coordinate)
   return status;
 }
 
-/* Damping by parts, to the ratios of the body. */
+/* Ratio of a part's mode. */
+static double model_part_zeta(const model_part *part, int mode)
+{
+  return part->n_damping > 0 ? part->zeta[mode] : model.zeta;
+}
+
+/* Damping by parts, to the ratios of the body: of its coordinates, or of its modes by frequency where they are not
+   normalized, which who selects among coordinates has to refuse. */
 static fb_status model_damp_parts(const char **what)
 {
   const fb_body_desc plain = {.effects = FB_EFFECTS_LINEAR, .base = FB_BASE_PRESCRIBED};
-  int coordinate[FB_MAX_MODES], taken[FB_MAX_PARTS] = {0}, own = 0;
+  int coordinate[FB_MAX_MODES], taken[FB_MAX_PARTS] = {0}, own = 0, general;
   fb_status status;
+  model.by_frequency = 0;
   for (int k = 0; k < model.n_part; k++) {
     const model_part *const part = &model.part[k];
     if (part->n_damping > 1 && part->n_damping != part->n) {
@@ -1359,13 +1368,15 @@ static fb_status model_damp_parts(const char **what)
   for (int k = 0; k < model_shape.n; k++) {
     coordinate[k] = k;
   }
-  if (status == FB_OK && !(model_body.unit_mass && model_body.K.n_term == 0)) {
+  general = !(model_body.unit_mass && model_body.K.n_term == 0);
+  if (status == FB_OK && general) {
     status = model_modes_order(coordinate);
   }
   for (int k = 0; k < model_shape.n && status == FB_OK; k++) {
     const model_part *const part = model_part_of(coordinate[k], &own);
     const int mode = taken[part - model.part]++;
-    model.level.zeta[k] = (fb_real)(part->n_damping > 0 ? part->zeta[mode] : model.zeta);
+    model.level.zeta[k] = (fb_real)model_part_zeta(part, mode);
+    model.by_frequency |= general && fabs((double)(model.level.zeta[k] - model.level.zeta[0])) > 0;
   }
   return status;
 }

@@ -56,8 +56,10 @@ static void summarize(const char *file)
           (double)model_body.mass);
   for (int k = 0; k < model_body.n; k++) {
     const double omega = sqrt((double)(model_shape.K[k * (model_body.n + 1)] / model_shape.M[k * (model_body.n + 1)]));
+    int own;
+    const model_part *const part = model_part_of(k, &own);
     fprintf(stderr, "  mode %2d  %10.5g Hz  damping %.3g\n", k + 1, omega / (2.0 * model_pi),
-            (double)model.level.zeta[k]);
+            model.by_frequency ? model_part_zeta(part, own) : (double)model.level.zeta[k]);
   }
   for (int k = 0; k < model.n_part; k++) {
     summarize_part(&model.part[k], &model_modes[k]);

@@ -20,6 +20,15 @@ try "$out/advise" examples/two_booms.txt --torque 0,0,0,5 --frequency 0.1
 grep -q '^ *[0-9]* *bend_y .* left ' "$out/log" && grep -q '^  beam left:$' "$out/log" || fail "advise does not name the parts"
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" | grep -A1 '^  beam' | grep -q '^    modes bend_y' || fail "advise does not say which modes of a part"
 
+# damping of parts whose modes are not orthogonal counts modes by frequency, others by coordinate: nothing is selected among them
+sed -e 's/^effects full$/effects full damping/' -e '/position 0.5 0 0.1/s/$/\n  damping 0.01/' -e '/position 0.7 -1.1 0.4/s/$/\n  damping 0.03/' \
+  "$out/placed.txt" > "$out/damped.txt"
+try "$out/reduce" "$out/damped.txt" --out "$out/damped.h"
+for mode in 1:0.01 4:0.01 5:0.03 6:0.03; do
+  grep -q "^  mode  ${mode%:*} .* damping ${mode#*:}$" "$out/log" || fail "mode $mode: $(cat "$out/log")"
+done
+! "$out/advise" "$out/damped.txt" > "$out/log" 2>&1 && grep -q 'want one damping ratio here' "$out/log" || fail "advise takes damping by frequency"
+
 # refuse LINE TEXT: of the file at the standard input
 : > "$out/refused"
 refuse() {
