@@ -165,16 +165,16 @@
      fb_implicit_work            63032
      fb_exponential_work         57864
      fb_system_work             624936
-     fb_exact_work              173904
+     fb_exact_work              173328
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
      fb_system_analyse_work    1953368
-     fb_exact_path_work         203040
-     fb_exact_spectrum_work    1625760
-     fb_exact_linear_work      1999440
+     fb_exact_path_work         202464
+     fb_exact_spectrum_work    1625184
+     fb_exact_linear_work      1998864
      fb_advice_work            1104208
 
    CONVENTIONS
@@ -882,8 +882,10 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    Its momentum is inertia (rate of the node about the axis + speed), of fb_state the pi behind those of the modes. A
    momentum that is given follows the input whatever torque that takes; torque of the input, its rate, matters to
    accelerations and reactions alone.
-   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor trim, linear
-   models, spectra and advice; internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
+   The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
+   turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
+   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor advice;
+   internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
    energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
@@ -1778,7 +1780,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real back[6 * (FB_MAX_EXACT + 1)]; /* way of held nodes back to their place */
   fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
-  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36], column[72];
+  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
   fb_real y[12 * (FB_MAX_EXACT + 1)];
   int perm[12 * FB_MAX_EXACT + 6];
   fbi_exact_cell cell;
@@ -1937,6 +1939,16 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    of the undeformed body, and what a deflection changes in it is explicit; the step refuses with FB_ERR_STEP when that
    change times dt, or the rotation of a section within dt, is too large. For bodies that bend a little. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+typedef struct fb_body_limit {
+  fb_real rk4, implicit, exponential; /* [s] longest step that each takes from there */
+  fb_real spin, acceleration;         /* [rad/s], [m/s^2] that they count, arguments of the limits above */
+} fb_body_limit;
+/* Longest steps of one body from a state under an input (NULL: none), as the steps judge them: with the slopes, the
+   loads and the rotors that are there; exponential with lines of large deflection but for what these change in the
+   modes. The steps refuse further what turns or bends too far within one. Statuses as of fb_body_rates_eval. */
+FB_API fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                    const fb_input *input);
 
 #if FB_WITH_SYSTEM
 /* ---- systems: body is the array of models; the inputs as those of a body */
@@ -2396,6 +2408,13 @@ typedef struct fb_shape {
   fb_node node[FB_MAX_NODES];
 } fb_shape;
 
+/* How the modes move a point: displacement and rotation, linear (n x 3) and quadratic (n x n x 3), body axes. */
+typedef struct fb_fields {
+  fb_real r[3]; /* [m] of the undeformed body */
+  fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
+  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES], chi_theta[3 * FB_MAX_MODES * FB_MAX_MODES];
+} fb_fields;
+
 /* An empty body with n elastic coordinates and node 0. FB_ERR_CAPACITY, FB_ERR_NULL. */
 FB_API fb_status fb_shape_init(fb_shape *shape, int n);
 /* Adds a point mass [kg] at r [m] with displacement shapes psi (n x 3) and second-order displacements chi (n x n x 3,
@@ -2418,6 +2437,25 @@ FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
                                    const fb_real *theta);
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
+/* Import with the effects of second degree (stiffening by spin and by acceleration), in one of two ways beside
+   fb_shape_add_pair. Of any part: geometric stiffness K_G of the coordinates a, b, once for each a >= b, as a
+   finite-element program has it for the stresses under the inertia loads of a frame that accelerates by 1 m/s^2 along x,
+   y, z (acceleration; a gravity of -1 m/s^2 is the same load), turns faster by 1 rad/s^2 about x, y, z (turn), or spins
+   with w: K_G = s0 w_x^2 + s1 w_y^2 + s2 w_z^2 + s3 w_x w_y + s4 w_x w_z + s5 w_y w_z (spin), [kg/m] and [kg] of modes
+   without a unit. Forces at nodes do not stiffen such parts. */
+FB_API fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb_real acceleration[3],
+                                         const fb_real turn[3], const fb_real spin[6]);
+/* Of line-like parts (masts, booms, frames; a panel that hangs on a mast is a line of two points): from mode shapes
+   alone, as lines keep their length. fb_fields_init finds the fields of a point of a line from those of the point
+   before it (from; NULL: the first one, whose quadratic fields are zero, as at an interface); theta NULL, where the
+   model has no rotations: lines from point to point stay straight. Then, in place of fb_shape_add_lump and
+   fb_shape_add_node, fb_shape_add_field_lump and fb_shape_add_field_node. Errors as there; FB_ERR_VALUE: a point on the
+   one before it. */
+FB_API fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const fb_fields *from, const fb_real r[3],
+                                const fb_real *psi, const fb_real *theta);
+FB_API fb_status fb_shape_add_field_lump(fb_shape *shape, const fb_fields *fields, fb_real mass,
+                                         const fb_real *inertia);
+FB_API fb_status fb_shape_add_field_node(fb_shape *shape, int *node, const fb_fields *fields);
 /* Adds a beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. If its root moves
    with the modes, the second-order displacement continues from the node of the shape that has the same position and
    motion (fb_modes_join); without such a node joined modes are refused (FB_ERR_VALUE). */
@@ -2694,7 +2732,7 @@ FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_
 #endif
 
 /* Maximum number of states of a linear model: of one body, or of a system with the capacity of FB_METHOD_DENSE. */
-#define FB_MAX_LINEAR (2 * (FB_MAX_MODES + 6 > FB_MAX_SPEEDS ? FB_MAX_MODES + 6 : FB_MAX_SPEEDS))
+#define FB_MAX_LINEAR (2 * (FBI_MAX_COORDINATES + 6 > FB_MAX_SPEEDS ? FBI_MAX_COORDINATES + 6 : FB_MAX_SPEEDS))
 #define FB_MAX_PORTS 12 /* maximum number of its inputs, and of its outputs */
 
 typedef enum fb_port_kind {
@@ -2706,8 +2744,8 @@ typedef enum fb_port_kind {
   FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
                                 state; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion as input the term in the
-     rate of the input is left out (y = C x + D u has no u_dot) */
+  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion or a given momentum as
+     input the term in the rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
   /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
   FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
@@ -2716,13 +2754,16 @@ typedef enum fb_port_kind {
   /* systems only; body: the number of a spring; node and axis are not used */
   FB_PORT_PULL = 11,   /* input [N], its actuator */
   FB_PORT_LENGTH = 12, /* output [m], distance between its points */
+  /* one body only; axis: the number of a rotor; node is not used */
+  FB_PORT_MOTOR = 13,       /* input [N m], its motor; of a rotor whose momentum is given [N m s], that momentum */
+  FB_PORT_ROTOR_SPEED = 14, /* output [rad/s], relative to its node */
   FB_PORT_COUNT
 } fb_port_kind;
 
 typedef struct fb_port {
   fb_port_kind kind;
   int body;       /* of a system, or a spring; else 0 */
-  int node, axis; /* axis 0..2 */
+  int node, axis; /* axis 0..2, or a rotor */
 } fb_port;
 
 typedef struct fb_linear_desc {
@@ -2736,6 +2777,8 @@ typedef struct fb_linear_desc {
    the steady v, w, body axes. Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
    (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
    (hinged: the last); a star tracker is a row of C with a 1 there.
+   With rotors x = (q, pi, rotors, momenta, pose): rotors are the momenta of those whose momentum is not given. Their
+   angles act on nothing. Of friction the model has the tangent.
    System: x = (free axes of all joints, q of all bodies, both in the order of the bodies, conjugate momenta in the same
    order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
    the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
@@ -2743,7 +2786,7 @@ typedef struct fb_linear_desc {
    the independent coordinates and their conjugate momenta only; the others depend on them. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) */
+  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) + rotors */
   /* index of x_i, i < n/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
@@ -2786,7 +2829,12 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed; FB_ERR_UNSUPPORTED: a body with rotors or central gravity. */
+   prescribed. FB_ERR_UNSUPPORTED: a body with central gravity.
+   Rotors keep the momenta that they have in state, or input. A free or pinned body with turning rotors spins at
+   |input.w| such that w and the momentum of all of it are parallel, found from the direction of input.w, not always the
+   nearest such axis; input.w 0: at rest, whatever the rotors do. FB_ERR_UNREST: also a motor that does not balance the
+   friction of its rotor, given: one whose momentum has a rate; a turning rotor with an imbalance, here and in linear
+   models and spectra. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
@@ -3080,7 +3128,14 @@ typedef struct fb_advice {
 #define FBI_ADVICE_SETS 11
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
+#define FBI_ADVICE_TIMES 129 /* a quasi-static one, then those of two drives */
 #define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
+
+typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in a load case */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
+  fb_real omega[FB_MAX_MODES], zeta[FB_MAX_MODES], part[FB_MAX_MODES]; /* [rad/s], -, of the quasi-static answer */
+  fb_real gain[FB_MAX_MODES], give[FB_MAX_MODES][3];                   /* to the output, without gain [m] */
+} fbi_advice_modes;
 
 typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_body_work body_work;
@@ -3094,13 +3149,21 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_spectrum spectrum;
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
-  /* K q = f of the load cases, K also at rest; accelerations and output of the full set in phases of the load cases */
+  int all[FB_MAX_MODES];                        /* 0, 1, ... */
+  fb_real inertia[FB_MAX_MODES * FB_MAX_MODES]; /* M of the modes while the base recoils */
+  fbi_advice_modes modes;
+  /* K q = f of the load cases, K also at rest; forces and output of the full set in phases of the load cases */
   fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
   fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
-  fb_real q_ddot[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
+  fb_real q_dot[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
+  fb_real force[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
-  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
-  int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
+  /* of the body with the first n coordinates in that order: highest frequency and largest contribution of each mode of
+     its own, row n - 1; its motion in the load cases with all of them */
+  fb_real omega[FB_MAX_MODES][FB_MAX_MODES], most[FB_MAX_MODES][FB_MAX_MODES];
+  fb_real history[FBI_ADVICE_INSTANTS][FBI_ADVICE_TIMES][3];
+  int order[FB_MAX_MODES]; /* coordinates in descending order of what they matter to the output, score */
+  fb_real score[FB_MAX_MODES], give[FB_MAX_MODES]; /* give: what they give directly */
   fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
@@ -3189,7 +3252,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             .reach
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
-          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
+          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
+          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and

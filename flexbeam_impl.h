@@ -1081,17 +1081,9 @@ static void fbi_swap(fb_real *x, fb_real *y, int n)
   }
 }
 
-/* [E5.1] LU with scaled partial pivoting, P A = L U.
-   A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
-   largest elements: neither row nor column scaling changes the result of the test.
-   Source: [GV] 3.4.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: singular, not finite.
-   Test: lu_solves_random_graded_and_refuses_singular_matrices. */
-FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
+/* Row scales, and no rows exchanged yet. */
+static FBI_INLINE fb_status fbi_lu_scales(const fb_real *A, int *perm, fb_real *scale, int n)
 {
-  FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
-  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
-
-  /* row scales */
   for (int i = 0; i < n; i++) {
     fb_real largest = FB_R(0.0);
     if (!fbi_is_finite(A + i * n, n)) {
@@ -1106,38 +1098,54 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     scale[i] = FB_R(1.0) / largest;
     perm[i] = i;
   }
+  return FB_OK;
+}
 
-  for (int k = 0; k < n; k++) {
-    fb_real best = FB_R(0.0), column = FB_R(0.0), pivot;
-    int row = k, p;
+/* Exchanges row k with that of the largest scaled element of its column, from row k on. */
+static FBI_INLINE fb_status fbi_lu_pivot(fb_real *A, int *perm, fb_real *scale, int k, int n)
+{
+  fb_real best = FB_R(0.0), column = FB_R(0.0);
+  int row = k, p;
+  for (int i = 0; i < n; i++) { /* rows above k hold U, in place of the original column */
+    const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
+    column = fbi_larger(column, size);
+    row = i >= k && size > best ? i : row;
+    best = i >= k ? fbi_larger(best, size) : best;
+  }
+  if (!(best > (fb_real)n * FB_EPSILON * column)) {
+    return FB_ERR_SINGULAR;
+  }
+  p = perm[k]; /* also for row == k: constant instruction count */
+  perm[k] = perm[row];
+  perm[row] = p;
+  fbi_swap(scale + k, scale + row, 1);
+  fbi_swap(A + k * n, A + row * n, n);
+  return FB_OK;
+}
 
-    /* pivot: largest scaled element of the column, from row k on */
-    for (int i = 0; i < n; i++) { /* rows above k hold U, in place of the original column */
-      const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
-      column = fbi_larger(column, size);
-      row = i >= k && size > best ? i : row;
-      best = i >= k ? fbi_larger(best, size) : best;
-    }
-    if (!(best > (fb_real)n * FB_EPSILON * column)) {
-      return FB_ERR_SINGULAR;
-    }
-
-    /* row exchange */
-    p = perm[k]; /* also for row == k: constant instruction count */
-    perm[k] = perm[row];
-    perm[row] = p;
-    fbi_swap(scale + k, scale + row, 1);
-    fbi_swap(A + k * n, A + row * n, n);
-
-    /* column k of L; rows below: A_i -= L_ik U_k */
-    pivot = FB_R(1.0) / A[k * n + k];
-    for (int i = k + 1; i < n; i++) {
-      const fb_real factor = A[i * n + k] * pivot;
-      A[i * n + k] = factor;
-      fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
+/* [E5.1] LU with scaled partial pivoting, P A = L U.
+   A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
+   largest elements: neither row nor column scaling changes the result of the test.
+   Source: [GV] 3.4.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: singular, not finite.
+   Test: lu_solves_random_graded_and_refuses_singular_matrices. */
+FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
+{
+  fb_status status;
+  FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
+  status = fbi_lu_scales(A, perm, scale, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    status = fbi_lu_pivot(A, perm, scale, k, n);
+    if (status == FB_OK) {
+      const fb_real pivot = FB_R(1.0) / A[k * n + k];
+      for (int i = k + 1; i < n; i++) {
+        const fb_real factor = A[i * n + k] * pivot;
+        A[i * n + k] = factor;
+        fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
+      }
     }
   }
-  return FB_OK;
+  return status;
 }
 
 FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n)
@@ -1152,23 +1160,87 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
 }
 
 #if FB_WITH_EXACT
-/* X = A^-1 X for n x c right-hand sides, row-major; y: scratch of the same size. */
-static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const int *perm, int n, int c)
+/* y -= s x from number `first` on, a multiple of four, to twelve */
+static FBI_INLINE void fbi_vec12_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int first)
 {
-  fbi_copy(y, X, n * c);
-  for (int i = 0; i < n; i++) {
-    fbi_copy(X + i * c, y + perm[i] * c, c);
-    for (int k = 0; k < i; k++) {
-      fbi_row_sub(X + i * c, LU[i * n + k], X + k * c, c);
+  FBI_UNROLL
+  for (int j = first; j < 12; j += 4) {
+    const fb_real a = y[j] - s * x[j], b = y[j + 1] - s * x[j + 1], c = y[j + 2] - s * x[j + 2],
+                  d = y[j + 3] - s * x[j + 3];
+    y[j] = a;
+    y[j + 1] = b;
+    y[j + 2] = c;
+    y[j + 3] = d;
+  }
+}
+
+/* Rows below k of E5.1 for n = 12: A_i -= L_ik U_k from column `first` on, a multiple of four up to k, with zeros for what
+   stands before U_k. Rows of a length that compilers know take half the instructions. */
+static FBI_INLINE void fbi_lu_12_below(fb_real *A, int k, int first)
+{
+  const fb_real pivot = FB_R(1.0) / A[13 * k];
+  fb_real U[12];
+  for (int j = first; j < 12; j++) {
+    U[j] = j > k ? A[12 * k + j] : FB_R(0.0);
+  }
+  for (int i = k + 1; i < 12; i++) {
+    const fb_real factor = A[12 * i + k] * pivot;
+    A[12 * i + k] = factor;
+    fbi_vec12_sub(A + 12 * i, factor, U, first);
+  }
+}
+
+/* E5.1 of a 12 x 12 matrix. */
+static fb_status fbi_lu_12_factor(fb_real *A, int *perm, fb_real *scale)
+{
+  fb_status status = fbi_lu_scales(A, perm, scale, 12);
+  for (int k = 0; k < 12 && status == FB_OK; k++) {
+    status = fbi_lu_pivot(A, perm, scale, k, 12);
+    if (status == FB_OK && k < 4) {
+      fbi_lu_12_below(A, k, 0);
+    } else if (status == FB_OK && k < 8) {
+      fbi_lu_12_below(A, k, 4);
+    } else if (status == FB_OK) {
+      fbi_lu_12_below(A, k, 8);
     }
   }
-  for (int i = n - 1; i >= 0; i--) {
-    const fb_real pivot = FB_R(1.0) / LU[i * n + i];
-    for (int k = i + 1; k < n; k++) {
-      fbi_row_sub(X + i * c, LU[i * n + k], X + k * c, c);
+  return status;
+}
+
+/* y -= s x of six numbers that do not overlap */
+static FBI_INLINE void fbi_vec6_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x)
+{
+  const fb_real a = y[0] - s * x[0], b = y[1] - s * x[1], c = y[2] - s * x[2], d = y[3] - s * x[3], e = y[4] - s * x[4],
+                f = y[5] - s * x[5];
+  y[0] = a;
+  y[1] = b;
+  y[2] = c;
+  y[3] = d;
+  y[4] = e;
+  y[5] = f;
+}
+
+/* X = A^-1 X for six right-hand sides, row-major. */
+static void fbi_lu_12_solve_rows(fb_real *FBI_RESTRICT X, const fb_real *LU, const int *perm)
+{
+  fb_real Y[72];
+  for (int i = 0; i < 12; i++) {
+    fb_real y[6];
+    fbi_vec6_copy(y, X + 6 * perm[i]);
+    for (int k = 0; k < i; k++) {
+      fbi_vec6_sub(y, LU[12 * i + k], Y + 6 * k);
     }
-    for (int j = 0; j < c; j++) {
-      X[i * c + j] *= pivot;
+    fbi_vec6_copy(Y + 6 * i, y);
+  }
+  for (int i = 11; i >= 0; i--) {
+    const fb_real pivot = FB_R(1.0) / LU[13 * i];
+    fb_real y[6];
+    fbi_vec6_copy(y, Y + 6 * i);
+    for (int k = i + 1; k < 12; k++) {
+      fbi_vec6_sub(y, LU[12 * i + k], X + 6 * k);
+    }
+    for (int j = 0; j < 6; j++) {
+      X[6 * i + j] = y[j] * pivot;
     }
   }
 }
@@ -13450,11 +13522,11 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
 {
   fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
   fb_real scale[12];
-  const fb_status status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
+  const fb_status status = fbi_lu_12_factor(A, work->perm + 12 * k, scale);
   if (status != FB_OK) {
     return status;
   }
-  fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
+  fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
   for (int r = 0; r < 6; r++) {
     for (int i = 0; i < 6; i++) {
       K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
@@ -14794,24 +14866,32 @@ static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *accelerati
   (void)further;
 }
 
-static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
-                                          int further)
+/* Longest step of rk4 from where rates were evaluated, with the spin and acceleration that it counts. */
+static FBI_INLINE fb_real fbi_rk4_longest(fb_real *spin, fb_real *acceleration, const fb_body *body,
+                                          const fbi_kinetics *k, const fb_input *input, int further)
 {
-  fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
-  fbi_further_conditions(&spin, &acceleration, body, k, input, further);
+  fb_real slope = FB_R(0.0), strain = FB_R(0.0), bound;
+  fbi_further_conditions(spin, acceleration, body, k, input, further);
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     fbi_largest_slopes(&slope, &strain, k, body->n_strain);
   }
 #endif
-  bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+  bound = fbi_frequency_bound(body, *spin, *acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, spin, acceleration) : bound;
+  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, *spin, *acceleration) : bound;
 #endif
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
+  return fbi_step_limit(FBI_RK4_RADIUS, bound);
+}
+
+static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
+                                          int further)
+{
+  fb_real spin, acceleration;
+  const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, further);
+  return dt <= longest
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
-                             fbi_step_limit(FBI_RK4_RADIUS, bound), spin);
+             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt, longest, spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -15094,7 +15174,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
      fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
-     fbi_rk4_check: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
+     fbi_rk4_check: fbi_rk4_longest
+     fbi_rk4_longest: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
 static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
@@ -16088,6 +16169,53 @@ FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
   bound = fbi_larger(bound, body->limit_tension * spin * spin);
 #endif
   return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
+}
+
+static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body *body, fb_body_limit *limit,
+                                             const fb_state *state, const fb_input *input)
+{
+  fb_body_limit found;
+  fbi_kinetics k;
+  fb_state rate, at;
+  fb_status status;
+  FBI_TAKE_LINES(k, line);
+  status = fbi_input_check(body, input);
+  fbi_state_enter(&at, k.R, body, state);
+  fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
+  status = status == FB_OK ? fbi_rates(&rate, &k, body, &at, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_further(body));
+  found.implicit = fb_implicit_limit(body, found.spin, found.acceleration);
+  found.exponential = fb_exponential_limit(body, found.spin, found.acceleration);
+  if (!fbi_is_finite(&found.spin, 1) || !fbi_is_finite(&found.acceleration, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *limit = found;
+  return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Room for what an evaluation knows about the lines. */
+static FBI_NOINLINE fb_status fbi_large_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                                   const fb_input *input)
+{
+  fbi_line_work line;
+  return fbi_limit_eval(&line, body, limit, state, input);
+}
+#endif
+
+FB_DEF fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
+                                    const fb_input *input)
+{
+  FBI_REQUIRE(body && limit && state, FB_ERR_NULL);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_limit_eval(body, limit, state, input);
+  }
+#endif
+  return fbi_limit_eval(NULL, body, limit, state, input);
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -22026,15 +22154,9 @@ static void fbi_cell_fields_init(fbi_cell_fields *c, const fb_beam *beam, const 
   }
 }
 
-typedef struct fbi_station { /* the displacement fields of all modes at a point of the reference line, body axes */
-  fb_real r[3];
-  fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
-  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES], chi_theta[3 * FB_MAX_MODES * FB_MAX_MODES]; /* n x n x 3 */
-} fbi_station;
-
 /* Advances the quadratic field (chi, turn = chi_theta) of modes a, b from the beginning of an interval to its
    fraction t, whose partial integral has the weights w (E8.2). */
-static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st, const fbi_cell_fields *c,
+static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fb_fields *st, const fbi_cell_fields *c,
                           const fb_real w[FBI_GAUSS], int a, int b)
 {
   const fb_real e[3] = {c->axes[0], c->axes[3], c->axes[6]};
@@ -22060,8 +22182,8 @@ static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st
 }
 
 /* Fields at the fraction t of an interval from those at its beginning, start, which may be st itself. */
-static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell_fields *c,
-                             fb_real t, const fbi_station *start)
+static void fbi_station_eval(fb_fields *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell_fields *c,
+                             fb_real t, const fb_fields *start)
 {
   const int n = modes->n, element = c->cell.element;
   const fb_real x[3] = {c->cell.x0 + t * (c->cell.x1 - c->cell.x0) - beam->start[element], FB_R(0.0), FB_R(0.0)};
@@ -22103,7 +22225,7 @@ static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_mode
    With linear = 0 only these parts are formed (a direction of spread, E6.2).
    Source: exponential map to second degree.  Shapes: psi n x 3, chi n x n x 3.  Fails: never.
    Test: offset_masses_move_with_their_section. */
-static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, const fb_real d[3], int n, int linear)
+static void fbi_offset_field(fb_real *psi, fb_real *chi, const fb_fields *st, const fb_real d[3], int n, int linear)
 {
   for (int a = 0; a < n; a++) {
     fb_vec3_cross(psi + 3 * a, st->theta + 3 * a, d);
@@ -22126,7 +22248,7 @@ static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, 
 
 /* Adds a rigid slice at a point of the reference line: a mass at the offset d and directions of spread s_k with
    weights w_k (E6.2), body axes. */
-static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int n, fb_real mass, const fb_real d[3],
+static void fbi_slice_add(fb_shape *shape, const fb_fields *st, int first, int n, fb_real mass, const fb_real d[3],
                           fb_real spread[3][3], const fb_real w[3], int is_line)
 {
   fb_real psi[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES], r[3];
@@ -22144,7 +22266,7 @@ static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int
 }
 
 /* Adds the lumped bodies of an element node; st holds the fields there. */
-static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_station *st, int node, int first, int n)
+static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fb_fields *st, int node, int first, int n)
 {
   for (int k = 0; k < beam->desc.n_lump; k++) {
     const fb_lump *lump = &beam->desc.lump[k];
@@ -22162,8 +22284,8 @@ static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_s
 
 /* Adds a length dx of beam: its mass at the mass center, its rotary inertia as spread along the section axes (element
    axes y, z rotated by the twist). */
-static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const fb_section *section,
-                                 const fb_real axes[9], fb_real dx, int first, int n)
+static void fbi_section_to_shape(fb_shape *shape, const fb_fields *st, const fb_section *section, const fb_real axes[9],
+                                 fb_real dx, int first, int n)
 {
   const fb_real w[3] = {FB_R(0.0), dx * section->i_z, dx * section->i_y};
   fb_real local[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, spread[3][3], d[3];
@@ -22177,6 +22299,15 @@ static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const f
   fbi_slice_add(shape, st, first, n, dx * section->mass, d, spread, w, 1);
 }
 
+/* Linear fields at a point, the quadratic ones zero. */
+static void fbi_fields_enter(fb_fields *at, const fb_real r[3], const fb_real *psi, const fb_real *theta, int n)
+{
+  memset(at, 0, sizeof *at);
+  fbi_copy(at->r, r, 3);
+  fbi_copy(at->u, psi, 3 * n);
+  fbi_copy(at->theta, theta, 3 * n);
+}
+
 static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], const fb_real *psi, const fb_real *theta)
 {
   FBI_REQUIRE(shape && r && ((psi && theta) || shape->n == 0), FB_ERR_NULL);
@@ -22187,43 +22318,152 @@ static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], con
   }
 }
 
-FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
-                                   const fb_real *psi, const fb_real *theta)
+/* Adds a lumped mass, with its inertia (NULL: none), that moves as the fields say. */
+static fb_status fbi_field_lump_add(fb_shape *shape, const fb_fields *at, fb_real mass, const fb_real *inertia)
 {
   const fb_real none[6] = {FB_R(0.0)}, unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
+  const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"),
+                              FBI_ANY(inertia ? inertia : none, 6, "inertia [kg m^2]")};
   fb_real spread[3][3];
-  fbi_station st;
-  fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
+  const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
   if (status != FB_OK) {
     return status;
-  }
-  {
-    const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"),
-                                FBI_ANY(inertia ? inertia : none, 6, "inertia [kg m^2]")};
-    status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
   }
   if (fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
   }
-  memset(&st, 0, sizeof st);
-  fbi_copy(st.r, r, 3);
-  fbi_copy(st.u, psi, 3 * shape->n);
-  fbi_copy(st.theta, theta, 3 * shape->n);
-  fbi_slice_add(shape, &st, 0, shape->n, mass, none, spread, unit, 0);
+  fbi_slice_add(shape, at, 0, shape->n, mass, none, spread, unit, 0);
   return FB_OK;
 }
 
-FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
-                                   const fb_real *theta)
+FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
+                                   const fb_real *psi, const fb_real *theta)
 {
+  fb_fields at;
   const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
-  fb_node *out;
   if (status != FB_OK) {
     return status;
   }
+  fbi_fields_enter(&at, r, psi, theta, shape->n);
+  return fbi_field_lump_add(shape, &at, mass, inertia);
+}
+
+/* Axes whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis) about
+   z x axis; about x where it is -z. */
+static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
+{
+  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
+  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
+  if (across > FB_R(0.0)) {
+    phi[0] = -angle * (axis[1] / across);
+    phi[1] = angle * (axis[0] / across);
+  }
+  fb_quat_from_rotvec(quat, phi);
+  fb_quat_to_mat33(R, quat);
+}
+
+/* Fields of all modes between two points of an imported line, chord axes x along e: E6.1 between their displacements
+   and rotations; without rotations the chord stays straight and does not twist. */
+static void fbi_chord_fields_init(fbi_cell_fields *c, const fb_fields *from, const fb_fields *to, int n, int turns)
+{
+  fb_real chord[3] = {to->r[0], to->r[1], to->r[2]}, R[9], length;
+  fbi_vec3_add(chord, -FB_R(1.0), from->r);
+  length = fbi_vec3_norm(chord);
+  fbi_axis_frame(R, chord);
+  for (int i = 0; i < 9; i++) {
+    c->axes[i] = R[i / 3 * 3 + (i + 2) % 3];
+  }
+  c->cell.element = 0;
+  c->cell.x0 = FB_R(0.0);
+  c->cell.x1 = length;
+  for (int a = 0; a < n; a++) {
+    fb_real e[12];
+    fb_mat33_mulT_vec3(e, c->axes, from->u + 3 * a);
+    fb_mat33_mulT_vec3(e + 3, c->axes, from->theta + 3 * a);
+    fb_mat33_mulT_vec3(e + 6, c->axes, to->u + 3 * a);
+    fb_mat33_mulT_vec3(e + 9, c->axes, to->theta + 3 * a);
+    if (!turns) {
+      e[3] = e[9] = FB_R(0.0);
+      e[4] = e[10] = (e[2] - e[8]) / length;
+      e[5] = e[11] = (e[7] - e[1]) / length;
+    }
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      fbi_field_eval(&c->at[a][g], e, fbi_gauss_x[g], length);
+    }
+  }
+}
+
+/* [E8.50] Quadratic fields along an imported line, from node to node of a finite-element model: E8.2 over each chord,
+   in which the modes bend and twist as E6.1 has it from the displacements and rotations of its ends.
+   Source: E8.2, E6.1.  Cost: 150 n^2 flops.  Fails: the points coincide.
+   Test: imported_lines_have_the_fields_of_their_beam. */
+static void fbi_chord_pass(fb_fields *to, const fb_fields *from, int n, int turns)
+{
+  fbi_cell_fields c;
+  fbi_chord_fields_init(&c, from, to, n, turns);
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      const int ab = 3 * (a * n + b), ba = 3 * (b * n + a);
+      fbi_copy(to->chi + ab, from->chi + ab, 3);
+      fbi_copy(to->chi_theta + ab, from->chi_theta + ab, 3);
+      fbi_pair_eval(to->chi + ab, to->chi_theta + ab, to, &c, fbi_gauss_w, a, b);
+      fbi_copy(to->chi + ba, to->chi + ab, 3);
+      fbi_copy(to->chi_theta + ba, to->chi_theta + ab, 3);
+    }
+  }
+}
+
+/* FB_ERR_NOT_FINITE where a field of a point is not finite. */
+static fb_status fbi_fields_check(const fb_fields *at, int n)
+{
+  const fbi_number field[] = {FBI_ANY(at->r, 3, "r [m]"), FBI_ANY(at->u, 3 * n, "psi"),
+                              FBI_ANY(at->theta, 3 * n, "theta"), FBI_ANY(at->chi, 3 * n * n, "chi"),
+                              FBI_ANY(at->chi_theta, 3 * n * n, "chi_theta")};
+  return fbi_numbers_check(field, FBI_LENGTH(field), -1);
+}
+
+FB_DEF fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const fb_fields *from, const fb_real r[3],
+                                const fb_real *psi, const fb_real *theta)
+{
+  static const fb_real none[3 * FB_MAX_MODES] = {FB_R(0.0)};
+  fb_status status;
+  fb_fields to;
+  FBI_REQUIRE(fields, FB_ERR_NULL);
+  status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta ? theta : none));
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_fields_enter(&to, r, psi, theta ? theta : none, shape->n);
+  if (from) {
+    fb_real apart[3] = {r[0], r[1], r[2]}, length;
+    fbi_vec3_add(apart, -FB_R(1.0), from->r);
+    length = fbi_vec3_norm(apart);
+    if (!(length > FB_EPSILON * fbi_vec3_norm(r))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "r: distance [m] from the point of the line before it, above", -1, length,
+                        FB_EPSILON * fbi_vec3_norm(r));
+    }
+    fbi_chord_pass(&to, from, shape->n, theta != NULL);
+  }
+  status = FBI_ENTERED(fbi_fields_check(&to, shape->n));
+  if (status == FB_OK) {
+    *fields = to;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_shape_add_field_lump(fb_shape *shape, const fb_fields *fields, fb_real mass, const fb_real *inertia)
+{
+  fb_status status;
+  FBI_REQUIRE(shape && fields, FB_ERR_NULL);
+  status = FBI_ENTERED(fbi_fields_check(fields, shape->n));
+  return status ? status : FBI_ENTERED(fbi_field_lump_add(shape, fields, mass, inertia));
+}
+
+/* A further node that moves as the fields say. */
+static fb_status fbi_node_add(fb_shape *shape, int *node, const fb_fields *at)
+{
+  const int n = shape->n;
+  fb_node *out;
   FBI_REQUIRE(node, FB_ERR_NULL);
   if (shape->n_node >= FB_MAX_NODES) {
     return FBI_REFUSE(FB_ERR_CAPACITY, "count of nodes with node 0, FB_MAX_NODES, at most", -1,
@@ -22231,11 +22471,39 @@ FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
   }
   out = &shape->node[shape->n_node];
   memset(out, 0, sizeof *out);
-  fbi_copy(out->r, r, 3);
-  fbi_copy(out->psi, psi, 3 * shape->n);
-  fbi_copy(out->theta, theta, 3 * shape->n);
+  fbi_copy(out->r, at->r, 3);
+  fbi_copy(out->psi, at->u, 3 * n);
+  fbi_copy(out->theta, at->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      fbi_copy(out->chi + fbi_pair(a, b), at->chi + 3 * (a * n + b), 3);
+      fbi_copy(out->chi_theta + fbi_pair(a, b), at->chi_theta + 3 * (a * n + b), 3);
+    }
+  }
+#endif
   *node = shape->n_node++;
   return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_field_node(fb_shape *shape, int *node, const fb_fields *fields)
+{
+  fb_status status;
+  FBI_REQUIRE(shape && fields, FB_ERR_NULL);
+  status = FBI_ENTERED(fbi_fields_check(fields, shape->n));
+  return status ? status : FBI_ENTERED(fbi_node_add(shape, node, fields));
+}
+
+FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
+                                   const fb_real *theta)
+{
+  fb_fields at;
+  const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_fields_enter(&at, r, psi, theta, shape->n);
+  return fbi_node_add(shape, node, &at);
 }
 
 /* out[k] = in[coordinate[k]], each `width` reals */
@@ -22404,6 +22672,42 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   return FB_OK;
 }
 
+/* [E8.51] Integrals of the quadratic field from the geometric stiffness that inertia loads give: -f(r) a load per mass,
+   1/2 q^T K_G q its work on 1/2 chi q q, so that a frame that accelerates by A, turns by W' and spins with w has
+   K_G = A.p^chi + W'.h^chi - w^T Gamma^chi w.  Gamma^chi = -(the symmetric matrix of the spins) - h^chi^/2.
+   Source: virtual work; E8.1.  Cost: 20 flops.  Fails: never.
+   Test: geometric_stiffness_gives_the_integrals_of_the_quadratic_field. */
+static void fbi_stiffening_to_second(fb_real G[9], const fb_real h[3], const fb_real s[6])
+{
+  const fb_real half = FB_R(0.5);
+  G[0] = -s[0];
+  G[4] = -s[1];
+  G[8] = -s[2];
+  G[1] = -half * (s[3] + h[2]);
+  G[3] = -half * (s[3] - h[2]);
+  G[2] = -half * (s[4] - h[1]);
+  G[6] = -half * (s[4] + h[1]);
+  G[5] = -half * (s[5] + h[0]);
+  G[7] = -half * (s[5] - h[0]);
+}
+
+FB_DEF fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb_real acceleration[3],
+                                         const fb_real turn[3], const fb_real spin[6])
+{
+  fb_real G[9];
+  FBI_REQUIRE(shape && acceleration && turn && spin, FB_ERR_NULL);
+  {
+    const fbi_number field[] = {FBI_ANY(acceleration, 3, "acceleration [kg/m]"), FBI_ANY(turn, 3, "turn [kg]"),
+                                FBI_ANY(spin, 6, "spin [kg]")};
+    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+  fbi_stiffening_to_second(G, turn, spin);
+  return FBI_ENTERED(fb_shape_add_pair(shape, a, b, acceleration, turn, G));
+}
+
 /* Is there room for the modes of a beam from coordinate `first` on, and are they modes of this beam? */
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
@@ -22422,7 +22726,7 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
    of that degree and much larger.
    Source: int chi dm = 0, the second degree of a mean axis; to some 1e-4 of chi by the quadrature.  Fails: never.
    Test: a_free_beam_swings_as_the_exact_one. */
-static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
+static void fbi_station_center(fb_fields *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
 {
   const int n = modes->n;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
@@ -22456,7 +22760,7 @@ static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const f
 
 /* Start of the quadratic field of a beam: zero at a fixed root; at a root that moves with the modes, the field of the
    shape's node that is there and moves with it (E7.12); for a free beam by itself, E8.32. */
-static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, const fb_shape *shape, int first,
+static fb_status fbi_station_start(fb_fields *st, fbi_cell_fields *scratch, const fb_shape *shape, int first,
                                    const fb_beam *beam, const fb_modes *modes)
 {
   int hangs = 0;
@@ -23347,7 +23651,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
   const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
-  fbi_station start, st;
+  fb_fields start, st;
   int node = 0;
   if (status != FB_OK) {
     return status;
@@ -23404,7 +23708,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
-  fbi_station st;
+  fb_fields st;
   if (status != FB_OK) {
     return status;
   }
@@ -24979,22 +25283,6 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS
              ? FB_ERR_CAPACITY
              : fbi_large_limits_fill(body, work);
-}
-#endif
-
-#if FB_WITH_ROTORS || FB_WITH_SYSTEM
-/* Axes of a joint whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis)
-   about z x axis; about x where it is -z. */
-static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
-{
-  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
-  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
-  if (across > FB_R(0.0)) {
-    phi[0] = -angle * (axis[1] / across);
-    phi[1] = angle * (axis[0] / across);
-  }
-  fb_quat_from_rotvec(quat, phi);
-  fb_quat_to_mat33(R, quat);
 }
 #endif
 
@@ -26850,13 +27138,83 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
 }
 #endif
 
-/* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted`.
-   momenta: (p, h) about the origin O at w = e_i, i = 1 2 3: p = e_i x c, h = J e_i with c = mass times the center of
-   mass. mass > 0: the center of mass is at rest, J about it; 0: O is fixed. */
-static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
+#if FB_WITH_ROTORS
+/* L = J w + h; returns |w x L|, what turns the axis. */
+static fb_real fbi_gyrostat_momentum(fb_real L[3], const fb_real J[9], const fb_real h[3], const fb_real w[3])
+{
+  fb_real turn[3];
+  fb_mat33_mul_vec3(L, J, w);
+  fbi_vec3_add(L, FB_R(1.0), h);
+  fb_vec3_cross(turn, w, L);
+  return fbi_vec3_norm(turn);
+}
+
+/* Newton's method in (w, lambda), w in parts of spin: (J - lambda) dw - w dlambda = lambda w - J w - h,
+   w.dw = (spin^2 - w.w)/2. */
+static fb_status fbi_gyrostat_newton(fb_real w[3], const fb_real J[9], const fb_real h[3], fb_real spin, fb_real size)
+{
+  fb_real lambda, L[3], change = FB_R(1.0);
+  fb_status status = FB_OK;
+  (void)fbi_gyrostat_momentum(L, J, h, w);
+  lambda = fb_vec3_dot(w, L) / (spin * spin);
+  for (int step = 0; step < 30 && change > FB_R(16.0) * FB_EPSILON && status == FB_OK; step++) {
+    fb_real A[16] = {FB_R(0.0)}, f[4], x[4], scale[4];
+    int perm[4];
+    (void)fbi_gyrostat_momentum(L, J, h, w);
+    for (int i = 0; i < 3; i++) {
+      for (int j = 0; j < 3; j++) {
+        A[4 * i + j] = (J[3 * i + j] - (i == j ? lambda : FB_R(0.0))) / size;
+      }
+      A[4 * i + 3] = -w[i] / spin;
+      A[12 + i] = w[i] / spin;
+      f[i] = (lambda * w[i] - L[i]) / (size * spin);
+    }
+    f[3] = FB_R(0.5) * (FB_R(1.0) - fb_vec3_dot(w, w) / (spin * spin));
+    status = fb_lu_factor(A, perm, scale, 4);
+    if (status == FB_OK) {
+      fb_lu_solve(x, A, perm, f, 4);
+      fbi_vec3_add(w, spin, x);
+      lambda += size * x[3];
+      change = fbi_vec3_norm(x);
+    }
+  }
+  return status != FB_OK || change <= FB_R(1e4) * FB_EPSILON ? status : FB_ERR_CONVERGENCE;
+}
+
+/* [E8.46] Steady spin of a gyrostat, J w + h = lambda w at |w| = spin, h the momentum of its rotors: by Newton's method
+   from w or the direction `wanted`, of which the torque w x (J w + h) is less. Where that does not converge, from
+   `wanted` uphill in the energy 1/2 w.J w + h.w along its gradient, and by Newton's method from there.
+   Source: Euler's equations at w_dot = 0.  Cost: 60 solutions of 4 equations at most.  Fails: FB_ERR_CONVERGENCE.
+   Test: gyrostats_spin_steadily_about_no_axis_of_their_own. */
+static fb_status fbi_gyrostat_spin(fb_real w[3], const fb_real J[9], const fb_real h[3], const fb_real wanted[3])
+{
+  const fb_real spin = fbi_vec3_norm(wanted), size = fbi_vec3_norm(J) + fbi_vec3_norm(J + 3) + fbi_vec3_norm(J + 6);
+  fb_real L[3];
+  if (fbi_gyrostat_momentum(L, J, h, wanted) < fbi_gyrostat_momentum(L, J, h, w)) {
+    fbi_vec3_copy(w, wanted);
+  }
+  if (fbi_gyrostat_newton(w, J, h, spin, size) == FB_OK) {
+    return FB_OK;
+  }
+  fbi_vec3_copy(w, wanted);
+  for (int step = 0; step < 100; step++) { /* the energy is convex, so that each step goes up */
+    (void)fbi_gyrostat_momentum(L, J, h, w);
+    fbi_zero(w, 3);
+    fbi_vec3_add(w, spin / fbi_vec3_norm(L), L);
+  }
+  return fbi_is_finite(w, 3) ? fbi_gyrostat_newton(w, J, h, spin, size) : FB_ERR_CONVERGENCE;
+}
+#endif
+
+/* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted` or,
+   with the momentum `own` of rotors, by E8.46. momenta: (p, h) about the origin O at w = e_i, i = 1 2 3: p = e_i x c,
+   h = J e_i with c = mass times the center of mass. mass > 0: the center of mass is at rest, J about it; 0: O is
+   fixed. */
+static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb_real own[3], fb_real mass,
+                               const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
-  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
+  fb_real J[9], kept[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
   fb_status status;
   fbi_vec6_zero(V);
   if (!fbi_is_finite(&spin, 1)) {
@@ -26876,6 +27234,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   }
 
   /* w along the projection of `wanted` on a principal axis, or on the space of all with the same inertia */
+  fbi_copy(kept, J, 9);
   status = fb_eig_sym_solve(value, axes, J, 3);
   for (int k = 0; k < 3 && status == FB_OK; k++) {
     fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
@@ -26891,6 +27250,14 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
       fbi_vec3_add(V + 3, spin / size, along);
     }
   }
+
+#if FB_WITH_ROTORS
+  if (status == FB_OK && !fbi_is_zero(own, 3)) {
+    status = fbi_gyrostat_spin(V + 3, kept, own, wanted);
+  }
+#endif
+  (void)own;
+  (void)kept;
 
   /* Center of mass at rest: mass v + w x c = 0 */
   if (mass > FB_R(0.0)) {
@@ -27058,7 +27425,14 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
+  fb_status status;
+#if FB_WITH_ROTORS
+  if (port->kind == FB_PORT_ROTOR_SPEED) {
+    *y = motion->rotor_speed[port->axis];
+    return FB_OK;
+  }
+#endif
+  status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
   gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
 #endif
@@ -27090,11 +27464,49 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
   }
-  if (fbi_has(body->effects, FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY)) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors and central gravity",
-                      -1, FB_R(0.0), FB_R(0.0));
+  if (fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without central gravity", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_real h = body->rotor[r].given ? input->rotor[r].momentum : state->pi[body->n + r];
+    if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
+      return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
+                        r, h, FB_R(0.0));
+    }
+  }
+#endif
   return fb_state_check(body, state);
+}
+
+/* Rotors whose momentum is a state of the linear model: their number, and where they stand among all to `at`. */
+static int fbi_rotors_free(int at[FB_MAX_ROTORS], const fb_body *body)
+{
+  int n = 0;
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    at[n] = r;
+    n += !body->rotor[r].given;
+  }
+#endif
+  (void)at;
+  (void)body;
+  return n;
+}
+
+/* Momenta of rotors that are given go into the state, by which velocities become momenta. */
+static void fbi_rotors_give(fb_state *state, const fb_body *body, const fb_input *input)
+{
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    fb_real *const h = &state->pi[body->n + r];
+    *h = body->rotor[r].given ? input->rotor[r].momentum : *h;
+  }
+#endif
+  (void)state;
+  (void)body;
+  (void)input;
 }
 
 /* Momenta (p, h) about O of a body whose base is not prescribed, body axes. */
@@ -27135,7 +27547,7 @@ static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_rea
 static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *body, const fb_real wanted[3])
 {
   const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real R[9], momenta[18];
+  fb_real R[9], momenta[18], own[6] = {FB_R(0.0)};
   fb_status status = FB_OK;
   fbi_zero(V, 3);
   fbi_copy(V + 3, wanted, 3);
@@ -27143,15 +27555,23 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
     return FB_OK;
   }
 
-  /* Momenta by a unit angular velocity about each axis */
+  /* Momenta of rotors, and by a unit angular velocity about each axis */
   fb_quat_to_mat33(R, state->quat);
+  if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
+    status = fb_state_from_velocity(body, state, still, still, NULL);
+    fbi_momenta_about_origin(own, body, state, R);
+  }
   for (int i = 0; i < 3 && status == FB_OK; i++) {
     fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     w[i] = FB_R(1.0);
     status = fb_state_from_velocity(body, state, still, w, NULL);
     fbi_momenta_about_origin(momenta + 6 * i, body, state, R);
+    for (int j = 0; j < 6; j++) {
+      momenta[6 * i + j] -= own[j];
+    }
   }
-  return status ? status : fbi_free_spin(V, momenta, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
+  return status ? status
+                : fbi_free_spin(V, momenta, own + 3, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
 }
 
 /* Residual of the trim: pi_dot at q_dot = 0, with q_j increased by h; the base moves as the input prescribes, or spins
@@ -27201,6 +27621,25 @@ static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *wo
 }
 #endif
 
+/* FB_ERR_UNREST: the momentum of a rotor changes; need: the torque of its motor that keeps it. */
+static fb_status fbi_rotors_rest(const fb_body *body, const fb_motion *motion, const fb_input *input)
+{
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real motor = input->rotor[r].torque;
+    const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, motion->rotor_speed[r]);
+    if (!(FB_FABS(motor + brake) <= FBI_UNREST * (FB_FABS(motor) + FB_FABS(brake)))) {
+      return FBI_REFUSE(FB_ERR_UNREST, "rotor: torque [N m] of its motor, against its friction", r, motor, -brake);
+    }
+  }
+#endif
+  (void)body;
+  (void)motion;
+  (void)input;
+  return FB_OK;
+}
+
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
@@ -27208,6 +27647,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
   fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
+  status = status ? status : fbi_rotors_rest(body, &work->motion, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
@@ -27242,7 +27682,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
              : FB_ERR_UNREST;
 }
 
-/* State with element j of x increased by h; x = (q, pi, momenta of the base, position and attitude). With q the
+/* State with element j of x increased by h; x = (q, pi, rotors, momenta of the base, position and attitude). With q the
    velocities stay constant and the momenta change (E12.12); with the attitude the momenta keep their components in body
    axes. */
 static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_real h)
@@ -27250,8 +27690,9 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
   const fb_motion *const steady = &s->work->steady;
   const fb_body *const body = s->body;
   const fb_state *const state = s->state;
-  const int n = body->n, first = fbi_first_free(body->base), momentum = j - 2 * n + first,
-            pose = momentum - (6 - first);
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base),
+            momentum = j - 2 * n - m + first, pose = momentum - (6 - first);
   fb_real R[9], ph[6];
   *out = *state;
 
@@ -27264,6 +27705,8 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
   /* pi, else momenta or pose of the base */
   if (j < 2 * n) {
     out->pi[j - n] += h;
+  } else if (j < 2 * n + m) {
+    out->pi[n + rotor[j - 2 * n]] += h;
   } else {
     fb_quat_to_mat33(R, state->quat);
     fb_mat33_mulT_vec3(ph, R, state->u);
@@ -27300,8 +27743,16 @@ static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, cons
 }
 
 /* Increases an input by h. */
-static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
+static void fbi_port_drive(fb_input *input, const fb_body *body, const fb_port *port, fb_real h)
 {
+  (void)body;
+#if FB_WITH_ROTORS
+  if (port->kind == FB_PORT_MOTOR) {
+    fb_rotor_input *const rotor = &input->rotor[port->axis];
+    *(body->rotor[port->axis].given ? &rotor->momentum : &rotor->torque) += h;
+    return;
+  }
+#endif
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
     (port->kind == FB_PORT_BASE_VELOCITY ? input->v : input->w)[port->axis] += h;
   } else {
@@ -27310,10 +27761,31 @@ static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
   }
 }
 
-/* Momenta of the linear model: those of the modes, then the free ones of the base, body axes. */
+#if FB_WITH_ROTORS
+/* [E8.47] Friction of rotors as its tangent at the steady speeds, by the torques of the motors in work->input: of a
+   rotor at the speed s + x, dry friction T becomes T(s) + T'(s) x, T' = -F s_0^2/(s^2 + s_0^2)^(3/2). The differences
+   of the momenta are wider than s_0.
+   Source: E9.28.  Fails: never.  Test: linear_models_of_rotors_are_derivatives_of_rates. */
+static void fbi_rotors_tangent(fb_state *rate, fb_input *input, const fb_motion *steady, const fb_body *body)
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real F = rotor->friction, s0 = rotor->friction_speed, s = steady->rotor_speed[r];
+    const fb_real x = rate->q[body->n + r] - s, old = fbi_dry_friction(F, s0, s), at = fbi_dry_friction(F, s0, s + x);
+    if (!rotor->given && F > FB_R(0.0)) {
+      const fb_real part = old * s0 / F, more = at * (s + x) - old * (s + part * part * x);
+      rate->pi[body->n + r] += more;
+      input->rotor[r].torque += more;
+    }
+  }
+}
+#endif
+
+/* Momenta of the linear model: those of the modes, of rotors, then the free ones of the base, body axes. */
 static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *state)
 {
-  const int n = body->n, first = fbi_first_free(body->base);
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base);
   fb_real R[9], ph[6];
   fb_quat_to_mat33(R, state->quat);
   fb_mat33_mulT_vec3(ph, R, state->u);
@@ -27322,7 +27794,10 @@ static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *
   }
   fb_mat33_mulT_vec3(ph + 3, R, state->L);
   fbi_copy(p, state->pi, n);
-  fbi_copy(p + n, ph + first, 6 - first);
+  for (int i = 0; i < m; i++) {
+    p[n + i] = state->pi[n + rotor[i]];
+  }
+  fbi_copy(p + n + m, ph + first, 6 - first);
 }
 
 /* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
@@ -27330,7 +27805,9 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 {
   fb_analyse_work *const work = s->work;
   const fb_body *const body = s->body;
-  const int n = body->n, first = fbi_first_free(body->base), n_free = 6 - first, states = 2 * (n + n_free);
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base), n_free = 6 - first,
+            base = 2 * n + m, states = base + 2 * n_free;
   fb_real frame[12];
   fb_status status = FB_OK;
 
@@ -27340,9 +27817,14 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   if (j < states) {
     status = fbi_linear_move(&work->moved, s, j, h);
   } else {
-    fbi_port_drive(&work->input, &s->desc->in[j - states], h);
+    fbi_port_drive(&work->input, body, &s->desc->in[j - states], h);
   }
   status = status ? status : fb_body_rates_eval(body, &work->rate, &work->moved, &work->input);
+#if FB_WITH_ROTORS
+  if (status == FB_OK) {
+    fbi_rotors_tangent(&work->rate, &work->input, &work->steady, body);
+  }
+#endif
   status = status ? status : fb_body_motion_eval(body, &work->motion, &work->moved, &work->input);
   if (status != FB_OK) {
     return status;
@@ -27351,9 +27833,12 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   /* Rates of x, outputs, momenta */
   fbi_copy(f, work->rate.q, n);
   fbi_copy(f + n, work->rate.pi, n);
+  for (int i = 0; i < m; i++) {
+    f[2 * n + i] = work->rate.pi[n + rotor[i]];
+  }
   fbi_linear_frame(frame, work, s->state, body->mass);
-  fbi_copy(f + 2 * n, frame + first, n_free);
-  fbi_copy(f + 2 * n + n_free, frame + 6 + first, n_free);
+  fbi_copy(f + base, frame + first, n_free);
+  fbi_copy(f + base + n_free, frame + 6 + first, n_free);
   fbi_linear_momenta(f + states + s->desc->n_out, body, &work->moved);
   for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
     status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k], s->state->q);
@@ -27683,7 +28168,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
       const fbi_coordinate c = {k, 0, (3 + i) % 6};
       fbi_unit_momenta(momenta + 6 * i, s, &c);
     }
-    status = fbi_free_spin(work->rest[k].speed, momenta, momenta[18], wanted);
+    status = fbi_free_spin(work->rest[k].speed, momenta, fbi_origin, momenta[18], wanted);
   }
   return status;
 }
@@ -27995,6 +28480,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   /* Newton's method from the given state */
   s = fbi_subject_body(body, work, &work->state, input, NULL);
   work->state = *state;
+  fbi_rotors_give(&work->state, body, input);
   for (int a = 0; a < body->n; a++) {
     work->common.step[a] = fbi_difference_step(body, a);
   }
@@ -28303,7 +28789,7 @@ static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
 
 static int fbi_port_is_input(fb_port_kind kind)
 {
-  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL;
+  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL || kind == FB_PORT_MOTOR;
 }
 
 /* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room:
@@ -28351,7 +28837,8 @@ static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_m
 static fb_real fbi_linear_step(const fbi_subject *s, int j)
 {
   const fb_body *const body = s->body;
-  const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
+  int rotor[FB_MAX_ROTORS];
+  const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base), free = 6 - first;
   const fb_real size = fbi_body_size(body);
   fb_real all;
   const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
@@ -28367,9 +28854,16 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
            fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
   }
 
+#if FB_WITH_ROTORS
+  if (j < 2 * n + m) {
+    const int r = rotor[j - 2 * n];
+    return FB_R(100.0) * FBI_DIFFERENCE * body->rotor[r].inertia * (FB_FABS(s->work->steady.rotor_speed[r]) + all);
+  }
+#endif
+
   /* Momenta and pose of the base */
-  moves = (j - 2 * n) % free + first < 3; /* the others are rotations */
-  if (j < 2 * n + free) {
+  moves = (j - 2 * n - m) % free + first < 3; /* the others are rotations */
+  if (j < 2 * n + m + free) {
     return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
   }
   return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
@@ -28386,8 +28880,16 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const fb_status status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED,
-                                            body->n_node, input->n_load < FB_MAX_LOADS);
+    fb_status status = FB_OK;
+#if FB_WITH_ROTORS
+    if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
+      FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
+      FBI_REQUIRE(port->axis >= 0 && port->axis < body->n_rotor && port->body == 0, FB_ERR_CAPACITY);
+      continue;
+    }
+#endif
+    status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
+                            input->n_load < FB_MAX_LOADS);
     if (status != FB_OK || port->body != 0) {
       return status ? status : FB_ERR_CAPACITY;
     }
@@ -28404,12 +28906,12 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
   fb_status status;
   if (port->kind == FB_PORT_PULL || port->kind == FB_PORT_LENGTH) {
     FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_spring, FB_ERR_CAPACITY);
-    return fbi_port_check(port, is_input, FB_PORT_COUNT, 0, 0, 0);
+    return fbi_port_check(port, is_input, FB_PORT_MOTOR, 0, 0, 0);
   }
   FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
   joint = &s->system->joint[port->body];
   mode = s->system_state->mode[port->body];
-  status = fbi_port_check(port, is_input, FB_PORT_COUNT, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
+  status = fbi_port_check(port, is_input, FB_PORT_MOTOR, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
                           fbi_model(s->system, s->body, port->body)->n_node,
                           !s->system_input || s->system_input->n_load < FB_MAX_LOADS);
   if (status != FB_OK || port->kind < FB_PORT_DRIVE) {
@@ -28548,10 +29050,10 @@ static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
 
 /* Matrices of work->linear by differences, and E, the error estimates of A. The n_q columns of the coordinates come
    before those of the n_p momenta. */
-static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_free)
+static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_q, int n_p, int n_free)
 {
   fb_linear *const out = &work->linear;
-  const int n_p = n / 2, n_q = s->system ? n_p : n_p - n_free, rows = n + s->desc->n_out;
+  const int rows = n + s->desc->n_out;
   fb_real norm;
   fb_status status = FB_OK;
   memset(out, 0, sizeof *out);
@@ -28719,17 +29221,24 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
 {
   fbi_subject s;
   fb_status status = fbi_analyse_check(body, state, input);
-  const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
+  int rotor[FB_MAX_ROTORS], n_free, n_p, n;
+
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  n_free = 6 - fbi_first_free(body->base);
+  n_p = body->n + fbi_rotors_free(rotor, body) + n_free;
+  n = body->n + n_p + n_free;
 
   /* Check the arguments; steady motion, with a prescribed base relative to the ground */
-  FBI_REQUIRE(work, FB_ERR_NULL);
-  s = fbi_subject_body(body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
-  status = status ? status : fbi_linear_desc_check(body, input, s.desc);
+  work->state = *state;
+  fbi_rotors_give(&work->state, body, input);
+  s = fbi_subject_body(body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
+  status = fbi_linear_desc_check(body, input, s.desc);
   status = status ? status : fb_body_motion_eval(body, &work->steady, state, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
-    work->state = *state;
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
-    s.state = &work->state;
   }
 
   /* Finite-difference steps, then the matrices */
@@ -28739,8 +29248,8 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   if (status == FB_OK) {
     fbi_body_port_steps(&s, n);
   }
-  status = status ? status : fbi_linear_fill(&work->common, &s, n, n_free);
-  for (int a = 0; a < n / 2 - n_free && status == FB_OK; a++) {
+  status = status ? status : fbi_linear_fill(&work->common, &s, n, body->n, n_p, n_free);
+  for (int a = 0; a < body->n && status == FB_OK; a++) {
     work->common.linear.coordinate[a] = a;
   }
   return status;
@@ -28962,7 +29471,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
-  status = fbi_linear_fill(&work->common, &s, 2 * work->n_independent, n_free);
+  status =
+      fbi_linear_fill(&work->common, &s, 2 * work->n_independent, work->n_independent, work->n_independent, n_free);
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
@@ -30125,7 +30635,7 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
   return status ? status : fb_body_node_motion_eval(body, &work->node, &work->state, &work->motion, e->node);
 }
 
-/* Tangent stiffness K = -d(q_ddot)/dq at q = 0 by central differences. */
+/* A = -d(q_ddot)/dq at q = 0 by central differences. */
 static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant)
 {
   const int n = body->n;
@@ -30142,6 +30652,63 @@ static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *b
       }
     }
     q[a] = FB_R(0.0);
+  }
+  return status;
+}
+
+/* [E13.6] Inertia of the modes while the base recoils, M of the body at rest: q_ddot = -A q there, A = M^-1 K, from
+   which M = (A K^-1)^-1 for any base, symmetric; 1 if the base is prescribed. What acts on the coordinates is M q_ddot,
+   also on some of them: coordinates left out are held.
+   Source: definition; the base eliminated by momentum.  Shapes: n x n.  Cost: an LU factorization, n solutions.
+   Fails: FB_ERR_SINGULAR.  Test: inertia_of_modes_is_less_by_the_recoil. */
+static fb_status fbi_advise_inertia(fb_advice_work *work, const fb_shape *shape)
+{
+  const int n = shape->n;
+  const fb_real *const A = work->tangent[FBI_ADVICE_REST];
+  fb_real unit[FB_MAX_MODES], column[FB_MAX_MODES];
+  fb_status status;
+  for (int k = 0; k < n * n; k++) {
+    work->K[k] = A[k] / shape->K[k % n * (n + 1)];
+  }
+  status = fb_lu_factor(work->K, work->perm, work->scale, n);
+  fbi_zero(work->inertia, n * n);
+  for (int a = 0; a < n && status == FB_OK; a++) {
+    fbi_zero(unit, n);
+    unit[a] = FB_R(1.0);
+    fb_lu_solve(column, work->K, work->perm, unit, n);
+    for (int b = 0; b < n; b++) {
+      work->inertia[a * n + b] += FB_R(0.5) * column[b];
+      work->inertia[b * n + a] += FB_R(0.5) * column[b];
+    }
+  }
+  return status;
+}
+
+/* out = M a of the m coordinates coordinate[k], M among them; out may not be a. */
+static void fbi_advise_force(fb_real *out, const fb_advice_work *work, const fb_real *a, const int *coordinate, int m)
+{
+  for (int k = 0; k < m; k++) {
+    out[k] = FB_R(0.0);
+    for (int l = 0; l < m; l++) {
+      out[k] += work->inertia[coordinate[k] * work->full.n + coordinate[l]] * a[l];
+    }
+  }
+}
+
+/* Tangent stiffness K = M A of a load case. */
+static fb_status fbi_advise_stiffness(fb_advice_work *work, const fb_envelope *e, int instant)
+{
+  const int n = work->full.n;
+  fb_real *const K = work->tangent[instant], a[FB_MAX_MODES], column[FB_MAX_MODES];
+  const fb_status status = fbi_advise_tangent(K, work, &work->full, e, instant);
+  for (int b = 0; b < n && status == FB_OK; b++) {
+    for (int k = 0; k < n; k++) {
+      a[k] = K[k * n + b];
+    }
+    fbi_advise_force(column, work, a, work->all, n);
+    for (int k = 0; k < n; k++) {
+      K[k * n + b] = column[k];
+    }
   }
   return status;
 }
@@ -30185,12 +30752,12 @@ static int fbi_advice_holds(const fb_advice_work *work, const fb_real *K, const 
 
 /* Dynamic amplification factor of a mode: 1/|1-r^2| for harmonic excitation, at least 2 (step load) from r = 1 on;
    limited at resonance by duration and damping. */
-static fb_real fbi_advice_gain(const fb_advice_work *work, const fb_envelope *e, int a, fb_real omega)
+static fb_real fbi_advice_gain(const fb_envelope *e, fb_real omega, fb_real zeta)
 {
   const fb_real r = e->frequency / omega, grown = fbi_larger(FB_R(3.0), FB_R(0.5) * omega * e->duration);
   const fb_real near = fbi_larger(FB_FABS(FB_R(1.0) - r * r), FB_R(1.0) / grown);
-  return r < FB_R(1.0) ? FB_R(1.0) / fbi_larger(near, 2 * work->zeta[a] * r)
-                       : fbi_larger(FB_R(1.0) / fbi_larger(near, 2 * work->zeta[a]), FB_R(2.0));
+  return r < FB_R(1.0) ? FB_R(1.0) / fbi_larger(near, 2 * zeta * r)
+                       : fbi_larger(FB_R(1.0) / fbi_larger(near, 2 * zeta), FB_R(2.0));
 }
 
 /* Scales q down to the deflection limit; returns the ratio to the limit if it was exceeded, else 1. */
@@ -30207,10 +30774,10 @@ static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
   return beyond;
 }
 
-/* Frequency [rad/s] of a mode in a load case. */
-static fb_real fbi_advice_omega(const fb_advice_work *work, int instant, int a)
+/* Frequency at which a mode moves: that of the excitation, at most its own. */
+static fb_real fbi_advice_rate(const fb_envelope *e, fb_real omega)
 {
-  return FB_SQRT(work->tangent[instant][a * work->full.n + a]);
+  return fbi_smaller(e->frequency, omega);
 }
 
 /* Displacement of the output by coordinates q. */
@@ -30222,30 +30789,144 @@ static void fbi_advice_output(fb_real y[3], const fb_advice_work *work, const fb
   }
 }
 
-/* Records the contributions of the modes to the output in load case i, whose displacement is `tip`. */
-static void fbi_advise_note(fb_advice_work *work, const fb_envelope *e, int i, fb_real tip)
+/* [E13.7] Modes of the body with the coordinates order[0..n-1] in a load case while the base recoils: K x = omega^2 M x;
+   the symmetric part of K, the others held. `q`: the quasi-static answer, of which each mode takes x (x^T M q); damping
+   sum x_a^2 2 zeta_a omega_a/(2 omega), omega_a that of the coordinate.
+   Source: modal superposition, [ME].  Cost: an eigenproblem.  Fails: as fb_eig_gen_solve; FB_ERR_SINGULAR: K is not
+   positive definite.  Test: two_booms_move_as_their_sum_and_difference. */
+static fb_status fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int i, const fb_real *q, int n)
 {
-  for (int a = 0; a < work->full.n; a++) {
-    const fb_real omega = fbi_advice_omega(work, i, a);
-    const fb_real give = FB_FABS(work->q[i][a]) * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a);
-    work->most[a] = fbi_larger(work->most[a], give);
-    work->omega[a] = fbi_larger(work->omega[a], omega);
-    if (give > FB_R(0.5) * tip) { /* the mode that dominates the deflection: E13.4 */
-      const fb_real turn = fbi_vec3_norm(work->input.w) * fbi_smaller(e->frequency, omega) / (omega * omega);
-      work->drawn = fbi_larger(work->drawn, tip * turn);
+  fbi_advice_modes *const m = &work->modes;
+  const fb_real *const K = work->tangent[i], *const M = work->inertia, *const rest = work->tangent[FBI_ADVICE_REST];
+  const int size = work->full.n, *const order = work->order;
+  fb_status status;
+  for (int k = 0; k < n * n; k++) {
+    const int a = order[k / n], b = order[k % n];
+    m->K[k] = FB_R(0.5) * (K[a * size + b] + K[b * size + a]);
+    m->M[k] = M[a * size + b];
+  }
+  status = fb_eig_gen_solve(m->omega, m->x, m->K, m->M, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    const fb_real *const x = m->x + k * n;
+    fb_real loss = FB_R(0.0);
+    if (!(m->omega[k] > FB_R(0.0))) {
+      return FB_ERR_SINGULAR;
+    }
+    m->omega[k] = FB_SQRT(m->omega[k]);
+    m->part[k] = FB_R(0.0);
+    fbi_zero(m->give[k], 3);
+    for (int l = 0; l < n; l++) {
+      const int a = order[l];
+      for (int j = 0; j < n; j++) {
+        m->part[k] += x[j] * M[order[j] * size + a] * q[a];
+      }
+      loss += x[l] * x[l] * work->zeta[a] * FB_SQRT(rest[a * (size + 1)]);
+    }
+    for (int l = 0; l < n; l++) {
+      fbi_vec3_add(m->give[k], m->part[k] * x[l], work->full.node[e->node].psi + 3 * order[l]);
+    }
+    m->zeta[k] = loss / m->omega[k];
+    m->gain[k] = fbi_advice_gain(e, m->omega[k], m->zeta[k]);
+  }
+  return status;
+}
+
+/* Records frequencies and contributions of the modes of the body with n coordinates. */
+static void fbi_advise_note(fb_advice_work *work, int n)
+{
+  const fbi_advice_modes *const m = &work->modes;
+  for (int k = 0; k < n; k++) {
+    const fb_real most = m->gain[k] * fbi_vec3_norm(m->give[k]);
+    work->most[n - 1][k] = fbi_larger(work->most[n - 1][k], most);
+    work->omega[n - 1][k] = fbi_larger(work->omega[n - 1][k], m->omega[k]);
+  }
+}
+
+/* [E13.8] What a coordinate matters to the output: what it gives directly, psi_a q_a, and of each mode's contribution
+   the share of its strain energy, x_a (K x)_a/omega^2, that is the coordinate's. By that the square of the mode's
+   frequency changes if it is held: a coordinate that moves the base alone gives nothing, but matters.
+   Source: own; Rayleigh's quotient.  Cost: n^3.  Fails: never.  Test: two_booms_move_as_their_sum_and_difference. */
+static void fbi_advise_score(fb_advice_work *work, const fb_envelope *e, const fb_real *q)
+{
+  const fbi_advice_modes *const m = &work->modes;
+  const int n = work->full.n;
+  fb_real score[FB_MAX_MODES];
+  fbi_zero(score, n);
+  for (int k = 0; k < n; k++) {
+    const fb_real most = m->gain[k] * fbi_vec3_norm(m->give[k]), *const x = m->x + k * n;
+    for (int a = 0; a < n; a++) {
+      fb_real Kx = FB_R(0.0);
+      for (int b = 0; b < n; b++) {
+        Kx += m->K[a * n + b] * x[b];
+      }
+      score[a] += most * FB_FABS(x[a] * Kx) / (m->omega[k] * m->omega[k]);
+    }
+  }
+  for (int a = 0; a < n; a++) {
+    const fb_real give = FB_FABS(q[a]) * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a);
+    work->score[a] = fbi_larger(work->score[a], score[a] + give);
+    work->give[a] = fbi_larger(work->give[a], give);
+  }
+}
+
+/* The mode that dominates the deflection of the output, `tip`: E13.4. */
+static void fbi_advise_draw(fb_advice_work *work, const fb_envelope *e, fb_real tip)
+{
+  const fbi_advice_modes *const m = &work->modes;
+  for (int k = 0; k < work->full.n; k++) {
+    if (m->gain[k] * fbi_vec3_norm(m->give[k]) > FB_R(0.5) * tip) {
+      const fb_real omega = m->omega[k], turn = fbi_vec3_norm(work->input.w) * fbi_advice_rate(e, omega);
+      work->drawn = fbi_larger(work->drawn, tip * turn / (omega * omega));
     }
   }
 }
 
+/* Parts of an oscillator's answer to 1 (its quasi-static answer) times sin(f t) or, f = FB_HUGE, a jump, from rest. */
+static fb_real fbi_advice_swing(fb_real omega, fb_real zeta, fb_real f, fb_real t)
+{
+  const fb_real loss = fbi_smaller(zeta, FB_R(0.99)), damped = FB_SQRT(FB_R(1.0) - loss * loss);
+  const fb_real decay = FB_EXP(-fbi_smaller(loss * omega * t, FB_R(80.0)));
+  const fb_real swing_cos = decay * FB_COS(damped * omega * t), swing_sin = decay * FB_SIN(damped * omega * t) / damped;
+  if (!(f < FB_HUGE)) {
+    return FB_R(1.0) - swing_cos - loss * swing_sin;
+  }
+  else {
+    const fb_real r = f / omega, near = FB_FABS(FB_R(1.0) - r * r) < FB_R(1e-3) ? FB_R(1e-3) : FB_R(1.0) - r * r;
+    const fb_real size = near * near + 4 * loss * loss * r * r, along = near / size, across = -2 * loss * r / size;
+    return along * (FB_SIN(f * t) - r * swing_sin) + across * (FB_COS(f * t) - swing_cos - loss * swing_sin);
+  }
+}
+
+/* Output of the modes in work.modes of the body with n coordinates at time number `at`: 0 quasi-static; then, at times
+   that fill the duration evenly, driven by sin(frequency t); then by a jump, if the frequency is above the lowest of the
+   whole body (E13.1: modes below a frequency are driven by what else there is). Returns 0 if there is no such time. */
+static int fbi_advice_at(fb_real y[3], const fb_advice_work *work, const fb_envelope *e, int n, int at)
+{
+  const fbi_advice_modes *const m = &work->modes;
+  const int half = FBI_ADVICE_TIMES / 2, jumps = at > half;
+  const fb_real turns = FB_R(0.61803398874989485) * (fb_real)(1 + (at - 1) % half);
+  const fb_real t = (turns - (fb_real)(int)turns) * e->duration; /* the golden section of the duration, again and again */
+  const fb_real f = jumps ? FB_HUGE : e->frequency;
+  fbi_zero(y, 3);
+  if (at > 0 && (!(e->frequency > FB_R(0.0)) || (jumps && !(e->frequency > work->omega[work->full.n - 1][0])))) {
+    return 0;
+  }
+  for (int k = 0; k < n; k++) {
+    fbi_vec3_add(y, at == 0 ? FB_R(1.0) : fbi_advice_swing(m->omega[k], m->zeta[k], f, t), m->give[k]);
+  }
+  return 1;
+}
+
 /* [E13.1] Modal response in a load case: the quasi-static K q = f, K the tangent stiffness of the full set of effects
-   (if that is unstable: the one at rest), times the dynamic amplification factor of each mode.
-   Source: own; quasi-static response with dynamic amplification.  Cost: 2 n evaluations and an LU factorization.
-   Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
+   (if that is unstable: the one at rest), each mode of the whole body times its dynamic amplification factor.
+   Source: own; quasi-static response with dynamic amplification.  Cost: 2 n evaluations, an LU factorization, an
+   eigenproblem.  Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
 static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, int i)
 {
   const int n = work->full.n;
-  fb_real *const q = work->q[i], *const K = work->tangent[i], tip, beyond;
-  fb_status status = fbi_advise_tangent(K, work, &work->full, e, i);
+  const fbi_advice_modes *const m = &work->modes;
+  fb_real *const q = work->q[i], *const q_dot = work->q_dot[i], *const K = work->tangent[i], tip, beyond;
+  fb_status status = fbi_advise_stiffness(work, e, i);
   fbi_zero(q, n);
   status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
   if (status != FB_OK) {
@@ -30253,18 +30934,28 @@ static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, i
   }
 
   /* Quasi-static response */
-  fbi_copy(work->f[i], work->motion.q_ddot, n);
-  if (fbi_advise_solve(q, work, K, work->f[i], n) != FB_OK || !fbi_advice_holds(work, K, q)) {
+  fbi_advise_force(work->f[i], work, work->motion.q_ddot, work->all, n);
+  if (fbi_advise_solve(q, work, K, work->f[i], n) != FB_OK || !fbi_advice_holds(work, K, q) ||
+      fbi_advise_modes(work, e, i, q, n) != FB_OK) {
     fbi_copy(K, work->tangent[FBI_ADVICE_REST], n * n);
     status = fbi_advise_solve(q, work, K, work->f[i], n);
     work->buckled |= fbi_advice_holds(work, K, q); /* otherwise the load is too large even without preload */
+    status = status ? status : fbi_advise_modes(work, e, i, q, n);
   }
 
   /* Dynamic amplification, within the deflection limit */
-  for (int a = 0; a < n; a++) {
-    q[a] *= fbi_advice_gain(work, e, a, fbi_advice_omega(work, i, a));
+  fbi_zero(q, n);
+  fbi_zero(q_dot, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    for (int a = 0; a < n; a++) {
+      q[a] += m->gain[k] * m->part[k] * m->x[k * n + a];
+      q_dot[a] += m->gain[k] * m->part[k] * m->x[k * n + a] * fbi_advice_rate(e, m->omega[k]);
+    }
   }
   beyond = fbi_advice_bound(q, &work->full);
+  for (int a = 0; a < n; a++) {
+    q_dot[a] /= beyond;
+  }
 
   /* Deflection of the output */
   status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
@@ -30272,19 +30963,29 @@ static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, i
     tip = fbi_vec3_norm(work->node.displacement);
     work->deflection = fbi_larger(work->deflection, tip);
     work->bend = fbi_larger(work->bend, beyond * tip);
-    fbi_advise_note(work, e, i, tip);
+    fbi_advise_note(work, n);
+    fbi_advise_score(work, e, q);
+    fbi_advise_draw(work, e, tip);
+    for (int at = 0; at < FBI_ADVICE_TIMES; at++) {
+      (void)fbi_advice_at(work->history[i][at], work, e, n, at);
+    }
   }
   return status;
 }
 
-static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
+static fb_status fbi_advise_answers(fb_advice_work *work, const fb_shape *shape, const fb_envelope *e)
 {
+  const int n = work->full.n;
   fb_status status = fbi_advise_tangent(work->tangent[FBI_ADVICE_REST], work, &work->body, e, FBI_ADVICE_REST);
+  status = status ? status : fbi_advise_inertia(work, shape);
   work->deflection = work->bend = work->drawn = FB_R(0.0);
   work->buckled = 0;
-  for (int a = 0; a < work->full.n; a++) {
-    work->order[a] = a;
-    work->most[a] = work->omega[a] = work->beside[a] = FB_R(0.0);
+  fbi_copy(work->tangent[FBI_ADVICE_REST], shape->K, n * n);
+  memset(work->omega, 0, sizeof work->omega);
+  memset(work->most, 0, sizeof work->most);
+  memset(work->error_modes, 0, sizeof work->error_modes);
+  for (int a = 0; a < n; a++) {
+    work->score[a] = work->give[a] = work->beside[a] = FB_R(0.0);
   }
   for (int i = 0; i < FBI_ADVICE_INSTANTS && status == FB_OK; i++) {
     status = fbi_advise_answer(work, e, i);
@@ -30292,21 +30993,9 @@ static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
   return status;
 }
 
-/* Frequency at which a driven mode moves: that of the excitation, at most its own. */
-static fb_real fbi_advice_rate(const fb_advice_work *work, const fb_envelope *e, int a)
-{
-  return fbi_smaller(e->frequency, work->omega[a]);
-}
-
-/* Part of a mode's contribution that oscillates at its natural frequency: the free vibration excited by a harmonic
-   drive that starts with a jump of its slope. */
-static fb_real fbi_advice_share(const fb_advice_work *work, const fb_envelope *e, int a)
-{
-  return fbi_advice_rate(work, e, a) / work->omega[a];
-}
-
-/* Orders the modes by their contribution to the output; ringing: mean phase that the free vibration runs through in
-   half the duration [rad], weighted by contribution. */
+/* Orders the coordinates by what they matter; ringing: mean phase that the free vibration runs through in half the
+   duration [rad], weighted by the contribution of each mode, of which the part rate/omega oscillates at its natural
+   frequency: the free vibration excited by a harmonic drive that starts with a jump of its slope. */
 static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
 {
   const int n = work->full.n;
@@ -30314,11 +31003,11 @@ static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
   for (int a = 0; a < n; a++) {
     int rank = 0;
     for (int b = 0; b < n; b++) {
-      rank += b < a ? !(work->most[b] < work->most[a]) : work->most[b] > work->most[a];
+      rank += b < a ? !(work->score[b] < work->score[a]) : work->score[b] > work->score[a];
     }
     work->order[rank] = a;
-    turn += work->most[a] * fbi_advice_share(work, e, a) * FB_R(0.5) * work->omega[a] * e->duration;
-    sum += work->most[a];
+    turn += work->most[n - 1][a] * fbi_advice_rate(e, work->omega[n - 1][a]) * FB_R(0.5) * e->duration;
+    sum += work->most[n - 1][a];
   }
   work->ringing = sum > FB_R(0.0) ? turn / sum : FB_R(0.0);
 }
@@ -30331,39 +31020,25 @@ static fb_real fbi_advice_error(const fb_advice_work *work, fb_real r)
   return r + fbi_smaller(r * work->ringing, FB_R(2.0));
 }
 
-/* Relative change of the stiffness of the first mode when the modes after the first n are condensed statically:
-   sum K_ab K_ba/K_bb / K_aa. */
-static fb_real fbi_advise_condensed(const fb_advice_work *work, int instant, int n)
+/* [E13.9] Relative error of the output with the first n coordinates alone: the largest distance of their motion from
+   that of all, both linear about each load case, at rest and in time.
+   Source: own; modal superposition.  Cost: an eigenproblem and 129 n modes in time for each load case.  Fails: never
+   (FB_HUGE: some load case has no motion).  Test: two_booms_move_as_their_sum_and_difference. */
+static fb_real fbi_advise_fewer(fb_advice_work *work, const fb_envelope *e, int n)
 {
-  const int size = work->full.n, a = work->order[0];
-  const fb_real *const K = work->tangent[instant];
-  fb_real change = FB_R(0.0);
-  for (int k = n; k < size && k < FB_MAX_MODES; k++) { /* the bound: gcc 12 -O3 warns at one mode */
-    const int b = work->order[k];
-    change += K[a * size + b] * K[b * size + a] / K[b * size + b];
-  }
-  return FB_FABS(change / K[a * size + a]);
-}
-
-/* Relative error of the output with the first n modes alone: the difference of the quasi-static responses, times the
-   amplification factor of the first mode (near resonance the output depends on its frequency), and E13.2 of the change
-   of its stiffness. */
-static fb_real fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int n)
-{
-  fb_real worst = FB_R(0.0), all[FB_MAX_MODES], some[FB_MAX_MODES], y[3];
-  const int first = work->order[0];
+  fb_real worst = FB_R(0.0), q[FB_MAX_MODES], y[3];
   for (int i = 0; i < FBI_ADVICE_INSTANTS; i++) {
-    const fb_real gain = fbi_advice_gain(work, e, first, fbi_advice_omega(work, i, first));
-    if (fbi_advise_solve(all, work, work->tangent[i], work->f[i], work->full.n) != FB_OK ||
-        fbi_advise_solve(some, work, work->tangent[i], work->f[i], n) != FB_OK) {
+    if (fbi_advise_solve(q, work, work->tangent[i], work->f[i], n) != FB_OK ||
+        fbi_advise_modes(work, e, i, q, n) != FB_OK) {
       return FB_HUGE;
     }
-    for (int a = 0; a < work->full.n; a++) {
-      some[a] -= all[a];
+    fbi_advise_note(work, n);
+    for (int at = 0; at < FBI_ADVICE_TIMES; at++) {
+      if (fbi_advice_at(y, work, e, n, at)) {
+        fbi_vec3_add(y, FB_R(-1.0), work->history[i][at]);
+        worst = fbi_larger(worst, fbi_vec3_norm(y) / work->bend);
+      }
     }
-    fbi_advice_output(y, work, e, some);
-    worst = fbi_larger(worst,
-                       gain * fbi_vec3_norm(y) / work->bend + fbi_advice_error(work, fbi_advise_condensed(work, i, n)));
   }
   return worst;
 }
@@ -30377,19 +31052,19 @@ static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_
   for (int k = 0; k < body->n; k++) {
     const int a = coordinate[k];
     q[k] = fbi_advice_phase[phase][0] * work->q[at][a];
-    q_dot[k] = fbi_advice_phase[phase][1] * work->q[at][a] * fbi_advice_rate(work, e, a);
+    q_dot[k] = fbi_advice_phase[phase][1] * work->q_dot[at][a];
   }
   return fbi_advise_motion(work, body, e, at, q, q_dot);
 }
 
-/* The same for the full set of effects with all modes, as the reference. */
-static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, const int *all)
+/* The same for the full set of effects with all modes, as the reference; the forces of its accelerations. */
+static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e)
 {
   fb_status status = FB_OK;
   for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
     const int at = k / FBI_ADVICE_PHASES, phase = k % FBI_ADVICE_PHASES;
-    status = fbi_advise_phase(work, &work->full, e, all, at, phase);
-    fbi_copy(work->q_ddot[at][phase], work->motion.q_ddot, work->full.n);
+    status = fbi_advise_phase(work, &work->full, e, work->all, at, phase);
+    fbi_advise_force(work->force[at][phase], work, work->motion.q_ddot, work->all, work->full.n);
     fbi_copy(work->displacement[at][phase], work->node.displacement, 3);
   }
   return status;
@@ -30397,21 +31072,23 @@ static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, con
 
 /* [E13.3] Relative error of the candidate in work.body by its missing effects, at most over load cases and phases: the
    difference of the output at the same coordinates (whole: only for a body with all modes), and E13.2 of the difference
-   of its accelerations from those of the full set with all modes.
+   of its accelerations from those of the full set with all modes, both as forces (E13.6): what modes that are left out
+   move the base by is no error of effects.
    Source: own.  Cost: 15 evaluations.  Fails: never (FB_HUGE: the motion cannot be evaluated).
    Test: sets_err_by_the_change_of_frequency. */
 static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const int *coordinate, int whole)
 {
   const int n = work->body.n;
-  fb_real off[FB_MAX_MODES], q[FB_MAX_MODES], place = FB_R(0.0), motion = FB_R(0.0);
+  fb_real off[FB_MAX_MODES], force[FB_MAX_MODES], q[FB_MAX_MODES], place = FB_R(0.0), motion = FB_R(0.0);
   for (int i = 0; i < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES; i++) {
     const int at = i / FBI_ADVICE_PHASES, phase = i % FBI_ADVICE_PHASES;
     fb_real away[3];
 
     /* Error of the accelerations, as a static displacement of the output */
     fb_status status = fbi_advise_phase(work, &work->body, e, coordinate, at, phase);
+    fbi_advise_force(force, work, work->motion.q_ddot, coordinate, n);
     for (int k = 0; k < n && status == FB_OK; k++) {
-      off[coordinate[k]] = work->motion.q_ddot[k] - work->q_ddot[at][phase][coordinate[k]];
+      off[coordinate[k]] = force[k] - work->force[at][phase][coordinate[k]];
     }
     status = status ? status : fbi_advise_solve(q, work, work->tangent[FBI_ADVICE_REST], off, n);
     if (status != FB_OK) {
@@ -30433,15 +31110,17 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
    with large deflection that lacks the mode lacks that.
    Source: own.  Cost: 15 evaluations.  Fails: as fb_body_motion_eval.
    Test: large_deflection_takes_the_modes_that_it_drives. */
-static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e, const int *all)
+static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e)
 {
+  fb_real force[FB_MAX_MODES];
   fb_status status = FB_OK;
   for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
     const int at = k / FBI_ADVICE_PHASES, phase = k % FBI_ADVICE_PHASES;
-    status = fbi_advise_phase(work, &work->body, e, all, at, phase);
+    status = fbi_advise_phase(work, &work->body, e, work->all, at, phase);
+    fbi_advise_force(force, work, work->motion.q_ddot, work->all, work->full.n);
     for (int a = 0; a < work->full.n && status == FB_OK; a++) {
       const fb_real K = work->tangent[FBI_ADVICE_REST][a * (work->full.n + 1)];
-      const fb_real f = FB_FABS(work->motion.q_ddot[a] - work->q_ddot[at][phase][a]);
+      const fb_real f = FB_FABS(force[a] - work->force[at][phase][a]);
       const fb_real give = f / K * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a) / work->deflection;
       work->beside[a] = fbi_larger(work->beside[a], give);
     }
@@ -30531,10 +31210,10 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
   /* Free vibration */
   s->n = 0;
   for (int k = 0; k < n; k++) {
-    const int a = work->order[k];
-    amplitude[s->n] = inertial * work->most[a] / work->deflection * fbi_advice_share(work, e, a);
+    const fb_real omega = work->omega[n - 1][k];
+    amplitude[s->n] = inertial * work->most[n - 1][k] / work->deflection * fbi_advice_rate(e, omega) / omega;
     s->re[s->n] = FB_R(0.0);
-    s->im[s->n++] = work->omega[a] + spin;
+    s->im[s->n++] = omega + spin;
   }
 
   /* Driven response */
@@ -30552,38 +31231,36 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
 static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e, fb_real tolerance)
 {
-  int all[FB_MAX_MODES];
-
   /* Bodies with all modes: full and linear set of effects */
   fb_status status = fbi_advise_check(shape, desc, e, tolerance);
   for (int a = 0; a < FB_MAX_MODES; a++) {
-    all[a] = a;
+    work->all[a] = work->order[a] = a;
     work->zeta[a] = fbi_has(desc->effects, FB_EFFECT_DAMPING) ? desc->zeta[a] : FB_R(0.0);
   }
   status = status ? status : fbi_advise_body(&work->full, work, shape, desc, NULL, FB_EFFECTS_FULL);
   status = status ? status : fbi_advise_body(&work->body, work, shape, desc, NULL, FB_EFFECTS_LINEAR);
 
   /* Modal responses in all load cases */
-  status = status ? status : fbi_advise_answers(work, e);
+  status = status ? status : fbi_advise_answers(work, shape, e);
   if (status == FB_OK && !(work->deflection > (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * shape->size)) {
     status = FB_ERR_VALUE; /* nothing drives the output */
   }
   if (status == FB_OK) {
     fbi_advise_order(work, e);
-    status = fbi_advise_full(work, e, all);
+    status = fbi_advise_full(work, e);
   }
 
   /* Errors by missing effects, then by missing modes */
   for (int set = 0; set < FBI_ADVICE_SETS && status == FB_OK; set++) {
     const int is = fbi_advice_has(shape, set) && /* incomplete sets are refused */
                    fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
-    work->error[set] = is && set != FBI_ADVICE_LARGE ? fbi_advise_set(work, e, all, 1) : FB_HUGE;
+    work->error[set] = is && set != FBI_ADVICE_LARGE ? fbi_advise_set(work, e, work->all, 1) : FB_HUGE;
     if (is && set == FBI_ADVICE_LARGE) { /* what is beyond the full set is no error: E13.4 */
-      work->error[set] = fbi_advise_beside(work, e, all) == FB_OK ? FB_R(0.0) : FB_HUGE;
+      work->error[set] = fbi_advise_beside(work, e) == FB_OK ? FB_R(0.0) : FB_HUGE;
     }
   }
-  for (int k = 0; k < shape->n && status == FB_OK; k++) {
-    work->error_modes[k] = fbi_advise_modes(work, e, k + 1);
+  for (int n = shape->n - 1; n > 0 && status == FB_OK; n--) {
+    work->error_modes[n - 1] = fbi_advise_fewer(work, e, n);
   }
   return status;
 }
@@ -30641,8 +31318,8 @@ static fb_real fbi_advice_aside(const fb_advice_work *work, const fb_shape *shap
     for (int k = 0; k < shape->lines.n_row; k++) {
       bends |= shape->lines.row[k].a == a;
     }
-    all += work->most[a];
-    aside += bends ? FB_R(0.0) : work->most[a];
+    all += work->give[a];
+    aside += bends ? FB_R(0.0) : work->give[a];
   }
   return all > FB_R(0.0) ? aside / all : FB_R(1.0);
 #else

@@ -28,13 +28,13 @@ static fb_status frequencies(double *hz, fb_base base)
   status = model_build(&what);
   status = status ? status : fb_state_init(&model_body, &state);
   status = status ? status : fb_body_spectrum_solve(&model_body, &work, &spectrum, &state, &input);
-  for (int k = 0; k < spectrum.n && status == FB_OK && found < model.n_mode; k++) {
+  for (int k = 0; k < spectrum.n && status == FB_OK && found < model.part[0].n_mode; k++) {
     const double f = hypot((double)spectrum.re[k], (double)spectrum.im[k]) / (2 * model_pi);
     if (f > 0.01) { // the modes of a free body that come before are rigid ones, at zero
       hz[found++] = f;
     }
   }
-  return status || found == model.n_mode ? status : FB_ERR_MODES;
+  return status || found == model.part[0].n_mode ? status : FB_ERR_MODES;
 }
 
 int main(int argc, char **argv)
@@ -54,10 +54,10 @@ int main(int argc, char **argv)
   }
   status = frequencies(fixed, FB_BASE_PRESCRIBED);
   status = status ? status : frequencies(free, FB_BASE_FREE);
-  for (int a = 0; a < model.n_mode && status == FB_OK; a++) {
-    printf("mode %d: file %8.5f Hz, fixed interface %8.5f Hz, free satellite %8.5f Hz\n", a + 1, model.frequency[a],
-           fixed[a], free[a]);
-    worst = fmax(worst, fabs(fixed[a] / model.frequency[a] - 1));
+  for (int a = 0; a < model.part[0].n_mode && status == FB_OK; a++) {
+    printf("mode %d: file %8.5f Hz, fixed interface %8.5f Hz, free satellite %8.5f Hz\n", a + 1,
+           model.part[0].frequency[a], fixed[a], free[a]);
+    worst = fmax(worst, fabs(fixed[a] / model.part[0].frequency[a] - 1));
     ordered &= free[a] > fixed[a] * (1 - 1e-6);
   }
   status = status ? status : fb_state_init(&model_body, &state);

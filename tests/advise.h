@@ -57,6 +57,46 @@ static inline void boom_under_a_force(double force, int along_y, int along_z)
   envelope.load[0].force[2] = (fb_real)force;
 }
 
+/* A hub of 100 kg with two equal booms of 5 m, along x and -x, that flies: the modes of one boom after those of the
+   other, y before z; the tips are nodes 1, which is the output, and 2. */
+static inline void make_two_booms(int along_y, int along_z)
+{
+  static fb_modes modes;
+  static fb_beam beam;
+  static fb_modes_work modes_work;
+  static fb_beam_desc desc;
+  const fb_real inertia[6] = {20, 20, 20, 0, 0, 0}, origin[3] = {0, 0, 0};
+  const int n = along_y + along_z;
+  fb_modes_desc keep;
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_BEND_Y] = along_y;
+  keep.count[FB_KIND_BEND_Z] = along_z;
+  FBT_INT_EQ(fb_shape_init(&shape, 2 * n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(100.0), origin, inertia), FB_OK);
+  for (int k = 0; k < 2; k++) {
+    int node = 0;
+    memset(&desc, 0, sizeof desc);
+    desc.length = FB_R(5.0);
+    desc.attitude[3 * k] = FB_R(1.0); /* the second after half a turn about z */
+    desc.n_element = 10;
+    desc.n_station = 1;
+    desc.station[0].mass = FB_R(0.5);
+    desc.station[0].EI_y = desc.station[0].EI_z = FB_R(500.0);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, n * k, &beam, &modes), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, n * k, &beam, &modes, desc.length), FB_OK);
+    FBT_INT_EQ(node, k + 1);
+  }
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL;
+  memset(&envelope, 0, sizeof envelope);
+  envelope.node = 1;
+  envelope.duration = FB_R(10.0);
+  envelope.n_load = 1;
+  envelope.load[0].axes = FB_AXES_BODY;
+}
+
 /* Advice for the envelope must succeed; returns its deflection. */
 static inline double deflection(void)
 {

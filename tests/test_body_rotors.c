@@ -1,59 +1,13 @@
 /* >>body: rotors: wheels inside a body. Closed forms of gyrostats, wheels as bodies on hinges, conservation, and the
    definition of their momentum by the motion of the node they sit on. */
-#include "body.h"
+#include "rotors.h"
 #if FB_WITH_ROTORS
 
-static fb_body_desc desc;
-static fb_state state, before;
-static fb_input input;
-static fb_motion motion;
+static fb_state before;
 static fb_rk4_work rk4;
 static fb_implicit_work implicit;
 static fb_exponential exponential;
 static fb_exponential_work exponential_work;
-
-static void fresh(fb_base base, unsigned effects)
-{
-  memset(&desc, 0, sizeof desc);
-  memset(&input, 0, sizeof input);
-  desc.base = base;
-  desc.effects = effects;
-}
-
-/* One more rotor; x, y, z: its axis. */
-static fb_rotor *rotor_add(int node, double x, double y, double z, double inertia)
-{
-  fb_rotor *const rotor = &desc.rotor[desc.n_rotor++];
-  rotor->node = node;
-  rotor->axis[0] = (fb_real)x;
-  rotor->axis[1] = (fb_real)y;
-  rotor->axis[2] = (fb_real)z;
-  rotor->inertia = (fb_real)inertia;
-  return rotor;
-}
-
-/* A rigid body with these moments of inertia about O, its mass center at `arm` on z. */
-static void rigid_hub(double mass, double arm, double jx, double jy, double jz)
-{
-  const double shift = mass * arm * arm;
-  const fb_real center[3] = {0, 0, (fb_real)arm};
-  const fb_real inertia[6] = {(fb_real)(jx - shift), (fb_real)(jy - shift), (fb_real)jz, 0, 0, 0};
-  FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
-  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)mass, center, inertia), FB_OK);
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
-  FBT_INT_EQ(fb_body_check(&body), FB_OK);
-}
-
-/* Angular velocity of the body and speeds of its rotors. */
-static void spin_up(double x, double y, double z, const double *speed)
-{
-  const fb_real still[3] = {0, 0, 0}, w[3] = {(fb_real)x, (fb_real)y, (fb_real)z};
-  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
-  FBT_INT_EQ(fb_state_from_velocity(&body, &state, still, w, NULL), FB_OK);
-  for (int r = 0; r < body.n_rotor; r++) {
-    FBT_INT_EQ(fb_state_rotor_set(&body, &state, r, (fb_real)speed[r], 0, NULL), FB_OK);
-  }
-}
 
 static fb_status step(int integrator, double dt)
 {
@@ -230,38 +184,6 @@ TEST(motors_and_friction_act_between_wheel_and_body)
 }
 
 /* ---- flexible bodies */
-
-static const unsigned sets[] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_FULL, FB_EFFECTS_LARGE};
-
-/* The boom of body.h with a wheel on the hub, one on its tip and one along it. */
-static void craft(unsigned effects, fb_base base, int friction)
-{
-  int node[2];
-  fresh(base, effects);
-  desc.deflection_limit = FB_R(2.0);
-  boom(&shape, node);
-  rotor_add(0, 0.3, -0.5, 1.0, 0.05);
-  rotor_add(node[0], 1.0, 0.4, 0.2, 0.004);
-  rotor_add(node[1], -0.2, 1.0, 0.7, 0.008);
-  for (int r = 0; r < 3 && friction; r++) {
-    desc.rotor[r].damping = FB_R(1e-4);
-    desc.rotor[r].friction = FB_R(2e-3);
-    desc.rotor[r].friction_speed = FB_R(2.0);
-  }
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
-  FBT_INT_EQ(fb_body_check(&body), FB_OK);
-  FBT_INT_EQ(body.rotor[0].moves, 0);
-  FBT_INT_EQ(body.rotor[1].moves, 1);
-}
-
-static void craft_moves(double size)
-{
-  static const double speed[3] = {20.0, -60.0, 45.0};
-  boom_state(&state, size);
-  for (int r = 0; r < 3; r++) {
-    FBT_INT_EQ(fb_state_rotor_set(&body, &state, r, (fb_real)speed[r], FB_R(0.3), &input), FB_OK);
-  }
-}
 
 /* E8.41: what rotors add to a body of the same velocities: momentum I (a.w + speed) along the axis, a and w those of the
    section they sit on; energy h^2/(2 I). The momenta of the modes give back the velocities. */
@@ -530,6 +452,7 @@ TEST(wheels_at_600_rad_per_s_cost_no_step)
 TEST(rotors_bound_the_step)
 {
   const double A = 1.5, C = 1.0, I = 0.04, w_x = 1e-3;
+  fb_body_limit longest;
   for (int k = 0; k < 3; k++) {
     const double speed = 400.0 * pow(10.0, k), h = I * speed, limit = 2.785 / (h / A + 2.0 * w_x);
     double energy;
@@ -540,6 +463,10 @@ TEST(rotors_bound_the_step)
     FBT_NEAR_REL(body.rotor[0].rate, 0.0, 0.0);
     spin_up(w_x, 0, 0, &speed);
     before = state;
+    FBT_INT_EQ(fb_body_limit_eval(&body, &longest, &state, &input), FB_OK);
+    FBT_NEAR_REL(longest.rk4, limit, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(longest.spin, h / A / 2.0 + w_x, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(longest.implicit, 0.1 / (h / A / 2.0 + w_x), FBT_TOL(1e-12, 1e-5));
     FBT_INT_EQ(step(FB_INTEGRATOR_RK4, 1.02 * limit), FB_ERR_STEP);
     FBT_INT_EQ(step(FB_INTEGRATOR_MIDPOINT, 0.11 / (h / A / 2.0 + w_x)), FB_ERR_STEP);
     FBT_INT_EQ(step(FB_INTEGRATOR_SDIRK, 0.11 / (h / A / 2.0 + w_x)), FB_ERR_STEP);
@@ -573,7 +500,71 @@ TEST(rotors_bound_the_step)
   }
 }
 
+/* E8.8, E11.6, E11.46: a step of one body is refused just beyond what its limit says, and taken just below. */
+TEST(steps_of_one_body_are_those_of_its_limit)
+{
+  for (int set = 0; set < FBT_COUNT(sets); set++) {
+    for (int base = 0; base < FB_BASE_COUNT; base++) {
+      fb_body_limit longest, again;
+      if (sets[set] == FB_EFFECTS_LARGE && !FB_WITH_LARGE_DEFLECTION) {
+        continue;
+      }
+      fbt_seed(17);
+      craft(sets[set], (fb_base)base, 1);
+      craft_moves(0.01);
+      FBT_INT_EQ(fb_body_limit_eval(&body, &longest, &state, &input), FB_OK);
+      before = state;
+      for (int beyond = 0; beyond < 2; beyond++) {
+        const double part = beyond ? 1.001 : 0.999;
+        state = before;
+        FBT_INT_EQ(step(FB_INTEGRATOR_RK4, part * (double)longest.rk4), beyond ? FB_ERR_STEP : FB_OK);
+        state = before;
+        FBT_INT_EQ(step(FB_INTEGRATOR_SDIRK, part * (double)longest.implicit), beyond ? FB_ERR_STEP : FB_OK);
+      }
+      again = longest;
+      state = before;
+      state.pi[body.n] = (fb_real)NAN;
+      FBT_INT_EQ(fb_body_limit_eval(&body, &longest, &state, &input), FB_ERR_NOT_FINITE);
+      FBT_TRUE(memcmp(&again, &longest, sizeof again) == 0);
+    }
+  }
+}
+
 /* ---- imbalance, given momenta */
+
+/* E8.41, E11.46: a top that spins at 400 rad/s about its axis of symmetry moves as a body at rest about that axis with a
+   rotor of the same momentum: steps in which the top would turn by 4 rad, refused without the rotor. */
+TEST(fast_tops_are_bodies_with_rotors)
+{
+  const double A = 20.0, C = 0.7, own = 0.01, m = 4.0, l = 0.3, spin = 400.0, T = 1.0, wheel = C * spin / (C - own);
+  const fb_real tilt[3] = {0, FB_R(1.1), 0}, still[3] = {0, 0, 0};
+  fb_real axis[2][3], R[9];
+  for (int with = 0; with < 2; with++) {
+    const fb_real w[3] = {FB_R(0.1), 0, (fb_real)(with ? 0.0 : spin)};
+    const double dt = with ? 0.01 : FBT_TOL(1e-4, 4e-4);
+    fresh(FB_BASE_PINNED, FB_EFFECT_GRAVITY);
+    desc.gravity[2] = -FB_R(9.81);
+    if (with) {
+      rotor_add(0, 0, 0, 1, C - own);
+    }
+    rigid_hub(m, l, A, A, with ? own : C);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    fb_quat_from_rotvec(state.quat, tilt);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, still, w, NULL), FB_OK);
+    if (with) {
+      FBT_INT_EQ(fb_state_rotor_set(&body, &state, 0, (fb_real)wheel, 0, NULL), FB_OK);
+    } else {
+      FBT_INT_EQ(step(FB_INTEGRATOR_RK4, 0.01), FB_ERR_STEP);
+    }
+    run(FB_INTEGRATOR_RK4, dt, (int)(T / dt + 0.5));
+    fb_quat_to_mat33(R, state.quat);
+    for (int i = 0; i < 3; i++) {
+      axis[with][i] = R[3 * i + 2];
+    }
+  }
+  FBT_NEAR_ABS(fbt_difference(axis[0], axis[1], 3), 0.0, FBT_TOL(1e-6, 1e-3));
+  FBT_TRUE(fabs((double)axis[0][1]) > 1e-3); /* it has moved across */
+}
 
 /* E8.42: a heavy body is shaken by U spin^2 along a direction that turns: velocity U spin/m (sin, 1 - cos) of the mass
    center, angular velocity by the dynamic imbalance alike, a quarter of a turn ahead. */
@@ -771,18 +762,12 @@ TEST(rotors_are_refused_where_there_are_none)
 #endif
 #if FB_WITH_ANALYSE
   {
-    static fb_analyse_work work;
-    static fb_linear linear;
-    static fb_spectrum spectrum;
     static fb_advice_work advice_work;
     fb_advice advice;
     fb_envelope envelope;
     memset(&envelope, 0, sizeof envelope);
     envelope.node = desc.rotor[1].node;
     envelope.duration = FB_R(1.0);
-    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_UNSUPPORTED);
-    FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, NULL), FB_ERR_UNSUPPORTED);
-    FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_ERR_UNSUPPORTED);
     FBT_INT_EQ(fb_advice_solve(&advice, &advice_work, &shape, &desc, &envelope, FB_R(0.1)), FB_ERR_UNSUPPORTED);
   }
 #endif
@@ -793,6 +778,7 @@ SUITE(body_rotors, RUN(gyrostats_nutate_and_wobble_in_closed_form), RUN(gyroscop
       RUN(momenta_of_rotors_are_those_of_their_sections), RUN(gyrostats_keep_energy_and_momentum),
       RUN(power_of_rotors_is_the_rate_of_energy), RUN(accelerations_of_gyrostats_are_derivatives_of_velocities),
       RUN(integrators_of_gyrostats_agree), RUN(wheels_at_600_rad_per_s_cost_no_step), RUN(rotors_bound_the_step),
+      RUN(steps_of_one_body_are_those_of_its_limit), RUN(fast_tops_are_bodies_with_rotors),
       RUN(unbalanced_rotors_shake_their_body), RUN(imbalance_acts_as_a_load_on_its_node),
       RUN(given_momenta_turn_the_body_against_them), RUN(bad_rotors_are_refused),
       RUN(rotors_are_refused_where_there_are_none))

@@ -18,14 +18,14 @@
 #define SUITES(X) \
   X(status) X(status_detail) X(vec3) X(rotation) X(linalg) X(beam) \
   X(modes_frequencies) X(modes_components) X(modes_selection) \
-  X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_rotors) X(body_gravity) X(body_refusals) X(body_build) \
+  X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_imports) X(body_strain) X(body_rotors) X(body_gravity) X(body_refusals) X(body_build) \
   X(line_parts) X(line_loads) X(line_refusals) \
   FORMS(X) \
   X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
   X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_machines) X(system_rotors) X(system_gravity) X(system_springs) X(system_friction) X(system_references) X(system_refusals) \
   X(line_kinematics) X(line_statics) X(line_motion) \
   X(exact_statics) X(exact_motion) X(exact_flight) X(exact_spectrum) X(exact_linear) \
-  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) \
+  X(analyse_body) X(analyse_rotors) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) \
   X(advise_formulas) X(advise_search) X(build)
 // clang-format on
 

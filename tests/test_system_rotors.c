@@ -342,7 +342,46 @@ TEST(rotors_of_little_bent_bodies_are_wheels_on_hinges)
   }
   FBT_BELOW(miss[1], FBT_TOL(0.15 * miss[0], 5e-3));
 }
-#define WHEELS , RUN(rotors_are_wheels_on_hinges), RUN(rotors_of_little_bent_bodies_are_wheels_on_hinges)
+
+/* E8.47: the spectrum of a body whose rotor turns is that of the system with the wheel on a hinge, about rest, where a motor
+   balances friction: all eigenvalues above 0.02 rad/s. */
+TEST(spectra_of_rotors_are_those_of_wheels)
+{
+  static const unsigned effects[2] = {FB_EFFECTS_LARGE, FB_EFFECTS_FULL};
+  static fb_body whole;
+  static fb_analyse_work own;
+  static fb_system_analyse_work joined;
+  static fb_spectrum spectrum[2];
+  for (int set = 0; set < 2; set++) {
+    fb_state one;
+    fb_input in;
+    int counted = 0;
+    wheel_at_tip(&whole, &one, &in, effects[set], 90.0, 0.0);
+    FBT_INT_EQ(fb_state_init(&whole, &one), FB_OK);
+    FBT_INT_EQ(fb_state_rotor_set(&whole, &one, 0, FB_R(90.0), 0, NULL), FB_OK);
+    memset(start[0].speed, 0, sizeof start[0].speed);
+    in.rotor[0].torque = input.drive[1].torque[0] = FB_R(90.0) * FB_R(1e-4);
+    begin(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_body_trim(&whole, &one, &own, &in), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&whole, &own, &spectrum[0], &one, &in), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, model, &joined, &spectrum[1], &state, &input), FB_OK);
+    for (int k = 0; k < spectrum[0].n; k++) {
+      const double re = (double)spectrum[0].re[k], im = (double)spectrum[0].im[k], size = hypot(re, im);
+      double nearest = 1e9;
+      for (int j = 0; j < spectrum[1].n; j++) {
+        nearest = fmin(nearest, hypot((double)spectrum[1].re[j] - re, (double)spectrum[1].im[j] - im));
+      }
+      if (size > 0.02) {
+        counted++;
+        FBT_BELOW(nearest, FBT_TOL(1e-6, 2e-2) * size);
+      }
+    }
+    FBT_TRUE(counted >= whole.n + 1);
+  }
+}
+#define WHEELS                                                                                \
+  , RUN(rotors_are_wheels_on_hinges), RUN(rotors_of_little_bent_bodies_are_wheels_on_hinges), \
+      RUN(spectra_of_rotors_are_those_of_wheels)
 #else
 #define WHEELS
 #endif

@@ -23,8 +23,8 @@ static void scene_at_part(text_file *t, const char *what)
       {"the beam", "stations"}, {"its modes", "modes"}, {"its integrals", "modes"}, {"no mode is left", "modes"},
       {"damping", "damping"},   {"the hub", "hub"},     {"a node", "node"}};
   for (int k = 0; k < (int)(sizeof parts / sizeof *parts); k++) {
-    if (strncmp(what, parts[k][0], strlen(parts[k][0])) == 0) {
-      model_at(t, parts[k][1]);
+    if (strstr(what, parts[k][0])) {
+      model_at(t, model.built < 0 ? NULL : &model.part[model.built], parts[k][1]);
     }
   }
 }
@@ -42,14 +42,11 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
   if (status == FB_OK && body->n_node > SCENE_NODES + 1) {
     text_fail(t, "more than %d nodes", SCENE_NODES);
   }
-  if (gauges->n > 0 && body->kind != MODEL_BEAM) {
-    text_fail(t, "gauges are on beams");
-    return;
-  }
   for (int k = 0; k < gauges->n && status == FB_OK; k++) {
+    const int part = gauges->part[k];
     what = "a gauge";
-    status = fb_gauge_init(&body->gauge[k], 0, &model_beam, &model_modes, (fb_real)gauges->x[k][0],
-                           (fb_real)gauges->x[k][1], (fb_real)gauges->x[k][2]);
+    status = fb_gauge_init(&body->gauge[k], model.part[part].first, &model_beam[part], &model_modes[part],
+                           (fb_real)gauges->x[k][0], (fb_real)gauges->x[k][1], (fb_real)gauges->x[k][2]);
   }
   if (status == FB_OK) {
     status = scene_add_drawn(body);
@@ -101,6 +98,7 @@ static void scene_begin_exact(text_file *t, scene *s, scene_body *body)
     text_fail(t, "an exact beam stands alone");
   }
   s->is_exact = 1;
+  model_begin(MODEL_BEAM); /* of which nothing is used */
   body->kind = MODEL_BEAM;
   body->n_node = 1;
   exact_begin(&s->exact);
@@ -119,10 +117,11 @@ static void scene_name_body(text_file *t, const scene *s, scene_body *body)
   }
 }
 
-/* body NAME beam|component|rigid, its lines, end; or body NAME file FILE, further lines, end */
+/* body NAME beam|component|rigid|parts, its lines, end; or body NAME file FILE, further lines, end */
 static void scene_read_body(text_file *t, scene *s)
 {
-  static const char *const kinds[] = {"beam", "component", "rigid", "file", "exact", NULL};
+  static const char *const kinds[] = {"beam", "component", "rigid", "parts", "file", "exact", NULL};
+  enum { OTHER_FILE = MODEL_PARTS + 1, EXACT };
   scene_body *const body = &s->body[s->n_body];
   scene_gauge_line gauges = {0};
   const int begin = t->line;
@@ -136,13 +135,13 @@ static void scene_read_body(text_file *t, scene *s)
   body->line = begin;
   scene_name_body(t, s, body);
   kind = text_choice(t, "a body", kinds);
-  if (kind == 4) {
+  if (kind == EXACT) {
     scene_begin_exact(t, s, body);
-  } else if (kind < 3) {
+  } else if (kind < OTHER_FILE) {
     model_begin((model_kind)kind);
   } else {
     scene_read_model(t, s);
-    model.seen.n = 0; /* lines here may change what it says */
+    model_forget_lines(); /* lines here may change what it says */
   }
   text_end_of_line(t);
   while (!ended && text_line(t)) {
@@ -152,7 +151,7 @@ static void scene_read_body(text_file *t, scene *s)
       text_note(t, &body->seen, word);
       scene_read_gauge(t, body, &gauges);
     } else if (!ended && !scene_read_start(t, body, word)) {
-      (kind == 4 ? scene_read_exact_line : scene_read_model_line)(t, s, body, word);
+      (kind == EXACT ? scene_read_exact_line : scene_read_model_line)(t, s, body, word);
     }
   }
   if (!ended) {
@@ -160,13 +159,13 @@ static void scene_read_body(text_file *t, scene *s)
   }
   last = t->line;
   t->line = begin; /* what is missing has no line of its own */
-  if (kind == 4) {
+  if (kind == EXACT) {
     scene_check_exact_body(t, s, body);
     scene_place_exact(t, s, body);
   } else {
     body->base_line = text_seen(&model.seen, "base");
     scene_pull_body(t, s);
-    model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
+    model.level.effects |= body->tolerance > 0 && model_is_damped() ? (unsigned)FB_EFFECT_DAMPING : 0u;
     model_check(t);
     if (!t->failed) {
       scene_build_body(t, s, body, &gauges);
@@ -371,6 +370,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
                {"joint", scene_read_joint, 0},
                {"loop", scene_read_loop, 0},
                {"spring", scene_read_spring, 0},
+               {"rotor", scene_read_rotor, 0},
                {"event", scene_read_event, 0},
                {"load", scene_read_load, 0},
                {"nudge", scene_read_nudge, 0},

@@ -209,6 +209,15 @@ static void scene_note_nothing(const scene *s)
   automatic.spin = automatic.acceleration = 0;
 }
 
+/* The rotation that the steps of a body with rotors are to resolve: their nutation. */
+static fb_status scene_note_rotors(void)
+{
+  fb_body_limit limit;
+  const fb_status status = fb_body_limit_eval(&engine.body[0], &limit, &engine.state, &engine.at[0]);
+  automatic.spin = status == FB_OK ? fmax(automatic.spin, (double)limit.spin) : automatic.spin;
+  return status;
+}
+
 /* The rotation that the steps of a system are to resolve: that of rotors is not. */
 static fb_status scene_note_spin(void)
 {
@@ -223,6 +232,7 @@ static fb_status scene_note(const scene *s, double t)
 {
   fb_status status = scene_look(s, t);
   status = status == FB_OK && scene_is_system(s) ? scene_note_spin() : status;
+  status = status == FB_OK && s->n_rotor > 0 ? scene_note_rotors() : status;
   for (int b = 0; b < s->n_body && status == FB_OK; b++) {
     scene_note_body(s, b);
   }
@@ -454,6 +464,9 @@ static void scene_choose(scene *s)
   if (s->is_exact) {
     s->dt = exact_choose(s, 10 * scene_accuracy);
     return;
+  }
+  if (s->n_rotor > 0) {
+    (void)scene_note_rotors();
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->integrator_auto || s->integrator == advice->integrator)) {
     engine.integrator = advice->integrator;

@@ -92,39 +92,27 @@ static void scene_read_node(text_file *t, const scene *s, int *body, int *node)
   *node = t->failed || !part[0] ? 0 : scene_node_of(t, &s->body[*body], part);
 }
 
-/* W X Y Z of a quaternion, or turns about own axes one after the other, in degrees: x 90 z 30. */
-static void scene_read_attitude(text_file *t, double quat[4])
-{
-  static const char *const axes[] = {"x", "y", "z", NULL};
-  const char *const next = t->at + strspn(t->at, " ");
-  fb_real q[4] = {1, 0, 0, 0};
-  if (next[0] < 'x' || next[0] > 'z') {
-    text_vector(t, "attitude", quat, 4);
-    if (!t->failed && !(fabs(quat[0]) + fabs(quat[1]) + fabs(quat[2]) + fabs(quat[3]) > 0)) {
-      text_fail(t, "an attitude must not be zero");
-    }
-    return;
-  }
-  do {
-    fb_real turn[3] = {0, 0, 0}, by[4], before[4];
-    const int axis = text_choice(t, "axis of a turn", axes);
-    turn[axis] = (fb_real)(text_degrees(t, "degrees"));
-    fb_quat_from_rotvec(by, turn);
-    memcpy(before, q, sizeof before);
-    fb_quat_mul(q, before, by);
-  } while (text_more(t));
-  for (int i = 0; i < 4; i++) {
-    quat[i] = (double)q[i];
-  }
-}
-
 /* ---- bodies */
 
-/* gauge NAME X Y Z: kept until the body's modes are known */
+/* gauge NAME X Y Z, in a body of parts gauge NAME BEAM X Y Z: kept until the body's modes are known */
 typedef struct scene_gauge_line {
-  int n;
+  int n, part[SCENE_GAUGES];
   double x[SCENE_GAUGES][3];
 } scene_gauge_line;
+
+/* Which part of the body that is read a beam is. */
+static int scene_read_beam(text_file *t, const scene_body *body)
+{
+  const char *const name = model.kind == MODEL_PARTS ? text_word(t) : "";
+  for (int k = 0; k < model.n_part && name; k++) {
+    if (model.part[k].kind == MODEL_BEAM && strcmp(model.part[k].name, name) == 0) {
+      return k;
+    }
+  }
+  text_fail(t, model.kind == MODEL_PARTS ? "no beam of body %s has the name %s" : "gauges are on beams", body->name,
+            name ? name : "(missing)");
+  return 0;
+}
 
 static void scene_read_gauge(text_file *t, scene_body *body, scene_gauge_line *gauges)
 {
@@ -138,6 +126,7 @@ static void scene_read_gauge(text_file *t, scene_body *body, scene_gauge_line *g
       text_fail(t, "two gauges have the name %s", body->gauge_name[k]);
     }
   }
+  gauges->part[gauges->n] = scene_read_beam(t, body);
   text_vector(t, "place along the beam, y and z off its line", gauges->x[gauges->n++], 3);
 }
 
@@ -189,7 +178,7 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
   if (strcmp(word, "start_position") == 0) {
     text_vector(t, word, body->position, 3);
   } else if (strcmp(word, "start_attitude") == 0) {
-    scene_read_attitude(t, body->attitude);
+    model_attitude(t, body->attitude);
   } else if (strcmp(word, "start_velocity") == 0) {
     text_vector(t, word, body->velocity, 3);
   } else if (strcmp(word, "start_spin") == 0) {
@@ -215,15 +204,27 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
   return 1;
 }
 
-/* Nodes along a beam, to draw it by. */
-static fb_status scene_add_drawn(const scene_body *body)
+/* Nodes along the beams, to draw them by. */
+static fb_status scene_add_drawn(scene_body *body)
 {
-  const int n = FB_MAX_NODES - body->n_node - 1;
   fb_status status = FB_OK;
-  for (int k = 0; k <= n && body->kind == MODEL_BEAM && status == FB_OK; k++) {
-    int at;
-    status = fb_shape_add_beam_node(&model_shape, &at, 0, &model_beam, &model_modes,
-                                    model_beam.start[model_beam.desc.n_element] * (fb_real)k / (fb_real)n);
+  int n;
+  for (int k = 0; k < model.n_part; k++) {
+    body->n_beam += model.part[k].kind == MODEL_BEAM;
+  }
+  for (int k = 1; k < body->n_node; k++) {
+    const int part = model.node_part[k];
+    body->on_beam[k] = part >= 0 && model.part[part].kind == MODEL_BEAM;
+  }
+  n = body->n_beam > 0 ? (FB_MAX_NODES - body->n_node) / body->n_beam - 1 : 0;
+  body->n_drawn = n > 0 ? n + 1 : 0;
+  for (int p = 0; p < model.n_part; p++) {
+    const fb_beam *const beam = &model_beam[p];
+    for (int k = 0; k < body->n_drawn && model.part[p].kind == MODEL_BEAM && status == FB_OK; k++) {
+      int at;
+      status = fb_shape_add_beam_node(&model_shape, &at, model.part[p].first, beam, &model_modes[p],
+                                      beam->start[beam->desc.n_element] * (fb_real)k / (fb_real)n);
+    }
   }
   return status;
 }

@@ -23,7 +23,7 @@ static void scene_pull_body(text_file *t, const scene *s)
     return;
   }
   if (text_seen(&model.seen, "gravity") || fabs((double)own[0]) + fabs((double)own[1]) + fabs((double)own[2]) > 0) {
-    model_at(t, "gravity");
+    model_at(t, NULL, "gravity");
     text_fail(t, "gravity of a body under that of the scene");
   }
   text_note(t, &model.seen, "gravity");
@@ -326,6 +326,26 @@ static void scene_check_trim(text_file *t, const scene *s)
   }
 }
 
+/* Rotors are those of one body with the effects of the momentum form. */
+static void scene_check_rotors(text_file *t, const scene *s)
+{
+  const scene_body *const body = &s->body[0];
+  if (s->n_rotor == 0) {
+    return;
+  }
+  t->line = s->rotor[0].line;
+  if (s->is_exact || scene_is_system(s)) {
+    text_fail(t, s->is_exact ? "a rotor is that of a body, not of an exact beam"
+                             : "a rotor is that of a body alone; among others a wheel is a body on a hinge");
+  }
+  if (body->tolerance > 0) {
+    text_fail(t, "a rotor in a body with auto, which knows of none: give its effects and modes");
+  }
+  if (body->level.form != FB_FORM_MOMENTUM) {
+    scene_refuse(t, &body->seen, "form", "of a body with rotors is momentum");
+  }
+}
+
 static void scene_check_events(text_file *t, const scene *s)
 {
   for (int k = 0; k < s->n_event; k++) {
@@ -435,6 +455,7 @@ static void scene_check(text_file *t, scene *s)
   }
   if (!t->failed) {
     (scene_is_system(s) ? scene_check_system : scene_check_single)(t, s);
+    scene_check_rotors(t, s);
     scene_check_trim(t, s);
     scene_check_events(t, s);
     scene_check_measures(t, s);

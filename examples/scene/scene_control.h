@@ -88,6 +88,20 @@ static void scene_act_by_pull(text_file *t, scene *s, scene_control *c)
   strcpy(c->unit, "N");
 }
 
+/* rotor ROTOR: adds to its motor */
+static void scene_act_by_rotor(text_file *t, scene *s, scene_control *c)
+{
+  c->at = scene_rotor_of(t, s);
+  if (!t->failed && s->body[0].level.rotor[c->at].given) {
+    text_fail(t, "the momentum of rotor %s is given: no motor", s->rotor[c->at].name);
+  }
+  if (!t->failed) {
+    scene_check_actor(t, s, s->rotor[c->at].control, "the rotor");
+    s->rotor[c->at].control = s->n_control;
+  }
+  strcpy(c->unit, "N m");
+}
+
 /* load NODE dead|follower|base force|torque X Y Z: the command times this vector */
 static void scene_act_by_load(text_file *t, scene *s, scene_control *c)
 {
@@ -107,12 +121,12 @@ static void scene_act_by_load(text_file *t, scene *s, scene_control *c)
   strcpy(c->unit, load->torque ? "N m" : "N");
 }
 
-/* output motor|pull|load .. */
+/* output motor|pull|load|rotor .. */
 static void scene_read_actor(text_file *t, scene *s, scene_control *c)
 {
-  static const char *const actors[] = {"motor", "pull", "load", NULL};
+  static const char *const actors[] = {"motor", "pull", "load", "rotor", NULL};
   static void (*const read[])(text_file *, scene *, scene_control *) = {scene_act_by_motor, scene_act_by_pull,
-                                                                        scene_act_by_load};
+                                                                        scene_act_by_load, scene_act_by_rotor};
   const int k = text_choice(t, "output of a controller", actors);
   c->actor = (scene_actor)(k + 1);
   read[k](t, s, c);

@@ -109,6 +109,26 @@ static void single_input(const scene *s, fb_input *input, double t, double side)
       (m->rate ? input->w_dot : input->v_dot)[i] += (fb_real)(f.rate * m->vector[i]);
     }
   }
+  for (int k = 0; k < s->n_rotor; k++) {
+    const scene_rotor *const rotor = &s->rotor[k];
+    const function_value f = function_eval(&rotor->f, &s->tables, t, side);
+    const int given = s->body[0].level.rotor[k].given;
+    const double command = rotor->control < 0 ? 0 : controlling[rotor->control].acting;
+    input->rotor[k].torque = (fb_real)(given ? f.rate : f.value + command);
+    input->rotor[k].momentum = (fb_real)(given ? f.value : 0);
+  }
+}
+
+/* Speeds of the rotors at the start; momenta that are given are in the input. */
+static fb_status single_start_rotors(const scene *s)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < s->n_rotor && status == FB_OK; k++) {
+    if (!s->body[0].level.rotor[k].given) {
+      status = fb_state_rotor_set(&engine.body[0], &engine.state, k, (fb_real)s->rotor[k].speed, 0, &engine.at[0]);
+    }
+  }
+  return status;
 }
 
 /* Pose, velocities and modal deflection at the start, or the steady state. */
@@ -131,9 +151,16 @@ static fb_status single_start(const scene *s)
     if (!held) {
       memcpy(input->w, w, sizeof w);
     }
-    return status ? status : fb_body_trim(&engine.body[0], x, &engine.analyse, input);
   }
-  return status ? status : fb_state_from_velocity(&engine.body[0], x, held ? input->v : v, held ? input->w : w, q_dot);
+  for (int k = 0; k < s->n_rotor; k++) {
+    x->pi[engine.body[0].n + k] = input->rotor[k].momentum;
+  }
+  if (!s->trim || s->n_rotor > 0) {
+    status =
+        status ? status : fb_state_from_velocity(&engine.body[0], x, held ? input->v : v, held ? input->w : w, q_dot);
+  }
+  status = status ? status : single_start_rotors(s);
+  return status || !s->trim ? status : fb_body_trim(&engine.body[0], x, &engine.analyse, input);
 }
 
 static fb_status single_step(const scene *s, double t, double dt)

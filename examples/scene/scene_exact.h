@@ -56,9 +56,9 @@ static void scene_place_exact(text_file *t, scene *s, scene_body *body)
 /* What a beam of modes has and an exact one has not. */
 static void scene_check_conversion(text_file *t)
 {
-  const fb_beam_desc *const beam = &model.beam;
+  const fb_beam_desc *const beam = &model.part[0].beam;
   const fb_base base = model.level.base;
-  const fb_preload *const p = &model.modes.preload;
+  const fb_preload *const p = &model.part[0].modes.preload;
   const fb_real *const at = beam->position, *const turn = beam->attitude;
   if (model.level.mu > FB_R(0.0)) {
     model_at(t, "central_gravity");
@@ -67,17 +67,17 @@ static void scene_check_conversion(text_file *t)
   if (model.kind != MODEL_BEAM || beam->n_point > 0) {
     text_fail(t, "exact takes a straight beam; bent ones are described by body NAME exact");
   } else if (beam->root != FB_ROOT_CLAMPED && (beam->root != FB_ROOT_FREE || base != FB_BASE_FREE || model.hub)) {
-    model_at(t, "root");
+    model_at(t, &model.part[0], "root");
     text_fail(t, "an exact beam is clamped to its body, which `base` holds");
   } else if ((base == FB_BASE_PINNED || base == FB_BASE_HINGED) &&
              FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0) {
-    model_at(t, "position");
+    model_at(t, &model.part[0], "position");
     text_fail(t, "an exact beam on a pin or hinge turns about its root: no position");
   } else if (base == FB_BASE_HINGED && FB_FABS(turn[1]) + FB_FABS(turn[2]) > 0) {
-    model_at(t, "attitude");
+    model_at(t, &model.part[0], "attitude");
     text_fail(t, "the hinge of an exact beam is along its own z");
   } else if (FB_FABS(p->force) + FB_FABS(p->acceleration) + FB_FABS(p->spin) > 0) {
-    model_at(t, "preload");
+    model_at(t, &model.part[0], "preload");
     text_fail(t, "preload is that of modes: give an exact beam the loads themselves");
   }
 }
@@ -105,7 +105,7 @@ static void scene_section_axes(fb_real R[9], fb_real x)
 {
   fb_section section;
   fb_real turn[3] = {0, 0, 0}, quat[4];
-  fb_beam_section_eval(&model_beam, &section, x);
+  fb_beam_section_eval(&model_beam[0], &section, x);
   turn[0] = section.twist;
   fb_quat_from_rotvec(quat, turn);
   fb_quat_to_mat33(R, quat);
@@ -114,7 +114,7 @@ static void scene_section_axes(fb_real R[9], fb_real x)
 /* Lumps, and the hub as one on the root: from axes of the beam or of its body to those of the section there. */
 static void scene_convert_lumps(text_file *t, exact_text *m)
 {
-  const fb_beam_desc *const beam = &model.beam;
+  const fb_beam_desc *const beam = &model.part[0].beam;
   fb_real R[9], section[9];
   for (int k = 0; k < beam->n_lump; k++) {
     m->desc.lump[k] = beam->lump[k];
@@ -133,7 +133,7 @@ static void scene_convert_lumps(text_file *t, exact_text *m)
       hub->inertia[i] = (fb_real)model.hub_inertia[i];
     }
     scene_section_axes(section, 0);
-    fb_mat33_mul(R, model_beam.axes, section);
+    fb_mat33_mul(R, model_beam[0].axes, section);
     scene_turn_lump(hub, R);
     m->lump_at[m->n_lump++] = 0;
   }
@@ -143,7 +143,7 @@ static void scene_convert_lumps(text_file *t, exact_text *m)
 static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
 {
   static const int held[] = {FB_END_FREE, FB_END_CLAMPED, FB_END_PINNED, FB_END_CLAMPED & ~FB_HOLD_RZ};
-  const fb_beam_desc *const beam = &model.beam;
+  const fb_beam_desc *const beam = &model.part[0].beam;
   fb_exact_desc *const d = &s->exact.desc;
   fb_status status = FB_OK;
   exact_begin(&s->exact);
@@ -171,7 +171,9 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
     return;
   }
   body->n_node = model.n_mark + 1;
-  memcpy(body->node_x + 1, model.mark, (size_t)model.n_mark * sizeof *model.mark);
+  for (int k = 0; k < model.n_mark; k++) {
+    body->node_x[k + 1] = model.mark[k].x[0];
+  }
   scene_place_exact(t, s, body);
 }
 

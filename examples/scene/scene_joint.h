@@ -135,7 +135,7 @@ static int scene_read_frame(text_file *t, scene_joint *joint, const char *word)
   } else if (strcmp(word, "child_position") == 0) {
     text_reals(t, word, d->child_position, 3);
   } else if (strcmp(word, "attitude") == 0) {
-    scene_read_attitude(t, joint->orientation);
+    model_attitude(t, joint->orientation);
   } else if (strcmp(word, "axis") == 0) {
     scene_read_joint_axis(t, joint);
   } else {

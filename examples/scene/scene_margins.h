@@ -99,6 +99,10 @@ static int loop_actor(const scene *s, const scene_control *c, int port[3], doubl
     port[0] = loop_port(d->in, &d->n_in, FB_PORT_PULL, c->at, 0, 0);
     return 1;
   }
+  if (c->actor == SCENE_BY_ROTOR) {
+    port[0] = loop_port(d->in, &d->n_in, FB_PORT_MOTOR, 0, 0, c->at);
+    return 1;
+  }
   scene_reals(vector, load->vector, 3);
   if (load->axes == FB_AXES_INERTIAL || load->axes == FB_AXES_NODE) { /* to those of the body */
     if (fb_body_node_motion_eval(&engine.body[load->body], &node, &engine.view.motion.pose[load->body],
@@ -202,7 +206,8 @@ static int loop_sensor(const scene *s, const scene_output *o)
                {SCENE_SPECIFIC_FORCE, FB_PORT_ACCELERATION},
                {SCENE_COORDINATE, FB_PORT_COORDINATE},
                {SCENE_COORDINATE_RATE, FB_PORT_SPEED},
-               {SCENE_LENGTH, FB_PORT_LENGTH}};
+               {SCENE_LENGTH, FB_PORT_LENGTH},
+               {SCENE_ROTOR_SPEED, FB_PORT_ROTOR_SPEED}};
   fb_linear_desc *const d = &loops.desc;
   for (int k = 0; k < (int)(sizeof kinds / sizeof *kinds); k++) {
     const scene_place place = scene_quantities[o->quantity].place;
@@ -219,7 +224,10 @@ static int loop_sensor(const scene *s, const scene_output *o)
       body = o->at;
     }
     node = place == SCENE_AT_NODE ? o->at : 0;
-    port = loop_port(d->out, &d->n_out, kinds[k].kind, body, node, place == SCENE_AT_SPRING ? 0 : o->axis);
+    port = loop_port(d->out, &d->n_out, kinds[k].kind, body, node,
+                     place == SCENE_AT_SPRING  ? 0
+                     : place == SCENE_AT_ROTOR ? o->at
+                                               : o->axis);
     return port < 0 ? -2 : port;
   }
   return -1;

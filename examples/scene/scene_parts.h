@@ -49,7 +49,9 @@ typedef struct scene_body {
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
-  int n_node; /* with node 0; further ones of the shape are drawn */
+  int n_node;                /* with node 0; further ones of the shape are drawn: */
+  int n_beam, n_drawn;       /* of each of its beams so many, from the root on */
+  int on_beam[FB_MAX_NODES]; /* is the node on one of them? */
   char node_name[FB_MAX_NODES][TEXT_NAME];
   double node_x[FB_MAX_NODES];    /* of an exact beam, and.. */
   int element_node[FB_MAX_NODES]; /* ..which of its nodes */
@@ -110,13 +112,22 @@ typedef struct scene_spring { /* between two points */
   int control; /* whose command adds to it; -1: none */
 } scene_spring;
 
+typedef struct scene_rotor { /* the rest of it is in the level of the body alone */
+  char name[TEXT_NAME];
+  int line;
+  text_words seen;
+  double speed; /* at the start */
+  function f;   /* motor; momentum, where it is given */
+  int control;  /* whose command adds to the motor; -1: none */
+} scene_rotor;
+
 typedef struct scene_event { /* an axis is locked, freed or prescribed */
   double t;
   int line, joint, axis;
   fb_axis_mode mode;
 } scene_event;
 
-typedef enum scene_actor { SCENE_BY_NONE, SCENE_BY_MOTOR, SCENE_BY_PULL, SCENE_BY_LOAD } scene_actor;
+typedef enum scene_actor { SCENE_BY_NONE, SCENE_BY_MOTOR, SCENE_BY_PULL, SCENE_BY_LOAD, SCENE_BY_ROTOR } scene_actor;
 
 typedef struct scene_control { /* a sampled controller */
   char name[TEXT_NAME];
@@ -131,7 +142,7 @@ typedef struct scene_control { /* a sampled controller */
   function reference;
   control_block block[SCENE_BLOCKS];
   scene_actor actor;
-  int at; /* number of its drive, spring or load */
+  int at; /* number of its drive, spring, load or rotor */
   char unit[32];
 } scene_control;
 
@@ -143,6 +154,7 @@ typedef enum scene_place {
   SCENE_AT_JOINT, /* x, y, z */
   SCENE_AT_AXIS,  /* of a joint */
   SCENE_AT_SPRING,
+  SCENE_AT_ROTOR,
   SCENE_AT_CONTROL,
   SCENE_AT_ALL
 } scene_place;
@@ -174,6 +186,8 @@ typedef enum scene_quantity {
   SCENE_DRIVE,
   SCENE_LENGTH,
   SCENE_TENSION,
+  SCENE_ROTOR_SPEED,
+  SCENE_ROTOR_MOMENTUM,
   SCENE_COMMAND,
   SCENE_ENERGY,
   SCENE_MOMENTUM,
@@ -211,6 +225,8 @@ static const struct scene_quantity_row {
                         {"drive", "N m", SCENE_AT_AXIS, {NULL}},
                         {"length", "m", SCENE_AT_SPRING, {NULL}},
                         {"tension", "N", SCENE_AT_SPRING, {NULL}},
+                        {"rotor_speed", "rad/s", SCENE_AT_ROTOR, {NULL}},
+                        {"rotor_momentum", "N m s", SCENE_AT_ROTOR, {NULL}},
                         {"command", "-", SCENE_AT_CONTROL, {NULL}},
                         {"energy", "J", SCENE_AT_ALL, {"total", "kinetic", "strain", "gravity"}},
                         {"momentum", "N s", SCENE_AT_ALL, {"x", "y", "z"}},
@@ -221,7 +237,7 @@ static const struct scene_quantity_row {
 typedef struct scene_output {
   char label[TEXT_NAME];
   scene_quantity quantity;
-  int body, at, axis; /* at: node, mode, gauge, joint, spring or controller */
+  int body, at, axis; /* at: node, mode, gauge, joint, spring, rotor or controller */
   char unit[32];
 } scene_output;
 
@@ -286,7 +302,7 @@ typedef struct scene {
   scene_view_from view;
   int view_of; /* body in whose frame it is seen; -1: at rest */
   fb_method method;
-  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_event, n_control,
+  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_rotor, n_event, n_control,
       n_expectation, n_reference, n_distributed;
   scene_body body[FB_MAX_BODIES];
   scene_load load[SCENE_LOADS];
@@ -298,6 +314,7 @@ typedef struct scene {
   scene_joint joint[SCENE_JOINTS];
   scene_drive drive[SCENE_DRIVES];
   scene_spring spring[FB_MAX_SPRINGS];
+  scene_rotor rotor[FB_MAX_ROTORS];
   scene_event event[SCENE_EVENTS];
   scene_control control[SCENE_CONTROLS];
   scene_expectation expectation[SCENE_MEASURES];

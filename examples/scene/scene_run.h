@@ -161,6 +161,9 @@ static double scene_value(const scene *s, const scene_output *o)
   case SCENE_AT_SPRING:
     return (double)(o->quantity == SCENE_LENGTH ? engine.view.motion.spring[o->at].length
                                                 : engine.view.motion.spring[o->at].tension);
+  case SCENE_AT_ROTOR:
+    return (double)(o->quantity == SCENE_ROTOR_SPEED ? engine.view.motion.motion[0].rotor_speed[o->at]
+                                                     : engine.view.motion.motion[0].rotor_momentum[o->at]);
   case SCENE_AT_CONTROL:
     return controlling[o->at].acting;
   case SCENE_AT_ALL:
@@ -274,6 +277,34 @@ static void scene_add_point(const scene *s, scene_line *line, int body, int node
   }
 }
 
+/* A beam alone as its line; else from the origin to each node that is on no beam, and along each beam, and back. */
+static void scene_add_body(const scene *s, scene_line *line, int b)
+{
+  const scene_body *const body = &s->body[b];
+  const int alone = body->kind == MODEL_BEAM;
+  for (int k = 1; k < body->n_node && !alone; k++) {
+    if (!body->on_beam[k]) {
+      scene_add_point(s, line, b, 0);
+      scene_add_point(s, line, b, k);
+    }
+  }
+  for (int beam = 0; beam < body->n_beam; beam++) {
+    const int root = body->n_node + beam * body->n_drawn;
+    if (!alone) {
+      scene_add_point(s, line, b, 0);
+    }
+    for (int k = 0; k < body->n_drawn; k++) {
+      scene_add_point(s, line, b, root + k);
+    }
+    for (int k = body->n_drawn - 2; k >= 0 && beam + 1 < body->n_beam; k--) {
+      scene_add_point(s, line, b, root + k);
+    }
+  }
+  for (int k = line->n; k < 2; k++) {
+    scene_add_point(s, line, b, 0); /* a dot */
+  }
+}
+
 /* A place that the ground holds, as it is seen; clamped: and that of what it holds, which goes on along the line. */
 static void scene_add_mark(scene_frame *frame, const double at[3], const scene_line *clamped)
 {
@@ -376,7 +407,7 @@ static void scene_mark_ground(const scene *s, scene_frame *frame)
   }
 }
 
-/* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin, springs from
+/* Bodies as scene_add_body draws them; joints from node to origin, springs from
    point to point. */
 static void scene_film_frame(const scene *s, double t)
 {
@@ -389,17 +420,7 @@ static void scene_film_frame(const scene *s, double t)
     scene_seen(s, frame->line[0].x[frame->line[0].n++], exact.node[node].position);
   }
   for (int b = 0; b < s->n_body && !s->is_exact; b++) {
-    const int drawn = s->body[b].kind == MODEL_BEAM;
-    scene_add_point(s, &frame->line[b], b, drawn ? s->body[b].n_node : 0);
-    for (int k = drawn ? s->body[b].n_node + 1 : 1; k < engine.body[b].n_node; k++) {
-      scene_add_point(s, &frame->line[b], b, k);
-      if (!drawn && k + 1 < engine.body[b].n_node) {
-        scene_add_point(s, &frame->line[b], b, 0);
-      }
-    }
-    if (frame->line[b].n == 1) {
-      scene_add_point(s, &frame->line[b], b, 0); /* a dot */
-    }
+    scene_add_body(s, &frame->line[b], b);
   }
   for (int j = 0; j < s->n_joint; j++) {
     const fb_joint_desc *const d = &s->joint[j].desc;

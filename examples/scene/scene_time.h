@@ -4,7 +4,8 @@
 #define SCENE_TIME_H
 #include "scene.h"
 
-#define SCENE_FUNCTIONS (SCENE_LOADS + SCENE_MOTIONS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_DISTRIBUTED)
+#define SCENE_FUNCTIONS \
+  (SCENE_LOADS + SCENE_MOTIONS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_DISTRIBUTED + FB_MAX_ROTORS)
 #define SCENE_INSTANTS (FUNCTION_ROWS + 3 * SCENE_FUNCTIONS + SCENE_EVENTS)
 #define SCENE_STEPS 1e10 /* at most, of a run: hours of the quickest */
 
@@ -25,12 +26,13 @@ typedef struct scene_piece {
 static const function *scene_function(const scene *s, int k)
 {
   const int motion = k - s->n_load, drive = motion - s->n_motion, spring = drive - s->n_drive,
-            spread = spring - s->n_spring;
+            spread = spring - s->n_spring, rotor = spread - s->n_distributed;
   return k < s->n_load               ? &s->load[k].f
          : motion < s->n_motion      ? &s->motion[motion].f
          : drive < s->n_drive        ? &s->drive[drive].f
          : spring < s->n_spring      ? &s->spring[spring].pull
          : spread < s->n_distributed ? &s->distributed[spread].f
+         : rotor < s->n_rotor        ? &s->rotor[rotor].f
                                      : NULL;
 }
 

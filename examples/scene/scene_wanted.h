@@ -2,7 +2,7 @@
 #ifndef SCENE_WANTED_H
 #define SCENE_WANTED_H
 #include "scene_exact.h"
-#include "scene_joint.h"
+#include "scene_rotor.h"
 
 static void scene_read_gauge_name(text_file *t, const scene *s, scene_output *output)
 {
@@ -131,6 +131,9 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     break;
   case SCENE_AT_SPRING:
     output->at = scene_spring_of(t, s);
+    break;
+  case SCENE_AT_ROTOR:
+    output->at = scene_rotor_of(t, s);
     break;
   case SCENE_AT_CONTROL:
     output->at = scene_control_of(t, s);

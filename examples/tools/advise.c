@@ -25,7 +25,8 @@ static const char help[] =
     "  FILE                  description (words: examples/tools/README.md); without it examples/boom.txt is\n"
     "                        spun up to 6 rad/s at 0.63 rad/s^2, above its first frequency\n"
     "  --base B              free, prescribed, pinned or hinged (as the file says)\n"
-    "  --modes Y,Z[,A,T]     bending modes along y, z, axial and torsional ones to choose from (those of the file)\n"
+    "  --modes Y,Z[,A,T]     bending modes along y, z, axial and torsional ones of each beam to choose from (the "
+    "file's)\n"
     "the most that happens, body axes; vectors are X,Y,Z, or Z alone:\n"
     "  --spin V              [rad/s] of a prescribed base; of others at the start (0)\n"
     "  --spin-rate R         [rad/s^2] a prescribed base is spun up with, at most; 0: it spins from the start (0)\n"
@@ -173,8 +174,11 @@ static int check_options(options *o)
   if (model_shape.n_node < 2 || s->node >= model_shape.n_node) {
     return fail("the description has no such node (a line `node` makes one)", o->node > 0 ? "--node" : "");
   }
-  if (model.kind == MODEL_COMPONENT && model.n_pair == 0) {
-    return fail("a component wants quadratic lines: without them nobody knows what stiffening would do", model.name);
+  for (int k = 0; k < model.n_part; k++) {
+    if (model.part[k].kind == MODEL_COMPONENT && model.part[k].n_pair == 0) {
+      return fail("a component wants quadratic lines: without them nobody knows what stiffening would do",
+                  model.part[k].name[0] ? model.part[k].name : model.name);
+    }
   }
   for (int k = 0; k < s->n_load; k++) {
     if (s->load[k].node >= model_shape.n_node) {
@@ -220,14 +224,15 @@ static int change_model(const options *o)
       model.level.gravity[i] = (fb_real)o->gravity[i];
     }
   }
-  if (o->n_mode > 0) {
-    if (model.kind == MODEL_COMPONENT) {
-      return fail("a component has the modes it has", "--modes");
-    }
-    model.modes.lowest = 0;
-    model.modes.mass_fraction = model.modes.omega_limit = FB_R(0.0);
+  if (o->n_mode > 0 && model.kind == MODEL_COMPONENT) {
+    return fail("a component has the modes it has", "--modes");
+  }
+  for (int p = 0; p < model.n_part && o->n_mode > 0; p++) {
+    fb_modes_desc *const modes = &model.part[p].modes;
+    modes->lowest = 0;
+    modes->mass_fraction = modes->omega_limit = FB_R(0.0);
     for (int k = 0; k < FB_KIND_COUNT; k++) {
-      model.modes.count[k] = k < o->n_mode ? (int)o->modes[k] : 0;
+      modes->count[k] = k < o->n_mode ? (int)o->modes[k] : 0;
     }
   }
   model.level.effects |= FB_EFFECTS_FULL; /* what is advised is a part of them */
@@ -239,7 +244,17 @@ static double mode_hz(int a)
   return sqrt((double)model_shape.K[a * (model_shape.n + 1)]) / (2 * model_pi);
 }
 
-static const char *const kind_name[] = {"bend_y", "bend_z", "axial", "torsion"};
+static const char *const kind_name[] = {"bend_y", "bend_z", "axial", "torsion", ""};
+
+/* So many modes of an advice are of that kind and that part (NULL: of any). */
+static int count_modes(const fb_advice *a, const model_part *part, int kind)
+{
+  int n = 0, own;
+  for (int k = 0; k < a->n; k++) {
+    n += model_mode_kind(a->coordinate[k]) == kind && (!part || model_part_of(a->coordinate[k], &own) == part);
+  }
+  return n;
+}
 
 /* "2 bend_y, 1 bend_z" of the modes of an advice. */
 static const char *kinds_text(const fb_advice *a)
@@ -247,17 +262,14 @@ static const char *kinds_text(const fb_advice *a)
   static char text[128];
   int used = 0;
   text[0] = 0;
-  for (int kind = 0; kind < FB_KIND_COUNT && model.kind != MODEL_COMPONENT; kind++) {
-    int n = 0;
-    for (int k = 0; k < a->n; k++) {
-      n += (int)model_modes.kind[a->coordinate[k]] == kind;
-    }
+  for (int kind = 0; kind <= FB_KIND_COUNT; kind++) {
+    const int n = count_modes(a, NULL, kind);
     if (n > 0) {
-      used += snprintf(text + used, sizeof text - (size_t)used, "%s%d %s", used ? ", " : "", n, kind_name[kind]);
+      used += snprintf(text + used, sizeof text - (size_t)used, "%s%d %s", used ? ", " : "", n,
+                       kind < FB_KIND_COUNT ? kind_name[kind]
+                       : n == a->n          ? "modes"
+                                            : "imported");
     }
-  }
-  if (model.kind == MODEL_COMPONENT) {
-    snprintf(text, sizeof text, "%d modes", a->n);
   }
   return text;
 }
@@ -364,9 +376,13 @@ static void print_parts(const options *o, const fb_advice *advice)
       printf("  %c     %-24s  the description's\n", effects[k].letter, effects[k].name);
     }
   }
-  printf("\nmode  kind     frequency [Hz]  used for\n");
+  printf("\nmode  kind     frequency [Hz]  %sused for\n", model.kind == MODEL_PARTS ? "part         " : "");
   for (int a = 0; a < model_shape.n; a++) {
-    printf("%4d  %-7s  %14.5g", a, model.kind == MODEL_COMPONENT ? "" : kind_name[model_modes.kind[a]], mode_hz(a));
+    int own;
+    printf("%4d  %-7s  %14.5g", a, kind_name[model_mode_kind(a)], mode_hz(a));
+    if (model.kind == MODEL_PARTS) {
+      printf("  %-11s", model_part_of(a, &own)->name);
+    }
     for (int k = 0; k < o->n_tolerance; k++) {
       for (int i = 0; i < advice[k].n; i++) {
         if (advice[k].coordinate[i] == a) {
@@ -390,16 +406,16 @@ static int is_kept(const fb_advice *a, int mode)
 
 /* Are the modes kept the lowest of their kinds, so that a description can name them by numbers? Of Ritz modes fewer are
    other ones. */
-static int is_lowest(const fb_advice *a)
+static int is_lowest(const fb_advice *a, const model_part *part)
 {
-  for (int mode = 0; mode < model_shape.n && model.kind != MODEL_COMPONENT; mode++) {
-    for (int lower = 0; lower < mode; lower++) {
-      if (model_modes.kind[lower] == model_modes.kind[mode] && is_kept(a, mode) && !is_kept(a, lower)) {
+  for (int mode = part->first; mode < part->first + part->n; mode++) {
+    for (int lower = part->first; lower < mode; lower++) {
+      if (model_mode_kind(lower) == model_mode_kind(mode) && is_kept(a, mode) && !is_kept(a, lower)) {
         return 0;
       }
     }
   }
-  return model.kind != MODEL_COMPONENT && !(fabs((double)model.modes.spin) > 0);
+  return part->kind == MODEL_BEAM && !(fabs((double)part->modes.spin) > 0);
 }
 
 /* The lines of the description that give the advised body. */
@@ -407,18 +423,22 @@ static void print_description(const fb_advice *a)
 {
   const unsigned own = a->effects & ~(unsigned)(FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
   const char *const level = own == FB_EFFECTS_LINEAR ? " linear" : own == FB_EFFECTS_LARGE ? " large" : "";
-  if (is_lowest(a)) {
-    printf("  modes");
-    for (int kind = 0; kind < FB_KIND_COUNT; kind++) {
-      int count = 0;
-      for (int k = 0; k < a->n; k++) {
-        count += (int)model_modes.kind[a->coordinate[k]] == kind;
-      }
-      if (count > 0) {
-        printf(" %s %d", kind_name[kind], count);
-      }
+  for (int p = 0; p < model.n_part; p++) {
+    const model_part *const part = &model.part[p];
+    if (part->name[0]) {
+      printf("  %s %s:%s\n", model_kinds[part->kind], part->name,
+             is_lowest(a, part) ? "" : " the modes listed in the lines of C");
     }
-    printf("\n");
+    if (is_lowest(a, part)) {
+      printf(part->name[0] ? "    modes" : "  modes");
+      for (int kind = 0; kind < FB_KIND_COUNT; kind++) {
+        const int count = count_modes(a, part, kind);
+        if (count > 0) {
+          printf(" %s %d", kind_name[kind], count);
+        }
+      }
+      printf("\n");
+    }
   }
   printf("  effects%s", level);
   for (int k = 1; k < EFFECTS; k++) {

@@ -7,8 +7,8 @@
 
 #define MODEL_NODES 4096 /* of a finite-element component */
 
-typedef enum model_kind { MODEL_BEAM, MODEL_COMPONENT, MODEL_RIGID } model_kind;
-static const char *const model_kinds[] = {"beam", "component", "rigid", NULL};
+typedef enum model_kind { MODEL_BEAM, MODEL_COMPONENT, MODEL_RIGID, MODEL_PARTS } model_kind;
+static const char *const model_kinds[] = {"beam", "component", "rigid", "parts", NULL};
 
 typedef struct model_node {
   int id, marked;
@@ -18,20 +18,39 @@ typedef struct model_node {
   int have[FB_MAX_MODES];
 } model_node;
 
-static struct model {
-  char name[64];
-  model_kind kind; /* a beam, nodes and shapes of a finite-element program, or a rigid body: its hub */
-  double hub_mass, hub_center[3], hub_inertia[6];
+typedef struct model_part { /* a beam, or nodes and shapes of a finite-element program */
+  model_kind kind;
+  char name[TEXT_NAME]; /* empty: the description is this part */
+  int line;             /* of its block */
+  text_words seen;      /* in its block */
+  fb_real position[3], attitude[4];
+  int n_damping; /* ratios of its own */
+  double zeta[FB_MAX_MODES];
   fb_beam_desc beam;
   fb_modes_desc modes;
-  fb_body_desc level;
   int is_fraction[FB_MAX_STATIONS]; /* x of a station is to be multiplied by the length */
-  int hub, has_elements, has_modes, n_damping, n_mark;
-  text_words seen;
-  double mark[FB_MAX_NODES], place[FB_MAX_NODES][3]; /* nodes of a beam, of a rigid body */
-  char node_name[FB_MAX_NODES][TEXT_NAME];           /* of all nodes, once built; empty: none */
-  int n_mode, n_node, n_pair;
+  int has_elements, has_modes;
+  int n_mode, node, n_node, pair, n_pair; /* of a component: its first of all nodes, of all pairs */
   double frequency[FB_MAX_MODES];
+  int first, n; /* its coordinates, once built */
+} model_part;
+
+static struct model {
+  char name[64];
+  model_kind kind;
+  double hub_mass, hub_center[3], hub_inertia[6];
+  fb_body_desc level;
+  double zeta;                                               /* of parts without a damping of their own */
+  int hub, n_damping, n_part, n_node, n_pair, n_mark, built; /* built: the last part tried, -1: the whole */
+  text_words seen;
+  model_part part[FB_MAX_PARTS]; /* of a beam and a component one, of a rigid body none */
+  struct {                       /* nodes of the hub and of beams */
+    int part;                    /* -1: the hub */
+    double x[3];                 /* of a beam: how far along it, below 0: its tip */
+    char name[TEXT_NAME];
+  } mark[FB_MAX_NODES];
+  char node_name[FB_MAX_NODES][TEXT_NAME]; /* of all nodes, once built; empty: none */
+  int node_part[FB_MAX_NODES];             /* -1: the hub */
   model_node node[MODEL_NODES];
   struct {
     int a, b;
@@ -39,8 +58,9 @@ static struct model {
   } pair[FB_MAX_MODES * (FB_MAX_MODES + 1) / 2];
 } model;
 
-static fb_beam model_beam;
-static fb_modes model_modes;
+static fb_beam model_beam[FB_MAX_PARTS];
+static fb_modes model_modes[FB_MAX_PARTS];
+static fb_real model_scale[FB_MAX_PARTS][FB_MAX_MODES]; /* of the modes of components, to unit modal mass */
 static fb_modes_work model_modes_work;
 static fb_shape model_shape;
 static fb_body model_body;
@@ -48,11 +68,43 @@ static fb_body_work model_body_work;
 
 static const double model_pi = 3.14159265358979324;
 
-/* The complaint that follows is about the line of that word, if it was there. */
-static void model_at(text_file *t, const char *word)
+/* The words that a part had: of its block, or of the description that it is. */
+static text_words *model_seen(model_part *part)
 {
-  const int line = text_seen(&model.seen, word);
+  return part && part->name[0] ? &part->seen : &model.seen;
+}
+
+/* The complaint that follows is about the line of that word of a part (NULL: of the whole), if it was there. */
+static void model_at(text_file *t, model_part *part, const char *word)
+{
+  const int line = text_seen(model_seen(part), word);
   t->line = line > 0 ? line : t->line;
+}
+
+/* W X Y Z of a quaternion, or turns about own axes one after the other, in degrees: x 90 z 30. */
+static void model_attitude(text_file *t, double quat[4])
+{
+  static const char *const axes[] = {"x", "y", "z", NULL};
+  const char *const next = t->at + strspn(t->at, " ");
+  fb_real q[4] = {1, 0, 0, 0};
+  if (next[0] < 'x' || next[0] > 'z') {
+    text_vector(t, "attitude", quat, 4);
+    if (!t->failed && !(fabs(quat[0]) + fabs(quat[1]) + fabs(quat[2]) + fabs(quat[3]) > 0)) {
+      text_fail(t, "an attitude must not be zero");
+    }
+    return;
+  }
+  do {
+    fb_real turn[3] = {0, 0, 0}, by[4], before[4];
+    const int axis = text_choice(t, "axis of a turn", axes);
+    turn[axis] = (fb_real)(text_degrees(t, "degrees"));
+    fb_quat_from_rotvec(by, turn);
+    memcpy(before, q, sizeof before);
+    fb_quat_mul(q, before, by);
+  } while (text_more(t));
+  for (int i = 0; i < 4; i++) {
+    quat[i] = (double)q[i];
+  }
 }
 
 /* Inertia: xx yy zz, and xy xz yz if the line goes on; about the mass center that is at hand. */
@@ -125,10 +177,32 @@ static int model_is_name(const char *name)
          !name[strspn(name, TEXT_NAME_CHARACTERS)];
 }
 
+/* Damping ratios, one for all or one per mode: how many there are. */
+static int model_damping(text_file *t, double zeta[FB_MAX_MODES])
+{
+  int n = 0;
+  memset(zeta, 0, FB_MAX_MODES * sizeof *zeta);
+  do {
+    if (n == FB_MAX_MODES) {
+      text_fail(t, "more than %d damping ratios", FB_MAX_MODES);
+      return n;
+    }
+    zeta[n++] = text_number(t, "damping ratio");
+    if (zeta[n - 1] < 0) {
+      text_fail(t, "a damping ratio is negative");
+    }
+  } while (text_more(t));
+  for (int k = 1; k < FB_MAX_MODES && n == 1; k++) { /* one for all */
+    zeta[k] = zeta[0];
+  }
+  return n;
+}
+
 /* Words that every model may have; 0 if word is none of them. */
 static int model_common(text_file *t, const char *word)
 {
   static const char *const bases[] = {"free", "prescribed", "pinned", "hinged", NULL};
+  double zeta[FB_MAX_MODES];
   if (strcmp(word, "name") == 0) {
     const char *name = text_word(t);
     if (!name || !model_is_name(name)) {
@@ -159,20 +233,10 @@ static int model_common(text_file *t, const char *word)
   } else if (strcmp(word, "deflection_limit") == 0) {
     model.level.deflection_limit = (fb_real)text_number(t, "deflection_limit");
   } else if (strcmp(word, "damping") == 0) {
-    int n = 0;
-    do {
-      if (n == FB_MAX_MODES) {
-        text_fail(t, "more than %d damping ratios", FB_MAX_MODES);
-        break;
-      }
-      model.level.zeta[n++] = (fb_real)text_number(t, "damping ratio");
-      if (model.level.zeta[n - 1] < FB_R(0.0)) {
-        text_fail(t, "a damping ratio is negative");
-      }
-    } while (text_more(t));
-    model.n_damping = n;
-    for (int k = 1; k < FB_MAX_MODES && n == 1; k++) { /* one for all */
-      model.level.zeta[k] = model.level.zeta[0];
+    model.n_damping = model_damping(t, zeta);
+    model.zeta = zeta[0];
+    for (int k = 0; k < FB_MAX_MODES; k++) {
+      model.level.zeta[k] = (fb_real)zeta[k];
     }
   } else {
     return 0;
@@ -182,9 +246,9 @@ static int model_common(text_file *t, const char *word)
 }
 
 /* What a section must obey, with the line it stands on. */
-static void model_section_check(text_file *t, const fb_section *s)
+static void model_section_check(text_file *t, const fb_beam_desc *beam, const fb_section *s)
 {
-  const fb_section *first = &model.beam.station[0];
+  const fb_section *first = &beam->station[0];
   const fb_real positive[] = {s->mass, s->EA, s->GJ, s->EI_y, s->EI_z, s->i_y, s->i_z, s->GA_y, s->GA_z};
   static const char *const name[] = {"mass", "EA", "GJ", "EI_y", "EI_z", "i_y", "i_z", "GA_y", "GA_z"};
   for (int k = 0; k < 9; k++) {
@@ -193,7 +257,7 @@ static void model_section_check(text_file *t, const fb_section *s)
     }
   }
   if ((s->GA_y > FB_R(0.0)) != (s->GA_z > FB_R(0.0)) ||
-      (model.beam.n_station > 0 && (s->GA_y > FB_R(0.0)) != (first->GA_y > FB_R(0.0)))) {
+      (beam->n_station > 0 && (s->GA_y > FB_R(0.0)) != (first->GA_y > FB_R(0.0)))) {
     text_fail(t, "GA_y and GA_z are both positive at every station, or nowhere");
   }
   if (!(s->GA_y > FB_R(0.0)) && fabs((double)s->shear_y) + fabs((double)s->shear_z) > 0) {
@@ -205,14 +269,14 @@ static void model_section_check(text_file *t, const fb_section *s)
 }
 
 /* Rows of stations up to `end`; the columns are named on the line that opens the table. */
-static void model_stations(text_file *t)
+static void model_stations(text_file *t, model_part *part)
 {
   static const char *const name[] = {"x",         "fraction",  "mass",    "EA",      "GJ",        "EI_y",   "EI_z",
                                      "i_y",       "i_z",       "GA_y",    "GA_z",    "twist",     "mass_y", "mass_z",
                                      "tension_y", "tension_z", "shear_y", "shear_z", "twist_deg", NULL};
   enum { X, FRACTION, MASS, TWIST = 11, TWIST_DEG = 18, COLUMNS };
   int column[COLUMNS], there[COLUMNS] = {0}, n = 0;
-  fb_beam_desc *beam = &model.beam;
+  fb_beam_desc *const beam = &part->beam;
   do {
     const int k = text_choice(t, "a column", name);
     if (there[k]++) {
@@ -249,19 +313,19 @@ static void model_stations(text_file *t)
       text_fail(t, beam->n_station == 0 ? "the first station is at 0" : "stations must ascend");
     }
     if (!t->failed) {
-      model_section_check(t, &s);
+      model_section_check(t, beam, &s);
     }
     if (t->failed) {
       return;
     }
-    model.is_fraction[beam->n_station] = there[FRACTION];
+    part->is_fraction[beam->n_station] = there[FRACTION];
     beam->station[beam->n_station++] = s;
   }
   text_fail(t, "the table of stations wants a line `end`");
 }
 
 /* taper rectangle|tube X0 A0 B0 X1 A1 B1 N E G DENSITY */
-static void model_taper(text_file *t)
+static void model_taper(text_file *t, fb_beam_desc *beam)
 {
   static const char *const kinds[] = {"rectangle", "tube", NULL};
   fb_profile end[2];
@@ -278,34 +342,33 @@ static void model_taper(text_file *t)
   material.G = (fb_real)text_number(t, "G");
   material.density = (fb_real)text_number(t, "density");
   text_end_of_line(t);
-  status = t->failed ? FB_OK : fb_beam_desc_add_taper(&model.beam, &material, &end[0], &end[1], n);
+  status = t->failed ? FB_OK : fb_beam_desc_add_taper(beam, &material, &end[0], &end[1], n);
   if (status != FB_OK) {
     text_fail(t, "%s", refusal_text(status));
   }
 }
 
 /* modes WORD NUMBER ... */
-static void model_modes_line(text_file *t)
+static void model_modes_line(text_file *t, fb_modes_desc *modes)
 {
   static const char *const name[] = {"bend_y",   "bend_z",        "axial",  "torsion", "lowest",
                                      "limit_hz", "mass_fraction", "points", NULL};
   text_words seen = {0};
   int total = 0;
-  model.has_modes = 1;
   do {
     const int k = text_choice(t, "modes", name);
     text_once(t, &seen, name[k]);
     if (k < 4) {
-      model.modes.count[k] = text_whole(t, name[k], 0, FB_MAX_MODES);
-      total += model.modes.count[k];
+      modes->count[k] = text_whole(t, name[k], 0, FB_MAX_MODES);
+      total += modes->count[k];
     } else if (k == 4) {
-      model.modes.lowest = text_whole(t, name[k], 1, FB_MAX_MODES);
+      modes->lowest = text_whole(t, name[k], 1, FB_MAX_MODES);
     } else if (k == 5) {
-      model.modes.omega_limit = (fb_real)(text_number(t, name[k]) * 2.0 * model_pi);
+      modes->omega_limit = (fb_real)(text_number(t, name[k]) * 2.0 * model_pi);
     } else if (k == 7) {
-      model.modes.line_points = text_whole(t, name[k], 2, FB_MAX_POINTS);
+      modes->line_points = text_whole(t, name[k], 2, FB_MAX_POINTS);
     } else {
-      model.modes.mass_fraction = (fb_real)text_number(t, name[k]);
+      modes->mass_fraction = (fb_real)text_number(t, name[k]);
     }
   } while (text_more(t));
   if (total > FB_MAX_MODES) {
@@ -313,16 +376,17 @@ static void model_modes_line(text_file *t)
   }
 }
 
-/* The node that was read is one more, and may have a name. */
-static void model_node_name(text_file *t)
+/* The node that was read is one more, of that part (-1: of the hub), and may have a name. */
+static void model_node_name(text_file *t, int part)
 {
-  model.n_mark++;
+  const int n = model.n_mark++;
+  model.mark[n].part = part;
   if (text_more(t)) {
-    text_name(t, "a node", model.node_name[model.n_mark]);
+    text_name(t, "a node", model.mark[n].name);
   }
-  for (int k = 1; k < model.n_mark && model.node_name[model.n_mark][0]; k++) {
-    if (strcmp(model.node_name[k], model.node_name[model.n_mark]) == 0) {
-      text_fail(t, "two nodes have the name %s", model.node_name[k]);
+  for (int k = 0; k < n && model.mark[n].name[0]; k++) {
+    if (strcmp(model.mark[k].name, model.mark[n].name) == 0) {
+      text_fail(t, "two nodes have the name %s", model.mark[k].name);
     }
   }
 }
@@ -340,12 +404,13 @@ static void model_coordinate(text_file *t, fb_coordinate *list, int *n)
 }
 
 /* Words about modes; 0 if word is none of them. */
-static int model_modes_word(text_file *t, const char *word)
+static int model_modes_word(text_file *t, model_part *part, const char *word)
 {
   static const char *const free_root[] = {"root_strain", NULL};
-  fb_modes_desc *const modes = &model.modes;
+  fb_modes_desc *const modes = &part->modes;
   if (strcmp(word, "modes") == 0) {
-    model_modes_line(t);
+    part->has_modes = 1;
+    model_modes_line(t, modes);
   } else if (strcmp(word, "functions") == 0) {
     modes->basis = FB_BASIS_FUNCTIONS;
     modes->degree = text_whole(t, "degree", 3, 8);
@@ -371,11 +436,11 @@ static int model_modes_word(text_file *t, const char *word)
   return 1;
 }
 
-static void model_lump(text_file *t)
+static void model_lump(text_file *t, fb_beam_desc *beam)
 {
-  fb_lump *lump = &model.beam.lump[model.beam.n_lump];
+  fb_lump *lump = &beam->lump[beam->n_lump];
   double inertia[6];
-  if (model.beam.n_lump == FB_MAX_LUMPS) {
+  if (beam->n_lump == FB_MAX_LUMPS) {
     text_fail(t, "more than %d lumps", FB_MAX_LUMPS);
     return;
   }
@@ -389,37 +454,38 @@ static void model_lump(text_file *t)
   for (int i = 0; i < 6; i++) {
     lump->inertia[i] = (fb_real)inertia[i];
   }
-  model.beam.n_lump++;
+  beam->n_lump++;
 }
 
 /* node X|tip [NAME] */
-static void model_beam_node(text_file *t)
+static void model_beam_node(text_file *t, const model_part *part)
 {
+  double *const x = model.mark[model.n_mark].x;
   if (model.n_mark == FB_MAX_NODES - 1) {
     text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
     return;
   }
   if (text_take(t, "tip")) {
-    model.mark[model.n_mark] = -1;
+    x[0] = -1;
   } else {
-    model.mark[model.n_mark] = text_number(t, "the node's place");
-    if (!t->failed && model.mark[model.n_mark] < 0) {
+    x[0] = text_number(t, "the node's place");
+    if (!t->failed && x[0] < 0) {
       text_fail(t, "the node's place is negative");
     }
   }
-  model_node_name(t);
+  model_node_name(t, (int)(part - model.part));
 }
 
-static void model_beam_line(text_file *t, const char *word)
+static void model_beam_line(text_file *t, model_part *part, const char *word)
 {
   static const char *const roots[] = {"clamped", "pinned", "free", NULL};
-  fb_beam_desc *beam = &model.beam;
+  fb_beam_desc *const beam = &part->beam;
   if (strcmp(word, "stations") == 0) {
-    model_stations(t);
+    model_stations(t, part);
     return;
   }
   if (strcmp(word, "taper") == 0) {
-    model_taper(t);
+    model_taper(t, beam);
     return;
   }
   if (strcmp(word, "length") == 0) {
@@ -429,18 +495,9 @@ static void model_beam_line(text_file *t, const char *word)
     }
   } else if (strcmp(word, "elements") == 0) {
     beam->n_element = text_whole(t, word, 1, FB_MAX_ELEMENTS);
-    model.has_elements = 1;
+    part->has_elements = 1;
   } else if (strcmp(word, "root") == 0) {
     beam->root = (fb_root)text_choice(t, word, roots);
-  } else if (strcmp(word, "position") == 0) {
-    text_reals(t, word, beam->position, 3);
-  } else if (strcmp(word, "attitude") == 0) {
-    text_reals(t, word, beam->attitude, 4);
-    if (!t->failed && fabs((double)beam->attitude[0]) + fabs((double)beam->attitude[1]) +
-                              fabs((double)beam->attitude[2]) + fabs((double)beam->attitude[3]) ==
-                          0) {
-      text_fail(t, "an attitude must not be zero");
-    }
   } else if (strcmp(word, "point") == 0) {
     if (beam->n_point == FB_MAX_ELEMENTS + 1) {
       text_fail(t, "more than %d points", FB_MAX_ELEMENTS + 1);
@@ -448,39 +505,53 @@ static void model_beam_line(text_file *t, const char *word)
     }
     text_reals(t, word, beam->point[beam->n_point++], 3);
   } else if (strcmp(word, "lump") == 0) {
-    model_lump(t);
+    model_lump(t, beam);
   } else if (strcmp(word, "node") == 0) {
-    model_beam_node(t);
-  } else if (!model_modes_word(t, word)) {
+    model_beam_node(t, part);
+  } else if (!model_modes_word(t, part, word)) {
     text_fail(t, "no such word for a beam: %s", word);
     return;
   }
   text_end_of_line(t);
 }
 
-static model_node *model_find(text_file *t)
+static model_node *model_find(text_file *t, const model_part *part)
 {
   const int id = text_whole(t, "node number", 0, 2000000000);
-  for (int k = 0; k < model.n_node; k++) {
-    if (model.node[k].id == id) {
-      return &model.node[k];
+  for (int k = 0; k < part->n_node; k++) {
+    if (model.node[part->node + k].id == id) {
+      return &model.node[part->node + k];
     }
   }
   text_fail(t, "no node has the number %d", id);
   return &model.node[0];
 }
 
-static void model_component_line(text_file *t, const char *word)
+/* Modes of the components so far. */
+static int model_count_modes(void)
+{
+  int n = 0;
+  for (int k = 0; k < model.n_part; k++) {
+    n += model.part[k].n_mode;
+  }
+  return n;
+}
+
+static void model_component_line(text_file *t, model_part *part, const char *word)
 {
   if (strcmp(word, "modes") == 0) {
-    model.n_mode = text_whole(t, "number of modes", 1, FB_MAX_MODES);
+    const int before = model_count_modes();
+    part->n_mode = text_whole(t, "number of modes", 1, FB_MAX_MODES);
+    if (before + part->n_mode > FB_MAX_MODES) {
+      text_fail(t, "%d modes of components, of %d at most", before + part->n_mode, FB_MAX_MODES);
+    }
   } else if (strcmp(word, "frequency_hz") == 0) {
-    if (model.n_mode == 0) {
+    if (part->n_mode == 0) {
       text_fail(t, "modes must come before");
     }
-    text_vector(t, "frequency", model.frequency, model.n_mode);
-    for (int k = 0; k < model.n_mode && !t->failed; k++) {
-      if (model.frequency[k] <= 0) {
+    text_vector(t, "frequency", part->frequency, part->n_mode);
+    for (int k = 0; k < part->n_mode && !t->failed; k++) {
+      if (part->frequency[k] <= 0) {
         text_fail(t, "frequency %d must be greater than 0 (rigid modes are the frame's)", k + 1);
       }
     }
@@ -492,8 +563,8 @@ static void model_component_line(text_file *t, const char *word)
     }
     memset(node, 0, sizeof *node);
     node->id = text_whole(t, "node number", 0, 2000000000);
-    for (int k = 0; k < model.n_node && !t->failed; k++) {
-      if (model.node[k].id == node->id) {
+    for (int k = 0; k < part->n_node && !t->failed; k++) {
+      if (model.node[part->node + k].id == node->id) {
         text_fail(t, "node %d is there twice", node->id);
       }
     }
@@ -506,17 +577,18 @@ static void model_component_line(text_file *t, const char *word)
       model_inertia(t, node->inertia);
     }
     model.n_node++;
+    part->n_node++;
   } else if (strcmp(word, "shape") == 0) {
-    const int mode = model.n_mode > 0 ? text_whole(t, "mode", 1, model.n_mode) - 1 : 0;
-    model_node *node = model_find(t);
-    if (model.n_mode == 0) {
+    const int mode = part->n_mode > 0 ? text_whole(t, "mode", 1, part->n_mode) - 1 : 0;
+    model_node *node = model_find(t, part);
+    if (part->n_mode == 0) {
       text_fail(t, "modes must come before");
     } else if (node->have[mode]++) {
       text_fail(t, "mode %d of node %d is there twice", mode + 1, node->id);
     }
     text_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
   } else if (strcmp(word, "mark") == 0) {
-    model_node *node = model_find(t);
+    model_node *node = model_find(t, part);
     if (node->marked++ && !t->failed) {
       text_fail(t, "node %d is marked twice", node->id);
     }
@@ -524,13 +596,13 @@ static void model_component_line(text_file *t, const char *word)
       text_name(t, "a node", node->name);
     }
   } else if (strcmp(word, "quadratic") == 0) {
-    if (model.n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
-      text_fail(t, model.n_mode ? "more pairs than there are" : "modes must come before");
+    if (part->n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
+      text_fail(t, part->n_mode ? "more pairs than there are" : "modes must come before");
       return;
     }
-    model.pair[model.n_pair].a = text_whole(t, "mode", 1, model.n_mode) - 1;
-    model.pair[model.n_pair].b = text_whole(t, "mode", 1, model.n_mode) - 1;
-    for (int k = 0; k < model.n_pair && !t->failed; k++) {
+    model.pair[model.n_pair].a = text_whole(t, "mode", 1, part->n_mode) - 1;
+    model.pair[model.n_pair].b = text_whole(t, "mode", 1, part->n_mode) - 1;
+    for (int k = part->pair; k < model.n_pair && !t->failed; k++) {
       const int a = model.pair[model.n_pair].a, b = model.pair[model.n_pair].b;
       if ((model.pair[k].a == a && model.pair[k].b == b) || (model.pair[k].a == b && model.pair[k].b == a)) {
         text_fail(t, "the pair %d %d is there twice", a + 1, b + 1);
@@ -540,6 +612,7 @@ static void model_component_line(text_file *t, const char *word)
     text_vector(t, "h^chi", model.pair[model.n_pair].h, 3);
     text_vector(t, "Gamma^chi", model.pair[model.n_pair].gamma, 9);
     model.n_pair++;
+    part->n_pair++;
   } else {
     text_fail(t, "no such word for a component: %s", word);
     return;
@@ -547,17 +620,26 @@ static void model_component_line(text_file *t, const char *word)
   text_end_of_line(t);
 }
 
-static void model_rigid_line(text_file *t, const char *word)
+/* node X Y Z [NAME] */
+static void model_hub_node(text_file *t)
 {
-  if (strcmp(word, "node") != 0) {
-    text_fail(t, "no such word for a rigid body: %s", word);
-  } else if (model.n_mark == FB_MAX_NODES - 1) {
+  if (model.n_mark == FB_MAX_NODES - 1) {
     text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
-  } else {
-    text_vector(t, "the node's place", model.place[model.n_mark], 3);
-    model_node_name(t);
+    return;
   }
+  text_vector(t, "the node's place", model.mark[model.n_mark].x, 3);
+  model_node_name(t, -1);
   text_end_of_line(t);
+}
+
+/* Has the whole or a part a line damping? */
+static int model_is_damped(void)
+{
+  int is = model.n_damping > 0;
+  for (int k = 0; k < model.n_part; k++) {
+    is |= model.part[k].n_damping > 0;
+  }
+  return is;
 }
 
 /* Effects and the data that they need. */
@@ -567,52 +649,74 @@ static void model_effects_check(text_file *t)
   const fb_real *g = model.level.gravity;
   const int pulled = fabs((double)g[0]) + fabs((double)g[1]) + fabs((double)g[2]) > 0;
   if (!(effects & FB_EFFECT_ELASTIC) && (effects & FB_EFFECT_DAMPING)) {
-    model_at(t, "effects");
+    model_at(t, NULL, "effects");
     text_fail(t, "effects names damping but no modes: add linear, spin, full or large");
   }
   if (pulled && !(effects & FB_EFFECT_GRAVITY)) {
-    model_at(t, "gravity");
+    model_at(t, NULL, "gravity");
     text_fail(t, "gravity is given, but not among the effects (full gravity, for instance)");
   }
   if (!pulled && (effects & FB_EFFECT_GRAVITY) && !text_seen(&model.seen, "gravity")) {
-    model_at(t, "effects");
+    model_at(t, NULL, "effects");
     text_fail(t, "the effect gravity wants a line gravity x y z");
   }
-  if ((model.n_damping > 0) != ((effects & FB_EFFECT_DAMPING) != 0)) {
-    model_at(t, model.n_damping ? "damping" : "effects");
-    text_fail(t, model.n_damping
+  for (int k = 0; k < model.n_part && model.n_damping > 1; k++) {
+    if (model.part[k].n_damping > 0) {
+      model_at(t, NULL, "damping");
+      text_fail(t, "damping of the whole has one ratio where a part has its own: it is that of the other parts");
+    }
+  }
+  if (model_is_damped() != ((effects & FB_EFFECT_DAMPING) != 0)) {
+    for (int k = 0; k < model.n_part; k++) {
+      model_at(t, &model.part[k], "damping");
+    }
+    model_at(t, NULL, model_is_damped() ? "damping" : "effects");
+    text_fail(t, model_is_damped()
                      ? "damping is given, but not among the effects (full damping or large damping, for instance)"
                      : "the effect damping wants a line damping");
   }
 }
 
-static void model_component_check(text_file *t)
+/* Stiffening needs the second-order displacement of every component. */
+static void model_quadratic_check(text_file *t)
 {
   const unsigned stiffening = FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING;
-  for (int k = 0; k < model.n_node; k++) {
-    for (int a = 0; a < model.n_mode; a++) {
-      if (!model.node[k].have[a]) {
-        text_fail(t, "node %d has no shape of mode %d", model.node[k].id, a + 1);
+  for (int k = 0; k < model.n_part && (model.level.effects & stiffening); k++) {
+    const model_part *const part = &model.part[k];
+    if (part->kind == MODEL_COMPONENT && part->n_pair == 0) {
+      t->line = part->line > 0 ? part->line : t->line;
+      text_fail(t, "stiffening wants quadratic lines; without them choose effects spin or linear");
+    }
+  }
+}
+
+static void model_component_check(text_file *t, model_part *part)
+{
+  for (int k = 0; k < part->n_node; k++) {
+    const model_node *const node = &model.node[part->node + k];
+    for (int a = 0; a < part->n_mode; a++) {
+      if (!node->have[a]) {
+        text_fail(t, "node %d has no shape of mode %d", node->id, a + 1);
       }
     }
   }
-  if (model.n_node == 0 || model.n_mode == 0 || model.frequency[0] <= 0) {
+  if (part->n_node == 0 || part->n_mode == 0 || part->frequency[0] <= 0) {
     text_fail(t, "a component wants modes, frequency_hz, node and shape lines");
   }
-  if (model.n_pair == 0 ? (model.level.effects & stiffening) != 0
-                        : model.n_pair != model.n_mode * (model.n_mode + 1) / 2) {
-    text_fail(t, model.n_pair ? "a quadratic line is missing: every pair of modes wants one"
-                              : "stiffening wants quadratic lines; without them choose effects spin or linear");
+  if (part->n_pair > 0 && part->n_pair != part->n_mode * (part->n_mode + 1) / 2) {
+    text_fail(t, "a quadratic line is missing: every pair of modes wants one");
   }
 }
 
 /* The line of a beam: its length, the places on it, its bends. */
-static void model_beam_check(text_file *t)
+static void model_beam_check(text_file *t, model_part *part)
 {
-  fb_beam_desc *beam = &model.beam;
+  fb_beam_desc *const beam = &part->beam;
   double length = (double)beam->length, before[3] = {0, 0, 0};
+  memcpy(beam->position, part->position, sizeof part->position);
+  memcpy(beam->attitude, part->attitude, sizeof part->attitude);
   if (beam->n_point > 0) {
-    if (!model.has_elements) {
+    if (!part->has_elements) {
       beam->n_element = beam->n_point - 1;
     }
     if (beam->n_element != beam->n_point - 1 ||
@@ -647,15 +751,15 @@ static void model_beam_check(text_file *t)
   if (beam->n_station == 0) {
     text_fail(t, "a beam wants stations or taper");
   }
-  if (!model.has_modes) {
+  if (!part->has_modes) {
     text_fail(t, "a beam wants a line modes");
   }
-  if (model.modes.cubic && model.modes.basis == FB_BASIS_FUNCTIONS) {
-    model_at(t, "cubic");
+  if (part->modes.cubic && part->modes.basis == FB_BASIS_FUNCTIONS) {
+    model_at(t, part, "cubic");
     text_fail(t, "cubic is of natural and component modes: functions have a degree");
   }
   for (int k = 0; k < beam->n_station; k++) {
-    beam->station[k].x *= model.is_fraction[k] ? (fb_real)length : FB_R(1.0);
+    beam->station[k].x *= part->is_fraction[k] ? (fb_real)length : FB_R(1.0);
   }
   if (beam->n_station > 1 && fabs((double)beam->station[beam->n_station - 1].x - length) > 1e-5 * length) {
     text_fail(t, "the last station is at %.10g, the tip at %.10g", (double)beam->station[beam->n_station - 1].x,
@@ -664,25 +768,39 @@ static void model_beam_check(text_file *t)
     beam->station[beam->n_station - 1].x = beam->length;
   }
   for (int k = 0; k < model.n_mark; k++) {
-    model.mark[k] = model.mark[k] < 0 ? length : model.mark[k];
-    if (model.mark[k] > length * (1 + 1e-5)) {
-      text_fail(t, "a node at %.10g is beyond the tip at %.10g", model.mark[k], length);
+    double *const x = model.mark[k].x;
+    if (model.mark[k].part == part - model.part) {
+      x[0] = x[0] < 0 ? length : x[0];
+      if (x[0] > length * (1 + 1e-5)) {
+        text_fail(t, "a node at %.10g is beyond the tip at %.10g", x[0], length);
+      }
     }
   }
 }
 
 /* Refuses a word that was there before, but for those of which there may be many. */
-static void model_once(text_file *t, const char *word)
+static void model_once(text_file *t, text_words *seen, const char *word)
 {
-  static const char *const many[] = {"point", "lump", "load",      "node",    "taper",
-                                     "shape", "mark", "quadratic", "boundary"};
+  static const char *const many[] = {"point", "lump",      "load",     "node", "taper",    "shape",
+                                     "mark",  "quadratic", "boundary", "beam", "component"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
-      text_note(t, &model.seen, word);
+      text_note(t, seen, word);
       return;
     }
   }
-  text_once(t, &model.seen, word);
+  text_once(t, seen, word);
+}
+
+/* One more part, of which nothing is known yet. */
+static model_part *model_begin_part(model_kind kind)
+{
+  model_part *const part = &model.part[model.n_part++];
+  part->kind = kind;
+  part->beam.n_element = FB_MAX_ELEMENTS / 2;
+  part->node = model.n_node;
+  part->pair = model.n_pair;
+  return part;
 }
 
 /* Of a body of that kind nothing is known yet. */
@@ -693,17 +811,122 @@ static void model_begin(model_kind kind)
   strcpy(model.name, "flexible_body");
   model.kind = kind;
   model.level.effects = kind == MODEL_RIGID ? FB_EFFECTS_RIGID : FB_EFFECTS_FULL;
-  model.beam.n_element = FB_MAX_ELEMENTS / 2;
+  if (kind == MODEL_BEAM || kind == MODEL_COMPONENT) {
+    model_begin_part(kind);
+  }
+}
+
+/* A line of a part that begins with that word. */
+static void model_part_line(text_file *t, model_part *part, const char *word)
+{
+  if (strcmp(word, "position") == 0) {
+    text_reals(t, word, part->position, 3);
+    text_end_of_line(t);
+  } else if (strcmp(word, "attitude") == 0) {
+    double quat[4] = {0};
+    fb_real unit[4];
+    model_attitude(t, quat);
+    for (int i = 0; i < 4; i++) {
+      unit[i] = part->attitude[i] = (fb_real)quat[i];
+    }
+    if (!t->failed && fb_quat_normalize(unit) != FB_OK) {
+      text_fail(t, "an attitude must not be zero");
+    }
+    text_end_of_line(t);
+  } else {
+    (part->kind == MODEL_BEAM ? model_beam_line : model_component_line)(t, part, word);
+  }
+}
+
+/* What only all lines of a part tell. */
+static void model_part_check(text_file *t, model_part *part)
+{
+  if (!t->failed) {
+    (part->kind == MODEL_BEAM ? model_beam_check : model_component_check)(t, part);
+  }
+}
+
+/* The root of a beam on a hub is held by it. */
+static void model_root_check(text_file *t, model_part *part)
+{
+  const fb_root root = part->beam.root;
+  if (root == FB_ROOT_FREE || (root == FB_ROOT_PINNED && part->modes.basis == FB_BASIS_MODES)) {
+    model_at(t, part, "root");
+    text_fail(t, root == FB_ROOT_FREE ? "a beam with a free root is not held by the hub: root clamped"
+                                      : "modes of a pinned root leave out its rotation: root clamped, or functions");
+  }
+}
+
+/* beam NAME or component NAME, the lines of such a description, end */
+static void model_block(text_file *t, model_kind kind)
+{
+  model_part *part;
+  const int begin = t->line;
+  int last, ended = 0;
+  if (model.n_part == FB_MAX_PARTS) {
+    text_fail(t, "more than %d parts", FB_MAX_PARTS);
+    return;
+  }
+  part = model_begin_part(kind);
+  part->line = begin;
+  text_name(t, "a part", part->name);
+  text_end_of_line(t);
+  for (int k = 0; k < model.n_part - 1; k++) {
+    if (strcmp(model.part[k].name, part->name) == 0) {
+      text_fail(t, "two parts have the name %s", part->name);
+    }
+  }
+  while (!ended && text_line(t)) {
+    const char *const word = text_word(t);
+    ended = strcmp(word, "end") == 0;
+    if (!ended) {
+      model_once(t, &part->seen, word);
+    }
+    if (strcmp(word, "damping") == 0) {
+      part->n_damping = model_damping(t, part->zeta);
+      text_end_of_line(t);
+    } else if (!ended) {
+      model_part_line(t, part, word);
+    }
+  }
+  if (!ended) {
+    text_fail(t, "%s %s of line %d wants a line `end`", model_kinds[kind], part->name, begin);
+  }
+  text_end_of_line(t);
+  last = t->line;
+  t->line = begin; /* what is missing has no line of its own */
+  model_part_check(t, part);
+  model_root_check(t, part);
+  t->line = last;
 }
 
 /* A line that begins with that word. */
 static void model_line(text_file *t, const char *word)
 {
-  static void (*const line[])(text_file * t, const char *word) = {model_beam_line, model_component_line,
-                                                                  model_rigid_line};
-  model_once(t, word);
-  if (!model_common(t, word)) {
-    line[model.kind](t, word);
+  const int parts = model.kind == MODEL_PARTS;
+  model_once(t, &model.seen, word);
+  if (model_common(t, word)) {
+    return;
+  }
+  if (!parts && model.kind != MODEL_RIGID) {
+    model_part_line(t, &model.part[0], word);
+  } else if (strcmp(word, "node") == 0) {
+    model_hub_node(t);
+  } else if (parts && strcmp(word, "beam") == 0) {
+    model_block(t, MODEL_BEAM);
+  } else if (parts && strcmp(word, "component") == 0) {
+    model_block(t, MODEL_COMPONENT);
+  } else {
+    text_fail(t, "no such word for a %s: %s", parts ? "body of parts (beam, component, node)" : "rigid body", word);
+  }
+}
+
+/* Lines that come may say again what was said, as lines of another file. */
+static inline void model_forget_lines(void)
+{
+  model.seen.n = 0;
+  for (int k = 0; k < model.n_part; k++) {
+    model.part[k].seen.n = model.part[k].line = 0;
   }
 }
 
@@ -711,10 +934,11 @@ static void model_line(text_file *t, const char *word)
 static void model_check(text_file *t)
 {
   model_effects_check(t);
-  if (!t->failed && model.kind == MODEL_BEAM) {
-    model_beam_check(t);
-  } else if (!t->failed && model.kind == MODEL_COMPONENT) {
-    model_component_check(t);
+  if (!t->failed && (model.kind == MODEL_BEAM || model.kind == MODEL_COMPONENT)) {
+    model_part_check(t, &model.part[0]);
+  }
+  if (!t->failed) {
+    model_quadratic_check(t);
   }
 }
 
@@ -745,104 +969,303 @@ static inline int model_read(const char *program, const char *file)
   return !t.failed;
 }
 
-/* The shape of a component: modes scaled to unit modal mass, so that K is omega^2. */
-static fb_status model_component_shape(const char **what)
+/* One more node of the shape, which was added before: whose it is, and its name. */
+static void model_note_node(int at, int part, const char *name)
+{
+  model.node_part[at] = part;
+  strcpy(model.node_name[at], name);
+}
+
+/* Axes of a component to those of the body. */
+static void model_axes(const model_part *part, fb_real R[9])
+{
+  fb_real quat[4];
+  memcpy(quat, part->attitude, sizeof quat);
+  if (fb_quat_normalize(quat) != FB_OK) { /* none was given */
+    quat[0] = FB_R(1.0);
+  }
+  fb_quat_to_mat33(R, quat);
+}
+
+/* Place and shapes of a component's node in axes of the body, its coordinates from `first` on of n; each is scaled. */
+static void model_place_node(const model_part *part, const model_node *node, const fb_real *scale, int first, int n,
+                             fb_real r[3], fb_real inertia[6], fb_real *psi, fb_real *theta)
+{
+  fb_real R[9], back[9], J[9], half[9], own[3];
+  model_axes(part, R);
+  memset(psi, 0, 3 * (size_t)n * sizeof *psi);
+  memset(theta, 0, 3 * (size_t)n * sizeof *theta);
+  for (int a = 0; a < part->n_mode; a++) {
+    fb_real u[3], turn[3];
+    for (int i = 0; i < 3; i++) {
+      u[i] = scale[a] * (fb_real)node->shape[6 * a + i];
+      turn[i] = scale[a] * (fb_real)node->shape[6 * a + 3 + i];
+    }
+    fb_mat33_mul_vec3(psi + 3 * (first + a), R, u);
+    fb_mat33_mul_vec3(theta + 3 * (first + a), R, turn);
+  }
+  for (int i = 0; i < 9; i++) {
+    static const int at[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
+    J[i] = (fb_real)node->inertia[at[i]];
+    own[i % 3] = (fb_real)node->x[i % 3];
+    back[i] = R[3 * (i % 3) + i / 3];
+  }
+  fb_mat33_mul_vec3(r, R, own);
+  fb_mat33_mul(half, R, J);
+  fb_mat33_mul(J, half, back);
+  for (int i = 0; i < 3; i++) {
+    r[i] += part->position[i];
+    inertia[i] = J[4 * i];
+    inertia[3 + i] = J[i < 2 ? 1 + i : 5];
+  }
+}
+
+/* Adds the nodes of a component to a shape of n coordinates; marked: and makes marked ones nodes of the body. */
+static fb_status model_add_nodes(const model_part *part, const fb_real *scale, int first, int n, int marked,
+                                 const char **what)
 {
   static char at_node[32];
-  fb_real psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], r[3], inertia[6], scale[FB_MAX_MODES];
   fb_status status = FB_OK;
-  for (int pass = 0; pass < 2 && status == FB_OK; pass++) {
-    status = fb_shape_init(&model_shape, model.n_mode);
-    for (int k = 0; k < model.n_node && status == FB_OK; k++) {
-      const model_node *node = &model.node[k];
-      for (int i = 0; i < 3 * model.n_mode; i++) {
-        const fb_real s = pass ? scale[i / 3] : FB_R(1.0);
-        psi[i] = s * (fb_real)node->shape[6 * (i / 3) + i % 3];
-        theta[i] = s * (fb_real)node->shape[6 * (i / 3) + 3 + i % 3];
+  for (int k = 0; k < part->n_node && status == FB_OK; k++) {
+    const model_node *const node = &model.node[part->node + k];
+    fb_real psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], r[3], inertia[6];
+    int at;
+    model_place_node(part, node, scale, first, n, r, inertia, psi, theta);
+    status = fb_shape_add_lump(&model_shape, (fb_real)node->mass, r, inertia, psi, theta);
+    if (status == FB_OK && marked && node->marked) {
+      status = fb_shape_add_node(&model_shape, &at, r, psi, theta);
+      if (status == FB_OK) {
+        model_note_node(at, (int)(part - model.part), node->name);
       }
-      for (int i = 0; i < 6; i++) {
-        inertia[i] = (fb_real)node->inertia[i];
-        r[i % 3] = (fb_real)node->x[i % 3];
-      }
-      status = fb_shape_add_lump(&model_shape, (fb_real)node->mass, r, inertia, psi, theta);
+    }
+    if (status != FB_OK) {
       snprintf(at_node, sizeof at_node, "node %d", node->id);
-      *what = status == FB_OK ? "the component" : at_node;
-      if (status == FB_OK && pass && node->marked) {
-        int at;
-        status = fb_shape_add_node(&model_shape, &at, r, psi, theta);
-        if (status == FB_OK) {
-          strcpy(model.node_name[at], node->name);
-        }
-      }
+      *what = at_node;
     }
-    for (int a = 0; a < model.n_mode && status == FB_OK; a++) {
-      const fb_real m = model_shape.M[a * (model.n_mode + 1)], w = (fb_real)(2.0 * model_pi * model.frequency[a]);
-      status = m > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
-      scale[a] = FB_R(1.0) / FB_SQRT(m);
-      model_shape.K[a * (model.n_mode + 1)] = w * w;
-    }
-  }
-  for (int k = 0; k < model.n_pair && status == FB_OK; k++) {
-    const fb_real s = scale[model.pair[k].a] * scale[model.pair[k].b];
-    fb_real p[3], h[3], gamma[9];
-    for (int i = 0; i < 9; i++) {
-      p[i % 3] = s * (fb_real)model.pair[k].p[i % 3];
-      h[i % 3] = s * (fb_real)model.pair[k].h[i % 3];
-      gamma[i] = s * (fb_real)model.pair[k].gamma[i];
-    }
-    status = fb_shape_add_pair(&model_shape, model.pair[k].a, model.pair[k].b, p, h, gamma);
   }
   return status;
 }
 
-static fb_status model_beam_shape(const char **what)
+/* Adds the second-order displacement of a component: with r = p + R r', chi = R chi'
+   p^chi = R p', h^chi = R h' + p x R p', Gamma^chi = R Gamma' R^T - (R p')^ p^. */
+static fb_status model_add_pairs(const model_part *part, const fb_real *scale)
 {
-  fb_status status;
-  int at;
-  *what = "the beam";
-  status = fb_beam_init(&model_beam, &model.beam);
-  if (status == FB_OK) {
-    *what = "its modes";
-    status = fb_modes_solve(&model_modes, &model_modes_work, &model_beam, &model.modes);
+  fb_real R[9], back[9];
+  fb_status status = FB_OK;
+  model_axes(part, R);
+  for (int i = 0; i < 9; i++) {
+    back[i] = R[3 * (i % 3) + i / 3];
   }
-  *what = status == FB_OK ? "its integrals" : *what;
-  status = status ? status : fb_shape_init(&model_shape, model_modes.n);
-  status = status ? status : fb_shape_add_beam(&model_shape, 0, &model_beam, &model_modes);
+  for (int k = part->pair; k < part->pair + part->n_pair && status == FB_OK; k++) {
+    const int a = model.pair[k].a, b = model.pair[k].b;
+    const fb_real s = scale[a] * scale[b];
+    fb_real own[9], p[3], h[3], gamma[9], half[9], across[3], along;
+    for (int i = 0; i < 9; i++) {
+      own[i] = s * (fb_real)model.pair[k].gamma[i];
+      p[i % 3] = s * (fb_real)model.pair[k].p[i % 3];
+      h[i % 3] = s * (fb_real)model.pair[k].h[i % 3];
+    }
+    fb_mat33_mul(half, R, own);
+    fb_mat33_mul(gamma, half, back);
+    fb_mat33_mul_vec3(own, R, p);
+    fb_mat33_mul_vec3(own + 3, R, h);
+    fb_vec3_cross(across, part->position, own);
+    along = fb_vec3_dot(part->position, own);
+    for (int i = 0; i < 9; i++) {
+      gamma[i] += (i % 4 == 0 ? along : FB_R(0.0)) - part->position[i / 3] * own[i % 3];
+    }
+    for (int i = 0; i < 3; i++) {
+      h[i] = own[3 + i] + across[i];
+    }
+    status = fb_shape_add_pair(&model_shape, part->first + a, part->first + b, own, h, gamma);
+  }
+  return status;
+}
+
+/* The shape of a component: modes scaled to unit modal mass, so that K is omega^2. */
+static fb_status model_component_shape(model_part *part, const char **what)
+{
+  const int n = model_shape.n;
+  fb_status status = model_add_nodes(part, model_scale[part - model.part], part->first, n, 1, what);
+  for (int a = 0; a < part->n && status == FB_OK; a++) {
+    const fb_real w = (fb_real)(2.0 * model_pi * part->frequency[a]);
+    model_shape.K[(part->first + a) * (n + 1)] = w * w;
+  }
+  return status ? status : model_add_pairs(part, model_scale[part - model.part]);
+}
+
+static fb_status model_beam_shape(const model_part *part, const char **what)
+{
+  const fb_beam *const beam = &model_beam[part - model.part];
+  const fb_modes *const modes = &model_modes[part - model.part];
+  fb_status status;
+  *what = "its integrals";
+  status = fb_shape_add_beam(&model_shape, part->first, beam, modes);
 #if FB_WITH_NONLINEAR_STRAIN
   if (status == FB_OK && (model.level.effects & FB_EFFECT_NONLINEAR_STRAIN)) {
     *what = "its strain stations (they want EA, and `functions` with as many axial modes as bending ones)";
-    status = fb_shape_add_beam_strain(&model_shape, 0, &model_beam, &model_modes);
+    status = fb_shape_add_beam_strain(&model_shape, part->first, beam, modes);
   }
 #endif
-  for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
-    *what = "a node";
-    status = fb_shape_add_beam_node(&model_shape, &at, 0, &model_beam, &model_modes, (fb_real)model.mark[k]);
-  }
   return status;
 }
 
-/* A body without modes; its nodes are held to its frame. */
-static fb_status model_rigid_shape(const char **what)
+/* Nodes of the hub (part -1) or of a beam. */
+static fb_status model_add_marks(int part, const char **what)
 {
-  fb_status status = fb_shape_init(&model_shape, 0);
-  *what = "a node";
+  fb_status status = FB_OK;
   for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
-    const fb_real none[3] = {0},
-                  r[3] = {(fb_real)model.place[k][0], (fb_real)model.place[k][1], (fb_real)model.place[k][2]};
+    const fb_real none[3 * FB_MAX_MODES] = {0};
+    const fb_real x[3] = {(fb_real)model.mark[k].x[0], (fb_real)model.mark[k].x[1], (fb_real)model.mark[k].x[2]};
     int at;
-    status = fb_shape_add_node(&model_shape, &at, r, none, none);
+    if (model.mark[k].part != part) {
+      continue;
+    }
+    *what = "a node";
+    status = part < 0 ? fb_shape_add_node(&model_shape, &at, x, none, none)
+                      : fb_shape_add_beam_node(&model_shape, &at, model.part[part].first, &model_beam[part],
+                                               &model_modes[part], x[0]);
+    if (status == FB_OK) {
+      model_note_node(at, part, model.mark[k].name);
+    }
   }
   return status;
 }
 
-/* Builds the shape of what was read; on failure *what says at which part. */
-static fb_status model_build_shape(const char **what)
+/* The coordinates of a part: modes of a beam, scales of a component's modes by their modal masses. */
+static fb_status model_solve_part(model_part *part, const char **what)
 {
-  static fb_status (*const shape[])(const char **what) = {model_beam_shape, model_component_shape, model_rigid_shape};
+  const int k = (int)(part - model.part);
+  fb_real *const scale = model_scale[k];
   fb_status status;
-  fb_real center[3], inertia[6];
+  if (part->kind == MODEL_BEAM) {
+    *what = "the beam";
+    status = fb_beam_init(&model_beam[k], &part->beam);
+    if (status == FB_OK) {
+      *what = "its modes";
+      status = fb_modes_solve(&model_modes[k], &model_modes_work, &model_beam[k], &part->modes);
+      part->n = model_modes[k].n;
+    }
+    return status;
+  }
   *what = "the component";
-  status = shape[model.kind](what);
+  part->n = part->n_mode;
+  for (int a = 0; a < part->n; a++) {
+    scale[a] = FB_R(1.0);
+  }
+  status = fb_shape_init(&model_shape, part->n); /* built afresh later */
+  status = status ? status : model_add_nodes(part, scale, 0, part->n, 0, what);
+  for (int a = 0; a < part->n && status == FB_OK; a++) {
+    const fb_real m = model_shape.M[a * (part->n + 1)];
+    status = m > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
+    scale[a] = FB_R(1.0) / FB_SQRT(m);
+  }
+  return status;
+}
+
+/* Which part has a coordinate, and the how manieth it is there. */
+static const model_part *model_part_of(int coordinate, int *own)
+{
+  int k = 0;
+  while (k + 1 < model.n_part && coordinate >= model.part[k + 1].first) {
+    k++;
+  }
+  *own = coordinate - model.part[k].first;
+  return &model.part[k];
+}
+
+/* Kind of a coordinate's mode; FB_KIND_COUNT: a component's. */
+static inline int model_mode_kind(int coordinate)
+{
+  int own;
+  const model_part *const part = model_part_of(coordinate, &own);
+  return part->kind == MODEL_BEAM ? (int)model_modes[part - model.part].kind[own] : FB_KIND_COUNT;
+}
+
+/* Modes by frequency, as fb_body_desc.zeta counts those of a general M: coordinate[k] is one that moves most in mode k.
+   M and K of parts are blocks, so that a mode is that of one part. */
+static fb_status model_modes_order(int *coordinate)
+{
+  fb_body_work *const w = &model_body_work;
+  const int n = model_shape.n;
+  fb_status status;
+  memcpy(w->A, model_shape.K, (size_t)(n * n) * sizeof *w->A);
+  memcpy(w->B, model_shape.M, (size_t)(n * n) * sizeof *w->B);
+  status = fb_eig_gen_solve(w->d, w->X, w->A, w->B, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    coordinate[k] = 0;
+    for (int a = 1; a < n; a++) {
+      coordinate[k] = FB_FABS(w->X[k * n + a]) > FB_FABS(w->X[k * n + coordinate[k]]) ? a : coordinate[k];
+    }
+  }
+  return status;
+}
+
+/* Damping by parts, to the ratios of the body. */
+static fb_status model_damp_parts(const char **what)
+{
+  const fb_body_desc plain = {.effects = FB_EFFECTS_LINEAR, .base = FB_BASE_PRESCRIBED};
+  int coordinate[FB_MAX_MODES], taken[FB_MAX_PARTS] = {0}, own = 0;
+  fb_status status;
+  for (int k = 0; k < model.n_part; k++) {
+    const model_part *const part = &model.part[k];
+    if (part->n_damping > 1 && part->n_damping != part->n) {
+      model.built = k;
+      *what = "damping wants one ratio, or as many as the part has modes";
+      return FB_ERR_VALUE;
+    }
+    own |= part->n_damping > 0;
+  }
+  if (!own) {
+    return FB_OK;
+  }
+  *what = "damping of parts";
+  status = fb_body_init(&model_body, &model_body_work, &model_shape, &plain); /* tells whether modes are normalized */
+  for (int k = 0; k < model_shape.n; k++) {
+    coordinate[k] = k;
+  }
+  if (status == FB_OK && !(model_body.unit_mass && model_body.K.n_term == 0)) {
+    status = model_modes_order(coordinate);
+  }
+  for (int k = 0; k < model_shape.n && status == FB_OK; k++) {
+    const model_part *const part = model_part_of(coordinate[k], &own);
+    const int mode = taken[part - model.part]++;
+    model.level.zeta[k] = (fb_real)(part->n_damping > 0 ? part->zeta[mode] : model.zeta);
+  }
+  return status;
+}
+
+/* The shape of what was read. */
+static fb_status model_shape_of_parts(const char **what)
+{
+  int n = 0;
+  fb_status status = FB_OK;
+  fb_real center[3], inertia[6];
+
+  /* coordinates of the parts, one part after the other */
+  for (int k = 0; k < model.n_part && status == FB_OK; k++) {
+    model.part[k].first = n;
+    model.built = k;
+    status = model_solve_part(&model.part[k], what);
+    n += model.part[k].n;
+  }
+  if (status == FB_OK) {
+    model.built = -1;
+    *what = "the modes of all parts together";
+    status = fb_shape_init(&model_shape, n);
+  }
+
+  /* parts, and the hub */
+  status = status ? status : model_add_marks(-1, what);
+  for (int k = 0; k < model.n_part && status == FB_OK; k++) {
+    model_part *const part = &model.part[k];
+    model.built = k;
+    status = part->kind == MODEL_BEAM ? model_beam_shape(part, what) : model_component_shape(part, what);
+    status = status ? status : model_add_marks(k, what);
+  }
+  if (status == FB_OK) {
+    model.built = -1;
+  }
   for (int i = 0; i < 6; i++) {
     center[i % 3] = (fb_real)model.hub_center[i % 3];
     inertia[i] = (fb_real)model.hub_inertia[i];
@@ -858,6 +1281,19 @@ static fb_status model_build_shape(const char **what)
   if (status == FB_OK && model_shape.n == 0 && (model.level.effects & FB_EFFECT_ELASTIC)) {
     *what = "no mode is left";
     return FB_ERR_MODES;
+  }
+  return status ? status : model_damp_parts(what);
+}
+
+/* Builds the shape of what was read; on failure *what says at which part. */
+static fb_status model_build_shape(const char **what)
+{
+  static char of_part[TEXT_NAME + 128];
+  const fb_status status = model_shape_of_parts(what);
+  const model_part *const part = &model.part[model.built < 0 ? 0 : model.built];
+  if (status != FB_OK && model.built >= 0 && part->name[0]) {
+    snprintf(of_part, sizeof of_part, "%s %s, %s", model_kinds[part->kind], part->name, *what);
+    *what = of_part;
   }
   return status;
 }

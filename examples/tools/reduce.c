@@ -16,15 +16,39 @@
 #include "../common/output.h"
 
 static const char help[] =
-    "reduce - a body in ROM: from a beam or component description to a C header\n"
+    "reduce - a body in ROM: from a description of beams and components to a C header\n"
     "usage: flexbeam reduce FILE [options]\n"
     "  --out FILE   where to write the header (standard output)\n"
     "  --single     for single precision (double)\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
-    "The descriptions are explained in examples/tools/README.md; examples/blade.txt and examples/panel.txt are "
+    "The descriptions are explained in examples/tools/README.md; examples/two_booms.txt and examples/panel.txt are "
     "two.\n";
+
+static void summarize_part(const model_part *part, const fb_modes *modes)
+{
+  const char *const name = part->name, *const sign = name[0] ? ": " : "";
+  if (fabs((double)part->modes.spin) > 0) {
+    fprintf(stderr,
+            "  %s%s(Ritz modes shaped for the spin: frequencies at rest, the higher ones not those of modes at rest)\n",
+            name, sign);
+  }
+  if (part->kind == MODEL_COMPONENT) {
+    double largest = 0;
+    for (int a = part->first; a < part->first + part->n; a++) {
+      for (int b = part->first; b < a; b++) {
+        largest = fmax(largest, fabs((double)model_shape.M[a * model_body.n + b]));
+      }
+    }
+    fprintf(stderr, "  %s%smodes are orthogonal against the nodes' masses to %.2g%s\n", name, sign, largest,
+            largest > 1e-3 ? ": masses and shapes do not quite belong together" : "");
+  } else {
+    fprintf(stderr, "  %s%seffective mass: x %.3f  y %.3f  z %.3f, inertia about the root: x %.3f  y %.3f  z %.3f\n",
+            name, sign, (double)modes->effective[0], (double)modes->effective[1], (double)modes->effective[2],
+            (double)modes->effective[3], (double)modes->effective[4], (double)modes->effective[5]);
+  }
+}
 
 static void summarize(const char *file)
 {
@@ -35,23 +59,8 @@ static void summarize(const char *file)
     fprintf(stderr, "  mode %2d  %10.5g Hz  damping %.3g\n", k + 1, omega / (2.0 * model_pi),
             (double)model.level.zeta[k]);
   }
-  if (fabs((double)model.modes.spin) > 0) {
-    fprintf(stderr,
-            "  (Ritz modes shaped for the spin: frequencies at rest, the higher ones not those of modes at rest)\n");
-  }
-  if (model.kind == MODEL_COMPONENT) {
-    double largest = 0;
-    for (int a = 0; a < model_body.n; a++) {
-      for (int b = 0; b < a; b++) {
-        largest = fmax(largest, fabs((double)model_shape.M[a * model_body.n + b]));
-      }
-    }
-    fprintf(stderr, "  modes are orthogonal against the nodes' masses to %.2g%s\n", largest,
-            largest > 1e-3 ? ": masses and shapes do not quite belong together" : "");
-  } else {
-    fprintf(stderr, "  effective mass: x %.3f  y %.3f  z %.3f, inertia about the root: x %.3f  y %.3f  z %.3f\n",
-            (double)model_modes.effective[0], (double)model_modes.effective[1], (double)model_modes.effective[2],
-            (double)model_modes.effective[3], (double)model_modes.effective[4], (double)model_modes.effective[5]);
+  for (int k = 0; k < model.n_part; k++) {
+    summarize_part(&model.part[k], &model_modes[k]);
   }
   fprintf(stderr, "  %d terms of Lambda, %d of S\n", model_body.n_lambda, model_body.n_S);
 }

@@ -39,13 +39,15 @@ static struct world {
   fb_join_desc join_desc;
   fb_shape shape, empty, natural;
   fb_real r[3], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real center[3], inertia[6], pchi[3], hchi[3], Gamchi[9];
+  fb_real center[3], inertia[6], pchi[3], hchi[3], Gamchi[9], spins[6];
+  fb_fields fields;
   int coordinate[2];
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
   fb_body_desc body_desc, scene_desc, bent_desc, spun_desc;
-  fb_body body, held, bent, bent_held, spun; /* bent ones with lines, the last with rotors, central gravity */
-  fb_state state, bent_state, spun_state;
+  fb_body body, held, bent, bent_held, spun,
+      calm; /* bent ones with lines, the last with rotors, central gravity; calm: balanced, held */
+  fb_state state, bent_state, spun_state, calm_state;
   fb_input input, bent_input, spun_input;
   fb_motion motion, bent_motion;
   fb_node_motion node_motion;
@@ -62,7 +64,7 @@ static struct world {
   fb_exact exact;
   fb_exact_state exact_state;
   fb_exact_input exact_input;
-  fb_linear_desc linear_desc, system_linear_desc;
+  fb_linear_desc linear_desc, motor_desc, system_linear_desc;
   fb_exact_path exact_path;
   fb_exact_linear_desc exact_linear_desc;
   fb_spectrum spectrum;
@@ -205,11 +207,19 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     STATE(spun_state), WORK(implicit_work), OPTIONAL(spun_input), REAL(FB_R(0.01)), WHOLE(2))                         \
   F(fb_sdirk_step_of_rotors, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(spun),                 \
     STATE(spun_state), WORK(implicit_work), IN(spun_input), IN(spun_input), REAL(FB_R(0.01)), WHOLE(2))               \
+  F(fb_body_limit_eval_of_rotors, fb_body_limit_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_body_limit),     \
+    IN(spun_state), OPTIONAL(spun_input))                                                                             \
   F(fb_exponential_init_of_rotors, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential),               \
     WORK(body_work), MODEL(spun), REAL(FB_R(0.01)))                                                                   \
   F(fb_exponential_step_of_rotors, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(spun),     \
     MODEL(spun_exponential), STATE(spun_state), WORK(exponential_work), OPTIONAL(spun_input), OPTIONAL(spun_input),   \
-    OPTIONAL(spun_input))
+    OPTIONAL(spun_input))                                                                                             \
+  F(fb_body_trim_of_rotors, fb_body_trim(p[0], p[1], p[2], p[3]), SLOW, MODEL(calm), STATE(calm_state),               \
+    WORK(analyse_work), IN(spun_input))                                                                               \
+  F(fb_body_linearize_of_rotors, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, MODEL(calm),            \
+    WORK(analyse_work), OUT(fb_linear), IN(calm_state), IN(spun_input), OPTIONAL(motor_desc))                         \
+  F(fb_body_spectrum_solve_of_rotors, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(calm),        \
+    WORK(analyse_work), OUT(fb_spectrum), IN(calm_state), IN(spun_input))
 /* Again with a body with lines, its loads distributed by a callback. */
 #define OF_LINES(F)                                                                                                   \
   F(fb_body_init_of_lines, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),    \
@@ -235,6 +245,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     STATE(bent_state), WORK(implicit_work), OPTIONAL(bent_input), REAL(FB_R(0.01)), WHOLE(2))                         \
   F(fb_sdirk_step_of_lines, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(bent),                  \
     STATE(bent_state), WORK(implicit_work), IN(bent_input), IN(bent_input), REAL(FB_R(0.01)), WHOLE(2))               \
+  F(fb_body_limit_eval_of_lines, fb_body_limit_eval(p[0], p[1], p[2], p[3]), 1, MODEL(bent), OUT(fb_body_limit),      \
+    IN(bent_state), OPTIONAL(bent_input))                                                                             \
   F(fb_exponential_init_of_lines, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential),                \
     WORK(body_work), MODEL(bent), REAL(FB_R(0.01)))                                                                   \
   F(fb_exponential_step_of_lines, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(bent),      \
@@ -314,6 +326,13 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     IN(theta))                                                                                                         \
   F(fb_shape_add_pair, fb_shape_add_pair(p[0], i[0], i[1], p[1], p[2], p[3]), 1, BUILT(empty), WHOLE(0), WHOLE(1),     \
     OPTIONAL(pchi), OPTIONAL(hchi), OPTIONAL(Gamchi))                                                                  \
+  F(fb_shape_add_stiffening, fb_shape_add_stiffening(p[0], i[0], i[1], p[1], p[2], p[3]), 1, BUILT(empty), WHOLE(0),   \
+    WHOLE(1), IN(pchi), IN(hchi), IN(spins))                                                                           \
+  F(fb_fields_init, fb_fields_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, OUT(fb_fields), MODEL(empty),               \
+    OPTIONAL(fields), IN(r), IN(psi), OPTIONAL(theta))                                                                 \
+  F(fb_shape_add_field_lump, fb_shape_add_field_lump(p[0], p[1], x[0], p[2]), 1, BUILT(empty), IN(fields),             \
+    REAL(FB_R(1.5)), OPTIONAL(inertia))                                                                                \
+  F(fb_shape_add_field_node, fb_shape_add_field_node(p[0], p[1], p[2]), 1, BUILT(empty), OUT(int), IN(fields))         \
   F(fb_shape_add_beam, fb_shape_add_beam(p[0], i[0], p[1], p[2]), 1, BUILT(empty), WHOLE(0), MODEL(beam[0]),           \
     MODEL(modes))                                                                                                      \
   F(fb_shape_add_beam_node, fb_shape_add_beam_node(p[0], p[1], i[0], p[2], p[3], x[0]), 1, BUILT(shape), OUT(int),     \
@@ -392,6 +411,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     IN(exact_state))                                                                                                   \
   F(fb_rk4_step, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(body), STATE(state), WORK(rk4_work),  \
     OPTIONAL(input), OPTIONAL(input), OPTIONAL(input), REAL(FB_R(0.01)))                                               \
+  F(fb_body_limit_eval, fb_body_limit_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_body_limit), IN(state),     \
+    OPTIONAL(input))                                                                                                   \
   F(fb_rk4_limit, give(fb_rk4_limit(p[0], x[0], x[1])), 0, MODEL(body), REAL(1), REAL(1))                              \
   F(fb_implicit_limit, give(fb_implicit_limit(p[0], x[0], x[1])), 0, MODEL(body), REAL(1), REAL(1))                    \
   F(fb_midpoint_step, fb_midpoint_step(p[0], p[1], p[2], p[3], x[0], i[0]), 1, MODEL(body), STATE(state),              \
@@ -652,6 +673,11 @@ static void body_fill(void)
   w.spun_input.rotor[0].momentum = FB_R(1e-3);
   need(fb_state_rotor_set(&w.spun, &w.spun_state, 1, FB_R(2.0), FB_R(0.1), &w.spun_input), "its wheel");
   need(fb_exponential_init(&w.spun_exponential, &body_work, &w.spun, FB_R(0.01)), "its exponential scheme");
+  w.scene_desc = w.spun_desc;
+  w.scene_desc.base = FB_BASE_PRESCRIBED;
+  w.scene_desc.rotor[1].static_imbalance = w.scene_desc.rotor[1].dynamic_imbalance = FB_R(0.0);
+  need(fb_body_init(&w.calm, &body_work, &w.natural, &w.scene_desc), "balanced body with rotors");
+  need(fb_state_init(&w.calm, &w.calm_state), "its state");
   w.scene_desc = w.bent_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.bent_held, &body_work, &w.natural, &w.scene_desc), "held body with lines");
@@ -679,6 +705,9 @@ static void body_fill(void)
   w.linear_desc.n_in = w.linear_desc.n_out = 1;
   w.linear_desc.in[0].node = w.linear_desc.out[0].node = 1;
   w.linear_desc.out[0].kind = FB_PORT_DISPLACEMENT;
+  w.motor_desc = w.linear_desc;
+  w.motor_desc.in[0].kind = FB_PORT_MOTOR;
+  w.motor_desc.out[0].kind = FB_PORT_ROTOR_SPEED;
   need(fb_body_spectrum_solve(&w.held, &analyse_work, &w.spectrum, &w.state, &w.input), "spectrum");
   w.envelope.n_load = 1;
   w.envelope.load[0] = w.input.load[0];

@@ -20,7 +20,7 @@ again() {
 try gcc $c99 -O1 -o "$out/rotors" tests/checks/rom_rotors.c -lm
 for single in 0 1; do
   precision=$([ $single = 1 ] && echo --single || true)
-  for model in examples/blade examples/panel examples/satellite "$out/large"; do
+  for model in examples/blade examples/panel examples/satellite examples/two_booms "$out/large"; do
     try "$out/reduce" $model.txt $precision --name rom_body --out "$out/rom.h"
     again $model $model.txt $single
   done

@@ -126,6 +126,15 @@ try ${CC:-cc} $c99 -O1 -o "$out/satellite" tests/checks/satellite.c -lm
 try "$out/scene" "$out/satellite.txt" --quiet
 [ ! -s "$out/log" ] || fail "the satellite as a scene: $(cat "$out/log")"
 
+# hub and booms as one body, in place of bodies on rigid joints
+sed 's/^  damping 0.003$//' examples/two_booms.txt > "$out/two_booms.txt"
+sed -e 's|\.\./two_booms|two_booms|' -e 's/craft\.wheel wheel/craft wheel/' examples/scenes/two_booms.txt > "$out/one_body.txt"
+for column in turn rate bend wheel; do
+  echo "reference satellite_control.csv t $column output $column tolerance 1e-9 relative" >> "$out/one_body.txt"
+done
+try "$out/scene" "$out/one_body.txt" --quiet
+[ ! -s "$out/log" ] || fail "the satellite as one body: $(cat "$out/log")"
+
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"

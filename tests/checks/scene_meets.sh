@@ -710,3 +710,140 @@ expect phase $phase tolerance 1e-6 relative
 expect late $late tolerance 1e-6 relative
 expect radius $radius tolerance 1e-6 relative
 END
+
+# rotors: a motor turns wheel and body against each other; a momentum that is given; trim with a motor against friction, beside one with an
+# imbalance that does not turn
+meets << END
+duration 5
+interval 0.1
+body b rigid
+  hub 10  0 0 0  1 3 2.5
+end
+rotor w b
+  axis 0 2 0
+  inertia 0.02
+  motor constant 0.01
+end
+output wy spin b y
+output s rotor_speed w
+measure wy final wy
+measure s final s
+expect wy -0.01*5/3 tolerance 1e-9
+expect s 2.5166666667 tolerance 1e-6
+END
+meets << END
+duration 5
+interval 0.1
+body b rigid
+  hub 10  0 0 0  1 3 2.5
+end
+rotor w b
+  axis 0 1 0
+  inertia 0.02
+  momentum smooth 0.6 0 4
+end
+output wy spin b y
+measure wy final wy
+expect wy -0.6/3 tolerance 1e-12
+END
+meets << END
+trim
+duration 5
+interval 0.1
+body b rigid
+  hub 10  0 0 0  1 3 2.5
+  node 1 0 0 n
+end
+rotor w b.n
+  axis 0 1 0
+  inertia 0.02
+  speed 40
+  damping 2e-3
+  friction 1e-3 0.2
+  motor constant 0.08099998750023437
+end
+rotor idle b
+  axis 1 0 0
+  inertia 0.02
+  dynamic_imbalance 1e-3 30
+  static_imbalance 1e-3
+end
+output s rotor_speed w
+output h rotor_momentum w
+measure s final s
+measure least min h
+expect s 40 tolerance 1e-6
+expect least 0.8 tolerance 1e-6
+END
+# and a wheel on a hinge, by the same controller: the run, and the margins of the loop
+cat > "$out/wheel.txt" << END
+duration 20
+interval 0.1
+step 0.01
+body hub rigid
+  hub 100  0 0 0  10 12 15
+end
+body wheel rigid
+  hub 1  0 0 0  0.012 0.012 0.02
+end
+joint axle revolute hub wheel
+  damping 1e-4
+  friction 1e-3
+  friction_speed 1
+  start 1 0 50
+end
+output turn attitude hub z
+output rate gyro hub z
+output speed speed axle 1
+control c
+  sample 0.1
+  delay 0.03
+  input turn 2
+  input rate 3
+  input speed 0.001
+  reference smooth 0.2 0 5
+  pid -4 0 0
+  output motor axle 1
+end
+measure phase phase_margin c
+measure radius pole_radius c
+measure last final speed
+END
+try "$out/careful" "$out/wheel.txt" --quiet --out "$out/wheel.csv"
+try "$out/careful" "$out/wheel.txt"
+meets << END
+duration 20
+interval 0.1
+step 0.01
+body hub rigid
+  hub 101  0 0 0  10.012 12.012 15
+end
+rotor axle hub
+  axis 0 0 1
+  inertia 0.02
+  damping 1e-4
+  friction 1e-3 1
+  speed 50
+end
+output turn attitude hub z
+output rate gyro hub z
+output speed rotor_speed axle
+control c
+  sample 0.1
+  delay 0.03
+  input turn 2
+  input rate 3
+  input speed 0.001
+  reference smooth 0.2 0 5
+  pid -4 0 0
+  output rotor axle
+end
+measure phase phase_margin c
+measure radius pole_radius c
+measure last final speed
+expect phase $(sed -n 's/^phase = //p' "$out/log") tolerance 1e-6
+expect radius 1 tolerance 1e-6
+reference wheel.csv t turn output turn tolerance 1e-7 relative
+reference wheel.csv t rate output rate tolerance 1e-7 relative
+reference wheel.csv t speed output speed tolerance 1e-7 relative
+END

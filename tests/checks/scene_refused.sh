@@ -847,6 +847,57 @@ body b beam
   gauge g 0 1 0
 end
 END
+refuse 2 "gauges are on beams" << END
+body b rigid
+  gauge g 0 0 1
+end
+END
+refuse 10 "no beam of body b has the name tip" << END
+body b parts
+  beam boom
+    length 1
+    modes bend_y 1
+    stations x mass EI_y
+      0 1 1
+    end
+    node tip tip
+  end
+  gauge g tip 0 0 1
+end
+END
+refuse 3 "no such word for a beam: start_spin" << END
+body b parts
+  beam boom
+    start_spin 0 0 1
+  end
+end
+END
+refuse 4 "beam boom of line 2 wants a line \`end\`" << END
+body b parts
+  beam boom
+    length 1
+  # the file ends here
+END
+refuse 6 "beam boom, its modes: " << END
+body b parts
+  hub 1  0 0 0  1 1 1
+  effects linear
+  beam boom
+    length 1
+    modes bend_y 1
+    stations x mass EI_y
+      0 1 1
+    end
+  end
+end
+END
+refuse 2 "exact takes a straight beam" << END
+exact 4
+body b parts
+  hub 1  0 0 0  1 1 1
+  effects rigid
+end
+END
 printf 'duration 1\nstep \000 0.1\n' > "$out/zero.txt"
 status=0
 "$out/careful" "$out/zero.txt" > "$out/log" 2>&1 || status=$?
@@ -1189,3 +1240,143 @@ no_margin 15 "margins: a thruster or pulse is not linear" 'sample 0.1' 'input w'
 no_margin 12 "margins: x has no linear model: take displacement" 'sample 0.1' 'input x' 'pid 1 0 0' 'output motor j 1'
 no_margin 18 "margins: d has another sample than the controllers before it" 'sample 0.1' 'input w' 'pid 1 0 0' 'output motor j 1' end 'control d' \
   'sample 0.2' 'input w' 'pid 1 0 0' 'output load top base torque 0 0 1'
+# rotors
+refuse 6 "no such word for a rotor: spin" << END
+$top
+rotor w top
+  spin 3
+end
+END
+refuse 5 "rotor w wants an axis, not zero" << END
+$top
+rotor w top
+  inertia 1
+end
+END
+refuse 5 "rotor w wants an inertia" << END
+$top
+rotor w top
+  axis 0 0 1
+end
+END
+refuse 7 "inertia must be greater than 0" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0
+end
+END
+refuse 7 "axis is there twice" << END
+$top
+rotor w top
+  axis 0 0 1
+  axis 0 0 1
+end
+END
+refuse 7 "rotor w of line 5 wants a line \`end\`" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+END
+refuse 9 "two rotors have the name w" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+end
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+end
+END
+refuse 5 "body top has no node hub" << END
+$top
+rotor w top.hub
+  axis 0 0 1
+  inertia 0.1
+end
+END
+refuse 1 "no body has the name top" << END
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+end
+$top
+END
+refuse 8 "motor of a rotor whose momentum is given" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+  motor constant 1
+  momentum constant 1
+end
+END
+refuse 9 "friction of a rotor whose momentum is given" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+  momentum constant 1
+  friction 1 1
+end
+END
+refuse 8 "a momentum must not jump: take ramp or smooth" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+  momentum step 1 1
+end
+END
+refuse 8 "damping must not be negative" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+  damping -1
+end
+END
+refuse 8 "speed of friction must be greater than 0" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+  friction 1 0
+end
+END
+refuse 9 "no rotor has the name x" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+end
+output s rotor_speed x
+END
+refuse 6 "a rotor is that of a body alone; among others a wheel is a body on a hinge" << END
+duration 1
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+end
+body more rigid
+  hub 1  0 0 0  1 1 1
+end
+END
+refuse 15 "the momentum of rotor w is given: no motor" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 0.1
+  momentum constant 1
+end
+output s spin top z
+control c
+  sample 1
+  input s
+  pid 1 0 0
+  output rotor w
+end
+END

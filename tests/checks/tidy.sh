@@ -1,8 +1,8 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks, gcc's analyzer
 # nothing in the library and the tests.
-# clang-tidy follows the programs into the library in double precision; in single it sees the library once, with the tests,
-# which have all forms then: FLEXBEAM_IMPL_INCLUDED leaves it out of the programs, unless they use its inside. cppcheck takes
+# clang-tidy sees the library once in either precision, with the tests, in single with all forms: FLEXBEAM_IMPL_INCLUDED
+# leaves it out of the programs, unless they use its inside. cppcheck takes
 # the library as a file of its own and finds what one file does wrong to another's functions by its analysis of the whole program.
 # cppcheck: uninitvar is off, it takes an array that is handed to the function that fills it for one that is read; gcc, clang
 # and the analyzer of clang-tidy look for the same. gcc's analyzer takes what a loop has filled for such, too; with values
@@ -15,17 +15,14 @@ files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.
 in_double="jacobian.c|shape_rates.c"
 inside="test_main.c|bench_exact.c|bench_system.c|sizes.c|advise.c|analyse.c|reduce.c|exact.c|campbell.c|scene.c|campaign.c|tutorial_import.c|two_precisions.c"
 printf '#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include "flexbeam_impl.h"\n' > "$out/library.c"
-try clang-tidy --quiet $(echo "$files" | grep -v wing_goland.c) -- -std=c99 -I. -DFB_SINGLE=0
-# without the library in line: clang-tidy does not see there that a node that is on no line stays so
-try clang-tidy --quiet examples/aero/wing_goland.c -- -std=c99 -I. -DFB_SINGLE=0 -DFLEXBEAM_IMPL_INCLUDED
-in_single=$(echo "$files" | grep -v -E "$in_double")
-try clang-tidy --quiet $(echo "$in_single" | grep -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1
-try clang-tidy --quiet $(echo "$in_single" | grep -v -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1 -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED
 for single in 0 1; do
-  [ $single = 0 ] || files=$in_single
+  forms=$([ $single = 0 ] || echo -DFB_WITH_FORMS=1)
+  these=$([ $single = 0 ] && echo "$files" || echo "$files" | grep -v -E "$in_double")
+  try clang-tidy --quiet $(echo "$these" | grep -E "$inside") -- -std=c99 -I. -DFB_SINGLE=$single
+  try clang-tidy --quiet $(echo "$these" | grep -v -E "$inside") -- -std=c99 -I. -DFB_SINGLE=$single $forms -DFLEXBEAM_IMPL_INCLUDED
   try cppcheck --quiet --error-exitcode=1 --enable=warning,performance,portability --std=c99 -I. --suppress=uninitvar \
     --suppress=missingIncludeSystem --inline-suppr -UFLEXBEAM_CONFIG -DFB_SINGLE=$single -DFLEXBEAM_IMPL_INCLUDED \
-    "$out/library.c" $files
+    "$out/library.c" $these
 done
 analyze="gcc -std=c99 -I. -O0 -fanalyzer -fanalyzer-call-summaries --param analyzer-max-svalue-depth=4 -Werror"
 analyze="$analyze -Wno-analyzer-use-of-uninitialized-value -c -o $out/analyzed.o"

@@ -1,0 +1,88 @@
+#!/bin/sh
+# Bodies of parts: a description against the same model by C calls, its parts placed and turned, damped each for itself, in ROM;
+# advise and analyse take it; what is wrong with a file is told with its line.
+. tests/checks/common.sh
+for program in reduce advise analyse; do
+  try ${CC:-cc} $c99 -O1 -o "$out/$program" -D${program}_main=main examples/tools/$program.c -lm
+done
+try "$out/reduce" examples/two_booms.txt --name rom_body --out "$out/rom.h"
+grep -q 'left: effective mass' "$out/log" || fail "reduce tells nothing of the left boom"
+try ${CC:-cc} $c99 -I"$out" -O1 -o "$out/parts" tests/checks/parts.c -lm
+try "$out/parts" "$out"
+figures=$(tail -n 1 "$out/log")
+
+# roots of the equation of a hub with two beams: both bend along y or z, or against each other; two modes of a plane are a little stiffer
+try "$out/analyse" examples/two_booms.txt --modes 10
+awk 'BEGIN { split("0.556348344 0.556348344 0.985076724 1.07648635", hz, " ") }
+  $1 == "mode" { reads = 1; next } !/^ *[0-9]/ { reads = 0 } reads && $4 > 0.1 && k < 4 { k++; off = $4 / hz[k] - 1; wrong += off < -1e-5 || off > 6e-4 }
+  END { exit k != 4 || wrong > 0 }' "$out/log" || fail "other frequencies than in closed form: $(cat "$out/log")"
+try "$out/advise" examples/two_booms.txt --torque 0,0,0,5 --frequency 0.1
+grep -q '^ *[0-9]* *bend_y .* left ' "$out/log" && grep -q '^  beam left:$' "$out/log" || fail "advise does not name the parts"
+sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" | grep -A1 '^  beam' | grep -q '^    modes bend_y' || fail "advise does not say which modes of a part"
+
+# refuse LINE TEXT: of the file at the standard input
+: > "$out/refused"
+refuse() {
+  cat > "$out/bad.txt"
+  ! "$out/reduce" "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" || fail "taken: $2"
+  grep -q -F -e "bad.txt$([ "$1" = 0 ] || echo ":$1"): $2" "$out/log" || fail "not '$1: $2' but $(cat "$out/log")"
+  echo "$2" >> "$out/refused"
+}
+boom='length 8
+elements 4
+modes bend_y 1
+stations x mass EI_z
+0 1 1000
+end'
+wing='modes 1
+frequency_hz 1
+node 1 1 0 0 2
+node 2 2 0 0 2
+shape 1 1 0 0 1 0 0 0
+shape 1 2 0 0 2 0 0 0'
+# whole LINES...: a hub, effects linear, these lines
+whole() {
+  printf 'parts\nhub 10 0 0 0 1 1 1\neffects %s\n' "$1"
+  shift
+  printf '%s\n' "$@"
+}
+whole linear "beam a" "$boom" end "component b" "$wing" end > "$out/good.txt"
+try "$out/reduce" "$out/good.txt" --out "$out/good.h"
+whole linear "beam a" "$boom" end "beam a" "$boom" end | refuse 12 "two parts have the name a"
+whole linear "beam" "$boom" end | refuse 4 "the name of a part is missing"
+whole linear "beam a b" "$boom" end | refuse 4 "too much on the line: b"
+whole linear "beam a" "$boom" | refuse 10 "beam a of line 4 wants a line \`end\`"
+whole linear "beam a" "$boom" "hub 1 0 0 0 1 1 1" end | refuse 11 "no such word for a beam: hub"
+whole linear "beam a" "$boom" "effects full" end | refuse 11 "no such word for a beam: effects"
+whole linear "beam a" "$boom" "frequency_hz 1" end | refuse 11 "no such word for a beam: frequency_hz"
+whole linear "beam a" "$boom" "length 3" end | refuse 11 "length is there twice"
+whole linear "beam a" "$boom" "root free" end | refuse 11 "a beam with a free root is not held by the hub: root clamped"
+whole linear "beam a" "$boom" "root pinned" end | refuse 11 "modes of a pinned root leave out its rotation: root clamped, or functions"
+whole linear "beam a" "length 8" "modes bend_y 1" end | refuse 4 "a beam wants stations or taper"
+whole linear "beam a" "$boom" "node 9" end | refuse 4 "a node at 9 is beyond the tip at 8"
+whole linear "beam a" "$boom" "node tip x" end "beam b" "$boom" "node tip x" end | refuse 20 "two nodes have the name x"
+whole linear "beam a" "$boom" "attitude x" end | refuse 11 "degrees is missing"
+whole linear "beam a" "$boom" "attitude 0 0 0 0" end | refuse 11 "an attitude must not be zero"
+whole linear "beam a" "$boom" "position 1 2" end | refuse 11 "position, number 3 of 3 is missing"
+whole linear "beam a" "$boom" "damping 0.1" end | refuse 11 "damping is given, but not among the effects"
+whole "linear damping" "beam a" "$boom" end | refuse 3 "the effect damping wants a line damping"
+whole "linear damping" "damping 0.1 0.1" "beam a" "$boom" "damping 0.1" end |
+  refuse 4 "damping of the whole has one ratio where a part has its own"
+whole "linear damping" "beam a" "$boom" "damping 0.1 0.2" end | refuse 0 "beam a, damping wants one ratio, or as many as the part has modes"
+whole linear "beam a" "$boom" end "component b" "$wing" "shape 1 3 0 0 1 0 0 0" end | refuse 19 "no node has the number 3"
+whole linear "component a" "$wing" end "component b" "modes 1" "frequency_hz 1" "shape 1 1 0 0 1 0 0 0" end |
+  refuse 15 "no node has the number 1"
+whole linear "component b" "modes 1" "frequency_hz 1" "node 1 1 0 0 2" end | refuse 4 "node 1 has no shape of mode 1"
+whole full "beam a" "$boom" end "component b" "$wing" end | refuse 12 "stiffening wants quadratic lines"
+whole linear "component b" "modes 20" end "component c" "modes 5" end | refuse 4 "a component wants modes"
+whole linear "stations x" | refuse 4 "no such word for a body of parts (beam, component, node): stations"
+whole linear "end" | refuse 4 "no such word for a body of parts (beam, component, node): end"
+whole linear "beam a" "$(echo "$boom" | sed s/0.1.1000/0\ 1\ 0/)" end | refuse 0 "beam a, its modes: "
+for k in 1 2 3 4 5 6 7 8 9; do
+  echo "component c$k"
+  echo "$wing"
+  echo end
+done > "$out/nine"
+whole linear "$(cat "$out/nine")" | refuse 68 "more than 8 parts"
+printf 'rigid\nhub 1 0 0 0 1 1 1\nbeam a\nend\n' | refuse 3 "no such word for a rigid body: beam"
+ok "$figures; $(wc -l < "$out/refused") malformed files refused"
