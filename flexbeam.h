@@ -1207,8 +1207,8 @@ typedef struct fb_line_motion {
    point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
    computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
    input are those of fb_body_motion_eval at state.
-   FB_ERR_UNSUPPORTED: a body without lines, with central gravity, or with a rotor on a node that moves; FB_ERR_NOT_FINITE; a status of
-   input->distributed. On failure point and n are as before. */
+   FB_ERR_UNSUPPORTED: a body without lines, with central gravity, or with a rotor on a node that moves;
+   FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
 typedef struct fb_node_loads { /* internal loads, section axes: force[0] tension, moment[0] torsion */
@@ -1861,8 +1861,8 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
    for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam.
    Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum|
-   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance; with central gravity, + sqrt(3 mu/d^3)
-   at the distance d. */
+   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance; with central gravity at the distance
+   d + sqrt(3 mu/d^3). */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
