@@ -175,7 +175,7 @@
      fb_exact_path_work         202464
      fb_exact_spectrum_work    1625184
      fb_exact_linear_work      1998864
-     fb_advice_work            1104208
+     fb_advice_work            1127800
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -3129,7 +3129,7 @@ typedef struct fb_advice {
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
 #define FBI_ADVICE_TIMES 129 /* a quasi-static one, then those of two drives */
-#define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
+#define FBI_ADVICE_PARTS 16  /* trial steps per integrator */
 
 typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in a load case */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
