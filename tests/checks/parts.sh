@@ -2,12 +2,13 @@
 # Bodies of parts: a description against the same model by C calls, its parts placed and turned, damped each for itself, in ROM;
 # advise and analyse take it; what is wrong with a file is told with its line.
 . tests/checks/common.sh
+need gcc gcc
 for program in reduce advise analyse; do
   try ${CC:-cc} $c99 -O1 -o "$out/$program" -D${program}_main=main examples/tools/$program.c -lm
 done
 try "$out/reduce" examples/two_booms.txt --name rom_body --out "$out/rom.h"
 grep -q 'left: effective mass' "$out/log" || fail "reduce tells nothing of the left boom"
-try ${CC:-cc} $c99 -I"$out" -O1 -o "$out/parts" tests/checks/parts.c -lm
+try gcc $c99 -I"$out" -O1 -o "$out/parts" tests/checks/parts.c -lm
 try "$out/parts" "$out"
 figures=$(tail -n 1 "$out/log")
 
