@@ -61,7 +61,7 @@ static void scene_check_conversion(text_file *t)
   const fb_preload *const p = &model.part[0].modes.preload;
   const fb_real *const at = beam->position, *const turn = beam->attitude;
   if (model.level.mu > FB_R(0.0)) {
-    model_at(t, "central_gravity");
+    model_at(t, NULL, "central_gravity");
     text_fail(t, "central_gravity of an exact beam: it acts on bodies with modes");
   }
   if (model.kind != MODEL_BEAM || beam->n_point > 0) {
