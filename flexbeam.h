@@ -175,7 +175,7 @@
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work            1104080
+     fb_advice_work            1127672
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -3060,7 +3060,7 @@ typedef struct fb_advice {
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
 #define FBI_ADVICE_TIMES 129 /* a quasi-static one, then those of two drives */
-#define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
+#define FBI_ADVICE_PARTS 16  /* trial steps per integrator */
 
 typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in a load case */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
@@ -3111,8 +3111,10 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
    tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no
    load case buckles it or bends it by more than five lengths. With it no step of fb_exponential_step is advised: its
    limit depends on how far the beams are bent.
-   The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
-   They are often wrong by a factor of three. shape: natural modes, more than will be needed.
+   The estimates compare the accelerations of each set at the extremes of the envelope, and the motion of the body with
+   and without some modes, linear, while its base recoils: bounded work, no simulation. They are often wrong by a factor
+   of three. shape: natural modes of each appendage, more than will be needed; modes are taken in the order of what they
+   matter to the output, also those of other appendages by the recoil.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
    tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
    natural modes; FB_ERR_STEP: no integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice
@@ -3183,6 +3185,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             .reach
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
+          Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and

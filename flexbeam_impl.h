@@ -29973,8 +29973,7 @@ static fb_real fbi_advice_swing(fb_real omega, fb_real zeta, fb_real f, fb_real 
   const fb_real swing_cos = decay * FB_COS(damped * omega * t), swing_sin = decay * FB_SIN(damped * omega * t) / damped;
   if (!(f < FB_HUGE)) {
     return FB_R(1.0) - swing_cos - loss * swing_sin;
-  }
-  else {
+  } else {
     const fb_real r = f / omega, near = FB_FABS(FB_R(1.0) - r * r) < FB_R(1e-3) ? FB_R(1e-3) : FB_R(1.0) - r * r;
     const fb_real size = near * near + 4 * loss * loss * r * r, along = near / size, across = -2 * loss * r / size;
     return along * (FB_SIN(f * t) - r * swing_sin) + across * (FB_COS(f * t) - swing_cos - loss * swing_sin);
@@ -29989,7 +29988,8 @@ static int fbi_advice_at(fb_real y[3], const fb_advice_work *work, const fb_enve
   const fbi_advice_modes *const m = &work->modes;
   const int half = FBI_ADVICE_TIMES / 2, jumps = at > half;
   const fb_real turns = FB_R(0.61803398874989485) * (fb_real)(1 + (at - 1) % half);
-  const fb_real t = (turns - (fb_real)(int)turns) * e->duration; /* the golden section of the duration, again and again */
+  const fb_real t =
+      (turns - (fb_real)(int)turns) * e->duration; /* the golden section of the duration, again and again */
   const fb_real f = jumps ? FB_HUGE : e->frequency;
   fbi_zero(y, 3);
   if (at > 0 && (!(e->frequency > FB_R(0.0)) || (jumps && !(e->frequency > work->omega[work->full.n - 1][0])))) {

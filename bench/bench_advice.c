@@ -31,9 +31,9 @@ typedef struct fbb_tally { /* of one kind of advice */
 static fb_advice_work work;
 static fb_real output[3 * FBB_SAMPLES], target[3 * FBB_SAMPLES];
 static fbb_history history;
-static int bent_far; /* the scene is */
+static int bent_far;                                                   /* the scene is */
 static fb_trial asked = {0, 0, 3 * FBB_SAMPLES, 3, output, target, 1}; /* how it is run */
-static const double *ns_per_s; /* of the last run */
+static const double *ns_per_s;                                         /* of the last run */
 
 /* ---- scenes nobody tuned for */
 
@@ -243,8 +243,14 @@ static void climb_modes(fbb_several_trial *trial, const int *missed, int n)
     static fb_shape shape;
     static fb_body body;
     static fb_body_work body_work;
-    fbb_entry e = {fbb_levels[level].name, "", fbb_levels[level].rung, (int)fbb_levels[level].effects,
-                   {n, 0, 0, 0, 0, 0}, 0, 0, 0};
+    fbb_entry e = {fbb_levels[level].name,
+                   "",
+                   fbb_levels[level].rung,
+                   (int)fbb_levels[level].effects,
+                   {n, 0, 0, 0, 0, 0},
+                   0,
+                   0,
+                   0};
     fb_body_desc desc;
     fb_advice a;
     double sample = trial->c->duration / FBB_SAMPLES;

@@ -67,8 +67,8 @@ TEST(advised_steps_are_those_of_the_spectrum)
     for (int m = 0; m < advice.n; m++) {
       const fb_real omega = work.omega[advice.n - 1][m];
       const fb_real swing = drive * work.most[advice.n - 1][m] / work.deflection * (f < omega ? f / omega : FB_R(1.0));
-      const int matters = advice.integrator != FB_INTEGRATOR_EXPONENTIAL ||
-                          swing > FB_R(0.1) * advice.error_step / (fb_real)advice.n;
+      const int matters =
+          advice.integrator != FB_INTEGRATOR_EXPONENTIAL || swing > FB_R(0.1) * advice.error_step / (fb_real)advice.n;
       amplitude[m] = matters ? swing : FB_R(0.0);
       spectrum.im[m] = matters ? omega + s : FB_R(0.0);
     }
@@ -708,13 +708,12 @@ static fb_status swing(void *user, fb_real *out, const fb_advice *candidate)
         input[j].load[0].torque[i] *= now;
       }
     }
-    status = candidate->integrator == FB_INTEGRATOR_RK4
-                 ? fb_rk4_step(&twin, &state, &rk4, input, input + 1, input + 2, dt)
-             : candidate->integrator == FB_INTEGRATOR_MIDPOINT
-                 ? fb_midpoint_step(&twin, &state, &implicit, input + 1, dt, 0)
-             : candidate->integrator == FB_INTEGRATOR_SDIRK
-                 ? fb_sdirk_step(&twin, &state, &implicit, input, input + 2, dt, 0)
-                 : fb_exponential_step(&twin, &exponential, &state, &scratch, input, input + 1, input + 2);
+    status =
+        candidate->integrator == FB_INTEGRATOR_RK4 ? fb_rk4_step(&twin, &state, &rk4, input, input + 1, input + 2, dt)
+        : candidate->integrator == FB_INTEGRATOR_MIDPOINT ? fb_midpoint_step(&twin, &state, &implicit, input + 1, dt, 0)
+        : candidate->integrator == FB_INTEGRATOR_SDIRK
+            ? fb_sdirk_step(&twin, &state, &implicit, input, input + 2, dt, 0)
+            : fb_exponential_step(&twin, &exponential, &state, &scratch, input, input + 1, input + 2);
     if ((k + 1) % steps == 0) {
       fb_motion motion;
       fb_node_motion tip;
@@ -825,5 +824,4 @@ SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
       RUN(search_gives_up_bodies_that_miss_alike), RUN(scenes_may_refuse_large_deflection),
       RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
-      RUN(advice_meets_its_tolerance), RUN(two_booms_take_the_modes_that_the_load_drives),
-      RUN(advice_refuses_nonsense))
+      RUN(advice_meets_its_tolerance), RUN(two_booms_take_the_modes_that_the_load_drives), RUN(advice_refuses_nonsense))
