@@ -3180,8 +3180,10 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
    tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no
    load case buckles it or bends it by more than five lengths. With it no step of fb_exponential_step is advised: its
    limit depends on how far the beams are bent.
-   The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
-   They are often wrong by a factor of three. shape: natural modes, more than will be needed.
+   The estimates compare the accelerations of each set at the extremes of the envelope, and the motion of the body with
+   and without some modes, linear, while its base recoils: bounded work, no simulation. They are often wrong by a factor
+   of three. shape: natural modes of each appendage, more than will be needed; modes are taken in the order of what they
+   matter to the output, also those of other appendages by the recoil.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
    tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
    natural modes; FB_ERR_STEP: no integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice
@@ -3252,9 +3254,12 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             .reach
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
+          Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
+          Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
+          fb_shape_add_field_lump, fb_shape_add_field_node.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

@@ -4717,7 +4717,7 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
                                   const fb_real mass[3])
 {
   fb_real own[21], a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, b[3], h[3], length;
-  const fb_real *S = own;
+  const fb_real *S;
   int least = 0;
 
   /* n and two axes across it */
@@ -4742,6 +4742,8 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
   /* J and its gradient */
 #if FB_WITH_LARGE_DEFLECTION
   S = fbi_is_large(body) ? k->line->M_rr : own;
+#else
+  S = own;
 #endif
   if (S == own) {
     fbi_S_eval(own, body, k->qx, body->n_run);
