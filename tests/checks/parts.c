@@ -452,9 +452,10 @@ static void placed(const char *file, int way)
   /* each part with a damping of its own; the base is held, so that they do not meet */
   model.level.effects |= FB_EFFECT_DAMPING;
   model.level.base = FB_BASE_PRESCRIBED;
-  model.part[0].n_damping = model.part[1].n_damping = 1;
+  model.part[0].n_damping = model.part[0].n;
+  model.part[1].n_damping = 1;
   for (int k = 0; k < FB_MAX_MODES; k++) {
-    model.part[0].zeta[k] = 0.01;
+    model.part[0].zeta[k] = k == 1 ? 0.02 : 0.01;
     model.part[1].zeta[k] = 0.03;
   }
   {
@@ -463,6 +464,7 @@ static void placed(const char *file, int way)
   }
   damped_component(0.03);
   rings_down(0, 0.01);
+  rings_down(1, 0.02);
 }
 
 int main(int argc, char **argv)
