@@ -1020,7 +1020,7 @@ static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>solve: LU and Cholesky factors (uses config, status) */
+   RUN >>solve: LU and Cholesky factors (uses config, status, vec3) */
 
 /* y -= s x for rows that do not overlap; compilers vectorize the groups of four */
 static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
@@ -30487,7 +30487,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
-   (uses config, status, vec3, solve, body, assemble, trim, linear) */
+   (uses config, status, vec3, solve, body, eigen, assemble, trim, linear) */
 
 /* Candidate sets of effects, ascending in cost; the last but one is the full set, which errors of effects are relative
    to, the last that of geometrically exact beams. */
