@@ -10745,8 +10745,8 @@ static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system
 }
 
 #if FB_WITH_GRAVITY
-/* Uniform gravity on a body, and that of a center, which leaves velocities of its own at the points of lines. */
-static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
+/* Uniform gravity on a body, and that of a center; the points of its lines keep their velocities. */
+static FBI_NOINLINE fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 {
   fbi_link_work *const L = &w->link[k];
   fb_real rho[3];
@@ -10784,8 +10784,9 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
 #if FB_WITH_GRAVITY
-    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY) && status == FB_OK) {
-      status = fbi_link_gravity_add(w, k);
+    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY)) {
+      const fb_status own = fbi_link_gravity_add(w, k);
+      status = status ? status : own;
     }
 #endif
   }
