@@ -42,7 +42,7 @@ help:
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and integrator, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, integrator and step (6 minutes): build/accuracy/"
-	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
+	@echo "make bench-advice  what the library advises for those scenes, variations of them and several appendages, against all runs (3 minutes)"
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS': needs both; build/bench_peers_*.csv"
