@@ -674,6 +674,8 @@ static void body_fill(void)
   need(fb_state_rotor_set(&w.spun, &w.spun_state, 1, FB_R(2.0), FB_R(0.1), &w.spun_input), "its wheel");
   need(fb_exponential_init(&w.spun_exponential, &body_work, &w.spun, FB_R(0.01)), "its exponential scheme");
   w.scene_desc = w.spun_desc;
+  w.scene_desc.mu = FB_R(0.0);
+  memset(w.scene_desc.center, 0, sizeof w.scene_desc.center);
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   w.scene_desc.rotor[1].static_imbalance = w.scene_desc.rotor[1].dynamic_imbalance = FB_R(0.0);
   need(fb_body_init(&w.calm, &body_work, &w.natural, &w.scene_desc), "balanced body with rotors");
