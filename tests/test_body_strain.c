@@ -990,6 +990,8 @@ static void list_unused(void)
 #if FB_WITH_LARGE_DEFLECTION
   list_unused_of_lines();
 #endif
+  unused_from(&body.mu, 0, sizeof body.mu);
+  UNUSED(body.center, 0);
 #if FB_WITH_ROTORS
   unused_from(&body.n_rotor, 0, sizeof body.n_rotor);
   UNUSED(body.rotor, 0);
