@@ -1,11 +1,12 @@
 #!/bin/sh
 # Every public function bears hostile arguments: tests/checks/hostile.c says which and what must come of them. Under the
-# address and undefined-behavior sanitizers, in both precisions, in double with FB_WITH_FORMS, too. A function of the header without an entry fails.
+# address and undefined-behavior sanitizers, in both precisions, in double with FB_WITH_FORMS, which leaves out nothing. A function of
+# the header without an entry fails.
 . tests/checks/common.sh
 need gcc gcc
 sed -n 's/^FB_API .*[ *]\(fb_[a-zA-Z0-9_]*\)(.*/\1/p' flexbeam.h | sort > "$out/header"
 result=
-for build in "0 0" "1 0" "0 1"; do # FB_SINGLE, FB_WITH_FORMS
+for build in "1 0" "0 1"; do # FB_SINGLE, FB_WITH_FORMS
   set -- $build
   try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$1 -DFB_WITH_FORMS=$2 -o "$out/hostile" tests/checks/hostile.c -lm
   "$out/hostile" > "$out/calls" 2>&1 || {
