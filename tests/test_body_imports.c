@@ -82,11 +82,6 @@ TEST(geometric_stiffness_gives_the_integrals_of_the_quadratic_field)
 #define SHAPES (FB_SINGLE ? 3 : 5) /* monomials are nearly alike */
 #define SLICES 400
 
-static double power(double x, int k)
-{
-  return k == 0 ? 1.0 : x * power(x, k - 1);
-}
-
 /* Geometric stiffness int N w_a' w_b' dx of the textbooks: N at x by a spin about z. */
 static double axial_stiffness(int a, int b, double hub)
 {
@@ -108,8 +103,8 @@ static void cantilever(fb_shape *to, double hub, int line)
     const fb_real r[3] = {(fb_real)(hub + x), 0, 0};
     fb_real psi[3 * SHAPES] = {0}, theta[3 * SHAPES] = {0};
     for (int a = 0; a < SHAPES; a++) {
-      psi[3 * a + 2] = (fb_real)power(x, a + 2);
-      theta[3 * a + 1] = (fb_real)(-(a + 2) * power(x, a + 1));
+      psi[3 * a + 2] = (fb_real)pow(x, a + 2.0);
+      theta[3 * a + 1] = (fb_real)(-(a + 2) * pow(x, a + 1.0));
     }
     if (line) {
       FBT_INT_EQ(fb_fields_init(&at, to, &before, r, psi, theta), FB_OK);
