@@ -15142,8 +15142,9 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 
 /* WHAT A STEP OF ONE BODY RUNS, in the momentum form: NAME: what it calls, but for vectors, copies and what is off by
    default (check-rooms compares these lines with the code). The equations are those of the section body.
-     fb_rk4_step: fbi_state_enter fbi_input_check fbi_state_rates fbi_rk4_check fbi_turn_check fbi_stage_advance
-                  fbi_step_end
+     fb_rk4_step: fbi_plain_rk4_step
+     fbi_plain_rk4_step: fbi_state_enter fbi_input_check fbi_state_rates fbi_rk4_check fbi_turn_check fbi_stage_advance
+                         fbi_step_end
      fbi_state_rates: fbi_velocity fbi_forces fbi_momentum_rates
      fbi_velocity: fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
      fbi_forces: fbi_load_add fbi_gravity_add fbi_fall
@@ -15288,23 +15289,15 @@ static fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_r
 #endif
 
 /* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
-FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                                         const fb_input *middle, const fb_input *end, fb_real dt)
+static FBI_NOINLINE FBI_FLATTEN fb_status fbi_plain_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                             const fb_input *start, const fb_input *middle,
+                                                             const fb_input *end, fb_real dt)
 {
   const fb_input *input[4];
   const fb_state *at;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)};
   fb_status status = FB_OK;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
-  }
-#if FBI_WITH_FURTHER
-  if (fbi_further(body)) {
-    return fbi_further_rk4_step(body, state, work, start, middle, end, dt);
-  }
-#endif
 
   /* Inputs of the four stages */
   input[0] = start;
@@ -15348,6 +15341,22 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
     }
   }
   return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, 0, NULL);
+}
+
+/* E11.3 of any body; a function of its own, so that the stack holds the variables of one of the two. */
+FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                             const fb_input *middle, const fb_input *end, fb_real dt)
+{
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
+  }
+#if FBI_WITH_FURTHER
+  if (fbi_further(body)) {
+    return fbi_further_rk4_step(body, state, work, start, middle, end, dt);
+  }
+#endif
+  return fbi_plain_rk4_step(body, state, work, start, middle, end, dt);
 }
 
 /* ---- implicit integrators */
