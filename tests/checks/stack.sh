@@ -5,7 +5,7 @@
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
-step_bound=6144
+step_bound=6656 # the exponential step with central gravity, 6392
 forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
 large_step_bound=22528 # with FB_WITH_LARGE_DEFLECTION=1, FB_WITH_ROTORS=1: points of the lines by axis, nodes of rotors
