@@ -1175,7 +1175,7 @@ static FBI_INLINE void fbi_vec12_sub(fb_real *FBI_RESTRICT y, fb_real s, const f
 }
 
 /* Rows below k of E5.1 for n = 12: A_i -= L_ik U_k from column `first` on, a multiple of four up to k, with zeros for what
-   stands before U_k. Rows of a length that compilers know take half the instructions. */
+   stands before U_k. Compilers unroll rows of a length that they know. */
 static FBI_INLINE void fbi_lu_12_below(fb_real *A, int k, int first)
 {
   const fb_real pivot = FB_R(1.0) / A[13 * k];
