@@ -165,16 +165,16 @@
      fb_implicit_work            63032
      fb_exponential_work         57864
      fb_system_work             624936
-     fb_exact_work              173328
+     fb_exact_work              173336
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
      fb_system_analyse_work    1953368
-     fb_exact_path_work         202464
-     fb_exact_spectrum_work    1625184
-     fb_exact_linear_work      1998864
+     fb_exact_path_work         202472
+     fb_exact_spectrum_work    1625192
+     fb_exact_linear_work      1998872
      fb_advice_work            1127800
 
    CONVENTIONS
@@ -1755,7 +1755,7 @@ typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the
 typedef struct fbi_exact_cell {
   fb_real h;
   fb_real strain[6], theta[6]; /* strain, twist from end to end */
-  fb_real V[6], dV[6], dG[6];  /* mean velocity; differences between the ends of velocity and gravity */
+  fb_real V[6], dV[6], dG[3];  /* mean velocity; differences between the ends of velocity and gravity */
   fb_real P[6];                /* momentum per length */
   fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
 } fbi_exact_cell;
@@ -1770,6 +1770,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   int unstable;                /* number of unstable directions of the steady state; 0: stable */
   fbi_exact_motion motion;
   fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
+  fb_real before[4];                     /* inverse of that turn, a quaternion */
   fb_real drift[3];                      /* velocity u there, in base axes of the middle */
   fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
   fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
