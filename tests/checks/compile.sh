@@ -34,6 +34,10 @@ for cc in "gcc -c -O2" "clang -fsyntax-only"; do
     compile $cc -std=c99 $WARNINGS_C $rom $file
   done
 done
+for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the peers are installed
+  echo "#include <${peer#*:}>" | gcc -x c -fsyntax-only - 2> /dev/null || continue
+  compile gcc -fsyntax-only -std=c99 $WARNINGS_C bench/bench_peers_${peer%:*}.c
+done
 for single in 0 1; do
   for file in tests/test_*.c $programs; do
     for cc in gcc clang; do
