@@ -18,7 +18,7 @@ WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -270,6 +270,8 @@ check-hil: build/examples/hil_plant build/examples/hil_controller
 check-aero: build/examples/wing_goland build/examples/ground_resonance
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
+
+check-linear: build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 
