@@ -14,7 +14,7 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_fla
            elastica follower flap whirl wing_goland ground_resonance leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
-WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
+WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom parts mismatch stack symbols threads \
