@@ -18,7 +18,7 @@ WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero fmu scene campaign hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -267,6 +267,8 @@ ci:
 check-hil: build/examples/hil_plant build/examples/hil_controller
 
 check-aero: build/examples/wing_goland build/examples/ground_resonance
+
+check-fmu: build/flexbeam
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 

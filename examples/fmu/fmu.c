@@ -243,7 +243,7 @@ static int find_platform(char name[64], int fmi)
 static int compile(const fmu_export *e)
 {
   char place[128], file[128], source[] = "sources/fmu2.c";
-  char *const cc = getenv("CC"); /* NOLINT(concurrency-mt-unsafe) */
+  char *const cc = getenv("CC");
   char *const argv[] = {cc && cc[0] ? cc : (char *)"cc",
                         (char *)"-std=c99",
                         (char *)"-O2",
@@ -335,11 +335,12 @@ static unsigned word_of_text(unsigned word, const char *text)
 static void make_token(fmu_export *e)
 {
   unsigned name = word_of_text(~0u, e->name), rest = word_of_text(~0u, FB_VERSION);
+  const fb_real step = (fb_real)e->step;
   unsigned long long tail;
   for (int k = 0; k < e->body->n_node; k++) {
     name = word_of_text(name, e->node[k]);
   }
-  rest = fbi_crc_reals(rest, &e->step, 1, 0);
+  rest = fbi_crc_reals(rest, &step, 1, 0);
   rest = fbi_crc_word(fbi_crc_word(rest, (unsigned)e->fmi), (unsigned)e->is_static);
   tail = (unsigned long long)fbi_crc_word(name, rest) << 16 ^ rest;
   snprintf(e->token, sizeof e->token, "{%08x-%04x-%04x-%04x-%012llx}", fbi_body_crc(e->body, 0), name >> 16,

@@ -73,7 +73,11 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
                                          fmi3IntermediateUpdateCallback update)
 {
+#if FMU_STATIC
+  const fmu_memory_calls calls = {NULL, NULL};
+#else
   const fmu_memory_calls calls = {calloc, free};
+#endif
   fmu *const f = fmu_take(&calls);
   fmu_answer answer;
   (void)name, (void)resources, (void)visible, (void)on, (void)early, (void)between, (void)update;
