@@ -14,11 +14,11 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_fla
            elastica follower flap whirl wing_goland ground_resonance leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
-WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
+WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -268,6 +268,8 @@ ci:
 check-hil: build/examples/hil_plant build/examples/hil_controller
 
 check-aero: build/examples/wing_goland build/examples/ground_resonance
+
+check-fmu: build/flexbeam
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 

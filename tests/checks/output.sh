@@ -60,6 +60,7 @@ for program in $(basename -s .c examples/*.c examples/*/*.c); do
     ;;
   assembly | firmware) unprinted $program ;;
   campaign_mpi) ;; # mpirun has its standard output
+  fmu2 | fmu3) ;;   # no programs: they go into FMUs
   *) unprinted $program --help ;;
   esac
 done
