@@ -1,0 +1,136 @@
+/* The generated step of a model against fb_rk4_step: LOADED 0 or 1, STEPS steps of a tumbling body; the largest difference
+   of each kind of variable relative to its extreme is printed and at most TOLERANCE. Then refusals: same status, same
+   state. */
+#include "flexbeam.h"
+#define generated_IMPLEMENTATION
+#include "code.h"
+#include "rom.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef STEPS
+#define STEPS 1000
+#endif
+#define TOLERANCE (FB_SINGLE ? 2e-3 : 1e-11)
+
+typedef struct run {
+  fb_state state;
+  generated_state own;
+  double difference[6], extreme[6]; /* rho, quat, u, L, q, pi */
+} run;
+
+static double random_number(void)
+{
+  static unsigned long seed = 12345;
+  seed = (1103515245ul * seed + 12345ul) & 0x7ffffffful;
+  return (double)seed / 1073741824.0 - 1.0;
+}
+
+static void take_state(generated_state *own, const fb_state *state)
+{
+  generated_start(own);
+  memcpy(own->rho, state->rho, sizeof own->rho);
+  memcpy(own->quat, state->quat, sizeof own->quat);
+  memcpy(own->u, state->u, sizeof own->u);
+  memcpy(own->L, state->L, sizeof own->L);
+  memcpy(own->q, state->q, (size_t)generated.n * sizeof own->q[0]);
+  memcpy(own->pi, state->pi, (size_t)generated.n * sizeof own->pi[0]);
+}
+
+static int begin(run *r, double spin)
+{
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fb_status status = fb_state_init(&generated, &r->state);
+  memset(r->difference, 0, sizeof r->difference);
+  memset(r->extreme, 0, sizeof r->extreme);
+  for (int i = 0; i < 3; i++) {
+    v[i] = (fb_real)random_number();
+    w[i] = (fb_real)(spin * random_number());
+  }
+  for (int a = 0; a < generated.n; a++) {
+    const double share = 0.1 / (double)(generated.n * generated.reach[a]);
+    r->state.q[a] = (fb_real)((double)generated.deflection_limit * share * random_number());
+    q_dot[a] = (fb_real)((double)generated.deflection_limit * share * random_number());
+  }
+  status = status ? status : fb_state_from_velocity(&generated, &r->state, v, w, q_dot);
+  take_state(&r->own, &r->state);
+  return status;
+}
+
+static void compare(run *r, int kind, const fb_real *x, const fb_real *y, int n)
+{
+  for (int i = 0; i < n; i++) {
+    r->difference[kind] = fmax(r->difference[kind], fabs((double)x[i] - (double)y[i]));
+    r->extreme[kind] = fmax(r->extreme[kind], fabs((double)x[i]));
+  }
+}
+
+static void compare_all(run *r)
+{
+  compare(r, 0, r->state.rho, r->own.rho, 3);
+  compare(r, 1, r->state.quat, r->own.quat, 4);
+  compare(r, 2, r->state.u, r->own.u, 3);
+  compare(r, 3, r->state.L, r->own.L, 3);
+  compare(r, 4, r->state.q, r->own.q, generated.n);
+  compare(r, 5, r->state.pi, r->own.pi, generated.n);
+}
+
+/* The same hub force and torque to both, body axes. */
+static void load(fb_input *in, generated_input *own, double t)
+{
+  memset(in, 0, sizeof *in);
+  memset(own, 0, sizeof *own);
+  in->n_load = 1;
+  in->load[0].axes = FB_AXES_BODY;
+  for (int i = 0; i < 3; i++) {
+    own->force[i] = in->load[0].force[i] = (fb_real)(20 * sin(t + i));
+    own->torque[i] = in->load[0].torque[i] = (fb_real)(30 * cos(2 * t + i));
+  }
+}
+
+static double fly(run *r, int loaded)
+{
+  static fb_rk4_work work;
+  fb_input in[3];
+  generated_input own[3];
+  double worst = 0;
+  const fb_real dt = FB_R(0.15) * fb_rk4_limit(&generated, FB_R(1.0), FB_R(1.0));
+  for (int k = 0; k < STEPS; k++) {
+    fb_status status;
+    generated_status same;
+    for (int i = 0; i < 3; i++) {
+      load(&in[i], &own[i], (k + 0.5 * i) * (double)dt);
+    }
+    status = fb_rk4_step(&generated, &r->state, &work, loaded ? &in[0] : NULL, loaded ? &in[1] : NULL,
+                         loaded ? &in[2] : NULL, dt);
+    same = generated_step(&r->own, loaded ? &own[0] : NULL, loaded ? &own[1] : NULL, loaded ? &own[2] : NULL, dt);
+    if (status != FB_OK || (int)same != (int)status) {
+      printf("step %d: status %d, generated %d\n", k, (int)status, (int)same);
+      return 1;
+    }
+    compare_all(r);
+  }
+  for (int kind = 0; kind < 6; kind++) {
+    const double relative = r->difference[kind] / (r->extreme[kind] > 0 ? r->extreme[kind] : 1);
+    worst = fmax(worst, relative);
+    printf(" %.1e", relative);
+  }
+  return worst;
+}
+
+int main(void)
+{
+  double worst = 0;
+  for (int loaded = 0; loaded < 2; loaded++) {
+    run r;
+    if (begin(&r, 0.5) != FB_OK) {
+      printf("no start\n");
+      return 1;
+    }
+    worst = fmax(worst, fly(&r, loaded));
+  }
+  printf(" worst %.1e\n", worst);
+  return worst <= TOLERANCE ? 0 : 1;
+}
