@@ -5,13 +5,12 @@
 #include "code_model.h"
 #include "code_text.h"
 
-static const char *const code_rows[6] = {"vx", "vy", "vz", "wx", "wy", "wz"};
-
 /* What an evaluation has written so far. */
 typedef struct code_rates {
   code_value lambda[6][FB_MAX_MODES];
   code_value turned[6][FB_MAX_MODES]; /* Lambda M^-1 */
-  code_value slope[24][FB_MAX_MODES], value[24];
+  code_value slope[CODE_POLY][FB_MAX_MODES], value[CODE_POLY];
+  int valued[CODE_POLY]; /* 1: the polynomial's value is known */
   code_value S[21], y[6], V[6];
   code_value pb[FB_MAX_MODES], q_dot[FB_MAX_MODES], x[FB_MAX_MODES];
 } code_rates;
@@ -96,19 +95,11 @@ static void code_write_momenta(const code *w)
   }
 }
 
-/* Name of polynomial k. */
-static code_value code_poly_name(int k)
-{
-  const int e = code_model.first[k];
-  return k < 3 ? code_variable("c_%c", 'x' + k)
-               : code_variable("M_%s_%s", code_rows[fbi_sym6_row[e]], code_rows[fbi_sym6_column[e]]);
-}
-
-/* Gradient of polynomial k; that of c(q) is in Lambda. */
+/* Gradient of polynomial k by its scale; that of c(q) is in Lambda. */
 static void code_write_slope(const code *w, int k)
 {
   const code_poly *const p = &code_model.poly[k];
-  const code_value name = code_poly_name(k);
+  const double share = 1.0 / code_model.scale[k];
   code_sum s;
   for (int a = 0; a < w->n; a++) {
     if (k < 3) {
@@ -116,67 +107,148 @@ static void code_write_slope(const code *w, int k)
       continue;
     }
     code_begin(&s);
-    code_add_one(&s, p->linear[a], code_constant(1.0));
+    code_add_one(&s, share * p->linear[a], code_constant(1.0));
     for (int b = 0; b < w->n; b++) {
-      code_add_one(&s, p->square[a][b], code_q(b));
+      code_add_one(&s, share * p->square[a][b], code_q(b));
     }
-    code_now.slope[k][a] = code_end(w, &s, code_variable("d%s_%d", name.name, a));
+    code_now.slope[k][a] = code_end(w, &s, code_variable("d%s_%d", code_model.name[k], a));
   }
+}
+
+/* side[a] = 1 or 2 so that all products of p are of coordinates of different sides; 0: there is no such choice. */
+static int code_sides(int side[FB_MAX_MODES], const code_poly *p)
+{
+  int queue[FB_MAX_MODES], n = 0;
+  memset(side, 0, FB_MAX_MODES * sizeof *side);
+  for (int start = 0, done = 0; start < code_model.n; start++) {
+    if (side[start] == 0) {
+      side[start] = 2;
+      queue[n++] = start;
+    }
+    for (; done < n; done++) {
+      const int a = queue[done];
+      for (int b = 0; b < code_model.n; b++) {
+        if (fabs(p->square[a][b]) > 0.0 && side[b] == side[a]) {
+          return 0;
+        }
+        if (fabs(p->square[a][b]) > 0.0 && side[b] == 0) {
+          side[b] = 3 - side[a];
+          queue[n++] = b;
+        }
+      }
+    }
+  }
+  return 1;
+}
+
+/* Polynomial k whose products are of coordinates of two sides: the products by the gradients of one. */
+static void code_write_bilinear(const code *w, int k, const int side[FB_MAX_MODES])
+{
+  const code_poly *const p = &code_model.poly[k];
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, p->constant, code_constant(1.0));
+  for (int a = 0; a < w->n; a++) {
+    if (side[a] == 1) {
+      code_add(&s, code_model.scale[k], code_now.slope[k][a], code_q(a));
+    } else {
+      code_add_one(&s, p->linear[a], code_q(a));
+    }
+  }
+  code_now.value[k] = code_end(w, &s, code_variable("%s", code_model.name[k]));
 }
 
 /* Polynomial k by its gradient: constant + 1/2 (linear + gradient).q */
 static void code_write_value(const code *w, int k)
 {
   const code_poly *const p = &code_model.poly[k];
-  const code_value name = code_poly_name(k);
+  const char *const name = code_model.name[k];
+  const double scale = code_model.scale[k];
   code_value half;
   code_sum s;
+  int side[FB_MAX_MODES];
+  if (code_now.valued[k]) {
+    return;
+  }
+  code_now.valued[k] = 1;
+  if (code_sides(side, p)) {
+    code_write_bilinear(w, k, side);
+    return;
+  }
   code_begin(&s);
   for (int a = 0; a < w->n; a++) {
     if (!code_is_constant(&code_now.slope[k][a])) {
       code_add(&s, 1.0, code_now.slope[k][a], code_q(a));
-      code_add_one(&s, p->linear[a], code_q(a));
+      code_add_one(&s, p->linear[a] / scale, code_q(a));
     }
   }
-  half = code_end(w, &s, code_variable("h%s", name.name));
+  half = code_end(w, &s, code_variable("h%s", name));
   code_begin(&s);
   code_add_one(&s, p->constant, code_constant(1.0));
-  code_add_one(&s, 0.5, half);
+  code_add_one(&s, 0.5 * scale, half);
   for (int a = 0; a < w->n; a++) {
     if (code_is_constant(&code_now.slope[k][a])) {
-      code_add(&s, 1.0, code_now.slope[k][a], code_q(a));
+      code_add(&s, scale, code_now.slope[k][a], code_q(a));
     }
   }
-  code_now.value[k] = code_end(w, &s, name);
+  code_now.value[k] = code_end(w, &s, code_variable("%s", name));
+}
+
+static int code_is_linear(const code_poly *p)
+{
+  for (int a = 0; a < code_model.n; a++) {
+    for (int b = 0; b < code_model.n; b++) {
+      if (fabs(p->square[a][b]) > 0.0) {
+        return 0;
+      }
+    }
+  }
+  return 1;
+}
+
+/* Element e of S(q): as it is where it is linear in q, else by M_rr. */
+static void code_write_S(const code *w, int e)
+{
+  const int i = fbi_sym6_row[e], j = fbi_sym6_column[e], linear = code_is_linear(&code_model.S[e]);
+  code_sum s;
+  for (int m = 0; m < code_model.n_part[e] && !linear; m++) {
+    code_write_value(w, code_model.part[e][m]);
+  }
+  code_begin(&s);
+  if (linear) {
+    code_add_one(&s, code_model.S[e].constant, code_constant(1.0));
+  }
+  for (int m = 0; m < code_model.n_part[e] && !linear; m++) {
+    code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
+  }
+  for (int b = 0; b < w->n; b++) {
+    if (linear) {
+      code_add_one(&s, code_model.S[e].linear[b], code_q(b));
+    } else {
+      code_add(&s, -1.0, code_now.lambda[i][b], code_now.turned[j][b]);
+    }
+  }
+  code_now.S[e] = code_end(w, &s, code_variable("S_%s_%s", code_rows[i], code_rows[j]));
 }
 
 static void code_write_inertia(const code *w)
 {
-  code_sum s;
-  fputs("\n  /* E8.11: M_rr(q) by c(q) and by its gradients, dM: c [kg m], first moment of mass */\n", w->out);
+  fputs("\n  /* gradients of M_rr(q): of moments of inertia M, second moments of mass E, halved where of M_w_w and E */\n", w->out);
+  memset(code_now.valued, 0, sizeof code_now.valued);
   for (int k = 0; k < code_model.n_poly; k++) {
     code_write_slope(w, k);
-    if (!code_model.constant_S) {
-      code_write_value(w, k);
-    }
   }
   if (code_model.constant_S) {
     return;
   }
-  fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T */\n", w->out);
+  fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T; c [kg m]: first moment of mass */\n", w->out);
   for (int i = 0; i < 6; i++) {
     char name[CODE_NAME];
     snprintf(name, sizeof name, "T_%s", code_rows[i]);
     code_write_solve(w, code_now.turned[i], code_now.lambda[i], name);
   }
   for (int e = 0; e < 21; e++) {
-    const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
-    code_begin(&s);
-    code_add_one(&s, code_model.sign[e], code_now.value[code_model.which[e]]);
-    for (int b = 0; b < w->n; b++) {
-      code_add(&s, -1.0, code_now.lambda[i][b], code_now.turned[j][b]);
-    }
-    code_now.S[e] = code_end(w, &s, code_variable("S_%s_%s", code_rows[i], code_rows[j]));
+    code_write_S(w, e);
   }
 }
 
@@ -372,40 +444,6 @@ static void code_write_velocities(const code *w)
 
 /* ---- forces */
 
-static const char code_loads[] =
-    "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m */\n"
-    "  if (in) {\n"
-    "    const $ *const F = in->force, *const T = in->torque;\n";
-
-static void code_write_loads(const code *w)
-{
-  static const char *const cross[3][2] = {{"y", "z"}, {"z", "x"}, {"x", "y"}};
-  code inner = *w;
-  char number[40];
-  inner.indent = 4;
-  code_number(number, w, 1.0 / (double)code_model.body->mass);
-  code_template(w, "  $ ax = `0`, ay = `0`, az = `0`, gx = `0`, gy = `0`, gz = `0`;\n");
-  code_template(w, code_loads);
-  for (int k = 0; k < 3 && code_model.constant_S; k++) {
-    code_write_value(&inner, k);
-  }
-  for (int i = 0; i < 3; i++) {
-    fprintf(w->out, "    a%c = %s * F[%d];\n", 'x' + i, number, i);
-  }
-  for (int i = 0; i < 3; i++) { /* c x field, field = -a */
-    code_sum s;
-    const code_value one = code_now.value[(i + 1) % 3], two = code_now.value[(i + 2) % 3];
-    char target[16];
-    code_begin(&s);
-    code_add_one(&s, 1.0, code_variable("T[%d]", i));
-    code_add(&s, -1.0, one, code_variable("a%s", cross[i][1]));
-    code_add(&s, 1.0, two, code_variable("a%s", cross[i][0]));
-    snprintf(target, sizeof target, "g%c", 'x' + i);
-    code_assign(&inner, &s, target);
-  }
-  fputs("  }\n", w->out);
-}
-
 static void code_write_q_dot(const code *w)
 {
   code_value e[FB_MAX_MODES];
@@ -457,21 +495,21 @@ static void code_write_gyration(const code *w, code_sum *x)
   }
 }
 
-/* Weight of polynomial k in 1/2 V^T M_rr V; of c(q) with what loads add. */
+/* Weight of polynomial k in 1/2 V^T M_rr V. */
 static code_value code_write_weight(const code *w, int k)
 {
   code_sum s;
   code_begin(&s);
-  for (int e = 0; e < 21 && !code_model.constant_S; e++) {
-    if (code_model.which[e] == k) {
-      const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
-      code_add(&s, code_model.sign[e] * (i == j ? 0.5 : 1.0), code_now.V[i], code_now.V[j]);
+  for (int e = 0; e < 21; e++) {
+    const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
+    for (int m = 0; m < code_model.n_part[e]; m++) {
+      if (code_model.part[e][m] == k) {
+        code_add(&s, code_model.scale[k] * code_model.sign[e][m] * (i == j ? 0.5 : 1.0), code_now.V[i],
+                 code_now.V[j]);
+      }
     }
   }
-  if (k < 3) {
-    code_add_one(&s, -1.0, code_variable("a%c", 'x' + k));
-  }
-  return code_end(w, &s, code_variable("W_%s", code_poly_name(k).name));
+  return code_end(w, &s, code_variable("W_%s", code_model.name[k]));
 }
 
 static int code_slope_is_zero(int k)
@@ -487,7 +525,7 @@ static int code_slope_is_zero(int k)
 /* x += what E8.10 and E8.12 give: weights times gradients, gyroscopic terms. */
 static void code_write_gradient(const code *w, code_sum *x)
 {
-  fputs("\n  /* E8.10, E8.12: 1/2 V^T (dM_rr/dq) V + V^T (dLambda/dq) q_dot; E8.33: -(dc/dq)^T a */\n", w->out);
+  fputs("\n  /* E8.10, E8.12: 1/2 V^T (dM_rr/dq) V + V^T (dLambda/dq) q_dot */\n", w->out);
   for (int k = 0; k < code_model.n_poly; k++) {
     if (!code_slope_is_zero(k)) {
       const code_value weight = code_write_weight(w, k);
@@ -522,7 +560,7 @@ static void code_write_pi_dot(const code *w)
     }
   }
   code_write_gradient(w, code_force);
-  fputs("\n  /* E8.17: pi_dot = that - K q - C q_dot + modal forces */\n", w->out);
+  fputs("\n  /* E8.17: pi_dot = that - K q - C q_dot */\n", w->out);
   for (int a = 0; a < w->n; a++) {
     char target[32];
     code_sum s;
@@ -533,69 +571,112 @@ static void code_write_pi_dot(const code *w)
     snprintf(target, sizeof target, "rate[%d]", 10 + a);
     code_assign(w, &s, target);
   }
-  if (w->n > 0) {
-    code_template(w, "  for (int k = 0; in && k < %n; k++) {\n    rate[%p + k] += in->modal[k];\n  }\n");
-  }
 }
 
 static const char code_frame[] =
-    "\n  /* E4.4, E8.18: attitude, angular momentum in body axes; relative velocities for the step limit */\n"
+    "\n  /* E4.4, E8.18: attitude, angular momentum in body axes, place of the mass center, its velocity */\n"
     "  rate[0] = `-0.5` * (quat_x * wx + quat_y * wy + quat_z * wz);\n"
     "  rate[1] = `0.5` * (quat_w * wx + quat_y * wz - quat_z * wy);\n"
     "  rate[2] = `0.5` * (quat_w * wy + quat_z * wx - quat_x * wz);\n"
     "  rate[3] = `0.5` * (quat_w * wz + quat_x * wy - quat_y * wx);\n"
-    "  rate[7] = gx + hy * wz - hz * wy;\n"
-    "  rate[8] = gy + hz * wx - hx * wz;\n"
-    "  rate[9] = gz + hx * wy - hy * wx;\n"
+    "  rate[7] = hy * wz - hz * wy;\n"
+    "  rate[8] = hz * wx - hx * wz;\n"
+    "  rate[9] = hx * wy - hy * wx;\n"
     "  rate[%r] = ux;\n"
     "  rate[%r + 1] = uy;\n"
     "  rate[%r + 2] = uz;\n"
-    "  V[0] = vx;\n  V[1] = vy;\n  V[2] = vz;\n  V[3] = wx;\n  V[4] = wy;\n  V[5] = wz;\n"
-    "\n  /* E8.18: velocity of the mass center, angular momentum, inertial axes */\n";
-
-static const char code_inertial[] =
-    "  if (in) {\n"
-    "    $ R[9];\n"
-    "    @_matrix(R, x);\n"
-    "    for (int i = 0; i < 3; i++) {\n"
-    "      rate[4 + i] += R[3 * i] * ax + R[3 * i + 1] * ay + R[3 * i + 2] * az + in->gravity[i];\n"
-    "      rate[%l + i] = R[3 * i] * gx + R[3 * i + 1] * gy + R[3 * i + 2] * gz;\n"
-    "    }\n"
-    "  }\n"
-    "  *a = sqrt~(ax * ax + ay * ay + az * az);\n"
-    "  return @_ok;\n"
-    "}\n";
+    "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n"
+    "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = `0`;\n";
 
 static void code_write_frame(const code *w)
 {
-  char number[40];
   code_template(w, code_frame);
   for (int i = 0; i < 3; i++) {
     double g = 0.0;
+    char number[40];
 #if FB_WITH_GRAVITY
     g = code_model.body->effects & FB_EFFECT_GRAVITY ? (double)code_model.body->gravity[i] : 0.0;
 #endif
     code_number(number, w, g);
     fprintf(w->out, "  rate[%d] = %s;\n", 4 + i, number);
   }
-  code_template(w, "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n");
+}
+
+static const char code_loads[] =
+    "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m; E8.18 */\n"
+    "  if (in) {\n"
+    "    const $ *const F = in->force, *const T = in->torque;\n"
+    "    $ R[9];\n";
+
+static const char code_inertial[] =
+    "    rate[7] += gx;\n    rate[8] += gy;\n    rate[9] += gz;\n"
+    "    @_matrix(R, x);\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      rate[4 + i] += R[3 * i] * ax + R[3 * i + 1] * ay + R[3 * i + 2] * az + in->gravity[i];\n"
+    "      rate[%l + i] = R[3 * i] * gx + R[3 * i + 1] * gy + R[3 * i + 2] * gz;\n"
+    "    }\n"
+    "    *a = sqrt~(ax * ax + ay * ay + az * az);\n"
+    "  }\n"
+    "  return @_ok;\n"
+    "}\n";
+
+/* Torque about the mass center, axis i: T - c x a. */
+static void code_write_torque(const code *w, int i)
+{
+  const int y = (i + 1) % 3, z = (i + 2) % 3;
+  char target[32];
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, 1.0, code_variable("T[%d]", i));
+  code_add(&s, -1.0, code_now.value[y], code_variable("a%c", 'x' + z));
+  code_add(&s, 1.0, code_now.value[z], code_variable("a%c", 'x' + y));
+  snprintf(target, sizeof target, "const %s g%c", w->single ? "float" : "double", 'x' + i);
+  code_assign(w, &s, target);
+}
+
+static void code_write_loads(const code *w)
+{
+  code inner = *w;
+  inner.indent = 4;
+  code_template(w, code_loads);
+  for (int k = 0; k < 3; k++) {
+    char number[40], name[4] = {'a', (char)('x' + k), 0};
+    code_write_value(&inner, k);
+    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    fprintf(w->out, "    const %s %s = %s * F[%d];\n", w->single ? "float" : "double", name, number, k);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_write_torque(&inner, i);
+  }
+  for (int a = 0; a < w->n; a++) {
+    char target[32];
+    code_sum s;
+    code_begin(&s);
+    snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
+    code_add_one(&s, 1.0, code_variable("%s", target));
+    code_add_one(&s, 1.0, code_variable("in->modal[%d]", a));
+    for (int i = 0; i < 3; i++) {
+      code_add(&s, -1.0, code_now.lambda[i][a], code_variable("a%c", 'x' + i));
+    }
+    code_assign(&inner, &s, target);
+  }
   code_template(w, code_inertial);
 }
 
 static void code_write_rates(const code *w)
 {
-  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); V: velocities relative to\n"
-                   "   the mass center; a [m/s^2]: acceleration of the mass center by the loads. */\n"
-                   "static @_status @_rates_at($ *rate, $ *V, $ *a, const $ *x, const @_input *in)\n{\n");
+  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: angular velocity; a:\n"
+                   "   acceleration of the mass center by the loads [m/s^2]. */\n"
+                   "static @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
   code_write_state(w);
   code_write_lambda(w);
   code_write_momenta(w);
   code_write_inertia(w);
   code_write_velocities(w);
-  code_write_loads(w);
   code_write_q_dot(w);
   code_write_pi_dot(w);
   code_write_frame(w);
+  code_write_loads(w);
 }
 
 /* ---- the rest of the step */
@@ -633,6 +714,9 @@ static const char code_types_end[] =
     "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
 static const char code_helpers[] =
+    "/* Short loops are unrolled, which -O2 does not by itself. */\n"
+    "#if defined(__clang__)\n#define @_UNROLL _Pragma(\"unroll\")\n"
+    "#elif defined(__GNUC__)\n#define @_UNROLL _Pragma(\"GCC unroll 64\")\n#else\n#define @_UNROLL\n#endif\n\n"
     "static int @_is_finite(const $ *x, int n)\n{\n"
     "  $ sum = `0`;\n"
     "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
@@ -644,27 +728,22 @@ static const char code_helpers[] =
     "static void @_matrix($ *R, const $ *q)\n{\n"
     "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
     "  const $ x2 = two * q[1], y2 = two * q[2], z2 = two * q[3];\n"
-    "  R[0] = `1` - (q[2] * y2 + q[3] * z2);\n"
-    "  R[1] = q[1] * y2 - q[0] * z2;\n"
-    "  R[2] = q[1] * z2 + q[0] * y2;\n"
-    "  R[3] = q[1] * y2 + q[0] * z2;\n"
-    "  R[4] = `1` - (q[1] * x2 + q[3] * z2);\n"
-    "  R[5] = q[2] * z2 - q[0] * x2;\n"
-    "  R[6] = q[1] * z2 - q[0] * y2;\n"
-    "  R[7] = q[2] * z2 + q[0] * x2;\n"
-    "  R[8] = `1` - (q[1] * x2 + q[2] * y2);\n}\n\n"
-    "/* y = R x */\n"
+    "  const $ wx = q[0] * x2, wy = q[0] * y2, wz = q[0] * z2, xx = q[1] * x2, xy = q[1] * y2, xz = q[1] * z2;\n"
+    "  const $ yy = q[2] * y2, yz = q[2] * z2, zz = q[3] * z2;\n"
+    "  R[0] = `1` - (yy + zz);\n  R[1] = xy - wz;\n  R[2] = xz + wy;\n"
+    "  R[3] = xy + wz;\n  R[4] = `1` - (xx + zz);\n  R[5] = yz - wx;\n"
+    "  R[6] = xz - wy;\n  R[7] = yz + wx;\n  R[8] = `1` - (xx + yy);\n}\n\n"
+    "/* y = R x by the quaternion of R */\n"
     "static void @_turn($ *y, const $ *q, const $ *x)\n{\n"
-    "  $ R[9];\n"
-    "  @_matrix(R, q);\n"
-    "  for (int i = 0; i < 3; i++) {\n"
-    "    y[i] = R[3 * i] * x[0] + R[3 * i + 1] * x[1] + R[3 * i + 2] * x[2];\n  }\n}\n\n"
+    "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
+    "  const $ t0 = q[2] * x[2] - q[3] * x[1], t1 = q[3] * x[0] - q[1] * x[2], t2 = q[1] * x[1] - q[2] * x[0];\n"
+    "  y[0] = x[0] + two * (q[0] * t0 + q[2] * t2 - q[3] * t1);\n"
+    "  y[1] = x[1] + two * (q[0] * t1 + q[3] * t0 - q[1] * t2);\n"
+    "  y[2] = x[2] + two * (q[0] * t2 + q[1] * t1 - q[2] * t0);\n}\n\n"
     "/* y = R^T x */\n"
     "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
-    "  $ R[9];\n"
-    "  @_matrix(R, q);\n"
-    "  for (int i = 0; i < 3; i++) {\n"
-    "    y[i] = R[i] * x[0] + R[3 + i] * x[1] + R[6 + i] * x[2];\n  }\n}\n\n"
+    "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
+    "  @_turn(y, back, x);\n}\n\n"
     "static $ @_norm(const $ *x)\n{\n"
     "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
 
@@ -732,13 +811,10 @@ static void code_write_limit(const code *w)
 static const char code_sums[] =
     "\n/* E11.22: Kahan sum; d becomes x + d, lost what rounding took */\n"
     "static void @_sum_kept($ *d, $ *lost, const $ *x, int n)\n{\n"
-    "  for (int i = 0; i < n; i++) {\n"
+    "  @_UNROLL\n  for (int i = 0; i < n; i++) {\n"
     "    const $ more = d[i] + lost[i];\n"
     "    d[i] = x[i] + more;\n"
     "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n"
-    "\n/* E11.2: magnitudes below the least become zero */\n"
-    "static void @_flush($ *x, int n, $ least)\n{\n"
-    "  for (int i = 0; i < n; i++) {\n    x[i] = fabs~(x[i]) < least ? `0` : x[i];\n  }\n}\n"
     "\n/* E11.29: the increment d of the attitude so that R h is along L, and of unit length */\n"
     "static @_status @_align($ *d, const $ *x)\n{\n"
     "  static const $ known[2] = {`0`, `1`};\n"
@@ -767,41 +843,41 @@ static const char code_sums_end[] =
     "  for (int i = 0; i < 4; i++) {\n    d[i] += (`1` - norm2) / (norm * (`1` + norm)) * quat[i];\n  }\n"
     "  return @_ok;\n}\n";
 
-static const char code_range[] =
-    "\n/* What fb_rk4_step checks of the state after a step. */\n"
-    "static @_status @_check(const @_state *s, $ deflection)\n{\n"
-    "  const $ norm2 = s->quat[0] * s->quat[0] + s->quat[1] * s->quat[1] + s->quat[2] * s->quat[2] + s->quat[3] * s->quat[3];\n"
-    "  if (!@_is_finite(s->rho, 3) || !@_is_finite(s->quat, 4) || !@_is_finite(s->u, 3) || !@_is_finite(s->L, 3) ||\n"
-    "      !@_is_finite(s->lost_rho, 3) || !@_is_finite(s->pi, %n)) {\n"
-    "    return @_not_finite;\n  }\n";
-
-/* Largest deflection and the rest of the check: of length 1 within 1e-3. */
+/* The check after a step. */
 static void code_write_range(const code *w)
 {
   char number[40];
-  code_template(w, code_range);
-  code_number(number, w, (double)code_model.body->deflection_limit);
-  fprintf(w->out, "  if (!(deflection <= %s)) { /* [m] */\n", number);
-  code_template(w, "    return @_is_finite(s->q, %n) ? @_range : @_not_finite;\n  }\n"
-                   "  return fabs~(norm2 - `1`) <= `2e-3` ? @_ok : @_step_length;\n}\n");
-  code_template(w, "\n/* Bound of the deflection [m] by coordinates. */\nstatic $ @_deflection(const $ *q)\n{\n  $ sum = `0`;\n");
+  code_sum s;
+  code_begin(&s);
   for (int a = 0; a < w->n; a++) {
-    code_number(number, w, (double)code_model.body->reach[a]);
-    fprintf(w->out, "  sum += %s * %s(q[%d]);\n", number, w->single ? "fabsf" : "fabs", a);
+    code_add_one(&s, (double)code_model.body->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
   }
-  if (w->n == 0) {
-    fputs("  (void)q;\n", w->out);
-  }
-  fputs("  return sum;\n}\n", w->out);
+  code_template(w, "\n/* What fb_rk4_step checks of the state d after a step: finite, deflection [m] by bounds of the modes, length of the\n"
+                   "   quaternion */\n"
+                   "static @_status @_check(const $ *d)\n{\n"
+                   "  const $ norm2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3];\n"
+                   "  $ sum = `0`;\n  @_UNROLL\n"
+                   "  for (int i = 0; i < %N; i++) {\n    sum += fabs~(d[i]);\n  }\n"
+                   "  if (!(sum <= @_huge)) {\n    return @_not_finite;\n  }\n");
+  code_assign(w, &s, w->single ? "const float deflection" : "const double deflection");
+  code_number(number, w, (double)code_model.body->deflection_limit);
+  fprintf(w->out, "  if (!(deflection <= %s)) {\n", number);
+  code_template(w, "    return @_range;\n  }\n"
+                   "  return fabs~(norm2 - `1`) <= `2e-3` ? @_ok : @_step_length;\n}\n");
 }
 
 static const char code_enter[] =
     "\n/* The vector x of a state, with h = R^T L. */\n"
     "static void @_enter($ *x, const @_state *s)\n{\n"
-    "  for (int i = 0; i < 4; i++) {\n    x[i] = s->quat[i];\n  }\n"
+    "  memcpy(x, s->quat, sizeof s->quat);\n"
+    "  memcpy(x + 4, s->u, sizeof s->u);\n"
     "  @_turn_back(x + 7, s->quat, s->L);\n"
-    "  for (int i = 0; i < 3; i++) {\n    x[4 + i] = s->u[i];\n    x[%r + i] = s->rho[i];\n    x[%l + i] = s->L[i];\n  }\n"
-    "  for (int a = 0; a < %n; a++) {\n    x[10 + a] = s->q[a];\n    x[%p + a] = s->pi[a];\n  }\n";
+    "  memcpy(x + %r, s->rho, sizeof s->rho);\n"
+    "  memcpy(x + %l, s->L, sizeof s->L);\n";
+
+static const char code_enter_modes[] =
+    "  memcpy(x + 10, s->q, sizeof s->q);\n"
+    "  memcpy(x + %p, s->pi, sizeof s->pi);\n";
 
 static const char code_enter_single[] = "  for (int i = 0; i < 3; i++) {\n    x[7 + i] += s->lost_h[i];\n  }\n";
 
@@ -819,32 +895,56 @@ static const char code_keep_single[] =
     "    next->lost_h[i] -= size > `0` ? along / size * after[i] : `0`;\n  }\n}\n";
 
 static const char code_end_double[] =
+    "  $ lost_u[3], lost_rho[3];\n"
+    "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
+    "  memcpy(lost_rho, state->lost_rho, sizeof lost_rho);\n"
     "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
-    "  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n  }\n"
+    "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n    d[a] = fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
     "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
 
 static const char code_end_single[] =
+    "  @_state next = *state;\n"
+    "  $ *const lost_u = next.lost_u, *const lost_rho = next.lost_rho;\n"
     "  @_sum_kept(d, next.lost_quat, x, 4);\n"
     "  @_sum_kept(d + 10, next.lost_q, x + 10, %n);\n"
     "  @_sum_kept(d + %p, next.lost_pi, x + %p, %n);\n"
-    "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n";
+    "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n"
+    "  for (int a = 10; a < %r; a++) {\n    d[a] = fabsf(d[a]) < @_tiny ? `0` : d[a];\n  }\n";
 
 static const char code_end_rest[] =
-    "  @_sum_kept(d + 4, next.lost_u, x + 4, 3);\n"
-    "  @_flush(d + 10, %n, @_tiny);\n"
-    "  @_flush(d + %p, %n, @_tiny);\n"
-    "  @_flush(d + 4, 3, @_faint);\n"
-    "  @_flush(d + %l, 3, @_faint);\n"
-    "  for (int i = 0; i < 4; i++) {\n    next.quat[i] = d[i];\n  }\n"
-    "  for (int i = 0; i < 3; i++) {\n    next.u[i] = d[4 + i];\n    next.L[i] = d[%l + i];\n  }\n"
-    "  for (int a = 0; a < %n; a++) {\n    next.q[a] = d[10 + a];\n    next.pi[a] = d[%p + a];\n  }\n";
+    "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    d[4 + i] = fabs~(d[4 + i]) < @_faint ? `0` : d[4 + i];\n"
+    "    d[%l + i] = fabs~(d[%l + i]) < @_faint ? `0` : d[%l + i];\n  }\n";
+
+static const char code_end_keep_single[] =
+    "  memcpy(next.quat, d, sizeof next.quat);\n"
+    "  memcpy(next.L, d + %l, sizeof next.L);\n"
+    "  @_keep(&next, state, d + 7);\n";
 
 static const char code_end_position[] =
     "\n  /* E11.30: O from the mass center */\n"
-    "  @_center(before, state->q);\n"
-    "  @_center(after, next.q);\n"
-    "  @_turn(old, state->quat, before);\n"
-    "  @_turn(own, next.quat, after);\n";
+    "  @_center(before, x + 10);\n"
+    "  @_center(after, d + 10);\n"
+    "  @_turn(old, x, before);\n"
+    "  @_turn(own, d, after);\n";
+
+static const char code_end_commit[] =
+    "  @_sum_kept(d + %r, lost_rho, x + %r, 3);\n"
+    "  status = status == @_ok ? @_check(d) : status;\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n";
+
+static const char code_end_take[] =
+    "  memcpy(state->rho, d + %r, sizeof state->rho);\n"
+    "  memcpy(state->quat, d, sizeof state->quat);\n"
+    "  memcpy(state->u, d + 4, sizeof state->u);\n"
+    "  memcpy(state->L, d + %l, sizeof state->L);\n"
+    "  memcpy(state->lost_rho, lost_rho, sizeof state->lost_rho);\n"
+    "  memcpy(state->lost_u, lost_u, sizeof state->lost_u);\n";
+
+static const char code_end_modes[] =
+    "  memcpy(state->q, d + 10, sizeof state->q);\n"
+    "  memcpy(state->pi, d + %p, sizeof state->pi);\n";
 
 /* The end of a step. */
 static void code_write_end(const code *w)
@@ -852,52 +952,54 @@ static void code_write_end(const code *w)
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(@_state *state, $ *d, const $ *x)\n{\n"
-                   "  @_state next = *state;\n"
                    "  $ before[3], after[3], old[3], own[3];\n"
                    "  @_status status = @_align(d, x);\n");
   code_template(w, w->single ? code_end_single : code_end_double);
   code_template(w, code_end_rest);
-  code_template_of(w, 1, "  @_keep(&next, state, d + 7);\n");
+  code_template_of(w, 1, code_end_keep_single);
   code_template(w, code_end_position);
   code_number(number, w, 1.0 / (double)code_model.body->mass);
   code_template(w, "  for (int i = 0; i < 3; i++) {\n");
   fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
-  code_template(w, "  @_sum_kept(d + %r, next.lost_rho, x + %r, 3);\n"
-                   "  for (int i = 0; i < 3; i++) {\n    next.rho[i] = d[%r + i];\n  }\n"
-                   "  status = status == @_ok ? @_check(&next, @_deflection(next.q)) : status;\n"
-                   "  if (status == @_ok) {\n    *state = next;\n  }\n"
-                   "  return status;\n}\n");
+  code_template(w, code_end_commit);
+  code_template_of(w, 1, "  *state = next;\n");
+  code_template(w, code_end_take);
+  if (w->n > 0) {
+    code_template(w, code_end_modes);
+  }
+  fputs("  return status;\n}\n", w->out);
 }
 
 static const char code_step_head[] =
     "\n/* E11.3 */\n"
     "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
-    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `0`};\n"
+    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
     "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
-    "  $ x[%N], at[%N], rate[%N], sum[%N], V[6], first[3], a;\n"
+    "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[3], first[3], a;\n"
     "  if (!state) {\n    return @_null;\n  }\n"
     "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
     "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
     "  @_enter(x, state);\n"
-    "  for (int i = 0; i < %N; i++) {\n    at[i] = x[i];\n    sum[i] = `0`;\n  }\n"
+    "  memcpy(at, x, sizeof at);\n"
     "  for (int stage = 0; stage < 4; stage++) {\n"
     "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
-    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, V, &a, at, in[stage]) : @_not_finite;\n";
+    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, w, &a, at, in[stage]) : @_not_finite;\n";
 
 static const char code_step_limits[] =
     "\n    /* E11.1, E11.26: step limit at the start, rotation at the last stage */\n"
     "    if (status == @_ok && stage == 0) {\n"
-    "      status = dt <= @_longest(V + 3, a) ? @_ok : @_step_length;\n"
-    "      for (int i = 0; i < 3; i++) {\n        first[i] = V[3 + i];\n      }\n    }\n"
+    "      status = dt <= @_longest(w, a) ? @_ok : @_step_length;\n"
+    "      memcpy(first, w, sizeof first);\n    }\n"
     "    if (status == @_ok && stage == 3) {\n"
-    "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (V[3 + i] - first[i]);\n      }\n"
+    "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (w[i] - first[i]);\n      }\n"
     "      status = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25` ? @_ok : @_step_length;\n    }\n";
 
 static const char code_step_rest[] =
-    "    if (status != @_ok) {\n      return status;\n    }\n"
+    "    if (status != @_ok) {\n      return status;\n    }\n    @_UNROLL\n"
     "    for (int i = 0; i < %N; i++) {\n      sum[i] += by * rate[i];\n    }\n"
-    "    for (int i = 0; i < %r; i++) {\n      at[i] = x[i] + to * rate[i];\n    }\n"
+    "    if (stage < 3) {\n      @_UNROLL\n"
+    "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n    }\n"
     "  }\n"
     "  return @_end(state, sum, x);\n}\n";
 
@@ -950,6 +1052,9 @@ static void code_write(FILE *out, const fb_body *body, const char *name, const c
   code_template(&w, code_sums_end);
   code_write_range(&w);
   code_template(&w, code_enter);
+  if (w.n > 0) {
+    code_template(&w, code_enter_modes);
+  }
   code_template_of(&w, 1, code_enter_single);
   code_template(&w, "}\n");
   code_template_of(&w, 1, code_keep_single);

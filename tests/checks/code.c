@@ -50,7 +50,7 @@ static int begin(run *r, double spin)
     w[i] = (fb_real)(spin * random_number());
   }
   for (int a = 0; a < generated.n; a++) {
-    const double share = 0.1 / (double)(generated.n * generated.reach[a]);
+    const double share = 0.1 / (generated.n * (double)generated.reach[a]);
     r->state.q[a] = (fb_real)((double)generated.deflection_limit * share * random_number());
     q_dot[a] = (fb_real)((double)generated.deflection_limit * share * random_number());
   }
