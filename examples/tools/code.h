@@ -40,7 +40,7 @@ static void code_write_state(const code *w)
             frame[i], i, i == 9 ? ";\n" : i == 4 ? ",\n" : ", ");
   }
   for (int a = 0; a < w->n; a++) {
-    fprintf(w->out, "  const %s q_%d = x[%d], p_%d = x[%d];\n", type, a, 10 + a, a, 10 + w->n + a);
+    fprintf(w->out, "  const %s q_%d = x[%d];\n  const %s p_%d = x[%d];\n", type, a, 10 + a, type, a, 10 + w->n + a);
   }
 }
 
@@ -663,11 +663,11 @@ static void code_write_loads(const code *w)
   code_template(w, code_inertial);
 }
 
-static void code_write_rates(const code *w)
+static void code_write_evaluation(const code *w)
 {
   code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: angular velocity; a:\n"
                    "   acceleration of the mass center by the loads [m/s^2]. */\n"
-                   "static @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
+                   "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
   code_write_state(w);
   code_write_lambda(w);
   code_write_momenta(w);
@@ -677,6 +677,19 @@ static void code_write_rates(const code *w)
   code_write_pi_dot(w);
   code_write_frame(w);
   code_write_loads(w);
+}
+
+/* The same, without what nothing uses. */
+static int code_write_rates(const code *w)
+{
+  code draft = *w;
+  draft.out = tmpfile();
+  if (!draft.out) {
+    return 0;
+  }
+  code_write_evaluation(&draft);
+  code_prune(w->out, draft.out);
+  return fclose(draft.out) == 0;
 }
 
 /* ---- the rest of the step */
@@ -714,9 +727,10 @@ static const char code_types_end[] =
     "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
 static const char code_helpers[] =
-    "/* Short loops are unrolled, which -O2 does not by itself. */\n"
-    "#if defined(__clang__)\n#define @_UNROLL _Pragma(\"unroll\")\n"
-    "#elif defined(__GNUC__)\n#define @_UNROLL _Pragma(\"GCC unroll 64\")\n#else\n#define @_UNROLL\n#endif\n\n"
+    "/* Short loops are unrolled, which -O2 does not by itself; the rates keep the registers to themselves. */\n"
+    "#if defined(__clang__)\n#define @_UNROLL _Pragma(\"unroll 8\")\n"
+    "#elif defined(__GNUC__)\n#define @_UNROLL _Pragma(\"GCC unroll 8\")\n#else\n#define @_UNROLL\n#endif\n"
+    "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n"
     "static int @_is_finite(const $ *x, int n)\n{\n"
     "  $ sum = `0`;\n"
     "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
@@ -1033,8 +1047,9 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
 }
 
-/* Writes the step of a body that code_refusal takes; coordinate: prints what one is. */
-static void code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
+/* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
+   no temporary file, see errno. */
+static int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
                        void (*coordinate)(FILE *, int))
 {
   const code w = {out, name, single, body->n, 2};
@@ -1045,7 +1060,9 @@ static void code_write(FILE *out, const fb_body *body, const char *name, const c
                            : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
   code_write_center(&w);
-  code_write_rates(&w);
+  if (!code_write_rates(&w)) {
+    return 0;
+  }
   code_write_limit(&w);
   code_template(&w, code_sums);
   code_template_of(&w, 1, code_sums_single);
@@ -1066,6 +1083,7 @@ static void code_write(FILE *out, const fb_body *body, const char *name, const c
   }
   code_template(&w, code_step_rest);
   fputs("#endif\n", out);
+  return 1;
 }
 
 /* What of a body cannot be written, with what would be right; NULL: nothing. */

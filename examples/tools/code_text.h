@@ -220,6 +220,98 @@ static void code_template(const code *w, const char *text)
   }
 }
 
+/* ---- variables that nothing uses are left out: statements of a function, read from its end */
+
+enum { CODE_SEEN = 1 << 16, CODE_LINE = 256 };
+
+typedef struct code_seen { /* names that are used */
+  int n;
+  char name[CODE_SEEN][CODE_NAME];
+} code_seen;
+
+static int code_is_letter(char c)
+{
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/* Where a name stands, or would stand, in the table. */
+static char *code_find(code_seen *seen, const char *name, int length)
+{
+  unsigned at = 5381u;
+  for (int i = 0; i < length; i++) {
+    at = 33u * at + (unsigned char)name[i];
+  }
+  for (at %= CODE_SEEN; seen->name[at][0]; at = (at + 1) % CODE_SEEN) {
+    if (strncmp(seen->name[at], name, (size_t)length) == 0 && seen->name[at][length] == '\0') {
+      break;
+    }
+  }
+  return seen->name[at];
+}
+
+/* The names in a line are used; that which it defines, behind `from`, is not among them. */
+static void code_see(code_seen *seen, const char *line, const char *from)
+{
+  for (const char *c = from ? strchr(from, '=') : line; *c; c++) {
+    int length = 0;
+    while (code_is_letter(c[length])) {
+      length++;
+    }
+    if (length > 0 && length < CODE_NAME) {
+      char *const at = code_find(seen, c, length);
+      if (seen->n < CODE_SEEN / 2 && !at[0]) {
+        memcpy(at, c, (size_t)length);
+        seen->n++;
+      }
+    }
+    c += length > 0 ? length - 1 : 0;
+  }
+}
+
+/* Name that a line defines as the only one; NULL: none. */
+static const char *code_defined(const char *line)
+{
+  const char *c = line + strspn(line, " ");
+  if (strncmp(c, "const double ", 13) != 0 && strncmp(c, "const float ", 12) != 0) {
+    return NULL;
+  }
+  c = strchr(c + 6, ' ') + 1;
+  return *c != '*' && strchr(c, '=') && !strchr(strchr(c, '=') + 1, '=') ? c : NULL;
+}
+
+/* Copies what is in w.out to `out`, without definitions of what is used nowhere. */
+static void code_prune(FILE *out, FILE *in)
+{
+  static char line[40000][CODE_LINE];
+  static char keep[40000];
+  static code_seen seen;
+  int n = 0;
+  memset(&seen, 0, sizeof seen);
+  rewind(in);
+  while (n < 40000 && fgets(line[n], CODE_LINE, in)) {
+    n++;
+  }
+  for (int end = n - 1, first; end >= 0; end = first - 1) {
+    const char *name;
+    int length = 0;
+    for (first = end; first > 0 && strncmp(line[first], "      ", 6) == 0 && !strchr(line[first - 1], ';'); first--) {
+    }
+    name = code_defined(line[first]);
+    while (name && code_is_letter(name[length])) {
+      length++;
+    }
+    for (int i = first; i <= end; i++) {
+      keep[i] = (char)(!name || code_find(&seen, name, length)[0]);
+    }
+    for (int i = first; i <= end && keep[first]; i++) {
+      code_see(&seen, line[i], i == first ? name : NULL);
+    }
+  }
+  for (int i = 0; i < n; i++) {
+    fputs(keep[i] ? line[i] : "", out);
+  }
+}
+
 /* As much of a template as the precision wants. */
 static void code_template_of(const code *w, int single, const char *text)
 {

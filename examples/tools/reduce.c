@@ -131,10 +131,11 @@ int reduce_main(int argc, char **argv)
     fprintf(stderr, "reduce: %s: %s\n", o.out, strerror(errno));
     return 2;
   }
-  if (steps) {
-    code_write(out, &model_body, model.name, file, single, print_coordinate);
-  } else {
+  if (!steps) {
     rom_write(out, &model_body, model.name, file, single);
+  } else if (!code_write(out, &model_body, model.name, file, single, print_coordinate)) {
+    fprintf(stderr, "reduce: a temporary file: %s\n", strerror(errno));
+    return 2;
   }
   return o.out ? output_close(out, o.out) : 0;
 }

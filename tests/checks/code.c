@@ -50,9 +50,9 @@ static int begin(run *r, double spin)
     w[i] = (fb_real)(spin * random_number());
   }
   for (int a = 0; a < generated.n; a++) {
-    const double share = 0.1 / (generated.n * (double)generated.reach[a]);
-    r->state.q[a] = (fb_real)((double)generated.deflection_limit * share * random_number());
-    q_dot[a] = (fb_real)((double)generated.deflection_limit * share * random_number());
+    const double most = 0.1 * (double)generated.deflection_limit / (generated.n * fmax((double)generated.reach[a], 0.1));
+    r->state.q[a] = (fb_real)(most * random_number());
+    q_dot[a] = (fb_real)(most * random_number());
   }
   status = status ? status : fb_state_from_velocity(&generated, &r->state, v, w, q_dot);
   take_state(&r->own, &r->state);
@@ -120,6 +120,49 @@ static double fly(run *r, int loaded)
   return worst;
 }
 
+/* One step of both from r, which both refuse with that status and leave as it was. */
+static int refused(const run *r, const fb_input *in, const generated_input *own, fb_real dt, fb_status expected)
+{
+  static fb_rk4_work work;
+  run copy = *r;
+  const fb_status status = fb_rk4_step(&generated, &copy.state, &work, in, in, in, dt);
+  const generated_status same = generated_step(&copy.own, own, own, own, dt);
+  if (status != expected || (int)same != (int)expected || memcmp(&copy.own, &r->own, sizeof copy.own) != 0) {
+    printf("refused: expected %d, library %d, generated %d\n", (int)expected, (int)status, (int)same);
+    return 0;
+  }
+  return 1;
+}
+
+static int refusals(void)
+{
+  const fb_real limit = fb_rk4_limit(&generated, FB_R(0.0), FB_R(0.0)), small = FB_R(1e-3) * limit;
+  run r, far;
+  fb_input in;
+  generated_input own;
+  int good = begin(&r, 0) == FB_OK;
+  load(&in, &own, 0);
+  good &= refused(&r, NULL, NULL, FB_R(0.0), FB_ERR_VALUE);
+  good &= refused(&r, NULL, NULL, -small, FB_ERR_VALUE);
+  good &= refused(&r, NULL, NULL, (fb_real)NAN, FB_ERR_VALUE);
+  good &= generated.n == 0 || refused(&r, NULL, NULL, FB_R(1.01) * limit, FB_ERR_STEP);
+  good &= generated_step(NULL, NULL, NULL, NULL, small) == generated_null;
+  for (int i = 0; i < 3; i++) { /* a torque that turns the frame too far */
+    own.torque[i] = in.load[0].torque[i] = FB_R(100.0) * generated.S0[20] / (small * small);
+  }
+  good &= generated.n == 0 || refused(&r, &in, &own, small, FB_ERR_STEP);
+  own.force[1] = in.load[0].force[1] = (fb_real)NAN;
+  good &= refused(&r, &in, &own, small, FB_ERR_NOT_FINITE);
+  far = r;
+  for (int a = 0; a < generated.n; a++) {
+    far.state.q[a] = generated.deflection_limit / generated.reach[a];
+  }
+  take_state(&far.own, &far.state);
+  good &= generated.n == 0 || refused(&far, NULL, NULL, small, FB_ERR_RANGE);
+  far.own.u[1] = far.state.u[1] = (fb_real)NAN;
+  return good & refused(&far, NULL, NULL, small, FB_ERR_NOT_FINITE);
+}
+
 int main(void)
 {
   double worst = 0;
@@ -132,5 +175,9 @@ int main(void)
     worst = fmax(worst, fly(&r, loaded));
   }
   printf(" worst %.1e\n", worst);
-  return worst <= TOLERANCE ? 0 : 1;
+  if (generated_crc != fb_body_crc(&generated)) {
+    printf("check word\n");
+    return 1;
+  }
+  return refusals() && worst <= TOLERANCE ? 0 : 1;
 }
