@@ -4,6 +4,7 @@
 #define CODE_H
 #include "code_model.h"
 #include "code_text.h"
+#include <errno.h>
 
 /* What an evaluation has written so far. */
 typedef struct code_rates {
@@ -33,11 +34,18 @@ static void code_write_state(const code *w)
 {
   static const char *const frame[10] = {"quat_w", "quat_x", "quat_y", "quat_z", "ux", "uy", "uz", "hx", "hy", "hz"};
   const char *const type = w->single ? "float" : "double";
-  code_template(w, "  /* quaternion; velocity of the mass center [m/s], inertial axes; angular momentum about it [N m s], body\n"
-                   "     axes; coordinates and momenta of the modes */\n");
+  code_template(
+      w, "  /* quaternion; velocity of the mass center [m/s], inertial axes; angular momentum about it [N m s], body\n"
+         "     axes; coordinates and momenta of the modes */\n");
   for (int i = 0; i < 10; i++) {
-    fprintf(w->out, "%s%s = x[%d]%s", i % 10 == 0 ? (w->single ? "  const float " : "  const double ") : i == 5 ? "               " : "",
-            frame[i], i, i == 9 ? ";\n" : i == 4 ? ",\n" : ", ");
+    fprintf(w->out, "%s%s = x[%d]%s",
+            i % 10 == 0 ? (w->single ? "  const float " : "  const double ")
+            : i == 5    ? "               "
+                        : "",
+            frame[i], i,
+            i == 9   ? ";\n"
+            : i == 4 ? ",\n"
+                     : ", ");
   }
   for (int a = 0; a < w->n; a++) {
     fprintf(w->out, "  const %s q_%d = x[%d];\n  const %s p_%d = x[%d];\n", type, a, 10 + a, type, a, 10 + w->n + a);
@@ -233,7 +241,9 @@ static void code_write_S(const code *w, int e)
 
 static void code_write_inertia(const code *w)
 {
-  fputs("\n  /* gradients of M_rr(q): of moments of inertia M, second moments of mass E, halved where of M_w_w and E */\n", w->out);
+  fputs("\n  /* gradients of M_rr(q): of moments of inertia M, second moments of mass E, halved where of M_w_w and E "
+        "*/\n",
+        w->out);
   memset(code_now.valued, 0, sizeof code_now.valued);
   for (int k = 0; k < code_model.n_poly; k++) {
     code_write_slope(w, k);
@@ -359,11 +369,16 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
     fputs(")) {\n    return ", w->out);
     for (int e = 0, m = 0; e < 21; e++) {
       if (!code_is_constant(&code_now.S[e])) {
-        fprintf(w->out, "%s%s(%s)", m == 0 ? "" : m % 4 == 0 ? " +\n           " : " + ", w->single ? "fabsf" : "fabs", code_now.S[e].name);
+        fprintf(w->out, "%s%s(%s)",
+                m == 0       ? ""
+                : m % 4 == 0 ? " +\n           "
+                             : " + ",
+                w->single ? "fabsf" : "fabs", code_now.S[e].name);
         m++;
       }
     }
-    code_template(w, w->single ? " <= `1e18` ? @_range : @_not_finite;\n  }\n" : " <= `1e150` ? @_range : @_not_finite;\n  }\n");
+    code_template(w, w->single ? " <= `1e18` ? @_range : @_not_finite;\n  }\n"
+                               : " <= `1e150` ? @_range : @_not_finite;\n  }\n");
   }
 }
 
@@ -420,8 +435,10 @@ static void code_write_names(const code *w)
 static void code_write_velocities(const code *w)
 {
   code_factor f;
-  fputs("\n  /* E8.13: V = S^-1 y, velocity [m/s] and angular velocity [rad/s] of the frame relative to the mass center, body\n"
-        "     axes */\n", w->out);
+  fputs("\n  /* E8.13: V = S^-1 y, velocity [m/s] and angular velocity [rad/s] of the frame relative to the mass "
+        "center, body\n"
+        "     axes */\n",
+        w->out);
   if (code_model.constant_S) {
     code_write_constant_velocities(w);
     code_write_names(w);
@@ -504,8 +521,7 @@ static code_value code_write_weight(const code *w, int k)
     const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
     for (int m = 0; m < code_model.n_part[e]; m++) {
       if (code_model.part[e][m] == k) {
-        code_add(&s, code_model.scale[k] * code_model.sign[e][m] * (i == j ? 0.5 : 1.0), code_now.V[i],
-                 code_now.V[j]);
+        code_add(&s, code_model.scale[k] * code_model.sign[e][m] * (i == j ? 0.5 : 1.0), code_now.V[i], code_now.V[j]);
       }
     }
   }
@@ -665,7 +681,8 @@ static void code_write_loads(const code *w)
 
 static void code_write_evaluation(const code *w)
 {
-  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: angular velocity; a:\n"
+  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
+                   "angular velocity; a:\n"
                    "   acceleration of the mass center by the loads [m/s^2]. */\n"
                    "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
   code_write_state(w);
@@ -688,7 +705,10 @@ static int code_write_rates(const code *w)
     return 0;
   }
   code_write_evaluation(&draft);
-  code_prune(w->out, draft.out);
+  if (!code_prune(w->out, draft.out)) {
+    errno = EFBIG;
+    return 0;
+  }
   return fclose(draft.out) == 0;
 }
 
@@ -722,7 +742,8 @@ static const char code_types_end[] =
     "} @_input;\n\n"
     "/* At the inertial origin, at rest, undeformed. */\n"
     "void @_start(@_state *state);\n"
-    "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state stays as\n"
+    "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
+    "stays as\n"
     "   it was. */\n"
     "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
@@ -764,7 +785,8 @@ static const char code_helpers[] =
 /* c(q), first moment of mass. */
 static void code_write_center(const code *w)
 {
-  code_template(w, "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\nstatic void @_center($ *c, const $ *q)\n{\n");
+  code_template(
+      w, "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\nstatic void @_center($ *c, const $ *q)\n{\n");
   for (int i = 0; i < 3; i++) {
     const code_poly *const p = &code_model.poly[i];
     code_sum s;
@@ -866,7 +888,8 @@ static void code_write_range(const code *w)
   for (int a = 0; a < w->n; a++) {
     code_add_one(&s, (double)code_model.body->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
   }
-  code_template(w, "\n/* What fb_rk4_step checks of the state d after a step: finite, deflection [m] by bounds of the modes, length of the\n"
+  code_template(w, "\n/* What fb_rk4_step checks of the state d after a step: finite, deflection [m] by bounds of the "
+                   "modes, length of the\n"
                    "   quaternion */\n"
                    "static @_status @_check(const $ *d)\n{\n"
                    "  const $ norm2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3];\n"
@@ -880,23 +903,22 @@ static void code_write_range(const code *w)
                    "  return fabs~(norm2 - `1`) <= `2e-3` ? @_ok : @_step_length;\n}\n");
 }
 
-static const char code_enter[] =
-    "\n/* The vector x of a state, with h = R^T L. */\n"
-    "static void @_enter($ *x, const @_state *s)\n{\n"
-    "  memcpy(x, s->quat, sizeof s->quat);\n"
-    "  memcpy(x + 4, s->u, sizeof s->u);\n"
-    "  @_turn_back(x + 7, s->quat, s->L);\n"
-    "  memcpy(x + %r, s->rho, sizeof s->rho);\n"
-    "  memcpy(x + %l, s->L, sizeof s->L);\n";
+static const char code_enter[] = "\n/* The vector x of a state, with h = R^T L. */\n"
+                                 "static void @_enter($ *x, const @_state *s)\n{\n"
+                                 "  memcpy(x, s->quat, sizeof s->quat);\n"
+                                 "  memcpy(x + 4, s->u, sizeof s->u);\n"
+                                 "  @_turn_back(x + 7, s->quat, s->L);\n"
+                                 "  memcpy(x + %r, s->rho, sizeof s->rho);\n"
+                                 "  memcpy(x + %l, s->L, sizeof s->L);\n";
 
-static const char code_enter_modes[] =
-    "  memcpy(x + 10, s->q, sizeof s->q);\n"
-    "  memcpy(x + %p, s->pi, sizeof s->pi);\n";
+static const char code_enter_modes[] = "  memcpy(x + 10, s->q, sizeof s->q);\n"
+                                       "  memcpy(x + %p, s->pi, sizeof s->pi);\n";
 
 static const char code_enter_single[] = "  for (int i = 0; i < 3; i++) {\n    x[7 + i] += s->lost_h[i];\n  }\n";
 
 static const char code_keep_single[] =
-    "\n/* What rounding takes from h = R^T L, across it: much spin about an axis of little inertia. more: increment of h */\n"
+    "\n/* What rounding takes from h = R^T L, across it: much spin about an axis of little inertia. more: increment of "
+    "h */\n"
     "static void @_keep(@_state *next, const @_state *from, const $ *more)\n{\n"
     "  $ before[3], after[3], size, along = `0`;\n"
     "  @_turn_back(before, from->quat, from->L);\n"
@@ -908,13 +930,13 @@ static const char code_keep_single[] =
     "  for (int i = 0; i < 3; i++) {\n"
     "    next->lost_h[i] -= size > `0` ? along / size * after[i] : `0`;\n  }\n}\n";
 
-static const char code_end_double[] =
-    "  $ lost_u[3], lost_rho[3];\n"
-    "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
-    "  memcpy(lost_rho, state->lost_rho, sizeof lost_rho);\n"
-    "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
-    "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n    d[a] = fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
-    "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
+static const char code_end_double[] = "  $ lost_u[3], lost_rho[3];\n"
+                                      "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
+                                      "  memcpy(lost_rho, state->lost_rho, sizeof lost_rho);\n"
+                                      "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
+                                      "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n    d[a] = "
+                                      "fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
+                                      "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
 
 static const char code_end_single[] =
     "  @_state next = *state;\n"
@@ -925,40 +947,34 @@ static const char code_end_single[] =
     "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n"
     "  for (int a = 10; a < %r; a++) {\n    d[a] = fabsf(d[a]) < @_tiny ? `0` : d[a];\n  }\n";
 
-static const char code_end_rest[] =
-    "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
-    "  for (int i = 0; i < 3; i++) {\n"
-    "    d[4 + i] = fabs~(d[4 + i]) < @_faint ? `0` : d[4 + i];\n"
-    "    d[%l + i] = fabs~(d[%l + i]) < @_faint ? `0` : d[%l + i];\n  }\n";
+static const char code_end_rest[] = "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
+                                    "  for (int i = 0; i < 3; i++) {\n"
+                                    "    d[4 + i] = fabs~(d[4 + i]) < @_faint ? `0` : d[4 + i];\n"
+                                    "    d[%l + i] = fabs~(d[%l + i]) < @_faint ? `0` : d[%l + i];\n  }\n";
 
-static const char code_end_keep_single[] =
-    "  memcpy(next.quat, d, sizeof next.quat);\n"
-    "  memcpy(next.L, d + %l, sizeof next.L);\n"
-    "  @_keep(&next, state, d + 7);\n";
+static const char code_end_keep_single[] = "  memcpy(next.quat, d, sizeof next.quat);\n"
+                                           "  memcpy(next.L, d + %l, sizeof next.L);\n"
+                                           "  @_keep(&next, state, d + 7);\n";
 
-static const char code_end_position[] =
-    "\n  /* E11.30: O from the mass center */\n"
-    "  @_center(before, x + 10);\n"
-    "  @_center(after, d + 10);\n"
-    "  @_turn(old, x, before);\n"
-    "  @_turn(own, d, after);\n";
+static const char code_end_position[] = "\n  /* E11.30: O from the mass center */\n"
+                                        "  @_center(before, x + 10);\n"
+                                        "  @_center(after, d + 10);\n"
+                                        "  @_turn(old, x, before);\n"
+                                        "  @_turn(own, d, after);\n";
 
-static const char code_end_commit[] =
-    "  @_sum_kept(d + %r, lost_rho, x + %r, 3);\n"
-    "  status = status == @_ok ? @_check(d) : status;\n"
-    "  if (status != @_ok) {\n    return status;\n  }\n";
+static const char code_end_commit[] = "  @_sum_kept(d + %r, lost_rho, x + %r, 3);\n"
+                                      "  status = status == @_ok ? @_check(d) : status;\n"
+                                      "  if (status != @_ok) {\n    return status;\n  }\n";
 
-static const char code_end_take[] =
-    "  memcpy(state->rho, d + %r, sizeof state->rho);\n"
-    "  memcpy(state->quat, d, sizeof state->quat);\n"
-    "  memcpy(state->u, d + 4, sizeof state->u);\n"
-    "  memcpy(state->L, d + %l, sizeof state->L);\n"
-    "  memcpy(state->lost_rho, lost_rho, sizeof state->lost_rho);\n"
-    "  memcpy(state->lost_u, lost_u, sizeof state->lost_u);\n";
+static const char code_end_take[] = "  memcpy(state->rho, d + %r, sizeof state->rho);\n"
+                                    "  memcpy(state->quat, d, sizeof state->quat);\n"
+                                    "  memcpy(state->u, d + 4, sizeof state->u);\n"
+                                    "  memcpy(state->L, d + %l, sizeof state->L);\n"
+                                    "  memcpy(state->lost_rho, lost_rho, sizeof state->lost_rho);\n"
+                                    "  memcpy(state->lost_u, lost_u, sizeof state->lost_u);\n";
 
-static const char code_end_modes[] =
-    "  memcpy(state->q, d + 10, sizeof state->q);\n"
-    "  memcpy(state->pi, d + %p, sizeof state->pi);\n";
+static const char code_end_modes[] = "  memcpy(state->q, d + 10, sizeof state->q);\n"
+                                     "  memcpy(state->pi, d + %p, sizeof state->pi);\n";
 
 /* The end of a step. */
 static void code_write_end(const code *w)
@@ -1007,7 +1023,8 @@ static const char code_step_limits[] =
     "      memcpy(first, w, sizeof first);\n    }\n"
     "    if (status == @_ok && stage == 3) {\n"
     "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (w[i] - first[i]);\n      }\n"
-    "      status = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25` ? @_ok : @_step_length;\n    }\n";
+    "      status = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25` ? @_ok : "
+    "@_step_length;\n    }\n";
 
 static const char code_step_rest[] =
     "    if (status != @_ok) {\n      return status;\n    }\n    @_UNROLL\n"
@@ -1017,10 +1034,9 @@ static const char code_step_rest[] =
     "  }\n"
     "  return @_end(state, sum, x);\n}\n";
 
-static const char code_start[] =
-    "\nvoid @_start(@_state *state)\n{\n"
-    "  memset(state, 0, sizeof *state);\n"
-    "  state->quat[0] = `1`;\n}\n";
+static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
+                                 "  memset(state, 0, sizeof *state);\n"
+                                 "  state->quat[0] = `1`;\n}\n";
 
 /* Comment and declarations. */
 static void code_write_head(const code *w, const fb_body *body, const char *source, void (*coordinate)(FILE *, int))
@@ -1032,7 +1048,8 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   }
   fprintf(w->out,
           " with flexbeam %s, %s precision, model 0x%08X: a free body\n"
-          "   of %d modes and its step of rk4, by the equations of fb_rk4_step (E8.9: tests/reference/THEORY.md). Include it where\n"
+          "   of %d modes and its step of rk4, by the equations of fb_rk4_step (E8.9: tests/reference/THEORY.md). "
+          "Include it where\n"
           "   needed; one file defines %s_IMPLEMENTATION before. SI units, radians.\n   Mass %.6g kg.",
           FB_VERSION, w->single ? "single" : "double", crc, w->n, w->name, (double)body->mass);
   for (int a = 0; a < w->n; a++) {
@@ -1050,7 +1067,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
 /* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
    no temporary file, see errno. */
 static int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
-                       void (*coordinate)(FILE *, int))
+                      void (*coordinate)(FILE *, int))
 {
   const code w = {out, name, single, body->n, 2};
   code_read(body);

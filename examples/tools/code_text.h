@@ -43,7 +43,8 @@ static code_value code_constant(double c)
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
-static code_value code_variable(const char *format, ...)
+static code_value
+code_variable(const char *format, ...)
 {
   code_value v = {1.0, ""};
   va_list list;
@@ -222,7 +223,7 @@ static void code_template(const code *w, const char *text)
 
 /* ---- variables that nothing uses are left out: statements of a function, read from its end */
 
-enum { CODE_SEEN = 1 << 16, CODE_LINE = 256 };
+enum { CODE_SEEN = 1 << 16, CODE_LINE = 256, CODE_LINES = 60000 };
 
 typedef struct code_seen { /* names that are used */
   int n;
@@ -279,16 +280,16 @@ static const char *code_defined(const char *line)
   return *c != '*' && strchr(c, '=') && !strchr(strchr(c, '=') + 1, '=') ? c : NULL;
 }
 
-/* Copies what is in w.out to `out`, without definitions of what is used nowhere. */
-static void code_prune(FILE *out, FILE *in)
+/* Copies `in` to `out`, without definitions of what is used nowhere. 0: too long. */
+static int code_prune(FILE *out, FILE *in)
 {
-  static char line[40000][CODE_LINE];
-  static char keep[40000];
+  static char line[CODE_LINES][CODE_LINE];
+  static char keep[CODE_LINES];
   static code_seen seen;
   int n = 0;
   memset(&seen, 0, sizeof seen);
   rewind(in);
-  while (n < 40000 && fgets(line[n], CODE_LINE, in)) {
+  while (n < CODE_LINES && fgets(line[n], CODE_LINE, in)) {
     n++;
   }
   for (int end = n - 1, first; end >= 0; end = first - 1) {
@@ -310,6 +311,7 @@ static void code_prune(FILE *out, FILE *in)
   for (int i = 0; i < n; i++) {
     fputs(keep[i] ? line[i] : "", out);
   }
+  return n < CODE_LINES && seen.n < CODE_SEEN / 2;
 }
 
 /* As much of a template as the precision wants. */

@@ -50,7 +50,8 @@ static int begin(run *r, double spin)
     w[i] = (fb_real)(spin * random_number());
   }
   for (int a = 0; a < generated.n; a++) {
-    const double most = 0.1 * (double)generated.deflection_limit / (generated.n * fmax((double)generated.reach[a], 0.1));
+    const double most =
+        0.1 * (double)generated.deflection_limit / (generated.n * fmax((double)generated.reach[a], 0.1));
     r->state.q[a] = (fb_real)(most * random_number());
     q_dot[a] = (fb_real)(most * random_number());
   }
@@ -127,7 +128,8 @@ static int refused(const run *r, const fb_input *in, const generated_input *own,
   run copy = *r;
   const fb_status status = fb_rk4_step(&generated, &copy.state, &work, in, in, in, dt);
   const generated_status same = generated_step(&copy.own, own, own, own, dt);
-  if (status == FB_OK || (expected != FB_OK && status != expected) || (int)same != (int)status || memcmp(&copy.own, &r->own, sizeof copy.own) != 0) {
+  if (status == FB_OK || (expected != FB_OK && status != expected) || (int)same != (int)status ||
+      memcmp(&copy.own, &r->own, sizeof copy.own) != 0) {
     printf("refused: expected %d, library %d, generated %d\n", (int)expected, (int)status, (int)same);
     return 0;
   }
@@ -136,7 +138,8 @@ static int refused(const run *r, const fb_input *in, const generated_input *own,
 
 static int refusals(void)
 {
-  const fb_real limit = fb_rk4_limit(&generated, FB_R(0.0), FB_R(0.0)), small = FB_R(1e-3) * (generated.n ? limit : FB_R(1.0));
+  const fb_real limit = fb_rk4_limit(&generated, FB_R(0.0), FB_R(0.0)),
+                small = FB_R(1e-3) * (generated.n ? limit : FB_R(1.0));
   run r, far;
   fb_input in;
   generated_input own;
