@@ -3,8 +3,8 @@
 #ifndef CODE_H
 #define CODE_H
 #include "code_model.h"
+#include "code_read.h"
 #include "code_text.h"
-#include <errno.h>
 
 /* What an evaluation has written so far. */
 typedef struct code_rates {
@@ -679,8 +679,9 @@ static void code_write_loads(const code *w)
   code_template(w, code_inertial);
 }
 
-static void code_write_evaluation(const code *w)
+static void code_write_rates(const code *w, int unused)
 {
+  (void)unused;
   code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
                    "angular velocity; a:\n"
                    "   acceleration of the mass center by the loads [m/s^2]. */\n"
@@ -694,22 +695,6 @@ static void code_write_evaluation(const code *w)
   code_write_pi_dot(w);
   code_write_frame(w);
   code_write_loads(w);
-}
-
-/* The same, without what nothing uses. */
-static int code_write_rates(const code *w)
-{
-  code draft = *w;
-  draft.out = tmpfile();
-  if (!draft.out) {
-    return 0;
-  }
-  code_write_evaluation(&draft);
-  if (!code_prune(w->out, draft.out)) {
-    errno = EFBIG;
-    return 0;
-  }
-  return fclose(draft.out) == 0;
 }
 
 /* ---- the rest of the step */
@@ -1061,6 +1046,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   code_template(w, code_types);
   code_template_of(w, 1, code_types_single);
   code_template(w, code_types_end);
+  code_template(w, code_read_types);
   fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
 }
 
@@ -1070,6 +1056,7 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
                       void (*coordinate)(FILE *, int))
 {
   const code w = {out, name, single, body->n, 2};
+  int good;
   code_read(body);
   code_write_head(&w, body, source, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
@@ -1077,9 +1064,7 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
                            : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
   code_write_center(&w);
-  if (!code_write_rates(&w)) {
-    return 0;
-  }
+  good = code_write_pruned(&w, code_write_rates, 0);
   code_write_limit(&w);
   code_template(&w, code_sums);
   code_template_of(&w, 1, code_sums_single);
@@ -1099,8 +1084,9 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
     code_template(&w, code_step_limits);
   }
   code_template(&w, code_step_rest);
+  good = code_write_read(&w) && good;
   fputs("#endif\n", out);
-  return 1;
+  return good;
 }
 
 /* What of a body cannot be written, with what would be right; NULL: nothing. */

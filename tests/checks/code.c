@@ -167,6 +167,73 @@ static int refusals(void)
   return good & refused(&r, NULL, NULL, small, FB_ERR_NOT_FINITE);
 }
 
+/* Largest difference of n numbers relative to the largest of them. */
+static double apart(const fb_real *x, const fb_real *y, int n)
+{
+  double most = 0, size = 1e-30;
+  for (int i = 0; i < n; i++) {
+    most = fmax(most, fabs((double)x[i] - (double)y[i]));
+    size = fmax(size, fabs((double)x[i]));
+  }
+  return most / size;
+}
+
+static double rates_apart(const run *r)
+{
+  fb_input in;
+  generated_input own;
+  fb_state rate;
+  generated_state same;
+  double worst = 0;
+  load(&in, &own, 0.3);
+  if (fb_body_rates_eval(&generated, &rate, &r->state, &in) != FB_OK ||
+      generated_rates_eval(&same, &r->own, &own) != generated_ok) {
+    return 1;
+  }
+  worst = fmax(worst, apart(rate.rho, same.rho, 3));
+  worst = fmax(worst, apart(rate.quat, same.quat, 4));
+  worst = fmax(worst, apart(rate.u, same.u, 3));
+  worst = fmax(worst, apart(rate.L, same.L, 3));
+  worst = fmax(worst, apart(rate.q, same.q, generated.n));
+  return fmax(worst, apart(rate.pi, same.pi, generated.n));
+}
+
+static double energy_apart(const run *r)
+{
+  fb_energy energy;
+  generated_energy own;
+  if (fb_body_energy_eval(&generated, &energy, &r->state, NULL) != FB_OK ||
+      generated_energy_eval(&own, &r->own) != generated_ok) {
+    return 1;
+  }
+  return fmax(apart(&energy.kinetic, &own.kinetic, 1),
+              fmax(apart(&energy.strain, &own.strain, 1), apart(&energy.gravity, &own.gravity, 1)));
+}
+
+/* Motion of O and of all nodes. */
+static double nodes_apart(const run *r)
+{
+  fb_motion motion;
+  generated_motion own;
+  double worst;
+  if (fb_body_motion_eval(&generated, &motion, &r->state, NULL) != FB_OK ||
+      generated_motion_eval(&own, &r->own) != generated_ok) {
+    return 1;
+  }
+  worst = fmax(apart(motion.v, own.v, 3), fmax(apart(motion.w, own.w, 3), apart(motion.q_dot, own.q_dot, generated.n)));
+  for (int k = 0; k < generated.n_node; k++) {
+    fb_node_motion node;
+    generated_node same;
+    if (fb_body_node_motion_eval(&generated, &node, &r->state, &motion, k) != FB_OK ||
+        generated_node_eval(&same, &r->own, &own, k) != generated_ok) {
+      return 1;
+    }
+    worst = fmax(worst, fmax(apart(node.position, same.position, 3), apart(node.quat, same.quat, 4)));
+    worst = fmax(worst, fmax(apart(node.velocity, same.velocity, 3), apart(node.angular_rate, same.angular_rate, 3)));
+  }
+  return generated_node_eval(NULL, NULL, NULL, 0) == generated_null ? worst : 1;
+}
+
 int main(void)
 {
   double worst = 0;
@@ -177,6 +244,9 @@ int main(void)
       return 1;
     }
     worst = fmax(worst, fly(&r, loaded));
+    take_state(&r.own, &r.state);
+    printf(" | %.1e %.1e %.1e\n", rates_apart(&r), energy_apart(&r), nodes_apart(&r));
+    worst = fmax(worst, fmax(rates_apart(&r), fmax(energy_apart(&r), nodes_apart(&r))));
   }
   printf(" worst %.1e\n", worst);
   if (generated_crc != fb_body_crc(&generated)) {
