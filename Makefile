@@ -17,7 +17,7 @@ EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom parts mismatch stack symbols threads \
+CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code parts mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu hard
 
 .DELETE_ON_ERROR:
