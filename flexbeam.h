@@ -1353,7 +1353,8 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  int has_rotors;
+  int has_rotors; /* a body is one: */
+  int carries_rotors; /* a body has rotors inside */
   int rubs;              /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
@@ -1371,7 +1372,8 @@ typedef struct fb_link_state {
   /* conjugate momenta, of all that hangs on the joint; spherical: angular momentum about the joint, free: P, L about O,
      inertial axes */
   fb_real p[6];
-  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
+  fb_real q[FBI_MAX_COORDINATES], pi[FBI_MAX_COORDINATES]; /* elastic coordinates and conjugate momenta, behind them
+                                                              angles and momenta of rotors, as in fb_state */
   /* free: velocity [m/s, inertial axes] of the frame that all momenta of the tree on this joint are relative to, chosen
      anew by every step so that they stay small: fast flight takes nothing from the digits of the motion. Of free trees
      that loops tie, or bodies that are all free (FB_METHOD_MULTIPLIERS), all are the same; zero where they are tied to
@@ -1380,14 +1382,15 @@ typedef struct fb_link_state {
   fb_real lost_x[3], lost_u[3]; /* what x of a free joint and u have lost by rounding: x + lost_x is accurate to
                                    rounding of its size for ever */
 #if FB_SINGLE
-  fb_real lost_quat[4], lost_p[6], lost_q[FB_MAX_MODES],
-      lost_pi[FB_MAX_MODES]; /* as in fb_state; lost_x of all joints */
+  fb_real lost_quat[4], lost_p[6], lost_q[FBI_MAX_COORDINATES],
+      lost_pi[FBI_MAX_COORDINATES]; /* as in fb_state; lost_x of all joints */
 #endif
 } fb_link_state;
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
   fb_link_state link[FB_MAX_BODIES];
-  fb_real motor_work;                   /* [J] done by motors and actuators; what prescribed axes do is not in it */
+  fb_real motor_work; /* [J] done by motors and actuators; what prescribed axes do, or rotors whose momentum is given, is
+                         not in it */
   fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
@@ -1398,6 +1401,10 @@ typedef struct fb_link_motion {
   fb_real value[3], quat[4]; /* all zero: identity */
   fb_real speed[6];
   fb_real q[FB_MAX_MODES], q_dot[FB_MAX_MODES];
+#if FB_WITH_ROTORS
+  fb_real rotor_speed[FB_MAX_ROTORS], rotor_angle[FB_MAX_ROTORS]; /* [rad/s], [rad] relative to its node; the speed of
+                                                                     one whose momentum is given is not read */
+#endif
 } fb_link_motion;
 
 typedef struct fb_drive { /* of a joint, by axis */
@@ -1470,6 +1477,9 @@ typedef fb_status (*fb_forces)(fb_system_forces *now, void *user);
 typedef struct fb_system_input { /* all zero: nothing acts */
   int n_load;
   fb_system_load load[FB_MAX_LOADS];
+#if FB_WITH_ROTORS
+  fb_rotor_input rotor[FB_MAX_BODIES][FB_MAX_ROTORS]; /* of each body */
+#endif
   fb_real pull[FB_MAX_SPRINGS];   /* [N] of the actuators: tension */
   fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
   fb_rows rows;                   /* NULL: none */

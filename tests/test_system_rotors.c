@@ -386,7 +386,208 @@ TEST(spectra_of_rotors_are_those_of_wheels)
 #define WHEELS
 #endif
 
+#if FB_WITH_ROTORS
+/* ---- rotors inside the bodies */
+
+/* A hub with two rotors, on it a bending arm with one at its tip, on that another by a universal joint, driven by the
+   motors of joints and rotors; apart: the rotors are bodies on hinges, behind the others, which have inertia about their
+   axes alone. */
+static const double wheel_axis[3][3] = {{0.2, -0.3, 1.0}, {1.0, 0.5, 0.1}, {1.0, 2.0, -1.5}};
+static const double wheel_inertia[3] = {0.02, 0.03, 0.004};
+static const double wheel_motor[4] = {0.05, -0.02, 0.03, 0.01};
+
+static void wheel_law(fb_rotor *rotor, int kind, int node, int friction)
+{
+  rotor->node = node;
+  rotor->inertia = (fb_real)wheel_inertia[kind];
+  for (int i = 0; i < 3; i++) {
+    rotor->axis[i] = (fb_real)wheel_axis[kind][i];
+  }
+  rotor->damping = friction ? FB_R(1e-3) : FB_R(0.0);
+  rotor->friction = friction ? FB_R(2e-3) : FB_R(0.0);
+  rotor->friction_speed = friction ? FB_R(2.0) : FB_R(0.0);
+}
+
+static void wheel_hang(int k, int of, int kind, int node, int friction)
+{
+  fb_joint_desc *const joint = &desc.joint[k];
+  hang(k, 2 + kind, FB_JOINT_REVOLUTE, of, node);
+  for (int i = 0; i < 3; i++) {
+    joint->axis[i] = (fb_real)wheel_axis[kind][i];
+  }
+  joint->child_axis[2] = FB_R(1.0);
+  joint->damping[0] = friction ? FB_R(1e-3) : FB_R(0.0);
+  joint->friction[0] = friction ? FB_R(2e-3) : FB_R(0.0);
+  joint->friction_speed[0] = friction ? FB_R(2.0) : FB_R(0.0);
+}
+
+/* The hub turns about all axes; wheels have inertia about z alone, which no mass has: what a wheel has across its axis
+   would be the body's that carries the rotor. */
+static void craft_models(unsigned effects, int apart, int friction)
+{
+  fresh();
+  if (!apart) {
+    body_desc.n_rotor = 2;
+    wheel_law(&body_desc.rotor[0], 0, 0, friction);
+    wheel_law(&body_desc.rotor[1], 1, 0, friction);
+  }
+  rigid(&model[0], 3.0, 0.1, -0.05, 0.02, 0.3, 0.4, 0.5);
+  memset(&body_desc, 0, sizeof body_desc);
+  if (!apart) {
+    body_desc.n_rotor = 1;
+    wheel_law(&body_desc.rotor[0], 2, 1, friction);
+  }
+  flexible(&model[1], 2, 1, 1, effects);
+  memset(&body_desc, 0, sizeof body_desc);
+  for (int kind = 0; kind < 3 && apart; kind++) {
+    fb_body *const wheel = &model[2 + kind];
+    rigid(wheel, 0.0, 0, 0, 0, 0.5 * wheel_inertia[kind], 0.5 * wheel_inertia[kind], wheel_inertia[kind]);
+    wheel->S0[15] = wheel->S0[18] = FB_R(0.0);
+  }
+}
+
+static void craft(unsigned effects, fb_joint_kind base, int apart, int friction)
+{
+  craft_models(effects, apart, friction);
+  hang(0, 0, base, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_REVOLUTE, 0, 1);
+  hang(2, 1, FB_JOINT_UNIVERSAL, 1, 1);
+  desc.joint[1].axis[1] = desc.joint[1].child_axis[2] = FB_R(1.0);
+  desc.joint[1].stiffness[0] = FB_R(2.0);
+  desc.joint[2].stiffness[0] = desc.joint[2].stiffness[1] = FB_R(1.0);
+  desc.joint[0].child_position[0] = FB_R(0.1);
+  for (int k = 0; k < 4 && apart; k++) {
+    wheel_hang(3 + k, k < 2 ? 0 : k - 1, k < 2 ? k : 2, k < 2 ? 0 : 1, friction);
+  }
+  fbt_seed(21);
+  for (int k = 0; k < 3; k++) {
+    const int n = model[desc.model[k]].n;
+    turn_anyhow(start[k].quat, 0.4);
+    for (int i = 0; i < 6; i++) {
+      start[k].speed[i] = (fb_real)(0.5 * fbt_random());
+    }
+    for (int i = 0; i < 3; i++) {
+      start[k].value[i] = (fb_real)(0.2 * fbt_random());
+    }
+    for (int a = 0; a < n; a++) {
+      start[k].q[a] = (fb_real)(0.01 * fbt_random());
+      start[k].q_dot[a] = (fb_real)(0.1 * fbt_random());
+    }
+  }
+  for (int k = 0; k < 4; k++) {
+    const fb_real speed = (fb_real)(20.0 * (k % 2 ? -1.0 - k : 1.0 + k)), motor = (fb_real)wheel_motor[k];
+    if (apart) {
+      start[3 + k].speed[0] = speed;
+      start[3 + k].value[0] = FB_R(0.2);
+      input.drive[3 + k].torque[0] = motor;
+    } else {
+      start[k < 2 ? 0 : k - 1].rotor_speed[k < 2 ? k : 0] = speed;
+      start[k < 2 ? 0 : k - 1].rotor_angle[k < 2 ? k : 0] = FB_R(0.2);
+      input.rotor[k < 2 ? 0 : k - 1][k < 2 ? k : 0].torque = motor;
+    }
+  }
+  input.drive[1].torque[0] = FB_R(0.3);
+  input.drive[2].torque[1] = -FB_R(0.2);
+}
+
+/* What a run leaves, of both models. */
+typedef struct craft_end {
+  fb_system_motion motion;
+  fb_energy energy;
+  fb_momentum momentum;
+  double work, speed[4], momentum_of[4];
+} craft_end;
+
+static void craft_look(craft_end *end, int apart)
+{
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &end->motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &end->energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &end->momentum, &state, &input), FB_OK);
+  end->work = (double)state.motor_work;
+  for (int k = 0; k < 4; k++) {
+    const int of = k < 2 ? 0 : k - 1, r = k < 2 ? k : 0;
+    end->speed[k] = (double)(apart ? end->motion.joint[3 + k].speed[0] : end->motion.motion[of].rotor_speed[r]);
+    end->momentum_of[k] = (double)(apart ? state.link[3 + k].p[0] : end->motion.motion[of].rotor_momentum[r]);
+  }
+}
+
+static void craft_alike(const craft_end *a, const craft_end *b, double bound, int apart)
+{
+  for (int k = 0; k < 3; k++) {
+    const fb_motion *const x = &a->motion.motion[k], *const y = &b->motion.motion[k];
+    const fb_joint_motion *const i = &a->motion.joint[k], *const j = &b->motion.joint[k];
+    const int n = model[desc.model[k]].n;
+    FBT_NEAR_ABS(fbt_difference(a->motion.pose[k].rho, b->motion.pose[k].rho, 3), 0.0, bound);
+    FBT_NEAR_ABS(fbt_difference(a->motion.pose[k].quat, b->motion.pose[k].quat, 4), 0.0, bound);
+    FBT_NEAR_ABS(fbt_difference(a->motion.pose[k].q, b->motion.pose[k].q, n), 0.0, bound);
+    FBT_NEAR_ABS(fbt_difference(x->v, y->v, 3), 0.0, 10.0 * bound);
+    FBT_NEAR_ABS(fbt_difference(x->w, y->w, 3), 0.0, 10.0 * bound);
+    FBT_NEAR_ABS(fbt_difference(x->q_dot, y->q_dot, n), 0.0, 100.0 * bound);
+    FBT_NEAR_ABS(fbt_difference(x->acceleration, y->acceleration, 3), 0.0, 1e4 * bound);
+    FBT_NEAR_ABS(fbt_difference(x->w_dot, y->w_dot, 3), 0.0, 1e4 * bound);
+    FBT_NEAR_ABS(fbt_difference(x->q_ddot, y->q_ddot, n), 0.0, 1e5 * bound);
+    FBT_NEAR_ABS(fbt_difference(i->force, j->force, 3), 0.0, 1e4 * bound);
+    FBT_NEAR_ABS(fbt_difference(i->torque, j->torque, 3), 0.0, 1e4 * bound);
+    FBT_NEAR_ABS(fbt_difference(i->speed, j->speed, 3), 0.0, 10.0 * bound);
+    FBT_NEAR_ABS(fbt_difference(i->drive, j->drive, 3), 0.0, 1e4 * bound);
+  }
+  for (int k = 0; k < 4; k++) {
+    FBT_NEAR_ABS(a->speed[k], b->speed[k], 100.0 * bound);
+    FBT_NEAR_ABS(a->momentum_of[k], b->momentum_of[k], bound);
+  }
+  FBT_NEAR_ABS(a->energy.kinetic, b->energy.kinetic, 100.0 * bound);
+  FBT_NEAR_ABS(a->energy.strain, b->energy.strain, 100.0 * bound);
+  FBT_NEAR_ABS(a->work, b->work, 100.0 * bound);
+  FBT_NEAR_ABS(a->motion.power, b->motion.power, 100.0 * bound);
+  FBT_NEAR_ABS(fbt_difference(a->momentum.angular, b->momentum.angular, 3), 0.0, 10.0 * bound);
+  FBT_NEAR_ABS(fbt_difference(a->momentum.linear, b->momentum.linear, 3), 0.0, 10.0 * bound);
+  if (apart) { /* the hub's joints are also those of its wheels */
+    fb_real R[9], torque[3], sum[3] = {0};
+    fb_quat_to_mat33(R, b->motion.pose[0].quat);
+    for (int k = 3; k < 5; k++) {
+      fb_mat33_mulT_vec3(torque, R, b->motion.joint[k].torque);
+      for (int i = 0; i < 3; i++) {
+        sum[i] += torque[i];
+      }
+    }
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(a->motion.motion[0].reaction_torque[i], b->motion.motion[0].reaction_torque[i] + sum[i], 1e4 * bound);
+    }
+  }
+}
+
+/* E8.60: rotors inside the bodies of a system are wheels on hinges, on rigid bodies and on the tips of bending ones, with
+   motors, dampers and dry friction, on free bases and on joints to the ground, by the recursive and the dense method. */
+TEST(rotors_in_systems_are_wheels_on_hinges)
+{
+  static const unsigned effects[] = {FB_EFFECTS_LINEAR, FB_EFFECTS_FULL, FB_EFFECTS_LARGE};
+  static const fb_joint_kind base[] = {FB_JOINT_FREE, FB_JOINT_REVOLUTE, FB_JOINT_SPHERICAL, FB_JOINT_RIGID};
+  static craft_end end[2];
+  for (int set = 0; set < FBT_COUNT(effects); set++) {
+    for (int b = 0; b < FBT_COUNT(base); b++) {
+      for (int dense = 0; dense < 2; dense++) {
+        const double dt = FBT_TOL(1e-3, 2e-3);
+        if ((effects[set] == FB_EFFECTS_LARGE && !FB_WITH_LARGE_DEFLECTION) || (dense && set != 1)) {
+          continue;
+        }
+        for (int apart = 0; apart < 2; apart++) {
+          craft(effects[set], base[b], apart, 1);
+          desc.allow_long_step = 1;
+          begin(dense ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE);
+          FBT_INT_EQ(run(dt, 0.5), FB_OK);
+          craft_look(&end[apart], apart);
+        }
+        craft_alike(&end[0], &end[1], FBT_TOL(1e-10, 5e-4), 1);
+      }
+    }
+  }
+}
+#define INSIDE , RUN(rotors_in_systems_are_wheels_on_hinges)
+#else
+#define INSIDE
+#endif
+
 SUITE(system_rotors, RUN(gyrostats_nutate_as_in_closed_form), RUN(rotors_take_long_steps),
       RUN(rotors_count_by_their_nutation), RUN(bodies_that_are_no_rotors_count_whole),
       RUN(loads_on_rotors_within_the_step_count), RUN(rotors_count_where_they_are),
-      RUN(rotors_hide_nothing_that_did_not_converge), RUN(steps_of_the_limit_are_taken) WHEELS)
+      RUN(rotors_hide_nothing_that_did_not_converge), RUN(steps_of_the_limit_are_taken) WHEELS INSIDE)
