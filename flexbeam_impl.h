@@ -10296,19 +10296,15 @@ static FBI_NOINLINE fb_real fbi_links_rotors_rate(fb_system_state *rate, fb_syst
   return power;
 }
 
-/* Loads of imbalance (E8.42) */
-static FBI_NOINLINE void fbi_links_imbalance_add(fb_system_work *w, const fb_system *system,
-                                                 const fb_system_state *state)
+/* Loads of imbalance (E8.42) on a body; angle: of its rotors */
+static void fbi_link_imbalance_add(fbi_link_work *L, const fb_real *angle)
 {
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *const L = &w->link[k];
-    for (int r = 0; r < L->model->n_rotor; r++) {
-      const fb_rotor *const rotor = &L->model->rotor[r];
-      if (fbi_is_unbalanced(rotor)) {
-        fb_load load;
-        fbi_imbalance_load(&load, rotor, L->k.rotor_momentum[r] / rotor->inertia, state->link[k].q[L->model->n + r]);
-        fbi_load_add(&L->k, L->model, &load, L->k.qx + 1);
-      }
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    const fb_rotor *const rotor = &L->model->rotor[r];
+    if (fbi_is_unbalanced(rotor)) {
+      fb_load load;
+      fbi_imbalance_load(&load, rotor, L->k.rotor_momentum[r] / rotor->inertia, angle[r]);
+      fbi_load_add(&L->k, L->model, &load, L->k.qx + 1);
     }
   }
 }
@@ -10474,7 +10470,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
 
   /* with constraint rows */
   w->n_row = w->n_end = 0;
-  if (system->n_loop > 0 || w->kept || (input && input->rows)) {
+  if (w->closed || (input && input->rows)) {
     status = fbi_rows_fill(w, system, body, modes, input);
     for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* after a failure the last one may have no end */
       fb_real size;
@@ -10902,7 +10898,7 @@ static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system
 
 #if FB_WITH_GRAVITY
 /* Uniform gravity on a body, and that of a center; the points of its lines keep their velocities. */
-static FBI_NOINLINE fb_status fbi_link_gravity_add(fb_system_work *w, int k)
+static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 {
   fbi_link_work *const L = &w->link[k];
   fb_real rho[3];
@@ -10926,6 +10922,24 @@ static FBI_NOINLINE fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 }
 #endif
 
+#if FB_WITH_GRAVITY || FB_WITH_ROTORS
+/* What acts on a body without an input: gravity, imbalance of its rotors. */
+static FBI_NOINLINE fb_status fbi_link_own_loads(fb_system_work *w, const fb_system_state *state, int k)
+{
+  fb_status status = FB_OK;
+#if FB_WITH_GRAVITY
+  if (fbi_has(w->link[k].model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY)) {
+    status = fbi_link_gravity_add(w, k);
+  }
+#endif
+#if FB_WITH_ROTORS
+  fbi_link_imbalance_add(&w->link[k], state->link[k].q + w->link[k].model->n);
+#endif
+  (void)state;
+  return status;
+}
+#endif
+
 /* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
    actuators. */
 static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -10939,9 +10953,9 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
-#if FB_WITH_GRAVITY
-    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY)) {
-      const fb_status own = fbi_link_gravity_add(w, k);
+#if FB_WITH_GRAVITY || FB_WITH_ROTORS
+    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY | FB_EFFECT_ROTORS)) {
+      const fb_status own = fbi_link_own_loads(w, state, k);
       status = status ? status : own;
     }
 #endif
@@ -10950,11 +10964,6 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_work *L = &w->link[input->load[i].body];
     fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
   }
-#if FB_WITH_ROTORS
-  if (system->carries_rotors) {
-    fbi_links_imbalance_add(w, system, state);
-  }
-#endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_has_distributed(input)) {
     for (int k = 0; k < system->n_body && status == FB_OK; k++) {
@@ -11171,7 +11180,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   if (status != FB_OK) {
     return status;
   }
-  rate->motor_work = w->kept || system->n_loop > 0 ? power + fbi_kept_springs(w, system, body, modes, input) : power;
+  rate->motor_work = w->closed ? power + fbi_kept_springs(w, system, body, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
@@ -11204,6 +11213,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
+  w->closed = w->kept || system->n_loop > 0;
   w->heavy = w->clock = FB_R(0.0);
   w->owns = w->has_forces = 0;
   w->joint = -1;
@@ -11674,9 +11684,9 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
   }
 }
 
-static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const fb_system_input *input)
+static int fbi_has_rows(const fb_system_work *w, const fb_system_input *input)
 {
-  return w->kept || system->n_loop > 0 || (input && input->rows);
+  return w->closed || (input && input->rows);
 }
 
 /* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
@@ -11752,7 +11762,7 @@ static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, c
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
   const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
-  if (status == FB_OK && fbi_has_rows(system, w, input)) {
+  if (status == FB_OK && fbi_has_rows(w, input)) {
     fbi_momenta_fill(state, w, system, body);
   } else if (status == FB_OK) {
     w->sum = *state;
@@ -12085,7 +12095,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fbi_momenta_fill(out, work, system, body);
 
   /* constraints; frames of free trees */
-  if (status == FB_OK && fbi_has_rows(system, work, input)) {
+  if (status == FB_OK && fbi_has_rows(work, input)) {
     status = fbi_motion_close(out, work, system, body, input);
   }
   if (status == FB_OK && fbi_flies(system, work)) {
@@ -17682,13 +17692,23 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
   return status;
 }
 
+#if FB_WITH_ROTORS
+static FBI_NOINLINE void fbi_links_rotors_settle(fb_system_state *next, const fb_system_work *w,
+                                                 const fb_system *system, const fb_system_input *last)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_rotors_settle(next->link[k].q, next->link[k].pi, w->link[k].model, fbi_link_rotors_input(last, k));
+  }
+}
+#endif
+
 /* Common end of every step: sums the increments (work.sum), sets prescribed coordinates, projects onto the constraints,
    updates the frames of free-flying trees, checks the range of the model. */
 static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                                 const fb_system_input *input, fb_real dt)
 {
   fb_system_state *const next = &w->stage;
-  const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
+  const int flies = fbi_flies(system, w), rows = fbi_has_rows(w, input);
   fb_status status = FB_OK;
 
   /* Attitude of free roots (E11.28), positions */
@@ -17717,8 +17737,8 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
   fbi_links_push(next, w, system);
 #if FB_WITH_ROTORS
-  for (int k = 0; k < system->n_body && system->carries_rotors; k++) {
-    fbi_rotors_settle(next->link[k].q, next->link[k].pi, w->link[k].model, fbi_link_rotors_input(input, k));
+  if (system->carries_rotors) {
+    fbi_links_rotors_settle(next, w, system, input);
   }
 #endif
 
@@ -17793,8 +17813,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  if (flies && !fbi_has_rows(system, work, start) && !fbi_has_rows(system, work, middle) &&
-      !fbi_has_rows(system, work, end)) {
+  if (flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) &&
+      !fbi_has_rows(work, end)) {
     fbi_own_begin(work, system, state);
   }
 
