@@ -164,14 +164,14 @@
      fb_rk4_work                 54840
      fb_implicit_work            63032
      fb_exponential_work         57864
-     fb_system_work             624936
+     fb_system_work             628024
      fb_exact_work              173328
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
-     fb_system_analyse_work    1953368
+     fb_system_analyse_work    1959016
      fb_exact_path_work         202464
      fb_exact_spectrum_work    1625184
      fb_exact_linear_work      1998864
@@ -884,8 +884,9 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    accelerations and reactions alone.
    The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
    turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
-   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor advice;
-   internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
+   Bodies of systems have them, too, at less cost than wheels that are bodies on hinges: fb_link_motion starts them,
+   fb_system_input.rotor drives them. No advice, trims and linear models of such systems; internal loads of lines with
+   rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
    energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
@@ -1353,9 +1354,9 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  int has_rotors; /* a body is one: */
-  int carries_rotors; /* a body has rotors inside */
-  int rubs;              /* a joint has friction or stops */
+  int has_rotors;             /* a body is one: */
+  int carries_rotors;         /* a body has rotors inside */
+  int rubs;                   /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_kept_elastic, limit_kept_damping;     /* what springs and dampers of kept joints add at most */
@@ -1389,9 +1390,10 @@ typedef struct fb_link_state {
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
   fb_link_state link[FB_MAX_BODIES];
-  fb_real motor_work; /* [J] done by motors and actuators; what prescribed axes do, or rotors whose momentum is given, is
+  fb_real
+      motor_work; /* [J] done by motors and actuators; what prescribed axes do, or rotors whose momentum is given, is
                          not in it */
-  fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
+  fb_axis_mode mode[FBI_MAX_JOINTS][3];                          /* change it by fb_system_axis_set */
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
 
@@ -1559,7 +1561,7 @@ typedef struct fbi_row {
 typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
   int kept;  /* bodies are free, all joints are constraints */
-  int closed; /* so, or there are loops */
+  int closed;    /* so, or there are loops */
   fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
   fb_real clock; /* [s] since the frames were at their origins */
   int owns;      /* roots that are free take L in body axes from link.own */
@@ -1994,10 +1996,11 @@ FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
 typedef struct fb_system_limit {
   fb_real rk4, sdirk; /* [s] longest step that each takes from there; sdirk: FB_HUGE where nothing turns */
   fb_real spin;       /* [rad/s] rotation that they count: of the body that turns fastest, and nutation by all rotors */
-  int body;           /* that turns fastest */
+  int body;           /* that turns fastest, its nutation included */
 } fb_system_limit;
 /* Longest steps from a state, as the steps judge them. Rotors count by the nutation that their spin causes, so that
-   steps may turn them by any angle. They are rigid bodies on a hinge through their mass center about which their
+   steps may turn them by any angle: those inside bodies by half its frequency, with the rate at which friction brakes
+   them and the spin of those with an imbalance; and rigid bodies on a hinge through their mass center about which their
    inertia is the same all around to 1e-6, without loads on them (gravity is none), rows, bodies that hang on them or
    FB_METHOD_MULTIPLIERS. Statuses as of fb_system_rates_eval. */
 FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
@@ -2652,10 +2655,9 @@ typedef struct fb_system_desc {
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
    springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
    order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
-   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors,
-   or in single precision with central gravity;
-   FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint
-   that failed. */
+   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body in single
+   precision with central gravity; FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is
+   singular. work->joint is the joint that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -3268,6 +3270,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
+          Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
+          and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.

@@ -13021,9 +13021,9 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
                               system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->has_rotors) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
-            fbi_is_finite(limit, 6) && system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 &&
-            system->free.parent == FB_GROUND;
+            fbi_is_flag(system->has_rotors) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) &&
+            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6) && system->free.kind == FB_JOINT_FREE &&
+            system->free.n_axis == 6 && system->free.parent == FB_GROUND;
   }
 
   /* models and joints */
@@ -13070,8 +13070,9 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 
   /* options and limits */
   {
-    const int whole[] = {system->n_body, system->n_loop,     system->n_spring,       (int)system->method, system->allow_long_step,
-                         system->tied,   system->has_rotors, system->carries_rotors, system->rubs};
+    const int whole[] = {system->n_body,      system->n_loop,          system->n_spring,
+                         (int)system->method, system->allow_long_step, system->tied,
+                         system->has_rotors,  system->carries_rotors,  system->rubs};
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
                               system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole)), limit, 6, FB_SINGLE);
@@ -17813,8 +17814,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  if (flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) &&
-      !fbi_has_rows(work, end)) {
+  if (flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end)) {
     fbi_own_begin(work, system, state);
   }
 
