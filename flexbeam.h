@@ -885,8 +885,8 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
    turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
    Bodies of systems have them, too, at less cost than wheels that are bodies on hinges: fb_link_motion starts them,
-   fb_system_input.rotor drives them. No advice, trims and linear models of such systems; internal loads of lines with
-   rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
+   fb_system_input.rotor drives them. No advice; internal loads of lines with rotors on the hub alone. Others:
+   FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
    energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
@@ -2767,7 +2767,7 @@ typedef enum fb_port_kind {
   /* systems only; body: the number of a spring; node and axis are not used */
   FB_PORT_PULL = 11,   /* input [N], its actuator */
   FB_PORT_LENGTH = 12, /* output [m], distance between its points */
-  /* one body only; axis: the number of a rotor; node is not used */
+  /* body: of a system, else 0; axis: the number of a rotor of it; node is not used */
   FB_PORT_MOTOR = 13,       /* input [N m], its motor; of a rotor whose momentum is given [N m s], that momentum */
   FB_PORT_ROTOR_SPEED = 14, /* output [rad/s], relative to its node */
   FB_PORT_COUNT
@@ -2796,11 +2796,12 @@ typedef struct fb_linear_desc {
    order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
    the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
    frame, which is constant here. The attitude of a free joint is x_3 to x_5 from its first axis on. With loops x has
-   the independent coordinates and their conjugate momenta only; the others depend on them. */
+   the independent coordinates and their conjugate momenta only; the others depend on them. Behind them the momenta of
+   rotors inside the bodies, as above. */
 typedef struct fb_linear {
   int n, n_in, n_out;
   int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) + rotors */
-  /* index of x_i, i < n/2 (one body: q alone), among all free axes and q; equal to i without loops */
+  /* index of x_i, i < (n - rotors)/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
@@ -2855,6 +2856,13 @@ typedef struct fbi_coordinate { /* coordinate of a system's linear model */
   int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
 } fbi_coordinate;
 
+#if FB_WITH_ROTORS
+typedef struct fbi_turning_rotor { /* a rotor whose momentum is a state of a system's linear model */
+  int body, rotor;
+  fb_real speed; /* [rad/s] in the steady state */
+} fbi_turning_rotor;
+#endif
+
 typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_system_work system;                /* .joint: after a failure the joint that failed */
   fbi_analysis common;
@@ -2865,6 +2873,10 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
   fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
   fb_link_motion rest[FB_MAX_BODIES];
+  int n_rotor; /* whose momentum is not given */
+#if FB_WITH_ROTORS
+  fbi_turning_rotor rotor[FB_MAX_BODIES * FB_MAX_ROTORS];
+#endif
   fb_system_state state, moved, rate;
   fb_system_motion motion;
   fb_system_input input;
@@ -2879,7 +2891,7 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess; FB_ERR_SINGULAR: also an axis
    without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
    too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
-   fb_system_rates_eval.
+   fb_system_rates_eval. Rotors inside bodies keep their momenta, and are refused, as in fb_body_trim.
    For the posture of an arm lock its joints, trim, apply the torques that hold them (fb_joint_motion.drive) as motor
    torques and free the joints. For wheels prescribe their rates, trim and free them. fb_system_axis_set changes the
    mode of an axis and keeps the momenta; the state is then ready for fb_system_linearize. */

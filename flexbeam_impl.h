@@ -5797,6 +5797,22 @@ static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_b
   }
   return T;
 }
+
+/* Angles of rotors within half a turn, momenta that are given as the input has them. */
+static void fbi_rotors_settle(fb_real *q, fb_real *pi, const fb_body *body, const fb_rotor_input *last)
+{
+  const fb_real turn = FB_R(6.283185307179586477);
+  for (int r = 0; r < body->n_rotor; r++) {
+    fb_real *const angle = &q[body->n + r];
+    const fb_real turns = *angle / turn;
+    if (FB_FABS(turns) < FB_R(1e9)) {
+      *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+    }
+    if (body->rotor[r].given) {
+      pi[body->n + r] = last ? last[r].momentum : FB_R(0.0);
+    }
+  }
+}
 #endif
 
 #if FB_WITH_GRAVITY
@@ -15311,24 +15327,6 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
   fbi_vec3_add(next->u, -FB_R(1.0), start->u);
   fbi_frame_shift(next->pi, line, body, next->q, R, next->u);
 }
-
-#if FB_WITH_ROTORS
-/* At the end of a step: angles of rotors within half a turn, momenta that are given as the input has them. */
-static void fbi_rotors_settle(fb_real *q, fb_real *pi, const fb_body *body, const fb_rotor_input *last)
-{
-  const fb_real turn = FB_R(6.283185307179586477);
-  for (int r = 0; r < body->n_rotor; r++) {
-    fb_real *const angle = &q[body->n + r];
-    const fb_real turns = *angle / turn;
-    if (FB_FABS(turns) < FB_R(1e9)) {
-      *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
-    }
-    if (body->rotor[r].given) {
-      pi[body->n + r] = last ? last[r].momentum : FB_R(0.0);
-    }
-  }
-}
-#endif
 
 /* Of lines and rotors at the end of a step: range, and the above. */
 static fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
@@ -27860,6 +27858,21 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
 
 /* ---- residual and response of one body */
 
+#if FB_WITH_ROTORS
+/* FB_ERR_UNREST: a rotor with an imbalance turns; pi: of a state. */
+static fb_status fbi_rotors_balanced(const fb_body *body, const fb_real *pi, const fb_rotor_input *input)
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_real h = !body->rotor[r].given ? pi[body->n + r] : input ? input[r].momentum : FB_R(0.0);
+    if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
+      return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
+                        r, h, FB_R(0.0));
+    }
+  }
+  return FB_OK;
+}
+#endif
+
 static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
 {
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
@@ -27871,11 +27884,10 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
                       FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_ROTORS
-  for (int r = 0; r < body->n_rotor; r++) {
-    const fb_real h = body->rotor[r].given ? input->rotor[r].momentum : state->pi[body->n + r];
-    if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
-      return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
-                        r, h, FB_R(0.0));
+  {
+    const fb_status status = fbi_rotors_balanced(body, state->pi, input->rotor);
+    if (status != FB_OK) {
+      return status;
     }
   }
 #endif
@@ -28023,24 +28035,21 @@ static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *wo
 }
 #endif
 
-/* FB_ERR_UNREST: the momentum of a rotor changes; need: the torque of its motor that keeps it. */
-static fb_status fbi_rotors_rest(const fb_body *body, const fb_motion *motion, const fb_input *input)
-{
 #if FB_WITH_ROTORS
+/* FB_ERR_UNREST: the momentum of a rotor changes; need: the torque of its motor that keeps it. */
+static fb_status fbi_rotors_rest(const fb_body *body, const fb_real *speed, const fb_rotor_input *input)
+{
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real motor = input->rotor[r].torque;
-    const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, motion->rotor_speed[r]);
+    const fb_real motor = input ? input[r].torque : FB_R(0.0);
+    const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, speed[r]);
     if (!(FB_FABS(motor + brake) <= FBI_UNREST * (FB_FABS(motor) + FB_FABS(brake)))) {
       return FBI_REFUSE(FB_ERR_UNREST, "rotor: torque [N m] of its motor, against its friction", r, motor, -brake);
     }
   }
-#endif
-  (void)body;
-  (void)motion;
-  (void)input;
   return FB_OK;
 }
+#endif
 
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
@@ -28049,7 +28058,9 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
   fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
-  status = status ? status : fbi_rotors_rest(body, &work->motion, input);
+#if FB_WITH_ROTORS
+  status = status ? status : fbi_rotors_rest(body, work->motion.rotor_speed, input->rotor);
+#endif
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
@@ -28164,21 +28175,24 @@ static void fbi_port_drive(fb_input *input, const fb_body *body, const fb_port *
 }
 
 #if FB_WITH_ROTORS
-/* [E8.47] Friction of rotors as its tangent at the steady speeds, by the torques of the motors in work->input: of a
-   rotor at the speed s + x, dry friction T becomes T(s) + T'(s) x, T' = -F s_0^2/(s^2 + s_0^2)^(3/2). The differences
+/* [E8.47] Friction of rotors as its tangent at the steady speeds, as a torque of the motors: of a rotor at the speed
+   s + x, dry friction T becomes T(s) + T'(s) x, T' = -F s_0^2/(s^2 + s_0^2)^(3/2). The differences
    of the momenta are wider than s_0.
    Source: E9.28.  Fails: never.  Test: linear_models_of_rotors_are_derivatives_of_rates. */
+static fb_real fbi_rotor_tangent(const fb_rotor *rotor, fb_real s, fb_real now)
+{
+  const fb_real F = rotor->friction, s0 = rotor->friction_speed;
+  const fb_real x = now - s, old = fbi_dry_friction(F, s0, s), at = fbi_dry_friction(F, s0, s + x);
+  const fb_real part = F > FB_R(0.0) ? old * s0 / F : FB_R(0.0);
+  return !rotor->given && F > FB_R(0.0) ? at * (s + x) - old * (s + part * part * x) : FB_R(0.0);
+}
+
 static void fbi_rotors_tangent(fb_state *rate, fb_input *input, const fb_motion *steady, const fb_body *body)
 {
   for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real F = rotor->friction, s0 = rotor->friction_speed, s = steady->rotor_speed[r];
-    const fb_real x = rate->q[body->n + r] - s, old = fbi_dry_friction(F, s0, s), at = fbi_dry_friction(F, s0, s + x);
-    if (!rotor->given && F > FB_R(0.0)) {
-      const fb_real part = old * s0 / F, more = at * (s + x) - old * (s + part * part * x);
-      rate->pi[body->n + r] += more;
-      input->rotor[r].torque += more;
-    }
+    const fb_real more = fbi_rotor_tangent(&body->rotor[r], steady->rotor_speed[r], rate->q[body->n + r]);
+    rate->pi[body->n + r] += more;
+    input->rotor[r].torque += more;
   }
 }
 #endif
@@ -28265,12 +28279,13 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
       return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without central gravity", k,
                         FB_R(0.0), FB_R(0.0));
     }
-    if (fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_ROTORS)) {
-      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without rotors", k, FB_R(0.0),
-                        FB_R(0.0));
-    }
   }
   status = fbi_system_input_check(system, body, input);
+#if FB_WITH_ROTORS
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_rotors_balanced(fbi_model(system, body, k), state->link[k].pi, fbi_link_rotors_input(input, k));
+  }
+#endif
   return status ? status : fbi_system_range(system, body, state);
 }
 
@@ -28328,17 +28343,38 @@ static void fbi_coordinate_move(fb_system_state *state, const fb_system *system,
   }
 }
 
-/* Velocities of all bodies per unit speed of one coordinate. The poses of the bodies are known. */
+/* Velocities of all bodies per unit speed of one coordinate, rotors without momentum; NULL: at rest. The poses of the
+   bodies are known. */
 static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
 {
   fb_system_work *const w = &s->system_work->system;
   for (int k = 0; k < s->system->n_body; k++) {
     fbi_vec6_zero(w->link[k].u);
     fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
+#if FB_WITH_ROTORS
+    fbi_zero(w->link[k].k.rotor_momentum, FB_MAX_ROTORS);
+#endif
   }
-  (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+  if (c) {
+    (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+  }
   fbi_speeds_out(w, s->system, s->body);
 }
+
+#if FB_WITH_ROTORS
+/* Angular momentum of the rotors of all that hangs on free joint k, about its body's O, body axes; the poses are known. */
+static void fbi_rotors_momentum(fb_real own[3], const fbi_subject *s, int k)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_real p[6];
+  fbi_unit_speeds(s, NULL);
+  fbi_rhs_clear(&work->system, s->system, s->body);
+  fbi_links_rotors_sub(&work->system, s->system, &work->moved, s->system_input);
+  fbi_momenta_fill(&work->moved, &work->system, s->system, s->body);
+  fbi_joint_momenta(p, &work->system.link[k], &s->system->joint[k], &work->moved.link[k]);
+  fbi_vec3_copy(own, p + 3);
+}
+#endif
 
 /* Momenta along the axes of the coordinate's joint per unit speed of the coordinate; those of all bodies are left in
    `moved`. */
@@ -28552,6 +28588,40 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
   }
 }
 
+#if FB_WITH_ROTORS
+/* Lists the rotors whose momenta are states, with their speeds where the rates have just been evaluated. */
+static fb_status fbi_turning_rotors_find(const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  work->n_rotor = 0;
+  for (int k = 0; k < s->system->n_body; k++) {
+    const fb_body *const model = fbi_model(s->system, s->body, k);
+    for (int r = 0; r < model->n_rotor; r++) {
+      if (!model->rotor[r].given) {
+        const fbi_turning_rotor found = {k, r, work->system.link[k].k.rotor_speed[r]};
+        work->rotor[work->n_rotor++] = found;
+      }
+    }
+  }
+  FBI_REQUIRE(2 * work->n_independent + work->n_rotor <= FB_MAX_LINEAR, FB_ERR_CAPACITY);
+  return FB_OK;
+}
+
+/* f: rates of the momenta of rotors, with friction as its tangent (E8.47), which the motors of work->input get. */
+static void fbi_turning_rotors_rate(fb_real *f, const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  for (int i = 0; i < work->n_rotor; i++) {
+    const fbi_turning_rotor *const at = &work->rotor[i];
+    const fb_body *const model = fbi_model(s->system, s->body, at->body);
+    const fb_link_state *const rate = &work->rate.link[at->body];
+    const fb_real more = fbi_rotor_tangent(&model->rotor[at->rotor], at->speed, rate->q[model->n + at->rotor]);
+    work->input.rotor[at->body][at->rotor].torque += more;
+    f[i] = rate->pi[model->n + at->rotor] + more;
+  }
+}
+#endif
+
 /* Is it a free joint whose motion is not prescribed? */
 static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, int k)
 {
@@ -28566,7 +28636,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
   fb_status status = FB_OK;
   for (int k = 0; k < s->system->n_body && status == FB_OK && s->system_input; k++) {
     const fb_real *const wanted = s->system_input->drive[k].rate + 3;
-    fb_real momenta[24];
+    fb_real momenta[24], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     if (!fbi_is_afloat(s->system, &work->moved, k) || fb_vec3_dot(wanted, wanted) == FB_R(0.0)) {
       continue;
     }
@@ -28574,7 +28644,12 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
       const fbi_coordinate c = {k, 0, (3 + i) % 6};
       fbi_unit_momenta(momenta + 6 * i, s, &c);
     }
-    status = fbi_free_spin(work->rest[k].speed, momenta, fbi_origin, momenta[18], wanted);
+#if FB_WITH_ROTORS
+    if (s->system->carries_rotors) {
+      fbi_rotors_momentum(own, s, k);
+    }
+#endif
+    status = fbi_free_spin(work->rest[k].speed, momenta, own, momenta[18], wanted);
   }
   return status;
 }
@@ -28679,6 +28754,12 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
   if (j < n) {
     fbi_coordinate_move(&work->moved, s->system, &work->coordinate[work->independent[j]], h);
   }
+#if FB_WITH_ROTORS
+  if (j >= 2 * n && j < 2 * n + work->n_rotor) {
+    const fbi_turning_rotor *const at = &work->rotor[j - 2 * n];
+    work->moved.link[at->body].pi[fbi_model(s->system, s->body, at->body)->n + at->rotor] += h;
+  }
+#endif
   status = fbi_loops_shut(s, &work->moved);
   if (j < n && s->system->n_loop == 0 && !fbi_is_pose(s, j)) {
     fbi_speeds_take(&work->system, s->system, s->body, &work->moved, work->rest, s->system_input);
@@ -28690,7 +28771,7 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
   return status;
 }
 
-static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, fb_real h)
+static void fbi_system_port_drive(fb_system_input *input, const fbi_subject *s, const fb_port *port, fb_real h)
 {
   fb_drive *const drive = &input->drive[port->kind == FB_PORT_PULL ? 0 : port->body];
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
@@ -28699,6 +28780,11 @@ static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, f
     drive->torque[port->axis] += h;
   } else if (port->kind == FB_PORT_PULL) {
     input->pull[port->body] += h;
+#if FB_WITH_ROTORS
+  } else if (port->kind == FB_PORT_MOTOR) {
+    fb_rotor_input *const rotor = &input->rotor[port->body][port->axis];
+    *(fbi_model(s->system, s->body, port->body)->rotor[port->axis].given ? &rotor->momentum : &rotor->torque) += h;
+#endif
   } else {
     input->load[input->n_load].body = port->body;
     fbi_port_load(&input->load[input->n_load].load, port, h);
@@ -28726,7 +28812,7 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
 static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
-  const int states = 2 * work->n_independent;
+  const int states = 2 * work->n_independent + work->n_rotor;
   fb_status status;
 
   /* State and input, then rates */
@@ -28736,7 +28822,7 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
     work->input = *s->system_input;
   }
   if (j >= states) {
-    fbi_system_port_drive(&work->input, &s->desc->in[j - states], h);
+    fbi_system_port_drive(&work->input, s, &s->desc->in[j - states], h);
   }
   status = fbi_system_linear_move(s, j, h);
   status = status ? status
@@ -28747,6 +28833,9 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 
   /* Rates of x, momenta, outputs */
   fbi_system_linear_rates(f, s);
+#if FB_WITH_ROTORS
+  fbi_turning_rotors_rate(f + 2 * work->n_independent, s);
+#endif
   fbi_copy(f + states + s->desc->n_out, work->p_moved, work->n_independent);
   if (s->desc->n_out > 0) {
     status = fb_system_motion_eval(s->system, s->body, &work->system, &work->motion, &work->moved, &work->input);
@@ -28954,8 +29043,16 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
     status = FB_ERR_CONVERGENCE;
   }
 
-  /* Equilibrium of the free joints */
+  /* Equilibrium of the free joints, and of rotors */
   status = status ? status : fbi_roots_rest(&s);
+#if FB_WITH_ROTORS
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
+    const fb_body *const model = fbi_model(system, body, k);
+    status = fbi_rotors_rest(model, work->system.link[k].k.rotor_speed, own);
+    fbi_rotors_settle(work->moved.link[k].q, work->moved.link[k].pi, model, own);
+  }
+#endif
   if (status == FB_OK) {
     *state = work->moved;
   }
@@ -29315,6 +29412,13 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
     return fbi_port_check(port, is_input, FB_PORT_MOTOR, 0, 0, 0);
   }
   FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
+#if FB_WITH_ROTORS
+  if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
+    FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
+    FBI_REQUIRE(port->axis >= 0 && port->axis < fbi_model(s->system, s->body, port->body)->n_rotor, FB_ERR_CAPACITY);
+    return FB_OK;
+  }
+#endif
   joint = &s->system->joint[port->body];
   mode = s->system_state->mode[port->body];
   status = fbi_port_check(port, is_input, FB_PORT_MOTOR, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
@@ -29365,7 +29469,11 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
   if (status == FB_OK) {
     fbi_system_momenta(work->momenta, work->p_dot, s, s->system_state);
   }
+#if FB_WITH_ROTORS
+  return status ? status : fbi_turning_rotors_find(s);
+#else
   return status;
+#endif
 }
 
 /* Finite-difference steps of the momenta: 100 steps of the coordinate times inertia and characteristic rate. Rates are
@@ -29388,6 +29496,14 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
     inertia = c->mode ? work->moved.link[c->body].pi[c->i] : p[c->i];
     step[n + j] = FB_R(100.0) * step[j] * inertia * fbi_own_rate(k, c->mode ? FB_R(1.0) : inertia, rate, other);
   }
+#if FB_WITH_ROTORS
+  for (int i = 0; i < work->n_rotor; i++) {
+    const fbi_turning_rotor *const at = &work->rotor[i];
+    const fb_real turns = FB_FABS(at->speed) + fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other);
+    step[2 * n + i] =
+        FB_R(100.0) * FBI_DIFFERENCE * fbi_model(s->system, s->body, at->body)->rotor[at->rotor].inertia * turns;
+  }
+#endif
 }
 
 /* ---- derivatives with their errors, of bodies and systems */
@@ -29767,7 +29883,7 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real rate, fb_real ot
     const fb_port *const port = &s->desc->in[i];
     const int slides = port->kind == FB_PORT_FORCE || port->kind == FB_PORT_PULL ||
                        (port->kind == FB_PORT_DRIVE && fbi_axis_slides(&s->system->joint[port->body], port->axis));
-    work->common.step[2 * work->n_independent + i] =
+    work->common.step[2 * work->n_independent + work->n_rotor + i] =
         fbi_port_step(port->kind, slides, force, size, fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other),
                       work->steady[port->kind == FB_PORT_PULL ? 0 : port->body]);
   }
@@ -29859,6 +29975,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
     state = &work->state;
     fbi_frames_ground(&work->state, &work->system, system, body);
   }
+  work->n_rotor = 0;
   status = status ? status : fbi_system_ports_check(&s);
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);
@@ -29877,8 +29994,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
-  status =
-      fbi_linear_fill(&work->common, &s, 2 * work->n_independent, work->n_independent, work->n_independent, n_free);
+  status = fbi_linear_fill(&work->common, &s, 2 * work->n_independent + work->n_rotor, work->n_independent,
+                           work->n_independent, n_free);
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
@@ -29954,6 +30071,9 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
     if (acts || j >= n || c->mode || system->joint[c->body].kind != FB_JOINT_FREE) {
       work->common.keep[size++] = j;
     }
+  }
+  for (int i = 0; i < work->n_rotor; i++) {
+    work->common.keep[size++] = 2 * n + i;
   }
 
   /* Modes; their shapes with the dependent coordinates */
