@@ -29454,6 +29454,7 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
   fb_system_analyse_work *const work = s->system_work;
   const fb_status status =
       fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input);
+  fb_real rounding = FB_R(0.0);
   *rate = FB_R(0.0);
   for (int k = 0; k < s->system->n_body && status == FB_OK; k++) {
     const fbi_link_work *const L = &work->system.link[k];
@@ -29465,7 +29466,13 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
       fbi_own_frame_add(work->rest[k].speed, FB_R(1.0), &work->system, k);
     }
     *rate = fbi_larger(*rate, fbi_vec3_norm(L->V + 3) + fbi_vec3_norm(L->V) / size);
+#if FB_WITH_ROTORS
+    for (int r = 0; r < fbi_model(s->system, s->body, k)->n_rotor; r++) {
+      rounding = fbi_larger(rounding, FBI_ROUNDING * FB_FABS(L->k.rotor_speed[r]));
+    }
+#endif
   }
+  *rate = *rate > rounding ? *rate : FB_R(0.0); /* at rest but for what momenta less those of rotors leave */
   if (status == FB_OK) {
     fbi_system_momenta(work->momenta, work->p_dot, s, s->system_state);
   }

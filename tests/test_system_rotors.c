@@ -971,13 +971,193 @@ TEST(bad_rotors_of_systems_are_refused)
   mechanism.carries_rotors = 0;
   FBT_INT_EQ(fb_system_check(&mechanism, model, 2), FB_ERR_VALUE);
 }
+#if FB_WITH_ANALYSE
+static fb_system_analyse_work analyse;
+static fb_linear linear[2];
+static fb_spectrum spectra[2];
+static fb_linear_desc ports;
+
+static void port_in(fb_port_kind kind, int of, int node, int axis)
+{
+  const fb_port port = {kind, of, node, axis};
+  ports.in[ports.n_in++] = port;
+}
+
+static void port_out(fb_port_kind kind, int of, int node, int axis)
+{
+  const fb_port port = {kind, of, node, axis};
+  ports.out[ports.n_out++] = port;
+}
+
+/* The craft at rest, its rotors turning as their motors balance friction. */
+static void craft_rests(fb_joint_kind base, int apart)
+{
+  craft(FB_EFFECTS_FULL, base, apart, 1);
+  memset(&input, 0, sizeof input);
+  for (int k = 0; k < 3; k++) {
+    memset(start[k].speed, 0, sizeof start[k].speed);
+    memset(start[k].value, 0, sizeof start[k].value);
+    memset(start[k].q, 0, sizeof start[k].q);
+    memset(start[k].q_dot, 0, sizeof start[k].q_dot);
+  }
+  for (int k = 0; k < 4; k++) {
+    const int of = k < 2 ? 0 : k - 1, r = k < 2 ? k : 0;
+    const double speed = 5.0 * (k % 2 ? -1.0 - k : 1.0 + k), drag = 1e-3 * speed + 2e-3 * speed / hypot(speed, 2.0);
+    if (apart) {
+      start[3 + k].speed[0] = (fb_real)speed;
+      input.drive[3 + k].torque[0] = (fb_real)drag;
+    } else {
+      start[of].rotor_speed[r] = (fb_real)speed;
+      input.rotor[of][r].torque = (fb_real)drag;
+    }
+  }
+  begin(FB_METHOD_RECURSIVE);
+}
+
+/* E8.47 of systems: the linear model of a system with rotors is that with wheels on hinges, without their angles, and so
+   are its eigenvalues. */
+TEST(linear_models_of_systems_with_rotors_are_those_of_wheels)
+{
+  static const fb_joint_kind base[] = {FB_JOINT_FREE, FB_JOINT_REVOLUTE, FB_JOINT_RIGID};
+  static const int axes[] = {6, 1, 0};
+  for (int b = 0; b < FBT_COUNT(base); b++) {
+    const int z = axes[b] + 3, q = 2 * model[1].n, n = 2 * (z + q) + 4, wide = z + q + 4;
+    double size = 0.0, miss = 0.0;
+    for (int apart = 0; apart < 2; apart++) {
+      memset(&ports, 0, sizeof ports);
+      port_in(FB_PORT_DRIVE, 1, 0, 0);
+      port_in(FB_PORT_TORQUE, 0, 1, 1);
+      for (int k = 0; k < 4; k++) {
+        const int of = k < 2 ? 0 : k - 1, r = k < 2 ? k : 0;
+        port_in(apart ? FB_PORT_DRIVE : FB_PORT_MOTOR, apart ? 3 + k : of, 0, apart ? 0 : r);
+        port_out(apart ? FB_PORT_SPEED : FB_PORT_ROTOR_SPEED, apart ? 3 + k : of, 0, apart ? 0 : r);
+      }
+      port_out(FB_PORT_RATE, 2, 1, 0);
+      port_out(FB_PORT_ACCELERATION, 2, 1, 1);
+      craft_rests(base[b], apart);
+      FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[apart], &state, &input, &ports), FB_OK);
+      FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, model, &analyse, &spectra[apart], &state, &input), FB_OK);
+    }
+    FBT_INT_EQ(linear[0].n, n);
+    FBT_INT_EQ(linear[1].n, 2 * wide);
+    for (int i = 0; i < n; i++) {
+      const int row = i < z           ? i
+                      : i < z + q     ? i + 4
+                      : i < 2 * z + q ? i + 4
+                      : i < n - 4     ? i + 8
+                                      : wide + z + i - (n - 4);
+      for (int j = 0; j < n; j++) {
+        const int column = j < z           ? j
+                           : j < z + q     ? j + 4
+                           : j < 2 * z + q ? j + 4
+                           : j < n - 4     ? j + 8
+                                           : wide + z + j - (n - 4);
+        const double is = (double)linear[0].A[i * n + j], should = (double)linear[1].A[row * 2 * wide + column];
+        size = fmax(size, fabs(should));
+        miss = fmax(miss, fabs(is - should));
+      }
+      for (int k = 0; k < ports.n_in; k++) {
+        FBT_NEAR_ABS(linear[0].B[i * 6 + k], linear[1].B[row * 6 + k], FBT_TOL(1e-6, 0.1));
+      }
+      for (int k = 0; k < ports.n_out; k++) {
+        FBT_NEAR_ABS(linear[0].C[k * n + i], linear[1].C[k * 2 * wide + row], FBT_TOL(1e-6, 1e-2) * size);
+      }
+    }
+    FBT_BELOW(miss, FBT_TOL(1e-8, 1e-2) * size);
+    for (int k = 0; k < spectra[0].n; k++) {
+      const double re = (double)spectra[0].re[k], im = (double)spectra[0].im[k];
+      double nearest = 1e9;
+      for (int j = 0; j < spectra[1].n; j++) {
+        nearest = fmin(nearest, hypot((double)spectra[1].re[j] - re, (double)spectra[1].im[j] - im));
+      }
+      if (hypot(re, im) > 0.02) {
+        FBT_BELOW(nearest, FBT_TOL(1e-6, 5e-2) * hypot(re, im));
+      }
+    }
+  }
+}
+
+/* The model's columns of rotors by the rates themselves: the difference of the rates of all momenta by a momentum. */
+TEST(linear_models_of_systems_are_derivatives_by_the_momenta_of_rotors)
+{
+  static fb_system_state moved_state, rate[2];
+  const double h = 1e-3;
+  if (FB_SINGLE) {
+    return;
+  }
+  craft_rests(FB_JOINT_REVOLUTE, 0);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[0], &state, &input, NULL), FB_OK);
+  for (int r = 0; r < 4; r++) {
+    const int of = r < 2 ? 0 : r - 1, at = r < 2 ? r : model[1].n, n = linear[0].n, z = 4;
+    for (int side = 0; side < 2; side++) {
+      moved_state = state;
+      moved_state.link[of].pi[at] += (fb_real)(side ? h : -h);
+      FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate[side], &moved_state, &input), FB_OK);
+    }
+    for (int a = 0; a < model[1].n; a++) {
+      const double slope = (double)(rate[1].link[2].pi[a] - rate[0].link[2].pi[a]) / (2.0 * h);
+      FBT_NEAR_ABS(linear[0].A[(n / 2 - 2 + z + model[1].n + a) * n + n - 4 + r], slope, 1e-6);
+    }
+    for (int k = 0; k < 2; k++) {
+      const double slope = (double)(rate[1].link[0].pi[k] - rate[0].link[0].pi[k]) / (2.0 * h);
+      FBT_NEAR_ABS(linear[0].A[(n - 4 + k) * n + n - 4 + r], slope, 2e-5);
+    }
+  }
+}
+
+/* E12.8, E8.46: a craft with rotors spins steadily where the trim says, about no axis of its own, its rotors braked by
+   nothing; a motor that does not balance friction, or an imbalance, is refused. */
+TEST(systems_with_rotors_spin_steadily)
+{
+  static fb_system_motion before;
+  craft(FB_EFFECTS_FULL, FB_JOINT_FREE, 0, 0);
+  memset(&input, 0, sizeof input);
+  for (int k = 0; k < 3; k++) {
+    memset(start[k].speed, 0, sizeof start[k].speed);
+    memset(start[k].value, 0, sizeof start[k].value);
+    memset(start[k].q, 0, sizeof start[k].q);
+    memset(start[k].q_dot, 0, sizeof start[k].q_dot);
+  }
+  start[1].rotor_speed[0] = start[2].rotor_speed[0] = FB_R(5.0); /* on what bends */
+  input.drive[0].rate[4] = FB_R(0.05);
+  input.drive[0].rate[5] = FB_R(0.4);
+  begin(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_trim(&mechanism, model, &state, &analyse, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
+  FBT_NEAR_ABS(fbt_largest(before.motion[0].w_dot, 3), 0.0, FBT_TOL(1e-8, 1e-3));
+  FBT_INT_EQ(run(FBT_TOL(1e-3, 2e-3), 2.0), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+  for (int k = 0; k < 3; k++) {
+    FBT_NEAR_ABS(fbt_difference(before.motion[k].w, motion.motion[k].w, 3), 0.0, FBT_TOL(1e-8, 1e-3));
+    FBT_NEAR_ABS(fbt_difference(before.pose[k].q, motion.pose[k].q, model[desc.model[k]].n), 0.0, FBT_TOL(1e-8, 1e-3));
+  }
+  FBT_TRUE(fbt_largest(before.motion[0].w, 3) > 0.1);
+
+  input.rotor[0][1].torque = FB_R(0.01);
+  FBT_INT_EQ(fb_system_trim(&mechanism, model, &state, &analyse, &input), FB_ERR_UNREST);
+  input.rotor[0][1].torque = FB_R(0.0);
+  model[0].rotor[1].static_imbalance = FB_R(1e-5);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[0], &state, &input, NULL), FB_ERR_UNREST);
+  memset(&ports, 0, sizeof ports);
+  model[0].rotor[1].static_imbalance = FB_R(0.0);
+  port_in(FB_PORT_MOTOR, 0, 0, 2);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[0], &state, &input, &ports), FB_ERR_CAPACITY);
+  ports.in[0].kind = FB_PORT_ROTOR_SPEED;
+  FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[0], &state, &input, &ports), FB_ERR_VALUE);
+}
+#define INSIDE_ANALYSED                                            \
+  , RUN(linear_models_of_systems_with_rotors_are_those_of_wheels), \
+      RUN(linear_models_of_systems_are_derivatives_by_the_momenta_of_rotors), RUN(systems_with_rotors_spin_steadily)
+#else
+#define INSIDE_ANALYSED
+#endif
 #define INSIDE                                                                                             \
   , RUN(rotors_in_systems_are_wheels_on_hinges), RUN(rotors_move_alike_with_kept_joints),                  \
       RUN(systems_with_rotors_keep_energy_and_momentum), RUN(work_of_rotors_is_in_the_energy),             \
       RUN(friction_brakes_rotors_of_systems_in_closed_form), RUN(given_momenta_turn_systems_against_them), \
       RUN(unbalanced_rotors_shake_systems), RUN(satellites_with_wheels_and_arrays_take_long_steps),        \
       RUN(systems_with_rotors_are_bounded_by_nutation), RUN(a_body_with_rotors_is_a_system_of_one),        \
-      RUN(integrators_of_systems_with_rotors_converge), RUN(bad_rotors_of_systems_are_refused)
+      RUN(integrators_of_systems_with_rotors_converge), RUN(bad_rotors_of_systems_are_refused) INSIDE_ANALYSED
 #else
 #define INSIDE
 #endif
