@@ -164,14 +164,14 @@
      fb_rk4_work                 54840
      fb_implicit_work            63032
      fb_exponential_work         57864
-     fb_system_work             624936
+     fb_system_work             628024
      fb_exact_work              173336
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
-     fb_system_analyse_work    1953368
+     fb_system_analyse_work    1959016
      fb_exact_path_work         202472
      fb_exact_spectrum_work    1625192
      fb_exact_linear_work      1998872
@@ -884,8 +884,9 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    accelerations and reactions alone.
    The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
    turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
-   Single bodies have rotors: not systems, whose wheels are bodies on hinges and cost no step either, nor advice;
-   internal loads of lines with rotors on the hub alone. Others: FB_ERR_UNSUPPORTED.
+   Bodies of systems have them, too, at less cost than wheels that are bodies on hinges: fb_link_motion starts them,
+   fb_system_input.rotor drives them. No advice; internal loads of lines with rotors on the hub alone. Others:
+   FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
    energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
@@ -1353,8 +1354,9 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  int has_rotors;
-  int rubs;              /* a joint has friction or stops */
+  int has_rotors;             /* a body is one: */
+  int carries_rotors;         /* a body has rotors inside */
+  int rubs;                   /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_kept_elastic, limit_kept_damping;     /* what springs and dampers of kept joints add at most */
@@ -1371,7 +1373,8 @@ typedef struct fb_link_state {
   /* conjugate momenta, of all that hangs on the joint; spherical: angular momentum about the joint, free: P, L about O,
      inertial axes */
   fb_real p[6];
-  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
+  fb_real q[FBI_MAX_COORDINATES], pi[FBI_MAX_COORDINATES]; /* elastic coordinates and conjugate momenta, behind them
+                                                              angles and momenta of rotors, as in fb_state */
   /* free: velocity [m/s, inertial axes] of the frame that all momenta of the tree on this joint are relative to, chosen
      anew by every step so that they stay small: fast flight takes nothing from the digits of the motion. Of free trees
      that loops tie, or bodies that are all free (FB_METHOD_MULTIPLIERS), all are the same; zero where they are tied to
@@ -1380,15 +1383,17 @@ typedef struct fb_link_state {
   fb_real lost_x[3], lost_u[3]; /* what x of a free joint and u have lost by rounding: x + lost_x is accurate to
                                    rounding of its size for ever */
 #if FB_SINGLE
-  fb_real lost_quat[4], lost_p[6], lost_q[FB_MAX_MODES],
-      lost_pi[FB_MAX_MODES]; /* as in fb_state; lost_x of all joints */
+  fb_real lost_quat[4], lost_p[6], lost_q[FBI_MAX_COORDINATES],
+      lost_pi[FBI_MAX_COORDINATES]; /* as in fb_state; lost_x of all joints */
 #endif
 } fb_link_state;
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
   fb_link_state link[FB_MAX_BODIES];
-  fb_real motor_work;                   /* [J] done by motors and actuators; what prescribed axes do is not in it */
-  fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
+  fb_real
+      motor_work; /* [J] done by motors and actuators; what prescribed axes do, or rotors whose momentum is given, is
+                         not in it */
+  fb_axis_mode mode[FBI_MAX_JOINTS][3];                          /* change it by fb_system_axis_set */
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
 
@@ -1398,6 +1403,10 @@ typedef struct fb_link_motion {
   fb_real value[3], quat[4]; /* all zero: identity */
   fb_real speed[6];
   fb_real q[FB_MAX_MODES], q_dot[FB_MAX_MODES];
+#if FB_WITH_ROTORS
+  fb_real rotor_speed[FB_MAX_ROTORS], rotor_angle[FB_MAX_ROTORS]; /* [rad/s], [rad] relative to its node; the speed of
+                                                                     one whose momentum is given is not read */
+#endif
 } fb_link_motion;
 
 typedef struct fb_drive { /* of a joint, by axis */
@@ -1470,6 +1479,9 @@ typedef fb_status (*fb_forces)(fb_system_forces *now, void *user);
 typedef struct fb_system_input { /* all zero: nothing acts */
   int n_load;
   fb_system_load load[FB_MAX_LOADS];
+#if FB_WITH_ROTORS
+  fb_rotor_input rotor[FB_MAX_BODIES][FB_MAX_ROTORS]; /* of each body */
+#endif
   fb_real pull[FB_MAX_SPRINGS];   /* [N] of the actuators: tension */
   fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
   fb_rows rows;                   /* NULL: none */
@@ -1549,6 +1561,7 @@ typedef struct fbi_row {
 typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
   int kept;  /* bodies are free, all joints are constraints */
+  int closed;    /* so, or there are loops */
   fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
   fb_real clock; /* [s] since the frames were at their origins */
   int owns;      /* roots that are free take L in body axes from link.own */
@@ -1984,10 +1997,11 @@ FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
 typedef struct fb_system_limit {
   fb_real rk4, sdirk; /* [s] longest step that each takes from there; sdirk: FB_HUGE where nothing turns */
   fb_real spin;       /* [rad/s] rotation that they count: of the body that turns fastest, and nutation by all rotors */
-  int body;           /* that turns fastest */
+  int body;           /* that turns fastest, its nutation included */
 } fb_system_limit;
 /* Longest steps from a state, as the steps judge them. Rotors count by the nutation that their spin causes, so that
-   steps may turn them by any angle. They are rigid bodies on a hinge through their mass center about which their
+   steps may turn them by any angle: those inside bodies by half its frequency, with the rate at which friction brakes
+   them and the spin of those with an imbalance; and rigid bodies on a hinge through their mass center about which their
    inertia is the same all around to 1e-6, without loads on them (gravity is none), rows, bodies that hang on them or
    FB_METHOD_MULTIPLIERS. Statuses as of fb_system_rates_eval. */
 FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
@@ -2642,10 +2656,9 @@ typedef struct fb_system_desc {
 /* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
    springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
    order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
-   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body with rotors,
-   or in single precision with central gravity;
-   FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular. work->joint is the joint
-   that failed. */
+   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body in single
+   precision with central gravity; FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is
+   singular. work->joint is the joint that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -2755,7 +2768,7 @@ typedef enum fb_port_kind {
   /* systems only; body: the number of a spring; node and axis are not used */
   FB_PORT_PULL = 11,   /* input [N], its actuator */
   FB_PORT_LENGTH = 12, /* output [m], distance between its points */
-  /* one body only; axis: the number of a rotor; node is not used */
+  /* body: of a system, else 0; axis: the number of a rotor of it; node is not used */
   FB_PORT_MOTOR = 13,       /* input [N m], its motor; of a rotor whose momentum is given [N m s], that momentum */
   FB_PORT_ROTOR_SPEED = 14, /* output [rad/s], relative to its node */
   FB_PORT_COUNT
@@ -2784,11 +2797,12 @@ typedef struct fb_linear_desc {
    order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
    the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
    frame, which is constant here. The attitude of a free joint is x_3 to x_5 from its first axis on. With loops x has
-   the independent coordinates and their conjugate momenta only; the others depend on them. */
+   the independent coordinates and their conjugate momenta only; the others depend on them. Behind them the momenta of
+   rotors inside the bodies, as above. */
 typedef struct fb_linear {
   int n, n_in, n_out;
   int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) + rotors */
-  /* index of x_i, i < n/2 (one body: q alone), among all free axes and q; equal to i without loops */
+  /* index of x_i, i < (n - rotors)/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
@@ -2843,6 +2857,13 @@ typedef struct fbi_coordinate { /* coordinate of a system's linear model */
   int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
 } fbi_coordinate;
 
+#if FB_WITH_ROTORS
+typedef struct fbi_turning_rotor { /* a rotor whose momentum is a state of a system's linear model */
+  int body, rotor;
+  fb_real speed; /* [rad/s] in the steady state */
+} fbi_turning_rotor;
+#endif
+
 typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_system_work system;                /* .joint: after a failure the joint that failed */
   fbi_analysis common;
@@ -2853,6 +2874,10 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
   fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
   fb_link_motion rest[FB_MAX_BODIES];
+  int n_rotor; /* whose momentum is not given */
+#if FB_WITH_ROTORS
+  fbi_turning_rotor rotor[FB_MAX_BODIES * FB_MAX_ROTORS];
+#endif
   fb_system_state state, moved, rate;
   fb_system_motion motion;
   fb_system_input input;
@@ -2867,7 +2892,7 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess; FB_ERR_SINGULAR: also an axis
    without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
    too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
-   fb_system_rates_eval.
+   fb_system_rates_eval. Rotors inside bodies keep their momenta, and are refused, as in fb_body_trim.
    For the posture of an arm lock its joints, trim, apply the torques that hold them (fb_joint_motion.drive) as motor
    torques and free the joints. For wheels prescribe their rates, trim and free them. fb_system_axis_set changes the
    mode of an axis and keeps the momenta; the state is then ready for fb_system_linearize. */
@@ -3258,6 +3283,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
+          Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
+          and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.

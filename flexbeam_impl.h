@@ -5541,11 +5541,17 @@ static int fbi_has_rotors(const fb_body *body)
   return fbi_has(body->effects, FB_EFFECT_ROTORS);
 }
 
+/* What drives the rotors of a body; NULL: nothing. */
+static const fb_rotor_input *fbi_rotors_input(const fb_input *input)
+{
+  return input ? input->rotor : NULL;
+}
+
 /* Motor of a rotor, or its momentum if it is given: what has no meaning is zero. */
-static fb_status fbi_rotors_check(const fb_body *body, const fb_input *input)
+static fb_status fbi_rotors_check(const fb_body *body, const fb_rotor_input *input)
 {
   for (int r = 0; input && r < body->n_rotor; r++) {
-    const fb_rotor_input *const in = &input->rotor[r];
+    const fb_rotor_input *const in = &input[r];
     if (!fbi_is_finite(&in->torque, 1) || !fbi_is_finite(&in->momentum, 1)) {
       return FBI_REFUSE(FB_ERR_NOT_FINITE, "rotor: torque [N m] and momentum [N m s] of the input, finite", r,
                         FB_R(0.0), FB_R(0.0));
@@ -5577,30 +5583,35 @@ static void fbi_rotor_place(fb_real axis[3], fbi_node_field *f, const fbi_kineti
    Source: E8.13 by Routh's transformation in the rotors' speeds, T = T_body + sum 1/2 I_r (a_r.w_r + speed)^2.
    Shapes: f FB_MAX_ROTORS.  Cost: 10 flops a rotor; where modes move it E8.14.  Fails: never.
    Test: rotors_are_wheels_on_hinges. */
+static void fbi_rotors_sub(fb_real h[3], fb_real *pi, fbi_node_field *f, fbi_kinetics *k, const fb_body *body,
+                           const fb_real *q, const fb_real *momentum, const fb_rotor_input *input)
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real own = !rotor->given ? momentum[r] : input ? input[r].momentum : FB_R(0.0);
+    fb_real *const axis = k->rotor_axis[r];
+    k->rotor_momentum[r] = own;
+    fbi_rotor_place(axis, &f[r], k, body, rotor, q);
+    fbi_vec3_add(h, -own, axis);
+    for (int a = 0; a < body->n && rotor->moves; a++) {
+      pi[a] -= own * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
+    }
+  }
+}
+
 static void fbi_rotors_enter(fbi_node_field *f, fb_state *own, fbi_kinetics *k, const fb_body *body,
                              const fb_state *state, const fb_input *input)
 {
-  const int n = body->n;
   fbi_frame_copy(own, state);
-  fbi_elastic_copy(own, state, n);
-  for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real h = !rotor->given ? state->pi[n + r] : input ? input->rotor[r].momentum : FB_R(0.0);
-    fb_real *const axis = k->rotor_axis[r];
-    k->rotor_momentum[r] = h;
-    fbi_rotor_place(axis, &f[r], k, body, rotor, state->q);
-    fbi_vec3_add(own->h, -h, axis);
-    for (int a = 0; a < n && rotor->moves; a++) {
-      own->pi[a] -= h * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
-    }
-  }
+  fbi_elastic_copy(own, state, body->n);
+  fbi_rotors_sub(own->h, own->pi, f, k, body, state->q, state->pi + body->n, fbi_rotors_input(input));
 }
 
 /* E8.13 of a body with rotors; own: the state without their momenta. */
 static fb_status fbi_rotor_velocity(fbi_node_field *f, fb_state *own, fbi_kinetics *k, const fb_body *body,
                                     const fb_state *state, const fb_input *input)
 {
-  fb_status status = fbi_rotors_check(body, input);
+  fb_status status = fbi_rotors_check(body, fbi_rotors_input(input));
   if (status != FB_OK) {
     return status;
   }
@@ -5628,6 +5639,21 @@ static fb_status fbi_rotor_velocity(fbi_node_field *f, fb_state *own, fbi_kineti
    U static or dynamic; x and y are across the axis. Added behind other loads: E8.33 is linear.
    Source: THEORY.md 8, centripetal force at a constant speed.  Fails: never.
    Test: unbalanced_rotors_shake_their_body. */
+static void fbi_imbalance_load(fb_load *load, const fb_rotor *rotor, fb_real spin, fb_real angle)
+{
+  const fb_real at = angle + rotor->dynamic_phase, force = rotor->static_imbalance * spin * spin;
+  const fb_real torque = rotor->dynamic_imbalance * spin * spin;
+  fb_real y[3];
+  memset(load, 0, sizeof *load);
+  load->node = rotor->node;
+  load->axes = FB_AXES_NODE;
+  fb_vec3_cross(y, rotor->axis, rotor->across);
+  fbi_vec3_add(load->force, force * FB_COS(angle), rotor->across);
+  fbi_vec3_add(load->force, force * FB_SIN(angle), y);
+  fbi_vec3_add(load->torque, torque * FB_COS(at), rotor->across);
+  fbi_vec3_add(load->torque, torque * FB_SIN(at), y);
+}
+
 static void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, int large)
 {
   fb_real fg[6], a[3];
@@ -5645,19 +5671,8 @@ static void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_sta
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
     if (fbi_is_unbalanced(rotor)) {
-      const fb_real spin = k->rotor_momentum[r] / rotor->inertia, angle = state->q[body->n + r];
-      const fb_real at = angle + rotor->dynamic_phase, force = rotor->static_imbalance * spin * spin;
-      const fb_real torque = rotor->dynamic_imbalance * spin * spin;
-      fb_real y[3];
       fb_load load;
-      memset(&load, 0, sizeof load);
-      load.node = rotor->node;
-      load.axes = FB_AXES_NODE;
-      fb_vec3_cross(y, rotor->axis, rotor->across);
-      fbi_vec3_add(load.force, force * FB_COS(angle), rotor->across);
-      fbi_vec3_add(load.force, force * FB_SIN(angle), y);
-      fbi_vec3_add(load.torque, torque * FB_COS(at), rotor->across);
-      fbi_vec3_add(load.torque, torque * FB_SIN(at), y);
+      fbi_imbalance_load(&load, rotor, k->rotor_momentum[r] / rotor->inertia, state->q[body->n + r]);
       fbi_load_add(k, body, &load, state->q);
     }
   }
@@ -5676,10 +5691,10 @@ static fb_real fbi_rotor_friction(const fb_rotor *rotor, fb_real speed)
 }
 
 /* Torque on rotor r [N m]: the rate of its momentum. */
-static fb_real fbi_rotor_torque(const fb_body *body, const fbi_kinetics *k, const fb_input *input, int r)
+static fb_real fbi_rotor_torque(const fb_body *body, const fbi_kinetics *k, const fb_rotor_input *input, int r)
 {
   const fb_rotor *const rotor = &body->rotor[r];
-  const fb_real motor = input ? input->rotor[r].torque : FB_R(0.0);
+  const fb_real motor = input ? input[r].torque : FB_R(0.0);
   return rotor->given ? motor : motor + fbi_rotor_friction(rotor, k->rotor_speed[r]);
 }
 
@@ -5688,8 +5703,8 @@ static fb_real fbi_rotor_torque(const fb_body *body, const fbi_kinetics *k, cons
    momentum h_r a_r and no load. The body feels motor and friction by E8.41: its momenta are those of all of it.
    Source: gradient by q of h_r a_r(q).(w + J_r(q) q_dot); Euler-Poincare equations of rotations.  Fails: never.
    Test: rotors_are_wheels_on_hinges, gyrostats_keep_energy_and_momentum. */
-static void fbi_rotors_turn(fb_state *rate, const fbi_node_field *f, fbi_kinetics *k, const fb_body *body,
-                            const fb_input *input)
+static void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f, fbi_kinetics *k,
+                            const fb_body *body, const fb_rotor_input *input)
 {
   static const fb_real none[6] = {FB_R(0.0)};
   const int n = body->n;
@@ -5699,15 +5714,15 @@ static void fbi_rotors_turn(fb_state *rate, const fbi_node_field *f, fbi_kinetic
     fb_real w[3];
     fbi_vec3_copy(w, k->V + 3);
     for (int a = 0; a < n && rotor->moves; a++) {
-      fbi_vec3_add(w, rate->q[a], f[r].Jphi + 3 * a);
+      fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
     }
     k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - fb_vec3_dot(axis, w);
-    rate->q[n + r] = k->rotor_speed[r];
-    rate->pi[n + r] = rotor->given ? FB_R(0.0) : fbi_rotor_torque(body, k, input, r);
+    q_dot[n + r] = k->rotor_speed[r];
+    pi_dot[n + r] = rotor->given ? FB_R(0.0) : fbi_rotor_torque(body, k, input, r);
     if (rotor->moves) {
       const fb_real h = k->rotor_momentum[r],
                     G[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), h * axis[0], h * axis[1], h * axis[2]};
-      fbi_node_take(rate->pi, &f[r], k, body, &body->node[rotor->node], rate->q, k->V, none, G, none);
+      fbi_node_take(pi_dot, &f[r], k, body, &body->node[rotor->node], q_dot, k->V, none, G, none);
     }
   }
 }
@@ -5745,20 +5760,19 @@ static FBI_NOINLINE fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics
     fbi_elastic_rates(rate, k, body, &own);
   }
   fbi_rigid_rates(rate, k, body, state);
-  fbi_rotors_turn(rate, f, k, body, input);
+  fbi_rotors_turn(rate->q, rate->pi, f, k, body, fbi_rotors_input(input));
   return FB_OK;
 }
 
-/* [E8.44] Torque of a rotor on its body at known velocities, -(h_r' a + h_r (w + J q_dot) x a), for accelerations and
-   reactions: to k.fg, and by J^T into the rate of the body's own elastic momenta, rate.pi less E8.43.
+/* [E8.44] Torque of a rotor on its body at known velocities, T = -(h_r' a + h_r (w + J q_dot) x a), for accelerations
+   and reactions: to the torque about O, and by J^T to the forces on the modes, pi. own: less E8.43, which pi contains.
    Source: Euler's equation of a rotor about its mass center.  Fails: never.
    Test: accelerations_of_gyrostats_are_derivatives_of_velocities. */
-static void fbi_rotors_load(fb_state *own, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
-                            const fb_input *input)
+static void fbi_rotors_push(fb_real torque[3], fb_real *pi, fbi_kinetics *k, const fb_body *body, const fb_real *q_dot,
+                            const fb_rotor_input *input, int own)
 {
   static const fb_real none[6] = {FB_R(0.0)};
   const int n = body->n;
-  *own = *rate;
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
     const fb_real h = k->rotor_momentum[r], change = fbi_rotor_torque(body, k, input, r);
@@ -5769,40 +5783,50 @@ static void fbi_rotors_load(fb_state *own, fbi_kinetics *k, const fb_body *body,
     if (rotor->moves) {
       fbi_rotor_place(unused, &f, k, body, rotor, k->qx + 1);
       for (int a = 0; a < n; a++) {
-        fbi_vec3_add(w, rate->q[a], f.Jphi + 3 * a);
+        fbi_vec3_add(w, q_dot[a], f.Jphi + 3 * a);
       }
     }
     fb_vec3_cross(T, axis, w);
     for (int i = 0; i < 3; i++) {
       T[i] = h * T[i] - change * axis[i];
-      k->fg[3 + i] += T[i];
+      torque[i] += T[i];
     }
     if (rotor->moves) {
       const fb_real G[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), h * axis[0], h * axis[1], h * axis[2]};
       fb_real x[FB_MAX_MODES];
       fbi_zero(x, n);
-      fbi_node_take(x, &f, k, body, &body->node[rotor->node], rate->q, k->V, none, G, none);
+      if (own) {
+        fbi_node_take(x, &f, k, body, &body->node[rotor->node], q_dot, k->V, none, G, none);
+      }
       for (int a = 0; a < n; a++) {
-        own->pi[a] += fb_vec3_dot(f.Jphi + 3 * a, T) - x[a];
+        pi[a] += fb_vec3_dot(f.Jphi + 3 * a, T) - x[a];
       }
     }
   }
 }
 
-/* Adds the momenta h_r of rotors to those of the modes and of the frame of a state; with lines they are posed. */
-static void fbi_rotors_add(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real *momentum)
+/* Adds the momenta h_r of rotors to those of the frame, h, and s times to those of the modes; with lines they are
+   posed. */
+static void fbi_rotors_sum(fb_real h[3], fb_real *pi, fb_real s, fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                           const fb_real *momentum)
 {
-  fb_real h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, L[3];
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
     fbi_node_field f;
     fb_real axis[3];
-    fbi_rotor_place(axis, &f, k, body, rotor, state->q);
+    fbi_rotor_place(axis, &f, k, body, rotor, q);
     fbi_vec3_add(h, momentum[r], axis);
     for (int a = 0; a < body->n && rotor->moves; a++) {
-      state->pi[a] += momentum[r] * fb_vec3_dot(f.Jphi + 3 * a, axis);
+      pi[a] += s * momentum[r] * fb_vec3_dot(f.Jphi + 3 * a, axis);
     }
   }
+}
+
+/* The same of a state. */
+static void fbi_rotors_add(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real *momentum)
+{
+  fb_real h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, L[3];
+  fbi_rotors_sum(h, state->pi, FB_R(1.0), k, body, state->q, momentum);
   if (body->base != FB_BASE_PRESCRIBED) {
     fbi_turning_part(h, body->base);
     fb_mat33_mul_vec3(L, k->R, h);
@@ -5822,6 +5846,22 @@ static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_b
     fbi_vec3_add(h, own, k->rotor_axis[r]);
   }
   return T;
+}
+
+/* Angles of rotors within half a turn, momenta that are given as the input has them. */
+static void fbi_rotors_settle(fb_real *q, fb_real *pi, const fb_body *body, const fb_rotor_input *last)
+{
+  const fb_real turn = FB_R(6.283185307179586477);
+  for (int r = 0; r < body->n_rotor; r++) {
+    fb_real *const angle = &q[body->n + r];
+    const fb_real turns = *angle / turn;
+    if (FB_FABS(turns) < FB_R(1e9)) {
+      *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+    }
+    if (body->rotor[r].given) {
+      pi[body->n + r] = last ? last[r].momentum : FB_R(0.0);
+    }
+  }
 }
 #endif
 
@@ -6837,7 +6877,8 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
     const fb_state *load = &rate;
 #if FB_WITH_ROTORS
     if (fbi_has_rotors(body)) {
-      fbi_rotors_load(&at, &k, body, &rate, input);
+      at = rate;
+      fbi_rotors_push(k.fg + 3, at.pi, &k, body, rate.q, fbi_rotors_input(input), 1);
       fbi_copy(out.rotor_speed, k.rotor_speed, body->n_rotor);
       fbi_copy(out.rotor_momentum, k.rotor_momentum, body->n_rotor);
       load = &at;
@@ -10244,6 +10285,120 @@ static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, cons
   }
 }
 
+#if FB_WITH_ROTORS
+/* ---- rotors inside the bodies of a system */
+
+/* What drives the rotors of body k; NULL: nothing. */
+static const fb_rotor_input *fbi_link_rotors_input(const fb_system_input *input, int k)
+{
+  return input ? input->rotor[k] : NULL;
+}
+
+/* [E8.60] Momenta of a system without those of the rotors inside its bodies: p_i = A_i.G and pi contain them, with
+   y = -sum h_r a_r on each body, about any point, and pi - sum h_r J_r^T a_r E9.5 solves for the velocities, and its G
+   are the momenta of all that hangs on a joint, rotors among it, of which E9.14 and E9.12 take the rates. Motors and
+   friction act within a body.
+   Source: E8.41, E9.5.  Cost: 10 flops a rotor; where modes move it E8.14.  Fails: never.
+   Test: rotors_in_systems_are_wheels_on_hinges, systems_with_rotors_keep_energy_and_momentum. */
+static FBI_NOINLINE void fbi_links_rotors_sub(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                                              const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    const fb_link_state *const x = &state->link[k];
+    if (fbi_has_rotors(L->model)) {
+      fbi_node_field f[FB_MAX_ROTORS];
+      fbi_rotors_sub(L->y + 3, L->pi, f, &L->k, L->model, x->q, x->pi + L->model->n, fbi_link_rotors_input(input, k));
+    }
+  }
+}
+
+/* E8.43 of the rotors of a body at known velocities, q_dot among them; the lines are posed. */
+static void fbi_link_rotors_turn(fb_real *q_dot, fb_real *pi_dot, fbi_link_work *L, const fb_rotor_input *input)
+{
+  fbi_node_field f[FB_MAX_ROTORS];
+  fb_real unused[3];
+  fbi_vec6_copy(L->k.V, L->V);
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
+  }
+  fbi_rotors_turn(q_dot, pi_dot, f, &L->k, L->model, input);
+}
+
+/* k.rotor_speed alone */
+static void fbi_link_rotors_look(fbi_link_work *L, const fb_rotor_input *input)
+{
+  fb_real q_dot[FBI_MAX_COORDINATES], unused[FBI_MAX_COORDINATES];
+  fbi_copy(q_dot, L->q_dot, L->model->n);
+  fbi_zero(unused, L->model->n);
+  fbi_link_rotors_turn(q_dot, unused, L, input);
+}
+
+/* Power of the motors of a body's rotors; given: with what holds the momentum of those where it is given. */
+static fb_real fbi_link_rotors_power(const fbi_link_work *L, const fb_rotor_input *input, int given)
+{
+  fb_real power = FB_R(0.0);
+  for (int r = 0; input && r < L->model->n_rotor; r++) {
+    const fb_rotor *const rotor = &L->model->rotor[r];
+    const fb_real speed = L->k.rotor_speed[r], brake = given ? fbi_rotor_friction(rotor, speed) : FB_R(0.0);
+    power += !rotor->given ? input[r].torque * speed : given ? (input[r].torque - brake) * speed : FB_R(0.0);
+  }
+  return power;
+}
+
+/* Rates of all rotors and what they do to the modes that move them; returns the power of the motors. */
+static FBI_NOINLINE fb_real fbi_links_rotors_rate(fb_system_state *rate, fb_system_work *w, const fb_system *system,
+                                                  const fb_system_input *input)
+{
+  fb_real power = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
+    if (fbi_has_rotors(L->model)) {
+      fbi_link_rotors_turn(rate->link[k].q, rate->link[k].pi, L, own);
+      power += fbi_link_rotors_power(L, own, 0);
+    }
+  }
+  return power;
+}
+
+/* Loads of imbalance (E8.42) on a body; angle: of its rotors */
+static void fbi_link_imbalance_add(fbi_link_work *L, const fb_real *angle)
+{
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    const fb_rotor *const rotor = &L->model->rotor[r];
+    if (fbi_is_unbalanced(rotor)) {
+      fb_load load;
+      fbi_imbalance_load(&load, rotor, L->k.rotor_momentum[r] / rotor->inertia, angle[r]);
+      fbi_load_add(&L->k, L->model, &load, L->k.qx + 1);
+    }
+  }
+}
+
+/* E8.44 of all rotors */
+static FBI_NOINLINE void fbi_links_rotors_push(fb_system_work *w, const fb_system *system, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
+    if (fbi_has_rotors(L->model)) {
+      fbi_link_rotors_look(L, own);
+      fbi_rotors_push(L->k.fg + 3, L->k.x + 1, &L->k, L->model, L->q_dot, own, 0);
+    }
+  }
+}
+
+static FBI_NOINLINE fb_status fbi_links_rotors_check(const fb_system *system, const fb_body *body,
+                                                     const fb_system_input *input)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_rotors_check(fbi_model(system, body, k), input->rotor[k]);
+  }
+  return status;
+}
+#endif
+
 /* y += s times the velocity of the link's tree frame, body axes. */
 static void fbi_own_frame_add(fb_real y[3], fb_real s, const fb_system_work *w, int k)
 {
@@ -10284,6 +10439,11 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
       }
     }
   }
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    fbi_links_rotors_sub(w, system, state, input);
+  }
+#endif
 }
 
 /* Sets prescribed coordinates to their values. */
@@ -10347,6 +10507,14 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
       }
     }
   }
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    const fb_status status = fbi_links_rotors_check(system, body, input);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+#endif
   return fbi_system_lines_check(system, body, input);
 }
 
@@ -10368,7 +10536,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
 
   /* with constraint rows */
   w->n_row = w->n_end = 0;
-  if (system->n_loop > 0 || w->kept || (input && input->rows)) {
+  if (w->closed || (input && input->rows)) {
     status = fbi_rows_fill(w, system, body, modes, input);
     for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* after a failure the last one may have no end */
       fb_real size;
@@ -10796,7 +10964,7 @@ static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system
 
 #if FB_WITH_GRAVITY
 /* Uniform gravity on a body, and that of a center; the points of its lines keep their velocities. */
-static FBI_NOINLINE fb_status fbi_link_gravity_add(fb_system_work *w, int k)
+static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 {
   fbi_link_work *const L = &w->link[k];
   fb_real rho[3];
@@ -10820,6 +10988,24 @@ static FBI_NOINLINE fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 }
 #endif
 
+#if FB_WITH_GRAVITY || FB_WITH_ROTORS
+/* What acts on a body without an input: gravity, imbalance of its rotors. */
+static FBI_NOINLINE fb_status fbi_link_own_loads(fb_system_work *w, const fb_system_state *state, int k)
+{
+  fb_status status = FB_OK;
+#if FB_WITH_GRAVITY
+  if (fbi_has(w->link[k].model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY)) {
+    status = fbi_link_gravity_add(w, k);
+  }
+#endif
+#if FB_WITH_ROTORS
+  fbi_link_imbalance_add(&w->link[k], state->link[k].q + w->link[k].model->n);
+#endif
+  (void)state;
+  return status;
+}
+#endif
+
 /* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
    actuators. */
 static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -10833,9 +11019,9 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
-#if FB_WITH_GRAVITY
-    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY)) {
-      const fb_status own = fbi_link_gravity_add(w, k);
+#if FB_WITH_GRAVITY || FB_WITH_ROTORS
+    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY | FB_EFFECT_ROTORS)) {
+      const fb_status own = fbi_link_own_loads(w, state, k);
       status = status ? status : own;
     }
 #endif
@@ -11060,7 +11246,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   if (status != FB_OK) {
     return status;
   }
-  rate->motor_work = w->kept || system->n_loop > 0 ? power + fbi_kept_springs(w, system, body, modes, input) : power;
+  rate->motor_work = w->closed ? power + fbi_kept_springs(w, system, body, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
@@ -11079,6 +11265,11 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
       fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
     }
   }
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    rate->motor_work += fbi_links_rotors_rate(rate, w, system, input);
+  }
+#endif
   return FB_OK;
 }
 
@@ -11088,13 +11279,14 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
+  w->closed = w->kept || system->n_loop > 0;
   w->heavy = w->clock = FB_R(0.0);
   w->owns = w->has_forces = 0;
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
 
-/* [E9.16] Momenta at the present velocities: each body's own (p, h) and pi; G of the subtrees by summation; p_i =
+/* [E9.16] Momenta at the present velocities: each body's own (p, h) and pi, with its rotors; G of the subtrees by summation; p_i =
    A_i.G, pi_a + J_a.G.
    Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
 static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
@@ -11108,6 +11300,11 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     for (int a = 0; a < model->n; a++) {
       L->e[a] = -L->e[a]; /* fbi_hand_in subtracts from e */
     }
+#if FB_WITH_ROTORS
+    if (system->carries_rotors) {
+      fbi_rotors_sum(L->b + 3, L->e, -FB_R(1.0), &L->k, model, L->k.qx + 1, L->k.rotor_momentum);
+    }
+#endif
   }
 
   /* sums from the tips, along the joint's axes */
@@ -11553,9 +11750,9 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
   }
 }
 
-static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const fb_system_input *input)
+static int fbi_has_rows(const fb_system_work *w, const fb_system_input *input)
 {
-  return w->kept || system->n_loop > 0 || (input && input->rows);
+  return w->closed || (input && input->rows);
 }
 
 /* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
@@ -11631,7 +11828,7 @@ static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, c
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
   const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
-  if (status == FB_OK && fbi_has_rows(system, w, input)) {
+  if (status == FB_OK && fbi_has_rows(w, input)) {
     fbi_momenta_fill(state, w, system, body);
   } else if (status == FB_OK) {
     w->sum = *state;
@@ -11657,7 +11854,7 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
     fb_real deflection = FB_R(0.0);
-    if (!fbi_link_state_is_finite(&state->link[k], model->n)) {
+    if (!fbi_link_state_is_finite(&state->link[k], model->n_coordinate)) {
       return FB_ERR_NOT_FINITE;
     }
     for (int a = 0; a < model->n; a++) {
@@ -11699,6 +11896,12 @@ static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb
     }
   }
   fbi_speeds_out(w, system, body);
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) { /* k.rotor_momentum and _axis; the right-hand side is not used */
+    fbi_rhs_clear(w, system, body);
+    fbi_links_rotors_sub(w, system, state, input);
+  }
+#endif
 }
 
 /* Initial velocities of the tree frames: those of their free roots; trees that are tied share the first one's. */
@@ -11730,6 +11933,33 @@ static void fbi_frames_init(fb_system_state *state, const fb_system *system, con
     }
   }
 }
+
+#if FB_WITH_ROTORS
+/* Angles and momenta of the rotors at known velocities, of which they have no share yet. */
+static fb_status fbi_links_rotors_set(fb_system_state *state, fb_system_work *w, const fb_system *system,
+                                      const fb_link_motion *motion, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fb_link_state *const x = &state->link[k];
+    fbi_zero(L->k.rotor_momentum, L->model->n_rotor);
+    fbi_link_rotors_look(L, NULL); /* rotor_speed: less that of the node */
+    for (int r = 0; r < L->model->n_rotor; r++) {
+      const fb_rotor *const rotor = &L->model->rotor[r];
+      const fb_real speed = motion ? motion[k].rotor_speed[r] : FB_R(0.0);
+      const fb_real given = input ? input->rotor[k][r].momentum : FB_R(0.0);
+      const fb_real angle = motion ? motion[k].rotor_angle[r] : FB_R(0.0);
+      if (!fbi_is_finite(&speed, 1) || !fbi_is_finite(&angle, 1)) {
+        return FB_ERR_NOT_FINITE;
+      }
+      x->q[L->model->n + r] = angle;
+      x->pi[L->model->n + r] = rotor->given ? given : rotor->inertia * (speed - L->k.rotor_speed[r]);
+      L->k.rotor_momentum[r] = x->pi[L->model->n + r];
+    }
+  }
+  return FB_OK;
+}
+#endif
 
 /* Poses and velocities of all bodies from the coordinates and speeds of the tree (no joint of it as constraint). */
 static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -11766,6 +11996,11 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
   fbi_prescribe(state, system, w, state, input);
   fbi_links_place(w, system, body, state, state);
   fbi_speeds_take(w, system, body, state, motion, input);
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    return fbi_links_rotors_set(state, w, system, motion, input);
+  }
+#endif
   return FB_OK;
 }
 
@@ -11926,7 +12161,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fbi_momenta_fill(out, work, system, body);
 
   /* constraints; frames of free trees */
-  if (status == FB_OK && fbi_has_rows(system, work, input)) {
+  if (status == FB_OK && fbi_has_rows(work, input)) {
     status = fbi_motion_close(out, work, system, body, input);
   }
   if (status == FB_OK && fbi_flies(system, work)) {
@@ -12006,7 +12241,7 @@ FB_DEF fb_status fb_system_rates_eval(const fb_system *system, const fb_body *bo
       fbi_vec3_add(x->x, FB_R(1.0), work->link[work->link[k].root].frame);
       fbi_vec3_zero(x->lost_x);
     }
-    status = fbi_link_state_is_finite(x, fbi_model(system, body, k)->n) ? FB_OK : FB_ERR_NOT_FINITE;
+    status = fbi_link_state_is_finite(x, fbi_model(system, body, k)->n_coordinate) ? FB_OK : FB_ERR_NOT_FINITE;
   }
   if (status == FB_OK) {
     *rate = *out;
@@ -12244,6 +12479,11 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
   if (status != FB_OK) {
     return status;
   }
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    fbi_links_rotors_push(w, system, input);
+  }
+#endif
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
   }
@@ -12370,6 +12610,11 @@ static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const f
   }
   fbi_quat_from_mat33(pose->quat, L->k.R);
   fbi_copy(pose->q, L->k.qx + 1, model->n);
+#if FB_WITH_ROTORS
+  fbi_copy(pose->q + model->n, state->link[k].q + model->n, model->n_rotor);
+  fbi_copy(out->rotor_speed, L->k.rotor_speed, model->n_rotor);
+  fbi_copy(out->rotor_momentum, L->k.rotor_momentum, model->n_rotor);
+#endif
 
   /* joint of the tree */
   if (!fbi_is_kept(system, w, k)) {
@@ -12436,6 +12681,9 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   memset(motion, 0, sizeof *motion);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_motion(motion, work, system, body, state, k);
+#if FB_WITH_ROTORS
+    motion->power += fbi_link_rotors_power(&work->link[k], fbi_link_rotors_input(input, k), 1);
+#endif
   }
 
   /* joints enforced by multipliers; power of all */
@@ -12645,6 +12893,12 @@ static fb_status fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb
   out->kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
   fbi_own_frame_add(u, FB_R(1.0), w, k);
   out->kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
+#if FB_WITH_ROTORS
+  {
+    fb_real unused[3];
+    out->kinetic += fbi_rotors_energy(unused, &L->k, model);
+  }
+#endif
   for (int i = 0; i < 3; i++) {
     rho[i] = fbi_true_position(w, k, L->rho, i);
   }
@@ -12748,6 +13002,10 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
     fbi_link_work *L = &work->link[k];
     fb_real P[3], h[3], u[3] = {0}, rho[3];
     fbi_link_momenta(L, model, 0);
+#if FB_WITH_ROTORS
+    (void)fbi_rotors_energy(h, &L->k, model);
+    fbi_vec3_add(L->k.ph + 3, FB_R(1.0), h);
+#endif
     fbi_own_frame_add(u, FB_R(1.0), work, k);
     fbi_drift_momenta(L->b, L->e, L->first, L, model, u);
     fbi_vec6_add(L->k.ph, FB_R(1.0), L->b);
@@ -12829,15 +13087,16 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
                               system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->has_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
-            fbi_is_finite(limit, 6) && system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 &&
-            system->free.parent == FB_GROUND;
+            fbi_is_flag(system->has_rotors) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) &&
+            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6) && system->free.kind == FB_JOINT_FREE &&
+            system->free.n_axis == 6 && system->free.parent == FB_GROUND;
   }
 
   /* models and joints */
   for (int k = 0; sound && k < system->n_body; k++) {
     sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
             system->rotor[k] >= FB_R(0.0) && system->rotor[k] <= FB_HUGE &&
+            (system->carries_rotors || !fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_ROTORS)) &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
   }
   for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
@@ -12877,11 +13136,12 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 
   /* options and limits */
   {
-    const int whole[8] = {system->n_body,          system->n_loop, system->n_spring,   (int)system->method,
-                          system->allow_long_step, system->tied,   system->has_rotors, system->rubs};
+    const int whole[] = {system->n_body,      system->n_loop,          system->n_spring,
+                         (int)system->method, system->allow_long_step, system->tied,
+                         system->has_rotors,  system->carries_rotors,  system->rubs};
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
                               system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 8), limit, 6, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole)), limit, 6, FB_SINGLE);
     crc = fbi_crc_reals(crc, system->rotor, system->n_body, FB_SINGLE);
   }
 
@@ -15130,22 +15390,13 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
   fbi_frame_shift(next->pi, line, body, next->q, R, next->u);
 }
 
-/* Of lines and rotors at the end of a step: range; angles within half a turn, momenta that are given as the input has
-   them. */
+/* Of lines and rotors at the end of a step: range, and the above. */
 static fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
 {
   const fb_status status = fbi_further_range(body, next);
 #if FB_WITH_ROTORS
-  const fb_real turn = FB_R(6.283185307179586477);
-  for (int r = 0; r < body->n_rotor && status == FB_OK; r++) {
-    fb_real *const angle = &next->q[body->n + r];
-    const fb_real turns = *angle / turn;
-    if (FB_FABS(turns) < FB_R(1e9)) {
-      *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
-    }
-    if (body->rotor[r].given) {
-      next->pi[body->n + r] = last ? last->rotor[r].momentum : FB_R(0.0);
-    }
+  if (status == FB_OK) {
+    fbi_rotors_settle(next->q, next->pi, body, fbi_rotors_input(last));
   }
 #endif
   (void)last;
@@ -16105,6 +16356,16 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
                       fbi_further(body), NULL);
 }
 
+#if FB_WITH_ROTORS
+static void fbi_rotors_between(fb_rotor_input *out, const fb_rotor_input *a, const fb_rotor_input *b, fb_real s)
+{
+  for (int r = 0; r < FB_MAX_ROTORS; r++) {
+    out[r].torque += s * (b[r].torque - a[r].torque);
+    out[r].momentum += s * (b[r].momentum - a[r].momentum);
+  }
+}
+#endif
+
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
 static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_input *b, fb_real s)
 {
@@ -16128,10 +16389,7 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
 
   /* Linear interpolation */
 #if FB_WITH_ROTORS
-  for (int r = 0; r < FB_MAX_ROTORS; r++) {
-    out->rotor[r].torque += s * (b->rotor[r].torque - a->rotor[r].torque);
-    out->rotor[r].momentum += s * (b->rotor[r].momentum - a->rotor[r].momentum);
-  }
+  fbi_rotors_between(out->rotor, a->rotor, b->rotor, s);
 #endif
   for (int i = 0; i < 3; i++) {
     for (int k = 0; k < a->n_load; k++) {
@@ -16683,7 +16941,7 @@ static void fbi_system_advance(fb_system_state *out, const fb_system_state *stat
 {
   out->motor_work = state->motor_work + s * rate->motor_work;
   for (int k = 0; k < system->n_body; k++) {
-    const int n = fbi_model(system, body, k)->n;
+    const int n = fbi_model(system, body, k)->n_coordinate;
     const fb_link_state *a = &state->link[k], *b = &rate->link[k];
     fb_link_state *y = &out->link[k];
     fbi_link_advance(y, a, s, b, fbi_link_joint(system, w, k));
@@ -16713,8 +16971,8 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
     fbi_vec3_zero(x->lost_x);
     fbi_zero(x->quat, 4);
     fbi_zero(x->p, 6);
-    fbi_zero(x->q, fbi_model(system, body, k)->n);
-    fbi_zero(x->pi, fbi_model(system, body, k)->n);
+    fbi_zero(x->q, fbi_model(system, body, k)->n_coordinate);
+    fbi_zero(x->pi, fbi_model(system, body, k)->n_coordinate);
   }
 }
 
@@ -16895,6 +17153,112 @@ static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *
   return most + all;
 }
 
+#if FB_WITH_ROTORS
+/* Mobility of the node of a rotor in the whole system as placed, W: angular velocity of its section by a unit torque on
+   it, body axes. Velocities V and q_dot are lost. */
+static fb_status fbi_rotor_mobility(fb_real W[9], fb_system_work *w, const fb_system *system, const fb_body *body,
+                                    const fb_rotor *rotor, int k)
+{
+  fbi_link_work *const L = &w->link[k];
+  fbi_node_field f;
+  fb_real unused[3];
+  fb_status status = FB_OK;
+  fbi_rotor_place(unused, &f, &L->k, L->model, rotor, L->k.qx + 1);
+  for (int i = 0; i < 3 && status == FB_OK; i++) {
+    fbi_rhs_clear(w, system, body);
+    L->y[3 + i] = FB_R(1.0);
+    for (int a = 0; a < L->model->n && rotor->moves; a++) {
+      L->pi[a] = f.Jphi[3 * a + i];
+    }
+    status = fbi_speeds_solve(w, system, body);
+    fbi_vec3_copy(W + 3 * i, L->V + 3);
+    for (int a = 0; a < L->model->n && rotor->moves; a++) {
+      fbi_vec3_add(W + 3 * i, L->q_dot[a], f.Jphi + 3 * a);
+    }
+  }
+  return status;
+}
+
+/* Frequency of the nutation by the momentum H on a section of mobility W: the eigenvalues of w = W (H x w) are 0 and
+   +-i sqrt(H.adj(W) H). */
+static fb_real fbi_momentum_nutation(const fb_real W[9], const fb_real H[3])
+{
+  fb_real c[3], y[3];
+  for (int i = 0; i < 3; i++) { /* rows of adj(W): products of the others */
+    fb_vec3_cross(c, W + 3 * ((i + 1) % 3), W + 3 * ((i + 2) % 3));
+    y[i] = fb_vec3_dot(c, H);
+  }
+  return FB_SQRT(fbi_larger(fb_vec3_dot(H, y), FB_R(0.0)));
+}
+
+/* [E11.50] What the rotors inside the bodies of a system add to the rotation that a step has to resolve: half the
+   frequency of nutation by the momentum of those on one section, H.adj(W) H under the root with the mobility W of the
+   section in the whole system, summed over sections; the largest rate of friction, slope (1/I + a.W a); the rotation of
+   rotors with an imbalance. The norms of gyroscopic matrices against the mass add up to a bound of their sum.
+   Source: E11.46, E11.41; eigenvalues of W [H x].  Cost: three solutions a section.  Fails: never, FB_HUGE without
+   mobility.  Test: systems_with_rotors_are_bounded_by_nutation. */
+static fb_real fbi_link_rotors_spin(fb_real *rate, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                    int k)
+{
+  const fb_body *const model = w->link[k].model;
+  const fbi_kinetics *const own = &w->link[k].k;
+  fb_real spin = FB_R(0.0), W[9];
+  for (int r = 0; r < model->n_rotor; r++) {
+    const fb_rotor *const first = &model->rotor[r];
+    fb_real H[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    int known = 0;
+    for (int i = 0; i < r; i++) {
+      known |= model->rotor[i].moves == first->moves && (!first->moves || model->rotor[i].node == first->node);
+    }
+    if (known) {
+      continue;
+    }
+    if (fbi_rotor_mobility(W, w, system, body, first, k) != FB_OK) {
+      return FB_HUGE;
+    }
+    for (int i = r; i < model->n_rotor; i++) {
+      const fb_rotor *const rotor = &model->rotor[i];
+      if (rotor->moves == first->moves && (!first->moves || rotor->node == first->node)) {
+        const fb_real slope = rotor->damping + fbi_dry_friction(rotor->friction, rotor->friction_speed, FB_R(0.0));
+        fb_real Wa[3];
+        fb_mat33_mul_vec3(Wa, W, own->rotor_axis[i]);
+        fbi_vec3_add(H, own->rotor_momentum[i], own->rotor_axis[i]);
+        *rate = fbi_larger(*rate, slope * (FB_R(1.0) / rotor->inertia + fb_vec3_dot(own->rotor_axis[i], Wa)));
+        spin += fbi_is_unbalanced(rotor) ? FB_FABS(own->rotor_momentum[i]) / rotor->inertia : FB_R(0.0);
+      }
+    }
+    spin += FB_R(0.5) * fbi_momentum_nutation(W, H);
+  }
+  return spin;
+}
+
+/* E11.50 of all bodies; velocities are kept, L.spin grows by what the body contributes. */
+static FBI_NOINLINE fb_real fbi_links_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_real all = FB_R(0.0), rate = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->twist, L->V);
+    fbi_vec6_copy(L->speed, L->u);
+    fbi_copy(L->q_speed, L->q_dot, L->model->n);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fb_real own = FB_R(0.0);
+    const fb_real spin = fbi_link_rotors_spin(&own, w, system, body, k);
+    w->link[k].spin += spin + own;
+    all += spin;
+    rate = fbi_larger(rate, own);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->V, L->twist);
+    fbi_vec6_copy(L->u, L->speed);
+    fbi_copy(L->q_dot, L->q_speed, L->model->n);
+  }
+  return all + rate;
+}
+#endif
+
 /* [E11.43] Bound of the frequency of a stop at impacts of speed u, stiffness k (1 + c u) and damping at most c u w_k with
    w_k^2 = k mobility: w_k (1 + c u), as of the stiffness k (1 + c u)^2. The square less 1 for the fastest axis of the
    tree to w->impact[0]; of joints that are kept to w->elastic.
@@ -16940,6 +17304,11 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
   if (system->has_rotors) {
     *spin = fbi_rotors_spin(w, system, body, input);
   }
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    *spin += fbi_links_rotors_spin(w, system, body);
+  }
+#endif
   w->elastic = w->damping = FB_R(0.0);
   if (system->n_spring > 0) {
     fbi_springs_bound(w, system, body, input[0]);
@@ -17223,7 +17592,7 @@ static void fbi_link_push(fb_link_state *x, fb_link_state *increment, const fb_j
 static void fbi_links_push(fb_system_state *next, fb_system_work *w, const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
-    fbi_link_push(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
+    fbi_link_push(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n_coordinate);
   }
 }
 
@@ -17343,7 +17712,7 @@ static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_sy
     fbi_link_work *L = &w->link[k];
     const fb_link_state *rate = &w->rate.link[k], *from = &start->link[k];
     fb_link_state *sum = &w->sum.link[k], *next = &w->stage.link[k];
-    const int n = L->model->n, free = L->joint->kind == FB_JOINT_FREE;
+    const int n = L->model->n_coordinate, free = L->joint->kind == FB_JOINT_FREE;
 
     /* Free root: integral of P, angular momentum in body axes */
     if (free) {
@@ -17384,13 +17753,23 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
   return status;
 }
 
+#if FB_WITH_ROTORS
+static FBI_NOINLINE void fbi_links_rotors_settle(fb_system_state *next, const fb_system_work *w,
+                                                 const fb_system *system, const fb_system_input *last)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_rotors_settle(next->link[k].q, next->link[k].pi, w->link[k].model, fbi_link_rotors_input(last, k));
+  }
+}
+#endif
+
 /* Common end of every step: sums the increments (work.sum), sets prescribed coordinates, projects onto the constraints,
    updates the frames of free-flying trees, checks the range of the model. */
 static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                                 const fb_system_input *input, fb_real dt)
 {
   fb_system_state *const next = &w->stage;
-  const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
+  const int flies = fbi_flies(system, w), rows = fbi_has_rows(w, input);
   fb_status status = FB_OK;
 
   /* Attitude of free roots (E11.28), positions */
@@ -17404,7 +17783,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
   w->owns = 0;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
+    status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n_coordinate);
     FBI_DETAIL_INDEX(status, k);
   }
   if (status != FB_OK) {
@@ -17418,6 +17797,11 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
     fbi_frames_take(w, system, next, &w->sum, state, input);
   }
   fbi_links_push(next, w, system);
+#if FB_WITH_ROTORS
+  if (system->carries_rotors) {
+    fbi_links_rotors_settle(next, w, system, input);
+  }
+#endif
 
   /* Constraints */
   if (rows) {
@@ -17490,8 +17874,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  if (flies && !fbi_has_rows(system, work, start) && !fbi_has_rows(system, work, middle) &&
-      !fbi_has_rows(system, work, end)) {
+  if (flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end)) {
     fbi_own_begin(work, system, state);
   }
 
@@ -17747,7 +18130,8 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
-static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
+static fb_status fbi_system_between(fb_system_input *out, const fb_system *system, const fb_system_input *a,
+                                    const fb_system_input *b, fb_real s)
 {
   *out = *a;
   if (a->n_load != b->n_load || a->rows != b->rows || a->forces != b->forces || (a->forces && a->user != b->user)) {
@@ -17772,7 +18156,13 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
     }
   }
 
-  /* Actuators, drives */
+  /* Rotors, actuators, drives */
+#if FB_WITH_ROTORS
+  for (int k = 0; k < system->n_body && system->carries_rotors; k++) {
+    fbi_rotors_between(out->rotor[k], a->rotor[k], b->rotor[k], s);
+  }
+#endif
+  (void)system;
   for (int j = 0; j < FB_MAX_SPRINGS; j++) {
     out->pull[j] += s * (b->pull[j] - a->pull[j]);
   }
@@ -17833,7 +18223,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
     status = fbi_drives_check(work, system, state, start, end);
-    status = status ? status : fbi_system_between(&work->between, start, end, c);
+    status = status ? status : fbi_system_between(&work->between, system, start, end, c);
     first = &work->between;
   }
   if (status == FB_OK && !system->allow_long_step) {
@@ -25893,7 +26283,7 @@ static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, i
     }
   }
   if (joint->kind != FB_JOINT_REVOLUTE || system->method == FB_METHOD_MULTIPLIERS || body->n > 0 ||
-      !(body->mass > FB_R(0.0))) {
+      body->n_coordinate > 0 || !(body->mass > FB_R(0.0))) {
     return FB_R(0.0);
   }
 
@@ -26026,9 +26416,6 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
       return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, in single precision without central gravity", k,
                         FB_R(0.0), FB_R(0.0));
     }
-    if (fbi_has(body[desc->model[k]].effects, FB_EFFECT_ROTORS)) {
-      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, without rotors", k, FB_R(0.0), FB_R(0.0));
-    }
   }
   /* an unused model though there are bodies enough: desc->model was forgotten */
   return n_model != desc->n_body || used == n_model
@@ -26094,6 +26481,7 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   for (int k = 0; k < desc->n_body; k++) {
     out->rotor[k] = fbi_rotor_inertia(out, fbi_model(out, body, k), k);
     out->has_rotors |= out->rotor[k] > FB_R(0.0);
+    out->carries_rotors |= fbi_has(fbi_model(out, body, k)->effects, FB_EFFECT_ROTORS);
   }
 
   /* The joint of every body when multipliers enforce all joints */
@@ -27532,6 +27920,21 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
 
 /* ---- residual and response of one body */
 
+#if FB_WITH_ROTORS
+/* FB_ERR_UNREST: a rotor with an imbalance turns; pi: of a state. */
+static fb_status fbi_rotors_balanced(const fb_body *body, const fb_real *pi, const fb_rotor_input *input)
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_real h = !body->rotor[r].given ? pi[body->n + r] : input ? input[r].momentum : FB_R(0.0);
+    if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
+      return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
+                        r, h, FB_R(0.0));
+    }
+  }
+  return FB_OK;
+}
+#endif
+
 static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
 {
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
@@ -27543,11 +27946,10 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
                       FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_ROTORS
-  for (int r = 0; r < body->n_rotor; r++) {
-    const fb_real h = body->rotor[r].given ? input->rotor[r].momentum : state->pi[body->n + r];
-    if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
-      return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
-                        r, h, FB_R(0.0));
+  {
+    const fb_status status = fbi_rotors_balanced(body, state->pi, input->rotor);
+    if (status != FB_OK) {
+      return status;
     }
   }
 #endif
@@ -27695,24 +28097,21 @@ static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *wo
 }
 #endif
 
-/* FB_ERR_UNREST: the momentum of a rotor changes; need: the torque of its motor that keeps it. */
-static fb_status fbi_rotors_rest(const fb_body *body, const fb_motion *motion, const fb_input *input)
-{
 #if FB_WITH_ROTORS
+/* FB_ERR_UNREST: the momentum of a rotor changes; need: the torque of its motor that keeps it. */
+static fb_status fbi_rotors_rest(const fb_body *body, const fb_real *speed, const fb_rotor_input *input)
+{
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real motor = input->rotor[r].torque;
-    const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, motion->rotor_speed[r]);
+    const fb_real motor = input ? input[r].torque : FB_R(0.0);
+    const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, speed[r]);
     if (!(FB_FABS(motor + brake) <= FBI_UNREST * (FB_FABS(motor) + FB_FABS(brake)))) {
       return FBI_REFUSE(FB_ERR_UNREST, "rotor: torque [N m] of its motor, against its friction", r, motor, -brake);
     }
   }
-#endif
-  (void)body;
-  (void)motion;
-  (void)input;
   return FB_OK;
 }
+#endif
 
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
@@ -27721,7 +28120,9 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
   fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
-  status = status ? status : fbi_rotors_rest(body, &work->motion, input);
+#if FB_WITH_ROTORS
+  status = status ? status : fbi_rotors_rest(body, work->motion.rotor_speed, input->rotor);
+#endif
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
@@ -27836,21 +28237,24 @@ static void fbi_port_drive(fb_input *input, const fb_body *body, const fb_port *
 }
 
 #if FB_WITH_ROTORS
-/* [E8.47] Friction of rotors as its tangent at the steady speeds, by the torques of the motors in work->input: of a
-   rotor at the speed s + x, dry friction T becomes T(s) + T'(s) x, T' = -F s_0^2/(s^2 + s_0^2)^(3/2). The differences
+/* [E8.47] Friction of rotors as its tangent at the steady speeds, as a torque of the motors: of a rotor at the speed
+   s + x, dry friction T becomes T(s) + T'(s) x, T' = -F s_0^2/(s^2 + s_0^2)^(3/2). The differences
    of the momenta are wider than s_0.
    Source: E9.28.  Fails: never.  Test: linear_models_of_rotors_are_derivatives_of_rates. */
+static fb_real fbi_rotor_tangent(const fb_rotor *rotor, fb_real s, fb_real now)
+{
+  const fb_real F = rotor->friction, s0 = rotor->friction_speed;
+  const fb_real x = now - s, old = fbi_dry_friction(F, s0, s), at = fbi_dry_friction(F, s0, s + x);
+  const fb_real part = F > FB_R(0.0) ? old * s0 / F : FB_R(0.0);
+  return !rotor->given && F > FB_R(0.0) ? at * (s + x) - old * (s + part * part * x) : FB_R(0.0);
+}
+
 static void fbi_rotors_tangent(fb_state *rate, fb_input *input, const fb_motion *steady, const fb_body *body)
 {
   for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real F = rotor->friction, s0 = rotor->friction_speed, s = steady->rotor_speed[r];
-    const fb_real x = rate->q[body->n + r] - s, old = fbi_dry_friction(F, s0, s), at = fbi_dry_friction(F, s0, s + x);
-    if (!rotor->given && F > FB_R(0.0)) {
-      const fb_real part = old * s0 / F, more = at * (s + x) - old * (s + part * part * x);
-      rate->pi[body->n + r] += more;
-      input->rotor[r].torque += more;
-    }
+    const fb_real more = fbi_rotor_tangent(&body->rotor[r], steady->rotor_speed[r], rate->q[body->n + r]);
+    rate->pi[body->n + r] += more;
+    input->rotor[r].torque += more;
   }
 }
 #endif
@@ -27939,6 +28343,11 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
     }
   }
   status = fbi_system_input_check(system, body, input);
+#if FB_WITH_ROTORS
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_rotors_balanced(fbi_model(system, body, k), state->link[k].pi, fbi_link_rotors_input(input, k));
+  }
+#endif
   return status ? status : fbi_system_range(system, body, state);
 }
 
@@ -27996,17 +28405,38 @@ static void fbi_coordinate_move(fb_system_state *state, const fb_system *system,
   }
 }
 
-/* Velocities of all bodies per unit speed of one coordinate. The poses of the bodies are known. */
+/* Velocities of all bodies per unit speed of one coordinate, rotors without momentum; NULL: at rest. The poses of the
+   bodies are known. */
 static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
 {
   fb_system_work *const w = &s->system_work->system;
   for (int k = 0; k < s->system->n_body; k++) {
     fbi_vec6_zero(w->link[k].u);
     fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
+#if FB_WITH_ROTORS
+    fbi_zero(w->link[k].k.rotor_momentum, FB_MAX_ROTORS);
+#endif
   }
-  (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+  if (c) {
+    (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+  }
   fbi_speeds_out(w, s->system, s->body);
 }
+
+#if FB_WITH_ROTORS
+/* Angular momentum of the rotors of all that hangs on free joint k, about its body's O, body axes; the poses are known. */
+static void fbi_rotors_momentum(fb_real own[3], const fbi_subject *s, int k)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_real p[6];
+  fbi_unit_speeds(s, NULL);
+  fbi_rhs_clear(&work->system, s->system, s->body);
+  fbi_links_rotors_sub(&work->system, s->system, &work->moved, s->system_input);
+  fbi_momenta_fill(&work->moved, &work->system, s->system, s->body);
+  fbi_joint_momenta(p, &work->system.link[k], &s->system->joint[k], &work->moved.link[k]);
+  fbi_vec3_copy(own, p + 3);
+}
+#endif
 
 /* Momenta along the axes of the coordinate's joint per unit speed of the coordinate; those of all bodies are left in
    `moved`. */
@@ -28220,6 +28650,40 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
   }
 }
 
+#if FB_WITH_ROTORS
+/* Lists the rotors whose momenta are states, with their speeds where the rates have just been evaluated. */
+static fb_status fbi_turning_rotors_find(const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  work->n_rotor = 0;
+  for (int k = 0; k < s->system->n_body; k++) {
+    const fb_body *const model = fbi_model(s->system, s->body, k);
+    for (int r = 0; r < model->n_rotor; r++) {
+      if (!model->rotor[r].given) {
+        const fbi_turning_rotor found = {k, r, work->system.link[k].k.rotor_speed[r]};
+        work->rotor[work->n_rotor++] = found;
+      }
+    }
+  }
+  FBI_REQUIRE(2 * work->n_independent + work->n_rotor <= FB_MAX_LINEAR, FB_ERR_CAPACITY);
+  return FB_OK;
+}
+
+/* f: rates of the momenta of rotors, with friction as its tangent (E8.47), which the motors of work->input get. */
+static void fbi_turning_rotors_rate(fb_real *f, const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  for (int i = 0; i < work->n_rotor; i++) {
+    const fbi_turning_rotor *const at = &work->rotor[i];
+    const fb_body *const model = fbi_model(s->system, s->body, at->body);
+    const fb_link_state *const rate = &work->rate.link[at->body];
+    const fb_real more = fbi_rotor_tangent(&model->rotor[at->rotor], at->speed, rate->q[model->n + at->rotor]);
+    work->input.rotor[at->body][at->rotor].torque += more;
+    f[i] = rate->pi[model->n + at->rotor] + more;
+  }
+}
+#endif
+
 /* Is it a free joint whose motion is not prescribed? */
 static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, int k)
 {
@@ -28234,7 +28698,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
   fb_status status = FB_OK;
   for (int k = 0; k < s->system->n_body && status == FB_OK && s->system_input; k++) {
     const fb_real *const wanted = s->system_input->drive[k].rate + 3;
-    fb_real momenta[24];
+    fb_real momenta[24], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     if (!fbi_is_afloat(s->system, &work->moved, k) || fb_vec3_dot(wanted, wanted) == FB_R(0.0)) {
       continue;
     }
@@ -28242,7 +28706,12 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
       const fbi_coordinate c = {k, 0, (3 + i) % 6};
       fbi_unit_momenta(momenta + 6 * i, s, &c);
     }
-    status = fbi_free_spin(work->rest[k].speed, momenta, fbi_origin, momenta[18], wanted);
+#if FB_WITH_ROTORS
+    if (s->system->carries_rotors) {
+      fbi_rotors_momentum(own, s, k);
+    }
+#endif
+    status = fbi_free_spin(work->rest[k].speed, momenta, own, momenta[18], wanted);
   }
   return status;
 }
@@ -28347,6 +28816,12 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
   if (j < n) {
     fbi_coordinate_move(&work->moved, s->system, &work->coordinate[work->independent[j]], h);
   }
+#if FB_WITH_ROTORS
+  if (j >= 2 * n && j < 2 * n + work->n_rotor) {
+    const fbi_turning_rotor *const at = &work->rotor[j - 2 * n];
+    work->moved.link[at->body].pi[fbi_model(s->system, s->body, at->body)->n + at->rotor] += h;
+  }
+#endif
   status = fbi_loops_shut(s, &work->moved);
   if (j < n && s->system->n_loop == 0 && !fbi_is_pose(s, j)) {
     fbi_speeds_take(&work->system, s->system, s->body, &work->moved, work->rest, s->system_input);
@@ -28358,7 +28833,7 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
   return status;
 }
 
-static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, fb_real h)
+static void fbi_system_port_drive(fb_system_input *input, const fbi_subject *s, const fb_port *port, fb_real h)
 {
   fb_drive *const drive = &input->drive[port->kind == FB_PORT_PULL ? 0 : port->body];
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
@@ -28367,6 +28842,11 @@ static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, f
     drive->torque[port->axis] += h;
   } else if (port->kind == FB_PORT_PULL) {
     input->pull[port->body] += h;
+#if FB_WITH_ROTORS
+  } else if (port->kind == FB_PORT_MOTOR) {
+    fb_rotor_input *const rotor = &input->rotor[port->body][port->axis];
+    *(fbi_model(s->system, s->body, port->body)->rotor[port->axis].given ? &rotor->momentum : &rotor->torque) += h;
+#endif
   } else {
     input->load[input->n_load].body = port->body;
     fbi_port_load(&input->load[input->n_load].load, port, h);
@@ -28394,7 +28874,7 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
 static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
-  const int states = 2 * work->n_independent;
+  const int states = 2 * work->n_independent + work->n_rotor;
   fb_status status;
 
   /* State and input, then rates */
@@ -28404,7 +28884,7 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
     work->input = *s->system_input;
   }
   if (j >= states) {
-    fbi_system_port_drive(&work->input, &s->desc->in[j - states], h);
+    fbi_system_port_drive(&work->input, s, &s->desc->in[j - states], h);
   }
   status = fbi_system_linear_move(s, j, h);
   status = status ? status
@@ -28415,6 +28895,9 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 
   /* Rates of x, momenta, outputs */
   fbi_system_linear_rates(f, s);
+#if FB_WITH_ROTORS
+  fbi_turning_rotors_rate(f + 2 * work->n_independent, s);
+#endif
   fbi_copy(f + states + s->desc->n_out, work->p_moved, work->n_independent);
   if (s->desc->n_out > 0) {
     status = fb_system_motion_eval(s->system, s->body, &work->system, &work->motion, &work->moved, &work->input);
@@ -28622,8 +29105,16 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
     status = FB_ERR_CONVERGENCE;
   }
 
-  /* Equilibrium of the free joints */
+  /* Equilibrium of the free joints, and of rotors */
   status = status ? status : fbi_roots_rest(&s);
+#if FB_WITH_ROTORS
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
+    const fb_body *const model = fbi_model(system, body, k);
+    status = fbi_rotors_rest(model, work->system.link[k].k.rotor_speed, own);
+    fbi_rotors_settle(work->moved.link[k].q, work->moved.link[k].pi, model, own);
+  }
+#endif
   if (status == FB_OK) {
     *state = work->moved;
   }
@@ -28983,6 +29474,13 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
     return fbi_port_check(port, is_input, FB_PORT_MOTOR, 0, 0, 0);
   }
   FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
+#if FB_WITH_ROTORS
+  if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
+    FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
+    FBI_REQUIRE(port->axis >= 0 && port->axis < fbi_model(s->system, s->body, port->body)->n_rotor, FB_ERR_CAPACITY);
+    return FB_OK;
+  }
+#endif
   joint = &s->system->joint[port->body];
   mode = s->system_state->mode[port->body];
   status = fbi_port_check(port, is_input, FB_PORT_MOTOR, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
@@ -29018,6 +29516,7 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
   fb_system_analyse_work *const work = s->system_work;
   const fb_status status =
       fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input);
+  fb_real rounding = FB_R(0.0);
   *rate = FB_R(0.0);
   for (int k = 0; k < s->system->n_body && status == FB_OK; k++) {
     const fbi_link_work *const L = &work->system.link[k];
@@ -29029,11 +29528,21 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
       fbi_own_frame_add(work->rest[k].speed, FB_R(1.0), &work->system, k);
     }
     *rate = fbi_larger(*rate, fbi_vec3_norm(L->V + 3) + fbi_vec3_norm(L->V) / size);
+#if FB_WITH_ROTORS
+    for (int r = 0; r < fbi_model(s->system, s->body, k)->n_rotor; r++) {
+      rounding = fbi_larger(rounding, FBI_ROUNDING * FB_FABS(L->k.rotor_speed[r]));
+    }
+#endif
   }
+  *rate = *rate > rounding ? *rate : FB_R(0.0); /* at rest but for what momenta less those of rotors leave */
   if (status == FB_OK) {
     fbi_system_momenta(work->momenta, work->p_dot, s, s->system_state);
   }
+#if FB_WITH_ROTORS
+  return status ? status : fbi_turning_rotors_find(s);
+#else
   return status;
+#endif
 }
 
 /* Finite-difference steps of the momenta: 100 steps of the coordinate times inertia and characteristic rate. Rates are
@@ -29056,6 +29565,14 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
     inertia = c->mode ? work->moved.link[c->body].pi[c->i] : p[c->i];
     step[n + j] = FB_R(100.0) * step[j] * inertia * fbi_own_rate(k, c->mode ? FB_R(1.0) : inertia, rate, other);
   }
+#if FB_WITH_ROTORS
+  for (int i = 0; i < work->n_rotor; i++) {
+    const fbi_turning_rotor *const at = &work->rotor[i];
+    const fb_real turns = FB_FABS(at->speed) + fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other);
+    step[2 * n + i] =
+        FB_R(100.0) * FBI_DIFFERENCE * fbi_model(s->system, s->body, at->body)->rotor[at->rotor].inertia * turns;
+  }
+#endif
 }
 
 /* ---- derivatives with their errors, of bodies and systems */
@@ -29435,7 +29952,7 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real rate, fb_real ot
     const fb_port *const port = &s->desc->in[i];
     const int slides = port->kind == FB_PORT_FORCE || port->kind == FB_PORT_PULL ||
                        (port->kind == FB_PORT_DRIVE && fbi_axis_slides(&s->system->joint[port->body], port->axis));
-    work->common.step[2 * work->n_independent + i] =
+    work->common.step[2 * work->n_independent + work->n_rotor + i] =
         fbi_port_step(port->kind, slides, force, size, fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other),
                       work->steady[port->kind == FB_PORT_PULL ? 0 : port->body]);
   }
@@ -29527,6 +30044,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
     state = &work->state;
     fbi_frames_ground(&work->state, &work->system, system, body);
   }
+  work->n_rotor = 0;
   status = status ? status : fbi_system_ports_check(&s);
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);
@@ -29545,8 +30063,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
-  status =
-      fbi_linear_fill(&work->common, &s, 2 * work->n_independent, work->n_independent, work->n_independent, n_free);
+  status = fbi_linear_fill(&work->common, &s, 2 * work->n_independent + work->n_rotor, work->n_independent,
+                           work->n_independent, n_free);
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
@@ -29622,6 +30140,9 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
     if (acts || j >= n || c->mode || system->joint[c->body].kind != FB_JOINT_FREE) {
       work->common.keep[size++] = j;
     }
+  }
+  for (int i = 0; i < work->n_rotor; i++) {
+    work->common.keep[size++] = 2 * n + i;
   }
 
   /* Modes; their shapes with the dependent coordinates */

@@ -748,18 +748,6 @@ TEST(rotors_are_refused_where_there_are_none)
     FBT_INT_EQ(fb_body_node_loads_eval(&body, &loads, &state, &motion, &input, desc.rotor[1].node), FB_ERR_UNSUPPORTED);
   }
 #endif
-#if FB_WITH_SYSTEM
-  {
-    static fb_system_desc joined;
-    static fb_system mechanism;
-    static fb_system_work work;
-    memset(&joined, 0, sizeof joined);
-    joined.n_body = 1;
-    joined.joint[0].kind = FB_JOINT_FREE;
-    joined.joint[0].parent = FB_GROUND;
-    FBT_INT_EQ(fb_system_init(&mechanism, &work, &body, &joined, 1), FB_ERR_UNSUPPORTED);
-  }
-#endif
 #if FB_WITH_ANALYSE
   {
     static fb_advice_work advice_work;
