@@ -100,7 +100,7 @@ static int loop_actor(const scene *s, const scene_control *c, int port[3], doubl
     return 1;
   }
   if (c->actor == SCENE_BY_ROTOR) {
-    port[0] = loop_port(d->in, &d->n_in, FB_PORT_MOTOR, 0, 0, c->at);
+    port[0] = loop_port(d->in, &d->n_in, FB_PORT_MOTOR, s->rotor[c->at].body, 0, s->rotor[c->at].at);
     return 1;
   }
   scene_reals(vector, load->vector, 3);
@@ -138,9 +138,13 @@ static int loop_axes_before(const scene *s, int body)
 }
 
 /* The state that is coordinate k among all free axes and modal coordinates; -1: it is none. */
-static int loop_state(int k)
+static int loop_state(const scene *s, int k)
 {
-  for (int i = 0; i < loops.linear.n / 2; i++) {
+  int states = loops.linear.n; /* coordinates and momenta, then rotors */
+  for (int r = 0; r < s->n_rotor; r++) {
+    states -= !s->body[s->rotor[r].body].level.rotor[s->rotor[r].at].given;
+  }
+  for (int i = 0; i < states / 2; i++) {
     if (loops.linear.coordinate[i] == k) {
       return i;
     }
@@ -157,7 +161,7 @@ static int loop_attitude(const scene *s, int body)
   if (engine.system.joint[body].kind != FB_JOINT_FREE || engine.system_state.mode[body][0] != FB_AXIS_FREE) {
     return -1;
   }
-  return loop_state(loop_axes_before(s, body) + 3);
+  return loop_state(s, loop_axes_before(s, body) + 3);
 }
 
 /* Adds what is part of the state itself to a row of C: attitude, modes, strains. 0: it is not. */
@@ -184,7 +188,7 @@ static int loop_add_state(const scene *s, double *row, const scene_output *o, do
     const fb_gauge *const gauge = &s->body[body].gauge[o->at];
     const double part = o->quantity == SCENE_MODE ? a == o->at : a < gauge->n ? (double)gauge->gain[a] : 0;
     const int place = engine.place[body][a];
-    at = place < 0 || !(fabs(part) > 0) ? 0 : loop_state(modes + place);
+    at = place < 0 || !(fabs(part) > 0) ? 0 : loop_state(s, modes + place);
     if (at < 0) {
       return 0;
     }
@@ -226,7 +230,7 @@ static int loop_sensor(const scene *s, const scene_output *o)
     node = place == SCENE_AT_NODE ? o->at : 0;
     port = loop_port(d->out, &d->n_out, kinds[k].kind, body, node,
                      place == SCENE_AT_SPRING  ? 0
-                     : place == SCENE_AT_ROTOR ? o->at
+                     : place == SCENE_AT_ROTOR ? s->rotor[o->at].at
                                                : o->axis);
     return port < 0 ? -2 : port;
   }
