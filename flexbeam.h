@@ -171,7 +171,7 @@
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288976
-     fb_system_analyse_work    1959016
+     fb_system_analyse_work    1959536
      fb_exact_path_work         202464
      fb_exact_spectrum_work    1625184
      fb_exact_linear_work      1998864
