@@ -14,11 +14,11 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_fla
            elastica follower flap whirl wing_goland ground_resonance leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
-WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
+WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign hard
+CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code parts mismatch stack symbols threads \
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -45,7 +45,7 @@ help:
 	@echo "make bench-advice  what the library advises for those scenes, variations of them and several appendages, against all runs (3 minutes)"
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
-	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS': needs both; build/bench_peers_*.csv"
+	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS', bodies beside MuJoCo's chains: needs them; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs; compile time"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
@@ -203,6 +203,7 @@ build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common
 
 build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
 build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
+build/bench/bench_peers_mujoco_double: LIBS = -lmujoco
 
 build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
@@ -268,7 +269,11 @@ check-hil: build/examples/hil_plant build/examples/hil_controller
 
 check-aero: build/examples/wing_goland build/examples/ground_resonance
 
+check-fmu: build/flexbeam
+
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
+
+check-linear: build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

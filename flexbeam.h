@@ -165,16 +165,16 @@
      fb_implicit_work            63032
      fb_exponential_work         57864
      fb_system_work             628024
-     fb_exact_work              173328
+     fb_exact_work              173336
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
-     fb_analyse_work           1288976
-     fb_system_analyse_work    1959536
-     fb_exact_path_work         202464
-     fb_exact_spectrum_work    1625184
-     fb_exact_linear_work      1998864
+     fb_analyse_work           1288984
+     fb_system_analyse_work    1959544
+     fb_exact_path_work         202472
+     fb_exact_spectrum_work    1625192
+     fb_exact_linear_work      1998872
      fb_advice_work            1127800
 
    CONVENTIONS
@@ -1768,7 +1768,7 @@ typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the
 typedef struct fbi_exact_cell {
   fb_real h;
   fb_real strain[6], theta[6]; /* strain, twist from end to end */
-  fb_real V[6], dV[6], dG[6];  /* mean velocity; differences between the ends of velocity and gravity */
+  fb_real V[6], dV[6], dG[3];  /* mean velocity; differences between the ends of velocity and gravity */
   fb_real P[6];                /* momentum per length */
   fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
 } fbi_exact_cell;
@@ -1783,6 +1783,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   int unstable;                /* number of unstable directions of the steady state; 0: stable */
   fbi_exact_motion motion;
   fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
+  fb_real before[4];                     /* inverse of that turn, a quaternion */
   fb_real drift[3];                      /* velocity u there, in base axes of the middle */
   fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
   fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
@@ -2800,8 +2801,9 @@ typedef struct fb_linear_desc {
    rotors inside the bodies, as above. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) + rotors */
-  /* index of x_i, i < (n - rotors)/2 (one body: q alone), among all free axes and q; equal to i without loops */
+  int n_free;  /* number of pose components, or of free axes: n = 2 (modes + n_free) + n_rotor */
+  int n_rotor; /* momenta of rotors among x */
+  /* index of x_i, i < (n - n_rotor)/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
@@ -3287,6 +3289,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.
+          build/flexbeam reduce --code: the rk4 step of one free body as C of its own.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

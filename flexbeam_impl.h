@@ -224,6 +224,7 @@ static void fbi_detail_require(const char *status, const char *function, const c
 static int fbi_is_finite(const fb_real *x, int n)
 {
   fb_real sum = FB_R(0.0);
+  FBI_UNROLL
   for (int i = 0; i < n; i++) {
     sum += FB_FABS(x[i]);
   }
@@ -1218,6 +1219,55 @@ static FBI_INLINE void fbi_vec6_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb
   y[3] = d;
   y[4] = e;
   y[5] = f;
+}
+
+static FBI_INLINE fb_real fbi_vec4_dot(const fb_real a[4], const fb_real b[4])
+{
+  return (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
+}
+
+/* y = L^-1 y for a block of 4 x 4 on the diagonal of a 12 x 12 L with ones on it */
+static FBI_INLINE void fbi_lu_12_forward(fb_real y[4], const fb_real *L)
+{
+  y[1] -= L[12] * y[0];
+  y[2] -= L[24] * y[0] + L[25] * y[1];
+  y[3] -= (L[36] * y[0] + L[37] * y[1]) + L[38] * y[2];
+}
+
+/* y = U^-1 y for such a block of U */
+static FBI_INLINE void fbi_lu_12_back(fb_real y[4], const fb_real *U)
+{
+  y[3] = y[3] / U[39];
+  y[2] = (y[2] - U[27] * y[3]) / U[26];
+  y[1] = (y[1] - (U[14] * y[2] + U[15] * y[3])) / U[13];
+  y[0] = (y[0] - ((U[1] * y[1] + U[2] * y[2]) + U[3] * y[3])) / U[0];
+}
+
+/* x = A^-1 b as fb_lu_solve for n = 12, by blocks of 4 x 4, whose loops compilers unroll. */
+static void fbi_lu_12_solve(fb_real x[12], const fb_real *LU, const int *perm, const fb_real b[12])
+{
+  for (int i = 0; i < 12; i++) {
+    x[i] = b[perm[i]];
+  }
+  fbi_lu_12_forward(x, LU);
+  for (int i = 4; i < 8; i++) {
+    x[i] -= fbi_vec4_dot(LU + 12 * i, x);
+  }
+  fbi_lu_12_forward(x + 4, LU + 52);
+  for (int i = 8; i < 12; i++) {
+    x[i] -= fbi_vec4_dot(LU + 12 * i, x) + fbi_vec4_dot(LU + 12 * i + 4, x + 4);
+  }
+  fbi_lu_12_forward(x + 8, LU + 104);
+
+  fbi_lu_12_back(x + 8, LU + 104);
+  for (int i = 4; i < 8; i++) {
+    x[i] -= fbi_vec4_dot(LU + 12 * i + 8, x + 8);
+  }
+  fbi_lu_12_back(x + 4, LU + 52);
+  for (int i = 0; i < 4; i++) {
+    x[i] -= fbi_vec4_dot(LU + 12 * i + 4, x + 4) + fbi_vec4_dot(LU + 12 * i + 8, x + 8);
+  }
+  fbi_lu_12_back(x, LU);
 }
 
 /* X = A^-1 X for six right-hand sides, row-major. */
@@ -13205,11 +13255,13 @@ static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
 /* A += s v^ (cross-product matrix) on a 3x3 block of a matrix with n columns */
 static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
 {
-  for (int k = 0; k < 3; k++) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    A[n * i + j] -= s * v[k];
-    A[n * j + i] += s * v[k];
-  }
+  const fb_real x = s * v[0], y = s * v[1], z = s * v[2];
+  A[1] -= z;
+  A[2] += y;
+  A[n] += z;
+  A[n + 2] -= x;
+  A[2 * n] -= y;
+  A[2 * n + 1] += x;
 }
 
 /* Y += scale d(ad(x)^T F)/dx = scale [0 f^; f^ m^] */
@@ -13218,6 +13270,15 @@ static void fbi_adT_turn(fb_real Y[36], const fb_real F[6], fb_real scale)
   fbi_add_skew(Y + 3, 6, scale, F);
   fbi_add_skew(Y + 18, 6, scale, F);
   fbi_add_skew(Y + 21, 6, scale, F + 3);
+}
+
+/* Y = ad(x) */
+static void fbi_ad_fill(fb_real Y[36], const fb_real x[6])
+{
+  fbi_zero(Y, 36);
+  fbi_add_skew(Y, 6, FB_R(1.0), x + 3);
+  fbi_add_skew(Y + 3, 6, FB_R(1.0), x);
+  fbi_add_skew(Y + 21, 6, FB_R(1.0), x + 3);
 }
 
 static void fbi_mat66_mul_vec6(fb_real y[6], const fb_real A[36], const fb_real x[6])
@@ -13314,9 +13375,11 @@ static void fbi_exact_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], c
 }
 
 /* The same mean of a vector, by the rotational part of theta alone. */
-static void fbi_exact_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
+static void fbi_exact_mean3(fb_real y[3], fb_real d[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
 {
-  const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  for (int i = 0; i < 3; i++) {
+    d[i] = b[i] - a[i];
+  }
   fb_vec3_cross(y, theta + 3, d);
   for (int i = 0; i < 3; i++) {
     y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
@@ -13332,7 +13395,7 @@ static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, co
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
-  fb_real f[6], df[6], y[6];
+  fb_real f[6], df[6], y[6], mean_G[3];
 
   /* Strain from the stress, twist over the element */
   c->h = m->h[k];
@@ -13351,19 +13414,17 @@ static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, co
       fb_real p[3], q[3], mean[3];
       fb_mat33_mulT_vec3(p, a, n + i);
       fb_mat33_mulT_vec3(q, b, n + i);
-      fbi_exact_mean3(mean, c->theta, p, q);
+      fbi_exact_mean3(mean, df + i, c->theta, p, q);
       fbi_vec3_add(f + i, FB_R(1.0), mean);
-      fbi_vec3_add(df + i, -FB_R(1.0), p);
-      fbi_vec3_add(df + i, FB_R(1.0), q);
     }
   }
 
   /* Gravity and inertia */
   if (motion->gravity) {
-    fbi_exact_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
+    fbi_exact_mean3(mean_G, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
     for (int i = 0; i < 6; i++) {
-      f[i] += fbi_vec6_dot(M + 6 * i, y);
-      df[i] += fbi_vec6_dot(M + 6 * i, c->dG);
+      f[i] += fb_vec3_dot(M + 6 * i, mean_G);
+      df[i] += fb_vec3_dot(M + 6 * i, c->dG);
     }
   }
   if (motion->inertia) {
@@ -13410,11 +13471,7 @@ static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const
 static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fb_real theta[6])
 {
   fb_real X[36], X2[36];
-  fbi_zero(X2, 36);
-  for (int i = 0; i < 36; i += 7) {
-    X2[i] = FB_R(1.0);
-  }
-  fbi_ad_mul(X, theta, X2);
+  fbi_ad_fill(X, theta);
   fbi_ad_mul(X2, theta, X);
   for (int i = 0; i < 36; i++) {
     const int transposed = i % 6 * 6 + i / 6;
@@ -13442,32 +13499,35 @@ static void fbi_exact_inertia_by_node(fb_real Q[36], const fb_real N[36], const 
                                       const fb_exact_work *work, int node, fb_real sign)
 {
   const fbi_exact_motion *motion = &work->motion;
-  fb_real NA[36];
-  fbi_exact_mean_by_end(NA, work->cell.h, sign, N, N_theta);
+  fb_real NAV[36];
+  fbi_exact_mean_by_end(Q, work->cell.h, sign, N, N_theta);
   if (motion->march) {
-    fbi_copy(Q, NA, 36);
     return;
   }
-  fbi_mul_ad(Q, NA, work->V + 6 * node);
+  fbi_mul_ad(NAV, Q, work->V + 6 * node);
   for (int i = 0; i < 36; i++) {
-    Q[i] += motion->shift * NA[i];
+    Q[i] = motion->shift * Q[i] + NAV[i];
   }
 }
 
 /* Gravity in the mean load h f and in the difference h df/12, by the rotation of an end node, d times `pose`:
-   Q += h pose M A ad(G), D = -+h pose M ad(G)/12, G the gravity there. */
+   Q += h pose M A ad(G), D = -+h pose M ad(G)/12, G the gravity there. Rows of M: a G of no rotation takes their force, m,
+   m ad(G) = m x G. */
 static void fbi_exact_gravity_by_node(fb_real Q[36], fb_real D[36], const fb_real M[36], const fb_exact_work *work,
                                       int node, fb_real sign)
 {
   const fb_real h_pose = work->cell.h * work->motion.pose, *const G = work->G + 6 * node;
-  fb_real MA[36], MAG[36];
-  fbi_mul_ad(MA, M, work->cell.theta);
-  fbi_exact_mean_by_end(MA, h_pose, sign, M, MA);
-  fbi_mul_ad(MAG, MA, G);
-  fbi_mul_ad(D, M, G);
-  for (int i = 0; i < 36; i++) {
-    Q[i] += MAG[i];
-    D[i] *= sign * h_pose / FB_R(12.0);
+  for (int i = 0; i < 36; i += 6) {
+    const fb_real *const m = M + i;
+    fb_real m_theta[3], mA[3], mAG[3], mG[3];
+    fb_vec3_cross(m_theta, m, work->cell.theta + 3);
+    for (int a = 0; a < 3; a++) {
+      mA[a] = FB_R(0.5) * m[a] + sign / FB_R(12.0) * m_theta[a];
+    }
+    fb_vec3_cross(mAG, mA, G);
+    fb_vec3_cross(mG, m, G);
+    fbi_vec3_add(Q + i + 3, h_pose, mAG);
+    fbi_vec3_add(D + i + 3, sign * h_pose / FB_R(12.0), mG);
   }
 }
 
@@ -13542,8 +13602,11 @@ static void fbi_exact_load_matrices(fb_real N[36], fb_real G[36], const fbi_exac
     fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
   }
   if (motion->gravity) {
-    fbi_mul_ad(Y, M, c->dG);
-    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
+    for (int i = 0; i < 36; i += 6) { /* as in fbi_exact_gravity_by_node */
+      fb_real m_dG[3];
+      fb_vec3_cross(m_dG, M + i, c->dG);
+      fbi_vec3_add(G + i + 3, c->h / FB_R(12.0), m_dG);
+    }
   }
   if (motion->dead) { /* -h (rotation x d)/12, d the difference of the dead loads between the ends */
     for (int i = 0; i < 6; i += 3) {
@@ -13562,19 +13625,16 @@ static void fbi_exact_load_matrices(fb_real N[36], fb_real G[36], const fbi_exac
 static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, const fb_exact_work *work,
                                       const fb_real hC[36])
 {
-  fb_real X[36], Y[36], one[36];
+  fb_real X[36], Y[36];
   fbi_copy(E, hC, 36);
   if (!work->motion.march) {
     return;
   }
+  fbi_ad_fill(X, c->dV);
+  fbi_ad_mul(Y, c->theta, X);
+  fbi_ad_fill(X, c->V);
   for (int i = 0; i < 36; i++) {
     E[i] *= work->motion.shift;
-    one[i] = i % 7 == 0 ? FB_R(1.0) : FB_R(0.0);
-  }
-  fbi_ad_mul(X, c->dV, one);
-  fbi_ad_mul(Y, c->theta, X);
-  fbi_ad_mul(X, c->V, one);
-  for (int i = 0; i < 36; i++) {
     X[i] += Y[i] / FB_R(12.0);
   }
   fbi_mat66_add_mul(E, X, hC);
@@ -13769,8 +13829,8 @@ static void fbi_exact_rows_fill(fb_exact_work *work, const fb_exact *m, const fb
       balance[18 * r + i] = j->F2s[6 * r + i];
       balance[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
       balance[18 * r + 12 + i] = j->F2d1[6 * r + i];
-      L[12 * r + i] = j->F1s[6 * r + i];
-      L[12 * r + 6 + i] = j->F1d2[6 * r + i];
+      L[6 * i + r] = j->F1s[6 * r + i];
+      L[6 * (i + 6) + r] = j->F1d2[6 * r + i];
     }
   }
   fbi_exact_hold(balance, work, m, k + 1, 18, 6);
@@ -13795,7 +13855,7 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
       K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
     }
     for (int i = 0; i < 12; i++) {
-      fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
+      fbi_vec6_add(K + 6 * r, L[6 * i + r], W + 6 * i);
     }
   }
   return FB_OK;
@@ -13849,9 +13909,10 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
     for (int i = 0; i < 6; i++) {
       b[i] = -work->c[6 * (k - 1) + i];
     }
-    fb_lu_solve(y, work->LU + 144 * (k - 1), work->perm + 12 * (k - 1), b, 12);
-    for (int i = 0; i < 6; i++) {
-      z[i] = fbi_dot(work->L + 72 * (k - 1) + 12 * i, y, 12);
+    fbi_lu_12_solve(y, work->LU + 144 * (k - 1), work->perm + 12 * (k - 1), b);
+    fbi_vec6_zero(z);
+    for (int i = 0; i < 12; i++) {
+      fbi_vec6_add(z, y[i], work->L + 72 * (k - 1) + 6 * i);
     }
   }
 
@@ -13947,6 +14008,10 @@ static void fbi_exact_input_take(fb_exact_work *work, const fb_exact *m, const f
   }
   fb_quat_from_rotvec(half, turn);
   fb_quat_to_mat33(work->half, half);
+  work->before[0] = half[0];
+  for (int i = 1; i < 4; i++) {
+    work->before[i] = -half[i];
+  }
   fb_quat_mul(quat, base_quat, half);
   fb_quat_to_mat33(base, quat);
   fb_mat33_mulT_vec3(work->gravity, base, m->gravity);
@@ -13993,22 +14058,19 @@ static void fbi_exact_nodes_eval(fb_exact_work *work, const fb_exact *m)
   const fbi_exact_motion *motion = &work->motion;
   for (int j = 0; j <= m->n; j++) {
     fb_real *const R = work->R + 9 * j, *const G = work->G + 6 * j;
-    fb_quat_to_mat33(R, work->quat + 4 * j);
 
     /* Rotation, and velocity in the steady case */
     if (motion->march) {
-      fb_real turn[3], quat[4], own[9], ahead[9];
+      fb_real turn[3], own[4], ahead[4], quat[4];
       for (int i = 0; i < 3; i++) {
         turn[i] = motion->pose * work->V[6 * j + 3 + i];
       }
-      fb_quat_from_rotvec(quat, turn);
-      fb_quat_to_mat33(own, quat);
-      fb_mat33_mul(ahead, R, own);
-      for (int i = 0; i < 3; i++) { /* R = half^T ahead */
-        const fb_real row[3] = {work->half[i], work->half[3 + i], work->half[6 + i]};
-        fb_mat33_mulT_vec3(R + 3 * i, ahead, row);
-      }
+      fb_quat_from_rotvec(own, turn);
+      fb_quat_mul(ahead, work->quat + 4 * j, own);
+      fb_quat_mul(quat, work->before, ahead);
+      fb_quat_to_mat33(R, quat);
     } else {
+      fb_quat_to_mat33(R, work->quat + 4 * j);
       fbi_exact_carried(work->V + 6 * j, work, work->r + 3 * j, R);
     }
 
@@ -18497,7 +18559,7 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
     before = it + 1 == m->iterations ? fbi_exact_unbalance(work, m, step) : before;
     fbi_exact_solve(work, m);
     fbi_exact_correct(work, m);
-    change = fbi_exact_change(work, m, step, FB_R(0.0));
+    change = it + 1 == m->iterations ? fbi_exact_change(work, m, step, FB_R(0.0)) : change;
     fbi_exact_middle(work, m, step, it + 3 < m->iterations);
   }
 
@@ -29781,6 +29843,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   for (int a = 0; a < body->n && status == FB_OK; a++) {
     work->common.linear.coordinate[a] = a;
   }
+  work->common.linear.n_rotor = n_p - body->n - n_free;
   return status;
 }
 
@@ -30006,6 +30069,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
+  work->common.linear.n_rotor = work->n_rotor;
   return status ? status : fbi_loops_open(&s, state); /* Z of the steady state again, for the shapes */
 }
 

@@ -12,12 +12,11 @@
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
-#include "../examples/common/boom.h"
+#include "spin_up.h"
 #include "../examples/common/output.h"
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
-#include <math.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_version.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -28,11 +27,8 @@
 #define SUN_COMM_NULL NULL
 #endif
 
-#define T_END 30.0 /* [s] */
-#define RAMP 15.0
-#define SPIN 6.0 /* [rad/s] */
 #define ROWS 120 /* every 0.25 s */
-#define INTERVAL (T_END / ROWS)
+#define INTERVAL (SPIN_UP_END / ROWS)
 #define LEAST 5e-7 /* an error that ends a ladder, too */
 #define MOST 25000 /* steps of a peer in an interval */
 #define STEPS 5000 /* in an interval, at most */
@@ -80,18 +76,7 @@ static SUNContext context;
 
 static void require(int ok, const char *what)
 {
-  if (!ok) {
-    fprintf(stderr, "bench_peers_step: %s\n", what);
-    exit(1);
-  }
-}
-
-/* Of this program: a run of 0.2 s is interrupted by whatever else the machine does, and that does not count. */
-static double processor_ns(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+  spin_up_require(ok, "bench_peers_step", what);
 }
 
 static void build(int modes, int n_element)
@@ -106,15 +91,6 @@ static void build(int modes, int n_element)
   desc.allow_long_step = 1;
   fbb_check(boom_shape(&shape, &tip, &b), "shape integrals");
   fbb_check(fb_body_init(&body, &body_work, &shape, &desc), "body");
-}
-
-/* The hub at t. */
-static void drive(fb_input *input, double t)
-{
-  const double turn = 2 * 3.14159265358979323846 / RAMP;
-  const int on = t < RAMP;
-  input->w[2] = (fb_real)(on ? SPIN / RAMP * (t - sin(turn * t) / turn) : SPIN);
-  input->w_dot[2] = (fb_real)(on ? SPIN / RAMP * (1 - cos(turn * t)) : 0.0);
 }
 
 /* ---- flexbeam: steps per interval; 0: refused or left the model */
@@ -133,15 +109,15 @@ static int run_ours(double *ns, int method, int steps)
   memset(input, 0, sizeof input);
   fbb_check(fb_state_init(&body, &state), "state");
   if (method == EXPONENTIAL) {
-    fbb_check(fb_exponential_init(&integrator, &body_work, &body, dt), "exponential");
+    fbb_check(fb_exponential_init(&scheme, &body_work, &body, dt), "exponential");
   }
-  start = processor_ns();
-  drive(&input[0], 0.0);
+  start = spin_up_clock_ns();
+  spin_up_drive(&input[0], 0.0);
   for (int k = 1; k <= ROWS * steps && status == FB_OK; k++) {
     if (method != SDIRK) {
-      drive(&input[1], (k - 0.5) * INTERVAL / steps);
+      spin_up_drive(&input[1], (k - 0.5) * INTERVAL / steps);
     }
-    drive(&input[2], k * INTERVAL / steps);
+    spin_up_drive(&input[2], k * INTERVAL / steps);
     if (method == RK4) {
       status = fb_rk4_step(&body, &state, &rk4, &input[0], &input[1], &input[2], dt);
     } else if (method == MIDPOINT) {
@@ -149,14 +125,14 @@ static int run_ours(double *ns, int method, int steps)
     } else if (method == SDIRK) {
       status = fb_sdirk_step(&body, &state, &implicit, &input[0], &input[2], dt, 0);
     } else {
-      status = fb_exponential_step(&body, &integrator, &state, &exponential, &input[0], &input[1], &input[2]);
+      status = fb_exponential_step(&body, &scheme, &state, &exponential, &input[0], &input[1], &input[2]);
     }
     input[0] = input[2];
     if (k % steps == 0) {
       memcpy(q[k / steps - 1], state.q, sizeof state.q);
     }
   }
-  *ns = processor_ns() - start;
+  *ns = spin_up_clock_ns() - start;
   return status == FB_OK;
 }
 
@@ -179,7 +155,7 @@ static int right_hand_side(sunrealtype t, N_Vector y, N_Vector y_dot, void *user
   static fb_state rate;
   fb_state *state = user; /* its pose stays as it is: nothing here depends on it */
   evaluations++;
-  drive(&input, t);
+  spin_up_drive(&input, t);
   memcpy(state->q, N_VGetArrayPointer(y), bytes);
   memcpy(state->pi, N_VGetArrayPointer(y) + body.n, bytes);
   if (fb_body_rates_eval(&body, &rate, state, &input) != FB_OK) {
@@ -259,7 +235,7 @@ static int run_peer(double *ns, int method, double parameter)
   int row, status = 0;
   peer_open(&p, method, parameter);
   evaluations = 0;
-  start = processor_ns();
+  start = spin_up_clock_ns();
   for (row = 0; row < ROWS && status >= 0; row++) {
     const double until = (row + 1) * INTERVAL;
     if (is_cvode(method)) {
@@ -271,7 +247,7 @@ static int run_peer(double *ns, int method, double parameter)
     }
     memcpy(q[row], N_VGetArrayPointer(p.y), sizeof(double) * (size_t)body.n);
   }
-  *ns = processor_ns() - start;
+  *ns = spin_up_clock_ns() - start;
   peer_close(&p);
   return status >= 0;
 }
@@ -362,9 +338,9 @@ static void measure(void)
     for (int at = 0; at < METHODS * LADDER; at++) {
       configuration *c = &ladder[at / LADDER][at % LADDER];
       double ns;
-      if (at % LADDER < rungs[at / LADDER] && (turn < 3 || turn * 1e3 * T_END * c->sample[0] < TURNS)) {
+      if (at % LADDER < rungs[at / LADDER] && (turn < 3 || turn * 1e3 * SPIN_UP_END * c->sample[0] < TURNS)) {
         require(run(&ns, c), "a run fails the second time");
-        c->sample[c->n++] = 1e-3 * ns / T_END;
+        c->sample[c->n++] = 1e-3 * ns / SPIN_UP_END;
       }
     }
   }

@@ -21,10 +21,11 @@ static inline int refusal_has_bound(const char *what)
 }
 #endif
 
+#define REFUSAL_LENGTH ((size_t)512)
+
 /* " (fb_beam_init: station 2: EI_y [N m^2], at least 0: -3)", or nothing if the record is of something else. */
-static inline const char *refusal_detail(fb_status status)
+static inline void refusal_write(char text[REFUSAL_LENGTH], fb_status status)
 {
-  static char text[512];
   text[0] = '\0';
 #if FB_WITH_DETAIL
   const fb_detail *d = fb_detail_last();
@@ -32,28 +33,35 @@ static inline const char *refusal_detail(fb_status status)
   const int head = d->index >= 0 && colon ? (int)(colon - d->what) : 0, bound = refusal_has_bound(d->what);
   size_t n = 0;
   if (status == FB_OK || d->status != status) {
-    return text;
+    return;
   }
-  n += (size_t)snprintf(text, sizeof text, " (%.60s: ", d->function);
+  n += (size_t)snprintf(text, REFUSAL_LENGTH, " (%.60s: ", d->function);
   if (d->part >= 0) {
-    n += (size_t)snprintf(text + n, sizeof text - n, "part %d: ", d->part);
+    n += (size_t)snprintf(text + n, REFUSAL_LENGTH - n, "part %d: ", d->part);
   }
   if (head > 0) {
-    n += (size_t)snprintf(text + n, sizeof text - n, "%.*s %d", head < 40 ? head : 40, d->what, d->index);
+    n += (size_t)snprintf(text + n, REFUSAL_LENGTH - n, "%.*s %d", head < 40 ? head : 40, d->what, d->index);
   }
-  n += (size_t)snprintf(text + n, sizeof text - n, "%.200s", d->what + head);
+  n += (size_t)snprintf(text + n, REFUSAL_LENGTH - n, "%.200s", d->what + head);
   if (bound) {
-    n += (size_t)snprintf(text + n, sizeof text - n, " %.5g: %.5g", (double)d->need, (double)d->have);
+    n += (size_t)snprintf(text + n, REFUSAL_LENGTH - n, " %.5g: %.5g", (double)d->need, (double)d->have);
   } else if (!(d->have == 0)) {
-    n += (size_t)snprintf(text + n, sizeof text - n, ": %.5g", (double)d->have);
+    n += (size_t)snprintf(text + n, REFUSAL_LENGTH - n, ": %.5g", (double)d->have);
   }
   if (!(d->at == 0)) {
-    n += (size_t)snprintf(text + n, sizeof text - n, ", at %.5g", (double)d->at);
+    n += (size_t)snprintf(text + n, REFUSAL_LENGTH - n, ", at %.5g", (double)d->at);
   }
-  snprintf(text + n, sizeof text - n, ")");
+  snprintf(text + n, REFUSAL_LENGTH - n, ")");
 #else
   (void)status;
 #endif
+}
+
+/* The same in a text of its own, until the next one. */
+static inline const char *refusal_detail(fb_status status)
+{
+  static char text[REFUSAL_LENGTH];
+  refusal_write(text, status);
   return text;
 }
 

@@ -19,6 +19,7 @@ static const char help[] =
     "  --out FILE        outputs as CSV, FILE.part until the run ends; curves beside it as SVG where gnuplot is there\n"
     "  --margins FILE    response of the loops of controllers over frequency as CSV (Bode and Nyquist, as SVG beside\n"
     "                    it); prints their margins\n"
+    "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -86,14 +87,12 @@ static int read_option(void *to, const char *name, const char *text)
     c->options.n_frame = (int)n;
     return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
-  for (int k = 0; k < 5; k++) {
+  for (int k = 0; k < 6; k++) {
     const struct {
       const char *name, **file;
-    } files[] = {{"--out", &c->options.csv},
-                 {"--margins", &c->options.margins},
-                 {"--picture", &c->options.picture},
-                 {"--animation", &c->options.animation},
-                 {"--frames", &c->options.frames}};
+    } files[] = {
+        {"--out", &c->options.csv},         {"--margins", &c->options.margins},     {"--linear", &c->options.linear},
+        {"--picture", &c->options.picture}, {"--animation", &c->options.animation}, {"--frames", &c->options.frames}};
     if (strcmp(name, files[k].name) == 0) {
       return read_out(files[k].file, text);
     }

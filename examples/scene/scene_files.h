@@ -120,6 +120,7 @@ static int scene_files_check(const char *scene_name, const scene_options *o, int
                      {"curves of --out", o->csv && curves ? svg : NULL, 0},
                      {"--margins", o->margins, 0},
                      {"curves of --margins", o->margins && o->talk && scene_is_plain(o->margins) ? bode : NULL, 0},
+                     {"--linear", o->linear, 0},
                      {"--picture", o->picture, 0},
                      {"--animation", o->animation, 0},
                      {"--frames", o->frames ? frame : NULL, 0}};

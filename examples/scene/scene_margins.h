@@ -18,7 +18,7 @@
                     no margins: 1, 1, 0 and 0 */
 #ifndef SCENE_MARGINS_H
 #define SCENE_MARGINS_H
-#include "scene_engine.h"
+#include "scene_linear.h"
 #include <complex.h>
 
 #define LOOP_ORDER (FB_MAX_LINEAR + 64) /* of plant, delays and controllers */
@@ -34,8 +34,6 @@ typedef struct loop_point {
 } loop_point;
 
 static struct scene_loops {
-  fb_linear_desc desc;
-  fb_linear linear;
   int n, order;                                      /* of the plant; with delays and controllers */
   double sample;                                     /* [s] */
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR];          /* of the plant */
@@ -58,183 +56,9 @@ static struct scene_loops {
   loop_margins margins[SCENE_CONTROLS];
 } loops;
 
-/* ---- the plant: inputs and outputs of its linear model */
-
 static int loop_fail(scene *s, int line, const char *what, const char *why)
 {
   return scene_fail_at(s, line, "margins: %s %s", what, why);
-}
-
-/* The port of the model, new or there already; -1: there are too many. */
-static int loop_port(fb_port *port, int *n, fb_port_kind kind, int body, int node, int axis)
-{
-  const fb_port wanted = {kind, body, node, axis};
-  for (int k = 0; k < *n; k++) {
-    if (port[k].kind == kind && port[k].body == body && port[k].node == node && port[k].axis == axis) {
-      return k;
-    }
-  }
-  if (*n == FB_MAX_PORTS) {
-    return -1;
-  }
-  port[*n] = wanted;
-  return (*n)++;
-}
-
-/* What a controller acts by, as ports and their weights: how many there are. */
-static int loop_actor(const scene *s, const scene_control *c, int port[3], double weight[3])
-{
-  fb_linear_desc *const d = &loops.desc;
-  const scene_load *const load = &s->load[c->at];
-  fb_real vector[3], inertial[3], R[9];
-  fb_node_motion node;
-  int n = 0;
-  weight[0] = 1;
-  if (c->actor == SCENE_BY_MOTOR) {
-    const scene_drive *const drive = &s->drive[c->at];
-    port[0] = loop_port(d->in, &d->n_in, FB_PORT_DRIVE, s->joint[drive->joint].at, 0, drive->axis);
-    return 1;
-  }
-  if (c->actor == SCENE_BY_PULL) {
-    port[0] = loop_port(d->in, &d->n_in, FB_PORT_PULL, c->at, 0, 0);
-    return 1;
-  }
-  if (c->actor == SCENE_BY_ROTOR) {
-    port[0] = loop_port(d->in, &d->n_in, FB_PORT_MOTOR, s->rotor[c->at].body, 0, s->rotor[c->at].at);
-    return 1;
-  }
-  scene_reals(vector, load->vector, 3);
-  if (load->axes == FB_AXES_INERTIAL || load->axes == FB_AXES_NODE) { /* to those of the body */
-    if (fb_body_node_motion_eval(&engine.body[load->body], &node, &engine.view.motion.pose[load->body],
-                                 &engine.view.motion.motion[load->body], load->node) != FB_OK) {
-      return -1;
-    }
-    fb_quat_to_mat33(R, node.quat);
-    fb_mat33_mul_vec3(inertial, R, vector);
-    fb_quat_to_mat33(R, engine.view.motion.pose[load->body].quat);
-    fb_mat33_mulT_vec3(vector, R, load->axes == FB_AXES_NODE ? inertial : vector);
-  }
-  for (int i = 0; i < 3; i++) {
-    if (FB_FABS(vector[i]) > 0) {
-      port[n] = loop_port(d->in, &d->n_in, load->torque ? FB_PORT_TORQUE : FB_PORT_FORCE, load->body, load->node, i);
-      weight[n++] = (double)vector[i];
-    }
-  }
-  return n;
-}
-
-/* Free axes of the bodies of a system before that one. */
-static int loop_axes_before(const scene *s, int body)
-{
-  int n = 0;
-  for (int b = 0; b < body && scene_is_system(s); b++) {
-    const fb_joint_kind kind = engine.system.joint[b].kind;
-    const int axes = scene_joint_kinds[kind].axes, single = axes < 3;
-    for (int i = 0; i < axes; i++) {
-      n += engine.system_state.mode[b][single ? i : 0] == FB_AXIS_FREE;
-    }
-  }
-  return n;
-}
-
-/* The state that is coordinate k among all free axes and modal coordinates; -1: it is none. */
-static int loop_state(const scene *s, int k)
-{
-  int states = loops.linear.n; /* coordinates and momenta, then rotors */
-  for (int r = 0; r < s->n_rotor; r++) {
-    states -= !s->body[s->rotor[r].body].level.rotor[s->rotor[r].at].given;
-  }
-  for (int i = 0; i < states / 2; i++) {
-    if (loops.linear.coordinate[i] == k) {
-      return i;
-    }
-  }
-  return -1;
-}
-
-/* The first state of the attitude of a free body, of three; -1: it has none. */
-static int loop_attitude(const scene *s, int body)
-{
-  if (!scene_is_system(s)) {
-    return s->body[0].level.base == FB_BASE_FREE ? loops.linear.n - 3 : -1;
-  }
-  if (engine.system.joint[body].kind != FB_JOINT_FREE || engine.system_state.mode[body][0] != FB_AXIS_FREE) {
-    return -1;
-  }
-  return loop_state(s, loop_axes_before(s, body) + 3);
-}
-
-/* Adds what is part of the state itself to a row of C: attitude, modes, strains. 0: it is not. */
-static int loop_add_state(const scene *s, double *row, const scene_output *o, double gain)
-{
-  const int body = o->body, all = loop_axes_before(s, s->n_body);
-  int modes = all, at;
-  for (int b = 0; b < body; b++) {
-    modes += engine.body[b].n;
-  }
-  if (o->quantity == SCENE_ATTITUDE) {
-    const fb_real *const q = engine.view.motion.pose[body].quat;
-    const double turn[4][3] = {{-(double)q[1], -(double)q[2], -(double)q[3]}, /* q (0, e_i) / 2, w to z by rows */
-                               {(double)q[0], -(double)q[3], (double)q[2]},
-                               {(double)q[3], (double)q[0], -(double)q[1]},
-                               {-(double)q[2], (double)q[1], (double)q[0]}};
-    at = loop_attitude(s, body);
-    for (int i = 0; i < 3 && at >= 0; i++) {
-      row[at + i] += gain * 0.5 * turn[o->axis][i];
-    }
-    return at >= 0;
-  }
-  for (int a = 0; a < FB_MAX_MODES && (o->quantity == SCENE_MODE || o->quantity == SCENE_STRAIN); a++) {
-    const fb_gauge *const gauge = &s->body[body].gauge[o->at];
-    const double part = o->quantity == SCENE_MODE ? a == o->at : a < gauge->n ? (double)gauge->gain[a] : 0;
-    const int place = engine.place[body][a];
-    at = place < 0 || !(fabs(part) > 0) ? 0 : loop_state(s, modes + place);
-    if (at < 0) {
-      return 0;
-    }
-    row[at] += place < 0 ? 0 : gain * part;
-  }
-  return o->quantity == SCENE_MODE || o->quantity == SCENE_STRAIN;
-}
-
-/* The port that an output is; -1: it is none, -2: there are too many. */
-static int loop_sensor(const scene *s, const scene_output *o)
-{
-  static const struct {
-    scene_quantity quantity;
-    fb_port_kind kind;
-  } kinds[] = {{SCENE_DISPLACEMENT, FB_PORT_DISPLACEMENT},
-               {SCENE_ROTATION, FB_PORT_ROTATION},
-               {SCENE_GYRO, FB_PORT_RATE},
-               {SCENE_SPIN, FB_PORT_RATE},
-               {SCENE_SPECIFIC_FORCE, FB_PORT_ACCELERATION},
-               {SCENE_COORDINATE, FB_PORT_COORDINATE},
-               {SCENE_COORDINATE_RATE, FB_PORT_SPEED},
-               {SCENE_LENGTH, FB_PORT_LENGTH},
-               {SCENE_ROTOR_SPEED, FB_PORT_ROTOR_SPEED}};
-  fb_linear_desc *const d = &loops.desc;
-  for (int k = 0; k < (int)(sizeof kinds / sizeof *kinds); k++) {
-    const scene_place place = scene_quantities[o->quantity].place;
-    int body = o->body, node = o->at, port;
-    if (kinds[k].quantity != o->quantity) {
-      continue;
-    }
-    if (place == SCENE_AT_AXIS) {
-      if (scene_axes(&s->joint[o->at]) > 2) {
-        return -1;
-      }
-      body = s->joint[o->at].at;
-    } else if (place == SCENE_AT_SPRING) {
-      body = o->at;
-    }
-    node = place == SCENE_AT_NODE ? o->at : 0;
-    port = loop_port(d->out, &d->n_out, kinds[k].kind, body, node,
-                     place == SCENE_AT_SPRING  ? 0
-                     : place == SCENE_AT_ROTOR ? s->rotor[o->at].at
-                                               : o->axis);
-    return port < 0 ? -2 : port;
-  }
-  return -1;
 }
 
 /* ---- exact discretization */
@@ -565,38 +389,24 @@ static int loop_check(scene *s, int line)
 /* Ports of all commands and sensors, and the linear model. */
 static int loop_linearize(scene *s, int line)
 {
-  fb_real weight[FB_MAX_BODIES][3];
-  fb_status status = scene_look(s, 0);
+  fb_status status = plant_begin(s);
   int port[3];
   double by[3];
-  memset(&loops.desc, 0, sizeof loops.desc);
   for (int k = 0; k < s->n_control && status == FB_OK; k++) {
     const scene_control *const c = &s->control[k];
-    const int n = loop_actor(s, c, port, by);
+    const int n = plant_actor(s, c->actor, c->at, port, by);
     for (int i = 0; i < n; i++) {
       if (port[i] < 0) {
         return loop_fail(s, c->line, c->name, "and the controllers before it have too many commands");
       }
     }
     for (int i = 0; i < c->n_sensor; i++) {
-      if (loop_sensor(s, &s->output[c->sensor[i].output]) == -2) {
+      if (plant_sensor(s, &s->output[c->sensor[i].output]) == -2) {
         return loop_fail(s, c->line, c->name, "and the controllers before it have too many inputs");
       }
     }
   }
-  scene_drop_weight(s, weight);
-  if (scene_is_system(s)) {
-    system_input(s, &engine.system_at[0], 0, 0);
-    status = status ? status
-                    : fb_system_linearize(&engine.system, engine.body, &engine.system_analyse, &loops.linear,
-                                          &engine.system_state, &engine.system_at[0], &loops.desc);
-  } else {
-    single_input(s, &engine.at[0], 0, 0);
-    status = status ? status
-                    : fb_body_linearize(&engine.body[0], &engine.analyse, &loops.linear, &engine.state, &engine.at[0],
-                                        &loops.desc);
-  }
-  scene_put_weight(s, weight);
+  status = status ? status : plant_solve(s);
   return status ? scene_fail_at(s, line, "margins: no linear model about the start: %s%s", fb_status_string(status),
                                 refusal_detail(status))
                 : 0;
@@ -605,7 +415,7 @@ static int loop_linearize(scene *s, int line)
 /* B, C and D of the commands and of what a controller adds up. */
 static int loop_connect(scene *s)
 {
-  const fb_linear *const linear = &loops.linear;
+  const fb_linear *const linear = &plant.linear;
   const int n = linear->n;
   int port[SCENE_CONTROLS][3], parts[SCENE_CONTROLS];
   double by[SCENE_CONTROLS][3];
@@ -613,7 +423,7 @@ static int loop_connect(scene *s)
   memset(loops.C, 0, sizeof loops.C);
   memset(loops.D, 0, sizeof loops.D);
   for (int k = 0; k < s->n_control; k++) {
-    parts[k] = loop_actor(s, &s->control[k], port[k], by[k]);
+    parts[k] = plant_actor(s, s->control[k].actor, s->control[k].at, port[k], by[k]);
     for (int p = 0; p < parts[k]; p++) {
       for (int i = 0; i < n; i++) {
         loops.B[k][i] += by[k][p] * (double)linear->B[linear->n_in * i + port[k][p]];
@@ -624,8 +434,8 @@ static int loop_connect(scene *s)
     const scene_control *const c = &s->control[k];
     for (int j = 0; j < c->n_sensor; j++) {
       const scene_output *const o = &s->output[c->sensor[j].output];
-      const int at = loop_sensor(s, o);
-      if (at < 0 && !loop_add_state(s, loops.C[k], o, c->sensor[j].gain)) {
+      const int at = plant_sensor(s, o);
+      if (at < 0 && !plant_add_state(s, loops.C[k], o, c->sensor[j].gain)) {
         return loop_fail(s, c->line, o->label,
                          "has no linear model: take displacement, rotation, gyro, spin, specific_force, length, "
                          "coordinate, speed, mode, strain, or attitude of a free body");
@@ -649,10 +459,10 @@ static int loop_discretize(scene *s, int line)
   static fb_real scale[FB_MAX_LINEAR];
   static double F[FB_MAX_LINEAR * FB_MAX_LINEAR], G[FB_MAX_LINEAR];
   const double T = s->control[0].sample;
-  const int n = loops.linear.n;
+  const int n = plant.linear.n;
   loops.n = loops.order = n;
   loops.sample = T;
-  memcpy(loops.A, loops.linear.A, (size_t)(n * n) * sizeof *loops.A);
+  memcpy(loops.A, plant.linear.A, (size_t)(n * n) * sizeof *loops.A);
   fbi_balance(loops.A, scale, n);
   for (int k = 0; k < s->n_control; k++) {
     const scene_control *const c = &s->control[k];

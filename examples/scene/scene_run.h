@@ -9,6 +9,7 @@
 typedef struct scene_options { /* all zero: no files, no talk */
   const char *csv;             /* name of the file that the outputs go to */
   const char *margins;         /* response of the loops of controllers over frequency */
+  const char *linear;          /* linear model about the start, CSV or JSON */
   const char *picture;         /* a few frames over each other, SVG */
   const char *animation;       /* SVG that moves */
   const char *frames;          /* folder for numbered frames, SVG */
@@ -873,7 +874,8 @@ static int scene_run(scene *s, const scene_options *o)
     scene_warn(s, o->warn,
                "warning: no run with rigid bodies tells what happens at most; what is chosen fits the start");
   }
-  if (scene_measure_spectrum(s) || scene_measure_margins(s, o->margins, o->talk)) {
+  if (scene_measure_spectrum(s) || scene_measure_margins(s, o->margins, o->talk) ||
+      scene_write_linear(s, o->linear, o->talk)) {
     return 1;
   }
   scene_clock_init(s, scene_rows(s));

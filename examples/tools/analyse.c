@@ -13,7 +13,7 @@
 #define PROGRAM "analyse"
 #include "../common/options.h"
 #include "words.h"
-#include "../common/output.h"
+#include "../common/linear_out.h"
 #include "../common/plot.h"
 
 static const char help[] =
@@ -28,6 +28,12 @@ static const char help[] =
     "  --tolerance E     error wanted of every mode of amplitude 1, by all of them together (0.001)\n"
     "  --duration T      over this time [s] (60)\n"
     "  --out NAME        writes NAME.csv and, where gnuplot is there, NAME.svg (analyse)\n"
+    "  --linear FILE     A, B, C, D about the steady spin, with names and units: FILE.json, or CSV\n"
+    "  --inputs LIST     of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, of a prescribed base\n"
+    "                    base_velocity.AXIS, base_rate.AXIS; NODE a name or a number, AXIS x, y or z\n"
+    "                    (force at the last node, torque at node 0)\n"
+    "  --outputs LIST    displacement, rotation, rate, acceleration, each .NODE.AXIS\n"
+    "                    (displacement of the last node, rate of node 0)\n"
     "  --help            this text\n"
     "A free or pinned body spins about the principal axis of its deformed shape nearest to the one wanted, a hinged "
     "one\n"
@@ -35,7 +41,7 @@ static const char help[] =
     "advised, and no longer than the steppers accept at that spin.\n";
 
 typedef struct options {
-  const char *file, *out;
+  const char *file, *out, *linear, *inputs, *outputs;
   double spin[3], to, steps, modes, tolerance, duration;
 } options;
 
@@ -59,6 +65,18 @@ static int read_option(void *to, const char *name, const char *text)
       o->spin[i] *= name[2] == 's' ? 1 : 2 * model_pi / 60;
     }
     return status;
+  }
+  if (strcmp(name, "--linear") == 0 && (text[0] == 0 || strlen(text) >= 400)) {
+    return fail("--linear wants a file name of less than 400 characters", "");
+  }
+  for (int k = 0; k < 3; k++) {
+    const struct {
+      const char *name, **text;
+    } texts[] = {{"--linear", &o->linear}, {"--inputs", &o->inputs}, {"--outputs", &o->outputs}};
+    if (strcmp(name, texts[k].name) == 0) {
+      *texts[k].text = text;
+      return 0;
+    }
   }
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text)
                                     : read_number(list, (int)(sizeof list / sizeof *list), name, text);
@@ -276,9 +294,112 @@ static int campbell(const options *o, const double axis[3])
   return draw(o, csv, critical);
 }
 
+/* ---- the linear model */
+
+static int fail_port(const char *option, const char *word, const char *why)
+{
+  fprintf(stderr, PROGRAM ": %s: %s: %s\n", option, word, why);
+  return 2;
+}
+
+/* The node of that name or number; -1: there is none. */
+static int find_node(const char *name, size_t length)
+{
+  char *end;
+  const long number = strtol(name, &end, 10);
+  for (int k = 0; k < model_body.n_node; k++) {
+    if (length > 0 && strlen(model.node_name[k]) == length && strncmp(model.node_name[k], name, length) == 0) {
+      return k;
+    }
+  }
+  return length > 0 && end == name + length && number >= 0 && number < model_body.n_node ? (int)number : -1;
+}
+
+/* One port, as force.tip.y; where the base moves it there is no node. 0, or 2 after a message. */
+static int read_port(fb_port *port, const char *option, const char *word)
+{
+  const size_t kind = strcspn(word, ".");
+  const char *const last = strrchr(word, '.');
+  memset(port, 0, sizeof *port);
+  while (port->kind < FB_PORT_DRIVE &&
+         (strlen(linear_ports[port->kind].name) != kind || strncmp(linear_ports[port->kind].name, word, kind) != 0)) {
+    port->kind = (fb_port_kind)(port->kind + 1);
+  }
+  if (port->kind == FB_PORT_DRIVE || (port->kind < FB_PORT_DISPLACEMENT) != (option[2] == 'i')) {
+    return fail_port(option, word, "no such kind (see --help)");
+  }
+  if (!last || strlen(last) != 2 || !strchr(linear_axes, last[1])) {
+    return fail_port(option, word, "wants .x, .y or .z at its end");
+  }
+  port->axis = (int)(strchr(linear_axes, last[1]) - linear_axes);
+  if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
+    return last == word + kind ? 0 : fail_port(option, word, "the base has no node");
+  }
+  port->node = last > word + kind ? find_node(word + kind + 1, (size_t)(last - word) - kind - 1) : -1;
+  return port->node >= 0 ? 0 : fail_port(option, word, "no such node");
+}
+
+/* A list of ports, and their names as they are given. */
+static int read_ports(fb_port *port, int *n, linear_value *names, const char *option, const char *list)
+{
+  for (const char *at = list; *at;) {
+    const size_t length = strcspn(at, ",");
+    char word[80];
+    if (*n == FB_MAX_PORTS || length >= sizeof word) {
+      return fail_port(option, at, *n == FB_MAX_PORTS ? "more than 12 of them" : "is too long");
+    }
+    snprintf(word, sizeof word, "%.*s", (int)length, at);
+    if (read_port(&port[*n], option, word)) {
+      return 2;
+    }
+    memcpy(names[*n].name, word, sizeof word);
+    at += length + (at[length] == ',');
+    (*n)++;
+  }
+  return 0;
+}
+
+/* Writes the linear model about the steady state. */
+static int write_linear(const options *o)
+{
+  static linear_value in[FB_MAX_PORTS], out[FB_MAX_PORTS];
+  static fb_linear_desc desc;
+  static fb_linear linear;
+  static linear_out file;
+  fb_motion motion;
+  char list[2][160];
+  const int last = model_body.n_node - 1;
+  fb_status status;
+  snprintf(list[0], sizeof list[0], "force.%d.x,force.%d.y,force.%d.z,torque.0.x,torque.0.y,torque.0.z", last, last,
+           last);
+  snprintf(list[1], sizeof list[1], "displacement.%d.x,displacement.%d.y,displacement.%d.z,rate.0.x,rate.0.y,rate.0.z",
+           last, last, last);
+  if (read_ports(desc.in, &desc.n_in, in, "--inputs", o->inputs ? o->inputs : list[0]) ||
+      read_ports(desc.out, &desc.n_out, out, "--outputs", o->outputs ? o->outputs : list[1])) {
+    return 2;
+  }
+  status = fb_body_motion_eval(&model_body, &motion, &state, &input);
+  status = status ? status : fb_body_linearize(&model_body, &work, &linear, &state, &input, &desc);
+  if (status != FB_OK) {
+    fprintf(stderr, PROGRAM ": no linear model: %s\n", refusal_text(status));
+    return 1;
+  }
+  linear_out_body(&file, o->file, &linear, &desc, &model_body, &state, &motion);
+  for (int k = 0; k < FB_MAX_PORTS; k++) {
+    memcpy(file.in[k].name, in[k].name, sizeof in[k].name);
+    memcpy(file.out[k].name, out[k].name, sizeof out[k].name);
+  }
+  if (linear_out_write(&file, o->linear)) {
+    fprintf(stderr, PROGRAM ": cannot write %s: %s\n", o->linear, strerror(errno));
+    return 2;
+  }
+  printf("linear model: %s, %d states, %d inputs, %d outputs\n", o->linear, linear.n, linear.n_in, linear.n_out);
+  return 0;
+}
+
 int analyse_main(int argc, char **argv)
 {
-  static options o = {"examples/satellite.txt", "analyse", {0, 0, 0}, 0, 20, 8, 1e-3, 60};
+  static options o = {"examples/satellite.txt", "analyse", NULL, NULL, NULL, {0, 0, 0}, 0, 20, 8, 1e-3, 60};
   const char *what;
   double axis[3] = {0, 0, 1}, spin;
   const int named = argc > 1 && argv[1][0] != '-';
@@ -289,6 +410,9 @@ int analyse_main(int argc, char **argv)
   o.file = named ? argv[1] : o.file;
   if (bad) {
     return bad;
+  }
+  if (!o.linear && (o.inputs || o.outputs)) {
+    return fail("--inputs and --outputs are those of --linear FILE", "");
   }
   o.steps = floor(o.steps);
   o.modes = floor(o.modes);
@@ -317,5 +441,9 @@ int analyse_main(int argc, char **argv)
   print_trim();
   print_modes((int)o.modes);
   print_steps(&o, spin);
+  bad = o.linear ? write_linear(&o) : 0;
+  if (bad) {
+    return bad;
+  }
   return o.to > 0 || o.to < 0 ? campbell(&o, axis) : 0;
 }

@@ -9,6 +9,7 @@
 #define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
 #include "model.h"
+#include "code.h"
 #include "rom.h"
 #define PROGRAM "reduce"
 #include "words.h"
@@ -20,6 +21,8 @@ static const char help[] =
     "usage: flexbeam reduce FILE [options]\n"
     "  --out FILE   where to write the header (standard output)\n"
     "  --single     for single precision (double)\n"
+    "  --code       C of the body's own step of rk4, which needs no library, instead (free bodies, effects up to "
+    "full)\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
@@ -67,6 +70,16 @@ static void summarize(const char *file)
   fprintf(stderr, "  %d terms of Lambda, %d of S\n", model_body.n_lambda, model_body.n_S);
 }
 
+/* Of which part a coordinate is, and what. */
+static void print_coordinate(FILE *out, int coordinate)
+{
+  static const char *const kinds[FB_KIND_COUNT + 1] = {"bend_y", "bend_z", "axial", "torsion", "of a component"};
+  const int kind = model_mode_kind(coordinate);
+  int own;
+  const model_part *const part = model_part_of(coordinate, &own);
+  fprintf(out, "%s%smode %d, %s", part->name, part->name[0] ? ": " : "", own + 1, kinds[kind]);
+}
+
 typedef struct options {
   const char *out, *name;
 } options;
@@ -86,7 +99,8 @@ static int read_option(void *to, const char *name, const char *text)
 
 int reduce_main(int argc, char **argv)
 {
-  const int single = take_flag(&argc, argv, "--single"), named = argc > 1 && argv[1][0] != '-';
+  const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
+  const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
   options o = {NULL, NULL};
   FILE *out = stdout;
@@ -110,10 +124,19 @@ int reduce_main(int argc, char **argv)
     return 1;
   }
   summarize(file);
+  if (steps && code_refusal(&model_body)) {
+    fprintf(stderr, "reduce: %s: --code: %s\n", file, code_refusal(&model_body));
+    return 1;
+  }
   if (o.out && !(out = fopen(o.out, "w"))) {
     fprintf(stderr, "reduce: %s: %s\n", o.out, strerror(errno));
     return 2;
   }
-  rom_write(out, &model_body, model.name, file, single);
+  if (!steps) {
+    rom_write(out, &model_body, model.name, file, single);
+  } else if (!code_write(out, &model_body, model.name, file, single, print_coordinate)) {
+    fprintf(stderr, "reduce: a temporary file: %s\n", strerror(errno));
+    return 2;
+  }
   return o.out ? output_close(out, o.out) : 0;
 }

@@ -1,15 +1,16 @@
 #!/bin/sh
 # Every program and test compiles without a warning: gcc and clang, both precisions, C99, C11 and C17; the library and its
-# tests as C++11, too. clang has all its warnings from the syntax. gcc has more from the flow in optimized code: that of the
-# programs is looked at here, without the library (FLEXBEAM_IMPL_INCLUDED) unless they use its inside; that of the tests and
-# of the library by suite.sh, removed.sh and `make test`, and here by -O3 for a single mode, where arrays are shortest.
+# tests as C++11, too. clang has all its warnings from the syntax. gcc has more from the flow in optimized code, the same in
+# either precision: that of the examples is looked at by `make ci`, which builds them, that of the benchmarks and hard cases
+# here, without the library (FLEXBEAM_IMPL_INCLUDED) unless they use its inside; that of the tests and of the library by
+# suite.sh, removed.sh and `make test`, and here by -O3 for a single mode, where arrays are shortest.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
 need clang clang
 count=0
-programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi)
-inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c examples/tools/advise.c examples/tools/analyse.c examples/tools/reduce.c examples/tools/exact.c examples/tools/campbell.c examples/scene/scene.c examples/campaign/campaign.c examples/tutorial_import.c"
+programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c)
+inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c"
 try gcc -std=c99 -I. -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
@@ -22,18 +23,20 @@ compile() {
 }
 
 for single in 0 1; do
-  for forms in 0 1; do
-    compile gcc -std=c99 $WARNINGS_C -O3 -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms -DFB_MAX_MODES=1 -c "$out/impl.c"
-  done
-  for file in $programs; do
-    library=$(case " $inside " in *" $file "*) ;; *) echo -DFLEXBEAM_IMPL_INCLUDED ;; esac)
-    compile gcc -std=c99 $WARNINGS_C -O2 -DFB_SINGLE=$single $library -c $file
-  done
+  compile gcc -std=c99 $WARNINGS_C -O3 -DFB_SINGLE=$single -DFB_WITH_FORMS=1 -DFB_MAX_MODES=1 -c "$out/impl.c"
+done
+for file in $(echo "$programs" | grep -v '^examples/'); do
+  library=$(case " $inside " in *" $file "*) ;; *) echo -DFLEXBEAM_IMPL_INCLUDED ;; esac)
+  compile gcc -std=c99 $WARNINGS_C -O2 $library -c $file
 done
 for cc in "gcc -c -O2" "clang -fsyntax-only"; do
   for file in examples/firmware/firmware.c examples/tutorial_firmware.c "bench/target.c $body" "bench/step_cost.c -DDESKTOP $body" examples/firmware/board/desktop.c; do
     compile $cc -std=c99 $WARNINGS_C $rom $file
   done
+done
+for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the peers are installed
+  echo "#include <${peer#*:}>" | gcc -x c -fsyntax-only - 2> /dev/null || continue
+  compile gcc -fsyntax-only -std=c99 $WARNINGS_C bench/bench_peers_${peer%:*}.c
 done
 for single in 0 1; do
   for file in tests/test_*.c $programs; do

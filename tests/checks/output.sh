@@ -60,6 +60,7 @@ for program in $(basename -s .c examples/*.c examples/*/*.c); do
     ;;
   assembly | firmware) unprinted $program ;;
   campaign_mpi) ;; # mpirun has its standard output
+  fmu2 | fmu3) ;;   # no programs: they go into FMUs
   *) unprinted $program --help ;;
   esac
 done
@@ -88,4 +89,6 @@ unfiled full.csv hil_plant --simulated-time direct --seconds 0.1 --out "$full"
 unfiled full.csv spacecraft --t-end 60 --out "$full"
 unfiled full.csv scene examples/scenes/top.txt --picture "$full"
 unfiled full.csv scene examples/scenes/top.txt --animation "$full"
+unfiled full.csv scene examples/scenes/top.txt --linear "$full"
+unfiled full.csv analyse examples/boom.txt --linear "$full"
 ok "$printed runs into a full standard output and $filed into a full file are told"

@@ -7,7 +7,7 @@ need g++ g++
 need clang clang
 result=
 # compiler, FB_SINGLE, FB_WITH_FORMS, FBT_SHORT
-for run in "gcc 1 0 0" "clang 0 0 0" "clang 1 0 0" "clang 1 1 1" "g++ 0 1 1"; do
+for run in "gcc 1 0 0" "clang 0 0 0" "clang 1 1 1" "g++ 0 1 1"; do
   set -- $run
   options="-O2 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3 -DFBT_SHORT=$4"
   case $1 in

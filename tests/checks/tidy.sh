@@ -11,9 +11,9 @@
 need clang-tidy clang-tidy
 need cppcheck cppcheck
 need gcc gcc
-files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e rom.c -e checks/single.c -e checks/advise.c -e checks/parts.c)" # they want a generated header, or other libraries
+files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e rom.c -e fmu2.c -e fmu3.c -e checks/single.c -e checks/code.c -e checks/advise.c -e checks/parts.c)" # they want a generated header, or other libraries
 in_double="jacobian.c|shape_rates.c"
-inside="test_main.c|bench_exact.c|bench_system.c|sizes.c|advise.c|analyse.c|reduce.c|exact.c|campbell.c|scene.c|campaign.c|tutorial_import.c|two_precisions.c"
+inside="test_main.c|bench_exact.c|bench_system.c|sizes.c|advise.c|analyse.c|reduce.c|fmu.c|exact.c|campbell.c|scene.c|campaign.c|tutorial_import.c|two_precisions.c"
 printf '#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include "flexbeam_impl.h"\n' > "$out/library.c"
 for single in 0 1; do
   forms=$([ $single = 0 ] || echo -DFB_WITH_FORMS=1)

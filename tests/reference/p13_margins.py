@@ -68,7 +68,8 @@ def lowpass(hz, zeta, T):
     return prewarped([w * w], [1, 2 * zeta * w, w * w], hz, T)
 
 
-def margins(name, plant, controller, T, delay):
+def opened(plant, controller, T, delay):
+    """The response L of the loop over frequency, and the matrix of the closed loop."""
     response, F, G, C = held(*plant, T, delay)
     num, den = np.array([1.0]), np.array([1.0])
     for n, d in controller:
@@ -76,8 +77,14 @@ def margins(name, plant, controller, T, delay):
 
     def L(w):
         z = np.exp(1j * w * T)
-        return response(z) * np.polyval(num, z) / np.polyval(den, z)
+        return response(z) * np.prod([np.polyval(n, z) / np.polyval(d, z) for n, d in controller])
 
+    K = signal.tf2ss(num, den)
+    return L, np.block([[F - G @ K[3] @ C, G @ K[2]], [-K[1] @ C, K[0]]])
+
+
+def margins(plant, controller, T, delay):
+    L, closed = opened(plant, controller, T, delay)
     top = np.pi / T
     grid = top * np.logspace(-5, 0, 40001)[:-1]
     values = np.array([L(w) for w in grid])
@@ -96,10 +103,7 @@ def margins(name, plant, controller, T, delay):
     if at.real < 0:
         gain = min(gain, 1 / abs(at)) if abs(at) <= 1 else gain
         reduction = max(reduction, 1 / abs(at)) if abs(at) > 1 else reduction
-    K = signal.tf2ss(num, den)
-    closed = np.block([[F - G @ K[3] @ C, G @ K[2]], [-K[1] @ C, K[0]]])
-    radius = max(abs(np.linalg.eigvals(closed)))
-    print(','.join([name] + ['%.12g' % x for x in (gain, reduction, phase, late, radius)]))
+    return gain, reduction, phase, late, max(abs(np.linalg.eigvals(closed)))
 
 
 def two_disks(inertia, other, stiffness, damping, other_angle, rate_gain):
@@ -112,13 +116,22 @@ def two_disks(inertia, other, stiffness, damping, other_angle, rate_gain):
     return A, np.array([[0], [0], [1 / inertia], [0]]), C
 
 
-print('# Margins of sampled loops about a rigid disk and two disks on a shaft, by tests/reference/p13_margins.py (SciPy)')
-print('case,gain_margin,gain_reduction,phase_margin,delay_margin,pole_radius')
-T = 0.01
-rigid = (np.array([[0, 1], [0, 0.0]]), np.array([[0], [0.01]]), np.array([[1, 3.0]]))
-margins('rigid', rigid, [(np.array([40.0]), np.array([1.0]))], T, 0.005)
-disks = two_disks(100, 20, 8000, 4, False, 0)
-for name, delay in ('disks', 0), ('disks_5ms', 0.005), ('disks_10ms', 0.01), ('disks_27ms', 0.027):
-    margins(name, disks, [pid(40, 4, 150, 0.02, T), notch(3.5, 0.1, 0.7, T), lowpass(20, 0.7, T)], T, delay)
-far = two_disks(100, 20, 8000, 4, True, 0)
-margins('far', far, [pid(40, 4, 150, 0.02, T), notch(3.5588, 0.02, 0.7, T), lowpass(5, 0.7, T)], T, 0.005)
+def line(name, *loop):
+    print(','.join([name] + ['%.12g' % x for x in margins(*loop)]))
+
+
+def main():
+    print('# Margins of sampled loops about a rigid disk and two disks on a shaft, by tests/reference/p13_margins.py (SciPy)')
+    print('case,gain_margin,gain_reduction,phase_margin,delay_margin,pole_radius')
+    T = 0.01
+    rigid = (np.array([[0, 1], [0, 0.0]]), np.array([[0], [0.01]]), np.array([[1, 3.0]]))
+    line('rigid', rigid, [(np.array([40.0]), np.array([1.0]))], T, 0.005)
+    disks = two_disks(100, 20, 8000, 4, False, 0)
+    for name, delay in ('disks', 0), ('disks_5ms', 0.005), ('disks_10ms', 0.01), ('disks_27ms', 0.027):
+        line(name, disks, [pid(40, 4, 150, 0.02, T), notch(3.5, 0.1, 0.7, T), lowpass(20, 0.7, T)], T, delay)
+    far = two_disks(100, 20, 8000, 4, True, 0)
+    line('far', far, [pid(40, 4, 150, 0.02, T), notch(3.5588, 0.02, 0.7, T), lowpass(5, 0.7, T)], T, 0.005)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,451 @@
+/* fmu - a body from a text file becomes an FMU: its model as C beside the library and the interface of FMI 2.0 or 3.0,
+   compiled for the machine at hand, described and packed. POSIX (fork, mkdtemp, uname); wants cc, and zip or python3.
+   Exit: 0 well, 1 the model cannot be built or packed, 2 bad options or input. */
+#define _POSIX_C_SOURCE 200809L
+#define FB_MAX_MODES 24
+#define FB_MAX_ELEMENTS 40
+#define FB_MAX_STATIONS 200
+#define FB_WITH_NONLINEAR_STRAIN 0
+#define FLEXBEAM_STATIC
+#define FB_WITH_DETAIL 1
+#include "../../flexbeam.h"
+#include "../tools/model.h"
+#include "../tools/rom.h"
+#define PROGRAM "fmu"
+#include "../tools/words.h"
+#include "../common/options.h"
+#include "../common/output.h"
+#include "fmu_xml.h"
+#include <sys/stat.h>
+#include <sys/utsname.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const char help[] =
+    "fmu - a body from a text file as an FMU for co-simulation: sources, a binary for this machine, documentation\n"
+    "usage: flexbeam fmu FILE --out NAME.fmu [options]\n"
+    "  --version 2|3   of FMI (2)\n"
+    "  --step SECONDS  of the integrator, the start value of settings.step (a fifth of what rk4 takes at rest)\n"
+    "  --static        one instance a process, in static memory: no heap\n"
+    "  --sources DIR   where flexbeam.h is (.)\n"
+    "  --help          this text\n"
+    "The compiler is cc, or $CC. The descriptions of bodies are explained in examples/tools/README.md, the FMU in\n"
+    "examples/fmu/README.md.\n";
+
+/* ---- files of the folder that is packed */
+
+enum { MAX_PATH = 1024, MAX_FILES = 32 };
+
+static struct folder {
+  char path[MAX_PATH];
+  int n;
+  char made[MAX_FILES][128]; /* files and folders in it, in the order in which they were made */
+} folder;
+
+static void folder_path(char path[MAX_PATH], const char *name)
+{
+  snprintf(path, MAX_PATH, "%.880s/%.128s", folder.path, name);
+}
+
+static void folder_note(const char *name)
+{
+  if (folder.n < MAX_FILES) {
+    snprintf(folder.made[folder.n++], sizeof folder.made[0], "%s", name);
+  }
+}
+
+/* 0, or 1 after a message. */
+static int folder_make(const char *name)
+{
+  char path[MAX_PATH];
+  folder_path(path, name);
+  if (mkdir(path, 0777) != 0) {
+    fprintf(stderr, "fmu: %s: %s\n", path, strerror(errno));
+    return 1;
+  }
+  folder_note(name);
+  return 0;
+}
+
+/* A new file in it; NULL after a message. */
+static FILE *folder_open(const char *name)
+{
+  char path[MAX_PATH];
+  FILE *out;
+  folder_path(path, name);
+  out = fopen(path, "wb");
+  if (!out) {
+    fprintf(stderr, "fmu: %s: %s\n", path, strerror(errno));
+  } else {
+    folder_note(name);
+  }
+  return out;
+}
+
+static int folder_write(const char *name, void (*write)(FILE *out, const fmu_export *e), const fmu_export *e)
+{
+  FILE *const out = folder_open(name);
+  if (!out) {
+    return 1;
+  }
+  write(out, e);
+  return output_close(out, name) != 0;
+}
+
+static int folder_copy(const char *name, const char *sources, const char *from)
+{
+  char path[MAX_PATH], part[4096];
+  FILE *in, *out;
+  size_t n;
+  snprintf(path, sizeof path, "%.880s/%.128s", sources, from);
+  in = fopen(path, "rb");
+  if (!in) {
+    fprintf(stderr, "fmu: %s: %s (run it at the top of flexbeam, or say --sources)\n", path, strerror(errno));
+    return 1;
+  }
+  out = folder_open(name);
+  while (out && (n = fread(part, 1, sizeof part, in)) > 0) {
+    fwrite(part, 1, n, out);
+  }
+  fclose(in);
+  return !out || output_close(out, name) != 0;
+}
+
+static void folder_remove(void)
+{
+  char path[MAX_PATH];
+  while (folder.n > 0) {
+    folder_path(path, folder.made[--folder.n]);
+    remove(path);
+  }
+  if (folder.path[0]) {
+    rmdir(folder.path);
+  }
+}
+
+/* A program in the folder: its exit status; 127: there is none. */
+static int folder_run(char *const argv[])
+{
+  int status = 0;
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder.path) == 0) {
+      execvp(argv[0], argv);
+    }
+    _exit(127);
+  }
+  if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status)) {
+    return 126;
+  }
+  return WEXITSTATUS(status);
+}
+
+/* ---- what is written into it */
+
+/* The smallest configuration that the model takes, as a header. */
+static void write_config(FILE *out, const fmu_export *e)
+{
+  char option[80];
+  FILE *const flags = tmpfile();
+  fprintf(out, "/* fmu_config.h - configuration of flexbeam for the model of this FMU, made by flexbeam fmu */\n");
+  if (flags) {
+    config_flags(flags, e->body, 0, "");
+    rewind(flags);
+    while (fscanf(flags, " -D%79s", option) == 1) {
+      char *const value = strchr(option, '=');
+      if (value) {
+        *value = ' ';
+      }
+      fprintf(out, "#define %s\n", option);
+    }
+    fclose(flags);
+  }
+  fprintf(out,
+          "#define FB_MAX_LOADS FB_MAX_NODES\n#define FB_MAX_ELEMENTS 1\n#define FB_MAX_STATIONS 1\n"
+          "#define FB_MAX_LUMPS 1\n#define FB_WITH_SYSTEM 0\n#define FB_WITH_EXACT 0\n#define FB_WITH_ANALYSE 0\n"
+          "#define FB_WITH_DETAIL 1\n"
+          "#define FMU_TOKEN \"%s\"\n#define FMU_STEP_DEFAULT %.17g\n"
+          "#ifndef FMU_STATIC /* 1: one instance in static memory; modelDescription.xml has to say the same */\n"
+          "#define FMU_STATIC %d\n#endif\n",
+          e->token, e->step, e->is_static);
+}
+
+static void write_model(FILE *out, const fmu_export *e)
+{
+  rom_write(out, e->body, "fmu_model", e->name, 0);
+  fputs("static const char *const fmu_node_name[] = {", out);
+  for (int k = 0; k < e->body->n_node; k++) {
+    fprintf(out, "%s\"%s\"", k ? ", " : "", e->node[k]);
+  }
+  fputs("};\n", out);
+}
+
+static int write_sources(const fmu_export *e, const char *sources)
+{
+  static const char *const common[] = {"flexbeam.h",
+                                       "flexbeam_impl.h",
+                                       "examples/common/refusal.h",
+                                       "examples/fmu/fmu_variables.h",
+                                       "examples/fmu/fmu_body.h",
+                                       "examples/fmu/fmu_core.h",
+                                       "examples/fmu/fmu_instance.h",
+                                       NULL};
+  static const char *const two[] = {"examples/fmu/fmu2.c", "examples/fmu/fmi2/fmi2Functions.h",
+                                    "examples/fmu/fmi2/fmi2FunctionTypes.h", "examples/fmu/fmi2/fmi2TypesPlatform.h",
+                                    NULL};
+  static const char *const three[] = {"examples/fmu/fmu3.c", "examples/fmu/fmi3/fmi3Functions.h",
+                                      "examples/fmu/fmi3/fmi3FunctionTypes.h", "examples/fmu/fmi3/fmi3PlatformTypes.h",
+                                      NULL};
+  const char *const *const lists[] = {common, e->fmi == 2 ? two : three};
+  int failed = folder_make("sources");
+  for (int l = 0; l < 2; l++) {
+    for (int k = 0; lists[l][k] && !failed; k++) {
+      const char *const slash = strrchr(lists[l][k], '/');
+      char to[128];
+      snprintf(to, sizeof to, "sources/%.100s", slash ? slash + 1 : lists[l][k]);
+      failed = folder_copy(to, sources, lists[l][k]);
+    }
+  }
+  failed = failed || folder_write("sources/fmu_config.h", write_config, e);
+  failed = failed || folder_write("sources/fmu_model.h", write_model, e);
+  return failed || (e->fmi == 3 && folder_write("sources/buildDescription.xml", fmu_write_build, e));
+}
+
+static int write_documents(const fmu_export *e, const char *sources)
+{
+  int failed = folder_make("documentation") || folder_make("documentation/licenses");
+  failed = failed || folder_copy("documentation/licenses/license.txt", sources, "LICENSE");
+  failed = failed || folder_write("documentation/index.html", fmu_write_page, e);
+  return failed || folder_write("modelDescription.xml", fmu_write_description, e);
+}
+
+/* Name of the machine's folder among the binaries. */
+static int find_platform(char name[64], int fmi)
+{
+  struct utsname machine;
+  const char *system;
+  if (uname(&machine) != 0) {
+    return 1;
+  }
+  system = strcmp(machine.sysname, "Darwin") == 0 ? "darwin" : strcmp(machine.sysname, "Linux") == 0 ? "linux" : NULL;
+  if (!system) {
+    return 1;
+  }
+  if (fmi == 2 && strcmp(machine.machine, "x86_64") == 0) {
+    snprintf(name, 64, "%s64", system);
+  } else {
+    const char *const kind = strcmp(machine.machine, "arm64") == 0 ? "aarch64" : machine.machine;
+    snprintf(name, 64, "%.32s-%s", kind, system);
+  }
+  return 0;
+}
+
+static int compile(const fmu_export *e)
+{
+  char place[128], file[128], source[] = "sources/fmu2.c";
+  char *const cc = getenv("CC");
+  char *const argv[] = {cc && cc[0] ? cc : (char *)"cc",
+                        (char *)"-std=c99",
+                        (char *)"-O2",
+                        (char *)"-ffp-contract=off",
+                        (char *)"-fPIC",
+                        (char *)"-shared",
+                        (char *)"-fvisibility=hidden",
+                        (char *)"-Isources",
+                        (char *)"-o",
+                        file,
+                        source,
+                        (char *)"-lm",
+                        NULL};
+  int status;
+  source[11] = e->fmi == 2 ? '2' : '3';
+  snprintf(place, sizeof place, "binaries/%.60s", e->platform);
+  snprintf(file, sizeof file, "binaries/%.60s/%.50s.%s", e->platform, e->name,
+           strstr(e->platform, "darwin") ? "dylib" : "so");
+  if (folder_make("binaries") || folder_make(place)) {
+    return 1;
+  }
+  folder_note(file);
+  status = folder_run(argv);
+  if (status != 0) {
+    fprintf(stderr, status == 127 ? "fmu: there is no compiler %s (set CC)\n" : "fmu: %s cannot compile the sources\n",
+            argv[0]);
+  }
+  return status != 0;
+}
+
+static int pack(const char *out)
+{
+  char *const zip[] = {(char *)"zip",       (char *)"-q",
+                       (char *)"-X",        (char *)"-r",
+                       (char *)"model.zip", (char *)"modelDescription.xml",
+                       (char *)"binaries",  (char *)"documentation",
+                       (char *)"sources",   NULL};
+  char *const python[] = {(char *)"python3",   (char *)"-m",
+                          (char *)"zipfile",   (char *)"-c",
+                          (char *)"model.zip", (char *)"modelDescription.xml",
+                          (char *)"binaries",  (char *)"documentation",
+                          (char *)"sources",   NULL};
+  char path[MAX_PATH];
+  int status = folder_run(zip);
+  status = status == 127 ? folder_run(python) : status;
+  folder_note("model.zip");
+  folder_path(path, "model.zip");
+  if (status != 0) {
+    fprintf(stderr, status == 127 ? "fmu: wants zip or python3 to pack\n" : "fmu: %s cannot be packed\n", out);
+  } else if (rename(path, out) != 0) {
+    fprintf(stderr, "fmu: %s: %s\n", out, strerror(errno));
+    status = 1;
+  }
+  return status != 0;
+}
+
+/* ---- the body */
+
+/* Names of the nodes: hub, those of the description, node3 for one that has none or one that is taken. */
+static void name_nodes(fmu_export *e)
+{
+  static const char *const taken[] = {"hub", "modes", "energy", "settings", "start", "time", "gravity", NULL};
+  for (int k = 0; k < e->body->n_node; k++) {
+    const char *const name = k > 0 ? model.node_name[k] : "hub";
+    int free = name[0] && !isdigit((unsigned char)name[0]);
+    for (int i = 0; taken[i] && k > 0; i++) {
+      free = free && strcmp(name, taken[i]) != 0;
+    }
+    for (int i = 0; i < k; i++) {
+      free = free && strcmp(name, e->node[i]) != 0;
+    }
+    if (free) {
+      snprintf(e->node[k], sizeof e->node[k], "%s", name);
+    } else {
+      snprintf(e->node[k], sizeof e->node[k], "node%d", k);
+    }
+  }
+}
+
+static unsigned word_of_text(unsigned word, const char *text)
+{
+  for (const char *c = text; *c; c++) {
+    word = fbi_crc_word(word, (unsigned char)*c);
+  }
+  return word;
+}
+
+/* The same for the same model, variables and version. */
+static void make_token(fmu_export *e)
+{
+  unsigned name = word_of_text(~0u, e->name), rest = word_of_text(~0u, FB_VERSION);
+  const fb_real step = (fb_real)e->step;
+  unsigned long long tail;
+  for (int k = 0; k < e->body->n_node; k++) {
+    name = word_of_text(name, e->node[k]);
+  }
+  rest = fbi_crc_reals(rest, &step, 1, 0);
+  rest = fbi_crc_word(fbi_crc_word(rest, (unsigned)e->fmi), (unsigned)e->is_static);
+  tail = (unsigned long long)fbi_crc_word(name, rest) << 16 ^ rest;
+  snprintf(e->token, sizeof e->token, "{%08x-%04x-%04x-%04x-%012llx}", fbi_body_crc(e->body, 0), name >> 16,
+           name & 0xFFFFu, rest >> 16, tail & 0xFFFFFFFFFFFFull);
+}
+
+/* The largest of 1, 2, 5 times a power of ten that is a fifth of what rk4 takes, or 0.01 s. */
+static double make_step(const fb_body *body)
+{
+  const double most = fmin(0.01, (double)fb_rk4_limit(body, FB_R(0.0), FB_R(0.0)) / 5);
+  const double ten = pow(10, floor(log10(most)));
+  const double part = most / ten;
+  return (part >= 5 ? 5 : part >= 2 ? 2 : 1) * ten;
+}
+
+/* 0, 1 or 2 as the program. */
+static int build(const char *file)
+{
+  const char *what;
+  fb_status status;
+  if (!model_read(PROGRAM, file)) {
+    return 2;
+  }
+  if (model.level.base == FB_BASE_PRESCRIBED) {
+    fprintf(stderr,
+            "fmu: %s: a prescribed base wants its motion within a step, which inputs of an FMU do not give; "
+            "free, pinned or hinged\n",
+            file);
+    return 1;
+  }
+  if (!(model.level.mu > FB_R(0.0))) {
+    model.level.effects |= FB_EFFECT_GRAVITY; /* an input */
+  }
+  status = model_build(&what);
+  if (status != FB_OK) {
+    fprintf(stderr, "fmu: %s: %s: %s\n", file, what, refusal_text(status));
+    return 1;
+  }
+  return 0;
+}
+
+typedef struct options {
+  const char *out, *sources;
+  int version;
+  double step;
+} options;
+
+static int read_option(void *to, const char *name, const char *text)
+{
+  options *const o = (options *)to;
+  const number_option step[] = {{"--step", &o->step, 1e-9, 10}};
+  if (strcmp(name, "--out") == 0) {
+    return read_out(&o->out, text);
+  }
+  if (strcmp(name, "--sources") == 0) {
+    o->sources = text;
+    return 0;
+  }
+  if (strcmp(name, "--version") == 0) {
+    return read_choice(&o->version, name, text, "2|3");
+  }
+  return read_number(step, 1, name, text);
+}
+
+int fmu_main(int argc, char **argv)
+{
+  static fmu_export e;
+  char platform[64];
+  const int is_static = take_flag(&argc, argv, "--static"), named = argc > 1 && argv[1][0] != '-';
+  options o = {NULL, ".", 0, 0};
+  int status;
+  output_begin(PROGRAM);
+  if (read_all(argc - named, argv + named, help, read_option, &o) != 0) {
+    return 2;
+  }
+  if (!named || !o.out) {
+    return fail(named ? "--out is missing" : "a description is missing", "");
+  }
+  status = build(argv[1]);
+  if (status != 0) {
+    return status;
+  }
+  e.fmi = o.version + 2;
+  e.is_static = is_static;
+  e.name = model.name;
+  e.platform = platform;
+  e.body = &model_body;
+  e.step = o.step > 0 ? o.step : make_step(&model_body);
+  e.n = fmu_variables(e.list, &model_body);
+  name_nodes(&e);
+  make_token(&e);
+  if (find_platform(platform, e.fmi)) {
+    return fail("what machine this is nobody tells: there is no name for its binary", "");
+  }
+  snprintf(folder.path, sizeof folder.path, "%s.XXXXXX", o.out);
+  if (!mkdtemp(folder.path)) {
+    fprintf(stderr, "fmu: %s: %s\n", o.out, strerror(errno));
+    return 2;
+  }
+  status = write_sources(&e, o.sources) || write_documents(&e, o.sources) || compile(&e) || pack(o.out);
+  folder_remove();
+  if (status == 0) {
+    const fmu_variable *const last = &e.list[e.n - 1];
+    printf("%s: %s for FMI %d.0, %d modes, %d nodes, %d numbers, step %g s, binary for %s\n", o.out, e.name, e.fmi,
+           model_body.n, model_body.n_node, last->first + last->count, e.step, platform);
+  }
+  return status;
+}

@@ -1,0 +1,125 @@
+/* fmu_variables.h - the variables of a body's FMU, one table for the exporter, which writes it as XML, and for the FMU,
+   which serves it. A variable is a number or a vector; value references count numbers: that of a vector is its first
+   element's. Include flexbeam.h first. */
+#ifndef FMU_VARIABLES_H
+#define FMU_VARIABLES_H
+
+typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
+typedef enum fmu_place { FMU_OF_BODY, FMU_OF_NODE, FMU_OF_TIP } fmu_place; /* tip: of every node but that of the hub */
+enum { FMU_MODES = -1 };                                                   /* as many numbers as there are modes */
+
+/* kind, role, place, numbers, name (of nodes behind "hub." or the node's name), unit, does it depend directly on the
+   inputs?, meaning */
+#define FMU_KINDS(X)                                                                                                 \
+  X(TIME, INDEPENDENT, BODY, 1, "time", "s", 0, "time")                                                              \
+  X(GRAVITY, INPUT, BODY, 3, "gravity", "m/s2", 0, "uniform gravity, inertial axes")                                 \
+  X(FORCE, INPUT, NODE, 3, "force", "N", 0, "force that acts there, body axes")                                      \
+  X(TORQUE, INPUT, NODE, 3, "torque", "N.m", 0, "torque that acts there, body axes")                                 \
+  X(POSITION, OUTPUT, NODE, 3, "position", "m", 0, "position, inertial axes")                                        \
+  X(ATTITUDE, OUTPUT, NODE, 4, "attitude", NULL, 0, "unit quaternion w x y z, axes of the section to inertial ones") \
+  X(VELOCITY, OUTPUT, NODE, 3, "velocity", "m/s", 0, "velocity, inertial axes")                                      \
+  X(RATE, OUTPUT, NODE, 3, "rate", "rad/s", 0, "angular velocity, axes of the section: a gyro there")                \
+  X(ACCELERATION, OUTPUT, NODE, 3, "acceleration", "m/s2", 1, "acceleration, inertial axes")                         \
+  X(RATE_DOT, OUTPUT, NODE, 3, "angular_acceleration", "rad/s2", 1, "angular acceleration, axes of the section")     \
+  X(DEFLECTION, OUTPUT, TIP, 3, "deflection", "m", 0, "elastic displacement, body axes")                             \
+  X(ROTATION, OUTPUT, TIP, 3, "rotation", "rad", 0, "elastic rotation vector, body axes")                            \
+  X(REACTION_FORCE, OUTPUT, BODY, 3, "hub.reaction_force", "N", 1, "of the support on the hub, body axes")           \
+  X(REACTION_TORQUE, OUTPUT, BODY, 3, "hub.reaction_torque", "N.m", 1, "of the support on the hub, body axes")       \
+  X(Q, OUTPUT, BODY, FMU_MODES, "modes.q", NULL, 0, "modal coordinates")                                             \
+  X(Q_DOT, OUTPUT, BODY, FMU_MODES, "modes.q_dot", NULL, 0, "their rates")                                           \
+  X(KINETIC, OUTPUT, BODY, 1, "energy.kinetic", "J", 0, "kinetic energy")                                            \
+  X(STRAIN, OUTPUT, BODY, 1, "energy.strain", "J", 0, "strain energy")                                               \
+  X(POTENTIAL, OUTPUT, BODY, 1, "energy.gravity", "J", 1, "energy in gravity")                                       \
+  X(STEP, PARAMETER, BODY, 1, "settings.step", "s", 0, "longest step of the integrator")                             \
+  X(INTEGRATOR, PARAMETER, BODY, 1, "settings.integrator", NULL, 0, "rk4, midpoint, sdirk or exponential")           \
+  X(DAMPING, PARAMETER, BODY, 1, "settings.damping_scale", NULL, 0, "factor of the damping of all modes")            \
+  X(START_POSITION, PARAMETER, BODY, 3, "start.position", "m", 0, "of the hub, inertial axes")                       \
+  X(START_ATTITUDE, PARAMETER, BODY, 4, "start.attitude", NULL, 0, "of the hub, quaternion w x y z of any length")   \
+  X(START_VELOCITY, PARAMETER, BODY, 3, "start.velocity", "m/s", 0, "of the hub, inertial axes")                     \
+  X(START_RATE, PARAMETER, BODY, 3, "start.rate", "rad/s", 0, "of the hub, body axes")                               \
+  X(START_Q, PARAMETER, BODY, FMU_MODES, "start.q", NULL, 0, "modal coordinates")                                    \
+  X(START_Q_DOT, PARAMETER, BODY, FMU_MODES, "start.q_dot", NULL, 0, "their rates")
+
+#define FMU_KIND_ENUM(kind, role, place, count, name, unit, direct, what) FMU_##kind,
+typedef enum fmu_kind { FMU_KINDS(FMU_KIND_ENUM) FMU_KIND_COUNT } fmu_kind;
+#undef FMU_KIND_ENUM
+
+typedef struct fmu_row {
+  fmu_role role;
+  fmu_place place;
+  int count;
+  const char *name, *unit;
+  int direct;
+  const char *what;
+} fmu_row;
+
+#define FMU_KIND_ROW(kind, role, place, count, name, unit, direct, what) \
+  {FMU_##role, FMU_OF_##place, count, name, unit, direct, what},
+static const fmu_row fmu_rows[] = {FMU_KINDS(FMU_KIND_ROW)};
+#undef FMU_KIND_ROW
+
+typedef struct fmu_variable {
+  fmu_kind kind;
+  int node, first, count; /* first: value reference */
+} fmu_variable;
+
+#define FMU_MAX_VARIABLES (FMU_KIND_COUNT * (FB_MAX_NODES + 1))
+#define FMU_MAX_VALUES (48 + 34 * FB_MAX_NODES + 4 * FB_MAX_MODES) /* enough for the numbers of all of them */
+
+/* Does a body have it? Settings and states that a body does not have are left out. */
+static int fmu_has(const fb_body *body, fmu_kind kind)
+{
+  const int held = body->base != FB_BASE_FREE;
+  switch (kind) {
+  case FMU_GRAVITY:
+    return (body->effects & FB_EFFECT_GRAVITY) != 0;
+  case FMU_DAMPING:
+    return (body->effects & FB_EFFECT_DAMPING) != 0;
+  case FMU_REACTION_FORCE:
+  case FMU_REACTION_TORQUE:
+    return held;
+  case FMU_START_VELOCITY:
+    return !held;
+  default:
+    return fmu_rows[kind].count != FMU_MODES || body->n > 0;
+  }
+}
+
+/* The variables of a body in the order of their value references: how many. */
+static int fmu_variables(fmu_variable *list, const fb_body *body)
+{
+  int n = 0, next = 0;
+  for (int kind = 0; kind < (int)FMU_KIND_COUNT; kind++) {
+    const fmu_row *const row = &fmu_rows[kind];
+    const int count = row->count == FMU_MODES ? body->n : row->count;
+    const int from = row->place == FMU_OF_TIP, to = row->place == FMU_OF_BODY ? 1 : body->n_node;
+    for (int node = from; node < to && fmu_has(body, (fmu_kind)kind); node++) {
+      const fmu_variable one = {(fmu_kind)kind, node, next, count};
+      list[n++] = one;
+      next += count;
+    }
+  }
+  return n;
+}
+
+/* Value of a number before anything is set. */
+static double fmu_start(const fb_body *body, fmu_kind kind, int element, double step)
+{
+  switch (kind) {
+#if FB_WITH_GRAVITY
+  case FMU_GRAVITY:
+    return (double)body->gravity[element];
+#endif
+  case FMU_STEP:
+    return step;
+  case FMU_INTEGRATOR:
+  case FMU_DAMPING:
+    return 1;
+  case FMU_START_ATTITUDE:
+    return element == 0;
+  default:
+    (void)body;
+    return 0;
+  }
+}
+#endif

@@ -1,0 +1,261 @@
+/* fmu_xml.h - the model description of a body's FMU, FMI 2.0 and 3.0, and its page of documentation, from the table of
+   fmu_variables.h. Names are C identifiers and need no escapes. */
+#ifndef FMU_XML_H
+#define FMU_XML_H
+#include "fmu_variables.h"
+#include <stdio.h>
+
+typedef struct fmu_export {
+  int fmi; /* 2, 3 */
+  int is_static;
+  double step;
+  const char *name, *platform;
+  char token[48];
+  const fb_body *body;
+  char node[FB_MAX_NODES][TEXT_NAME + 8];
+  int n;
+  fmu_variable list[FMU_MAX_VARIABLES];
+} fmu_export;
+
+static const char *const fmu_roles[] = {"independent", "input", "output", "parameter"};
+static const char *const fmu_true[] = {"false", "true"};
+
+static const struct fmu_unit {
+  const char *name, *base;
+} fmu_units[] = {{"s", "s=\"1\""},
+                 {"m", "m=\"1\""},
+                 {"m/s", "m=\"1\" s=\"-1\""},
+                 {"m/s2", "m=\"1\" s=\"-2\""},
+                 {"rad", "rad=\"1\""},
+                 {"rad/s", "rad=\"1\" s=\"-1\""},
+                 {"rad/s2", "rad=\"1\" s=\"-2\""},
+                 {"N", "kg=\"1\" m=\"1\" s=\"-2\""},
+                 {"N.m", "kg=\"1\" m=\"2\" s=\"-2\""},
+                 {"J", "kg=\"1\" m=\"2\" s=\"-2\""}};
+
+static void fmu_write_name(FILE *out, const fmu_export *e, const fmu_variable *v)
+{
+  const fmu_row *const row = &fmu_rows[v->kind];
+  if (row->place == FMU_OF_BODY) {
+    fputs(row->name, out);
+  } else {
+    fprintf(out, "%s.%s", e->node[v->node], row->name);
+  }
+}
+
+/* Start values of elements i to end. */
+static void fmu_write_start(FILE *out, const fmu_export *e, const fmu_variable *v, int i, int end)
+{
+  const fmu_role role = fmu_rows[v->kind].role;
+  if (role == FMU_INPUT || role == FMU_PARAMETER) {
+    fputs(" start=\"", out);
+    for (int k = i; k < end; k++) {
+      fprintf(out, "%s%.17g", k > i ? " " : "", fmu_start(e->body, v->kind, k, e->step));
+    }
+    fputs("\"", out);
+  }
+}
+
+static void fmu_write_attributes(FILE *out, const fmu_variable *v, int reference)
+{
+  const fmu_role role = fmu_rows[v->kind].role;
+  fprintf(out, " valueReference=\"%d\" causality=\"%s\" variability=\"%s\"", reference, fmu_roles[role],
+          role == FMU_PARAMETER ? "fixed" : "continuous");
+  if (role == FMU_PARAMETER || role == FMU_OUTPUT) {
+    fprintf(out, " initial=\"%s\"", role == FMU_PARAMETER ? "exact" : "calculated");
+  }
+  fprintf(out, " description=\"%s\"", fmu_rows[v->kind].what);
+}
+
+/* The attributes of the type, with the start of elements i to end. */
+static void fmu_write_type(FILE *out, const fmu_export *e, const fmu_variable *v, int i, int end)
+{
+  const fmu_row *const row = &fmu_rows[v->kind];
+  if (row->unit) {
+    fprintf(out, " unit=\"%s\"", row->unit);
+  }
+  if (v->kind == FMU_INTEGRATOR) {
+    fputs(" declaredType=\"Integrator\"", out);
+  }
+  if (v->kind == FMU_STEP || v->kind == FMU_DAMPING) {
+    fputs(" min=\"0\"", out);
+  }
+  fmu_write_start(out, e, v, i, end);
+}
+
+static void fmu_write_variable2(FILE *out, const fmu_export *e, const fmu_variable *v)
+{
+  for (int i = 0; i < v->count; i++) {
+    fputs("    <ScalarVariable name=\"", out);
+    fmu_write_name(out, e, v);
+    if (v->count > 1 || fmu_rows[v->kind].count == FMU_MODES) {
+      fprintf(out, "[%d]", i + 1);
+    }
+    fputs("\"", out);
+    fmu_write_attributes(out, v, v->first + i);
+    fprintf(out, "><%s", v->kind == FMU_INTEGRATOR ? "Enumeration" : "Real");
+    fmu_write_type(out, e, v, i, i + 1);
+    fputs("/></ScalarVariable>\n", out);
+  }
+}
+
+static void fmu_write_variable3(FILE *out, const fmu_export *e, const fmu_variable *v)
+{
+  const char *const type = v->kind == FMU_INTEGRATOR ? "Enumeration" : "Float64";
+  fprintf(out, "    <%s name=\"", type);
+  fmu_write_name(out, e, v);
+  fputs("\"", out);
+  fmu_write_attributes(out, v, v->first);
+  fmu_write_type(out, e, v, 0, v->count);
+  if (v->count > 1 || fmu_rows[v->kind].count == FMU_MODES) {
+    fprintf(out, "><Dimension start=\"%d\"/></%s>\n", v->count, type);
+  } else {
+    fputs("/>\n", out);
+  }
+}
+
+/* References of the inputs on which an output depends directly; FMI 2: indexes, which are references plus 1, each. */
+static void fmu_write_dependencies(FILE *out, const fmu_export *e, const fmu_variable *v)
+{
+  const char *between = "";
+  fputs(" dependencies=\"", out);
+  for (int k = 0; k < e->n && fmu_rows[v->kind].direct; k++) {
+    const fmu_variable *const input = &e->list[k];
+    const int pulls = v->kind != FMU_POTENTIAL || input->kind == FMU_GRAVITY;
+    for (int i = 0; i < (e->fmi == 2 ? input->count : 1) && fmu_rows[input->kind].role == FMU_INPUT && pulls; i++) {
+      fprintf(out, "%s%d", between, input->first + i + (e->fmi == 2));
+      between = " ";
+    }
+  }
+  fputs("\"", out);
+}
+
+/* All outputs as `element`, with what they depend on at communication points or, initial, on all that is known. */
+static void fmu_write_unknowns(FILE *out, const fmu_export *e, const char *element, int initial)
+{
+  for (int k = 0; k < e->n; k++) {
+    const fmu_variable *const v = &e->list[k];
+    const int count = fmu_rows[v->kind].role != FMU_OUTPUT ? 0 : e->fmi == 2 ? v->count : 1;
+    for (int i = 0; i < count; i++) {
+      fprintf(out, "    <%s %s=\"%d\"", element, e->fmi == 2 ? "index" : "valueReference",
+              v->first + i + (e->fmi == 2));
+      if (!initial) {
+        fmu_write_dependencies(out, e, v);
+      }
+      fputs("/>\n", out);
+    }
+  }
+}
+
+static void fmu_write_structure(FILE *out, const fmu_export *e)
+{
+  fputs("  <ModelStructure>\n", out);
+  fputs(e->fmi == 2 ? "    <Outputs>\n" : "", out);
+  fmu_write_unknowns(out, e, e->fmi == 2 ? "Unknown" : "Output", 0);
+  fputs(e->fmi == 2 ? "    </Outputs>\n    <InitialUnknowns>\n" : "", out);
+  fmu_write_unknowns(out, e, e->fmi == 2 ? "Unknown" : "InitialUnknown", 1);
+  fputs(e->fmi == 2 ? "    </InitialUnknowns>\n" : "", out);
+  fputs("  </ModelStructure>\n", out);
+}
+
+static void fmu_write_kind(FILE *out, const fmu_export *e)
+{
+  const int two = e->fmi == 2;
+  fprintf(out,
+          "  <CoSimulation modelIdentifier=\"%s\" canHandleVariableCommunicationStepSize=\"true\"\n"
+          "    canBeInstantiatedOnlyOncePerProcess=\"%s\" canGetAndSetFMU%s=\"true\" canSerializeFMU%s=\"true\"\n"
+          "    providesDirectionalDerivative%s=\"true\"",
+          e->name, fmu_true[e->is_static], two ? "state" : "State", two ? "state" : "State", two ? "" : "s");
+  if (two) {
+    fprintf(out,
+            " canNotUseMemoryManagementFunctions=\"%s\">\n"
+            "    <SourceFiles><File name=\"fmu2.c\"/></SourceFiles>\n  </CoSimulation>\n",
+            fmu_true[e->is_static]);
+  } else {
+    fputs("/>\n", out);
+  }
+}
+
+static void fmu_write_types(FILE *out, const fmu_export *e)
+{
+  static const char *const integrator[] = {"rk4", "midpoint", "sdirk", "exponential"};
+  const int two = e->fmi == 2;
+  fputs("  <UnitDefinitions>\n", out);
+  for (int k = 0; k < (int)(sizeof fmu_units / sizeof *fmu_units); k++) {
+    fprintf(out, "    <Unit name=\"%s\"><BaseUnit %s/></Unit>\n", fmu_units[k].name, fmu_units[k].base);
+  }
+  fputs("  </UnitDefinitions>\n  <TypeDefinitions>\n    ", out);
+  fputs(two ? "<SimpleType name=\"Integrator\"><Enumeration>\n" : "<EnumerationType name=\"Integrator\">\n", out);
+  for (int k = 0; k < FB_INTEGRATOR_COUNT; k++) {
+    fprintf(out, "      <Item name=\"%s\" value=\"%d\"/>\n", integrator[k], k + 1);
+  }
+  fputs(two ? "    </Enumeration></SimpleType>\n" : "    </EnumerationType>\n", out);
+  fputs("  </TypeDefinitions>\n", out);
+}
+
+/* modelDescription.xml */
+static void fmu_write_description(FILE *out, const fmu_export *e)
+{
+  const int two = e->fmi == 2;
+  fprintf(out,
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"%d.0\" modelName=\"%s\"\n"
+          "  %s=\"%s\"\n  description=\"a flexible body of %d modes and %d nodes, %.9g kg\"\n"
+          "  generationTool=\"flexbeam %s\" variableNamingConvention=\"structured\">\n",
+          e->fmi, e->name, two ? "guid" : "instantiationToken", e->token, e->body->n, e->body->n_node,
+          (double)e->body->mass, FB_VERSION);
+  fmu_write_kind(out, e);
+  fmu_write_types(out, e);
+  fputs("  <LogCategories>\n    <Category name=\"logStatusError\" description=\"what was refused, and why\"/>\n"
+        "  </LogCategories>\n",
+        out);
+  fprintf(out, "  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"%.17g\"/>\n  <ModelVariables>\n",
+          e->step < 0.01 ? 0.01 : e->step);
+  for (int k = 0; k < e->n; k++) {
+    (two ? fmu_write_variable2 : fmu_write_variable3)(out, e, &e->list[k]);
+  }
+  fputs("  </ModelVariables>\n", out);
+  fmu_write_structure(out, e);
+  fputs("</fmiModelDescription>\n", out);
+}
+
+/* sources/buildDescription.xml of FMI 3 */
+static void fmu_write_build(FILE *out, const fmu_export *e)
+{
+  fprintf(out,
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n"
+          "  <BuildConfiguration modelIdentifier=\"%s\">\n    <SourceFileSet language=\"C99\">\n"
+          "      <SourceFile name=\"fmu3.c\"/>\n    </SourceFileSet>\n    <Library name=\"m\"/>\n"
+          "  </BuildConfiguration>\n</fmiBuildDescription>\n",
+          e->name);
+}
+
+/* documentation/index.html */
+static void fmu_write_page(FILE *out, const fmu_export *e)
+{
+  fprintf(out,
+          "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>%s</title></head><body>\n"
+          "<h1>%s</h1>\n<p>A flexible body of %d modes and %d nodes, %.9g kg, as a co-simulation FMU of FMI %d.0, "
+          "exported by flexbeam %s.</p>\n"
+          "<p>Inputs are held over a communication step. It is made of internal steps: as many of settings.step as go "
+          "into it, or, where that is no whole number, of equal ones that are not longer. A step that the integrator "
+          "refuses leaves the state as it was, and is answered by Discard with the reason in the log.</p>\n"
+          "<p>Vectors are listed once. Mass, stiffness, effects and number of modes are part of the model: another "
+          "description is another FMU.</p>\n"
+          "<table>\n<tr><th>variable</th><th>numbers</th><th>causality</th><th>unit</th><th>start</th>"
+          "<th>meaning</th></tr>\n",
+          e->name, e->name, e->body->n, e->body->n_node, (double)e->body->mass, e->fmi, FB_VERSION);
+  for (int k = 0; k < e->n; k++) {
+    const fmu_variable *const v = &e->list[k];
+    const fmu_row *const row = &fmu_rows[v->kind];
+    fputs("<tr><td>", out);
+    fmu_write_name(out, e, v);
+    fprintf(out, "</td><td>%d</td><td>%s</td><td>%s</td><td>", v->count, fmu_roles[row->role],
+            row->unit ? row->unit : "");
+    for (int i = 0; i < v->count && (row->role == FMU_INPUT || row->role == FMU_PARAMETER); i++) {
+      fprintf(out, "%s%.9g", i ? " " : "", fmu_start(e->body, v->kind, i, e->step));
+    }
+    fprintf(out, "</td><td>%s</td></tr>\n", row->what);
+  }
+  fputs("</table>\n</body></html>\n", out);
+}
+#endif

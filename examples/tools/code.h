@@ -1,0 +1,1106 @@
+/* code.h - writes the rk4 step of one free body as C99 of its own, straight-line: what code_model.h knows of a fb_body
+   in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
+#ifndef CODE_H
+#define CODE_H
+#include "code_model.h"
+#include "code_read.h"
+#include "code_text.h"
+
+/* What an evaluation has written so far. */
+typedef struct code_rates {
+  code_value lambda[6][FB_MAX_MODES];
+  code_value turned[6][FB_MAX_MODES]; /* Lambda M^-1 */
+  code_value slope[CODE_POLY][FB_MAX_MODES], value[CODE_POLY];
+  int valued[CODE_POLY]; /* 1: the polynomial's value is known */
+  code_value S[21], y[6], V[6];
+  code_value pb[FB_MAX_MODES], q_dot[FB_MAX_MODES], x[FB_MAX_MODES];
+} code_rates;
+
+static code_rates code_now;
+
+static code_value code_q(int a)
+{
+  return code_variable("q_%d", a);
+}
+
+static code_value code_pi(int a)
+{
+  return code_variable("p_%d", a);
+}
+
+/* ---- blocks of the rates */
+
+static void code_write_state(const code *w)
+{
+  static const char *const frame[10] = {"quat_w", "quat_x", "quat_y", "quat_z", "ux", "uy", "uz", "hx", "hy", "hz"};
+  const char *const type = w->single ? "float" : "double";
+  code_template(
+      w, "  /* quaternion; velocity of the mass center [m/s], inertial axes; angular momentum about it [N m s], body\n"
+         "     axes; coordinates and momenta of the modes */\n");
+  for (int i = 0; i < 10; i++) {
+    fprintf(w->out, "%s%s = x[%d]%s",
+            i % 10 == 0 ? (w->single ? "  const float " : "  const double ")
+            : i == 5    ? "               "
+                        : "",
+            frame[i], i,
+            i == 9   ? ";\n"
+            : i == 4 ? ",\n"
+                     : ", ");
+  }
+  for (int a = 0; a < w->n; a++) {
+    fprintf(w->out, "  const %s q_%d = x[%d];\n  const %s p_%d = x[%d];\n", type, a, 10 + a, type, a, 10 + w->n + a);
+  }
+}
+
+static void code_write_lambda(const code *w)
+{
+  code_sum s;
+  fputs("\n  /* E8.9: Lambda(q), momenta of the frame by rates of the modes */\n", w->out);
+  for (int i = 0; i < 6; i++) {
+    for (int b = 0; b < w->n; b++) {
+      code_begin(&s);
+      code_add_one(&s, code_model.lambda[i].constant[b], code_constant(1.0));
+      for (int a = 0; a < w->n; a++) {
+        code_add_one(&s, code_model.lambda[i].slope[b][a], code_q(a));
+      }
+      code_now.lambda[i][b] = code_end(w, &s, code_variable("L_%s_%d", code_rows[i], b));
+    }
+  }
+}
+
+/* y = M^-1 x by names; the unit matrix leaves x. */
+static void code_write_solve(const code *w, code_value *y, const code_value *x, const char *name)
+{
+  code_sum s;
+  for (int a = 0; a < w->n; a++) {
+    code_begin(&s);
+    for (int b = 0; b < w->n; b++) {
+      code_add_one(&s, code_model.W[a][b], x[b]);
+    }
+    y[a] = code_end(w, &s, code_variable("%s_%d", name, a));
+  }
+}
+
+static void code_write_momenta(const code *w)
+{
+  static const char *const h[6] = {"", "", "", "hx", "hy", "hz"};
+  code_value pi[FB_MAX_MODES];
+  code_sum s;
+  for (int a = 0; a < w->n; a++) {
+    pi[a] = code_pi(a);
+  }
+  fputs("\n  /* E8.13: y = (0, h) - Lambda M^-1 pi */\n", w->out);
+  code_write_solve(w, code_now.pb, pi, "b");
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    if (i >= 3) {
+      code_add_one(&s, 1.0, code_variable("%s", h[i]));
+    }
+    for (int b = 0; b < w->n; b++) {
+      code_add(&s, -1.0, code_now.lambda[i][b], code_now.pb[b]);
+    }
+    code_now.y[i] = code_end(w, &s, code_variable("y_%s", code_rows[i]));
+  }
+}
+
+/* Gradient of polynomial k by its scale; that of c(q) is in Lambda. */
+static void code_write_slope(const code *w, int k)
+{
+  const code_poly *const p = &code_model.poly[k];
+  const double share = 1.0 / code_model.scale[k];
+  code_sum s;
+  for (int a = 0; a < w->n; a++) {
+    if (k < 3) {
+      code_now.slope[k][a] = code_now.lambda[k][a];
+      continue;
+    }
+    code_begin(&s);
+    code_add_one(&s, share * p->linear[a], code_constant(1.0));
+    for (int b = 0; b < w->n; b++) {
+      code_add_one(&s, share * p->square[a][b], code_q(b));
+    }
+    code_now.slope[k][a] = code_end(w, &s, code_variable("d%s_%d", code_model.name[k], a));
+  }
+}
+
+/* side[a] = 1 or 2 so that all products of p are of coordinates of different sides; 0: there is no such choice. */
+static int code_sides(int side[FB_MAX_MODES], const code_poly *p)
+{
+  int queue[FB_MAX_MODES], n = 0;
+  memset(side, 0, FB_MAX_MODES * sizeof *side);
+  for (int start = 0, done = 0; start < code_model.n; start++) {
+    if (side[start] == 0) {
+      side[start] = 2;
+      queue[n++] = start;
+    }
+    for (; done < n; done++) {
+      const int a = queue[done];
+      for (int b = 0; b < code_model.n; b++) {
+        if (fabs(p->square[a][b]) > 0.0 && side[b] == side[a]) {
+          return 0;
+        }
+        if (fabs(p->square[a][b]) > 0.0 && side[b] == 0) {
+          side[b] = 3 - side[a];
+          queue[n++] = b;
+        }
+      }
+    }
+  }
+  return 1;
+}
+
+/* Polynomial k whose products are of coordinates of two sides: the products by the gradients of one. */
+static void code_write_bilinear(const code *w, int k, const int side[FB_MAX_MODES])
+{
+  const code_poly *const p = &code_model.poly[k];
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, p->constant, code_constant(1.0));
+  for (int a = 0; a < w->n; a++) {
+    if (side[a] == 1) {
+      code_add(&s, code_model.scale[k], code_now.slope[k][a], code_q(a));
+    } else {
+      code_add_one(&s, p->linear[a], code_q(a));
+    }
+  }
+  code_now.value[k] = code_end(w, &s, code_variable("%s", code_model.name[k]));
+}
+
+/* Polynomial k by its gradient: constant + 1/2 (linear + gradient).q */
+static void code_write_value(const code *w, int k)
+{
+  const code_poly *const p = &code_model.poly[k];
+  const char *const name = code_model.name[k];
+  const double scale = code_model.scale[k];
+  code_value half;
+  code_sum s;
+  int side[FB_MAX_MODES];
+  if (code_now.valued[k]) {
+    return;
+  }
+  code_now.valued[k] = 1;
+  if (code_sides(side, p)) {
+    code_write_bilinear(w, k, side);
+    return;
+  }
+  code_begin(&s);
+  for (int a = 0; a < w->n; a++) {
+    if (!code_is_constant(&code_now.slope[k][a])) {
+      code_add(&s, 1.0, code_now.slope[k][a], code_q(a));
+      code_add_one(&s, p->linear[a] / scale, code_q(a));
+    }
+  }
+  half = code_end(w, &s, code_variable("h%s", name));
+  code_begin(&s);
+  code_add_one(&s, p->constant, code_constant(1.0));
+  code_add_one(&s, 0.5 * scale, half);
+  for (int a = 0; a < w->n; a++) {
+    if (code_is_constant(&code_now.slope[k][a])) {
+      code_add(&s, scale, code_now.slope[k][a], code_q(a));
+    }
+  }
+  code_now.value[k] = code_end(w, &s, code_variable("%s", name));
+}
+
+static int code_is_linear(const code_poly *p)
+{
+  for (int a = 0; a < code_model.n; a++) {
+    for (int b = 0; b < code_model.n; b++) {
+      if (fabs(p->square[a][b]) > 0.0) {
+        return 0;
+      }
+    }
+  }
+  return 1;
+}
+
+/* Element e of S(q): as it is where it is linear in q, else by M_rr. */
+static void code_write_S(const code *w, int e)
+{
+  const int i = fbi_sym6_row[e], j = fbi_sym6_column[e], linear = code_is_linear(&code_model.S[e]);
+  code_sum s;
+  for (int m = 0; m < code_model.n_part[e] && !linear; m++) {
+    code_write_value(w, code_model.part[e][m]);
+  }
+  code_begin(&s);
+  if (linear) {
+    code_add_one(&s, code_model.S[e].constant, code_constant(1.0));
+  }
+  for (int m = 0; m < code_model.n_part[e] && !linear; m++) {
+    code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
+  }
+  for (int b = 0; b < w->n; b++) {
+    if (linear) {
+      code_add_one(&s, code_model.S[e].linear[b], code_q(b));
+    } else {
+      code_add(&s, -1.0, code_now.lambda[i][b], code_now.turned[j][b]);
+    }
+  }
+  code_now.S[e] = code_end(w, &s, code_variable("S_%s_%s", code_rows[i], code_rows[j]));
+}
+
+static void code_write_inertia(const code *w)
+{
+  fputs("\n  /* gradients of M_rr(q): of moments of inertia M, second moments of mass E, halved where of M_w_w and E "
+        "*/\n",
+        w->out);
+  memset(code_now.valued, 0, sizeof code_now.valued);
+  for (int k = 0; k < code_model.n_poly; k++) {
+    code_write_slope(w, k);
+  }
+  if (code_model.constant_S) {
+    return;
+  }
+  fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T; c [kg m]: first moment of mass */\n", w->out);
+  for (int i = 0; i < 6; i++) {
+    char name[CODE_NAME];
+    snprintf(name, sizeof name, "T_%s", code_rows[i]);
+    code_write_solve(w, code_now.turned[i], code_now.lambda[i], name);
+  }
+  for (int e = 0; e < 21; e++) {
+    code_write_S(w, e);
+  }
+}
+
+/* ---- the solution of S V = y */
+
+typedef struct code_factor {
+  int order[6];
+  code_value S[6][6];   /* in the order of elimination */
+  code_value low[6][6]; /* unit lower triangle.. */
+  code_value raw[6][6]; /* ..and it times the pivots */
+  code_value share[6];  /* 1/pivot */
+} code_factor;
+
+/* Order of elimination: pivots that are constants first, then those with few elements beside them. */
+static void code_order(code_factor *f)
+{
+  int full[6][6], varies[6], done[6] = {0};
+  for (int i = 0; i < 6; i++) {
+    for (int j = 0; j < 6; j++) {
+      full[i][j] = !code_is_zero(&code_now.S[fb_sym6_index(i, j)]);
+    }
+    varies[i] = !code_is_constant(&code_now.S[fb_sym6_index(i, i)]);
+  }
+  for (int k = 0; k < 6; k++) {
+    int best = -1, least = 0;
+    for (int i = 0; i < 6; i++) {
+      int cost = 100 * varies[i];
+      for (int j = 0; j < 6; j++) {
+        cost += full[i][j] && !done[j];
+      }
+      if (!done[i] && (best < 0 || cost < least)) {
+        best = i;
+        least = cost;
+      }
+    }
+    done[best] = 1;
+    f->order[k] = best;
+    for (int i = 0; i < 6; i++) {
+      for (int j = 0; j < 6; j++) {
+        if (full[best][i] && full[best][j]) {
+          full[i][j] = 1;
+          varies[i] |= i == j && !code_is_constant(&code_now.S[fb_sym6_index(best, i)]);
+        }
+      }
+    }
+  }
+}
+
+static const char *code_row_at(const code_factor *f, int k)
+{
+  return code_rows[f->order[k]];
+}
+
+/* Pivot k and its inverse. */
+static void code_write_pivot(const code *w, code_factor *f, int k)
+{
+  code_sum s;
+  code_value pivot;
+  code_begin(&s);
+  code_add_one(&s, 1.0, f->S[k][k]);
+  for (int m = 0; m < k; m++) {
+    code_add(&s, -1.0, f->low[k][m], f->raw[k][m]);
+  }
+  pivot = f->raw[k][k] = code_end(w, &s, code_variable("d_%s", code_row_at(f, k)));
+  if (code_is_constant(&pivot)) {
+    f->share[k] = code_constant(1.0 / pivot.c);
+    return;
+  }
+  f->share[k] = code_variable("r_%s", code_row_at(f, k));
+  fprintf(w->out, "  const %s %s = ", w->single ? "float" : "double", f->share[k].name);
+  code_template(w, "`1` / ");
+  fprintf(w->out, "%s;\n", pivot.name);
+}
+
+/* Column k below its pivot. */
+static void code_write_column(const code *w, code_factor *f, int k)
+{
+  code_sum s;
+  for (int j = k + 1; j < 6; j++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, f->S[j][k]);
+    for (int m = 0; m < k; m++) {
+      code_add(&s, -1.0, f->low[k][m], f->raw[j][m]);
+    }
+    f->raw[j][k] = code_end(w, &s, code_variable("f_%s_%s", code_row_at(f, j), code_row_at(f, k)));
+    code_begin(&s);
+    code_add(&s, 1.0, f->raw[j][k], f->share[k]);
+    f->low[j][k] = code_end(w, &s, code_variable("l_%s_%s", code_row_at(f, j), code_row_at(f, k)));
+  }
+}
+
+/* Refusal where a pivot is round-off. */
+static void code_write_pivot_check(const code *w, const code_factor *f)
+{
+  int n = 0;
+  code_sum s;
+  for (int k = 0; k < 6; k++) {
+    if (!code_is_constant(&f->raw[k][k])) {
+      char number[40];
+      code_number(number, w, 8.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
+      fprintf(w->out, "%s%s > %s * ", n++ == 0 ? "  if (!(" : " &&\n        ", f->raw[k][k].name, number);
+      code_begin(&s);
+      code_add_one(&s, 1.0, f->S[k][k]);
+      code_expression(w, &s, 60);
+    }
+  }
+  if (n > 0) {
+    fputs(")) {\n    return ", w->out);
+    for (int e = 0, m = 0; e < 21; e++) {
+      if (!code_is_constant(&code_now.S[e])) {
+        fprintf(w->out, "%s%s(%s)",
+                m == 0       ? ""
+                : m % 4 == 0 ? " +\n           "
+                             : " + ",
+                w->single ? "fabsf" : "fabs", code_now.S[e].name);
+        m++;
+      }
+    }
+    code_template(w, w->single ? " <= `1e18` ? @_range : @_not_finite;\n  }\n"
+                               : " <= `1e150` ? @_range : @_not_finite;\n  }\n");
+  }
+}
+
+/* V by substitution. */
+static void code_write_substitution(const code *w, const code_factor *f)
+{
+  code_value z[6];
+  code_sum s;
+  for (int k = 0; k < 6; k++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_now.y[f->order[k]]);
+    for (int m = 0; m < k; m++) {
+      code_add(&s, -1.0, f->low[k][m], z[m]);
+    }
+    z[k] = code_end(w, &s, code_variable("z_%s", code_row_at(f, k)));
+  }
+  for (int k = 5; k >= 0; k--) {
+    code_begin(&s);
+    code_add(&s, 1.0, z[k], f->share[k]);
+    for (int m = k + 1; m < 6; m++) {
+      code_add(&s, -1.0, f->low[m][k], code_now.V[f->order[m]]);
+    }
+    code_now.V[f->order[k]] = code_end(w, &s, code_variable("%s", code_row_at(f, k)));
+  }
+}
+
+static void code_write_constant_velocities(const code *w)
+{
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 6; j++) {
+      code_add_one(&s, (double)code_model.body->S0_inverse[6 * i + j], code_now.y[j]);
+    }
+    code_now.V[i] = code_end(w, &s, code_variable("%s", code_rows[i]));
+  }
+}
+
+/* Velocities that have got no variable of their own get one, for what follows in templates. */
+static void code_write_names(const code *w)
+{
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    if (strcmp(code_now.V[i].name, code_rows[i]) != 0) {
+      char target[32];
+      code_begin(&s);
+      code_add_one(&s, 1.0, code_now.V[i]);
+      snprintf(target, sizeof target, "const %s %s", w->single ? "float" : "double", code_rows[i]);
+      code_assign(w, &s, target);
+    }
+  }
+}
+
+static void code_write_velocities(const code *w)
+{
+  code_factor f;
+  fputs("\n  /* E8.13: V = S^-1 y, velocity [m/s] and angular velocity [rad/s] of the frame relative to the mass "
+        "center, body\n"
+        "     axes */\n",
+        w->out);
+  if (code_model.constant_S) {
+    code_write_constant_velocities(w);
+    code_write_names(w);
+    return;
+  }
+  code_order(&f);
+  for (int i = 0; i < 6; i++) {
+    for (int j = 0; j < 6; j++) {
+      f.S[i][j] = code_now.S[fb_sym6_index(f.order[i], f.order[j])];
+    }
+  }
+  for (int k = 0; k < 6; k++) {
+    code_write_pivot(w, &f, k);
+    code_write_column(w, &f, k);
+  }
+  code_write_pivot_check(w, &f);
+  code_write_substitution(w, &f);
+  code_write_names(w);
+}
+
+/* ---- forces */
+
+static void code_write_q_dot(const code *w)
+{
+  code_value e[FB_MAX_MODES];
+  code_sum s;
+  fputs("\n  /* E8.17: q_dot = M^-1 (pi - Lambda^T V) */\n", w->out);
+  for (int b = 0; b < w->n; b++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_pi(b));
+    for (int i = 0; i < 6; i++) {
+      code_add(&s, -1.0, code_now.lambda[i][b], code_now.V[i]);
+    }
+    e[b] = code_end(w, &s, code_variable(code_model.body->unit_mass ? "rate_%d" : "e_%d", b));
+  }
+  code_write_solve(w, code_now.q_dot, e, "rate");
+}
+
+/* Does Lambda, or S, depend on q? */
+static int code_row_varies(int i)
+{
+  for (int b = 0; b < code_model.n; b++) {
+    for (int a = 0; a < code_model.n; a++) {
+      if (fabs(code_model.lambda[i].slope[b][a]) > 0.0) {
+        return 1;
+      }
+    }
+  }
+  return 0;
+}
+
+/* V_i (d Lambda_i/dq_a) x: named products of the rows that vary, by coordinate a; x: q_dot, or M^-1 pi where S is
+   constant. */
+static void code_write_gyration(const code *w, code_sum *x)
+{
+  const code_value *const by = code_model.constant_S ? code_now.pb : code_now.q_dot;
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    if (!code_row_varies(i)) {
+      continue;
+    }
+    for (int a = 0; a < w->n; a++) {
+      code_value t;
+      code_begin(&s);
+      for (int b = 0; b < w->n; b++) {
+        code_add_one(&s, code_model.lambda[i].slope[b][a], by[b]);
+      }
+      t = code_end(w, &s, code_variable("n_%s_%d", code_rows[i], a));
+      code_add(&x[a], 1.0, code_now.V[i], t);
+    }
+  }
+}
+
+/* Weight of polynomial k in 1/2 V^T M_rr V. */
+static code_value code_write_weight(const code *w, int k)
+{
+  code_sum s;
+  code_begin(&s);
+  for (int e = 0; e < 21; e++) {
+    const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
+    for (int m = 0; m < code_model.n_part[e]; m++) {
+      if (code_model.part[e][m] == k) {
+        code_add(&s, code_model.scale[k] * code_model.sign[e][m] * (i == j ? 0.5 : 1.0), code_now.V[i], code_now.V[j]);
+      }
+    }
+  }
+  return code_end(w, &s, code_variable("W_%s", code_model.name[k]));
+}
+
+static int code_slope_is_zero(int k)
+{
+  for (int a = 0; a < code_model.n; a++) {
+    if (!code_is_zero(&code_now.slope[k][a])) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+/* x += what E8.10 and E8.12 give: weights times gradients, gyroscopic terms. */
+static void code_write_gradient(const code *w, code_sum *x)
+{
+  fputs("\n  /* E8.10, E8.12: 1/2 V^T (dM_rr/dq) V + V^T (dLambda/dq) q_dot */\n", w->out);
+  for (int k = 0; k < code_model.n_poly; k++) {
+    if (!code_slope_is_zero(k)) {
+      const code_value weight = code_write_weight(w, k);
+      for (int a = 0; a < w->n; a++) {
+        code_add(&x[a], 1.0, weight, code_now.slope[k][a]);
+      }
+    }
+  }
+  code_write_gyration(w, x);
+}
+
+static code_sum code_force[FB_MAX_MODES];
+
+static void code_write_pi_dot(const code *w)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const fb_body *const body = code_model.body;
+  code_read_sparse(K, &body->K, w->n);
+  memset(C, 0, sizeof C);
+#if FB_WITH_DAMPING
+  if (body->effects & FB_EFFECT_DAMPING) {
+    code_read_sparse(C, &body->C, w->n);
+  }
+#endif
+  for (int a = 0; a < w->n; a++) {
+    code_begin(&code_force[a]);
+    for (int b = 0; b < w->n; b++) {
+      code_add_one(&code_force[a], -K[a][b], code_q(b));
+    }
+    for (int b = 0; b < w->n; b++) {
+      code_add_one(&code_force[a], -C[a][b], code_now.q_dot[b]);
+    }
+  }
+  code_write_gradient(w, code_force);
+  fputs("\n  /* E8.17: pi_dot = that - K q - C q_dot */\n", w->out);
+  for (int a = 0; a < w->n; a++) {
+    char target[32];
+    code_sum s;
+    snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
+    code_assign(w, &code_force[a], target);
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_now.q_dot[a]);
+    snprintf(target, sizeof target, "rate[%d]", 10 + a);
+    code_assign(w, &s, target);
+  }
+}
+
+static const char code_frame[] =
+    "\n  /* E4.4, E8.18: attitude, angular momentum in body axes, place of the mass center, its velocity */\n"
+    "  rate[0] = `-0.5` * (quat_x * wx + quat_y * wy + quat_z * wz);\n"
+    "  rate[1] = `0.5` * (quat_w * wx + quat_y * wz - quat_z * wy);\n"
+    "  rate[2] = `0.5` * (quat_w * wy + quat_z * wx - quat_x * wz);\n"
+    "  rate[3] = `0.5` * (quat_w * wz + quat_x * wy - quat_y * wx);\n"
+    "  rate[7] = hy * wz - hz * wy;\n"
+    "  rate[8] = hz * wx - hx * wz;\n"
+    "  rate[9] = hx * wy - hy * wx;\n"
+    "  rate[%r] = ux;\n"
+    "  rate[%r + 1] = uy;\n"
+    "  rate[%r + 2] = uz;\n"
+    "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n"
+    "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = `0`;\n";
+
+static void code_write_frame(const code *w)
+{
+  code_template(w, code_frame);
+  for (int i = 0; i < 3; i++) {
+    double g = 0.0;
+    char number[40];
+#if FB_WITH_GRAVITY
+    g = code_model.body->effects & FB_EFFECT_GRAVITY ? (double)code_model.body->gravity[i] : 0.0;
+#endif
+    code_number(number, w, g);
+    fprintf(w->out, "  rate[%d] = %s;\n", 4 + i, number);
+  }
+}
+
+static const char code_loads[] =
+    "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m; E8.18 */\n"
+    "  if (in) {\n"
+    "    const $ *const F = in->force, *const T = in->torque;\n"
+    "    $ R[9];\n";
+
+static const char code_inertial[] =
+    "    rate[7] += gx;\n    rate[8] += gy;\n    rate[9] += gz;\n"
+    "    @_matrix(R, x);\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      rate[4 + i] += R[3 * i] * ax + R[3 * i + 1] * ay + R[3 * i + 2] * az + in->gravity[i];\n"
+    "      rate[%l + i] = R[3 * i] * gx + R[3 * i + 1] * gy + R[3 * i + 2] * gz;\n"
+    "    }\n"
+    "    *a = sqrt~(ax * ax + ay * ay + az * az);\n"
+    "  }\n"
+    "  return @_ok;\n"
+    "}\n";
+
+/* Torque about the mass center, axis i: T - c x a. */
+static void code_write_torque(const code *w, int i)
+{
+  const int y = (i + 1) % 3, z = (i + 2) % 3;
+  char target[32];
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, 1.0, code_variable("T[%d]", i));
+  code_add(&s, -1.0, code_now.value[y], code_variable("a%c", 'x' + z));
+  code_add(&s, 1.0, code_now.value[z], code_variable("a%c", 'x' + y));
+  snprintf(target, sizeof target, "const %s g%c", w->single ? "float" : "double", 'x' + i);
+  code_assign(w, &s, target);
+}
+
+static void code_write_loads(const code *w)
+{
+  code inner = *w;
+  inner.indent = 4;
+  code_template(w, code_loads);
+  for (int k = 0; k < 3; k++) {
+    char number[40], name[4] = {'a', (char)('x' + k), 0};
+    code_write_value(&inner, k);
+    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    fprintf(w->out, "    const %s %s = %s * F[%d];\n", w->single ? "float" : "double", name, number, k);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_write_torque(&inner, i);
+  }
+  for (int a = 0; a < w->n; a++) {
+    char target[32];
+    code_sum s;
+    code_begin(&s);
+    snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
+    code_add_one(&s, 1.0, code_variable("%s", target));
+    code_add_one(&s, 1.0, code_variable("in->modal[%d]", a));
+    for (int i = 0; i < 3; i++) {
+      code_add(&s, -1.0, code_now.lambda[i][a], code_variable("a%c", 'x' + i));
+    }
+    code_assign(&inner, &s, target);
+  }
+  code_template(w, code_inertial);
+}
+
+static void code_write_rates(const code *w, int unused)
+{
+  (void)unused;
+  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
+                   "angular velocity; a:\n"
+                   "   acceleration of the mass center by the loads [m/s^2]. */\n"
+                   "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
+  code_write_state(w);
+  code_write_lambda(w);
+  code_write_momenta(w);
+  code_write_inertia(w);
+  code_write_velocities(w);
+  code_write_q_dot(w);
+  code_write_pi_dot(w);
+  code_write_frame(w);
+  code_write_loads(w);
+}
+
+/* ---- the rest of the step */
+
+static const char code_types[] =
+    "typedef enum @_status { /* values of fb_status */\n"
+    "  @_ok = 0,\n  @_null = -1,        /* a pointer is NULL */\n"
+    "  @_value = -2,       /* dt is not above 0 */\n"
+    "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
+    "  @_step_length = -9, /* dt is longer than the stability limit, or the frame turns too far in a step */\n"
+    "  @_range = -10       /* the deflection has left the range of the model */\n"
+    "} @_status;\n\n"
+    "/* All that changes; as fb_state. Kahan terms lost_.. are zero when a state is written. */\n"
+    "typedef struct @_state {\n"
+    "  $ rho[3];  /* [m] position of O, inertial axes */\n"
+    "  $ quat[4]; /* attitude of the body frame, w x y z */\n"
+    "  $ u[3];    /* [m/s] velocity of the mass center, inertial axes */\n"
+    "  $ L[3];    /* [N m s] angular momentum about the mass center, inertial axes */\n"
+    "  $ q[%m], pi[%m]; /* coordinates and conjugate momenta of the modes */\n"
+    "  $ lost_rho[3], lost_u[3];\n";
+
+static const char code_types_single[] = "  $ lost_quat[4], lost_L[3], lost_h[3], lost_q[%m], lost_pi[%m];\n";
+
+static const char code_types_end[] =
+    "} @_state;\n\n"
+    "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n"
+    "  $ force[3], torque[3]; /* [N], [N m] at O, body axes */\n"
+    "  $ gravity[3];          /* [m/s^2] uniform, inertial axes, beside that of the description */\n"
+    "  $ modal[%m];            /* generalized forces of the coordinates */\n"
+    "} @_input;\n\n"
+    "/* At the inertial origin, at rest, undeformed. */\n"
+    "void @_start(@_state *state);\n"
+    "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
+    "stays as\n"
+    "   it was. */\n"
+    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
+
+static const char code_helpers[] =
+    "/* Short loops are unrolled, which -O2 does not by itself; the rates keep the registers to themselves. */\n"
+    "#if defined(__clang__)\n#define @_UNROLL _Pragma(\"unroll 8\")\n"
+    "#elif defined(__GNUC__)\n#define @_UNROLL _Pragma(\"GCC unroll 8\")\n#else\n#define @_UNROLL\n#endif\n"
+    "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n"
+    "static int @_is_finite(const $ *x, int n)\n{\n"
+    "  $ sum = `0`;\n"
+    "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
+    "  return sum <= @_huge;\n}\n\n"
+    "static int @_input_is_finite(const @_input *in)\n{\n"
+    "  return !in || (@_is_finite(in->force, 3) && @_is_finite(in->torque, 3) && @_is_finite(in->gravity, 3) &&\n"
+    "                 @_is_finite(in->modal, %n));\n}\n\n"
+    "/* E4.1: rotation matrix of a quaternion of any length */\n"
+    "static void @_matrix($ *R, const $ *q)\n{\n"
+    "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
+    "  const $ x2 = two * q[1], y2 = two * q[2], z2 = two * q[3];\n"
+    "  const $ wx = q[0] * x2, wy = q[0] * y2, wz = q[0] * z2, xx = q[1] * x2, xy = q[1] * y2, xz = q[1] * z2;\n"
+    "  const $ yy = q[2] * y2, yz = q[2] * z2, zz = q[3] * z2;\n"
+    "  R[0] = `1` - (yy + zz);\n  R[1] = xy - wz;\n  R[2] = xz + wy;\n"
+    "  R[3] = xy + wz;\n  R[4] = `1` - (xx + zz);\n  R[5] = yz - wx;\n"
+    "  R[6] = xz - wy;\n  R[7] = yz + wx;\n  R[8] = `1` - (xx + yy);\n}\n\n"
+    "/* y = R x by the quaternion of R */\n"
+    "static void @_turn($ *y, const $ *q, const $ *x)\n{\n"
+    "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
+    "  const $ t0 = q[2] * x[2] - q[3] * x[1], t1 = q[3] * x[0] - q[1] * x[2], t2 = q[1] * x[1] - q[2] * x[0];\n"
+    "  y[0] = x[0] + two * (q[0] * t0 + q[2] * t2 - q[3] * t1);\n"
+    "  y[1] = x[1] + two * (q[0] * t1 + q[3] * t0 - q[1] * t2);\n"
+    "  y[2] = x[2] + two * (q[0] * t2 + q[1] * t1 - q[2] * t0);\n}\n\n"
+    "/* y = R^T x */\n"
+    "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
+    "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
+    "  @_turn(y, back, x);\n}\n\n"
+    "static $ @_norm(const $ *x)\n{\n"
+    "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
+
+/* c(q), first moment of mass. */
+static void code_write_center(const code *w)
+{
+  code_template(
+      w, "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\nstatic void @_center($ *c, const $ *q)\n{\n");
+  for (int i = 0; i < 3; i++) {
+    const code_poly *const p = &code_model.poly[i];
+    code_sum s;
+    char target[8];
+    code_value slope[FB_MAX_MODES];
+    for (int b = 0; b < w->n; b++) {
+      code_begin(&s);
+      code_add_one(&s, p->linear[b], code_constant(1.0));
+      for (int a = 0; a < w->n; a++) {
+        code_add_one(&s, 0.5 * p->square[b][a], code_variable("q[%d]", a));
+      }
+      slope[b] = code_end(w, &s, code_variable("c_%c_%d", 'x' + i, b));
+    }
+    code_begin(&s);
+    code_add_one(&s, p->constant, code_constant(1.0));
+    for (int b = 0; b < w->n; b++) {
+      code_add(&s, 1.0, slope[b], code_variable("q[%d]", b));
+    }
+    snprintf(target, sizeof target, "c[%d]", i);
+    code_assign(w, &s, target);
+  }
+  if (w->n == 0) {
+    fputs("  (void)q;\n", w->out);
+  }
+  fputs("}\n", w->out);
+}
+
+/* Longest step: E8.8, E11.1. */
+static void code_write_limit(const code *w)
+{
+  const fb_body *const body = code_model.body;
+  const double c = sqrt((double)(body->c[0] * body->c[0] + body->c[1] * body->c[1] + body->c[2] * body->c[2]));
+  code_sum s;
+  code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
+                   "static $ @_longest(const $ *w, $ a)\n{\n"
+                   "  const $ spin = @_norm(w);\n");
+  code_begin(&s);
+  code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+  code_add_one(&s, 1.0, code_variable("a"));
+  code_assign(w, &s, w->single ? "const float acceleration" : "const double acceleration");
+  code_begin(&s);
+  code_add_one(&s, 0.5 * (double)body->limit_damping, code_constant(1.0));
+  code_add_one(&s, 1.0, code_variable("spin"));
+  code_assign(w, &s, w->single ? "const float g" : "const double g");
+  code_begin(&s);
+  code_add_one(&s, (double)body->limit_elastic, code_constant(1.0));
+  code_add(&s, (double)body->limit_spin, code_variable("spin"), code_variable("spin"));
+  code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
+  code_assign(w, &s, w->single ? "const float k" : "const double k");
+  code_template(w, "  const $ bound = g + sqrt~(g * g + k);\n");
+  if (!((double)body->limit_acceleration > 0.0)) {
+    fputs("  (void)acceleration;\n", w->out);
+  }
+  code_template(w, "  if (!(bound >= `0`)) {\n    return `0`;\n  }\n"
+                   "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
+}
+
+static const char code_sums[] =
+    "\n/* E11.22: Kahan sum; d becomes x + d, lost what rounding took */\n"
+    "static void @_sum_kept($ *d, $ *lost, const $ *x, int n)\n{\n"
+    "  @_UNROLL\n  for (int i = 0; i < n; i++) {\n"
+    "    const $ more = d[i] + lost[i];\n"
+    "    d[i] = x[i] + more;\n"
+    "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n"
+    "\n/* E11.29: the increment d of the attitude so that R h is along L, and of unit length */\n"
+    "static @_status @_align($ *d, const $ *x)\n{\n"
+    "  static const $ known[2] = {`0`, `1`};\n"
+    "  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told, norm2 = `0`, norm;\n"
+    "  const $ change = @_norm(d + %l);\n"
+    "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
+    "  for (int i = 0; i < 3; i++) {\n    h[i] = x[7 + i] + d[7 + i];\n    b[i] = x[%l + i] + d[%l + i];\n  }\n"
+    "  @_turn(r, quat, h);\n"
+    "  sizes = @_norm(r) * @_norm(b);\n"
+    "  theta[0] = r[1] * b[2] - r[2] * b[1];\n"
+    "  theta[1] = r[2] * b[0] - r[0] * b[2];\n"
+    "  theta[2] = r[0] * b[1] - r[1] * b[0];\n"
+    "  told = known[sizes > change * change];\n";
+
+static const char code_sums_single[] = "  told *= known[@_norm(theta) >= `16` * `1.19209290e-7` * sizes];\n";
+
+static const char code_sums_end[] =
+    "  for (int i = 0; i < 3; i++) {\n    theta[i] *= `0.5` * told / (sizes + (`1` - told));\n  }\n"
+    "  d[0] -= theta[0] * quat[1] + theta[1] * quat[2] + theta[2] * quat[3];\n"
+    "  d[1] += theta[0] * quat[0] + theta[1] * quat[3] - theta[2] * quat[2];\n"
+    "  d[2] += theta[1] * quat[0] + theta[2] * quat[1] - theta[0] * quat[3];\n"
+    "  d[3] += theta[2] * quat[0] + theta[0] * quat[2] - theta[1] * quat[1];\n"
+    "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n    norm2 += quat[i] * quat[i];\n  }\n"
+    "  if (!(norm2 > `1e-20` && norm2 < @_huge)) {\n    return @_not_finite;\n  }\n"
+    "  norm = sqrt~(norm2);\n"
+    "  for (int i = 0; i < 4; i++) {\n    d[i] += (`1` - norm2) / (norm * (`1` + norm)) * quat[i];\n  }\n"
+    "  return @_ok;\n}\n";
+
+/* The check after a step. */
+static void code_write_range(const code *w)
+{
+  char number[40];
+  code_sum s;
+  code_begin(&s);
+  for (int a = 0; a < w->n; a++) {
+    code_add_one(&s, (double)code_model.body->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
+  }
+  code_template(w, "\n/* What fb_rk4_step checks of the state d after a step: finite, deflection [m] by bounds of the "
+                   "modes, length of the\n"
+                   "   quaternion */\n"
+                   "static @_status @_check(const $ *d)\n{\n"
+                   "  const $ norm2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3];\n"
+                   "  $ sum = `0`;\n  @_UNROLL\n"
+                   "  for (int i = 0; i < %N; i++) {\n    sum += fabs~(d[i]);\n  }\n"
+                   "  if (!(sum <= @_huge)) {\n    return @_not_finite;\n  }\n");
+  code_assign(w, &s, w->single ? "const float deflection" : "const double deflection");
+  code_number(number, w, (double)code_model.body->deflection_limit);
+  fprintf(w->out, "  if (!(deflection <= %s)) {\n", number);
+  code_template(w, "    return @_range;\n  }\n"
+                   "  return fabs~(norm2 - `1`) <= `2e-3` ? @_ok : @_step_length;\n}\n");
+}
+
+static const char code_enter[] = "\n/* The vector x of a state, with h = R^T L. */\n"
+                                 "static void @_enter($ *x, const @_state *s)\n{\n"
+                                 "  memcpy(x, s->quat, sizeof s->quat);\n"
+                                 "  memcpy(x + 4, s->u, sizeof s->u);\n"
+                                 "  @_turn_back(x + 7, s->quat, s->L);\n"
+                                 "  memcpy(x + %r, s->rho, sizeof s->rho);\n"
+                                 "  memcpy(x + %l, s->L, sizeof s->L);\n";
+
+static const char code_enter_modes[] = "  memcpy(x + 10, s->q, sizeof s->q);\n"
+                                       "  memcpy(x + %p, s->pi, sizeof s->pi);\n";
+
+static const char code_enter_single[] = "  for (int i = 0; i < 3; i++) {\n    x[7 + i] += s->lost_h[i];\n  }\n";
+
+static const char code_keep_single[] =
+    "\n/* What rounding takes from h = R^T L, across it: much spin about an axis of little inertia. more: increment of "
+    "h */\n"
+    "static void @_keep(@_state *next, const @_state *from, const $ *more)\n{\n"
+    "  $ before[3], after[3], size, along = `0`;\n"
+    "  @_turn_back(before, from->quat, from->L);\n"
+    "  @_turn_back(after, next->quat, next->L);\n"
+    "  size = after[0] * after[0] + after[1] * after[1] + after[2] * after[2];\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    next->lost_h[i] = size > `0` ? from->lost_h[i] + ((before[i] - after[i]) + more[i]) : `0`;\n"
+    "    along += next->lost_h[i] * after[i];\n  }\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    next->lost_h[i] -= size > `0` ? along / size * after[i] : `0`;\n  }\n}\n";
+
+static const char code_end_double[] = "  $ lost_u[3], lost_rho[3];\n"
+                                      "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
+                                      "  memcpy(lost_rho, state->lost_rho, sizeof lost_rho);\n"
+                                      "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
+                                      "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n    d[a] = "
+                                      "fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
+                                      "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
+
+static const char code_end_single[] =
+    "  @_state next = *state;\n"
+    "  $ *const lost_u = next.lost_u, *const lost_rho = next.lost_rho;\n"
+    "  @_sum_kept(d, next.lost_quat, x, 4);\n"
+    "  @_sum_kept(d + 10, next.lost_q, x + 10, %n);\n"
+    "  @_sum_kept(d + %p, next.lost_pi, x + %p, %n);\n"
+    "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n"
+    "  for (int a = 10; a < %r; a++) {\n    d[a] = fabsf(d[a]) < @_tiny ? `0` : d[a];\n  }\n";
+
+static const char code_end_rest[] = "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
+                                    "  for (int i = 0; i < 3; i++) {\n"
+                                    "    d[4 + i] = fabs~(d[4 + i]) < @_faint ? `0` : d[4 + i];\n"
+                                    "    d[%l + i] = fabs~(d[%l + i]) < @_faint ? `0` : d[%l + i];\n  }\n";
+
+static const char code_end_keep_single[] = "  memcpy(next.quat, d, sizeof next.quat);\n"
+                                           "  memcpy(next.L, d + %l, sizeof next.L);\n"
+                                           "  @_keep(&next, state, d + 7);\n";
+
+static const char code_end_position[] = "\n  /* E11.30: O from the mass center */\n"
+                                        "  @_center(before, x + 10);\n"
+                                        "  @_center(after, d + 10);\n"
+                                        "  @_turn(old, x, before);\n"
+                                        "  @_turn(own, d, after);\n";
+
+static const char code_end_commit[] = "  @_sum_kept(d + %r, lost_rho, x + %r, 3);\n"
+                                      "  status = status == @_ok ? @_check(d) : status;\n"
+                                      "  if (status != @_ok) {\n    return status;\n  }\n";
+
+static const char code_end_take[] = "  memcpy(state->rho, d + %r, sizeof state->rho);\n"
+                                    "  memcpy(state->quat, d, sizeof state->quat);\n"
+                                    "  memcpy(state->u, d + 4, sizeof state->u);\n"
+                                    "  memcpy(state->L, d + %l, sizeof state->L);\n"
+                                    "  memcpy(state->lost_rho, lost_rho, sizeof state->lost_rho);\n"
+                                    "  memcpy(state->lost_u, lost_u, sizeof state->lost_u);\n";
+
+static const char code_end_modes[] = "  memcpy(state->q, d + 10, sizeof state->q);\n"
+                                     "  memcpy(state->pi, d + %p, sizeof state->pi);\n";
+
+/* The end of a step. */
+static void code_write_end(const code *w)
+{
+  char number[40];
+  code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
+                   "static @_status @_end(@_state *state, $ *d, const $ *x)\n{\n"
+                   "  $ before[3], after[3], old[3], own[3];\n"
+                   "  @_status status = @_align(d, x);\n");
+  code_template(w, w->single ? code_end_single : code_end_double);
+  code_template(w, code_end_rest);
+  code_template_of(w, 1, code_end_keep_single);
+  code_template(w, code_end_position);
+  code_number(number, w, 1.0 / (double)code_model.body->mass);
+  code_template(w, "  for (int i = 0; i < 3; i++) {\n");
+  fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
+  code_template(w, code_end_commit);
+  code_template_of(w, 1, "  *state = next;\n");
+  code_template(w, code_end_take);
+  if (w->n > 0) {
+    code_template(w, code_end_modes);
+  }
+  fputs("  return status;\n}\n", w->out);
+}
+
+static const char code_step_head[] =
+    "\n/* E11.3 */\n"
+    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
+    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
+    "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
+    "  const @_input *in[4];\n"
+    "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[3], first[3], a;\n"
+    "  if (!state) {\n    return @_null;\n  }\n"
+    "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
+    "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
+    "  @_enter(x, state);\n"
+    "  memcpy(at, x, sizeof at);\n"
+    "  for (int stage = 0; stage < 4; stage++) {\n"
+    "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
+    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, w, &a, at, in[stage]) : @_not_finite;\n";
+
+static const char code_step_limits[] =
+    "\n    /* E11.1, E11.26: step limit at the start, rotation at the last stage */\n"
+    "    if (status == @_ok && stage == 0) {\n"
+    "      status = dt <= @_longest(w, a) ? @_ok : @_step_length;\n"
+    "      memcpy(first, w, sizeof first);\n    }\n"
+    "    if (status == @_ok && stage == 3) {\n"
+    "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (w[i] - first[i]);\n      }\n"
+    "      status = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25` ? @_ok : "
+    "@_step_length;\n    }\n";
+
+static const char code_step_rest[] =
+    "    if (status != @_ok) {\n      return status;\n    }\n    @_UNROLL\n"
+    "    for (int i = 0; i < %N; i++) {\n      sum[i] += by * rate[i];\n    }\n"
+    "    if (stage < 3) {\n      @_UNROLL\n"
+    "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n    }\n"
+    "  }\n"
+    "  return @_end(state, sum, x);\n}\n";
+
+static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
+                                 "  memset(state, 0, sizeof *state);\n"
+                                 "  state->quat[0] = `1`;\n}\n";
+
+/* Comment and declarations. */
+static void code_write_head(const code *w, const fb_body *body, const char *source, void (*coordinate)(FILE *, int))
+{
+  const unsigned crc = fbi_body_crc(body, w->single);
+  fprintf(w->out, "/* %s - made by reduce --code from ", w->name);
+  for (const char *c = source; *c; c++) { /* not to end the comment */
+    fputc(*c == '*' ? '?' : *c, w->out);
+  }
+  fprintf(w->out,
+          " with flexbeam %s, %s precision, model 0x%08X: a free body\n"
+          "   of %d modes and its step of rk4, by the equations of fb_rk4_step (E8.9: tests/reference/THEORY.md). "
+          "Include it where\n"
+          "   needed; one file defines %s_IMPLEMENTATION before. SI units, radians.\n   Mass %.6g kg.",
+          FB_VERSION, w->single ? "single" : "double", crc, w->n, w->name, (double)body->mass);
+  for (int a = 0; a < w->n; a++) {
+    fprintf(w->out, "\n   q[%d]: ", a);
+    coordinate(w->out, a);
+  }
+  fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);
+  fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", w->out);
+  code_template(w, code_types);
+  code_template_of(w, 1, code_types_single);
+  code_template(w, code_types_end);
+  code_template(w, code_read_types);
+  fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
+}
+
+/* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
+   no temporary file, see errno. */
+static int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
+                      void (*coordinate)(FILE *, int))
+{
+  const code w = {out, name, single, body->n, 2};
+  int good;
+  code_read(body);
+  code_write_head(&w, body, source, coordinate);
+  code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
+  code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
+                           : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
+  code_template(&w, code_helpers);
+  code_write_center(&w);
+  good = code_write_pruned(&w, code_write_rates, 0);
+  code_write_limit(&w);
+  code_template(&w, code_sums);
+  code_template_of(&w, 1, code_sums_single);
+  code_template(&w, code_sums_end);
+  code_write_range(&w);
+  code_template(&w, code_enter);
+  if (w.n > 0) {
+    code_template(&w, code_enter_modes);
+  }
+  code_template_of(&w, 1, code_enter_single);
+  code_template(&w, "}\n");
+  code_template_of(&w, 1, code_keep_single);
+  code_write_end(&w);
+  code_template(&w, code_start);
+  code_template(&w, code_step_head);
+  if (!body->allow_long_step) {
+    code_template(&w, code_step_limits);
+  }
+  code_template(&w, code_step_rest);
+  good = code_write_read(&w) && good;
+  fputs("#endif\n", out);
+  return good;
+}
+
+/* What of a body cannot be written, with what would be right; NULL: nothing. */
+static const char *code_refusal(const fb_body *body)
+{
+  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    return "effects large: lines have no step of constant coefficients; choose effects full";
+  }
+  if (body->effects & FB_EFFECT_ROTORS) {
+    return "rotors: choose bodies without them";
+  }
+  if (body->effects & FB_EFFECT_CENTRAL_GRAVITY) {
+    return "central_gravity: choose uniform gravity";
+  }
+  return body->base == FB_BASE_FREE ? NULL : "base: only free bodies, line base free";
+}
+#endif

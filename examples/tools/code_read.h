@@ -1,0 +1,279 @@
+/* code_read.h - writes what is read off a state: rates, motion, energy, nodes with sensors, for the step of code.h,
+   whose functions it uses. */
+#ifndef CODE_READ_H
+#define CODE_READ_H
+#include "code_model.h"
+#include "code_text.h"
+#include <errno.h>
+
+static const char code_read_types[] =
+    "\ntypedef struct @_motion {\n"
+    "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
+    "  $ q_dot[%m];\n"
+    "} @_motion;\n\n"
+    "typedef struct @_energy {\n"
+    "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
+    "} @_energy;\n\n"
+    "typedef struct @_node { /* inertial axes */\n"
+    "  $ position[3], quat[4];          /* [m], attitude of the section */\n"
+    "  $ velocity[3], angular_rate[3]; /* [m/s], [rad/s] */\n"
+    "} @_node;\n\n"
+    "/* Time derivatives of rho, quat, u, L, q, pi; rho_dot is the velocity of O. */\n"
+    "@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in);\n"
+    "@_status @_motion_eval(@_motion *motion, const @_state *state);\n"
+    "@_status @_energy_eval(@_energy *energy, const @_state *state);\n"
+    "/* Node 0 is O, the others are those of the description in its order. @_value: no such node. */\n"
+    "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node);\n";
+
+/* Writes a function by `write`, without what nothing in it uses; 0: no temporary file, or too long, see errno. */
+static int code_write_pruned(const code *w, void (*write)(const code *, int), int k)
+{
+  code draft = *w;
+  int good;
+  draft.out = tmpfile();
+  if (!draft.out) {
+    return 0;
+  }
+  write(&draft, k);
+  good = code_prune(w->out, draft.out);
+  errno = good ? errno : EFBIG;
+  return fclose(draft.out) == 0 && good;
+}
+
+static void code_write_center_rate(const code *w, int unused)
+{
+  code_sum s;
+  (void)unused;
+  code_template(w, "\n/* (dc/dq) q_dot */\nstatic void @_center_rate($ *c_dot, const $ *q, const $ *q_dot)\n{\n");
+  for (int i = 0; i < 3; i++) {
+    code_value slope[FB_MAX_MODES];
+    char target[16];
+    for (int b = 0; b < w->n; b++) {
+      code_begin(&s);
+      code_add_one(&s, code_model.lambda[i].constant[b], code_constant(1.0));
+      for (int a = 0; a < w->n; a++) {
+        code_add_one(&s, code_model.lambda[i].slope[b][a], code_variable("q[%d]", a));
+      }
+      slope[b] = code_end(w, &s, code_variable("L_%s_%d", code_rows[i], b));
+    }
+    code_begin(&s);
+    for (int b = 0; b < w->n; b++) {
+      code_add(&s, 1.0, slope[b], code_variable("q_dot[%d]", b));
+    }
+    snprintf(target, sizeof target, "c_dot[%d]", i);
+    code_assign(w, &s, target);
+  }
+  fputs("  (void)q, (void)q_dot;\n}\n", w->out);
+}
+
+/* A displacement or rotation of second degree along axis i, x = psi q + 1/2 chi q q, and its rate. chi: NULL: none. */
+static void code_write_field(const code *w, const char *name, int i, const fb_real *psi, const fb_real *chi)
+{
+  code_sum x, rate, s;
+  char target[32];
+  code_begin(&x);
+  code_begin(&rate);
+  for (int a = 0; a < w->n; a++) {
+    const double first = (double)psi[3 * a + i];
+    code_value slope;
+    code_begin(&s);
+    code_add_one(&s, first, code_constant(1.0));
+    for (int b = 0; b < w->n && chi; b++) {
+      code_add_one(&s, (double)chi[(a > b ? 3 * (a * (a + 1) / 2 + b) : 3 * (b * (b + 1) / 2 + a)) + i],
+                   code_variable("q[%d]", b));
+    }
+    slope = code_end(w, &s, code_variable("J_%s_%d_%d", name, i, a));
+    code_add_one(&x, 0.5 * first, code_variable("q[%d]", a));
+    code_add(&x, 0.5, slope, code_variable("q[%d]", a));
+    code_add(&rate, 1.0, slope, code_variable("q_dot[%d]", a));
+  }
+  snprintf(target, sizeof target, "%s[%d]", name, i);
+  code_assign(w, &x, target);
+  snprintf(target, sizeof target, "%s_dot[%d]", name, i);
+  code_assign(w, &rate, target);
+}
+
+static void code_write_node(const code *w, int k)
+{
+  const fb_node *const node = &code_model.body->node[k];
+  const fb_real *chi = NULL, *chi_theta = NULL;
+#if FBI_WITH_QUADRATIC
+  if (code_model.body->effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) {
+    chi = node->chi;
+    chi_theta = node->chi_theta;
+  }
+#endif
+  fprintf(w->out, "\n/* E8.14: displacement [m] and rotation of node %d with their rates, body axes */\n", k);
+  code_template(w, "static void @_node_");
+  fprintf(w->out, "%d", k);
+  code_template(w, "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
+  for (int i = 0; i < 3; i++) {
+    code_write_field(w, "u", i, node->psi, chi);
+    code_write_field(w, "phi", i, node->theta, chi_theta);
+  }
+  fputs("  (void)q, (void)q_dot;\n}\n", w->out);
+}
+
+static const char code_read_motion[] = "\n@_status @_motion_eval(@_motion *motion, const @_state *state)\n{\n"
+                                       "  $ x[%N], rate[%N], w[3], c[3], c_dot[3], u[3], a;\n"
+                                       "  @_status status;\n"
+                                       "  if (!motion || !state) {\n    return @_null;\n  }\n"
+                                       "  @_enter(x, state);\n"
+                                       "  status = @_rates_at(rate, w, &a, x, NULL);\n"
+                                       "  if (status != @_ok) {\n    return status;\n  }\n"
+                                       "  @_center(c, x + 10);\n"
+                                       "  @_center_rate(c_dot, x + 10, rate + 10);\n"
+                                       "  @_turn_back(u, state->quat, state->u);\n";
+
+static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof w);\n"
+                                           "  memcpy(motion->q_dot, rate + 10, %n * sizeof *rate);\n"
+                                           "  return @_is_finite(rate, %N) ? @_ok : @_not_finite;\n}\n";
+
+static const char code_read_rates[] =
+    "\n@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in)\n{\n"
+    "  $ x[%N], dot[%N], w[3], a;\n"
+    "  @_motion motion;\n"
+    "  @_status status;\n"
+    "  if (!rate || !state) {\n    return @_null;\n  }\n"
+    "  status = @_input_is_finite(in) ? @_motion_eval(&motion, state) : @_not_finite;\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  @_enter(x, state);\n"
+    "  status = @_rates_at(dot, w, &a, x, in);\n"
+    "  status = status == @_ok && !@_is_finite(dot, %N) ? @_not_finite : status;\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  memset(rate, 0, sizeof *rate);\n"
+    "  @_turn(rate->rho, x, motion.v);\n"
+    "  memcpy(rate->quat, dot, sizeof rate->quat);\n"
+    "  memcpy(rate->u, dot + 4, sizeof rate->u);\n"
+    "  memcpy(rate->L, dot + %l, sizeof rate->L);\n"
+    "  memcpy(rate->q, dot + 10, %n * sizeof *dot);\n"
+    "  memcpy(rate->pi, dot + %p, %n * sizeof *dot);\n"
+    "  return @_ok;\n}\n";
+
+static void code_write_motion(const code *w)
+{
+  char number[40];
+  code_template(w, code_read_motion);
+  code_number(number, w, 1.0 / (double)code_model.body->mass);
+  for (int i = 0; i < 3; i++) {
+    const int y = (i + 1) % 3, z = (i + 2) % 3;
+    fprintf(w->out, "  motion->v[%d] = u[%d] - %s * (w[%d] * c[%d] - w[%d] * c[%d] + c_dot[%d]);\n", i, i, number, y, z,
+            z, y, i);
+  }
+  code_template(w, code_read_motion_end);
+  code_template(w, code_read_rates);
+}
+
+static const char code_read_energy[] =
+    "\n/* T = 1/2 (w.h + q_dot.pi + m u.u), homogeneous of degree 2 in the momenta; gravity as E8.16 */\n"
+    "@_status @_energy_eval(@_energy *energy, const @_state *state)\n{\n"
+    "  $ x[%N], rate[%N], w[3], c[3], moment[3], a, kinetic;\n"
+    "  @_status status;\n"
+    "  if (!energy || !state) {\n    return @_null;\n  }\n"
+    "  @_enter(x, state);\n"
+    "  status = @_rates_at(rate, w, &a, x, NULL);\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  @_center(c, x + 10);\n"
+    "  @_turn(moment, x, c);\n"
+    "  kinetic = w[0] * x[7] + w[1] * x[8] + w[2] * x[9];\n"
+    "  for (int k = 0; k < %n; k++) {\n    kinetic += rate[10 + k] * x[%p + k];\n  }\n";
+
+static void code_write_energy(const code *w)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES];
+  const fb_body *const body = code_model.body;
+  const code_value mass = code_constant((double)body->mass);
+  code_sum s;
+  code_template(w, code_read_energy);
+  code_begin(&s);
+  code_add_one(&s, 0.5, code_variable("kinetic"));
+  for (int i = 0; i < 3; i++) {
+    code_add(&s, 0.5 * mass.c, code_variable("x[%d]", 4 + i), code_variable("x[%d]", 4 + i));
+  }
+  code_assign(w, &s, "energy->kinetic");
+  code_read_sparse(K, &body->K, w->n);
+  code_begin(&s);
+  for (int a = 0; a < w->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_add(&s, (a == b ? 0.5 : 1.0) * K[a][b], code_variable("x[%d]", 10 + a), code_variable("x[%d]", 10 + b));
+    }
+  }
+  code_assign(w, &s, "energy->strain");
+  code_begin(&s);
+  for (int i = 0; i < 3; i++) {
+    double g = 0.0;
+#if FB_WITH_GRAVITY
+    g = body->effects & FB_EFFECT_GRAVITY ? (double)body->gravity[i] : 0.0;
+#endif
+    code_add_one(&s, -g, code_variable("moment[%d]", i));
+    code_add_one(&s, -g * mass.c, code_variable("x[%d]", code_place(w, 'r') + i));
+  }
+  code_assign(w, &s, "energy->gravity");
+  code_template(w, "  (void)moment;\n  w[0] = energy->kinetic;\n  w[1] = energy->strain;\n  w[2] = energy->gravity;\n"
+                   "  return @_is_finite(w, 3) ? @_ok : @_not_finite;\n}\n");
+}
+
+static const char code_read_node[] =
+    "  for (int i = 0; i < 3; i++) {\n    s[i] += u[i];\n  }\n"
+    "  share = `1` / (`1` + `0.25` * (phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2]));\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const int y = i < 2 ? i + 1 : 0, z = i > 0 ? i - 1 : 2;\n"
+    "    v[i] = motion->v[i] + motion->w[y] * s[z] - motion->w[z] * s[y] + u_dot[i];\n"
+    "    w[i] = motion->w[i] + share * (phi_dot[i] + `0.5` * (phi[y] * phi_dot[z] - phi[z] * phi_dot[y]));\n"
+    "  }\n"
+    "  @_turn(out->position, q, s);\n"
+    "  @_turn(out->velocity, q, v);\n"
+    "  @_turn(out->angular_rate, q, w);\n"
+    "  share = sqrt~(share);\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    out->position[i] += state->rho[i];\n"
+    "    phi[i] *= `0.5`;\n  }\n"
+    "  out->quat[0] = share * (q[0] - q[1] * phi[0] - q[2] * phi[1] - q[3] * phi[2]);\n"
+    "  out->quat[1] = share * (q[1] + q[0] * phi[0] + q[2] * phi[2] - q[3] * phi[1]);\n"
+    "  out->quat[2] = share * (q[2] + q[0] * phi[1] + q[3] * phi[0] - q[1] * phi[2]);\n"
+    "  out->quat[3] = share * (q[3] + q[0] * phi[2] + q[1] * phi[1] - q[2] * phi[0]);\n"
+    "  return @_is_finite(out->position, 3) && @_is_finite(out->quat, 4) && @_is_finite(out->velocity, 3) &&\n"
+    "             @_is_finite(out->angular_rate, 3) ? @_ok : @_not_finite;\n}\n";
+
+static int code_write_nodes(const code *w)
+{
+  const fb_body *const body = code_model.body;
+  int good = 1;
+  char number[40];
+  for (int k = 1; k < body->n_node; k++) {
+    good = good && code_write_pruned(w, code_write_node, k);
+  }
+  code_template(
+      w,
+      "\n/* E8.20 */\n@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node)\n{\n");
+  code_template(w, "  static const $ place[][3] = {");
+  for (int k = 0; k < body->n_node; k++) {
+    for (int i = 0; i < 3; i++) {
+      code_number(number, w, (double)body->node[k].r[i]);
+      fprintf(w->out, "%s%s%s", i == 0 ? (k == 0 ? "{" : ", {") : ", ", number, i == 2 ? "}" : "");
+    }
+  }
+  code_template(w,
+                "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n"
+                "  const $ *q;\n"
+                "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
+  fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
+  code_template(w, "    return @_value;\n  }\n  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
+  for (int k = 1; k < body->n_node; k++) {
+    fprintf(w->out, "  if (node == %d) {\n", k);
+    code_template(w, "    @_node_");
+    fprintf(w->out, "%d(u, phi, u_dot, phi_dot, state->q, motion->q_dot);\n  }\n", k);
+  }
+  code_template(w, code_read_node);
+  return good;
+}
+
+/* All of it. */
+static int code_write_read(const code *w)
+{
+  const int good = code_write_pruned(w, code_write_center_rate, 0);
+  code_write_motion(w);
+  code_write_energy(w);
+  return code_write_nodes(w) && good;
+}
+#endif

@@ -1,0 +1,324 @@
+/* code_text.h - writes C: sums of products whose constants are folded, and templates. What is zero by structure leaves
+   no text; a sum that is a constant or a variable gets no name. code.h uses it. */
+#ifndef CODE_TEXT_H
+#define CODE_TEXT_H
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CODE_NAME = 24, CODE_TERMS = 1200, CODE_WIDTH = 116 };
+
+typedef struct code {
+  FILE *out;
+  const char *name; /* prefix of what is written */
+  int single, n;    /* precision, modes */
+  int indent;
+} code;
+
+typedef struct code_value { /* c times the variable; without a name the constant c */
+  double c;
+  char name[CODE_NAME];
+} code_value;
+
+typedef struct code_term { /* c x y; names may be empty */
+  double c;
+  char x[CODE_NAME], y[CODE_NAME];
+} code_term;
+
+typedef struct code_sum {
+  double constant, size; /* size: sum of the magnitudes of the constants, which tells zero from round-off */
+  int n;
+  code_term term[CODE_TERMS];
+} code_sum;
+
+static code_value code_constant(double c)
+{
+  code_value v = {c, ""};
+  return v;
+}
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+static code_value
+code_variable(const char *format, ...)
+{
+  code_value v = {1.0, ""};
+  va_list list;
+  va_start(list, format);
+  vsnprintf(v.name, sizeof v.name, format, list);
+  va_end(list);
+  return v;
+}
+
+static int code_is_zero(const code_value *v)
+{
+  return !(fabs(v->c) > 0.0);
+}
+
+static int code_is_constant(const code_value *v)
+{
+  return v->name[0] == '\0';
+}
+
+/* c with all its digits, in the precision of the target. */
+static void code_number(char text[40], const code *w, double c)
+{
+  snprintf(text, 36, w->single ? "%.9g" : "%.17g", w->single ? (double)(float)c : c);
+  if (!strpbrk(text, ".en")) {
+    strcat(text, ".0");
+  }
+  if (w->single) {
+    strcat(text, "f");
+  }
+}
+
+static void code_begin(code_sum *s)
+{
+  s->constant = s->size = 0.0;
+  s->n = 0;
+}
+
+/* s += c x y */
+static void code_add(code_sum *s, double c, code_value x, code_value y)
+{
+  const double all = c * x.c * y.c;
+  code_term *t = &s->term[s->n];
+  if (!(fabs(all) > 0.0)) {
+    return;
+  }
+  if (code_is_constant(&x) && code_is_constant(&y)) {
+    s->constant += all;
+    s->size += fabs(all);
+    return;
+  }
+  if (s->n == CODE_TERMS) {
+    fputs("reduce: --code: a sum of too many terms\n", stderr);
+    exit(1);
+  }
+  t->c = all;
+  strcpy(t->x, code_is_constant(&x) ? y.name : x.name);
+  strcpy(t->y, code_is_constant(&x) || code_is_constant(&y) ? "" : y.name);
+  s->n++;
+}
+
+static void code_add_one(code_sum *s, double c, code_value x)
+{
+  code_add(s, c, x, code_constant(1.0));
+}
+
+/* A term with its sign as text; first: at the head of a sum. */
+static void code_term_text(char text[120], const code *w, const code_term *t, int first)
+{
+  char number[40];
+  const int unit = !(fabs(fabs(t->c) - 1.0) > 0.0);
+  const char *const sign = t->c < 0.0 ? (first ? "-" : " - ") : (first ? "" : " + ");
+  code_number(number, w, fabs(t->c));
+  snprintf(text, 120, "%s%s%s%s%s%s", sign, unit ? "" : number, unit ? "" : " * ", t->x, t->y[0] ? " * " : "", t->y);
+}
+
+/* The sum as an expression, which begins at a column of the line. */
+static void code_expression(const code *w, const code_sum *s, int column)
+{
+  char text[120];
+  int first = 1;
+  if (fabs(s->constant) > 0.0 || s->n == 0) {
+    code_number(text, w, s->constant);
+    fputs(text, w->out);
+    column += (int)strlen(text);
+    first = 0;
+  }
+  for (int k = 0; k < s->n; k++) {
+    code_term_text(text, w, &s->term[k], first);
+    if (column + (int)strlen(text) > CODE_WIDTH) {
+      fputs("\n     ", w->out);
+      column = 5;
+    }
+    fputs(text, w->out);
+    column += (int)strlen(text);
+    first = 0;
+  }
+}
+
+/* Constants whose sum is round-off are zero. */
+static void code_settle(code_sum *s)
+{
+  if (fabs(s->constant) <= 64.0 * DBL_EPSILON * s->size) {
+    s->constant = 0.0;
+  }
+}
+
+/* The sum as a value: what it is already called, or a new variable. */
+static code_value code_end(const code *w, code_sum *s, code_value name)
+{
+  code_settle(s);
+  if (s->n == 0) {
+    return code_constant(s->constant);
+  }
+  if (s->n == 1 && !(fabs(s->constant) > 0.0) && s->term[0].y[0] == '\0' && !(fabs(fabs(s->term[0].c) - 1.0) > 0.0)) {
+    code_value same = {s->term[0].c, ""};
+    strcpy(same.name, s->term[0].x);
+    return same;
+  }
+  fprintf(w->out, "%*sconst %s %s = ", w->indent, "", w->single ? "float" : "double", name.name);
+  code_expression(w, s, 16 + w->indent + (int)strlen(name.name));
+  fputs(";\n", w->out);
+  return name;
+}
+
+/* target = the sum; the target is any place. */
+static void code_assign(const code *w, code_sum *s, const char *target)
+{
+  code_settle(s);
+  fprintf(w->out, "%*s%s = ", w->indent, "", target);
+  code_expression(w, s, w->indent + 4 + (int)strlen(target));
+  fputs(";\n", w->out);
+}
+
+/* What a template's % and a letter mean: sizes and places in the vector of the state (quat u h | q | pi | rho L). */
+static int code_place(const code *w, char letter)
+{
+  switch (letter) {
+  case 'n': /* modes */
+    return w->n;
+  case 'm': /* modes, at least one */
+    return w->n > 0 ? w->n : 1;
+  case 'p': /* where pi begins */
+    return 10 + w->n;
+  case 'r': /* rho, and the number of what a stage depends on */
+    return 10 + 2 * w->n;
+  case 'l': /* L */
+    return 13 + 2 * w->n;
+  default: /* N: all */
+    return 16 + 2 * w->n;
+  }
+}
+
+/* Text in which @ is the prefix, $ the type, ~ the suffix of libm's functions, %letter a number of code_place, and a
+   number between ` is written in the target's precision. */
+static void code_template(const code *w, const char *text)
+{
+  char number[40];
+  for (const char *c = text; *c; c++) {
+    if (*c == '@') {
+      fputs(w->name, w->out);
+    } else if (*c == '$') {
+      fputs(w->single ? "float" : "double", w->out);
+    } else if (*c == '~') {
+      fputs(w->single ? "f" : "", w->out);
+    } else if (*c == '%') {
+      fprintf(w->out, "%d", code_place(w, *++c));
+    } else if (*c == '`') {
+      code_number(number, w, strtod(c + 1, NULL));
+      fputs(number, w->out);
+      c = strchr(c + 1, '`');
+    } else {
+      fputc(*c, w->out);
+    }
+  }
+}
+
+/* ---- variables that nothing uses are left out: statements of a function, read from its end */
+
+enum { CODE_SEEN = 1 << 16, CODE_LINE = 256, CODE_LINES = 60000 };
+
+typedef struct code_seen { /* names that are used */
+  int n;
+  char name[CODE_SEEN][CODE_NAME];
+} code_seen;
+
+static int code_is_letter(char c)
+{
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/* Where a name stands, or would stand, in the table. */
+static char *code_find(code_seen *seen, const char *name, int length)
+{
+  unsigned at = 5381u;
+  for (int i = 0; i < length; i++) {
+    at = 33u * at + (unsigned char)name[i];
+  }
+  for (at %= CODE_SEEN; seen->name[at][0]; at = (at + 1) % CODE_SEEN) {
+    if (strncmp(seen->name[at], name, (size_t)length) == 0 && seen->name[at][length] == '\0') {
+      break;
+    }
+  }
+  return seen->name[at];
+}
+
+/* The names in a line are used; that which it defines, behind `from`, is not among them. */
+static void code_see(code_seen *seen, const char *line, const char *from)
+{
+  for (const char *c = from ? strchr(from, '=') : line; *c; c++) {
+    int length = 0;
+    while (code_is_letter(c[length])) {
+      length++;
+    }
+    if (length > 0 && length < CODE_NAME) {
+      char *const at = code_find(seen, c, length);
+      if (seen->n < CODE_SEEN / 2 && !at[0]) {
+        memcpy(at, c, (size_t)length);
+        seen->n++;
+      }
+    }
+    c += length > 0 ? length - 1 : 0;
+  }
+}
+
+/* Name that a line defines as the only one; NULL: none. */
+static const char *code_defined(const char *line)
+{
+  const char *c = line + strspn(line, " ");
+  if (strncmp(c, "const double ", 13) != 0 && strncmp(c, "const float ", 12) != 0) {
+    return NULL;
+  }
+  c = strchr(c + 6, ' ') + 1;
+  return *c != '*' && strchr(c, '=') && !strchr(strchr(c, '=') + 1, '=') ? c : NULL;
+}
+
+/* Copies `in` to `out`, without definitions of what is used nowhere. 0: too long. */
+static int code_prune(FILE *out, FILE *in)
+{
+  static char line[CODE_LINES][CODE_LINE];
+  static char keep[CODE_LINES];
+  static code_seen seen;
+  int n = 0;
+  memset(&seen, 0, sizeof seen);
+  rewind(in);
+  while (n < CODE_LINES && fgets(line[n], CODE_LINE, in)) {
+    n++;
+  }
+  for (int end = n - 1, first; end >= 0; end = first - 1) {
+    const char *name;
+    int length = 0;
+    for (first = end; first > 0 && strncmp(line[first], "      ", 6) == 0 && !strchr(line[first - 1], ';'); first--) {
+    }
+    name = code_defined(line[first]);
+    while (name && code_is_letter(name[length])) {
+      length++;
+    }
+    for (int i = first; i <= end; i++) {
+      keep[i] = (char)(!name || code_find(&seen, name, length)[0]);
+    }
+    for (int i = first; i <= end && keep[first]; i++) {
+      code_see(&seen, line[i], i == first ? name : NULL);
+    }
+  }
+  for (int i = 0; i < n; i++) {
+    fputs(keep[i] ? line[i] : "", out);
+  }
+  return n < CODE_LINES && seen.n < CODE_SEEN / 2;
+}
+
+/* As much of a template as the precision wants. */
+static void code_template_of(const code *w, int single, const char *text)
+{
+  if (w->single == single) {
+    code_template(w, text);
+  }
+}
+#endif

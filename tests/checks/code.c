@@ -1,0 +1,257 @@
+/* The generated step of a model against fb_rk4_step: LOADED 0 or 1, STEPS steps of a tumbling body; the largest difference
+   of each kind of variable relative to its extreme is printed and at most TOLERANCE. Then refusals: same status, same
+   state. */
+#include "flexbeam.h"
+#define generated_IMPLEMENTATION
+#include "code.h"
+#include "rom.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef STEPS
+#define STEPS 1000
+#endif
+#define TOLERANCE (FB_SINGLE ? 2e-3 : 1e-11)
+
+typedef struct run {
+  fb_state state;
+  generated_state own;
+  double difference[6], extreme[6]; /* rho, quat, u, L, q, pi */
+} run;
+
+static double random_number(void)
+{
+  static unsigned long seed = 12345;
+  seed = (1103515245ul * seed + 12345ul) & 0x7ffffffful;
+  return (double)seed / 1073741824.0 - 1.0;
+}
+
+static void take_state(generated_state *own, const fb_state *state)
+{
+  generated_start(own);
+  memcpy(own->rho, state->rho, sizeof own->rho);
+  memcpy(own->quat, state->quat, sizeof own->quat);
+  memcpy(own->u, state->u, sizeof own->u);
+  memcpy(own->L, state->L, sizeof own->L);
+  memcpy(own->q, state->q, (size_t)generated.n * sizeof own->q[0]);
+  memcpy(own->pi, state->pi, (size_t)generated.n * sizeof own->pi[0]);
+}
+
+static int begin(run *r, double spin)
+{
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fb_status status = fb_state_init(&generated, &r->state);
+  memset(r->difference, 0, sizeof r->difference);
+  memset(r->extreme, 0, sizeof r->extreme);
+  for (int i = 0; i < 3; i++) {
+    v[i] = (fb_real)random_number();
+    w[i] = (fb_real)(spin * random_number());
+  }
+  for (int a = 0; a < generated.n; a++) {
+    const double most =
+        0.1 * (double)generated.deflection_limit / (generated.n * fmax((double)generated.reach[a], 0.1));
+    r->state.q[a] = (fb_real)(most * random_number());
+    q_dot[a] = (fb_real)(most * random_number());
+  }
+  status = status ? status : fb_state_from_velocity(&generated, &r->state, v, w, q_dot);
+  take_state(&r->own, &r->state);
+  return status;
+}
+
+static void compare(run *r, int kind, const fb_real *x, const fb_real *y, int n)
+{
+  for (int i = 0; i < n; i++) {
+    r->difference[kind] = fmax(r->difference[kind], fabs((double)x[i] - (double)y[i]));
+    r->extreme[kind] = fmax(r->extreme[kind], fabs((double)x[i]));
+  }
+}
+
+static void compare_all(run *r)
+{
+  compare(r, 0, r->state.rho, r->own.rho, 3);
+  compare(r, 1, r->state.quat, r->own.quat, 4);
+  compare(r, 2, r->state.u, r->own.u, 3);
+  compare(r, 3, r->state.L, r->own.L, 3);
+  compare(r, 4, r->state.q, r->own.q, generated.n);
+  compare(r, 5, r->state.pi, r->own.pi, generated.n);
+}
+
+/* The same hub force and torque to both, body axes. */
+static void load(fb_input *in, generated_input *own, double t)
+{
+  memset(in, 0, sizeof *in);
+  memset(own, 0, sizeof *own);
+  in->n_load = 1;
+  in->load[0].axes = FB_AXES_BODY;
+  for (int i = 0; i < 3; i++) {
+    own->force[i] = in->load[0].force[i] = (fb_real)(20 * sin(t + i));
+    own->torque[i] = in->load[0].torque[i] = (fb_real)(30 * cos(2 * t + i));
+  }
+}
+
+static double fly(run *r, int loaded)
+{
+  static fb_rk4_work work;
+  fb_input in[3];
+  generated_input own[3];
+  double worst = 0;
+  const fb_real dt = FB_R(0.15) * fb_rk4_limit(&generated, FB_R(1.0), FB_R(1.0));
+  for (int k = 0; k < STEPS; k++) {
+    fb_status status;
+    generated_status same;
+    for (int i = 0; i < 3; i++) {
+      load(&in[i], &own[i], (k + 0.5 * i) * (double)dt);
+    }
+    status = fb_rk4_step(&generated, &r->state, &work, loaded ? &in[0] : NULL, loaded ? &in[1] : NULL,
+                         loaded ? &in[2] : NULL, dt);
+    same = generated_step(&r->own, loaded ? &own[0] : NULL, loaded ? &own[1] : NULL, loaded ? &own[2] : NULL, dt);
+    if (status != FB_OK || (int)same != (int)status) {
+      printf("step %d: status %d, generated %d\n", k, (int)status, (int)same);
+      return 1;
+    }
+    compare_all(r);
+  }
+  for (int kind = 0; kind < 6; kind++) {
+    const double relative = r->difference[kind] / (r->extreme[kind] > 0 ? r->extreme[kind] : 1);
+    worst = fmax(worst, relative);
+    printf(" %.1e", relative);
+  }
+  return worst;
+}
+
+/* One step of both from r, which both refuse with that status (FB_OK: with the same one, any) and leave as it was. */
+static int refused(const run *r, const fb_input *in, const generated_input *own, fb_real dt, fb_status expected)
+{
+  static fb_rk4_work work;
+  run copy = *r;
+  const fb_status status = fb_rk4_step(&generated, &copy.state, &work, in, in, in, dt);
+  const generated_status same = generated_step(&copy.own, own, own, own, dt);
+  if (status == FB_OK || (expected != FB_OK && status != expected) || (int)same != (int)status ||
+      memcmp(&copy.own, &r->own, sizeof copy.own) != 0) {
+    printf("refused: expected %d, library %d, generated %d\n", (int)expected, (int)status, (int)same);
+    return 0;
+  }
+  return 1;
+}
+
+static int refusals(void)
+{
+  const fb_real limit = fb_rk4_limit(&generated, FB_R(0.0), FB_R(0.0)),
+                small = FB_R(1e-3) * (generated.n ? limit : FB_R(1.0));
+  run r, far;
+  fb_input in;
+  generated_input own;
+  int good = begin(&r, 0) == FB_OK;
+  load(&in, &own, 0);
+  good &= refused(&r, NULL, NULL, FB_R(0.0), FB_ERR_VALUE);
+  good &= refused(&r, NULL, NULL, -small, FB_ERR_VALUE);
+  good &= refused(&r, NULL, NULL, (fb_real)NAN, FB_ERR_VALUE);
+  good &= generated.n == 0 || refused(&r, NULL, NULL, FB_R(1.01) * limit, FB_ERR_STEP);
+  good &= generated_step(NULL, NULL, NULL, NULL, small) == generated_null;
+  for (int i = 0; i < 3; i++) { /* a torque that turns the frame too far */
+    own.torque[i] = in.load[0].torque[i] = generated.S0[20] / (small * small);
+  }
+  good &= refused(&r, &in, &own, small, generated.n == 0 ? FB_ERR_STEP : FB_OK);
+  own.force[1] = in.load[0].force[1] = (fb_real)NAN;
+  good &= refused(&r, &in, &own, small, FB_ERR_NOT_FINITE);
+  far = r;
+  for (int a = 0; a < generated.n; a++) {
+    const double reach = (double)generated.reach[a];
+    far.state.q[a] = reach > 0 ? (fb_real)(1.001 * (double)generated.deflection_limit / reach) : FB_R(0.0);
+  }
+  take_state(&far.own, &far.state);
+  good &= generated.n == 0 || refused(&far, NULL, NULL, FB_R(0.01) * small, FB_ERR_RANGE);
+  r.own.u[1] = r.state.u[1] = (fb_real)NAN;
+  return good & refused(&r, NULL, NULL, small, FB_ERR_NOT_FINITE);
+}
+
+/* Largest difference of n numbers relative to the largest of them. */
+static double apart(const fb_real *x, const fb_real *y, int n)
+{
+  double most = 0, size = 1e-30;
+  for (int i = 0; i < n; i++) {
+    most = fmax(most, fabs((double)x[i] - (double)y[i]));
+    size = fmax(size, fabs((double)x[i]));
+  }
+  return most / size;
+}
+
+static double rates_apart(const run *r)
+{
+  fb_input in;
+  generated_input own;
+  fb_state rate;
+  generated_state same;
+  double worst = 0;
+  load(&in, &own, 0.3);
+  if (fb_body_rates_eval(&generated, &rate, &r->state, &in) != FB_OK ||
+      generated_rates_eval(&same, &r->own, &own) != generated_ok) {
+    return 1;
+  }
+  worst = fmax(worst, apart(rate.rho, same.rho, 3));
+  worst = fmax(worst, apart(rate.quat, same.quat, 4));
+  worst = fmax(worst, apart(rate.u, same.u, 3));
+  worst = fmax(worst, apart(rate.L, same.L, 3));
+  worst = fmax(worst, apart(rate.q, same.q, generated.n));
+  return fmax(worst, apart(rate.pi, same.pi, generated.n));
+}
+
+static double energy_apart(const run *r)
+{
+  fb_energy energy;
+  generated_energy own;
+  if (fb_body_energy_eval(&generated, &energy, &r->state, NULL) != FB_OK ||
+      generated_energy_eval(&own, &r->own) != generated_ok) {
+    return 1;
+  }
+  return fmax(apart(&energy.kinetic, &own.kinetic, 1),
+              fmax(apart(&energy.strain, &own.strain, 1), apart(&energy.gravity, &own.gravity, 1)));
+}
+
+/* Motion of O and of all nodes. */
+static double nodes_apart(const run *r)
+{
+  fb_motion motion;
+  generated_motion own;
+  double worst;
+  if (fb_body_motion_eval(&generated, &motion, &r->state, NULL) != FB_OK ||
+      generated_motion_eval(&own, &r->own) != generated_ok) {
+    return 1;
+  }
+  worst = fmax(apart(motion.v, own.v, 3), fmax(apart(motion.w, own.w, 3), apart(motion.q_dot, own.q_dot, generated.n)));
+  for (int k = 0; k < generated.n_node; k++) {
+    fb_node_motion node;
+    generated_node same;
+    if (fb_body_node_motion_eval(&generated, &node, &r->state, &motion, k) != FB_OK ||
+        generated_node_eval(&same, &r->own, &own, k) != generated_ok) {
+      return 1;
+    }
+    worst = fmax(worst, fmax(apart(node.position, same.position, 3), apart(node.quat, same.quat, 4)));
+    worst = fmax(worst, fmax(apart(node.velocity, same.velocity, 3), apart(node.angular_rate, same.angular_rate, 3)));
+  }
+  return generated_node_eval(NULL, NULL, NULL, 0) == generated_null ? worst : 1;
+}
+
+int main(void)
+{
+  double worst = 0;
+  for (int loaded = 0; loaded < 2; loaded++) {
+    run r;
+    if (begin(&r, 0.5) != FB_OK) {
+      printf("no start\n");
+      return 1;
+    }
+    worst = fmax(worst, fly(&r, loaded));
+    take_state(&r.own, &r.state);
+    printf(" | %.1e %.1e %.1e\n", rates_apart(&r), energy_apart(&r), nodes_apart(&r));
+    worst = fmax(worst, fmax(rates_apart(&r), fmax(energy_apart(&r), nodes_apart(&r))));
+  }
+  printf(" worst %.1e\n", worst);
+  if (generated_crc != fb_body_crc(&generated)) {
+    printf("check word\n");
+    return 1;
+  }
+  return refusals() && worst <= TOLERANCE ? 0 : 1;
+}

@@ -1,0 +1,109 @@
+#!/bin/sh
+# The generated step (reduce --code): twenty random models and every set of effects agree with fb_rk4_step after 1,000 steps, with
+# loads and without, and refuse what it refuses; the text compiles without warnings as C99 and C++ and is the same each time; its
+# instructions keep their bounds and do not vary; what cannot be written is refused by name.
+. tests/checks/common.sh
+need gcc gcc
+need g++ g++
+need clang clang
+need valgrind valgrind
+bound_6=6000 # instructions of a step, modes with every effect
+bound_12=11500
+flags="-DFB_MAX_MODES=12 -DFB_MAX_NODES=8 -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
+try gcc $c99 -O1 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
+try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
+try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
+
+# generate SEED EFFECTS [--single]: the text and the model in ROM of a random body
+generate() {
+  awk -v seed="$1" -v effects="$2" -f tests/checks/code.awk > "$out/random.txt"
+  try "$out/reduce" "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
+  try "$out/reduce" "$out/random.txt" --name generated --code ${3:-} --out "$out/code.h"
+}
+
+# agree OPTIMIZATION [--single]: what was generated with the library; sets worst
+agree() {
+  precision=${2:+single}
+  try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
+  "$out/run" > "$out/log" || {
+    cat "$out/log" "$out/random.txt"
+    fail "the step above"
+  }
+  worst=$(sed -n 's/.*worst //p' "$out/log")
+}
+
+# compile [--single]: without warnings everywhere
+compile() {
+  printf '#define generated_IMPLEMENTATION\n#include "code.h"\nint main(void) { generated_state s; generated_start(&s); return generated_step(&s, 0, 0, 0, s.quat[0]); }\n' > "$out/main.c"
+  try clang $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
+  try g++ -x c++ -std=c++11 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
+  try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
+}
+
+largest=0
+note() {
+  largest=$(printf '%s\n%s\n' "$largest" "$worst" | sort -g | tail -n 1)
+}
+
+seed=0
+while [ $seed -lt 20 ]; do
+  seed=$((seed + 1))
+  generate $seed "full damping"
+  agree -O0
+  note
+done
+for effects in rigid linear acceleration_stiffening "spin_stiffening acceleration_stiffening" spin "spin acceleration_stiffening" \
+  "spin spin_stiffening acceleration_stiffening" full "linear damping" "full gravity" "full damping gravity"; do
+  generate 8 "$effects"
+  agree -O0
+  note
+done
+generate 5 "full damping"
+cp "$out/code.h" "$out/first.h"
+compile
+generate 5 "full damping"
+cmp -s "$out/first.h" "$out/code.h" || fail "the text differs from one run to the next"
+generate 5 "full damping" --single
+compile
+for seed in 1 5 12; do
+  generate $seed "full damping" --single
+  agree -O2 --single
+done
+single=$worst
+
+# boom MODES: of each plane; sets count
+boom() {
+  printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects full\nlength 10\nelements 12\nmodes bend_y %s bend_z %s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' $1 $1 > "$out/boom.txt"
+  try "$out/reduce" "$out/boom.txt" --name generated --code --out "$out/code.h"
+  sed 's/return generated_step.*/s.L[2] = s.L[0] = 30; s.q[0] = 0.05; for (int k = 0; k < 50; k++) { if (generated_step(\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/' \
+    "$out/main.c" > "$out/count.c"
+  (ulimit -t 5 && try gcc $c99 -O2 -I"$out" -o "$out/count" "$out/count.c" -lm) || fail "$1 + $1 modes: more than 5 s to compile"
+  rm -f "$out"/cg*
+  try valgrind --tool=callgrind --callgrind-out-file="$out/cg" --toggle-collect=generated_step --dump-after=generated_step "$out/count"
+  cat "$out"/cg.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq > "$out/counts"
+  [ "$(wc -l < "$out/counts")" = 1 ] || fail "$1 + $1 modes: steps differ in their number of instructions: $(tr '\n' ' ' < "$out/counts")"
+  count=$(cat "$out/counts")
+}
+boom 3
+count_6=$count
+[ "$count" -le $bound_6 ] || fail "6 modes: $count instructions, more than $bound_6"
+boom 6
+[ "$count" -le $bound_12 ] || fail "12 modes: $count instructions, more than $bound_12"
+
+# refuse WHAT LINE...: the boom with other lines
+refuse() {
+  what=$1
+  shift
+  printf '%s\n' "$@" | cat - "$out/boom.txt" | awk '{ word = $1 } word == "effects" || word == "base" { if (seen[word]++) next } { print }' \
+    | awk 'NR == 1 { first = $0; next } $1 == "beam" { print "beam"; print first; next } { print }' > "$out/other.txt"
+  ! "$out/reduce" "$out/other.txt" --code --out "$out/none.h" 2> "$out/log" || fail "$what is taken"
+  grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
+  [ ! -e "$out/none.h" ] || fail "$what: a file is written"
+}
+refuse "effects large" "effects large"
+refuse "base" "base pinned"
+refuse "base" "base prescribed"
+sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
+! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
+grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
+ok "31 models agree with the library to $largest (single $single); $count_6 instructions a step at 6 modes, $count at 12"

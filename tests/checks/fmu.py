@@ -1,0 +1,385 @@
+"""FMUs of bodies in FMPy: validation, motion bit for bit as the library's, saved states, derivatives, refusals.
+
+usage: fmu.py FOLDER REFERENCE, where FOLDER has satellite2.fmu, satellite3.fmu, ... and REFERENCE is tests/checks/fmu.c
+Prints one line of figures, or what is wrong, with exit status 1.
+"""
+import ctypes
+import math
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy import fmi2, fmi3
+from fmpy.validation import validate_fmu
+
+folder, reference = Path(sys.argv[1]), sys.argv[2]
+MODELS = ["satellite", "two_booms", "panel"]
+START = {"start.velocity": [1, 0, -0.5], "start.rate": [0.01, 0.02, -0.03], "start.attitude": [0.8, 0, 0.6, 0],
+         "start.position": [0, 2, 0]}
+refusals = 0
+
+
+def want(true, what):
+    if not true:
+        print(what)
+        sys.exit(1)
+
+
+class Instance:
+    """One FMU of FMI 2 or 3 with its variables by name; vectors in both, as lists of value references."""
+
+    def __init__(self, file, initialize=True, stop=None, **settings):
+        self.file = file
+        self.description = fmpy.read_model_description(str(file))
+        self.two = self.description.fmiVersion == "2.0"
+        self.folder = fmpy.extract(str(file))
+        self.variables, self.role, self.first = {}, {}, {}
+        for v in self.description.modelVariables:
+            name = v.name.split("[")[0]
+            count = 1 if self.two else math.prod(d.start and int(d.start) or 1 for d in v.dimensions)
+            self.variables[name] = self.variables.get(name, 0) + count
+            self.role[name] = v.causality
+            self.first.setdefault(name, v.valueReference)
+        self.log = []
+        kind = fmi2.FMU2Slave if self.two else fmi3.FMU3Slave
+        self.fmu = kind(guid=self.description.guid, unzipDirectory=self.folder, instanceName="one",
+                        modelIdentifier=self.description.coSimulation.modelIdentifier)
+        try:
+            self.instantiate()
+        except Exception:
+            shutil.rmtree(self.folder)
+            raise
+        if initialize:
+            self.initialize(stop=stop, **settings)
+
+    def instantiate(self):
+        if self.two:
+            self.logger = fmi2.fmi2CallbackLoggerTYPE(lambda e, n, s, c, message: self.log.append(message.decode()))
+            self.calls = fmi2.fmi2CallbackFunctions()
+            self.calls.logger = self.logger
+            self.calls.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+            self.calls.freeMemory = fmi2.defaultCallbacks.freeMemory
+            self.fmu.instantiate(callbacks=self.calls)
+        else:
+            self.fmu.instantiate(logMessage=lambda e, s, c, message: self.log.append(message.decode()))
+
+    def initialize(self, stop=None, integrator=None, **settings):
+        if self.two:
+            self.fmu.setupExperiment(startTime=0.0, stopTime=stop)
+            self.fmu.enterInitializationMode()
+        else:
+            self.fmu.enterInitializationMode(startTime=0.0, stopTime=stop)
+        if integrator:
+            reference = [self.first["settings.integrator"]]
+            (self.fmu.setInteger if self.two else self.fmu.setInt64)(reference, [integrator])
+        for name, value in settings.items():
+            self.set(name, value)
+        self.fmu.exitInitializationMode()
+        self.time = 0.0
+
+    def references(self, name):
+        return [self.first[name] + i for i in range(self.variables[name])] if self.two else [self.first[name]]
+
+    def set(self, name, value):
+        value = list(value) if np.ndim(value) else [value]
+        if self.two:
+            self.fmu.setReal(self.references(name)[:len(value)], value)
+        else:
+            self.fmu.setFloat64(self.references(name), value)
+
+    def get(self, *names):
+        of = [r for name in names for r in self.references(name)]
+        if self.two:
+            return self.fmu.getReal(of)
+        return self.fmu.getFloat64(of, sum(self.variables[name] for name in names))
+
+    def names(self, role):
+        return [name for name in self.variables if self.role[name] == role]
+
+    def outputs(self):
+        return self.get(*self.names("output"))
+
+    def nodes(self):
+        return [name[:-6] for name in self.variables if name.endswith(".force")]
+
+    def step(self, length):
+        self.fmu.doStep(self.time, length)
+        self.time += length
+
+    def load(self, k):
+        """The loads of communication step k, as tests/checks/fmu.c has them."""
+        last = self.nodes()[-1]
+        self.set("hub.force", [0.5 * ((k + i) % 3 - 1) for i in range(3)])
+        self.set("hub.torque", [0.25 * ((k + 2 * i) % 7 - 3) for i in range(3)])
+        self.set(last + ".force", [0.125 * ((k + i) % 5 - 2) for i in range(3)])
+        self.set("gravity", [0.125 * ((k + i) % 4 - 1) for i in range(3)])
+
+    def run(self, count, length, first=0):
+        rows = []
+        for k in range(first, first + count):
+            self.load(k)
+            self.step(length)
+            rows.append(self.outputs())
+        return rows
+
+    def close(self):
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder)
+
+
+def start(file, **settings):
+    one = Instance(file, initialize=False)
+    q = [0.01] + [0.0] * (one.variables["start.q"] - 1)
+    one.initialize(**{**START, "start.q": q, **settings})
+    return one
+
+
+def library(model, dt, steps, integrator, count):
+    text = subprocess.run([reference, model, float(dt).hex(), str(steps), str(integrator), str(count)],
+                          check=True, capture_output=True, text=True).stdout
+    return [[float.fromhex(x) for x in line.split()] for line in text.splitlines()]
+
+
+def refused(one, what, call, *words):
+    """The call fails, its log has these words, and the outputs are the same before and after."""
+    global refusals
+    before = one.outputs()
+    n = len(one.log)
+    try:
+        call()
+    except Exception:
+        told = " ".join(one.log[n:])
+        want(len(one.log) > n, f"{one.file}: {what} is refused without a word")
+        for word in words:
+            want(word in told, f"{one.file}: {what}: the log does not have '{word}': {told}")
+        want(one.outputs() == before, f"{one.file}: {what} is refused and changes something")
+        refusals += 1
+        return
+    want(False, f"{one.file}: {what} is not refused")
+
+
+def check_motion(model):
+    """Both versions move as the library does, bit for bit; simulate_fmu, too, whose clock rounds."""
+    text = f"examples/{model}.txt"
+    rows = {}
+    for version in 2, 3:
+        file = folder / f"{model}{version}.fmu"
+        problems = validate_fmu(str(file))
+        want(not problems, f"{file}: FMPy finds {problems}")
+        one = start(file)
+        step = one.get("settings.step")[0]
+        rows[version] = one.run(50, 4 * step)
+        one.close()
+        simple = fmpy.simulate_fmu(str(file), stop_time=1.0, step_size=0.01, output_interval=0.01)
+        want(len(simple) >= 100, f"{file}: simulate_fmu stops early")
+    expected = library(text, step, 4, 1, 50)
+    for version in 2, 3:
+        want(rows[version] == expected, f"{model}, FMI {version}: not the bits of the library, but {worst(rows[version], expected)}")
+    return len(expected) * len(expected[0])
+
+
+def worst(a, b):
+    return f"{max(abs(x - y) for p, q in zip(a, b) for x, y in zip(p, q)):g} apart"
+
+
+def check_integrators():
+    """All integrators; a step that is no multiple of the internal one is divided into equal ones."""
+    for version in 2, 3:
+        for integrator in 1, 2, 3, 4:
+            one = start(folder / f"satellite{version}.fmu", integrator=integrator, **{"settings.step": 0.002})
+            rows = one.run(20, 0.005)
+            want(rows == library("examples/satellite.txt", 0.005 / 3, 3, integrator, 20),
+                 f"satellite, FMI {version}, integrator {integrator}: not the bits of the library")
+            one.close()
+
+
+def check_damping(damped):
+    """Twice the damping by settings.damping_scale is the description with twice the damping."""
+    one = start(folder / "satellite2.fmu", **{"settings.damping_scale": 2.0, "settings.step": 0.002})
+    rows, expected = one.run(50, 0.01), library(damped, 0.002, 5, 1, 50)
+    want(np.allclose(rows, expected, rtol=1e-10, atol=1e-12), f"damping_scale 2: {worst(rows, expected)}")
+    one.close()
+
+
+def check_states(version):
+    """10,000 times saved and set again: the same bits. Serialized into another instance: the same motion."""
+    file = folder / f"satellite{version}.fmu"
+    through = start(file).run(40, 0.01)
+    one = start(file, **{"settings.damping_scale": 1.0})
+    first = one.run(20, 0.01)
+    state = one.fmu.getFMUState()
+    saved = one.fmu.serializeFMUState(state)
+    for _ in range(10000):
+        again = one.fmu.getFMUState()
+        one.fmu.setFMUState(again)
+        one.fmu.freeFMUState(again)
+    rest = one.run(20, 0.01, 20)
+    want(first + rest == through, f"{file}: 10,000 saved states change the motion")
+    one.time = 0.2
+    one.fmu.setFMUState(state)
+    want(one.run(20, 0.01, 20) == rest, f"{file}: the motion from a saved state is another one")
+    for other in start(file, integrator=4, **{"settings.damping_scale": 3.0}), Instance(file, initialize=False):
+        back = other.fmu.deserializeFMUState(saved)
+        other.fmu.setFMUState(back)
+        other.time = 0.2
+        want(other.run(20, 0.01, 20) == rest, f"{file}: the motion after a restart is another one")
+        want(other.fmu.serializeFMUState(back) == saved, f"{file}: a state serialized again is another one")
+        other.fmu.freeFMUState(back)
+        other.close()
+    one.fmu.freeFMUState(state)
+    one.close()
+    return saved
+
+
+def check_derivatives(version):
+    """Directional derivatives are differences of outputs; outputs without dependencies do not follow inputs."""
+    one = start(folder / f"two_booms{version}.fmu")
+    one.run(10, 0.05)
+    outputs, base = one.names("output"), np.array(one.outputs())
+    direct = np.concatenate([[depends(one, name)] * one.variables[name] for name in outputs]).astype(bool)
+    most = 0.0
+    for name in one.names("input"):
+        of = [r for output in outputs for r in one.references(output)]
+        was, by = np.array(one.get(name)), np.array([0.5, -1.0, 2.0])
+        slope = np.array(one.fmu.getDirectionalDerivative(of, one.references(name), by, **({} if one.two else {"nSensitivity": len(base)})))
+        want(np.array_equal(one.outputs(), base), "a derivative changes the outputs")
+        one.set(name, was + by)
+        change = np.array(one.outputs()) - base
+        one.set(name, was)
+        want(not change[~direct].any() and not slope[~direct].any(), f"FMI {version}: an output follows {name} without a dependency")
+        want(abs(change[direct]).max() > 0, f"FMI {version}: no output follows {name}")
+        most = max(most, abs(slope - change).max() / abs(change).max())
+    want(most < 1e-9, f"FMI {version}: derivatives are {most:g} off")
+    one.close()
+    return most
+
+
+def depends(one, name):
+    for unknown in one.description.outputs:
+        if unknown.variable.name.split("[")[0] == name:
+            return bool(unknown.dependencies)
+    want(False, f"{name} is not in the ModelStructure")
+
+
+def check_refusals(version, saved, foreign):
+    file = folder / f"satellite{version}.fmu"
+    one = start(file, stop=1.0)
+    one.run(3, 0.01)
+    step = one.fmu.doStep
+    nan, inf = math.nan, math.inf
+    refused(one, "NaN", lambda: one.set("hub.force", [0, nan, 0]), "hub.force[2]", "finite")
+    refused(one, "infinity", lambda: one.set("gravity", [0, 0, inf]), "gravity[3]")
+    refused(one, "an output", lambda: one.set("hub.position", [0, 0, 0]), "hub.position[1]", "computed")
+    refused(one, "a parameter", lambda: one.set("settings.step", 0.001), "settings.step", "parameter")
+    refused(one, "a step of 0", lambda: step(one.time, 0.0), "above 0")
+    refused(one, "a step back", lambda: step(one.time, -0.01), "above 0")
+    refused(one, "a step of NaN", lambda: step(one.time, nan), "above 0")
+    refused(one, "a step from elsewhere", lambda: step(0.7, 0.01), "while the time is 0.03")
+    refused(one, "a step too far", lambda: step(one.time, 2.0), "stop time 1")
+    refused(one, "a long list", lambda: (one.fmu.setReal([999], [0.0]) if one.two else one.fmu.setFloat64([999], [0.0])), "999")
+    if not one.two:
+        refused(one, "a wrong size", lambda: one.fmu.setFloat64(one.references("hub.force"), [1.0, 2.0]), "3 numbers, not 2")
+        inside = [one.first["hub.force"] + 1]
+        refused(one, "an element", lambda: one.fmu.getFloat64(inside), "vector")
+    refused(one, "a short state", lambda: one.fmu.deserializeFMUState(saved[:-8]), "bytes")
+    refused(one, "a state of another model", lambda: one.fmu.deserializeFMUState(foreign), "bytes" if len(foreign) != len(saved) else "another model")
+    alien = bytearray(saved)
+    alien[4] ^= 1
+    refused(one, "a state of another FMU", lambda: one.fmu.deserializeFMUState(bytes(alien)), "another model")
+    for at in 16, len(saved) // 2, len(saved) - 1:
+        broken = bytearray(saved)
+        broken[at] ^= 4
+        refused(one, "a damaged state", lambda: one.fmu.deserializeFMUState(bytes(broken)), "damaged")
+    refused(one, "initialization twice", one.fmu.enterInitializationMode, "before initialization")
+    want(len(one.run(3, 0.01, 3)) == 3, "no step after refusals")
+    one.close()
+
+    one = start(file, **{"settings.step": 0.5})
+    refused(one, "a step that is too long", lambda: step_of(one)(0.0, 0.5), "fb_rk4_step", "0.5 s")
+    one.close()
+    one = Instance(file, initialize=False)
+    want(broken_start(one, "settings.step", 0.0, "above 0") and broken_start(one, "start.attitude", [0, 0, 0, 0], "initialization"),
+         f"{file}: a start that is none")
+    one.close()
+    shown = Instance(file, initialize=False)
+    shown.fmu.guid = "{0}"
+    shown.log.clear()
+    try:
+        shown.instantiate()
+        want(False, f"{file}: another token is taken")
+    except Exception:
+        want("token" in " ".join(shown.log), f"{file}: another token is refused without a word")
+
+
+def step_of(one):
+    return one.fmu.doStep
+
+
+def broken_start(one, name, value, word):
+    global refusals
+    n = len(one.log)
+    try:
+        one.initialize(**{name: value})
+    except Exception:
+        refusals += 1
+        one.fmu.reset()
+        return word in " ".join(one.log[n:])
+    return False
+
+
+def check_static():
+    """Without a heap: one instance at a time, the same motion."""
+    expected = start(folder / "satellite2.fmu").run(20, 0.01)
+    one = start(folder / "static2.fmu")
+    want(one.description.coSimulation.canBeInstantiatedOnlyOncePerProcess, "the static FMU does not say that it is one")
+    want(one.run(20, 0.01) == expected, "the static FMU moves otherwise")
+    first, n, again = (one.fmu.component, one.fmu.callbacks, one.logger, one.calls), len(one.log), None
+    try:
+        one.instantiate()
+        again = one.fmu.component
+    except Exception:
+        pass
+    want(again is None and "no memory" in " ".join(one.log[n:]), "a second instance of the static FMU is taken")
+    one.fmu.component, one.fmu.callbacks, one.logger, one.calls = first
+    states = [one.fmu.getFMUState() for _ in range(8)]
+    refused(one, "a ninth saved state", one.fmu.getFMUState, "no memory")
+    for state in states:
+        one.fmu.freeFMUState(state)
+    one.close()
+
+
+def check_speed():
+    one = start(folder / "satellite2.fmu")
+    of = (ctypes.c_uint * 3)(*one.references("hub.rate"))
+    value = (ctypes.c_double * 3)()
+    most = 1e9
+    for _ in range(5):
+        begin = time.process_time()
+        for _ in range(1000):
+            one.fmu.fmi2DoStep(one.fmu.component, one.time, 0.001, 1)
+            one.fmu.fmi2GetReal(one.fmu.component, of, 3, value)
+            one.time += 0.001
+        most = min(most, time.process_time() - begin)
+    one.close()
+    want(most < 1 / 50, f"1 s at 1 kHz takes {most:.3g} s")
+    return 1 / most
+
+
+numbers = sum(check_motion(model) for model in MODELS)
+check_integrators()
+check_damping(str(folder / "damped.txt"))
+slopes = []
+for version in 2, 3:
+    other = start(folder / f"two_booms{version}.fmu")
+    foreign = other.fmu.serializeFMUState(other.fmu.getFMUState())
+    saved = check_states(version)
+    check_refusals(version, saved, foreign)
+    slopes.append(check_derivatives(version))
+check_static()
+speed = check_speed()
+print(f"FMPy {fmpy.__version__}: {len(MODELS)} bodies valid in FMI 2.0 and 3.0, {numbers} outputs of each with the library's bits, "
+      f"derivatives to {max(slopes):.1g}, {refusals} refusals, 1 kHz with {speed:.0f} times to spare")

@@ -1,0 +1,70 @@
+#!/bin/sh
+# Linear models as files, of `flexbeam analyse`, of scenes and of C: CSV, JSON, and .mat and .npz by examples/tools/linear.py
+# agree to the last bit, names and units are what the numbers mean; poles, gains and margins by SciPy and by Octave's control
+# package are those of the library and of the scenes to 1e-9. What is wrong with ports is told.
+. tests/checks/common.sh
+need octave-cli octave-control
+python=
+for one in ${PYTHON:-} python3 /usr/bin/python3; do
+  [ -n "$python" ] || ! "$one" -c 'import numpy, scipy' > /dev/null 2>&1 || python=$one
+done
+[ -n "$python" ] || fail "needs NumPy and SciPy (apt-get install python3-numpy python3-scipy)"
+octave-cli -q --eval 'pkg load control' > /dev/null 2>&1 || fail "needs Octave's control package (apt-get install octave-control)"
+
+try ${CC:-cc} $c99 -O0 -o "$out/linear" tests/checks/linear.c -lm
+try "$out/linear" "$out"
+cp "$out/log" "$out/modes.txt"
+try ${CC:-cc} $c99 -DFB_SINGLE=1 -fsyntax-only tests/checks/linear.c
+scenes=examples/scenes
+try build/flexbeam scene $scenes/satellite_control.txt --quiet --linear "$out/satellite.json" --margins "$out/satellite_loop.csv"
+try build/flexbeam scene $scenes/satellite_control.txt --quiet --linear "$out/satellite.csv"
+try build/flexbeam scene $scenes/shaft_control.txt --quiet --linear "$out/shaft.json" --margins "$out/shaft_loop.csv"
+spun="build/flexbeam analyse examples/satellite.txt --spin 0.1"
+try $spun --linear "$out/spun.csv"
+try $spun --linear "$out/spun.json"
+grep -q '^linear model: .* 24 states, 6 inputs, 6 outputs$' "$out/log" || fail "analyse does not tell of the model: $(cat "$out/log")"
+# of a free body gravity is left out, as analyse does: so is it from the body in ROM
+try build/flexbeam reduce examples/satellite.txt --out "$out/rom.h"
+sed -n 's/^#define .*_crc 0x\([0-9A-F]*\)u .*/\1/p' "$out/rom.h" > "$out/crc.txt"
+for name in spinning system satellite shaft spun; do
+  try "$python" examples/tools/linear.py "$out/$name.json" "$out/$name.mat" "$out/$name.npz"
+done
+octave-cli -q tests/checks/linear.m "$out" > "$out/octave.txt" 2> "$out/log" || {
+  cat "$out/log"
+  fail "Octave"
+}
+try "$python" tests/checks/linear.py "$out"
+figures=$(tail -n 1 "$out/log" | tr -d '{}"')
+for name in satellite shaft; do # the scene's margins, to all their digits
+  try build/flexbeam scene "$out/${name}_known.txt" --quiet
+done
+
+# refuse STATUS TEXT COMMAND...
+refused=0
+refuse() {
+  status=0
+  want=$1
+  text=$2
+  shift 2
+  "$@" > "$out/log" 2>&1 || status=$?
+  [ $status = "$want" ] && grep -q -F -e "$text" "$out/log" || fail "$*: not '$text' and status $want but $status and $(cat "$out/log")"
+  refused=$((refused + 1))
+}
+refuse 2 "--inputs: push.0.x: no such kind" $spun --linear "$out/no.json" --inputs push.0.x
+refuse 2 "--inputs: rate.0.x: no such kind" $spun --linear "$out/no.json" --inputs rate.0.x
+refuse 2 "--outputs: force.0.x: no such kind" $spun --linear "$out/no.json" --outputs force.0.x
+refuse 2 "--inputs: force.0.w: wants .x, .y or .z" $spun --linear "$out/no.json" --inputs force.0.w
+refuse 2 "--inputs: force: wants .x, .y or .z" $spun --linear "$out/no.json" --inputs force
+refuse 2 "--inputs: force.9.x: no such node" $spun --linear "$out/no.json" --inputs force.9.x
+refuse 2 "--inputs: force.x: no such node" $spun --linear "$out/no.json" --inputs force.x
+refuse 2 "--inputs: base_rate.0.x: the base has no node" $spun --linear "$out/no.json" --inputs base_rate.0.x
+refuse 2 "more than 12 of them" $spun --linear "$out/no.json" --inputs "$(echo 'force.0.x,torque.0.y,force.1.x,torque.0.z,' | tr -d '\n' | sed 's/.*/&&&&/')"
+refuse 1 "no linear model: " $spun --linear "$out/no.json" --inputs base_rate.x
+refuse 2 "--inputs and --outputs are those of --linear" $spun --inputs force.0.x
+refuse 2 "cannot write $out/no/no.json" $spun --linear "$out/no/no.json"
+refuse 2 "that is the scene itself" build/flexbeam scene $scenes/top.txt --linear $scenes/top.txt
+refuse 2 "--linear: an exact beam has no linear model here" build/flexbeam scene $scenes/bend45.txt --quiet --linear "$out/no.json"
+echo "{}" > "$out/rom.json"
+refuse 1 "no linear model of flexbeam" "$python" examples/tools/linear.py "$out/rom.json" "$out/no.mat"
+refuse 1 "wants .mat or .npz" "$python" examples/tools/linear.py "$out/spun.json" "$out/no.csv"
+ok "$figures; $refused refusals"
