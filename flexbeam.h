@@ -170,8 +170,8 @@
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
-     fb_analyse_work           1288976
-     fb_system_analyse_work    1959536
+     fb_analyse_work           1288984
+     fb_system_analyse_work    1959544
      fb_exact_path_work         202472
      fb_exact_spectrum_work    1625192
      fb_exact_linear_work      1998872
@@ -2801,8 +2801,9 @@ typedef struct fb_linear_desc {
    rotors inside the bodies, as above. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) + rotors */
-  /* index of x_i, i < (n - rotors)/2 (one body: q alone), among all free axes and q; equal to i without loops */
+  int n_free;  /* number of pose components, or of free axes: n = 2 (modes + n_free) + n_rotor */
+  int n_rotor; /* momenta of rotors among x */
+  /* index of x_i, i < (n - n_rotor)/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */

@@ -29843,6 +29843,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   for (int a = 0; a < body->n && status == FB_OK; a++) {
     work->common.linear.coordinate[a] = a;
   }
+  work->common.linear.n_rotor = n_p - body->n - n_free;
   return status;
 }
 
@@ -30068,6 +30069,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
+  work->common.linear.n_rotor = work->n_rotor;
   return status ? status : fbi_loops_open(&s, state); /* Z of the steady state again, for the shapes */
 }
 

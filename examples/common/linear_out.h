@@ -126,6 +126,8 @@ static inline void linear_name_port(linear_value *v, const fb_port *port, const 
       snprintf(body, sizeof body, "%d.", port->body);
     }
     snprintf(place, sizeof place, "%s%s%c", body, node, linear_axes[port->axis]);
+  } else if (system && kind >= FB_PORT_MOTOR) {
+    snprintf(place, sizeof place, "%d.%d", port->body, port->axis);
   } else if (of_joint) {
     snprintf(place, sizeof place, "%d.%d", port->body, port->axis + 1);
   } else {
@@ -167,7 +169,7 @@ static inline void linear_out_body(linear_out *out, const char *source, const fb
                                    const fb_linear_desc *desc, const fb_body *body, const fb_state *state,
                                    const fb_motion *motion)
 {
-  const int n_free = linear->n_free, rotors = linear->n - 2 * (body->n + n_free);
+  const int n_free = linear->n_free;
   linear_value *const x = out->state, *momentum = x + 2 * body->n;
   linear_out_begin(out, source, fb_body_crc(body), linear);
 
@@ -176,7 +178,7 @@ static inline void linear_out_body(linear_out *out, const char *source, const fb
     linear_name_mode(&x[a], &x[body->n + a], "", body, a);
   }
 #if FB_WITH_ROTORS
-  for (int k = 0; k < body->n_rotor && momentum < x + 2 * body->n + rotors; k++) {
+  for (int k = 0; k < body->n_rotor && momentum < x + 2 * body->n + linear->n_rotor; k++) {
     if (!body->rotor[k].given) {
       char name[32];
       snprintf(name, sizeof name, "rotor%d", k);
@@ -239,12 +241,13 @@ static inline void linear_name_axis(linear_value *x, linear_value *p, const char
   linear_name(p, linear_axis_slides(kind, i) ? "N s" : "N m s", "p_", of, name);
 }
 
-/* x = (free axes of all joints, q of all bodies, momenta): with loops those of the list alone */
+/* x = (free axes of all joints, q of all bodies, momenta, those of rotors): with loops those of the list alone */
 static inline void linear_name_system(linear_out *out, const fb_linear *linear, const fb_system *system,
                                       const fb_body *body, const fb_system_state *state, const linear_names *names)
 {
   static linear_value x[FB_MAX_LINEAR + 6 * FB_MAX_BODIES], p[FB_MAX_LINEAR + 6 * FB_MAX_BODIES];
   char of[48];
+  const int half = (linear->n - linear->n_rotor) / 2;
   int n = 0, axis[6];
   for (int b = 0; b < system->n_body; b++) {
     const int free = linear_free_axes(axis, system, state, b);
@@ -259,10 +262,23 @@ static inline void linear_name_system(linear_out *out, const fb_linear *linear, 
       linear_name_mode(&x[n], &p[n], linear_of(of, names ? names->body[b] : NULL, "body", b), of_body, a);
     }
   }
-  for (int i = 0; i < linear->n / 2; i++) {
+  for (int i = 0; i < half; i++) {
     out->state[i] = x[linear->coordinate[i]];
-    out->state[linear->n / 2 + i] = p[linear->coordinate[i]];
+    out->state[half + i] = p[linear->coordinate[i]];
   }
+#if FB_WITH_ROTORS
+  n = 2 * half;
+  for (int b = 0; b < system->n_body; b++) {
+    const fb_body *const of_body = &body[system->model[b]];
+    for (int k = 0; k < of_body->n_rotor && n < linear->n; k++) {
+      if (!of_body->rotor[k].given) {
+        char name[32];
+        snprintf(name, sizeof name, "rotor%d", k);
+        linear_name(&out->state[n++], "N m s", "p_", linear_of(of, names ? names->body[b] : NULL, "body", b), name);
+      }
+    }
+  }
+#endif
 }
 
 /* Of fb_system_linearize; desc, names NULL: none. motion: of fb_system_motion_eval at the steady state. */
@@ -286,6 +302,12 @@ static inline void linear_out_system(linear_out *out, const char *source, const 
     linear_add_vector(out, "m/s", of, "velocity", motion->motion[b].v, 3);
     linear_add_vector(out, "rad/s", of, "spin", motion->motion[b].w, 3);
     linear_add_modes(out, of, &body[system->model[b]], pose->q, motion->motion[b].q_dot);
+#if FB_WITH_ROTORS
+    for (int k = 0; k < body[system->model[b]].n_rotor; k++) {
+      snprintf(name, sizeof name, "rotor%d_speed", k);
+      linear_add_point(out, "rad/s", of, name, motion->motion[b].rotor_speed[k]);
+    }
+#endif
     (void)linear_of(of, names ? names->joint[b] : NULL, "joint", b);
     for (int i = 0; i < joint->n_axis && joint->n_axis < 3; i++) {
       const int slides = linear_axis_slides(joint->kind, i);

@@ -232,7 +232,7 @@ static fb_status scene_note(const scene *s, double t)
 {
   fb_status status = scene_look(s, t);
   status = status == FB_OK && scene_is_system(s) ? scene_note_spin() : status;
-  status = status == FB_OK && s->n_rotor > 0 ? scene_note_rotors() : status;
+  status = status == FB_OK && !scene_is_system(s) && s->n_rotor > 0 ? scene_note_rotors() : status;
   for (int b = 0; b < s->n_body && status == FB_OK; b++) {
     scene_note_body(s, b);
   }
@@ -466,7 +466,7 @@ static void scene_choose(scene *s)
     return;
   }
   if (s->n_rotor > 0) {
-    (void)scene_note_rotors();
+    (void)(scene_is_system(s) ? scene_note_spin() : scene_note_rotors());
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->integrator_auto || s->integrator == advice->integrator)) {
     engine.integrator = advice->integrator;

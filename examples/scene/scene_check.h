@@ -329,23 +329,24 @@ static void scene_check_trim(text_file *t, const scene *s)
   }
 }
 
-/* Rotors are those of one body with the effects of the momentum form. */
+/* Rotors are those of bodies with the effects of the momentum form. */
 static void scene_check_rotors(text_file *t, const scene *s)
 {
-  const scene_body *const body = &s->body[0];
-  if (s->n_rotor == 0) {
-    return;
-  }
-  t->line = s->rotor[0].line;
-  if (s->is_exact || scene_is_system(s)) {
-    text_fail(t, s->is_exact ? "a rotor is that of a body, not of an exact beam"
-                             : "a rotor is that of a body alone; among others a wheel is a body on a hinge");
-  }
-  if (body->tolerance > 0) {
-    text_fail(t, "a rotor in a body with auto, which knows of none: give its effects and modes");
-  }
-  if (body->level.form != FB_FORM_MOMENTUM) {
-    scene_refuse(t, &body->seen, "form", "of a body with rotors is momentum");
+  for (int k = 0; k < s->n_rotor && !t->failed; k++) {
+    const scene_body *const body = &s->body[s->rotor[k].body];
+    t->line = s->rotor[k].line;
+    if (s->is_exact) {
+      text_fail(t, "a rotor is that of a body, not of an exact beam");
+    }
+    for (int b = 0; b < s->n_body && !t->failed; b++) {
+      if (s->body[b].tolerance > 0) {
+        text_fail(t, "a rotor in a scene with auto, which knows of none: give effects and modes of body %s",
+                  s->body[b].name);
+      }
+    }
+    if (body->level.form != FB_FORM_MOMENTUM) {
+      scene_refuse(t, &body->seen, "form", "of a body with rotors is momentum");
+    }
   }
 }
 

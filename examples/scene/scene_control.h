@@ -92,7 +92,7 @@ static void scene_act_by_pull(text_file *t, scene *s, scene_control *c)
 static void scene_act_by_rotor(text_file *t, scene *s, scene_control *c)
 {
   c->at = scene_rotor_of(t, s);
-  if (!t->failed && s->body[0].level.rotor[c->at].given) {
+  if (!t->failed && scene_rotor_desc(s, &s->rotor[c->at])->given) {
     text_fail(t, "the momentum of rotor %s is given: no motor", s->rotor[c->at].name);
   }
   if (!t->failed) {

@@ -89,6 +89,16 @@ static fb_distributed scene_distributed_from(const scene *s, double side)
   return s->n_distributed > 0 ? scene_distributed_at : NULL;
 }
 
+/* What drives a rotor. */
+static fb_rotor_input scene_rotor_at(const scene *s, const scene_rotor *rotor, double t, double side)
+{
+  const function_value f = function_eval(&rotor->f, &s->tables, t, side);
+  const int given = s->body[rotor->body].level.rotor[rotor->at].given;
+  const double command = rotor->control < 0 ? 0 : controlling[rotor->control].acting;
+  const fb_rotor_input input = {(fb_real)(given ? f.rate : f.value + command), (fb_real)(given ? f.value : 0)};
+  return input;
+}
+
 /* ---- one body alone */
 
 static void single_input(const scene *s, fb_input *input, double t, double side)
@@ -110,12 +120,7 @@ static void single_input(const scene *s, fb_input *input, double t, double side)
     }
   }
   for (int k = 0; k < s->n_rotor; k++) {
-    const scene_rotor *const rotor = &s->rotor[k];
-    const function_value f = function_eval(&rotor->f, &s->tables, t, side);
-    const int given = s->body[0].level.rotor[k].given;
-    const double command = rotor->control < 0 ? 0 : controlling[rotor->control].acting;
-    input->rotor[k].torque = (fb_real)(given ? f.rate : f.value + command);
-    input->rotor[k].momentum = (fb_real)(given ? f.value : 0);
+    input->rotor[k] = scene_rotor_at(s, &s->rotor[k], t, side);
   }
 }
 
@@ -238,6 +243,9 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
     input->pull[k] = spring->pulls ? (fb_real)function_eval(&spring->pull, &s->tables, t, side).value : FB_R(0.0);
     input->pull[k] += spring->control < 0 ? FB_R(0.0) : (fb_real)controlling[spring->control].acting;
   }
+  for (int k = 0; k < s->n_rotor; k++) {
+    input->rotor[s->rotor[k].body][s->rotor[k].at] = scene_rotor_at(s, &s->rotor[k], t, side);
+  }
 }
 
 /* A body without a joint is free. */
@@ -302,6 +310,9 @@ static fb_status system_start(const scene *s)
       scene_reals(start[joint->at].value, joint->start, 3);
       scene_reals(start[joint->at].speed, joint->speed, 3);
     }
+  }
+  for (int k = 0; k < s->n_rotor; k++) {
+    start[s->rotor[k].body].rotor_speed[s->rotor[k].at] = (fb_real)s->rotor[k].speed;
   }
   system_input(s, input, 0, 0);
   for (int k = 0; k < s->n_body && s->trim; k++) { /* what the steady state spins about */

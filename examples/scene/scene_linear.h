@@ -50,7 +50,7 @@ static int plant_actor(const scene *s, scene_actor actor, int at, int port[3], d
     return 1;
   }
   if (actor == SCENE_BY_ROTOR) {
-    port[0] = plant_port(d->in, &d->n_in, FB_PORT_MOTOR, 0, 0, at);
+    port[0] = plant_port(d->in, &d->n_in, FB_PORT_MOTOR, s->rotor[at].body, 0, s->rotor[at].at);
     return 1;
   }
   load = &s->load[at];
@@ -87,7 +87,7 @@ static int plant_axes_before(const scene *s, int body)
 /* The state that is coordinate k among all free axes and modal coordinates; -1: it is none. */
 static int plant_state(int k)
 {
-  for (int i = 0; i < plant.linear.n / 2; i++) {
+  for (int i = 0; i < (plant.linear.n - plant.linear.n_rotor) / 2; i++) {
     if (plant.linear.coordinate[i] == k) {
       return i;
     }
@@ -173,7 +173,7 @@ static int plant_sensor(const scene *s, const scene_output *o)
     node = place == SCENE_AT_NODE ? o->at : 0;
     port = plant_port(d->out, &d->n_out, kinds[k].kind, body, node,
                       place == SCENE_AT_SPRING  ? 0
-                      : place == SCENE_AT_ROTOR ? o->at
+                      : place == SCENE_AT_ROTOR ? s->rotor[o->at].at
                                                 : o->axis);
     return port < 0 ? -2 : port;
   }
@@ -230,7 +230,7 @@ static const char *plant_input_name(char name[80], const scene *s, const plant_i
   }
   if (in->actor == SCENE_BY_ROTOR) {
     snprintf(name, 80, "rotor.%s", s->rotor[in->at].name);
-    return s->body[0].level.rotor[in->at].given ? "N m s" : "N m";
+    return s->body[s->rotor[in->at].body].level.rotor[s->rotor[in->at].at].given ? "N m s" : "N m";
   }
   const scene_load *const load = &s->load[in->at];
   const scene_body *const body = &s->body[load->body];

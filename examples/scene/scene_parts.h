@@ -31,6 +31,7 @@
 #define SCENE_GAUGES 4
 #define SCENE_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS)
 #define SCENE_DRIVES 64
+#define SCENE_ROTORS 12 /* of all bodies */
 #define SCENE_EVENTS 32
 #define SCENE_CONTROLS 6
 #define SCENE_SENSORS 4 /* of a controller */
@@ -112,9 +113,9 @@ typedef struct scene_spring { /* between two points */
   int control; /* whose command adds to it; -1: none */
 } scene_spring;
 
-typedef struct scene_rotor { /* the rest of it is in the level of the body alone */
+typedef struct scene_rotor { /* the rest of it is in the level of its body */
   char name[TEXT_NAME];
-  int line;
+  int line, body, at; /* at: which one of the body */
   text_words seen;
   double speed; /* at the start */
   function f;   /* motor; momentum, where it is given */
@@ -314,7 +315,7 @@ typedef struct scene {
   scene_joint joint[SCENE_JOINTS];
   scene_drive drive[SCENE_DRIVES];
   scene_spring spring[FB_MAX_SPRINGS];
-  scene_rotor rotor[FB_MAX_ROTORS];
+  scene_rotor rotor[SCENE_ROTORS];
   scene_event event[SCENE_EVENTS];
   scene_control control[SCENE_CONTROLS];
   scene_expectation expectation[SCENE_MEASURES];

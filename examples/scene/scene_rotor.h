@@ -1,7 +1,13 @@
-/* scene_rotor.h - reads rotors of the body of a scene: wheels without a body and a joint of their own. See scene.h. */
+/* scene_rotor.h - reads rotors of the bodies of a scene: wheels without a body and a joint of their own. See scene.h. */
 #ifndef SCENE_ROTOR_H
 #define SCENE_ROTOR_H
 #include "scene_joint.h"
+
+/* Of a rotor what its body has. */
+static fb_rotor *scene_rotor_desc(scene *s, const scene_rotor *rotor)
+{
+  return &s->body[rotor->body].level.rotor[rotor->at];
+}
 
 static int scene_rotor_of(text_file *t, const scene *s)
 {
@@ -27,7 +33,7 @@ static fb_real scene_rotor_number(text_file *t, const char *what, int above)
 
 static void scene_read_rotor_line(text_file *t, scene *s, scene_rotor *rotor, const char *word)
 {
-  fb_rotor *const d = &s->body[0].level.rotor[s->n_rotor];
+  fb_rotor *const d = scene_rotor_desc(s, rotor);
   text_once(t, &rotor->seen, word);
   if (strcmp(word, "axis") == 0) {
     text_reals(t, word, d->axis, 3);
@@ -55,10 +61,10 @@ static void scene_read_rotor_line(text_file *t, scene *s, scene_rotor *rotor, co
 }
 
 /* What is missing, and what has no use. */
-static void scene_check_rotor(text_file *t, const scene *s, const scene_rotor *rotor)
+static void scene_check_rotor(text_file *t, scene *s, const scene_rotor *rotor)
 {
   static const char *const own[] = {"speed", "motor", "damping", "friction"};
-  const fb_rotor *const d = &s->body[0].level.rotor[s->n_rotor];
+  const fb_rotor *const d = scene_rotor_desc(s, rotor);
   if (!(fabs((double)d->axis[0]) + fabs((double)d->axis[1]) + fabs((double)d->axis[2]) > 0)) {
     text_fail(t, "rotor %s wants an axis, not zero", rotor->name);
   }
@@ -83,9 +89,9 @@ static void scene_read_rotor(text_file *t, scene *s)
 {
   scene_rotor *const rotor = &s->rotor[s->n_rotor];
   const int begin = t->line;
-  int ended = 0, body, last;
-  if (s->n_rotor == FB_MAX_ROTORS) {
-    text_fail(t, "more than %d rotors", FB_MAX_ROTORS);
+  int ended = 0, node, last;
+  if (s->n_rotor == SCENE_ROTORS) {
+    text_fail(t, "more than %d rotors", SCENE_ROTORS);
     return;
   }
   memset(rotor, 0, sizeof *rotor);
@@ -97,9 +103,18 @@ static void scene_read_rotor(text_file *t, scene *s)
       text_fail(t, "two rotors have the name %s", rotor->name);
     }
   }
-  memset(&s->body[0].level.rotor[s->n_rotor], 0, sizeof s->body[0].level.rotor[0]);
-  scene_read_node(t, s, &body, &s->body[0].level.rotor[s->n_rotor].node);
+  scene_read_node(t, s, &rotor->body, &node);
   text_end_of_line(t);
+  if (t->failed) {
+    return;
+  }
+  rotor->at = s->body[rotor->body].level.n_rotor;
+  if (rotor->at == FB_MAX_ROTORS) {
+    text_fail(t, "more than %d rotors of body %s", FB_MAX_ROTORS, s->body[rotor->body].name);
+    return;
+  }
+  memset(scene_rotor_desc(s, rotor), 0, sizeof(fb_rotor));
+  scene_rotor_desc(s, rotor)->node = node;
   while (!ended && text_line(t)) {
     const char *const word = text_word(t);
     ended = strcmp(word, "end") == 0;
@@ -115,6 +130,6 @@ static void scene_read_rotor(text_file *t, scene *s)
   scene_check_rotor(t, s, rotor);
   t->line = last;
   s->n_rotor += !t->failed;
-  s->body[0].level.n_rotor = s->n_rotor;
+  s->body[rotor->body].level.n_rotor += !t->failed;
 }
 #endif

@@ -148,6 +148,13 @@ static double whole_output(const scene_output *o)
   }
 }
 
+static double rotor_output(const scene *s, const scene_output *o)
+{
+  const scene_rotor *const rotor = &s->rotor[o->at];
+  const fb_motion *const motion = &engine.view.motion.motion[rotor->body];
+  return (double)(o->quantity == SCENE_ROTOR_SPEED ? motion->rotor_speed : motion->rotor_momentum)[rotor->at];
+}
+
 static double scene_value(const scene *s, const scene_output *o)
 {
   if (s->is_exact && scene_quantities[o->quantity].place < SCENE_AT_CONTROL) {
@@ -163,8 +170,7 @@ static double scene_value(const scene *s, const scene_output *o)
     return (double)(o->quantity == SCENE_LENGTH ? engine.view.motion.spring[o->at].length
                                                 : engine.view.motion.spring[o->at].tension);
   case SCENE_AT_ROTOR:
-    return (double)(o->quantity == SCENE_ROTOR_SPEED ? engine.view.motion.motion[0].rotor_speed[o->at]
-                                                     : engine.view.motion.motion[0].rotor_momentum[o->at]);
+    return rotor_output(s, o);
   case SCENE_AT_CONTROL:
     return controlling[o->at].acting;
   case SCENE_AT_ALL:

@@ -134,6 +134,7 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     break;
   case SCENE_AT_ROTOR:
     output->at = scene_rotor_of(t, s);
+    output->body = t->failed ? 0 : s->rotor[output->at].body;
     break;
   case SCENE_AT_CONTROL:
     output->at = scene_control_of(t, s);

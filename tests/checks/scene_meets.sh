@@ -847,3 +847,79 @@ reference wheel.csv t turn output turn tolerance 1e-7 relative
 reference wheel.csv t rate output rate tolerance 1e-7 relative
 reference wheel.csv t speed output speed tolerance 1e-7 relative
 END
+# the same in a scene of several bodies, one of them on a hinge with a rotor of its own
+swings() {
+  cat << END
+duration 20
+interval 0.1
+step 0.01
+body hub rigid
+  hub $1
+end
+body arm rigid
+  hub 2  1 0 0  0.1 0.8 0.8
+end
+joint hinge revolute hub arm
+  position 0.5 0 0
+  damping 0.1
+  stiffness 2
+end
+rotor tip arm
+  axis 0 0.3 1
+  inertia 0.002
+  speed -90
+end
+END
+  cat
+  cat << END
+output turn attitude hub z
+output tip rotor_speed tip
+output angle coordinate hinge 1
+control c
+  sample 0.1
+  delay 0.03
+  input turn 2
+  input rate 3
+  input speed 0.001
+  reference smooth 0.2 0 5
+  pid -4 0 0
+  output $2
+end
+measure phase phase_margin c
+END
+}
+swings "100  0 0 0  10 12 15" "motor axle 1" > "$out/wheel.txt" << END
+body wheel rigid
+  hub 1  0 0 0  0.012 0.012 0.02
+end
+joint axle revolute hub wheel
+  damping 1e-4
+  friction 1e-3
+  friction_speed 1
+  start 1 0 50
+end
+output rate gyro hub z
+output speed speed axle 1
+END
+try "$out/careful" "$out/wheel.txt" --quiet --out "$out/wheel.csv"
+try "$out/careful" "$out/wheel.txt"
+{
+  swings "101  0 0 0  10.012 12.012 15" "rotor axle" << END
+rotor axle hub
+  axis 0 0 1
+  inertia 0.02
+  damping 1e-4
+  friction 1e-3 1
+  speed 50
+end
+output rate gyro hub z
+output speed rotor_speed axle
+END
+  cat << END
+expect phase $(sed -n 's/^phase = //p' "$out/log") tolerance 1e-6
+reference wheel.csv t turn output turn tolerance 1e-7 relative
+reference wheel.csv t angle output angle tolerance 1e-7 relative
+reference wheel.csv t speed output speed tolerance 1e-7 relative
+reference wheel.csv t tip output tip tolerance 1e-7 relative
+END
+} | meets

@@ -1354,16 +1354,12 @@ rotor w top
 end
 output s rotor_speed x
 END
-refuse 6 "a rotor is that of a body alone; among others a wheel is a body on a hinge" << END
-duration 1
+refuse 22 "more than 4 rotors of body more" << END
 $top
-rotor w top
-  axis 0 0 1
-  inertia 0.1
-end
 body more rigid
   hub 1  0 0 0  1 1 1
 end
+$(for k in 1 2 3 4 5; do printf 'rotor r%s more\n  axis 0 0 1\n  inertia 0.1\nend\n' $k; done)
 END
 refuse 15 "the momentum of rotor w is given: no motor" << END
 $top
