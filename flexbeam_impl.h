@@ -1365,7 +1365,8 @@ static int fbi_line_width(const fb_line *line)
 }
 
 /* FBI_BY_WIDTH(width, call): the call, m in it being the width of a line. Where compilers optimize for speed, m is a
-   constant for lines of 4, 6 and 8 points: their loops over the points are unrolled and have no ends to test. */
+   constant for lines of 4, 6 and 8 points and of 14, the default: their loops over the points are unrolled and have no
+   ends to test. With -Os there is one kernel for all. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define FBI_WITH_WIDTH(width, call) \
   {                                 \
@@ -1381,6 +1382,8 @@ static int fbi_line_width(const fb_line *line)
     FBI_WITH_WIDTH(6, call)       \
   case 8:                         \
     FBI_WITH_WIDTH(8, call)       \
+  case 14:                        \
+    FBI_WITH_WIDTH(14, call)      \
   default:                        \
     FBI_WITH_WIDTH((width), call) \
   }
@@ -1425,8 +1428,8 @@ static FBI_INLINE void fbi_line_turn_add(fb_real *FBI_RESTRICT y, fb_real *FBI_R
   }
 }
 
-/* Sums of the rows' coefficients times q by their axes: of the turns A to y, B to z; of the stretches to s, unless that is
-   NULL. */
+/* Sums of the rows' coefficients times q by their axes: of the turns A to y, B to z; of the stretches to s (NULL: not
+   wanted). */
 static FBI_INLINE void fbi_line_rows_sum(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS],
                                          fb_real s[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
                                          const fb_real *q, int m)
@@ -31236,8 +31239,8 @@ static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e)
 /* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
    modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
    within 10 %. `sh bench/large_count.sh` counts again. */
-#define FBI_LARGE_POINT FB_R(2030.0)
-#define FBI_LARGE_MODE FB_R(208.0)
+#define FBI_LARGE_POINT FB_R(1947.0)
+#define FBI_LARGE_MODE FB_R(199.0)
 #define FBI_LARGE_PAIR FB_R(3.4)
 static fb_real fbi_large_instructions(const fb_body *body)
 {
