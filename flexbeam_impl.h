@@ -12040,7 +12040,7 @@ static fb_status fbi_links_rotors_set(fb_system_state *state, fb_system_work *w,
     fbi_link_rotors_look(L, NULL); /* rotor_speed: less that of the node */
     for (int r = 0; r < L->model->n_rotor; r++) {
       const fb_rotor *const rotor = &L->model->rotor[r];
-      const fb_real speed = motion ? motion[k].rotor_speed[r] : FB_R(0.0);
+      const fb_real speed = motion && !rotor->given ? motion[k].rotor_speed[r] : FB_R(0.0);
       const fb_real given = input ? input->rotor[k][r].momentum : FB_R(0.0);
       const fb_real angle = motion ? motion[k].rotor_angle[r] : FB_R(0.0);
       if (!fbi_is_finite(&speed, 1) || !fbi_is_finite(&angle, 1)) {

@@ -54,11 +54,11 @@ static struct world {
   fb_real v[3], w[3], q_dot[FB_MAX_MODES], gravity[3];
   fb_exponential exponential, bent_exponential, spun_exponential;
   fb_system_desc system_desc;
-  fb_system system, bent_system;
+  fb_system system, bent_system, calm_system;
   fb_link_motion link_motion[FB_MAX_BODIES];
-  fb_system_state system_state, bent_system_state;
+  fb_system_state system_state, bent_system_state, calm_system_state;
   fb_system_motion bent_system_motion;
-  fb_system_input system_input;
+  fb_system_input system_input, calm_system_input;
   fb_exact_station exact_station;
   fb_exact_desc exact_desc;
   fb_exact exact;
@@ -183,43 +183,59 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
 #define ARITHMETIC 3 /* none, and pointers are valid */
 /* Again with a body with rotors, one of them on a node that moves, and central gravity; hostile.sh takes the ending
    off. */
-#define OF_ROTORS(F)                                                                                                  \
-  F(fb_body_init_of_rotors, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),   \
-    IN(spun_desc))                                                                                                    \
-  F(fb_body_check_of_rotors, fb_body_check(p[0]), 1, MODEL(spun))                                                     \
-  F(fb_body_crc_of_rotors, give((fb_real)fb_body_crc(p[0])), 0, MODEL(spun))                                          \
-  F(fb_state_from_velocity_of_rotors, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(spun),           \
-    STATE(spun_state), IN(v), IN(w), OPTIONAL(q_dot))                                                                 \
-  F(fb_state_rotor_set, fb_state_rotor_set(p[0], p[1], i[0], x[0], x[1], p[2]), 1, MODEL(spun), STATE(spun_state),    \
-    WHOLE(1), REAL(FB_R(1.0)), REAL(FB_R(0.5)), OPTIONAL(spun_input))                                                 \
-  F(fb_state_check_of_rotors, fb_state_check(p[0], p[1]), 1, MODEL(spun), IN(spun_state))                             \
-  F(fb_body_rates_eval_of_rotors, fb_body_rates_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_state),          \
-    IN(spun_state), OPTIONAL(spun_input))                                                                             \
-  F(fb_body_motion_eval_of_rotors, fb_body_motion_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_motion),       \
-    IN(spun_state), OPTIONAL(spun_input))                                                                             \
-  F(fb_body_energy_eval_of_rotors, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_energy),       \
-    IN(spun_state), OPTIONAL(spun_input))                                                                             \
-  F(fb_body_momentum_eval_of_rotors, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_momentum), \
-    IN(spun_state), OPTIONAL(spun_input))                                                                             \
-  F(fb_rk4_step_of_rotors, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(spun), STATE(spun_state),  \
-    WORK(rk4_work), OPTIONAL(spun_input), OPTIONAL(spun_input), OPTIONAL(spun_input), REAL(FB_R(0.01)))               \
-  F(fb_midpoint_step_of_rotors, fb_midpoint_step(p[0], p[1], p[2], p[3], x[0], i[0]), 1, MODEL(spun),                 \
-    STATE(spun_state), WORK(implicit_work), OPTIONAL(spun_input), REAL(FB_R(0.01)), WHOLE(2))                         \
-  F(fb_sdirk_step_of_rotors, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(spun),                 \
-    STATE(spun_state), WORK(implicit_work), IN(spun_input), IN(spun_input), REAL(FB_R(0.01)), WHOLE(2))               \
-  F(fb_body_limit_eval_of_rotors, fb_body_limit_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_body_limit),     \
-    IN(spun_state), OPTIONAL(spun_input))                                                                             \
-  F(fb_exponential_init_of_rotors, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential),               \
-    WORK(body_work), MODEL(spun), REAL(FB_R(0.01)))                                                                   \
-  F(fb_exponential_step_of_rotors, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(spun),     \
-    MODEL(spun_exponential), STATE(spun_state), WORK(exponential_work), OPTIONAL(spun_input), OPTIONAL(spun_input),   \
-    OPTIONAL(spun_input))                                                                                             \
-  F(fb_body_trim_of_rotors, fb_body_trim(p[0], p[1], p[2], p[3]), SLOW, MODEL(calm), STATE(calm_state),               \
-    WORK(analyse_work), IN(spun_input))                                                                               \
-  F(fb_body_linearize_of_rotors, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, MODEL(calm),            \
-    WORK(analyse_work), OUT(fb_linear), IN(calm_state), IN(spun_input), OPTIONAL(motor_desc))                         \
-  F(fb_body_spectrum_solve_of_rotors, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(calm),        \
-    WORK(analyse_work), OUT(fb_spectrum), IN(calm_state), IN(spun_input))
+#define OF_ROTORS(F)                                                                                                   \
+  F(fb_body_init_of_rotors, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),    \
+    IN(spun_desc))                                                                                                     \
+  F(fb_body_check_of_rotors, fb_body_check(p[0]), 1, MODEL(spun))                                                      \
+  F(fb_body_crc_of_rotors, give((fb_real)fb_body_crc(p[0])), 0, MODEL(spun))                                           \
+  F(fb_state_from_velocity_of_rotors, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(spun),            \
+    STATE(spun_state), IN(v), IN(w), OPTIONAL(q_dot))                                                                  \
+  F(fb_state_rotor_set, fb_state_rotor_set(p[0], p[1], i[0], x[0], x[1], p[2]), 1, MODEL(spun), STATE(spun_state),     \
+    WHOLE(1), REAL(FB_R(1.0)), REAL(FB_R(0.5)), OPTIONAL(spun_input))                                                  \
+  F(fb_state_check_of_rotors, fb_state_check(p[0], p[1]), 1, MODEL(spun), IN(spun_state))                              \
+  F(fb_body_rates_eval_of_rotors, fb_body_rates_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_state),           \
+    IN(spun_state), OPTIONAL(spun_input))                                                                              \
+  F(fb_body_motion_eval_of_rotors, fb_body_motion_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_motion),        \
+    IN(spun_state), OPTIONAL(spun_input))                                                                              \
+  F(fb_body_energy_eval_of_rotors, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_energy),        \
+    IN(spun_state), OPTIONAL(spun_input))                                                                              \
+  F(fb_body_momentum_eval_of_rotors, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_momentum),  \
+    IN(spun_state), OPTIONAL(spun_input))                                                                              \
+  F(fb_rk4_step_of_rotors, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(spun), STATE(spun_state),   \
+    WORK(rk4_work), OPTIONAL(spun_input), OPTIONAL(spun_input), OPTIONAL(spun_input), REAL(FB_R(0.01)))                \
+  F(fb_midpoint_step_of_rotors, fb_midpoint_step(p[0], p[1], p[2], p[3], x[0], i[0]), 1, MODEL(spun),                  \
+    STATE(spun_state), WORK(implicit_work), OPTIONAL(spun_input), REAL(FB_R(0.01)), WHOLE(2))                          \
+  F(fb_sdirk_step_of_rotors, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(spun),                  \
+    STATE(spun_state), WORK(implicit_work), IN(spun_input), IN(spun_input), REAL(FB_R(0.01)), WHOLE(2))                \
+  F(fb_body_limit_eval_of_rotors, fb_body_limit_eval(p[0], p[1], p[2], p[3]), 1, MODEL(spun), OUT(fb_body_limit),      \
+    IN(spun_state), OPTIONAL(spun_input))                                                                              \
+  F(fb_exponential_init_of_rotors, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential),                \
+    WORK(body_work), MODEL(spun), REAL(FB_R(0.01)))                                                                    \
+  F(fb_exponential_step_of_rotors, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(spun),      \
+    MODEL(spun_exponential), STATE(spun_state), WORK(exponential_work), OPTIONAL(spun_input), OPTIONAL(spun_input),    \
+    OPTIONAL(spun_input))                                                                                              \
+  F(fb_body_trim_of_rotors, fb_body_trim(p[0], p[1], p[2], p[3]), SLOW, MODEL(calm), STATE(calm_state),                \
+    WORK(analyse_work), IN(spun_input))                                                                                \
+  F(fb_body_linearize_of_rotors, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, MODEL(calm),             \
+    WORK(analyse_work), OUT(fb_linear), IN(calm_state), IN(spun_input), OPTIONAL(motor_desc))                          \
+  F(fb_body_spectrum_solve_of_rotors, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(calm),         \
+    WORK(analyse_work), OUT(fb_spectrum), IN(calm_state), IN(spun_input))                                              \
+  F(fb_system_check_of_rotors, fb_system_check(p[0], p[1], i[0]), 1, MODEL(calm_system), MODEL(calm), WHOLE(1))        \
+  F(fb_system_state_init_of_rotors, fb_system_state_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(calm_system),   \
+    MODEL(calm), OUT(fb_system_state), WORK(system_work), OPTIONAL(link_motion), OPTIONAL(calm_system_input))          \
+  F(fb_system_rates_eval_of_rotors, fb_system_rates_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(calm_system),   \
+    MODEL(calm), WORK(system_work), OUT(fb_system_state), IN(calm_system_state), OPTIONAL(calm_system_input))          \
+  F(fb_system_motion_eval_of_rotors, fb_system_motion_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(calm_system), \
+    MODEL(calm), WORK(system_work), OUT(fb_system_motion), IN(calm_system_state), OPTIONAL(calm_system_input))         \
+  F(fb_system_rk4_step_of_rotors, fb_system_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6], x[0]), 1,               \
+    MODEL(calm_system), MODEL(calm), STATE(calm_system_state), WORK(system_work), OPTIONAL(calm_system_input),         \
+    OPTIONAL(calm_system_input), OPTIONAL(calm_system_input), REAL(FB_R(0.001)))                                       \
+  F(fb_system_sdirk_step_of_rotors, fb_system_sdirk_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0], i[0]), 1,           \
+    MODEL(calm_system), MODEL(calm), STATE(calm_system_state), WORK(system_work), IN(calm_system_input),               \
+    IN(calm_system_input), REAL(FB_R(0.001)), WHOLE(2))                                                                \
+  F(fb_system_linearize_of_rotors, fb_system_linearize(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), SLOW,                \
+    MODEL(calm_system), MODEL(calm), WORK(system_analyse_work), OUT(fb_linear), IN(calm_system_state),                 \
+    OPTIONAL(calm_system_input), OPTIONAL(motor_desc))
 /* Again with a body with lines, its loads distributed by a callback. */
 #define OF_LINES(F)                                                                                                   \
   F(fb_body_init_of_lines, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),    \
@@ -745,6 +761,12 @@ static void system_fill(void)
   need(fb_system_state_init(&w.bent_system, &w.bent, &w.bent_system_state, &system_work, NULL, NULL), "its state");
   need(fb_system_motion_eval(&w.bent_system, &w.bent, &system_work, &w.bent_system_motion, &w.bent_system_state, NULL),
        "its motion");
+  need(fb_system_init(&w.calm_system, &system_work, &w.calm, &w.system_desc, 1), "system with rotors");
+  w.link_motion[0].rotor_speed[1] = FB_R(2.0);
+  w.calm_system_input.rotor[0][0].momentum = w.calm_system_input.rotor[1][0].torque = FB_R(1e-3);
+  need(fb_system_state_init(&w.calm_system, &w.calm, &w.calm_system_state, &system_work, w.link_motion,
+                            &w.calm_system_input),
+       "its state");
   w.system_input.n_load = 1;
   w.system_input.load[0].load = w.input.load[0];
   w.system_input.forces = hold_back;

@@ -922,4 +922,5 @@ reference wheel.csv t angle output angle tolerance 1e-7 relative
 reference wheel.csv t speed output speed tolerance 1e-7 relative
 reference wheel.csv t tip output tip tolerance 1e-7 relative
 END
-} | meets
+} > "$out/rotor.txt"
+meets < "$out/rotor.txt"

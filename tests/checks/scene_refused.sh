@@ -1354,7 +1354,7 @@ rotor w top
 end
 output s rotor_speed x
 END
-refuse 22 "more than 4 rotors of body more" << END
+refuse 24 "more than 4 rotors of body more" << END
 $top
 body more rigid
   hub 1  0 0 0  1 1 1

@@ -395,7 +395,7 @@ static int system_is_finite(const fb_system_state *s)
     const fb_link_state *link = &s->link[k];
     finite = finite && all_finite(link->u, 3) && all_finite(link->lost_x, 3) && all_finite(link->lost_u, 3);
     finite = finite && all_finite(link->x, 3) && all_finite(link->quat, 4) && all_finite(link->p, 6) &&
-             all_finite(link->q, body.n) && all_finite(link->pi, body.n);
+             all_finite(link->q, body.n_coordinate) && all_finite(link->pi, body.n_coordinate);
   }
   return finite;
 }
@@ -425,6 +425,8 @@ static void take_system_input(fb_system_input *input, bytes *b)
   for (int j = 0; j < links.n_body; j++) {
     input->drive[j].torque[0] = take_part(b, 5.0);
     input->drive[j].rate[0] = take_part(b, 1.0);
+    input->rotor[j][0].torque = input->drive[j].torque[0];
+    input->rotor[j][1].momentum = body.n_rotor > 0 && body.rotor[1].given ? input->drive[j].rate[0] : FB_R(0.0);
   }
   if (take_byte(b) > 220) {
     spoil(input, offsetof(fb_system_input, rows), b);
