@@ -29501,6 +29501,7 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   const fb_real size = fbi_body_size(body);
   fb_real all;
   const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
+  const int at = j - 2 * n - m; /* in the momenta, then the pose, of the base */
   int moves;
 
   /* q, pi */
@@ -29521,8 +29522,8 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
 #endif
 
   /* Momenta and pose of the base */
-  moves = (j - 2 * n - m) % free + first < 3; /* the others are rotations */
-  if (j < 2 * n + m + free) {
+  moves = (at < free ? at : at - free) + first < 3; /* the others are rotations */
+  if (at < free) {
     return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
   }
   return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
