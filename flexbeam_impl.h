@@ -2450,9 +2450,9 @@ static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const f
    sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers, by E14.17.
    Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
-static FBI_INLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
-                                             const fb_line *line, int nb, const fb_real *y,
-                                             fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], int m)
+static FBI_INLINE void fbi_line_inertia_sum(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                            const fb_line *line, int nb, const fb_real *y,
+                                            fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], int m)
 {
   const int p = line->point, n = line->n;
   const int size = line->plane ? 2 * m : 3 * m, spacing = line->plane ? size : 3 * FB_MAX_POINTS;
@@ -2499,6 +2499,13 @@ static FBI_INLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_wo
   }
 }
 
+static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                               const fb_line *line, int nb, const fb_real *y,
+                                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_inertia_sum(M, X, w, all, line, nb, y, rho, I, m))
+}
+
 /* Adds all lines to the elastic mass M (lower triangle), Lambda (6 x nb) and, unless NULL, M_rr (packed) of a body. */
 static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *M_rr, fbi_line_work *w,
                                                const fb_lines *all, int nb)
@@ -2511,7 +2518,7 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
       fbi_line_solid(rho, I, w, all, line);
     }
     FBI_BY_WIDTH(fbi_line_width(line), fbi_line_centers(y, w, all, line, rho, m))
-    FBI_BY_WIDTH(fbi_line_width(line), fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I, m))
+    fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I);
     if (M_rr) {
       fbi_line_mass_eval(&mass, y, all, line, I);
       if (line->turned) {
