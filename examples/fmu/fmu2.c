@@ -189,7 +189,11 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
   fmu *const f = (fmu *)c;
   fmu_saved *saved = state ? (fmu_saved *)*state : NULL;
-  const fmu_answer answer = f && state ? fmu_keep(f, &saved) : FMU_ERROR;
+  fmu_answer answer;
+  if (!state) {
+    return refused(f, "a place for the state is missing");
+  }
+  answer = f ? fmu_keep(f, &saved) : FMU_ERROR;
   if (answer == FMU_OK) {
     *state = saved;
   }
@@ -233,7 +237,11 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 {
   fmu *const f = (fmu *)c;
   fmu_saved *saved = state ? (fmu_saved *)*state : NULL;
-  const fmu_answer answer = f && state ? fmu_keep_bytes(f, &saved, bytes, size) : FMU_ERROR;
+  fmu_answer answer;
+  if (!state) {
+    return refused(f, "a place for the state is missing");
+  }
+  answer = f ? fmu_keep_bytes(f, &saved, bytes, size) : FMU_ERROR;
   if (answer == FMU_OK) {
     *state = saved;
   }

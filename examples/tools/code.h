@@ -1,4 +1,4 @@
-/* code.h - writes the rk4 step of one free body as C99 of its own, straight-line: what code_model.h knows of a fb_body
+/* code.h - writes the rk4 step of one body as C99 of its own, straight-line: what code_model.h knows of a fb_body
    in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
 #ifndef CODE_H
 #define CODE_H
@@ -38,14 +38,7 @@ static void code_write_state(const code *w)
       w, "  /* quaternion; velocity of the mass center [m/s], inertial axes; angular momentum about it [N m s], body\n"
          "     axes; coordinates and momenta of the modes */\n");
   for (int i = 0; i < 10; i++) {
-    fprintf(w->out, "%s%s = x[%d]%s",
-            i % 10 == 0 ? (w->single ? "  const float " : "  const double ")
-            : i == 5    ? "               "
-                        : "",
-            frame[i], i,
-            i == 9   ? ";\n"
-            : i == 4 ? ",\n"
-                     : ", ");
+    fprintf(w->out, "  const %s %s = x[%d];\n", type, frame[i], i);
   }
   for (int a = 0; a < w->n; a++) {
     fprintf(w->out, "  const %s q_%d = x[%d];\n  const %s p_%d = x[%d];\n", type, a, 10 + a, type, a, 10 + w->n + a);
@@ -91,7 +84,7 @@ static void code_write_momenta(const code *w)
   }
   fputs("\n  /* E8.13: y = (0, h) - Lambda M^-1 pi */\n", w->out);
   code_write_solve(w, code_now.pb, pi, "b");
-  for (int i = 0; i < 6; i++) {
+  for (int i = code_model.first; i < 6; i++) {
     code_begin(&s);
     if (i >= 3) {
       code_add_one(&s, 1.0, code_variable("%s", h[i]));
@@ -252,20 +245,22 @@ static void code_write_inertia(const code *w)
     return;
   }
   fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T; c [kg m]: first moment of mass */\n", w->out);
-  for (int i = 0; i < 6; i++) {
+  for (int i = code_model.first; i < 6; i++) {
     char name[CODE_NAME];
     snprintf(name, sizeof name, "T_%s", code_rows[i]);
     code_write_solve(w, code_now.turned[i], code_now.lambda[i], name);
   }
   for (int e = 0; e < 21; e++) {
-    code_write_S(w, e);
+    if (fbi_sym6_row[e] >= code_model.first) {
+      code_write_S(w, e);
+    }
   }
 }
 
 /* ---- the solution of S V = y */
 
 typedef struct code_factor {
-  int order[6];
+  int n, order[6];      /* rows that the base leaves free */
   code_value S[6][6];   /* in the order of elimination */
   code_value low[6][6]; /* unit lower triangle.. */
   code_value raw[6][6]; /* ..and it times the pivots */
@@ -275,14 +270,18 @@ typedef struct code_factor {
 /* Order of elimination: pivots that are constants first, then those with few elements beside them. */
 static void code_order(code_factor *f)
 {
-  int full[6][6], varies[6], done[6] = {0};
-  for (int i = 0; i < 6; i++) {
-    for (int j = 0; j < 6; j++) {
+  int full[6][6] = {{0}}, varies[6] = {0}, done[6] = {0};
+  for (int i = 0; i < code_model.first; i++) {
+    done[i] = 1;
+  }
+  for (int i = code_model.first; i < 6; i++) {
+    for (int j = code_model.first; j < 6; j++) {
       full[i][j] = !code_is_zero(&code_now.S[fb_sym6_index(i, j)]);
     }
     varies[i] = !code_is_constant(&code_now.S[fb_sym6_index(i, i)]);
   }
-  for (int k = 0; k < 6; k++) {
+  f->n = 6 - code_model.first;
+  for (int k = 0; k < f->n; k++) {
     int best = -1, least = 0;
     for (int i = 0; i < 6; i++) {
       int cost = 100 * varies[i];
@@ -337,7 +336,7 @@ static void code_write_pivot(const code *w, code_factor *f, int k)
 static void code_write_column(const code *w, code_factor *f, int k)
 {
   code_sum s;
-  for (int j = k + 1; j < 6; j++) {
+  for (int j = k + 1; j < f->n; j++) {
     code_begin(&s);
     code_add_one(&s, 1.0, f->S[j][k]);
     for (int m = 0; m < k; m++) {
@@ -355,7 +354,7 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
 {
   int n = 0;
   code_sum s;
-  for (int k = 0; k < 6; k++) {
+  for (int k = 0; k < f->n; k++) {
     if (!code_is_constant(&f->raw[k][k])) {
       char number[40];
       code_number(number, w, 8.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
@@ -368,7 +367,7 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
   if (n > 0) {
     fputs(")) {\n    return ", w->out);
     for (int e = 0, m = 0; e < 21; e++) {
-      if (!code_is_constant(&code_now.S[e])) {
+      if (fbi_sym6_row[e] >= code_model.first && !code_is_constant(&code_now.S[e])) {
         fprintf(w->out, "%s%s(%s)",
                 m == 0       ? ""
                 : m % 4 == 0 ? " +\n           "
@@ -387,7 +386,7 @@ static void code_write_substitution(const code *w, const code_factor *f)
 {
   code_value z[6];
   code_sum s;
-  for (int k = 0; k < 6; k++) {
+  for (int k = 0; k < f->n; k++) {
     code_begin(&s);
     code_add_one(&s, 1.0, code_now.y[f->order[k]]);
     for (int m = 0; m < k; m++) {
@@ -395,10 +394,10 @@ static void code_write_substitution(const code *w, const code_factor *f)
     }
     z[k] = code_end(w, &s, code_variable("z_%s", code_row_at(f, k)));
   }
-  for (int k = 5; k >= 0; k--) {
+  for (int k = f->n - 1; k >= 0; k--) {
     code_begin(&s);
     code_add(&s, 1.0, z[k], f->share[k]);
-    for (int m = k + 1; m < 6; m++) {
+    for (int m = k + 1; m < f->n; m++) {
       code_add(&s, -1.0, f->low[m][k], code_now.V[f->order[m]]);
     }
     code_now.V[f->order[k]] = code_end(w, &s, code_variable("%s", code_row_at(f, k)));
@@ -408,9 +407,9 @@ static void code_write_substitution(const code *w, const code_factor *f)
 static void code_write_constant_velocities(const code *w)
 {
   code_sum s;
-  for (int i = 0; i < 6; i++) {
+  for (int i = code_model.first; i < 6; i++) {
     code_begin(&s);
-    for (int j = 0; j < 6; j++) {
+    for (int j = code_model.first; j < 6; j++) {
       code_add_one(&s, (double)code_model.body->S0_inverse[6 * i + j], code_now.y[j]);
     }
     code_now.V[i] = code_end(w, &s, code_variable("%s", code_rows[i]));
@@ -432,9 +431,29 @@ static void code_write_names(const code *w)
   }
 }
 
+/* Velocities of a prescribed base, relative to u. */
+static void code_write_given(const code *w)
+{
+  code_template(w, "\n  /* E8.35: velocities of the base relative to u, body axes */\n"
+                   "  const $ vx = act->v[0] - R[0] * ux - R[3] * uy - R[6] * uz;\n"
+                   "  const $ vy = act->v[1] - R[1] * ux - R[4] * uy - R[7] * uz;\n"
+                   "  const $ vz = act->v[2] - R[2] * ux - R[5] * uy - R[8] * uz;\n"
+                   "  const $ wx = act->w[0], wy = act->w[1], wz = act->w[2];\n");
+  for (int i = 0; i < 6; i++) {
+    code_now.V[i] = code_variable("%s", code_rows[i]);
+  }
+}
+
 static void code_write_velocities(const code *w)
 {
   code_factor f;
+  if (code_model.first == 6) {
+    code_write_given(w);
+    return;
+  }
+  for (int i = 0; i < code_model.first; i++) {
+    code_now.V[i] = code_constant(0.0);
+  }
   fputs("\n  /* E8.13: V = S^-1 y, velocity [m/s] and angular velocity [rad/s] of the frame relative to the mass "
         "center, body\n"
         "     axes */\n",
@@ -445,12 +464,12 @@ static void code_write_velocities(const code *w)
     return;
   }
   code_order(&f);
-  for (int i = 0; i < 6; i++) {
-    for (int j = 0; j < 6; j++) {
+  for (int i = 0; i < f.n; i++) {
+    for (int j = 0; j < f.n; j++) {
       f.S[i][j] = code_now.S[fb_sym6_index(f.order[i], f.order[j])];
     }
   }
-  for (int k = 0; k < 6; k++) {
+  for (int k = 0; k < f.n; k++) {
     code_write_pivot(w, &f, k);
     code_write_column(w, &f, k);
   }
@@ -589,34 +608,108 @@ static void code_write_pi_dot(const code *w)
   }
 }
 
-static const char code_frame[] =
-    "\n  /* E4.4, E8.18: attitude, angular momentum in body axes, place of the mass center, its velocity */\n"
-    "  rate[0] = `-0.5` * (quat_x * wx + quat_y * wy + quat_z * wz);\n"
-    "  rate[1] = `0.5` * (quat_w * wx + quat_y * wz - quat_z * wy);\n"
-    "  rate[2] = `0.5` * (quat_w * wy + quat_z * wx - quat_x * wz);\n"
-    "  rate[3] = `0.5` * (quat_w * wz + quat_x * wy - quat_y * wx);\n"
-    "  rate[7] = hy * wz - hz * wy;\n"
-    "  rate[8] = hz * wx - hx * wz;\n"
-    "  rate[9] = hx * wy - hy * wx;\n"
-    "  rate[%r] = ux;\n"
-    "  rate[%r + 1] = uy;\n"
-    "  rate[%r + 2] = uz;\n"
-    "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n"
-    "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = `0`;\n";
+static const char code_attitude[] = "\n  /* E4.4, E8.18: attitude, place, angular momentum in body axes */\n"
+                                    "  rate[0] = `-0.5` * (quat_x * wx + quat_y * wy + quat_z * wz);\n"
+                                    "  rate[1] = `0.5` * (quat_w * wx + quat_y * wz - quat_z * wy);\n"
+                                    "  rate[2] = `0.5` * (quat_w * wy + quat_z * wx - quat_x * wz);\n"
+                                    "  rate[3] = `0.5` * (quat_w * wz + quat_x * wy - quat_y * wx);\n";
+
+static const char code_turning[] = "  rate[7] = hy * wz - hz * wy;\n"
+                                   "  rate[8] = hz * wx - hx * wz;\n"
+                                   "  rate[9] = hx * wy - hy * wx;\n";
+
+static const char code_flying[] = "  rate[%r] = ux;\n"
+                                  "  rate[%r + 1] = uy;\n"
+                                  "  rate[%r + 2] = uz;\n";
+
+static const char code_driven[] = "  rate[7] = rate[8] = rate[9] = `0`;\n"
+                                  "  rate[%r] = ux + R[0] * vx + R[1] * vy + R[2] * vz;\n"
+                                  "  rate[%r + 1] = uy + R[3] * vx + R[4] * vy + R[5] * vz;\n"
+                                  "  rate[%r + 2] = uz + R[6] * vx + R[7] * vy + R[8] * vz;\n";
+
+static const char code_spin[] = "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n"
+                                "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = `0`;\n";
 
 static void code_write_frame(const code *w)
 {
-  code_template(w, code_frame);
+  code_template(w, code_attitude);
+  code_template(w, code_model.first == 6 ? code_driven : code_turning);
+  if (code_model.first == 0) {
+    code_template(w, code_flying);
+  } else if (code_model.first == 3) {
+    code_template(w, "  rate[%r] = rate[%r + 1] = rate[%r + 2] = `0`;\n");
+  }
+  code_template(w, code_spin);
   for (int i = 0; i < 3; i++) {
-    double g = 0.0;
     char number[40];
-#if FB_WITH_GRAVITY
-    g = code_model.body->effects & FB_EFFECT_GRAVITY ? (double)code_model.body->gravity[i] : 0.0;
-#endif
-    code_number(number, w, g);
+    code_number(number, w, code_model.first == 0 ? code_gravity(i) : 0.0);
     fprintf(w->out, "  rate[%d] = %s;\n", 4 + i, number);
   }
 }
+
+/* ---- loads of bases that do not fly: gravity pulls */
+
+static const char code_pinned_torque[] =
+    "  rate[7] += tx;\n  rate[8] += ty;\n  rate[9] += tz;\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    rate[%l + i] = R[3 * i] * tx + R[3 * i + 1] * ty + R[3 * i + 2] * tz;\n  }\n"
+    "  *a = @_norm(G);\n  return @_ok;\n}\n";
+
+static const char code_given_acceleration[] =
+    "  const $ forward[3] = {act->v_dot[0] + wy * act->v[2] - wz * act->v[1],\n"
+    "                        act->v_dot[1] + wz * act->v[0] - wx * act->v[2],\n"
+    "                        act->v_dot[2] + wx * act->v[1] - wy * act->v[0]};\n"
+    "  *a = @_norm(G) + @_norm(forward);\n  return @_ok;\n}\n";
+
+/* Gravity G, inertial axes, and gx, gy, gz, body axes. */
+static void code_write_field(const code *w)
+{
+  const char *const type = w->single ? "float" : "double";
+  char number[40];
+  fputs("\n  /* E8.16: gravity, first moment of mass c */\n", w->out);
+  for (int i = 0; i < 3; i++) {
+    code_number(number, w, code_gravity(i));
+    if (i == 0) {
+      fprintf(w->out, "  const %s G[3] = {", type);
+    }
+    fprintf(w->out, "%s + act->gravity[%d]%s", number, i, i < 2 ? ", " : "};\n");
+  }
+  for (int i = 0; i < 3; i++) {
+    fprintf(w->out, "  const %s g%c = R[%d] * G[0] + R[%d] * G[1] + R[%d] * G[2];\n", type, 'x' + i, i, 3 + i, 6 + i);
+  }
+}
+
+static void code_write_pull(const code *w)
+{
+  code_sum s;
+  char target[32];
+  code_write_field(w);
+  for (int k = 0; k < 3 && code_model.first == 3; k++) {
+    code_write_value(w, k);
+  }
+  for (int i = 0; i < 3 && code_model.first == 3; i++) {
+    const int y = (i + 1) % 3, z = (i + 2) % 3;
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_variable("act->torque[%d]", i));
+    code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
+    code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
+    snprintf(target, sizeof target, "const %s t%c", w->single ? "float" : "double", 'x' + i);
+    code_assign(w, &s, target);
+  }
+  for (int a = 0; a < w->n; a++) {
+    snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_variable("%s", target));
+    code_add_one(&s, 1.0, code_variable("act->modal[%d]", a));
+    for (int i = 0; i < 3; i++) {
+      code_add(&s, 1.0, code_now.lambda[i][a], code_variable("g%c", 'x' + i));
+    }
+    code_assign(w, &s, target);
+  }
+  code_template(w, code_model.first == 3 ? code_pinned_torque : code_given_acceleration);
+}
+
+/* ---- loads of a free body */
 
 static const char code_loads[] =
     "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m; E8.18 */\n"
@@ -686,7 +779,13 @@ static void code_write_rates(const code *w, int unused)
                    "angular velocity; a:\n"
                    "   acceleration of the mass center by the loads [m/s^2]. */\n"
                    "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
+  if (code_model.first > 0) {
+    code_template(w, "  const @_input *const act = in ? in : &@_nothing;\n  $ R[9];\n");
+  }
   code_write_state(w);
+  if (code_model.first > 0) {
+    code_template(w, "  @_matrix(R, x);\n");
+  }
   code_write_lambda(w);
   code_write_momenta(w);
   code_write_inertia(w);
@@ -694,7 +793,11 @@ static void code_write_rates(const code *w, int unused)
   code_write_q_dot(w);
   code_write_pi_dot(w);
   code_write_frame(w);
-  code_write_loads(w);
+  if (code_model.first == 0) {
+    code_write_loads(w);
+  } else {
+    code_write_pull(w);
+  }
 }
 
 /* ---- the rest of the step */
@@ -711,8 +814,9 @@ static const char code_types[] =
     "typedef struct @_state {\n"
     "  $ rho[3];  /* [m] position of O, inertial axes */\n"
     "  $ quat[4]; /* attitude of the body frame, w x y z */\n"
-    "  $ u[3];    /* [m/s] velocity of the mass center, inertial axes */\n"
-    "  $ L[3];    /* [N m s] angular momentum about the mass center, inertial axes */\n"
+    "  $ u[3];    /* [m/s] velocity, inertial axes: of the mass center; prescribed base: of O; pinned: zero */\n"
+    "  $ L[3];    /* [N m s] angular momentum, inertial axes: about the mass center; pinned: about O; prescribed: zero "
+    "*/\n"
     "  $ q[%m], pi[%m]; /* coordinates and conjugate momenta of the modes */\n"
     "  $ lost_rho[3], lost_u[3];\n";
 
@@ -720,8 +824,15 @@ static const char code_types_single[] = "  $ lost_quat[4], lost_L[3], lost_h[3],
 
 static const char code_types_end[] =
     "} @_state;\n\n"
-    "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n"
-    "  $ force[3], torque[3]; /* [N], [N m] at O, body axes */\n"
+    "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n";
+
+static const char code_input_of[3][200] = {
+    "  $ force[3], torque[3]; /* [N], [N m] at O, body axes */\n",
+    "  $ torque[3]; /* [N m] on the body, body axes */\n",
+    "  $ v[3], w[3]; /* [m/s], [rad/s] of the base, body axes */\n"
+    "  $ v_dot[3];   /* [m/s^2] rate of v in body axes: for the step limit alone */\n"};
+
+static const char code_input_end[] =
     "  $ gravity[3];          /* [m/s^2] uniform, inertial axes, beside that of the description */\n"
     "  $ modal[%m];            /* generalized forces of the coordinates */\n"
     "} @_input;\n\n"
@@ -742,8 +853,13 @@ static const char code_helpers[] =
     "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
     "  return sum <= @_huge;\n}\n\n"
     "static int @_input_is_finite(const @_input *in)\n{\n"
-    "  return !in || (@_is_finite(in->force, 3) && @_is_finite(in->torque, 3) && @_is_finite(in->gravity, 3) &&\n"
-    "                 @_is_finite(in->modal, %n));\n}\n\n"
+    "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
+
+static const char code_input_finite[3][120] = {
+    " &&\n                 @_is_finite(in->force, 3) && @_is_finite(in->torque, 3));\n}\n\n",
+    " && @_is_finite(in->torque, 3));\n}\n\n", ");\n}\n\n"};
+
+static const char code_rotations[] =
     "/* E4.1: rotation matrix of a quaternion of any length */\n"
     "static void @_matrix($ *R, const $ *q)\n{\n"
     "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
@@ -766,6 +882,20 @@ static const char code_helpers[] =
     "  @_turn(y, back, x);\n}\n\n"
     "static $ @_norm(const $ *x)\n{\n"
     "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
+
+/* The input that is meant by NULL. */
+static void code_write_nothing(const code *w)
+{
+  const int n = (code_model.first == 3 ? 2 : 4); /* vectors */
+  code_template(w, "\nstatic const @_input @_nothing = {");
+  for (int k = 0; k < n; k++) {
+    code_template(w, "{`0`, `0`, `0`}, ");
+  }
+  for (int a = 0; a < code_place(w, 'm'); a++) {
+    code_template(w, a == 0 ? "{`0`" : ", `0`");
+  }
+  fputs("}};\n", w->out);
+}
 
 /* c(q), first moment of mass. */
 static void code_write_center(const code *w)
@@ -809,7 +939,9 @@ static void code_write_limit(const code *w)
                    "static $ @_longest(const $ *w, $ a)\n{\n"
                    "  const $ spin = @_norm(w);\n");
   code_begin(&s);
-  code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+  if (code_model.first == 0) {
+    code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+  }
   code_add_one(&s, 1.0, code_variable("a"));
   code_assign(w, &s, w->single ? "const float acceleration" : "const double acceleration");
   code_begin(&s);
@@ -836,10 +968,20 @@ static const char code_sums[] =
     "    const $ more = d[i] + lost[i];\n"
     "    d[i] = x[i] + more;\n"
     "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n"
-    "\n/* E11.29: the increment d of the attitude so that R h is along L, and of unit length */\n"
-    "static @_status @_align($ *d, const $ *x)\n{\n"
+    "\n/* The increment d of the attitude so that it has unit length */\n"
+    "static @_status @_unit($ *d, const $ *x)\n{\n"
+    "  $ quat[4], norm2 = `0`, norm;\n"
+    "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n    norm2 += quat[i] * quat[i];\n  }\n"
+    "  if (!(norm2 > `1e-20` && norm2 < @_huge)) {\n    return @_not_finite;\n  }\n"
+    "  norm = sqrt~(norm2);\n"
+    "  for (int i = 0; i < 4; i++) {\n    d[i] += (`1` - norm2) / (norm * (`1` + norm)) * quat[i];\n  }\n"
+    "  return @_ok;\n}\n";
+
+static const char code_align[] =
+    "\n/* E11.29: the increment d of the attitude so that R h is along L */\n"
+    "static void @_align($ *d, const $ *x)\n{\n"
     "  static const $ known[2] = {`0`, `1`};\n"
-    "  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told, norm2 = `0`, norm;\n"
+    "  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told;\n"
     "  const $ change = @_norm(d + %l);\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n    h[i] = x[7 + i] + d[7 + i];\n    b[i] = x[%l + i] + d[%l + i];\n  }\n"
@@ -850,19 +992,15 @@ static const char code_sums[] =
     "  theta[2] = r[0] * b[1] - r[1] * b[0];\n"
     "  told = known[sizes > change * change];\n";
 
-static const char code_sums_single[] = "  told *= known[@_norm(theta) >= `16` * `1.19209290e-7` * sizes];\n";
+static const char code_align_single[] = "  told *= known[@_norm(theta) >= `16` * `1.19209290e-7` * sizes];\n";
 
-static const char code_sums_end[] =
+static const char code_align_end[] =
     "  for (int i = 0; i < 3; i++) {\n    theta[i] *= `0.5` * told / (sizes + (`1` - told));\n  }\n"
     "  d[0] -= theta[0] * quat[1] + theta[1] * quat[2] + theta[2] * quat[3];\n"
     "  d[1] += theta[0] * quat[0] + theta[1] * quat[3] - theta[2] * quat[2];\n"
     "  d[2] += theta[1] * quat[0] + theta[2] * quat[1] - theta[0] * quat[3];\n"
     "  d[3] += theta[2] * quat[0] + theta[0] * quat[2] - theta[1] * quat[1];\n"
-    "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n    norm2 += quat[i] * quat[i];\n  }\n"
-    "  if (!(norm2 > `1e-20` && norm2 < @_huge)) {\n    return @_not_finite;\n  }\n"
-    "  norm = sqrt~(norm2);\n"
-    "  for (int i = 0; i < 4; i++) {\n    d[i] += (`1` - norm2) / (norm * (`1` + norm)) * quat[i];\n  }\n"
-    "  return @_ok;\n}\n";
+    "}\n";
 
 /* The check after a step. */
 static void code_write_range(const code *w)
@@ -915,17 +1053,24 @@ static const char code_keep_single[] =
     "  for (int i = 0; i < 3; i++) {\n"
     "    next->lost_h[i] -= size > `0` ? along / size * after[i] : `0`;\n  }\n}\n";
 
-static const char code_end_double[] = "  $ lost_u[3], lost_rho[3];\n"
-                                      "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
-                                      "  memcpy(lost_rho, state->lost_rho, sizeof lost_rho);\n"
-                                      "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
-                                      "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n    d[a] = "
-                                      "fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
+static const char code_end_declare[] = "  $ lost_u[3], lost_rho[3];\n"
+                                       "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
+                                       "  memcpy(lost_rho, state->lost_rho, sizeof lost_rho);\n";
+
+static const char code_end_declare_single[] = "  @_state next = *state;\n"
+                                              "  $ *const lost_u = next.lost_u, *const lost_rho = next.lost_rho;\n";
+
+static const char code_end_pin[] =
+    "  for (int i = 0; i < 3; i++) { /* the pin rests */\n"
+    "    status = status == @_ok && !(fabs~(state->u[i]) + fabs~(state->lost_u[i]) <= `0`) ? @_value : status;\n"
+    "  }\n";
+
+static const char code_end_double[] = "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
+                                      "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n"
+                                      "    d[a] = fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
                                       "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
 
 static const char code_end_single[] =
-    "  @_state next = *state;\n"
-    "  $ *const lost_u = next.lost_u, *const lost_rho = next.lost_rho;\n"
     "  @_sum_kept(d, next.lost_quat, x, 4);\n"
     "  @_sum_kept(d + 10, next.lost_q, x + 10, %n);\n"
     "  @_sum_kept(d + %p, next.lost_pi, x + %p, %n);\n"
@@ -961,21 +1106,66 @@ static const char code_end_take[] = "  memcpy(state->rho, d + %r, sizeof state->
 static const char code_end_modes[] = "  memcpy(state->q, d + 10, sizeof state->q);\n"
                                      "  memcpy(state->pi, d + %p, sizeof state->pi);\n";
 
+/* E11.31: pi relative to the velocity v of the base at the end of the step, u that velocity. */
+static void code_write_follow(const code *w, int unused)
+{
+  code_sum s;
+  (void)unused;
+  code_template(w, "\n/* E11.31, E8.35: u becomes the velocity of the base, v in body axes; pi relative to it */\n"
+                   "static void @_follow($ *d, const $ *x, const $ *v)\n{\n"
+                   "  $ quat[4], q[%m], u[3], s[3];\n"
+                   "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
+                   "  for (int k = 0; k < %n; k++) {\n    q[k] = x[10 + k] + d[10 + k];\n  }\n"
+                   "  @_turn(u, quat, v);\n"
+                   "  for (int i = 0; i < 3; i++) {\n    u[i] -= x[4 + i];\n    d[4 + i] = u[i];\n  }\n"
+                   "  @_turn_back(s, quat, u);\n");
+  for (int b = 0; b < w->n; b++) {
+    char target[32];
+    code_value slope[3];
+    for (int i = 0; i < 3; i++) {
+      code_begin(&s);
+      code_add_one(&s, code_model.lambda[i].constant[b], code_constant(1.0));
+      for (int a = 0; a < w->n; a++) {
+        code_add_one(&s, code_model.lambda[i].slope[b][a], code_variable("q[%d]", a));
+      }
+      slope[i] = code_end(w, &s, code_variable("L_%s_%d", code_rows[i], b));
+    }
+    code_begin(&s);
+    snprintf(target, sizeof target, "d[%d]", 10 + w->n + b);
+    code_add_one(&s, 1.0, code_variable("%s", target));
+    for (int i = 0; i < 3; i++) {
+      code_add(&s, -1.0, slope[i], code_variable("s[%d]", i));
+    }
+    code_assign(w, &s, target);
+  }
+  fputs("  (void)q, (void)s;\n}\n", w->out);
+}
+
 /* The end of a step. */
 static void code_write_end(const code *w)
 {
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
-                   "static @_status @_end(@_state *state, $ *d, const $ *x)\n{\n"
-                   "  $ before[3], after[3], old[3], own[3];\n"
-                   "  @_status status = @_align(d, x);\n");
+                   "static @_status @_end(@_state *state, $ *d, const $ *x");
+  code_template(w, code_model.first == 6 ? ", const @_input *last)\n{\n  @_status status;\n"
+                                         : ")\n{\n  @_status status;\n");
+  code_template(w, code_model.first == 0 ? "  $ before[3], after[3], old[3], own[3];\n" : "");
+  code_template(w, w->single ? code_end_declare_single : code_end_declare);
+  code_template(w, code_model.first < 6
+                       ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
+                       : "  status = @_unit(d, x);\n  @_follow(d, x, last ? last->v : @_nothing.v);\n");
   code_template(w, w->single ? code_end_single : code_end_double);
   code_template(w, code_end_rest);
-  code_template_of(w, 1, code_end_keep_single);
-  code_template(w, code_end_position);
-  code_number(number, w, 1.0 / (double)code_model.body->mass);
-  code_template(w, "  for (int i = 0; i < 3; i++) {\n");
-  fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
+  if (code_model.first < 6) {
+    code_template_of(w, 1, code_end_keep_single);
+  }
+  if (code_model.first == 0) {
+    code_template(w, code_end_position);
+    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    code_template(w, "  for (int i = 0; i < 3; i++) {\n");
+    fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
+  }
+  code_template(w, code_model.first == 3 ? code_end_pin : "");
   code_template(w, code_end_commit);
   code_template_of(w, 1, "  *state = next;\n");
   code_template(w, code_end_take);
@@ -1017,7 +1207,7 @@ static const char code_step_rest[] =
     "    if (stage < 3) {\n      @_UNROLL\n"
     "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n    }\n"
     "  }\n"
-    "  return @_end(state, sum, x);\n}\n";
+    "  return @_end(state, sum, x";
 
 static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
                                  "  memset(state, 0, sizeof *state);\n"
@@ -1026,17 +1216,20 @@ static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
 /* Comment and declarations. */
 static void code_write_head(const code *w, const fb_body *body, const char *source, void (*coordinate)(FILE *, int))
 {
+  static const char *const bases[3] = {"free", "pinned", "prescribed"};
   const unsigned crc = fbi_body_crc(body, w->single);
   fprintf(w->out, "/* %s - made by reduce --code from ", w->name);
   for (const char *c = source; *c; c++) { /* not to end the comment */
     fputc(*c == '*' ? '?' : *c, w->out);
   }
   fprintf(w->out,
-          " with flexbeam %s, %s precision, model 0x%08X: a free body\n"
-          "   of %d modes and its step of rk4, by the equations of fb_rk4_step (E8.9: tests/reference/THEORY.md). "
+          " with flexbeam %s, %s precision, model 0x%08X: a body\n"
+          "   of %d modes on a %s base and its step of rk4, by the equations of fb_rk4_step (E8.9: "
+          "tests/reference/THEORY.md). "
           "Include it where\n"
           "   needed; one file defines %s_IMPLEMENTATION before. SI units, radians.\n   Mass %.6g kg.",
-          FB_VERSION, w->single ? "single" : "double", crc, w->n, w->name, (double)body->mass);
+          FB_VERSION, w->single ? "single" : "double", crc, w->n, bases[code_model.first / 3], w->name,
+          (double)body->mass);
   for (int a = 0; a < w->n; a++) {
     fprintf(w->out, "\n   q[%d]: ", a);
     coordinate(w->out, a);
@@ -1046,7 +1239,12 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   code_template(w, code_types);
   code_template_of(w, 1, code_types_single);
   code_template(w, code_types_end);
+  code_template(w, code_input_of[code_model.first / 3]);
+  code_template(w, code_input_end);
   code_template(w, code_read_types);
+  if (code_model.first < 6) {
+    code_template(w, code_read_energy_types);
+  }
   fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
 }
 
@@ -1063,12 +1261,24 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
   code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                            : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
-  code_write_center(&w);
+  code_template(&w, code_input_finite[code_model.first / 3]);
+  code_template(&w, code_rotations);
+  if (code_model.first > 0) {
+    code_write_nothing(&w);
+  }
+  if (code_model.first < 6) {
+    code_write_center(&w);
+  }
   good = code_write_pruned(&w, code_write_rates, 0);
   code_write_limit(&w);
   code_template(&w, code_sums);
-  code_template_of(&w, 1, code_sums_single);
-  code_template(&w, code_sums_end);
+  if (code_model.first < 6) {
+    code_template(&w, code_align);
+    code_template_of(&w, 1, code_align_single);
+    code_template(&w, code_align_end);
+  } else {
+    good = code_write_pruned(&w, code_write_follow, 0) && good;
+  }
   code_write_range(&w);
   code_template(&w, code_enter);
   if (w.n > 0) {
@@ -1076,7 +1286,9 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
   }
   code_template_of(&w, 1, code_enter_single);
   code_template(&w, "}\n");
-  code_template_of(&w, 1, code_keep_single);
+  if (code_model.first < 6) {
+    code_template_of(&w, 1, code_keep_single);
+  }
   code_write_end(&w);
   code_template(&w, code_start);
   code_template(&w, code_step_head);
@@ -1084,6 +1296,7 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
     code_template(&w, code_step_limits);
   }
   code_template(&w, code_step_rest);
+  code_template(&w, code_model.first == 6 ? ", end);\n}\n" : ");\n}\n");
   good = code_write_read(&w) && good;
   fputs("#endif\n", out);
   return good;
@@ -1101,6 +1314,6 @@ static const char *code_refusal(const fb_body *body)
   if (body->effects & FB_EFFECT_CENTRAL_GRAVITY) {
     return "central_gravity: choose uniform gravity";
   }
-  return body->base == FB_BASE_FREE ? NULL : "base: only free bodies, line base free";
+  return body->base == FB_BASE_HINGED ? "base hinged: choose base free, pinned or prescribed" : NULL;
 }
 #endif

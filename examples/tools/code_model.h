@@ -21,6 +21,7 @@ static const char *const code_rows[6] = {"vx", "vy", "vz", "wx", "wy", "wz"};
 static struct code_model {
   const fb_body *body;
   int n, constant_S;
+  int first; /* of the rows (v, w) that the base leaves free: 0 free, 3 pinned, 6 prescribed */
   double W[FB_MAX_MODES][FB_MAX_MODES]; /* M^-1 */
   code_row lambda[6];
   code_poly S[21];
@@ -305,6 +306,7 @@ static void code_read(const fb_body *body)
   code_model.body = body;
   code_model.n = body->n;
   code_model.constant_S = body->constant_S;
+  code_model.first = fbi_first_free(body->base);
   code_read_mass(body);
   code_read_lambda(body);
   code_read_S(body);
@@ -320,5 +322,14 @@ static void code_read(const fb_body *body)
   if (!body->constant_S) {
     code_make_moments();
   }
+}
+/* Uniform gravity of the description [m/s^2], inertial axis i. */
+static double code_gravity(int i)
+{
+#if FB_WITH_GRAVITY
+  return code_model.body->effects & FB_EFFECT_GRAVITY ? (double)code_model.body->gravity[i] : 0.0;
+#else
+  return 0.0 * i;
+#endif
 }
 #endif

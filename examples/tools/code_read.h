@@ -11,19 +11,21 @@ static const char code_read_types[] =
     "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
     "  $ q_dot[%m];\n"
     "} @_motion;\n\n"
-    "typedef struct @_energy {\n"
-    "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
-    "} @_energy;\n\n"
     "typedef struct @_node { /* inertial axes */\n"
     "  $ position[3], quat[4];          /* [m], attitude of the section */\n"
     "  $ velocity[3], angular_rate[3]; /* [m/s], [rad/s] */\n"
     "} @_node;\n\n"
     "/* Time derivatives of rho, quat, u, L, q, pi; rho_dot is the velocity of O. */\n"
     "@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in);\n"
-    "@_status @_motion_eval(@_motion *motion, const @_state *state);\n"
-    "@_status @_energy_eval(@_energy *energy, const @_state *state);\n"
+    "@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in);\n"
     "/* Node 0 is O, the others are those of the description in its order. @_value: no such node. */\n"
     "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node);\n";
+
+static const char code_read_energy_types[] =
+    "\ntypedef struct @_energy {\n"
+    "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
+    "} @_energy;\n\n"
+    "@_status @_energy_eval(@_energy *energy, const @_state *state);\n";
 
 /* Writes a function by `write`, without what nothing in it uses; 0: no temporary file, or too long, see errno. */
 static int code_write_pruned(const code *w, void (*write)(const code *, int), int k)
@@ -67,7 +69,7 @@ static void code_write_center_rate(const code *w, int unused)
 }
 
 /* A displacement or rotation of second degree along axis i, x = psi q + 1/2 chi q q, and its rate. chi: NULL: none. */
-static void code_write_field(const code *w, const char *name, int i, const fb_real *psi, const fb_real *chi)
+static void code_write_displacement(const code *w, const char *name, int i, const fb_real *psi, const fb_real *chi)
 {
   code_sum x, rate, s;
   char target[32];
@@ -108,26 +110,32 @@ static void code_write_node(const code *w, int k)
   fprintf(w->out, "%d", k);
   code_template(w, "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
   for (int i = 0; i < 3; i++) {
-    code_write_field(w, "u", i, node->psi, chi);
-    code_write_field(w, "phi", i, node->theta, chi_theta);
+    code_write_displacement(w, "u", i, node->psi, chi);
+    code_write_displacement(w, "phi", i, node->theta, chi_theta);
   }
   fputs("  (void)q, (void)q_dot;\n}\n", w->out);
 }
 
-static const char code_read_motion[] = "\n@_status @_motion_eval(@_motion *motion, const @_state *state)\n{\n"
-                                       "  $ x[%N], rate[%N], w[3], c[3], c_dot[3], u[3], a;\n"
-                                       "  @_status status;\n"
-                                       "  if (!motion || !state) {\n    return @_null;\n  }\n"
-                                       "  @_enter(x, state);\n"
-                                       "  status = @_rates_at(rate, w, &a, x, NULL);\n"
-                                       "  if (status != @_ok) {\n    return status;\n  }\n"
-                                       "  @_center(c, x + 10);\n"
-                                       "  @_center_rate(c_dot, x + 10, rate + 10);\n"
-                                       "  @_turn_back(u, state->quat, state->u);\n";
+static const char code_read_motion[] =
+    "\n@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in)\n{\n"
+    "  $ x[%N], rate[%N], w[3], a;\n"
+    "  @_status status;\n"
+    "  if (!motion || !state) {\n    return @_null;\n  }\n"
+    "  @_enter(x, state);\n"
+    "  status = @_input_is_finite(in) ? @_rates_at(rate, w, &a, x, in) : @_not_finite;\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n";
 
 static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof w);\n"
                                            "  memcpy(motion->q_dot, rate + 10, %n * sizeof *rate);\n"
                                            "  return @_is_finite(rate, %N) ? @_ok : @_not_finite;\n}\n";
+
+/* Velocity of O of a free body from that of the mass center. */
+static const char code_read_origin[] = "\n/* v of O, body axes: R^T u - (w x c + c_dot)/m */\n"
+                                       "static void @_origin($ *v, const $ *w, const $ *x, const $ *q_dot)\n{\n"
+                                       "  $ c[3], c_dot[3], u[3];\n"
+                                       "  @_center(c, x + 10);\n"
+                                       "  @_center_rate(c_dot, x + 10, q_dot);\n"
+                                       "  @_turn_back(u, x, x + 4);\n";
 
 static const char code_read_rates[] =
     "\n@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in)\n{\n"
@@ -135,7 +143,7 @@ static const char code_read_rates[] =
     "  @_motion motion;\n"
     "  @_status status;\n"
     "  if (!rate || !state) {\n    return @_null;\n  }\n"
-    "  status = @_input_is_finite(in) ? @_motion_eval(&motion, state) : @_not_finite;\n"
+    "  status = @_motion_eval(&motion, state, in);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  @_enter(x, state);\n"
     "  status = @_rates_at(dot, w, &a, x, in);\n"
@@ -150,16 +158,25 @@ static const char code_read_rates[] =
     "  memcpy(rate->pi, dot + %p, %n * sizeof *dot);\n"
     "  return @_ok;\n}\n";
 
-static void code_write_motion(const code *w)
+static void code_write_origin(const code *w)
 {
   char number[40];
-  code_template(w, code_read_motion);
+  code_template(w, code_read_origin);
   code_number(number, w, 1.0 / (double)code_model.body->mass);
   for (int i = 0; i < 3; i++) {
     const int y = (i + 1) % 3, z = (i + 2) % 3;
-    fprintf(w->out, "  motion->v[%d] = u[%d] - %s * (w[%d] * c[%d] - w[%d] * c[%d] + c_dot[%d]);\n", i, i, number, y, z,
-            z, y, i);
+    fprintf(w->out, "  v[%d] = u[%d] - %s * (w[%d] * c[%d] - w[%d] * c[%d] + c_dot[%d]);\n", i, i, number, y, z, z, y,
+            i);
   }
+  fputs("}\n", w->out);
+}
+
+static void code_write_motion(const code *w)
+{
+  code_template(w, code_read_motion);
+  code_template(w, code_model.first == 0   ? "  @_origin(motion->v, w, x, rate + 10);\n"
+                   : code_model.first == 3 ? "  memset(motion->v, 0, sizeof motion->v);\n"
+                                           : "  memcpy(motion->v, in ? in->v : @_nothing.v, sizeof motion->v);\n");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
 }
@@ -201,10 +218,7 @@ static void code_write_energy(const code *w)
   code_assign(w, &s, "energy->strain");
   code_begin(&s);
   for (int i = 0; i < 3; i++) {
-    double g = 0.0;
-#if FB_WITH_GRAVITY
-    g = body->effects & FB_EFFECT_GRAVITY ? (double)body->gravity[i] : 0.0;
-#endif
+    const double g = code_gravity(i);
     code_add_one(&s, -g, code_variable("moment[%d]", i));
     code_add_one(&s, -g * mass.c, code_variable("x[%d]", code_place(w, 'r') + i));
   }
@@ -271,9 +285,15 @@ static int code_write_nodes(const code *w)
 /* All of it. */
 static int code_write_read(const code *w)
 {
-  const int good = code_write_pruned(w, code_write_center_rate, 0);
+  int good = 1;
+  if (code_model.first == 0) {
+    good = code_write_pruned(w, code_write_center_rate, 0);
+    code_write_origin(w);
+  }
   code_write_motion(w);
-  code_write_energy(w);
+  if (code_model.first < 6) {
+    code_write_energy(w);
+  }
   return code_write_nodes(w) && good;
 }
 #endif

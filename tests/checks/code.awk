@@ -1,4 +1,4 @@
-# A random hub with one to three booms at random places and attitudes, together 1 to 12 modes: -v seed, -v effects.
+# A random hub with one to three booms at random places and attitudes, together 1 to 12 modes: -v seed, -v effects, -v base.
 function uniform(low, high) {
   state = (16807 * state) % 2147483647
   return low + (high - low) * state / 2147483647
@@ -12,9 +12,9 @@ BEGIN {
   n = whole(1, 3)
   modes = 1 + (seed * 5) % 12
   if (n > modes) n = modes
-  print "parts\nname generated\nbase free\neffects " effects
+  print "parts\nname generated\nbase " base "\neffects " effects
   if (effects ~ /damping/) print "damping " uniform(0.001, 0.05)
-  if (effects ~ /gravity/) print "gravity " uniform(-3, 3) " " uniform(-3, 3) " " uniform(-3, 3)
+  if (effects ~ /gravity/) print "gravity " uniform(-0.5, 0.5) " " uniform(-0.5, 0.5) " " uniform(-0.5, 0.5)
   a = uniform(50, 200); b = uniform(50, 200)
   print "hub " uniform(50, 500) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " a " " b " " 0.9 * (a + b) " " uniform(-9, 9) " " uniform(-9, 9) " " uniform(-9, 9)
   print "node 0.1 0 0.2"

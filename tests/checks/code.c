@@ -1,6 +1,6 @@
-/* The generated step of a model against fb_rk4_step: LOADED 0 or 1, STEPS steps of a tumbling body; the largest difference
-   of each kind of variable relative to its extreme is printed and at most TOLERANCE. Then refusals: same status, same
-   state. */
+/* The generated step of a model against fb_rk4_step, STEPS steps of a tumbling or driven body (BASE: free, prescribed or
+   pinned), unloaded and loaded; the largest difference of each kind of variable relative to its extreme is printed and
+   at most TOLERANCE. Then what is read off the state, and refusals: same status, same state. */
 #include "flexbeam.h"
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -10,6 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FREE 0
+#define PRESCRIBED 1
+#define PINNED 2
+#ifndef BASE
+#define BASE FREE
+#endif
 #ifndef STEPS
 #define STEPS 1000
 #endif
@@ -46,8 +52,8 @@ static int begin(run *r, double spin)
   memset(r->difference, 0, sizeof r->difference);
   memset(r->extreme, 0, sizeof r->extreme);
   for (int i = 0; i < 3; i++) {
-    v[i] = (fb_real)random_number();
-    w[i] = (fb_real)(spin * random_number());
+    v[i] = BASE == PINNED ? FB_R(0.0) : BASE == PRESCRIBED ? (fb_real)(0.2 * i) : (fb_real)random_number();
+    w[i] = BASE == PRESCRIBED ? (fb_real)(0.1 * i) : (fb_real)(spin * random_number());
   }
   for (int a = 0; a < generated.n; a++) {
     const double most =
@@ -78,16 +84,25 @@ static void compare_all(run *r)
   compare(r, 5, r->state.pi, r->own.pi, generated.n);
 }
 
-/* The same hub force and torque to both, body axes. */
+/* The same to both: hub force and torque in body axes, or motion of the base. */
 static void load(fb_input *in, generated_input *own, double t)
 {
   memset(in, 0, sizeof *in);
   memset(own, 0, sizeof *own);
-  in->n_load = 1;
+  in->n_load = BASE != PRESCRIBED;
   in->load[0].axes = FB_AXES_BODY;
   for (int i = 0; i < 3; i++) {
+#if BASE == FREE
     own->force[i] = in->load[0].force[i] = (fb_real)(20 * sin(t + i));
+#endif
+#if BASE != PRESCRIBED
     own->torque[i] = in->load[0].torque[i] = (fb_real)(30 * cos(2 * t + i));
+#else
+    own->v[i] = in->v[i] = (fb_real)(0.2 * i + 0.1 * sin(t));
+    own->w[i] = in->w[i] = (fb_real)(0.1 * i + 0.3 * sin(0.5 * t));
+    own->v_dot[i] = in->v_dot[i] = (fb_real)(0.1 * cos(t));
+    in->w_dot[i] = (fb_real)(0.15 * cos(0.5 * t));
+#endif
   }
 }
 
@@ -97,7 +112,7 @@ static double fly(run *r, int loaded)
   fb_input in[3];
   generated_input own[3];
   double worst = 0;
-  const fb_real dt = FB_R(0.15) * fb_rk4_limit(&generated, FB_R(1.0), FB_R(1.0));
+  const fb_real dt = generated.n > 0 ? FB_R(0.15) * fb_rk4_limit(&generated, FB_R(1.0), FB_R(1.0)) : FB_R(0.01);
   for (int k = 0; k < STEPS; k++) {
     fb_status status;
     generated_status same;
@@ -150,12 +165,16 @@ static int refusals(void)
   good &= refused(&r, NULL, NULL, (fb_real)NAN, FB_ERR_VALUE);
   good &= generated.n == 0 || refused(&r, NULL, NULL, FB_R(1.01) * limit, FB_ERR_STEP);
   good &= generated_step(NULL, NULL, NULL, NULL, small) == generated_null;
+#if BASE != PRESCRIBED
   for (int i = 0; i < 3; i++) { /* a torque that turns the frame too far */
     own.torque[i] = in.load[0].torque[i] = generated.S0[20] / (small * small);
   }
   good &= refused(&r, &in, &own, small, generated.n == 0 ? FB_ERR_STEP : FB_OK);
-  own.force[1] = in.load[0].force[1] = (fb_real)NAN;
-  good &= refused(&r, &in, &own, small, FB_ERR_NOT_FINITE);
+  own.torque[1] = in.load[0].torque[1] = (fb_real)NAN;
+#else
+  own.w[1] = in.w[1] = (fb_real)NAN;
+#endif
+  good &= refused(&r, &in, &own, small, BASE != PRESCRIBED ? FB_ERR_NOT_FINITE : FB_OK);
   far = r;
   for (int a = 0; a < generated.n; a++) {
     const double reach = (double)generated.reach[a];
@@ -164,7 +183,7 @@ static int refusals(void)
   take_state(&far.own, &far.state);
   good &= generated.n == 0 || refused(&far, NULL, NULL, FB_R(0.01) * small, FB_ERR_RANGE);
   r.own.u[1] = r.state.u[1] = (fb_real)NAN;
-  return good & refused(&r, NULL, NULL, small, FB_ERR_NOT_FINITE);
+  return good & refused(&r, NULL, NULL, small, BASE == FREE ? FB_ERR_NOT_FINITE : FB_OK);
 }
 
 /* Largest difference of n numbers relative to the largest of them. */
@@ -200,6 +219,10 @@ static double rates_apart(const run *r)
 
 static double energy_apart(const run *r)
 {
+#if BASE == PRESCRIBED
+  (void)r;
+  return 0;
+#else
   fb_energy energy;
   generated_energy own;
   if (fb_body_energy_eval(&generated, &energy, &r->state, NULL) != FB_OK ||
@@ -208,16 +231,20 @@ static double energy_apart(const run *r)
   }
   return fmax(apart(&energy.kinetic, &own.kinetic, 1),
               fmax(apart(&energy.strain, &own.strain, 1), apart(&energy.gravity, &own.gravity, 1)));
+#endif
 }
 
 /* Motion of O and of all nodes. */
 static double nodes_apart(const run *r)
 {
   fb_motion motion;
+  fb_input in;
   generated_motion own;
+  generated_input given;
   double worst;
-  if (fb_body_motion_eval(&generated, &motion, &r->state, NULL) != FB_OK ||
-      generated_motion_eval(&own, &r->own) != generated_ok) {
+  load(&in, &given, 0.3);
+  if (fb_body_motion_eval(&generated, &motion, &r->state, &in) != FB_OK ||
+      generated_motion_eval(&own, &r->own, &given) != generated_ok) {
     return 1;
   }
   worst = fmax(apart(motion.v, own.v, 3), fmax(apart(motion.w, own.w, 3), apart(motion.q_dot, own.q_dot, generated.n)));
@@ -249,8 +276,8 @@ int main(void)
     worst = fmax(worst, fmax(rates_apart(&r), fmax(energy_apart(&r), nodes_apart(&r))));
   }
   printf(" worst %.1e\n", worst);
-  if (generated_crc != fb_body_crc(&generated)) {
-    printf("check word\n");
+  if ((int)generated.base != BASE || generated_crc != fb_body_crc(&generated)) {
+    printf("base or check word\n");
     return 1;
   }
   return refusals() && worst <= TOLERANCE ? 0 : 1;

@@ -1,14 +1,14 @@
 #!/bin/sh
 # FMUs of bodies: FMPy validates and simulates them, they move as the library does to the last bit (tests/checks/fmu.py); their
-# C has no warnings; without a heap they call none. FMPy comes from PyPI into build/venv; where that is out of reach the check is left
-# out, but not in CI.
+# C has no warnings; without a heap they call none; a controller by SciPy holds one. FMPy and SciPy come from PyPI into
+# build/venv; where that is out of reach the check is left out, but not in CI.
 . tests/checks/common.sh
 need python3 python3
 need zip zip
 python=build/venv/bin/python
-"$python" -c 'import fmpy' 2> /dev/null || { python3 -m venv build/venv && build/venv/bin/pip install -q fmpy==0.3.32; } > "$out/log" 2>&1 || {
-  [ -n "${CI:-}" ] && cat "$out/log" && fail "needs FMPy (apt-get install python3-venv; build/venv/bin/pip install fmpy)"
-  ok "left out: FMPy is not there (apt-get install python3-venv; python3 -m venv build/venv; build/venv/bin/pip install fmpy)"
+"$python" -c 'import fmpy, scipy' 2> /dev/null || { python3 -m venv build/venv && build/venv/bin/pip install -q fmpy==0.3.32 scipy; } > "$out/log" 2>&1 || {
+  [ -n "${CI:-}" ] && cat "$out/log" && fail "needs FMPy (apt-get install python3-venv; build/venv/bin/pip install fmpy scipy)"
+  ok "left out: FMPy is not there (apt-get install python3-venv; python3 -m venv build/venv; build/venv/bin/pip install fmpy scipy)"
   exit 0
 }
 for model in satellite two_booms panel; do
@@ -44,6 +44,8 @@ printf 'rigid\nname held\nhub 1 0 0 0 1 1 1\nbase prescribed\n' > "$out/held.txt
 ! build/flexbeam fmu "$out/held.txt" --out "$out/held.fmu" 2> "$out/log" || fail "a prescribed base is taken"
 grep -q 'prescribed base' "$out/log" || fail "a prescribed base: $(cat "$out/log")"
 ls "$out"/*.fmu.* > /dev/null 2>&1 && fail "folders are left behind"
+try "$python" examples/fmu/attitude.py "$out/satellite2.fmu"
+grep -q '^inertia about z 402' "$out/log" || fail "the inertia that a torque meets: $(cat "$out/log")"
 "$python" tests/checks/fmu.py "$out" "$out/reference" > "$out/log" 2>&1 || {
   cat "$out/log"
   fail "tests/checks/fmu.py"
