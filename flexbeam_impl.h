@@ -28830,6 +28830,7 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 static void fbi_system_port_drive(fb_system_input *input, const fbi_subject *s, const fb_port *port, fb_real h)
 {
   fb_drive *const drive = &input->drive[port->kind == FB_PORT_PULL ? 0 : port->body];
+  (void)s;
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
     drive->rate[(port->kind == FB_PORT_BASE_VELOCITY ? 0 : 3) + port->axis] += h;
   } else if (port->kind == FB_PORT_DRIVE) {
