@@ -12666,6 +12666,13 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     const fbi_link_work *L = &work->link[k];
     const int n = fbi_model(system, body, k)->n;
     status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->G, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
+#if FB_WITH_ROTORS
+    {
+      const int m = L->model->n_rotor;
+      status =
+          fbi_is_finite(state->link[k].q + n, m) && fbi_is_finite(L->k.rotor_speed, m) ? status : FB_ERR_NOT_FINITE;
+    }
+#endif
   }
   if (status != FB_OK) {
     return status;
