@@ -15,13 +15,14 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_fla
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
+PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu packages hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -51,6 +52,8 @@ help:
 	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
 	@echo "make check-X   one of them: $(sort $(CHECKS))"
+	@echo "make install   headers, build/flexbeam, pkg-config and CMake files into PREFIX=/usr/local (DESTDIR=); make uninstall"
+	@echo "make packages  recipes with the headers, build/packages/: $(PACKAGES); make package-X: one of them"
 	@echo "make format    clang-format all sources"
 	@echo "make clean     remove build/"
 
@@ -167,6 +170,21 @@ readme: examples build/bench/bench_exact_double build/bench/bench_system_double 
 build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -DFB_WITH_FORMS=1 -o $@ $(TESTS) -lm
 
+# ---- packages: recipes of examples/packages, laid out under build/packages with the headers
+
+PREFIX ?= /usr/local
+
+install: build/flexbeam
+	@DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' sh examples/packages/lay_out.sh install
+
+uninstall:
+	@DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' sh examples/packages/lay_out.sh uninstall
+
+packages: $(PACKAGES:%=package-%)
+
+$(PACKAGES:%=package-%): package-%:
+	@sh examples/packages/lay_out.sh $*
+
 format:
 	find . -name build -prune -o -name '*.[ch]' -exec clang-format -i {} +
 
@@ -273,7 +291,7 @@ check-fmu: build/flexbeam
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-check-linear: build/flexbeam
+check-linear check-packages: build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

@@ -544,6 +544,19 @@ static void fbi_vec6_add(fb_real y[6], fb_real s, const fb_real x[6])
 {
   fbi_vec6_advance(y, y, s, x);
 }
+
+/* y -= s x of six numbers that do not overlap */
+static FBI_INLINE void fbi_vec6_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x)
+{
+  const fb_real a = y[0] - s * x[0], b = y[1] - s * x[1], c = y[2] - s * x[2], d = y[3] - s * x[3], e = y[4] - s * x[4],
+                f = y[5] - s * x[5];
+  y[0] = a;
+  y[1] = b;
+  y[2] = c;
+  y[3] = d;
+  y[4] = e;
+  y[5] = f;
+}
 #endif
 
 /* Index in the packed upper triangle, row by row: 0..5, 6..10, 11..14, 15..17, 18..19, 20. */
@@ -1208,19 +1221,6 @@ static fb_status fbi_lu_12_factor(fb_real *A, int *perm, fb_real *scale)
   return status;
 }
 
-/* y -= s x of six numbers that do not overlap */
-static FBI_INLINE void fbi_vec6_sub(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x)
-{
-  const fb_real a = y[0] - s * x[0], b = y[1] - s * x[1], c = y[2] - s * x[2], d = y[3] - s * x[3], e = y[4] - s * x[4],
-                f = y[5] - s * x[5];
-  y[0] = a;
-  y[1] = b;
-  y[2] = c;
-  y[3] = d;
-  y[4] = e;
-  y[5] = f;
-}
-
 static FBI_INLINE fb_real fbi_vec4_dot(const fb_real a[4], const fb_real b[4])
 {
   return (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
@@ -1414,6 +1414,37 @@ static int fbi_line_width(const fb_line *line)
   return 2 * (line->stride / 2);
 }
 
+/* FBI_BY_WIDTH(width, call): the call, m in it being the width of a line. Where compilers optimize for speed, m is a
+   constant for lines of 4, 6 and 8 points and of 14, the default: their loops over the points are unrolled and have no
+   ends to test. With -Os there is one kernel for all. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define FBI_WITH_WIDTH(width, call) \
+  {                                 \
+    const int m = width;            \
+    call;                           \
+    break;                          \
+  }
+#define FBI_BY_WIDTH(width, call) \
+  switch (width) {                \
+  case 4:                         \
+    FBI_WITH_WIDTH(4, call)       \
+  case 6:                         \
+    FBI_WITH_WIDTH(6, call)       \
+  case 8:                         \
+    FBI_WITH_WIDTH(8, call)       \
+  case 14:                        \
+    FBI_WITH_WIDTH(14, call)      \
+  default:                        \
+    FBI_WITH_WIDTH((width), call) \
+  }
+#else
+#define FBI_BY_WIDTH(width, call) \
+  {                               \
+    const int m = (width);        \
+    call;                         \
+  }
+#endif
+
 /* 1 + the axis of a line whose coordinates all turn it about one axis, from a root at rest: one of plane bending. Angles
    then add up, Jw is constant, and what E14.3, E14.5 and E14.7 do for rotations that do not commute falls away. */
 static int fbi_line_plane(const fb_lines *all, const fb_line *line)
@@ -1430,21 +1461,9 @@ static int fbi_line_plane(const fb_lines *all, const fb_line *line)
 /* y += s x over m numbers, m even */
 static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int m)
 {
+  FBI_UNROLL
   for (int j = 0; j < 2 * (m / 2); j++) {
     y[j] += s * x[j];
-  }
-}
-
-/* y_i = sum of the rows' coefficients times q by their axes; `at` is added to the rows' places in the table. */
-static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line, int row,
-                               int n_row, int at, const fb_real *q)
-{
-  const int p = line->point, m = fbi_line_width(line);
-  for (int j = 0; j < m; j++) {
-    y[0][p + j] = y[1][p + j] = y[2][p + j] = FB_R(0.0);
-  }
-  for (const fb_line_row *r = all->row + row, *end = r + n_row; r < end; r++) {
-    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at + at, m);
   }
 }
 
@@ -1452,24 +1471,46 @@ static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all,
 static FBI_INLINE void fbi_line_turn_add(fb_real *FBI_RESTRICT y, fb_real *FBI_RESTRICT z, fb_real s, const fb_real *A,
                                          int m)
 {
+  FBI_UNROLL
   for (int j = 0; j < 2 * (m / 2); j++) {
     y[j] += s * A[j];
     z[j] += s * A[m + j];
   }
 }
 
-/* The same of the turns: A to y, B to z. */
-static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS], const fb_lines *all,
-                                const fb_line *line, const fb_real *q)
+/* Sums of the rows' coefficients times q by their axes: of the turns A to y, B to z; of the stretches to s (NULL: not
+   wanted). */
+static FBI_INLINE void fbi_line_rows_sum(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS],
+                                         fb_real s[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                         const fb_real *q, int m)
 {
-  const int p = line->point, m = fbi_line_width(line);
-  for (int j = 0; j < m; j++) {
-    y[0][p + j] = y[1][p + j] = y[2][p + j] = FB_R(0.0);
-    z[0][p + j] = z[1][p + j] = z[2][p + j] = FB_R(0.0);
+  const int p = line->point;
+  const fb_line_row *r = all->row + line->row;
+  for (int i = 0; i < 3; i++) {
+    FBI_UNROLL
+    for (int j = 0; j < m; j++) {
+      y[i][p + j] = z[i][p + j] = FB_R(0.0);
+    }
   }
-  for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
+  for (const fb_line_row *end = r + line->n_turn; r < end; r++) {
     fbi_line_turn_add(y[r->axis] + p, z[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
   }
+  for (int i = 0; i < 3 && s; i++) {
+    FBI_UNROLL
+    for (int j = 0; j < m; j++) {
+      s[i][p + j] = FB_R(0.0);
+    }
+  }
+  for (const fb_line_row *end = r + line->n_stretch; r < end && s; r++) {
+    fbi_line_row_add(s[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
+  }
+}
+
+static FBI_NOINLINE void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS],
+                                            fb_real s[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                            const fb_real *q)
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_rows_sum(y, z, s, all, line, q, m))
 }
 
 /* Sum of x y over n numbers, n even */
@@ -1502,8 +1543,7 @@ static void fbi_line_rows_add(fb_real *x, const fb_lines *all, const fb_line *li
 static void fbi_line_turns(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line, const fb_real *q)
 {
   const int p = line->point, m = fbi_line_width(line);
-  fbi_line_turns_eval(w->turn, w->bow, all, line, q);
-  fbi_line_rows_eval(w->stretch, all, line, line->row + line->n_turn, line->n_stretch, 0, q);
+  fbi_line_rows_eval(w->turn, w->bow, w->stretch, all, line, q);
   for (int j = 0; j < m; j++) {
     const fb_real x = w->turn[0][p + j], y = w->turn[1][p + j], z = w->turn[2][p + j];
     const fb_real u = w->bow[0][p + j], v = w->bow[1][p + j], s = w->bow[2][p + j];
@@ -1698,7 +1738,7 @@ static void fbi_line_tangents(fbi_line_work *FBI_RESTRICT w, const fb_lines *all
 /* N = H T, T = 1 - a phi^ + b phi^2: N phi_dot is the angular velocity that an interval adds. T times a rotation by
    phi is the left Jacobian of SO(3), T its right one.
    Source: Rodrigues.  Cost: 100 flops a point. */
-static void fbi_line_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
+static FBI_NOINLINE void fbi_line_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
 {
   const int p = line->point, m = fbi_line_width(line);
   for (int j = 0; j < m; j++) {
@@ -1736,11 +1776,12 @@ static void fbi_plane_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line 
 }
 
 /* y_i += sum over the points j of weight_j x_ij, columns of a line's table: integrals along it up to every point */
-static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
-                                   fb_real x[3][FB_MAX_POINTS])
+static FBI_INLINE void fbi_line_integrals_sum(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                              fb_real x[3][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  const int p = line->point, count = line->count;
   const fb_real *const X = x[0] + p, *const Y = x[1] + p, *const Z = x[2] + p;
+  FBI_UNROLL
   for (int j = 0; j < m; j += 2) { /* two points, three axes */
     const fb_real *weight = all->table + line->weight + j;
     fb_real a = y[0][p + j], b = y[0][p + j + 1], c = y[1][p + j], d = y[1][p + j + 1], e = y[2][p + j],
@@ -1763,6 +1804,12 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
   }
 }
 
+static FBI_NOINLINE void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                                fb_real x[3][FB_MAX_POINTS])
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_integrals_sum(y, all, line, x, m))
+}
+
 /* ---- sums over the masses of the points */
 
 /* [E14.17] Fields f of the points that follow from tangents, f = f_root + sum of W g by E14.4: sum of m f.f is |Y|^2 with
@@ -1777,9 +1824,9 @@ static const fb_real *fbi_line_factor(const fb_lines *all, const fb_line *line)
 }
 
 /* Y += Q^T sqrt(m) root */
-static void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, const fb_line *line, const fb_real root[3])
+static FBI_NOINLINE void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, const fb_line *line,
+                                             const fb_real root[3], int m)
 {
-  const int m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
   for (int i = 0; i < 3; i++) {
     fbi_line_row_add(Y + i * m, root[i], u, m);
@@ -1787,13 +1834,13 @@ static void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, const fb_line *
 }
 
 /* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even. */
-static void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
-                           fb_real x[3][FB_MAX_POINTS])
+static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
+                                      fb_real x[3][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  const int p = line->point, count = line->count, solid = line->solid;
   const fb_real *const factor = fbi_line_factor(all, line);
   for (int j = 0; j < m; j += 2) { /* two points */
-    const int first = line->solid ? 0 : j;
+    const int first = solid ? 0 : j;
     const fb_real *weight = factor + first * m + j;
     fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a;
     for (int k = p + first; k < p + count; k++, weight += m) {
@@ -1815,13 +1862,13 @@ static void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const f
 }
 
 /* The same of two fields, one behind the other in memory, by one pass over the factor. */
-static void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all, const fb_line *line,
-                             fb_real x[2][3][FB_MAX_POINTS])
+static FBI_INLINE void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
+                                        const fb_line *line, fb_real x[2][3][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  const int p = line->point, count = line->count, solid = line->solid;
   const fb_real *const factor = fbi_line_factor(all, line);
   for (int j = 0; j < m; j += 2) {
-    const int first = line->solid ? 0 : j;
+    const int first = solid ? 0 : j;
     const fb_real *weight = factor + first * m + j;
     fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a, g = a, h = a, o = a, q = a, r = a, l = a;
     for (int k = p + first; k < p + count; k++, weight += m) {
@@ -1885,8 +1932,7 @@ static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q
   fb_real A[3][FB_MAX_POINTS], B[3][FB_MAX_POINTS];
   int sound = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_rows_eval(A, all, line, line->row, line->n_turn, 0, q);
-    fbi_line_rows_eval(B, all, line, line->row, line->n_turn, line->stride, q);
+    fbi_line_rows_eval(A, B, NULL, all, line, q);
     for (int j = line->point; j < line->point + line->stride; j++) {
       const fb_real x = A[0][j] - FBI_SIXTH * (A[1][j] * B[2][j] - A[2][j] * B[1][j]);
       const fb_real y = A[1][j] - FBI_SIXTH * (A[2][j] * B[0][j] - A[0][j] * B[2][j]);
@@ -1939,10 +1985,10 @@ static const fb_line *fbi_line_of(const fb_lines *all, int point)
 #endif
 
 /* About an axis, the columns of N (1 + B^/6) and -N A^/6: the angular velocities that A and B of a coordinate add. */
-static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_POINTS], fbi_line_work *w,
-                            const fb_line *line, int axis)
+static FBI_INLINE void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_POINTS], fbi_line_work *w,
+                                       const fb_line *line, int axis, int m)
 {
-  const int p = line->point, m = fbi_line_width(line), next = (axis + 1) % 3, last = (axis + 2) % 3;
+  const int p = line->point, next = (axis + 1) % 3, last = (axis + 2) % 3;
   const fb_real *const A_y = w->turn[next] + p, *const A_z = w->turn[last] + p;
   const fb_real *const B_y = w->bow[next] + p, *const B_z = w->bow[last] + p;
   for (int i = 0; i < 3; i++) {
@@ -1957,40 +2003,55 @@ static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_P
   }
 }
 
-/* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
-static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS],
-                                              fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
-                                              const fb_line_row *r, const fb_line_row *end, int k)
+/* c = NA A + NB B */
+static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by_A[3][FB_MAX_POINTS],
+                                          fb_real by_B[3][FB_MAX_POINTS], const fb_real *A, int m)
 {
-  const int m = fbi_line_width(line);
-  if (r == end || r->a != k) {
-    for (int i = 0; i < 3; i++) {
-      fbi_zero(c[i], m);
-    }
+  FBI_UNROLL
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    c[0][j] = by_A[0][j] * A[j] + by_B[0][j] * A[m + j];
+    c[1][j] = by_A[1][j] * A[j] + by_B[1][j] * A[m + j];
+    c[2][j] = by_A[2][j] * A[j] + by_B[2][j] * A[m + j];
   }
-  for (int first = 1; r < end && r->a == k; r++, first = 0) {
+}
+
+/* c += NA A + NB B of the further rows of coordinate k, up to end. Returns the next row. */
+static FBI_NOINLINE const fb_line_row *
+fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS], fb_real NB[3][3][FB_MAX_POINTS],
+                        const fb_lines *all, const fb_line_row *r, const fb_line_row *end, int k, int m)
+{
+  for (; r < end && r->a == k; r++) {
     const fb_real *const A = all->table + r->at, *const B = A + m;
     fb_real(*by_A)[FB_MAX_POINTS] = NA[r->axis], (*by_B)[FB_MAX_POINTS] = NB[r->axis];
-    if (first) {
-      for (int j = 0; j < m; j++) {
-        c[0][j] = by_A[0][j] * A[j] + by_B[0][j] * B[j];
-        c[1][j] = by_A[1][j] * A[j] + by_B[1][j] * B[j];
-        c[2][j] = by_A[2][j] * A[j] + by_B[2][j] * B[j];
-      }
-    } else {
-      for (int j = 0; j < m; j++) {
-        c[0][j] += by_A[0][j] * A[j] + by_B[0][j] * B[j];
-        c[1][j] += by_A[1][j] * A[j] + by_B[1][j] * B[j];
-        c[2][j] += by_A[2][j] * A[j] + by_B[2][j] * B[j];
-      }
+    for (int j = 0; j < m; j++) {
+      c[0][j] += by_A[0][j] * A[j] + by_B[0][j] * B[j];
+      c[1][j] += by_A[1][j] * A[j] + by_B[1][j] * B[j];
+      c[2][j] += by_A[2][j] * A[j] + by_B[2][j] * B[j];
     }
   }
   return r;
 }
 
+/* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
+static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS],
+                                                         fb_real NA[3][3][FB_MAX_POINTS],
+                                                         fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all,
+                                                         const fb_line_row *r, const fb_line_row *end, int k, int m)
+{
+  if (r == end || r->a != k) {
+    for (int i = 0; i < 3; i++) {
+      fbi_zero(c[i], m);
+    }
+    return r;
+  }
+  fbi_line_turn_rate(c, NA[r->axis], NB[r->axis], all->table + r->at, m);
+  r++;
+  return r < end && r->a == k ? fbi_line_turn_rates_add(c, NA, NB, all, r, end, k, m) : r;
+}
+
 /* Velocity of the roots of the lines that hang on this one per rate of coordinate k, from that of its tangents. */
-static void fbi_line_hung_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                fb_real rates[3][FB_MAX_POINTS], int k)
+static FBI_NOINLINE void fbi_line_hung_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                             fb_real rates[3][FB_MAX_POINTS], int k)
 {
   const int p = line->point;
   for (int l = 0; l < all->n_line; l++) {
@@ -2014,9 +2075,10 @@ static void fbi_line_hung_rates(fbi_line_work *w, const fb_lines *all, const fb_
    int K_a dx.
    Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 3 points) flops a coordinate and
    point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
-static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+                                          int m)
 {
-  const int p = line->point, m = fbi_line_width(line);
+  const int p = line->point;
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
   fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
@@ -2027,13 +2089,13 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   }
   for (int i = 0; i < 3; i++) {
     if (used[i]) {
-      fbi_line_column(NA[i], NB[i], w, line, i);
+      fbi_line_column(NA[i], NB[i], w, line, i, m);
     }
   }
   for (int k = 0; k < line->n; k++) {
     fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const K)[FB_MAX_POINTS] = rates[k % 2];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
+    r = fbi_line_turn_rates(c, NA, NB, all, r, last, k, m);
 
     /* its sum along the line, from where it hangs */
     if (line->hangs) { /* move: set with that line */
@@ -2043,13 +2105,18 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
     } else {
       fbi_vec3_zero(move[k]);
     }
-    for (int j = 0; j < m; j++) {
+    FBI_UNROLL
+    for (int j = 0; j < m; j += 2) {
       Jw[0][p + j] = turn[0] += c[0][j];
       Jw[1][p + j] = turn[1] += c[1][j];
       Jw[2][p + j] = turn[2] += c[2][j];
+      Jw[0][p + j + 1] = turn[0] += c[0][j + 1];
+      Jw[1][p + j + 1] = turn[1] += c[1][j + 1];
+      Jw[2][p + j + 1] = turn[2] += c[2][j + 1];
     }
 
     /* Jw x t + H Gamma */
+    FBI_UNROLL
     for (int j = 0; j < m; j++) {
       const fb_real x = Jw[0][p + j], y = Jw[1][p + j], z = Jw[2][p + j];
       const fb_real u = w->t[0][p + j], v = w->t[1][p + j], l = w->t[2][p + j];
@@ -2058,6 +2125,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
       K[2][p + j] = x * v - y * u;
     }
     for (; s < end && s->a == k; s++) {
+      FBI_UNROLL
       for (int j = 0; j < m; j++) {
         K[0][p + j] += w->H[s->axis][p + j] * all->table[s->at + j];
         K[1][p + j] += w->H[3 + s->axis][p + j] * all->table[s->at + j];
@@ -2070,20 +2138,21 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
 
     /* Y of two coordinates together */
     if (k % 2) {
-      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates);
+      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates, m);
     } else if (k + 1 == line->n) {
-      fbi_line_weigh(w->Y[k], all, line, K);
+      fbi_line_weigh(w->Y[k], all, line, K, m);
     }
   }
   for (int k = 0; k < line->n && (line->moves || line->hangs); k++) {
-    fbi_line_root_weigh(w->Y[k], all, line, move[k]);
+    fbi_line_root_weigh(w->Y[k], all, line, move[k], m);
   }
 }
 
 /* Jw x t about one axis */
-static void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *FBI_RESTRICT K_z, const fb_real *Jw,
-                                 const fb_real *t_y, const fb_real *t_z, int m)
+static FBI_INLINE void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *FBI_RESTRICT K_z, const fb_real *Jw,
+                                            const fb_real *t_y, const fb_real *t_z, int m)
 {
+  FBI_UNROLL
   for (int j = 0; j < 2 * (m / 2); j++) {
     K_y[j] = -Jw[j] * t_z[j];
     K_z[j] = Jw[j] * t_y[j];
@@ -2091,9 +2160,10 @@ static void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *FBI_RESTRIC
 }
 
 /* The same in a plane: Y by two axes, the next ones of the axis of rotation, in groups of six fields. */
-static FBI_NOINLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+static FBI_INLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+                                           int m)
 {
-  const int p = line->point, m = fbi_line_width(line), axis = line->plane - 1, y = (axis + 1) % 3, z = (axis + 2) % 3;
+  const int p = line->point, axis = line->plane - 1, y = (axis + 1) % 3, z = (axis + 2) % 3;
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn;
   const fb_real *const t_y = w->t[y] + p, *const t_z = w->t[z] + p;
   fb_real rates[2][3][FB_MAX_POINTS], *const Y = w->Y[0];
@@ -2111,23 +2181,24 @@ static FBI_NOINLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, cons
     r += r < last && r->a == k;
     fbi_line_plane_rates(K_y, K_z, Jw, t_y, t_z, m);
     if (field % 6 == 4) {
-      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates);
+      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates, m);
     } else if (k + 1 == line->n) {
-      fbi_line_weigh(Y + field / 6 * 6 * m, all, line, rates[0]);
+      fbi_line_weigh(Y + field / 6 * 6 * m, all, line, rates[0], m);
       if (field % 6 == 2) {
-        fbi_line_weigh(Y + (field / 6 * 6 + 3) * m, all, line, rates[1]);
+        fbi_line_weigh(Y + (field / 6 * 6 + 3) * m, all, line, rates[1], m);
       }
     }
   }
 }
 
 /* E14.5 of any line. */
-static void fbi_line_rates_by_coordinate(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+static FBI_NOINLINE void fbi_line_rates_by_coordinate(fbi_line_work *w, const fb_lines *all, const fb_line *line)
 {
+  const int width = fbi_line_width(line);
   if (line->plane) {
-    fbi_plane_jacobians(w, all, line);
+    FBI_BY_WIDTH(width, fbi_plane_jacobians(w, all, line, m))
   } else {
-    fbi_line_jacobians(w, all, line);
+    FBI_BY_WIDTH(width, fbi_line_jacobians(w, all, line, m))
   }
 }
 
@@ -2204,8 +2275,8 @@ static void fbi_line_mass_add(fb_real M_rr[21], const fbi_line_mass *m)
 }
 
 /* Mass centers of the points from the line, and rotary inertia about them; solid lines alone. */
-static void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], fbi_line_work *w,
-                           const fb_lines *all, const fb_line *line)
+static FBI_NOINLINE void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], fbi_line_work *w,
+                                        const fb_lines *all, const fb_line *line)
 {
   for (int j = line->point; j < line->point + fbi_line_width(line); j++) {
     fb_real at[3], own[9];
@@ -2219,14 +2290,14 @@ static void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_PO
 }
 
 /* Positions of the mass centers as E14.17 has them, Y = Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
-static void fbi_line_centers(fb_real *FBI_RESTRICT Y, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                             fb_real rho[3][FB_MAX_POINTS])
+static FBI_INLINE void fbi_line_centers(fb_real *FBI_RESTRICT Y, fbi_line_work *w, const fb_lines *all,
+                                        const fb_line *line, fb_real rho[3][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, m = fbi_line_width(line);
+  const int p = line->point;
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const start = u + m;
-  fbi_line_weigh(Y, all, line, w->t);
+  fbi_line_weigh(Y, all, line, w->t, m);
   if (line->moves || line->hangs) {
-    fbi_line_root_weigh(Y, all, line, w->root[line - all->line]);
+    fbi_line_root_weigh(Y, all, line, w->root[line - all->line], m);
   }
   for (int i = 0; i < 3 * m; i++) {
     Y[i] += start[i];
@@ -2239,8 +2310,9 @@ static void fbi_line_centers(fb_real *FBI_RESTRICT Y, fbi_line_work *w, const fb
 }
 
 /* Of solid lines: Y of coordinate k becomes that of the mass centers, + sqrt(m) Jw x rho;  h = I Jw. */
-static void fbi_line_solid_rates(fb_real *FBI_RESTRICT h, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                 int k, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_solid_rates(fb_real *FBI_RESTRICT h, fbi_line_work *w, const fb_lines *all,
+                                              const fb_line *line, int k, fb_real rho[3][FB_MAX_POINTS],
+                                              fb_real I[9][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
@@ -2316,10 +2388,12 @@ static void fbi_line_mass_eval(fbi_line_mass *out, const fb_real *y, const fb_li
 }
 
 /* Momenta of coordinate k per its rate: P = sum of sqrt(m) Y, L = sum of y x Y, y: fbi_line_centers */
-static void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const fb_real *y, const fb_real *u, int m)
+static FBI_INLINE void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const fb_real *y,
+                                        const fb_real *u, int m)
 {
   const fb_real *const a = y, *const b = y + m, *const c = b + m, *const d = Y, *const e = Y + m, *const f = e + m;
   fb_real s[6] = {FB_R(0.0)}, t[6] = {FB_R(0.0)};
+  FBI_UNROLL
   for (int j = 0; j < m; j += 2) {
     for (int i = 0; i < 2; i++) {
       s[i] += u[j + i] * d[j + i];
@@ -2330,6 +2404,7 @@ static void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, const
       t[4 + i] += a[j + i] * e[j + i] - b[j + i] * d[j + i];
     }
   }
+  FBI_UNROLL
   for (int i = 0; i < 3; i++) {
     P[i] = s[2 * i] + s[2 * i + 1];
     L[i] = t[2 * i] + t[2 * i + 1];
@@ -2356,26 +2431,30 @@ static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, cons
 /* Column of X, 6 x nb, from momenta in a line's axes. */
 static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
 {
-  fb_real momentum[3] = {P[0], P[1], P[2]}, moment[3] = {L[0], L[1], L[2]};
+  fb_real momentum[3], moment[3];
   if (line->turned) {
     fb_mat33_mul_vec3(momentum, line->axes, P);
     fb_mat33_mul_vec3(moment, line->axes, L);
+    P = momentum;
+    L = moment;
   }
-  for (int i = 0; i < 3; i++) {
-    X[i * nb] += momentum[i];
-    X[(3 + i) * nb] += moment[i];
-  }
+  X[0] += P[0];
+  X[nb] += P[1];
+  X[2 * nb] += P[2];
+  X[3 * nb] += L[0];
+  X[4 * nb] += L[1];
+  X[5 * nb] += L[2];
 }
 
 /* [E14.6] Inertia of a line: M_ab = sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
    sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers, by E14.17.
    Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
-static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
-                                               const fb_line *line, int nb, const fb_real *y,
-                                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+static FBI_INLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                             const fb_line *line, int nb, const fb_real *y,
+                                             fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, m = fbi_line_width(line), n = line->n;
+  const int p = line->point, n = line->n;
   const int size = line->plane ? 2 * m : 3 * m, spacing = line->plane ? size : 3 * FB_MAX_POINTS;
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const Y = w->Y[0];
   for (int k = 0; k < n; k++) {
@@ -2393,6 +2472,7 @@ static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_
       for (int l = 0; l <= k; l++) {
         row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
       }
+      FBI_UNROLL
       for (int j = 0; j < m; j++) {
         L[i] += h[i * m + j];
       }
@@ -2430,8 +2510,8 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
     if (line->solid) {
       fbi_line_solid(rho, I, w, all, line);
     }
-    fbi_line_centers(y, w, all, line, rho);
-    fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I);
+    FBI_BY_WIDTH(fbi_line_width(line), fbi_line_centers(y, w, all, line, rho, m))
+    FBI_BY_WIDTH(fbi_line_width(line), fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I, m))
     if (M_rr) {
       fbi_line_mass_eval(&mass, y, all, line, I);
       if (line->turned) {
@@ -2451,8 +2531,7 @@ static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fbi_line_turns_eval(w->turn_dot, w->bow_dot, all, line, q_dot);
-  fbi_line_rows_eval(w->glide, all, line, line->row + line->n_turn, line->n_stretch, 0, q_dot);
+  fbi_line_rows_eval(w->turn_dot, w->bow_dot, w->glide, all, line, q_dot);
   if (line->hangs) {
     fbi_line_get3(turn, w->w, line->hangs - 1);
     fbi_line_get3(move, w->v, line->hangs - 1);
@@ -2521,13 +2600,14 @@ static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_
 
 /* y_ij = sum over the points s of weight_j(s) x_is: what acts on the points, felt at the tangents; the transpose of
    fbi_line_integrals_add. */
-static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
-                              fb_real x[3][FB_MAX_POINTS])
+static FBI_INLINE void fbi_line_outboard_sum(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                             fb_real x[3][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, m = fbi_line_width(line);
+  const int p = line->point;
   const fb_real *const X = x[0] + p, *const Y = x[1] + p, *const Z = x[2] + p, *weight = all->table + line->weight;
   for (int j = p; j < p + line->count; j++, weight += m) {
     fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0), e = FB_R(0.0), f = FB_R(0.0);
+    FBI_UNROLL
     for (int s = 0; s < m; s += 2) {
       a += weight[s] * X[s];
       b += weight[s + 1] * X[s + 1];
@@ -2545,15 +2625,38 @@ static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, 
   }
 }
 
+static FBI_NOINLINE void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                           fb_real x[3][FB_MAX_POINTS])
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_outboard_sum(y, all, line, x, m))
+}
+
+/* x_a += sum over the points of A_a f + B_a g by their axes */
+static FBI_INLINE void fbi_line_turns_dot(fb_real *x, const fb_lines *all, const fb_line *line,
+                                          fb_real f[3][FB_MAX_POINTS], fb_real g[3][FB_MAX_POINTS], int m)
+{
+  for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
+    const fb_real *const A = all->table + r->at, *const B = A + m;
+    const fb_real *const of_A = f[r->axis] + line->point, *const of_B = g[r->axis] + line->point;
+    fb_real a = FB_R(0.0), b = FB_R(0.0);
+    FBI_UNROLL
+    for (int j = 0; j < m; j += 2) {
+      a += A[j] * of_A[j] + B[j] * of_B[j];
+      b += A[j + 1] * of_A[j + 1] + B[j + 1] * of_B[j + 1];
+    }
+    x[line->first + r->a] += a + b;
+  }
+}
+
 /* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7; 0: none). To
    coordinates: x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
 static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all,
                                               const fb_line *line, fb_real y[3][FB_MAX_POINTS],
                                               fb_real s[3][FB_MAX_POINTS])
 {
-  const int p = line->point, m = fbi_line_width(line);
+  const int p = line->point, width = fbi_line_width(line);
   fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];
-  for (int j = 0; j < m; j++) {
+  for (int j = 0; j < width; j++) {
     const fb_real A = w->turn[0][p + j], B = w->turn[1][p + j], C = w->turn[2][p + j];
     const fb_real D = w->bow[0][p + j], E = w->bow[1][p + j], F = w->bow[2][p + j];
     const fb_real u = y[0][p + j], v = y[1][p + j], l = y[2][p + j];
@@ -2565,7 +2668,7 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
     by_B[2][p + j] = FBI_SIXTH * (A * v - B * u);
   }
   if (s) {
-    for (int j = 0; j < m; j++) {
+    for (int j = 0; j < width; j++) {
       const fb_real A = w->turn_dot[0][p + j], B = w->turn_dot[1][p + j], C = w->turn_dot[2][p + j];
       const fb_real D = w->bow_dot[0][p + j], E = w->bow_dot[1][p + j], F = w->bow_dot[2][p + j];
       const fb_real u = s[0][p + j], v = s[1][p + j], l = s[2][p + j];
@@ -2577,16 +2680,7 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
       by_B[2][p + j] += FBI_SIXTH * (A * v - B * u);
     }
   }
-  for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
-    const fb_real *const A = all->table + r->at, *const B = A + m;
-    const fb_real *const of_A = by_A[r->axis] + p, *const of_B = by_B[r->axis] + p;
-    fb_real a = FB_R(0.0), b = FB_R(0.0);
-    for (int j = 0; j < m; j += 2) {
-      a += A[j] * of_A[j] + B[j] * of_B[j];
-      b += A[j + 1] * of_A[j + 1] + B[j + 1] * of_B[j + 1];
-    }
-    x[line->first + r->a] += a + b;
-  }
+  FBI_BY_WIDTH(width, fbi_line_turns_dot(x, all, line, by_A, by_B, m))
 }
 
 #if FB_WITH_SYSTEM || FB_WITH_ROTORS
@@ -2630,9 +2724,9 @@ static void fbi_line_before(fb_real H[9], fb_real turn[3], fbi_line_work *w, con
 
 /* Forces by points, F, where a root moves with the modes, or with the point of another line: there with the further
    vectors of its moments. */
-static void fbi_line_root_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                              fb_real F[3][FB_MAX_POINTS], fb_real hung[3][FB_MAX_POINTS], const fb_real B[3],
-                              const fb_real C[3])
+static FBI_NOINLINE void fbi_line_root_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                           fb_real F[3][FB_MAX_POINTS], fb_real hung[3][FB_MAX_POINTS],
+                                           const fb_real B[3], const fb_real C[3])
 {
   const int on = line->hangs - 1;
   fb_real sum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -2668,9 +2762,9 @@ static void fbi_line_spin(fb_real out[3], fb_real a_dot, fb_real b_dot, fb_real 
 
 /* Momenta of the points of a solid line: P at the mass centers; what their offsets and rotary inertia add to c and b
    (E14.7). */
-static void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
-                                   fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
-                                   const fb_line *line, const fb_real o[3])
+static FBI_NOINLINE void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
+                                                fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
+                                                const fb_line *line, const fb_real o[3])
 {
   for (int j = line->point; j < line->point + line->count; j++) {
     fb_real turn[3], whole[3], rho[3], I[9], L[3], P_j[3], more[3], own[3];
@@ -4193,7 +4287,7 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
   fbi_vec3_copy(k->ph + 3, state->h);
   fbi_vec6_copy(y, k->ph);
   for (int a = 0; a < body->n; a++) {
-    fbi_row_sub(y, w->p[a], w->column[a], 6);
+    fbi_vec6_sub(y, w->p[a], w->column[a]);
   }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
@@ -15088,7 +15182,7 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
   for (int a = 0; a < n; a++) {
     fb_real *const F = PF[a] + n, own[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     for (int m = a; m < n && rows > 0; m++) {
-      fbi_row_sub(own, -PF[a][m], k->line->column[m], 6);
+      fbi_vec6_sub(own, -PF[a][m], k->line->column[m]);
     }
     fbi_chol_forward(F, S, own + first, rows);
   }
@@ -29409,6 +29503,7 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   const fb_real size = fbi_body_size(body);
   fb_real all;
   const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
+  const int at = j - 2 * n - m; /* in the momenta, then the pose, of the base */
   int moves;
 
   /* q, pi */
@@ -29429,8 +29524,8 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
 #endif
 
   /* Momenta and pose of the base */
-  moves = (j - 2 * n - m) % free + first < 3; /* the others are rotations */
-  if (j < 2 * n + m + free) {
+  moves = (at < free ? at : at - free) + first < 3; /* the others are rotations */
+  if (at < free) {
     return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
   }
   return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
@@ -31732,8 +31827,8 @@ static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e)
 /* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
    modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
    within 10 %. `sh bench/large_count.sh` counts again. */
-#define FBI_LARGE_POINT FB_R(2030.0)
-#define FBI_LARGE_MODE FB_R(208.0)
+#define FBI_LARGE_POINT FB_R(1947.0)
+#define FBI_LARGE_MODE FB_R(199.0)
 #define FBI_LARGE_PAIR FB_R(3.4)
 static fb_real fbi_large_instructions(const fb_body *body)
 {

@@ -415,7 +415,8 @@ static fmu_answer fmu_slope(fmu *f, double *change, const unsigned *unknown, int
     } else if (fmu_rows[v->kind].role != (k < n_unknown ? FMU_OUTPUT : FMU_INPUT)) {
       char name[80];
       fmu_name(name, v, (int)reference - v->first);
-      answer = fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs by inputs: %s is neither there", name);
+      answer = fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs by inputs: %s is no %s", name,
+                          k < n_unknown ? "output" : "input");
     } else if (k >= n_unknown && !isfinite(by[k - n_unknown])) {
       answer = fmu_refuse(f, FMU_ERROR, "a derivative along what is not finite");
     }

@@ -905,7 +905,7 @@ static void code_write_center(const code *w)
   for (int i = 0; i < 3; i++) {
     const code_poly *const p = &code_model.poly[i];
     code_sum s;
-    char target[8];
+    char target[32];
     code_value slope[FB_MAX_MODES];
     for (int b = 0; b < w->n; b++) {
       code_begin(&s);

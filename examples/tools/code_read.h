@@ -49,7 +49,7 @@ static void code_write_center_rate(const code *w, int unused)
   code_template(w, "\n/* (dc/dq) q_dot */\nstatic void @_center_rate($ *c_dot, const $ *q, const $ *q_dot)\n{\n");
   for (int i = 0; i < 3; i++) {
     code_value slope[FB_MAX_MODES];
-    char target[16];
+    char target[32];
     for (int b = 0; b < w->n; b++) {
       code_begin(&s);
       code_add_one(&s, code_model.lambda[i].constant[b], code_constant(1.0));

@@ -223,7 +223,7 @@ static void code_template(const code *w, const char *text)
 
 /* ---- variables that nothing uses are left out: statements of a function, read from its end */
 
-enum { CODE_SEEN = 1 << 16, CODE_LINE = 256, CODE_LINES = 60000 };
+enum { CODE_SEEN = 1 << 16, CODE_LINE = 512, CODE_LINES = 60000 };
 
 typedef struct code_seen { /* names that are used */
   int n;

@@ -3,12 +3,15 @@
 # each base, with loads and without, and refuse what it refuses; the text compiles without warnings as C99 and C++ and is the same each time; its
 # instructions keep their bounds and do not vary; what cannot be written is refused by name.
 . tests/checks/common.sh
+. tests/checks/board.sh
 need gcc gcc
 need g++ g++
 need clang clang
 need valgrind valgrind
 bound_6=6000 # instructions of a step, modes with every effect
 bound_12=11500
+bound_board_6=7500 # on a Cortex-M4F, single precision
+bound_board_12=19000
 flags="-DFB_MAX_MODES=12 -DFB_MAX_NODES=8 -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
 try gcc $c99 -O1 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
@@ -85,6 +88,35 @@ for seed in 1 5 12; do
 done
 single=$worst
 
+# on_board: instructions of a step of what was generated, in single precision; sets count
+precision single
+configuration="-I$out -O2"
+on_board() {
+  sed 's/int main.*//' "$out/main.c" > "$out/board.c"
+  cat >> "$out/board.c" <<'END'
+#include "examples/firmware/board/board.h"
+int main(void)
+{
+  static generated_state s;
+  int refused = 0;
+  generated_start(&s);
+  s.L[2] = s.L[0] = 30;
+  s.q[0] = 0.05f;
+  for (int k = 0; k < 5; k++) {
+    board_count_start();
+    refused |= generated_step(&s, 0, 0, 0, 1e-3f) != generated_ok;
+    board_print_unsigned(board_count(), 0);
+    board_print("\n");
+  }
+  return refused;
+}
+END
+  image "$out/board.elf" "$out/board.c"
+  emulate "$out/board.elf" "$out/counts" || fail "a step on the board is refused"
+  count=$(sort -n "$out/counts" | uniq)
+  [ "$(echo "$count" | wc -l)" = 1 ] || fail "steps on the board differ in their number of instructions: $count"
+}
+
 # boom MODES: of each plane; sets count
 boom() {
   printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects full\nlength 10\nelements 12\nmodes bend_y %s bend_z %s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' $1 $1 > "$out/boom.txt"
@@ -100,9 +132,19 @@ boom() {
 }
 boom 3
 count_6=$count
+try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
+on_board
+board_6=$count
+count=$count_6
 [ "$count" -le $bound_6 ] || fail "6 modes: $count instructions, more than $bound_6"
 boom 6
-[ "$count" -le $bound_12 ] || fail "12 modes: $count instructions, more than $bound_12"
+count_12=$count
+try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
+on_board
+board_12=$count
+[ "$count_12" -le $bound_12 ] || fail "12 modes: $count_12 instructions, more than $bound_12"
+[ "$board_6" -le $bound_board_6 ] || fail "6 modes on the board: $board_6 instructions, more than $bound_board_6"
+[ "$board_12" -le $bound_board_12 ] || fail "12 modes on the board: $board_12 instructions, more than $bound_board_12"
 
 # refuse WHAT LINE...: the boom with other lines
 refuse() {
@@ -119,4 +161,4 @@ refuse "base hinged" "base hinged"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
 grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
-ok "43 models agree with the library to $largest (single $single); $count_6 instructions a step at 6 modes, $count at 12"
+ok "43 models agree with the library to $largest (single $single); a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # FMUs of bodies: FMPy validates and simulates them, they move as the library does to the last bit (tests/checks/fmu.py); their
-# C has no warnings; without a heap they call none; a controller by SciPy holds one. FMPy and SciPy come from PyPI into
+# C has no warnings; without a heap they call none; a controller by SciPy holds one. FMPy and SciPy are fetched by pip into
 # build/venv; where that is out of reach the check is left out, but not in CI.
 . tests/checks/common.sh
 need python3 python3

@@ -1,0 +1,15 @@
+# find_package(flexbeam) makes the target flexbeam::flexbeam: the folder of the header, and libm where there is one.
+if(NOT TARGET flexbeam::flexbeam)
+  add_library(flexbeam::flexbeam INTERFACE IMPORTED)
+  foreach(flexbeam_up ../.. ../../..) # share/flexbeam, share/flexbeam/cmake
+    get_filename_component(flexbeam_include "${CMAKE_CURRENT_LIST_DIR}/${flexbeam_up}/include" ABSOLUTE)
+    if(EXISTS "${flexbeam_include}/flexbeam.h")
+      set_target_properties(flexbeam::flexbeam PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${flexbeam_include}")
+    endif()
+  endforeach()
+  if(UNIX)
+    set_target_properties(flexbeam::flexbeam PROPERTIES INTERFACE_LINK_LIBRARIES m)
+  endif()
+  unset(flexbeam_up)
+  unset(flexbeam_include)
+endif()

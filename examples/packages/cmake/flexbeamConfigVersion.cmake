@@ -1,0 +1,12 @@
+# Before 1.0 names change with the second number: only the same one is compatible, and no newer third one is asked for.
+set(PACKAGE_VERSION "@VERSION@")
+string(REGEX REPLACE "^([0-9]+\\.[0-9]+).*" "\\1" flexbeam_have "${PACKAGE_VERSION}")
+string(REGEX REPLACE "^([0-9]+\\.[0-9]+).*" "\\1" flexbeam_want "${PACKAGE_FIND_VERSION}")
+if(PACKAGE_VERSION VERSION_LESS PACKAGE_FIND_VERSION OR (PACKAGE_FIND_VERSION_COUNT GREATER 1 AND NOT flexbeam_have STREQUAL flexbeam_want))
+  set(PACKAGE_VERSION_COMPATIBLE FALSE)
+else()
+  set(PACKAGE_VERSION_COMPATIBLE TRUE)
+  if(PACKAGE_VERSION VERSION_EQUAL PACKAGE_FIND_VERSION)
+    set(PACKAGE_VERSION_EXACT TRUE)
+  endif()
+endif()
