@@ -10447,20 +10447,11 @@ static fb_real fbi_link_rotors_power(const fbi_link_work *L, const fb_rotor_inpu
   return power;
 }
 
-/* Rates of all rotors and what they do to the modes that move them; returns the power of the motors. */
-static FBI_NOINLINE fb_real fbi_links_rotors_rate(fb_system_state *rate, fb_system_work *w, const fb_system *system,
-                                                  const fb_system_input *input)
+/* Rates of the rotors of a body and what they do to the modes that move them; returns the power of the motors. */
+static FBI_NOINLINE fb_real fbi_link_rotors_rate(fb_link_state *rate, fbi_link_work *L, const fb_rotor_input *input)
 {
-  fb_real power = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *const L = &w->link[k];
-    const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
-    if (fbi_has_rotors(L->model)) {
-      fbi_link_rotors_turn(rate->link[k].q, rate->link[k].pi, L, own);
-      power += fbi_link_rotors_power(L, own, 0);
-    }
-  }
-  return power;
+  fbi_link_rotors_turn(rate->q, rate->pi, L, input);
+  return fbi_link_rotors_power(L, input, 0);
 }
 
 /* Loads of imbalance (E8.42) on a body; angle: of its rotors */
@@ -10540,11 +10531,6 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
       }
     }
   }
-#if FB_WITH_ROTORS
-  if (system->carries_rotors) {
-    fbi_links_rotors_sub(w, system, state, input);
-  }
-#endif
 }
 
 /* Sets prescribed coordinates to their values. */
@@ -10635,9 +10621,16 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
   }
   fbi_rhs_momenta(w, system, state, input);
 
-  /* with constraint rows */
+  /* rotors */
   w->n_row = w->n_end = 0;
-  if (w->closed || (input && input->rows)) {
+#if FB_WITH_ROTORS
+  if (w->special && system->carries_rotors) {
+    fbi_links_rotors_sub(w, system, state, input);
+  }
+#endif
+
+  /* with constraint rows */
+  if ((w->special && w->closed) || (input && input->rows)) {
     status = fbi_rows_fill(w, system, body, modes, input);
     for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* after a failure the last one may have no end */
       fb_real size;
@@ -11361,16 +11354,16 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
     fbi_coordinate_rates(out, L, L->joint, &state->link[k]);
     rate->motor_work += fbi_momentum_rate(out, w, &state->link[k], input, k);
     fbi_load_hand_in(L);
-    if (model->n > 0) {
+    if (model->n_coordinate > 0) {
       fbi_copy(out->q, L->q_dot, model->n);
       fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
+#if FB_WITH_ROTORS
+      if (fbi_has_rotors(model)) {
+        rate->motor_work += fbi_link_rotors_rate(out, L, fbi_link_rotors_input(input, k));
+      }
+#endif
     }
   }
-#if FB_WITH_ROTORS
-  if (system->carries_rotors) {
-    rate->motor_work += fbi_links_rotors_rate(rate, w, system, input);
-  }
-#endif
   return FB_OK;
 }
 
@@ -11381,6 +11374,7 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
   w->closed = w->kept || system->n_loop > 0;
+  w->special = w->closed || system->carries_rotors;
   w->heavy = w->clock = FB_R(0.0);
   w->owns = w->has_forces = 0;
   w->joint = -1;
@@ -12773,6 +12767,13 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     const fbi_link_work *L = &work->link[k];
     const int n = fbi_model(system, body, k)->n;
     status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->G, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
+#if FB_WITH_ROTORS
+    {
+      const int m = L->model->n_rotor;
+      status =
+          fbi_is_finite(state->link[k].q + n, m) && fbi_is_finite(L->k.rotor_speed, m) ? status : FB_ERR_NOT_FINITE;
+    }
+#endif
   }
   if (status != FB_OK) {
     return status;
@@ -17870,7 +17871,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
                                 const fb_system_input *input, fb_real dt)
 {
   fb_system_state *const next = &w->stage;
-  const int flies = fbi_flies(system, w), rows = fbi_has_rows(w, input);
+  const int flies = w->flies, rows = fbi_has_rows(w, input);
   fb_status status = FB_OK;
 
   /* Attitude of free roots (E11.28), positions */
@@ -17969,7 +17970,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   int flies;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   fbi_system_enter(work, system);
-  flies = fbi_flies(system, work);
+  flies = work->flies = fbi_flies(system, work);
 
   /* Inputs of the four stages; E11.27 for free flight without constraints */
   input[0] = start;
@@ -18317,7 +18318,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
   fbi_system_enter(work, system);
-  flies = fbi_flies(system, work);
+  flies = work->flies = fbi_flies(system, work);
 
   /* Inputs, step limit at the start */
   status = fbi_system_step_check(system, body, start, dt);
@@ -28937,6 +28938,7 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 static void fbi_system_port_drive(fb_system_input *input, const fbi_subject *s, const fb_port *port, fb_real h)
 {
   fb_drive *const drive = &input->drive[port->kind == FB_PORT_PULL ? 0 : port->body];
+  (void)s;
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
     drive->rate[(port->kind == FB_PORT_BASE_VELOCITY ? 0 : 3) + port->axis] += h;
   } else if (port->kind == FB_PORT_DRIVE) {

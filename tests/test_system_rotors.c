@@ -964,6 +964,9 @@ TEST(bad_rotors_of_systems_are_refused)
   input.rotor[2][0].torque = FB_R(0.0);
   input.rotor[1][1].torque = nothing; /* there is no such rotor */
   FBT_INT_EQ(run(1e-3, 1e-3), FB_OK);
+  state.link[0].q[1] = nothing;
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_NOT_FINITE);
+  state.link[0].q[1] = FB_R(0.0);
   state.link[0].pi[1] = nothing;
   FBT_INT_EQ(fb_system_state_check(&mechanism, model, &state), FB_ERR_NOT_FINITE);
   start[0].rotor_speed[0] = nothing;
