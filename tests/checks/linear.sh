@@ -26,8 +26,8 @@ grep -q '^linear model: .* 24 states, 6 inputs, 6 outputs$' "$out/log" || fail "
 # of a free body gravity is left out, as analyse does: so is it from the body in ROM
 try build/flexbeam reduce examples/satellite.txt --out "$out/rom.h"
 sed -n 's/^#define .*_crc 0x\([0-9A-F]*\)u .*/\1/p' "$out/rom.h" > "$out/crc.txt"
-for name in spinning system satellite shaft spun; do
-  try "$python" examples/tools/linear.py "$out/$name.json" "$out/$name.mat" "$out/$name.npz"
+for model in spinning system satellite shaft spun; do
+  try "$python" examples/tools/linear.py "$out/$model.json" "$out/$model.mat" "$out/$model.npz"
 done
 octave-cli -q tests/checks/linear.m "$out" > "$out/octave.txt" 2> "$out/log" || {
   cat "$out/log"
@@ -35,8 +35,8 @@ octave-cli -q tests/checks/linear.m "$out" > "$out/octave.txt" 2> "$out/log" || 
 }
 try "$python" tests/checks/linear.py "$out"
 figures=$(tail -n 1 "$out/log" | tr -d '{}"')
-for name in satellite shaft; do # the scene's margins, to all their digits
-  try build/flexbeam scene "$out/${name}_known.txt" --quiet
+for model in satellite shaft; do # the scene's margins, to all their digits
+  try build/flexbeam scene "$out/${model}_known.txt" --quiet
 done
 
 # refuse STATUS TEXT COMMAND...
