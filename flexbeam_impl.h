@@ -1415,7 +1415,7 @@ static int fbi_line_width(const fb_line *line)
 }
 
 /* FBI_BY_WIDTH(width, call): the call, m in it being the width of a line. Where compilers optimize for speed, m is a
-   constant for lines of 4, 6 and 8 points and of 14, the default: their loops over the points are unrolled and have no
+   constant for lines of 6 and 8 points and of 14, the default: their loops over the points are unrolled and have no
    ends to test. With -Os there is one kernel for all. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define FBI_WITH_WIDTH(width, call) \
@@ -1424,16 +1424,32 @@ static int fbi_line_width(const fb_line *line)
     call;                           \
     break;                          \
   }
+#if FB_MAX_POINTS >= 6
+#define FBI_WIDTH_6(call) \
+  case 6:                 \
+    FBI_WITH_WIDTH(6, call)
+#else
+#define FBI_WIDTH_6(call)
+#endif
+#if FB_MAX_POINTS >= 8
+#define FBI_WIDTH_8(call) \
+  case 8:                 \
+    FBI_WITH_WIDTH(8, call)
+#else
+#define FBI_WIDTH_8(call)
+#endif
+#if FB_MAX_POINTS >= 14
+#define FBI_WIDTH_14(call) \
+  case 14:                 \
+    FBI_WITH_WIDTH(14, call)
+#else
+#define FBI_WIDTH_14(call)
+#endif
 #define FBI_BY_WIDTH(width, call) \
   switch (width) {                \
-  case 4:                         \
-    FBI_WITH_WIDTH(4, call)       \
-  case 6:                         \
-    FBI_WITH_WIDTH(6, call)       \
-  case 8:                         \
-    FBI_WITH_WIDTH(8, call)       \
-  case 14:                        \
-    FBI_WITH_WIDTH(14, call)      \
+    FBI_WIDTH_6(call)             \
+    FBI_WIDTH_8(call)             \
+    FBI_WIDTH_14(call)            \
   default:                        \
     FBI_WITH_WIDTH((width), call) \
   }

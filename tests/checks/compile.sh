@@ -25,6 +25,9 @@ compile() {
 for single in 0 1; do
   compile gcc -std=c99 $WARNINGS_C -O3 -DFB_SINGLE=$single -DFB_WITH_FORMS=1 -DFB_MAX_MODES=1 -c "$out/impl.c"
 done
+for points in 2 6 10; do # lines shorter than those that have a kernel of their own
+  compile gcc -std=c99 $WARNINGS_C -O2 -DFB_MAX_POINTS=$points -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0 -DFB_WITH_ANALYSE=0 -c "$out/impl.c"
+done
 for file in $(echo "$programs" | grep -v '^examples/'); do
   library=$(case " $inside " in *" $file "*) ;; *) echo -DFLEXBEAM_IMPL_INCLUDED ;; esac)
   compile gcc -std=c99 $WARNINGS_C -O2 $library -c $file
