@@ -1502,7 +1502,8 @@ typedef struct fbi_link_work {
   const fb_joint *joint; /* where it is placed: by which it hangs, what it is, on what */
   const fb_body *model;
   struct fbi_link_work *parent;
-  int has_speeds;    /* q_dot is known */
+  int has_speeds; /* q_dot is known */
+  int had_speeds;
   int coupled, open; /* its modes carry something; they are in E, X, Z below */
   int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
   fb_axis_mode mode[3];

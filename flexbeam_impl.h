@@ -7532,6 +7532,14 @@ static fb_status fbi_lines_required(const fb_body *body)
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: internal loads of lines, without central gravity", -1, FB_R(0.0),
                       FB_R(0.0));
   }
+#if FB_WITH_ROTORS
+  for (int r = 0; r < body->n_rotor; r++) {
+    if (body->rotor[r].moves) { /* its torque on the section is missing */
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "rotor: internal loads of lines, with rotors on the hub alone", r,
+                        FB_R(0.0), FB_R(0.0));
+    }
+  }
+#endif
   return fbi_is_large(body)
              ? FB_OK
              : FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
@@ -7551,14 +7559,6 @@ static fb_status fbi_body_acts(fbi_cut_load_set *acts, const fb_body *body, cons
   fb_status status = fbi_lines_required(body);
   memset(acts, 0, sizeof *acts);
   acts->node = -1;
-#if FB_WITH_ROTORS
-  for (int r = 0; r < body->n_rotor && status == FB_OK; r++) {
-    if (body->rotor[r].moves) { /* its torque on the section is missing */
-      status = FBI_REFUSE(FB_ERR_UNSUPPORTED, "rotor: internal loads of lines, with rotors on the hub alone", r,
-                          FB_R(0.0), FB_R(0.0));
-    }
-  }
-#endif
   status = status ? status : fbi_input_check(body, input);
   if (status == FB_OK && input) {
     acts->load = input->load;
@@ -15279,14 +15279,13 @@ static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinet
    Test: wheels_at_600_rad_per_s_cost_no_step, rotors_bound_the_step. */
 static fb_real fbi_own_rotors_spin(const fb_body *body, const fbi_kinetics *k)
 {
-  fb_real spin = FB_R(0.0), rate = FB_R(0.0);
+  fb_real spin = FB_R(0.0);
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    spin += FB_R(0.5) * FB_FABS(k->rotor_momentum[r]) * rotor->mobility;
-    rate = fbi_larger(rate, rotor->rate);
+    spin += FB_R(0.5) * FB_FABS(k->rotor_momentum[r]) * rotor->mobility + rotor->rate;
     spin += fbi_is_unbalanced(rotor) ? FB_FABS(k->rotor_momentum[r]) / rotor->inertia : FB_R(0.0);
   }
-  return spin + rate;
+  return spin;
 }
 #endif
 
@@ -16367,6 +16366,40 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
   return last > bound ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(last), FB_SQRT(bound)) : FB_OK;
 }
 
+#if FB_WITH_ROTORS
+/* [E11.51] Corrections dh and angles of rotors from the residuals r of a stage: friction -c s, s the relative speed, acts
+   as at its end, (1 + g c (1/I + a.W a)) dh = r, W the mobility of the undeformed body; what the body answers further comes
+   with the next iteration.
+   Source: E11.13 for one momentum.  Cost: 10 flops a rotor.  Fails: never.
+   Test: friction_of_rotors_takes_long_implicit_steps. */
+static void fbi_rotors_correct(fb_real *r_q, fb_real *r_pi, const fb_body *body, const fbi_kinetics *k, fb_real g)
+{
+  const int n = body->n;
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real c = rotor->damping + fbi_dry_friction(rotor->friction, rotor->friction_speed, k->rotor_speed[r]);
+    const fb_real most = rotor->damping + fbi_dry_friction(rotor->friction, rotor->friction_speed, FB_R(0.0));
+    if (!rotor->given && most > FB_R(0.0)) {
+      r_pi[n + r] /= FB_R(1.0) + g * rotor->rate * (c / most);
+      r_q[n + r] += g * r_pi[n + r] / rotor->inertia;
+    }
+  }
+}
+
+/* E11.25 for the momenta of rotors: the last correction dh of one is at most a hundredth of its increment, or round-off. */
+static int fbi_rotors_have_settled(const fb_real *dh, const fb_real *k, const fb_real *pi, const fb_body *body,
+                                   fb_real g)
+{
+  for (int r = body->n; r < body->n_coordinate; r++) {
+    const fb_real bound = FB_R(0.01) * FB_FABS(g * k[r]) + FB_SQRT(FB_EPSILON) * FB_FABS(pi[r]);
+    if (FB_FABS(g * dh[r]) > bound + FB_TINY) {
+      return 0;
+    }
+  }
+  return 1;
+}
+#endif
+
 #if FB_WITH_LARGE_DEFLECTION
 /* Of modes of lines for E11.32: the rate's kinetic energy over that of the lines in rotation. */
 static FBI_NOINLINE fb_real fbi_large_rate_size(const fb_state *k, const fb_implicit_work *w, int n)
@@ -16420,11 +16453,19 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
     fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n_coordinate);
 
     /* Correction */
+#if FB_WITH_ROTORS
+    fbi_rotors_correct(w->rate.q, w->rate.pi, body, &here, w->g);
+#endif
     fbi_implicit_solve(&w->rate, w, body, at, &w->start);
     fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n_coordinate);
     last = fbi_rate_size(&w->rate, w, body, w->g);
     first = i == 0 ? last : first;
   }
+#if FB_WITH_ROTORS
+  if (status == FB_OK && iterations > 1 && !fbi_rotors_have_settled(w->rate.pi, k->pi, w->stage.pi, body, w->g)) {
+    return FBI_REFUSE(FB_ERR_CONVERGENCE, "rotor: friction, resolved by the step", -1, FB_R(0.0), FB_R(0.0));
+  }
+#endif
   return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, w, body, w->g)) : status;
 }
 
@@ -17128,6 +17169,31 @@ static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_re
   return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + elastic + stiffening);
 }
 
+/* What bounds of the step solve for goes to the bodies' velocities, speeds of joints and of modes: these are kept meanwhile,
+   and the speeds of modes are solved for, which rates may have left out. */
+static void fbi_motion_keep(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->twist, L->V);
+    fbi_vec6_copy(L->speed, L->u);
+    fbi_copy(L->q_speed, L->q_dot, L->model->n);
+    L->had_speeds = L->has_speeds;
+    L->has_speeds = 1;
+  }
+}
+
+static void fbi_motion_restore(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->V, L->twist);
+    fbi_vec6_copy(L->u, L->speed);
+    fbi_copy(L->q_dot, L->q_speed, L->model->n);
+    L->has_speeds = L->had_speeds;
+  }
+}
+
 /* [E11.42] What spring j between two points adds to the stiffness and damping of a system against its mass, as placed
    and without constraints: with the mobility W of its points, their relative velocity by a unit impulse on them,
    k d.W d + (T/l) (tr W - d.W d) and c d.W d, the traces of W times its stiffness along and across and times its damping:
@@ -17169,22 +17235,16 @@ static FBI_NOINLINE void fbi_springs_bound(fb_system_work *w, const fb_system *s
                                            const fb_system_input *input)
 {
   fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *const L = &w->link[k];
-    fbi_vec6_copy(L->twist, L->V);
-    fbi_copy(L->q_speed, L->q_dot, L->model->n);
-  }
+  fbi_motion_keep(w, system);
   w->elastic = w->damping = FB_R(0.0);
   for (int j = 0; j < system->n_spring; j++) {
     status = status ? status : fbi_spring_bound(w, system, body, fbi_pull(w, input, j), FB_HUGE, j);
-    for (int k = 0; k < system->n_body; k++) {
-      fbi_link_work *const L = &w->link[k];
-      fbi_vec6_copy(L->V, L->twist);
-      fbi_copy(L->q_dot, L->q_speed, L->model->n);
-    }
+    fbi_motion_restore(w, system);
+    fbi_motion_keep(w, system);
     w->elastic += w->spring_elastic[j];
     w->damping += w->spring_damping[j];
   }
+  fbi_motion_restore(w, system);
   w->elastic = status == FB_OK ? w->elastic : FB_HUGE;
 }
 
@@ -17228,9 +17288,7 @@ static fb_real fbi_nutation(fb_system_work *w, const fb_system *system, const fb
   const fb_real u[2][3] = {{axes[0], axes[3], axes[6]}, {axes[1], axes[4], axes[7]}};
   fb_real G[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, half;
   fb_status status = FB_OK;
-  for (int l = 0; l < system->n_body; l++) {
-    fbi_vec6_copy(w->link[l].twist, w->link[l].V);
-  }
+  fbi_motion_keep(w, system);
   for (int i = 0; i < 2 && status == FB_OK; i++) {
     fbi_rhs_clear(w, system, body);
     fbi_vec3_copy(w->link[k].y + 3, u[i]);
@@ -17238,9 +17296,7 @@ static fb_real fbi_nutation(fb_system_work *w, const fb_system *system, const fb
     G[i] = fb_vec3_dot(u[i], w->link[k].V + 3);
     G[2] = fb_vec3_dot(u[0], w->link[k].V + 3);
   }
-  for (int l = 0; l < system->n_body; l++) {
-    fbi_vec6_copy(w->link[l].V, w->link[l].twist);
-  }
+  fbi_motion_restore(w, system);
   half = FB_R(0.5) * (G[0] - G[1]);
   return status == FB_OK ? system->rotor[k] * (FB_R(0.5) * (G[0] + G[1]) + FB_SQRT(half * half + G[2] * G[2]))
                          : FB_HUGE;
@@ -17315,8 +17371,7 @@ static fb_real fbi_momentum_nutation(const fb_real W[9], const fb_real H[3])
    rotors with an imbalance. The norms of gyroscopic matrices against the mass add up to a bound of their sum.
    Source: E11.46, E11.41; eigenvalues of W [H x].  Cost: three solutions a section.  Fails: never, FB_HUGE without
    mobility.  Test: systems_with_rotors_are_bounded_by_nutation. */
-static fb_real fbi_link_rotors_spin(fb_real *rate, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                    int k)
+static fb_real fbi_link_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
 {
   const fb_body *const model = w->link[k].model;
   const fbi_kinetics *const own = &w->link[k].k;
@@ -17341,7 +17396,7 @@ static fb_real fbi_link_rotors_spin(fb_real *rate, fb_system_work *w, const fb_s
         fb_real Wa[3];
         fb_mat33_mul_vec3(Wa, W, own->rotor_axis[i]);
         fbi_vec3_add(H, own->rotor_momentum[i], own->rotor_axis[i]);
-        *rate = fbi_larger(*rate, slope * (FB_R(1.0) / rotor->inertia + fb_vec3_dot(own->rotor_axis[i], Wa)));
+        spin += slope * (FB_R(1.0) / rotor->inertia + fb_vec3_dot(own->rotor_axis[i], Wa));
         spin += fbi_is_unbalanced(rotor) ? FB_FABS(own->rotor_momentum[i]) / rotor->inertia : FB_R(0.0);
       }
     }
@@ -17353,27 +17408,15 @@ static fb_real fbi_link_rotors_spin(fb_real *rate, fb_system_work *w, const fb_s
 /* E11.50 of all bodies; velocities are kept, L.spin grows by what the body contributes. */
 static FBI_NOINLINE fb_real fbi_links_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  fb_real all = FB_R(0.0), rate = FB_R(0.0);
+  fb_real all = FB_R(0.0);
+  fbi_motion_keep(w, system);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *const L = &w->link[k];
-    fbi_vec6_copy(L->twist, L->V);
-    fbi_vec6_copy(L->speed, L->u);
-    fbi_copy(L->q_speed, L->q_dot, L->model->n);
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    fb_real own = FB_R(0.0);
-    const fb_real spin = fbi_link_rotors_spin(&own, w, system, body, k);
-    w->link[k].spin += spin + own;
+    const fb_real spin = fbi_link_rotors_spin(w, system, body, k);
+    w->link[k].spin += spin;
     all += spin;
-    rate = fbi_larger(rate, own);
   }
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *const L = &w->link[k];
-    fbi_vec6_copy(L->V, L->twist);
-    fbi_vec6_copy(L->u, L->speed);
-    fbi_copy(L->q_dot, L->q_speed, L->model->n);
-  }
-  return all + rate;
+  fbi_motion_restore(w, system);
+  return all;
 }
 #endif
 
@@ -18124,6 +18167,12 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
     fb_link_state *x = &r->link[k], move;
     fbi_coordinate_rates(&move, L, joint, &at->link[k]);
 
+#if FB_WITH_ROTORS
+    if (system->carries_rotors) {
+      fbi_rotors_correct(x->q, x->pi, model, &L->k, g);
+    }
+#endif
+
     /* Modes */
     fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
     fbi_stiffness_sub(x->pi, g, L, model, x->q);
@@ -18243,6 +18292,14 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     if (bent > fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON)) {
       status = FB_ERR_CONVERGENCE; /* separately: small against a free-flying body's motion */
     }
+#if FB_WITH_ROTORS
+    for (int i = 0; i < system->n_body && system->carries_rotors && status == FB_OK; i++) {
+      if (!fbi_rotors_have_settled(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
+                                   g)) {
+        status = FBI_REFUSE(FB_ERR_CONVERGENCE, "rotor: friction, resolved by the step", i, FB_R(0.0), FB_R(0.0));
+      }
+    }
+#endif
   }
   return status;
 }

@@ -973,12 +973,144 @@ TEST(bad_rotors_of_systems_are_refused)
   FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_ERR_NOT_FINITE);
   mechanism.carries_rotors = 0;
   FBT_INT_EQ(fb_system_check(&mechanism, model, 2), FB_ERR_VALUE);
+#if FB_WITH_LARGE_DEFLECTION
+  { /* internal loads: the torque of a rotor on a section that moves is not among them */
+    static fb_node_loads loads;
+    static fb_line_motion point[FB_MAX_POINTS];
+    int n = 0;
+    craft(FB_EFFECTS_LARGE, FB_JOINT_FREE, 0, 1);
+    begin(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_lines_eval(&mechanism, model, point, &n, &motion, &input, 1), FB_ERR_UNSUPPORTED);
+    FBT_INT_EQ(fb_system_node_loads_eval(&mechanism, model, &loads, &motion, &input, 1, 1), FB_ERR_UNSUPPORTED);
+  }
+#endif
+}
+
+/* E11.46, E11.50: what brakes several rotors on a light body drives the body, and with it the others: at the limit of rk4
+   the energy falls in every step; on a hinge, on two bodies, on a free body alone. */
+TEST(friction_of_many_rotors_bounds_the_step)
+{
+  static fb_body alone;
+  for (int n = 1; n <= 4; n++) {
+    for (int k = 0; k < 2; k++) {
+      fb_energy before, after;
+      fb_system_limit at;
+      fresh();
+      body_desc.n_rotor = n;
+      for (int r = 0; r < n; r++) {
+        body_desc.rotor[r].axis[2] = FB_R(1.0);
+        body_desc.rotor[r].inertia = FB_R(0.04);
+        body_desc.rotor[r].damping = FB_R(2.0);
+        start[0].rotor_speed[r] = FB_R(1.0);
+        start[1].rotor_speed[r] = FB_R(0.5);
+      }
+      rigid(&model[0], 4.0, 0, 0, 0, 4e-4, 4e-4, 4e-4);
+      memset(&body_desc, 0, sizeof body_desc);
+      hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+      if (k) {
+        hang(1, 0, FB_JOINT_RIGID, 0, 0);
+      }
+      begin(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_limit_eval(&mechanism, model, &work, &at, &state, &input), FB_OK);
+      FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
+      for (int step = 0; step < 8; step++) {
+        FBT_INT_EQ(run(0.98 * (double)at.rk4, 0.98 * (double)at.rk4), FB_OK);
+        FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &after, &state, &input), FB_OK);
+        FBT_BELOW(after.kinetic, (double)before.kinetic + FBT_TOL(1e-12, 1e-6));
+        before = after;
+      }
+    }
+    {
+      static fb_rk4_work rk4;
+      static fb_input none;
+      fb_body_limit limit;
+      fb_energy before, after;
+      fb_state one;
+      alone = model[0];
+      FBT_INT_EQ(fb_state_init(&alone, &one), FB_OK);
+      for (int r = 0; r < n; r++) {
+        FBT_INT_EQ(fb_state_rotor_set(&alone, &one, r, FB_R(1.0), 0, NULL), FB_OK);
+      }
+      FBT_INT_EQ(fb_body_limit_eval(&alone, &limit, &one, &none), FB_OK);
+      FBT_INT_EQ(fb_body_energy_eval(&alone, &before, &one, &none), FB_OK);
+      for (int step = 0; step < 8; step++) {
+        FBT_INT_EQ(fb_rk4_step(&alone, &one, &rk4, &none, &none, &none, FB_R(0.98) * limit.rk4), FB_OK);
+        FBT_INT_EQ(fb_body_energy_eval(&alone, &after, &one, &none), FB_OK);
+        FBT_BELOW(after.kinetic, (double)before.kinetic + FBT_TOL(1e-12, 1e-6));
+        before = after;
+      }
+    }
+  }
+}
+
+/* E11.51: implicit steps ten times as long as friction takes end at rest, of a system and of a body alone, as those of a
+   wheel on a hinge do. */
+TEST(friction_of_rotors_takes_long_implicit_steps)
+{
+  for (int dry = 0; dry < 2; dry++) {
+    static fb_implicit_work single;
+    static fb_input none;
+    fb_state one;
+    fresh();
+    body_desc.n_rotor = 1;
+    body_desc.allow_long_step = 1;
+    body_desc.rotor[0].axis[2] = FB_R(1.0);
+    body_desc.rotor[0].inertia = FB_R(1e-4);
+    body_desc.rotor[0].damping = dry ? FB_R(0.0) : FB_R(0.1);
+    body_desc.rotor[0].friction = dry ? FB_R(0.02) : FB_R(0.0);
+    body_desc.rotor[0].friction_speed = FB_R(1.0);
+    rigid(&model[0], 4.0, 0, 0, 0, 1, 1, 1);
+    memset(&body_desc, 0, sizeof body_desc);
+    hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+    desc.allow_long_step = 1;
+    start[0].rotor_speed[0] = dry ? FB_R(0.5) : FB_R(10.0);
+    begin(FB_METHOD_RECURSIVE);
+    implicit = 4;
+    FBT_INT_EQ(run(0.01, 0.2), FB_OK);
+    implicit = 0;
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_NEAR_ABS(motion.motion[0].rotor_speed[0], 0.0, 1e-3);
+    FBT_INT_EQ(fb_state_init(&model[0], &one), FB_OK);
+    FBT_INT_EQ(fb_state_rotor_set(&model[0], &one, 0, start[0].rotor_speed[0], 0, NULL), FB_OK);
+    for (int step = 0; step < 20; step++) {
+      FBT_INT_EQ(fb_sdirk_step(&model[0], &one, &single, &none, &none, FB_R(0.01), 4), FB_OK);
+    }
+    FBT_NEAR_ABS(one.pi[0] / FB_R(1e-4), 0.0, 2e-3);
+  }
 }
 #if FB_WITH_ANALYSE
 static fb_system_analyse_work analyse;
 static fb_linear linear[2];
 static fb_spectrum spectra[2];
 static fb_linear_desc ports;
+
+/* E11.50 of fast rotors on bending bodies, joints locked: the limit of rk4 holds every eigenvalue of the spectrum about rest. */
+TEST(limits_with_fast_rotors_hold_the_spectrum)
+{
+  static const fb_joint_kind base[3] = {FB_JOINT_FREE, FB_JOINT_SPHERICAL, FB_JOINT_REVOLUTE};
+  for (int k = 0; k < 9; k++) {
+    const fb_real speed = (fb_real)(20.0 * pow(10.0, k % 3));
+    fb_system_limit at;
+    double most = 0;
+    craft(FB_EFFECTS_FULL, base[k / 3], 0, 0);
+    memset(&input, 0, sizeof input);
+    for (int i = 0; i < 3; i++) {
+      memset(&start[i], 0, sizeof start[i]);
+      start[i].rotor_speed[0] = speed;
+      start[i].rotor_speed[1] = -speed;
+    }
+    desc.joint[1].mode[0] = desc.joint[2].mode[0] = desc.joint[2].mode[1] = FB_AXIS_LOCKED;
+    begin(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_limit_eval(&mechanism, model, &work, &at, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, model, &analyse, &spectra[0], &state, &input), FB_OK);
+    for (int i = 0; i < spectra[0].n; i++) {
+      most = fmax(most, hypot((double)spectra[0].re[i], (double)spectra[0].im[i]));
+    }
+    FBT_BELOW(most * (double)at.rk4, 2.83);
+    FBT_TRUE(most * (double)at.rk4 > 0.5);
+  }
+}
 
 static void port_in(fb_port_kind kind, int of, int node, int axis)
 {
@@ -1148,8 +1280,8 @@ TEST(systems_with_rotors_spin_steadily)
   ports.in[0].kind = FB_PORT_ROTOR_SPEED;
   FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[0], &state, &input, &ports), FB_ERR_VALUE);
 }
-#define INSIDE_ANALYSED                                            \
-  , RUN(linear_models_of_systems_with_rotors_are_those_of_wheels), \
+#define INSIDE_ANALYSED                                                                                            \
+  , RUN(limits_with_fast_rotors_hold_the_spectrum), RUN(linear_models_of_systems_with_rotors_are_those_of_wheels), \
       RUN(linear_models_of_systems_are_derivatives_by_the_momenta_of_rotors), RUN(systems_with_rotors_spin_steadily)
 #else
 #define INSIDE_ANALYSED
@@ -1160,7 +1292,8 @@ TEST(systems_with_rotors_spin_steadily)
       RUN(friction_brakes_rotors_of_systems_in_closed_form), RUN(given_momenta_turn_systems_against_them), \
       RUN(unbalanced_rotors_shake_systems), RUN(satellites_with_wheels_and_arrays_take_long_steps),        \
       RUN(systems_with_rotors_are_bounded_by_nutation), RUN(a_body_with_rotors_is_a_system_of_one),        \
-      RUN(integrators_of_systems_with_rotors_converge), RUN(bad_rotors_of_systems_are_refused) INSIDE_ANALYSED
+      RUN(integrators_of_systems_with_rotors_converge), RUN(bad_rotors_of_systems_are_refused),            \
+      RUN(friction_of_many_rotors_bounds_the_step), RUN(friction_of_rotors_takes_long_implicit_steps) INSIDE_ANALYSED
 #else
 #define INSIDE
 #endif

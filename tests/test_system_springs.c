@@ -326,6 +326,45 @@ TEST(springs_bound_the_step_where_they_are)
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* E11.42 at the tip of a bending body on which nothing hangs: the speeds of its modes are part of the mobility, as where
+   its modes are those of curvature, whose speeds rates always know. */
+TEST(springs_on_bending_tips_bound_the_step)
+{
+  fb_system_limit at[2];
+  for (int large = 0; large < 2; large++) {
+    fresh();
+    rigid(&model[0], 3.0, 0.1, 0, 0, 0.3, 0.4, 0.5);
+    flexible(&model[1], 2, 1, 1, large ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL);
+    hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_RIGID, 0, 0);
+    desc.n_spring = 1;
+    desc.spring[0].body[0] = FB_GROUND;
+    desc.spring[0].position[0][0] = FB_R(1.0);
+    desc.spring[0].position[0][1] = -FB_R(1.0);
+    desc.spring[0].body[1] = 1;
+    desc.spring[0].node[1] = 1;
+    desc.spring[0].length = FB_R(1.0);
+    desc.spring[0].stiffness = FB_R(1e5);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_limit_eval(&mechanism, model, &work, &at[large], &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, model, &analyse_work, &spectrum, &state, &input), FB_OK);
+    {
+      double most = 0;
+      for (int i = 0; i < spectrum.n; i++) {
+        most = fmax(most, hypot((double)spectrum.re[i], (double)spectrum.im[i]));
+      }
+      FBT_BELOW(most * (double)at[large].rk4, 2.83);
+      FBT_TRUE(most * (double)at[large].rk4 > 1.0);
+    }
+  }
+}
+#define ON_TIPS , RUN(springs_on_bending_tips_bound_the_step)
+#else
+#define ON_TIPS
+#endif
+
 /* E9.26: points that meet are refused where the spring has no direction there, and taken where it needs none. */
 TEST(springs_whose_points_meet_are_refused)
 {
@@ -575,4 +614,4 @@ SUITE(system_springs, RUN(springs_between_points_balance_energy), RUN(springs_be
       RUN(actuators_and_lengths_are_channels_of_linear_models), RUN(springs_bound_the_step_where_they_are),
       RUN(springs_whose_points_meet_are_refused), RUN(springs_are_checked), RUN(forces_of_the_state_act_as_springs_do),
       RUN(forces_of_the_state_keep_the_order), RUN(forces_of_the_state_are_checked),
-      RUN(forces_of_the_state_see_where_bodies_fly))
+      RUN(forces_of_the_state_see_where_bodies_fly) ON_TIPS)
