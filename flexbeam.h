@@ -1354,7 +1354,7 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  int has_rotors;             /* a body is one: */
+  int has_rotors;             /* a whole body is a rotor on its hinge: rotor[] */
   int carries_rotors;         /* a body has rotors inside */
   int rubs;                   /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
@@ -1390,9 +1390,8 @@ typedef struct fb_link_state {
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
   fb_link_state link[FB_MAX_BODIES];
-  fb_real
-      motor_work; /* [J] done by motors and actuators; what prescribed axes do, or rotors whose momentum is given, is
-                         not in it */
+  /* [J] done by motors and actuators; not by prescribed axes, nor by rotors whose momentum is given */
+  fb_real motor_work;
   fb_axis_mode mode[FBI_MAX_JOINTS][3];                          /* change it by fb_system_axis_set */
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
