@@ -34,17 +34,17 @@ static const char help[] =
 
 /* ---- files of the folder that is packed */
 
-enum { MAX_PATH = 1024, MAX_FILES = 32 };
+enum { MAX_PATH = 1056, MAX_NAME = 160, MAX_FILES = 32, MAX_WORDS = 16 };
 
 static struct folder {
   char path[MAX_PATH];
   int n;
-  char made[MAX_FILES][128]; /* files and folders in it, in the order in which they were made */
+  char made[MAX_FILES][MAX_NAME]; /* files and folders in it, in the order in which they were made */
 } folder;
 
 static void folder_path(char path[MAX_PATH], const char *name)
 {
-  snprintf(path, MAX_PATH, "%.880s/%.128s", folder.path, name);
+  snprintf(path, MAX_PATH, "%.880s/%.159s", folder.path, name);
 }
 
 static void folder_note(const char *name)
@@ -240,27 +240,48 @@ static int find_platform(char name[64], int fmi)
   return 0;
 }
 
+/* Words of $CC, as `gcc -O1`, into argv: their number; 0 after a message. */
+static int read_compiler(char *argv[MAX_WORDS], char text[MAX_PATH])
+{
+  static const char blanks[] = " \t\n";
+  const char *const cc = getenv("CC");
+  int n = 0;
+  snprintf(text, MAX_PATH, "%s", cc && cc[strspn(cc, blanks)] ? cc : "cc");
+  for (char *word = strtok(text, blanks); word && n < MAX_WORDS; word = strtok(NULL, blanks)) {
+    argv[n++] = word;
+  }
+  if (n == MAX_WORDS || (cc && strlen(cc) >= MAX_PATH)) {
+    fprintf(stderr, "fmu: CC is too long: at most %d words, %d characters\n", MAX_WORDS - 1, MAX_PATH - 1);
+    return 0;
+  }
+  return n;
+}
+
 static int compile(const fmu_export *e)
 {
-  char place[128], file[128], source[] = "sources/fmu2.c";
-  char *const cc = getenv("CC");
-  char *const argv[] = {cc && cc[0] ? cc : (char *)"cc",
-                        (char *)"-std=c99",
-                        (char *)"-O2",
-                        (char *)"-ffp-contract=off",
-                        (char *)"-fPIC",
-                        (char *)"-shared",
-                        (char *)"-fvisibility=hidden",
-                        (char *)"-Isources",
-                        (char *)"-o",
-                        file,
-                        source,
-                        (char *)"-lm",
-                        NULL};
+  char place[MAX_NAME], file[MAX_NAME], source[] = "sources/fmu2.c", text[MAX_PATH];
+  char *const options[] = {(char *)"-std=c99",
+                           (char *)"-O2",
+                           (char *)"-ffp-contract=off",
+                           (char *)"-fPIC",
+                           (char *)"-shared",
+                           (char *)"-fvisibility=hidden",
+                           (char *)"-Isources",
+                           (char *)"-o",
+                           file,
+                           source,
+                           (char *)"-lm",
+                           NULL};
+  char *argv[MAX_WORDS + sizeof options / sizeof options[0]];
+  const int n = read_compiler(argv, text);
   int status;
+  if (n == 0) {
+    return 1;
+  }
+  memcpy(argv + n, options, sizeof options);
   source[11] = e->fmi == 2 ? '2' : '3';
   snprintf(place, sizeof place, "binaries/%.60s", e->platform);
-  snprintf(file, sizeof file, "binaries/%.60s/%.50s.%s", e->platform, e->name,
+  snprintf(file, sizeof file, "binaries/%.60s/%.63s.%s", e->platform, e->name,
            strstr(e->platform, "darwin") ? "dylib" : "so");
   if (folder_make("binaries") || folder_make(place)) {
     return 1;
@@ -302,23 +323,38 @@ static int pack(const char *out)
 
 /* ---- the body */
 
-/* Names of the nodes: hub, those of the description, node3 for one that has none or one that is taken. */
+static int name_is_taken(const fmu_export *e, const char *name)
+{
+  static const char *const words[] = {"hub", "modes", "energy", "settings", "start", "time", "gravity"};
+  int taken = 0;
+  for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+    taken |= strcmp(name, words[i]) == 0;
+  }
+  for (int k = 0; k < e->body->n_node; k++) {
+    taken |= strcmp(name, e->node[k]) == 0;
+  }
+  return taken;
+}
+
+/* Names of the nodes: hub, those of the description; then node3 for one that has none or one that is taken (where node3
+   is the name of another: node3 and the number of nodes, and so on). */
 static void name_nodes(fmu_export *e)
 {
-  static const char *const taken[] = {"hub", "modes", "energy", "settings", "start", "time", "gravity", NULL};
-  for (int k = 0; k < e->body->n_node; k++) {
-    const char *const name = k > 0 ? model.node_name[k] : "hub";
-    int free = name[0] && !isdigit((unsigned char)name[0]);
-    for (int i = 0; taken[i] && k > 0; i++) {
-      free = free && strcmp(name, taken[i]) != 0;
-    }
-    for (int i = 0; i < k; i++) {
-      free = free && strcmp(name, e->node[i]) != 0;
-    }
-    if (free) {
+  const int n = e->body->n_node;
+  for (int k = 0; k < n; k++) {
+    const char *const name = model.node_name[k];
+    if (k > 0 && !isdigit((unsigned char)name[0]) && !name_is_taken(e, name)) {
       snprintf(e->node[k], sizeof e->node[k], "%s", name);
-    } else {
-      snprintf(e->node[k], sizeof e->node[k], "node%d", k);
+    }
+  }
+  strcpy(e->node[0], "hub");
+  for (int k = 1; k < n; k++) {
+    char own[TEXT_NAME + 8] = ""; /* taken, by node k itself, which has none */
+    for (int number = k; !e->node[k][0] && name_is_taken(e, own); number += n) {
+      snprintf(own, sizeof own, "node%d", number);
+    }
+    if (!e->node[k][0]) {
+      strcpy(e->node[k], own);
     }
   }
 }
@@ -412,12 +448,16 @@ int fmu_main(int argc, char **argv)
   const int is_static = take_flag(&argc, argv, "--static"), named = argc > 1 && argv[1][0] != '-';
   options o = {NULL, ".", 0, 0};
   int status;
+  struct stat there;
   output_begin(PROGRAM);
   if (read_all(argc - named, argv + named, help, read_option, &o) != 0) {
     return 2;
   }
   if (!named || !o.out) {
     return fail(named ? "--out is missing" : "a description is missing", "");
+  }
+  if (lstat(o.out, &there) == 0 && !S_ISREG(there.st_mode)) {
+    return fail("a link, a device, a pipe or a folder, where an FMU becomes a file of its own", o.out);
   }
   status = build(argv[1]);
   if (status != 0) {

@@ -122,7 +122,7 @@ static const char code_read_motion[] =
     "  @_status status;\n"
     "  if (!motion || !state) {\n    return @_null;\n  }\n"
     "  @_enter(x, state);\n"
-    "  status = @_input_is_finite(in) ? @_rates_at(rate, w, &a, x, in) : @_not_finite;\n"
+    "  status = @_is_finite(x, %N) && @_input_is_finite(in) ? @_rates_at(rate, w, &a, x, in) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n";
 
 static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof w);\n"
@@ -188,7 +188,7 @@ static const char code_read_energy[] =
     "  @_status status;\n"
     "  if (!energy || !state) {\n    return @_null;\n  }\n"
     "  @_enter(x, state);\n"
-    "  status = @_rates_at(rate, w, &a, x, NULL);\n"
+    "  status = @_is_finite(x, %N) ? @_rates_at(rate, w, &a, x, NULL) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  @_center(c, x + 10);\n"
     "  @_turn(moment, x, c);\n"
@@ -269,10 +269,13 @@ static int code_write_nodes(const code *w)
   }
   code_template(w,
                 "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n"
+                "  $ x[%N];\n"
                 "  const $ *q;\n"
                 "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
   fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
-  code_template(w, "    return @_value;\n  }\n  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
+  code_template(w, "    return @_value;\n  }\n  @_enter(x, state);\n"
+                   "  if (!@_is_finite(x, %N)) {\n    return @_not_finite;\n  }\n"
+                   "  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
   for (int k = 1; k < body->n_node; k++) {
     fprintf(w->out, "  if (node == %d) {\n", k);
     code_template(w, "    @_node_");

@@ -21,8 +21,9 @@ static const char help[] =
     "usage: flexbeam reduce FILE [options]\n"
     "  --out FILE   where to write the header (standard output)\n"
     "  --single     for single precision (double)\n"
-    "  --code       C of the body's own step of rk4, which needs no library, instead (free bodies, effects up to "
-    "full)\n"
+    "  --code       C of the body's own step of rk4, which needs no library, instead (base free, pinned or "
+    "prescribed,\n"
+    "               effects up to full)\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
@@ -117,6 +118,10 @@ int reduce_main(int argc, char **argv)
   }
   if (o.name) {
     strcpy(model.name, o.name);
+  }
+  if (strncmp(model.name, "fb_", 3) == 0 || strncmp(model.name, "fbi_", 4) == 0 || strncmp(model.name, "FB_", 3) == 0) {
+    return fail("names that begin with fb_, fbi_ or FB_ are those of the library: choose another by --name",
+                model.name);
   }
   status = model_build(&what);
   if (status != FB_OK) {

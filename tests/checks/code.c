@@ -186,6 +186,61 @@ static int refusals(void)
   return good & refused(&r, NULL, NULL, small, BASE == FREE ? FB_ERR_NOT_FINITE : FB_OK);
 }
 
+/* A state with one number that is none, or too large: what the library refuses is refused, and by what reads off the state
+   each that is not finite, always with that status. The step's status may be another than the library's. */
+static int spoiled(fb_real bad)
+{
+  static fb_rk4_work work;
+  static const char *const call[5] = {"rates", "motion", "node", "energy", "step"};
+  const int size[6] = {3, 4, 3, 3, generated.n, generated.n};
+  int good = 1;
+  for (int k = 0, kind = 0, i = 0; k < 13 + 2 * generated.n; k++, i++) {
+    fb_state rate;
+    fb_motion motion, other;
+    fb_node_motion node;
+    generated_state own_rate;
+    generated_motion own, another;
+    generated_node own_node;
+    fb_status expected[5] = {FB_OK, FB_OK, FB_OK, FB_OK, FB_OK};
+    generated_status found[5];
+    run r;
+    fb_real *const place[6] = {r.state.rho, r.state.quat, r.state.u, r.state.L, r.state.q, r.state.pi};
+    for (; i >= size[kind]; kind++) {
+      i -= size[kind];
+    }
+    good &= begin(&r, 0.5) == FB_OK && fb_body_motion_eval(&generated, &motion, &r.state, NULL) == FB_OK &&
+            generated_motion_eval(&own, &r.own, NULL) == generated_ok;
+    place[kind][i] = bad;
+    take_state(&r.own, &r.state);
+    expected[0] = fb_body_rates_eval(&generated, &rate, &r.state, NULL);
+    expected[1] = fb_body_motion_eval(&generated, &other, &r.state, NULL);
+    expected[2] = fb_body_node_motion_eval(&generated, &node, &r.state, &motion, 0);
+    found[0] = generated_rates_eval(&own_rate, &r.own, NULL);
+    found[1] = generated_motion_eval(&another, &r.own, NULL);
+    found[2] = generated_node_eval(&own_node, &r.own, &own, 0);
+    found[3] = generated_not_finite;
+#if BASE != PRESCRIBED
+    {
+      fb_energy energy;
+      generated_energy own_energy;
+      expected[3] = fb_body_energy_eval(&generated, &energy, &r.state, NULL);
+      found[3] = generated_energy_eval(&own_energy, &r.own);
+    }
+#endif
+    expected[4] = fb_rk4_step(&generated, &r.state, &work, NULL, NULL, NULL, FB_R(1e-4));
+    found[4] = generated_step(&r.own, NULL, NULL, NULL, FB_R(1e-4));
+    for (int f = 0; f < 5; f++) {
+      const int right = f < 4 ? found[f] == generated_not_finite : (found[f] == generated_ok) == (expected[f] == FB_OK);
+      if (!right) {
+        printf("%s with %g in number %d of kind %d of the state: library %d, generated %d\n", call[f], (double)bad, i,
+               kind, (int)expected[f], (int)found[f]);
+        good = 0;
+      }
+    }
+  }
+  return good;
+}
+
 /* Largest difference of n numbers relative to the largest of them. */
 static double apart(const fb_real *x, const fb_real *y, int n)
 {
@@ -278,6 +333,9 @@ int main(void)
   printf(" worst %.1e\n", worst);
   if ((int)generated.base != BASE || generated_crc != fb_body_crc(&generated)) {
     printf("base or check word\n");
+    return 1;
+  }
+  if (!spoiled((fb_real)NAN) || !spoiled(-(fb_real)INFINITY) || !spoiled(FB_R(10.0) * FB_HUGE)) {
     return 1;
   }
   return refusals() && worst <= TOLERANCE ? 0 : 1;

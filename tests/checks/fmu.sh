@@ -5,6 +5,26 @@
 . tests/checks/common.sh
 need python3 python3
 need zip zip
+long=$(printf 'n%062d' 0) # the longest name; nodes of which one has the name that another would get
+printf 'rigid\nname %s\nhub 9 0 0 0 1 1 1\nbase free\neffects rigid\nnode 1 0 0 node2\nnode 0 1 0\nnode 0 0 1 start\n' "$long" > "$out/names.txt"
+for version in 2 3; do
+  try env CC=' gcc  -O1 ' build/flexbeam fmu "$out/names.txt" --version $version --out "$out/names.fmu"
+  rm -rf "$out/names"
+  try python3 -m zipfile -e "$out/names.fmu" "$out/names"
+  try python3 -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$(echo "$PWD/$out"/names/binaries/*/"$long".*)"
+  nodes=$(sed -n 's/.*name="\([^"]*\)\.force[["].*/\1/p' "$out/names/modelDescription.xml" | uniq | tr '\n' ' ')
+  [ "$nodes" = "hub node2 node6 node3 " ] || fail "names of nodes: $nodes"
+done
+! CC='no_such_compiler -O1' build/flexbeam fmu "$out/names.txt" --out "$out/none.fmu" 2> "$out/log" || fail "a compiler that is not there"
+grep -q 'there is no compiler no_such_compiler ' "$out/log" || fail "no compiler: $(cat "$out/log")"
+mkfifo "$out/pipe" # what is no file of its own stays as it is
+ln -s names.fmu "$out/link"
+for other in pipe link; do
+  ! build/flexbeam fmu "$out/names.txt" --out "$out/$other" 2> "$out/log" || fail "--out $other is taken"
+  grep -q 'a link, a device, a pipe' "$out/log" || fail "--out $other: $(cat "$out/log")"
+done
+[ -p "$out/pipe" ] && [ -L "$out/link" ] || fail "--out replaces a pipe or a link"
+rm "$out/pipe" "$out/link"
 python=build/venv/bin/python
 "$python" -c 'import fmpy, scipy' 2> /dev/null || { python3 -m venv build/venv && build/venv/bin/pip install -q fmpy==0.3.32 scipy; } > "$out/log" 2>&1 || {
   [ -n "${CI:-}" ] && cat "$out/log" && fail "needs FMPy (apt-get install python3-venv; build/venv/bin/pip install fmpy scipy)"

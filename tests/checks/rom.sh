@@ -18,6 +18,11 @@ again() {
   cmp -s "$out/rom.h" "$out/again.h" || fail "$1, $([ $3 = 1 ] && echo single || echo double): not every number comes back"
 }
 try gcc $c99 -O1 -o "$out/rotors" tests/checks/rom_rotors.c -lm
+for taken in fb_body fbi_dot FB_OK; do # names of the library
+  ! "$out/reduce" examples/satellite.txt --name $taken --out "$out/taken.h" 2> "$out/log" || fail "--name $taken is taken"
+  grep -q "those of the library.*$taken" "$out/log" || fail "--name $taken: $(cat "$out/log")"
+  [ ! -e "$out/taken.h" ] || fail "--name $taken: a file is written"
+done
 for single in 0 1; do
   precision=$([ $single = 1 ] && echo --single || true)
   for model in examples/blade examples/panel examples/satellite examples/two_booms "$out/large"; do
