@@ -29,7 +29,8 @@ static FILE *fuzz_file(const char *name, const char *mode)
 /* Four intervals of eight steps at most; where the step is left to the program, its choice. */
 static void run_scene(scene *s)
 {
-  static const scene_options all = {"x", NULL, "x", "x", "x", 3, NULL, NULL, NULL};
+  static const scene_options all = {
+      .csv = "x", .linear = "x", .picture = "x", .animation = "x", .frames = "x", .n_frame = 3};
   s->duration = fmin(s->duration, 4 * s->interval);
   for (int k = 0; k < s->n_control; k++) { /* so that there are few samples, too */
     s->control[k].sample = fmax(s->control[k].sample, s->interval / 8);
