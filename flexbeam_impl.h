@@ -1477,8 +1477,9 @@ static int fbi_line_plane(const fb_lines *all, const fb_line *line)
 /* y += s x over m numbers, m even */
 static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int m)
 {
+  const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < 2 * (m / 2); j++) {
+  for (int j = 0; j < even; j++) {
     y[j] += s * x[j];
   }
 }
@@ -1487,8 +1488,9 @@ static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, cons
 static FBI_INLINE void fbi_line_turn_add(fb_real *FBI_RESTRICT y, fb_real *FBI_RESTRICT z, fb_real s, const fb_real *A,
                                          int m)
 {
+  const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < 2 * (m / 2); j++) {
+  for (int j = 0; j < even; j++) {
     y[j] += s * A[j];
     z[j] += s * A[m + j];
   }
@@ -2023,8 +2025,9 @@ static FBI_INLINE void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[
 static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by_A[3][FB_MAX_POINTS],
                                           fb_real by_B[3][FB_MAX_POINTS], const fb_real *A, int m)
 {
+  const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < 2 * (m / 2); j++) {
+  for (int j = 0; j < even; j++) {
     c[0][j] = by_A[0][j] * A[j] + by_B[0][j] * A[m + j];
     c[1][j] = by_A[1][j] * A[j] + by_B[1][j] * A[m + j];
     c[2][j] = by_A[2][j] * A[j] + by_B[2][j] * A[m + j];
@@ -2168,8 +2171,9 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
 static FBI_INLINE void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *FBI_RESTRICT K_z, const fb_real *Jw,
                                             const fb_real *t_y, const fb_real *t_z, int m)
 {
+  const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < 2 * (m / 2); j++) {
+  for (int j = 0; j < even; j++) {
     K_y[j] = -Jw[j] * t_z[j];
     K_z[j] = Jw[j] * t_y[j];
   }
