@@ -224,7 +224,7 @@ static void fbi_detail_require(const char *status, const char *function, const c
 static int fbi_is_finite(const fb_real *x, int n)
 {
   fb_real sum = FB_R(0.0);
-  FBI_UNROLL
+  FBI_UNROLL_2
   for (int i = 0; i < n; i++) {
     sum += FB_FABS(x[i]);
   }
