@@ -829,8 +829,7 @@ static const char code_types_end[] =
 static const char code_input_of[3][200] = {
     "  $ force[3], torque[3]; /* [N], [N m] at O, body axes */\n",
     "  $ torque[3]; /* [N m] on the body, body axes */\n",
-    "  $ v[3], w[3]; /* [m/s], [rad/s] of the base, body axes */\n"
-    "  $ v_dot[3];   /* [m/s^2] rate of v in body axes: for the step limit alone */\n"};
+    "  $ v[3], w[3], v_dot[3]; /* [m/s], [rad/s], [m/s^2] of the base, body axes; v_dot for the limit */\n"};
 
 static const char code_input_end[] =
     "  $ gravity[3];          /* [m/s^2] uniform, inertial axes, beside that of the description */\n"
