@@ -334,7 +334,7 @@ static void scene_check_rotors(text_file *t, const scene *s)
 {
   for (int k = 0; k < s->n_rotor && !t->failed; k++) {
     const scene_body *const body = &s->body[s->rotor[k].body];
-    t->line = s->rotor[k].line;
+    t->line = s->rotor[k].text.line;
     if (s->is_exact) {
       text_fail(t, "a rotor is that of a body, not of an exact beam");
     }
