@@ -8685,8 +8685,8 @@ static const fb_body *fbi_model(const fb_system *system, const fb_body *body, in
    position of the root at the start of the step. The equations of motion are the same in every such frame; positions
    and velocities relative to the ground or to another tree are not. Free trees that constraints tie share one frame.
    Source: Galilean invariance.  Test: flight_speed_changes_nothing. */
-static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
-                           const fb_link_state *x, const fb_link_state *start)
+static void fbi_root_enter(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
+                           const fb_link_state *start)
 {
   fbi_link_work *L = &w->link[k];
 
@@ -8706,10 +8706,18 @@ static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_
     L->root = fbi_link_joint(system, w, i)->kind == FB_JOINT_FREE ? i : k;
   }
 
-  /* origin and velocity of the frame; position in it */
+  /* origin and velocity of the frame */
   if (L->root == k) {
     fbi_vec3_copy(L->origin, start->x);
     fbi_vec3_copy(L->frame, start->u);
+  }
+}
+
+/* Position of a free body in the frame of its tree. */
+static void fbi_root_place(fb_system_work *w, int k, const fb_link_state *x, const fb_link_state *start)
+{
+  fbi_link_work *L = &w->link[k];
+  if (L->root == k) {
     fbi_vec3_copy(L->rho, x->lost_x); /* from its start */
   } else {
     const fb_real *origin = w->link[L->root].origin;
@@ -8743,14 +8751,43 @@ static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *
   }
 }
 
-/* Poses of all bodies, and the joint, model and parent of each. modes: the state whose axis modes and frames count. */
+/* Joint, model, parent, axis modes and frame of each body, by the axis modes and frames of a state. */
+static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *modes)
+{
+  w->driven = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fbi_link_work *L = &w->link[k];
+
+    /* axis modes; a body whose joint is enforced by multipliers is free */
+    for (int i = 0; i < 3; i++) {
+      L->mode[i] = fbi_is_kept(system, w, k) ? FB_AXIS_FREE : modes->mode[k][i];
+      w->driven |= L->mode[i] == FB_AXIS_PRESCRIBED;
+    }
+
+    /* what belongs to the link */
+    L->joint = joint;
+    L->model = fbi_model(system, body, k);
+    L->parent = fbi_parent(w, joint);
+    L->coupled = !w->kept && system->coupled[k];
+    L->A = joint->A;
+    L->settled = 0;
+    fbi_root_enter(w, system, joint, k, &modes->link[k]);
+  }
+}
+
+/* Poses of all bodies. modes: the state whose axis modes and frames count, in further evaluations of a step as before. */
 static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_system_state *modes)
 {
+  if (!w->repeats) {
+    fbi_links_enter(w, system, body, modes);
+  }
   for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
     fbi_link_work *L = &w->link[k];
+    const fb_body *model = L->model;
+    const fb_joint *joint = L->joint;
 
     /* (1, q) */
     L->k.qx[0] = FB_R(1.0);
@@ -8765,27 +8802,12 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
     }
 #endif
 
-    /* axis modes; a body whose joint is enforced by multipliers is free */
-    if (fbi_is_kept(system, w, k)) {
-      L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
-    } else {
-      L->mode[0] = modes->mode[k][0];
-      L->mode[1] = modes->mode[k][1];
-      L->mode[2] = modes->mode[k][2];
-    }
-
-    /* what belongs to the link */
-    L->joint = joint;
-    L->model = model;
-    L->parent = fbi_parent(w, joint);
-    L->coupled = !w->kept && system->coupled[k];
+    /* pose in the frame of the tree */
     L->has_speeds = 1;
-    L->A = joint->A;
-
-    /* frame of the tree, pose in it */
-    fbi_root_place(w, system, joint, k, &state->link[k], &modes->link[k]);
-    fbi_link_place(L, joint, L->parent, joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
-                   &state->link[k]);
+    if (joint->kind == FB_JOINT_FREE) {
+      fbi_root_place(w, k, &state->link[k], &modes->link[k]);
+    }
+    fbi_link_place(L, joint, L->parent, L->parent ? L->parent->model : NULL, &state->link[k]);
   }
 }
 
@@ -8912,6 +8934,36 @@ static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_
   fbi_mat33_turn(B, C, b);
   fbi_sym3_turn(D, C, d);
   fbi_sym6_shift_add(T, A, B, D, arm);
+}
+
+/* The same of a rigid body, S = [m 1, -c^; c^, J]: c turned and shifted, J by the parallel-axis theorem with
+   2 a = 2 c + m arm.
+   Cost: 150 flops.  Test: the_three_methods_agree. */
+static void fbi_rigid_to_parent_add(fb_real T[21], const fb_real S[21], const fb_real C[9], const fb_real arm[3])
+{
+  const fb_real m = S[0], half = FB_R(0.5) * m, first[3] = {S[10], S[12], S[4]};
+  const fb_real J[9] = {S[15], S[16], S[17], S[16], S[18], S[19], S[17], S[19], S[20]};
+  fb_real c[3], D[9];
+  fb_mat33_mul_vec3(c, C, first);
+  fbi_sym3_turn(D, C, J);
+  const fb_real a[3] = {c[0] + half * arm[0], c[1] + half * arm[1], c[2] + half * arm[2]};
+  const fb_real x = FB_R(2.0) * a[0] * arm[0], y = FB_R(2.0) * a[1] * arm[1], z = FB_R(2.0) * a[2] * arm[2];
+  const fb_real f[3] = {c[0] + m * arm[0], c[1] + m * arm[1], c[2] + m * arm[2]};
+  T[0] += m;
+  T[6] += m;
+  T[11] += m;
+  T[4] += f[2];
+  T[5] -= f[1];
+  T[8] -= f[2];
+  T[10] += f[0];
+  T[12] += f[1];
+  T[13] -= f[0];
+  T[15] += D[0] + (y + z);
+  T[16] += D[1] - (a[0] * arm[1] + a[1] * arm[0]);
+  T[17] += D[2] - (a[0] * arm[2] + a[2] * arm[0]);
+  T[18] += D[4] + (x + z);
+  T[19] += D[5] - (a[1] * arm[2] + a[2] * arm[1]);
+  T[20] += D[8] + (x + y);
 }
 
 /* y += momentum or load x of a child in the parent's axes, about the node that carries it (the parent's origin where
@@ -9142,13 +9194,20 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
   return FB_OK;
 }
 
-/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
+/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. settled: S, U and
+   D of a body that carries no other are the same at every state where its own S and its axes are; kept within a step. */
 static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, fb_real g)
 {
   /* each body by itself; open: its modes are eliminated together with its joint */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0) || fbi_is_large(model));
+    if (L->settled && !L->open && !(g > FB_R(0.0))) {
+      L->settled = 2;
+      continue;
+    }
+    L->settled = model->constant_S && !L->open && L->A == L->joint->A && !(g > FB_R(0.0));
     if (fbi_is_large(model)) {
       if (fbi_large_begin(L) != FB_OK) {
         w->joint = k;
@@ -9159,7 +9218,6 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
-    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0) || fbi_is_large(model));
     if (L->open) {
       fbi_link_open(L, model, g, w->heavy);
     }
@@ -9170,20 +9228,32 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k], *parent = L->parent;
     const fb_joint *joint = L->joint;
-    fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
-    status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
-    if (status != FB_OK) {
-      w->joint = k;
-      return status;
+    if (L->settled < 2) {
+      fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
+      status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
+      if (status != FB_OK) {
+        w->joint = k;
+        return status;
+      }
     }
 
     /* largest eliminated inertia, whose round-off S contains */
     if (parent) {
+      parent->settled = 0;
       parent->mass = fbi_larger(parent->mass, L->mass);
       parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
     }
     if (parent && joint->moves) {
       fbi_link_carry(parent, L, L->S, parent->model->n);
+    } else if (parent && L->settled && L->model->n == 0) { /* what the axes have taken out is turned by itself */
+      fbi_rigid_to_parent_add(parent->S, L->model->S0, L->C, L->arm);
+      for (int i = 0; i < joint->n_axis; i++) {
+        if (L->mode[i] == FB_AXIS_FREE) {
+          fb_real U[6] = {0};
+          fbi_to_parent_add(U, L, L->U + 6 * i);
+          fbi_sym6_rank1_sub(parent->S, L->D[i], U);
+        }
+      }
     } else if (parent) {
       fbi_sym6_to_parent_add(parent->S, L->S, L->C, L->arm);
     }
@@ -11396,7 +11466,7 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
   w->closed = w->kept || system->n_loop > 0;
   w->special = w->closed || system->carries_rotors;
   w->heavy = w->clock = FB_R(0.0);
-  w->owns = w->has_forces = 0;
+  w->owns = w->has_forces = w->repeats = 0;
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
@@ -17767,16 +17837,14 @@ static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k
   return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* Start of a step of free roots without constraints: angular momentum in body axes. */
-static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
+/* Start of a step of free roots without constraints, at the first velocities: angular momentum in body axes. */
+static void fbi_own_begin(fb_system_work *w, const fb_system *system)
 {
   w->owns = 1;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    if (system->joint[k].kind == FB_JOINT_FREE) {
-      fb_real R[9];
-      fb_quat_to_mat33(R, state->link[k].quat);
-      fb_mat33_mulT_vec3(L->own_start, R, state->link[k].p + 3);
+    if (L->joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_copy(L->own_start, L->p + 3);
       fbi_vec3_copy(L->own, L->own_start);
       fbi_vec3_zero(L->own_sum);
     }
@@ -17956,7 +18024,9 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
 
   /* Prescribed coordinates, momenta */
-  fbi_prescribe(next, system, w, state, input);
+  if (w->driven) {
+    fbi_prescribe(next, system, w, state, input);
+  }
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
     fbi_frames_take(w, system, next, &w->sum, state, input);
@@ -17987,6 +18057,16 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
     fbi_links_copy(state, next, system);
   }
   return status;
+}
+
+/* Start of every step: what is the same in all its evaluations. */
+static void fbi_step_enter(fb_system_work *w, const fb_system *system, const fb_body *body,
+                           const fb_system_state *state)
+{
+  fbi_system_enter(w, system);
+  w->flies = fbi_flies(system, w);
+  fbi_links_enter(w, system, body, state);
+  w->repeats = 1;
 }
 
 static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
@@ -18030,18 +18110,16 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     FB_R(1.0) / FB_R(6.0)};
   const fb_system_input *input[4];
   fb_status status = FB_OK;
-  int flies;
+  int flies, owns;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
-  fbi_system_enter(work, system);
-  flies = work->flies = fbi_flies(system, work);
+  fbi_step_enter(work, system, body, state);
+  flies = work->flies;
 
   /* Inputs of the four stages; E11.27 for free flight without constraints */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  if (flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end)) {
-    fbi_own_begin(work, system, state);
-  }
+  owns = flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
   status = fbi_drives_check(work, system, state, start, end);
@@ -18052,10 +18130,15 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     /* Rates */
     status = fbi_system_step_check(system, body, input[stage], dt);
     if (status == FB_OK && stage > 0) {
-      fbi_prescribe(&work->stage, system, work, state, input[stage]);
+      if (work->driven) {
+        fbi_prescribe(&work->stage, system, work, state, input[stage]);
+      }
       work->clock = dt * node[stage - 1];
     }
     status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
+    if (status == FB_OK && stage == 0 && owns) {
+      fbi_own_begin(work, system);
+    }
 
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
@@ -18394,8 +18477,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  fbi_system_enter(work, system);
-  flies = work->flies = fbi_flies(system, work);
+  fbi_step_enter(work, system, body, state);
+  flies = work->flies;
 
   /* Inputs, step limit at the start */
   status = fbi_system_step_check(system, body, start, dt);
