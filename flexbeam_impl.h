@@ -9379,19 +9379,20 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
    joint and modes, and the momentum G = S V + b of the subtree. */
 static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
 {
-  fb_real V[6] = {0};
+  fb_real *const V = L->V;
+  if (node) {
+    fbi_from_node(V, L, node);
+  } else {
+    fbi_vec6_zero(V);
+  }
   if (joint->kind == FB_JOINT_FREE) {
     const fb_status status = fbi_free_out(V, L, body->n);
     if (status != FB_OK) {
       return status;
     }
   } else {
-    if (node) {
-      fbi_from_node(V, L, node);
-    }
     fbi_axes_out(V, L, joint);
   }
-  fbi_vec6_copy(L->V, V);
   fbi_vec6_add(L->G, FB_R(1.0), L->b);
   fbi_modes_out(L, body, V);
   return FB_OK;
@@ -9446,12 +9447,14 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fbi_link_work *parent = L->parent;
+    const fb_real *at = parent ? parent->V : NULL;
     fb_real node[6];
     fb_status status;
-    if (parent) {
+    if (parent && L->joint->moves) {
       fbi_node_velocity(node, L, L->joint, parent->model, parent->V, parent->q_dot);
+      at = node;
     }
-    status = fbi_link_out(L, L->joint, L->model, parent ? node : NULL);
+    status = fbi_link_out(L, L->joint, L->model, at);
     if (status != FB_OK) {
       w->joint = k;
       return status;
@@ -11771,8 +11774,9 @@ static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const 
 
 /* Transforms momenta to the chosen frames: those of the state, or (more) the increments that it is to grow by. The
    linear momentum of a free root becomes exactly zero. */
-static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state, fb_system_state *more,
-                            const fb_system_state *modes, const fb_system_input *input)
+static FBI_FLATTEN void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state,
+                                        fb_system_state *more, const fb_system_state *modes,
+                                        const fb_system_input *input)
 {
   fbi_trees_sum(w, system, state, more);
   fbi_trees_hold(w, system, modes);
@@ -12025,9 +12029,9 @@ static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, c
 
 static int fbi_link_state_is_finite(const fb_link_state *x, int n)
 {
-  return fbi_is_finite(x->x, 3) && fbi_is_finite(x->quat, 4) && fbi_is_finite(x->p, 6) && fbi_is_finite(x->q, n) &&
-         fbi_is_finite(x->pi, n) && fbi_is_finite(x->u, 3) && fbi_is_finite(x->lost_x, 3) &&
-         fbi_is_finite(x->lost_u, 3);
+  return fbi_vec3_is_finite(x->x) && fbi_is_finite(x->quat, 4) && fbi_vec3_is_finite(x->p) &&
+         fbi_vec3_is_finite(x->p + 3) && fbi_is_finite(x->q, n) && fbi_is_finite(x->pi, n) &&
+         fbi_vec3_is_finite(x->u) && fbi_vec3_is_finite(x->lost_x) && fbi_vec3_is_finite(x->lost_u);
 }
 
 /* Finite, and every body within its deflection limit. */
@@ -17937,8 +17941,8 @@ static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_sy
 
 /* Adds weight times the rates of a stage to the increments of the step and sets the next stage to start + ahead rates
    (last: no next stage). */
-static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
-                         const fb_system_state *start, fb_real weight, fb_real ahead, int last)
+static FBI_FLATTEN void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
+                                     const fb_system_state *start, fb_real weight, fb_real ahead, int last)
 {
   w->sum.motor_work += weight * w->rate.motor_work;
   for (int k = 0; k < system->n_body; k++) {
