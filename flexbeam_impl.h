@@ -5712,9 +5712,14 @@ static void fbi_rotors_sub(fb_real h[3], fb_real *pi, fbi_node_field *f, fbi_kin
     const fb_real own = !rotor->given ? momentum[r] : input ? input[r].momentum : FB_R(0.0);
     fb_real *const axis = k->rotor_axis[r];
     k->rotor_momentum[r] = own;
+    if (!rotor->moves) { /* by itself, without a call: most rotors are on the hub */
+      fbi_vec3_copy(axis, rotor->axis);
+      fbi_vec3_add(h, -own, rotor->axis);
+      continue;
+    }
     fbi_rotor_place(axis, &f[r], k, body, rotor, q);
     fbi_vec3_add(h, -own, axis);
-    for (int a = 0; a < body->n && rotor->moves; a++) {
+    for (int a = 0; a < body->n; a++) {
       pi[a] -= own * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
     }
   }
@@ -5832,12 +5837,16 @@ static void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fbi_node_fiel
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
     const fb_real *const axis = k->rotor_axis[r];
-    fb_real w[3];
-    fbi_vec3_copy(w, k->V + 3);
-    for (int a = 0; a < n && rotor->moves; a++) {
-      fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
+    fb_real about = axis[0] * k->V[3] + axis[1] * k->V[4] + axis[2] * k->V[5];
+    if (rotor->moves) {
+      fb_real w[3];
+      fbi_vec3_copy(w, k->V + 3);
+      for (int a = 0; a < n; a++) {
+        fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
+      }
+      about = fb_vec3_dot(axis, w);
     }
-    k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - fb_vec3_dot(axis, w);
+    k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - about;
     q_dot[n + r] = k->rotor_speed[r];
     pi_dot[n + r] = rotor->given ? FB_R(0.0) : fbi_rotor_torque(body, k, input, r);
     if (rotor->moves) {
@@ -8936,36 +8945,6 @@ static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_
   fbi_sym6_shift_add(T, A, B, D, arm);
 }
 
-/* The same of a rigid body, S = [m 1, -c^; c^, J]: c turned and shifted, J by the parallel-axis theorem with
-   2 a = 2 c + m arm.
-   Cost: 150 flops.  Test: the_three_methods_agree. */
-static void fbi_rigid_to_parent_add(fb_real T[21], const fb_real S[21], const fb_real C[9], const fb_real arm[3])
-{
-  const fb_real m = S[0], half = FB_R(0.5) * m, first[3] = {S[10], S[12], S[4]};
-  const fb_real J[9] = {S[15], S[16], S[17], S[16], S[18], S[19], S[17], S[19], S[20]};
-  fb_real c[3], D[9];
-  fb_mat33_mul_vec3(c, C, first);
-  fbi_sym3_turn(D, C, J);
-  const fb_real a[3] = {c[0] + half * arm[0], c[1] + half * arm[1], c[2] + half * arm[2]};
-  const fb_real x = FB_R(2.0) * a[0] * arm[0], y = FB_R(2.0) * a[1] * arm[1], z = FB_R(2.0) * a[2] * arm[2];
-  const fb_real f[3] = {c[0] + m * arm[0], c[1] + m * arm[1], c[2] + m * arm[2]};
-  T[0] += m;
-  T[6] += m;
-  T[11] += m;
-  T[4] += f[2];
-  T[5] -= f[1];
-  T[8] -= f[2];
-  T[10] += f[0];
-  T[12] += f[1];
-  T[13] -= f[0];
-  T[15] += D[0] + (y + z);
-  T[16] += D[1] - (a[0] * arm[1] + a[1] * arm[0]);
-  T[17] += D[2] - (a[0] * arm[2] + a[2] * arm[0]);
-  T[18] += D[4] + (x + z);
-  T[19] += D[5] - (a[1] * arm[2] + a[2] * arm[1]);
-  T[20] += D[8] + (x + y);
-}
-
 /* y += momentum or load x of a child in the parent's axes, about the node that carries it (the parent's origin where
    modes do not move the node). */
 static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_real x[6])
@@ -9245,15 +9224,6 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     }
     if (parent && joint->moves) {
       fbi_link_carry(parent, L, L->S, parent->model->n);
-    } else if (parent && L->settled && L->model->n == 0) { /* what the axes have taken out is turned by itself */
-      fbi_rigid_to_parent_add(parent->S, L->model->S0, L->C, L->arm);
-      for (int i = 0; i < joint->n_axis; i++) {
-        if (L->mode[i] == FB_AXIS_FREE) {
-          fb_real U[6] = {0};
-          fbi_to_parent_add(U, L, L->U + 6 * i);
-          fbi_sym6_rank1_sub(parent->S, L->D[i], U);
-        }
-      }
     } else if (parent) {
       fbi_sym6_to_parent_add(parent->S, L->S, L->C, L->arm);
     }
@@ -10514,7 +10484,9 @@ static void fbi_link_rotors_turn(fb_real *q_dot, fb_real *pi_dot, fbi_link_work 
   fb_real unused[3];
   fbi_vec6_copy(L->k.V, L->V);
   for (int r = 0; r < L->model->n_rotor; r++) {
-    fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
+    if (L->model->rotor[r].moves) {
+      fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
+    }
   }
   fbi_rotors_turn(q_dot, pi_dot, f, &L->k, L->model, input);
 }
@@ -11193,11 +11165,13 @@ static FBI_NOINLINE fb_status fbi_link_own_loads(fb_system_work *w, const fb_sys
 }
 #endif
 
-/* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
-   actuators. */
+/* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg, k.loaded and k.x; *power:
+   of actuators. */
 static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_state *state, const fb_system_input *input)
 {
+  const int everywhere = w->closed || w->n_row > 0 || system->n_spring > 0 || fbi_has_distributed(input) ||
+                         (input && input->forces); /* may push any body */
   fb_status status = FB_OK;
   *power = FB_R(0.0);
   w->has_forces = 0;
@@ -11206,15 +11180,18 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
+    L->k.loaded = everywhere;
 #if FB_WITH_GRAVITY || FB_WITH_ROTORS
     if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY | FB_EFFECT_ROTORS)) {
       const fb_status own = fbi_link_own_loads(w, state, k);
       status = status ? status : own;
+      L->k.loaded = 1;
     }
 #endif
   }
   for (int i = 0; input && i < input->n_load; i++) {
     fbi_link_work *L = &w->link[input->load[i].body];
+    L->k.loaded = 1;
     fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
   }
 #if FB_WITH_LARGE_DEFLECTION
@@ -11349,8 +11326,12 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
   /* free joint: inertial axes */
   if (joint->kind == FB_JOINT_FREE) {
     if (L->mode[0] == FB_AXIS_FREE) {
-      fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
-      fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
+      if (L->k.loaded) {
+        fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
+        fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
+      } else {
+        fbi_vec6_zero(rate->p);
+      }
       fbi_vec3_add_cross(rate->p + 3, x->p, rate->lost_x);
     } else {
       fbi_vec6_zero(rate->p);
@@ -11396,7 +11377,7 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
   return power;
 }
 
-/* Transmits F and G of a body to its parent: F to its load, both to the modes that move the node. */
+/* Transmits F, if any, and G of a body to its parent: F to its load, both to the modes that move the node. */
 static void fbi_load_hand_in(const fbi_link_work *L)
 {
   const fb_joint *joint = L->joint;
@@ -11413,8 +11394,10 @@ static void fbi_load_hand_in(const fbi_link_work *L)
                   L->n, G, F);
     fbi_vec3_add_cross(F + 3, L->n, F);
     fbi_vec6_add(parent->F, FB_R(1.0), F);
-  } else {
+    parent->k.loaded = 1;
+  } else if (L->k.loaded) {
     fbi_to_parent_add(parent->F, L, L->F);
+    parent->k.loaded = 1;
   }
 }
 
@@ -11572,9 +11555,13 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
     return;
   }
 #endif
-  fbi_zero(x, body->n + 1);
-  fbi_pull_eval(c, x, &L->k, body, L->k.qx, d, fbi_is_large(body));
-  fbi_copy(e, x + 1, body->n);
+  if (body->n > 0) {
+    fbi_zero(x, body->n + 1);
+    fbi_pull_eval(c, x, &L->k, body, L->k.qx, d, 0);
+    fbi_copy(e, x + 1, body->n);
+  } else {
+    fbi_vec3_copy(c, body->c);
+  }
   if (body->constant_S && body->n > 0) {
     const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     fb_real elastic[6] = {0}, pb[FB_MAX_MODES];
