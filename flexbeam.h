@@ -1504,6 +1504,7 @@ typedef struct fbi_link_work {
   int has_speeds; /* q_dot is known */
   int had_speeds;
   int coupled, open; /* its modes carry something; they are in E, X, Z below */
+  int settled;       /* S, U and D are the same at every state; 2: known */
   int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
   fb_axis_mode mode[3];
   fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
@@ -1564,6 +1565,8 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   int closed;    /* so, or there are loops */
   int special;   /* so, or rotors inside bodies */
   int flies;     /* of a step: a tree's frame may move */
+  int repeats;   /* within a step: what belongs to the links is known */
+  int driven;    /* an axis is prescribed */
   fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
   fb_real clock; /* [s] since the frames were at their origins */
   int owns;      /* roots that are free take L in body axes from link.own */

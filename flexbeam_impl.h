@@ -5712,9 +5712,14 @@ static void fbi_rotors_sub(fb_real h[3], fb_real *pi, fbi_node_field *f, fbi_kin
     const fb_real own = !rotor->given ? momentum[r] : input ? input[r].momentum : FB_R(0.0);
     fb_real *const axis = k->rotor_axis[r];
     k->rotor_momentum[r] = own;
+    if (!rotor->moves) { /* by itself, without a call: most rotors are on the hub */
+      fbi_vec3_copy(axis, rotor->axis);
+      fbi_vec3_add(h, -own, rotor->axis);
+      continue;
+    }
     fbi_rotor_place(axis, &f[r], k, body, rotor, q);
     fbi_vec3_add(h, -own, axis);
-    for (int a = 0; a < body->n && rotor->moves; a++) {
+    for (int a = 0; a < body->n; a++) {
       pi[a] -= own * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
     }
   }
@@ -5832,12 +5837,16 @@ static void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fbi_node_fiel
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
     const fb_real *const axis = k->rotor_axis[r];
-    fb_real w[3];
-    fbi_vec3_copy(w, k->V + 3);
-    for (int a = 0; a < n && rotor->moves; a++) {
-      fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
+    fb_real about = axis[0] * k->V[3] + axis[1] * k->V[4] + axis[2] * k->V[5];
+    if (rotor->moves) {
+      fb_real w[3];
+      fbi_vec3_copy(w, k->V + 3);
+      for (int a = 0; a < n; a++) {
+        fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
+      }
+      about = fb_vec3_dot(axis, w);
     }
-    k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - fb_vec3_dot(axis, w);
+    k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - about;
     q_dot[n + r] = k->rotor_speed[r];
     pi_dot[n + r] = rotor->given ? FB_R(0.0) : fbi_rotor_torque(body, k, input, r);
     if (rotor->moves) {
@@ -8685,8 +8694,8 @@ static const fb_body *fbi_model(const fb_system *system, const fb_body *body, in
    position of the root at the start of the step. The equations of motion are the same in every such frame; positions
    and velocities relative to the ground or to another tree are not. Free trees that constraints tie share one frame.
    Source: Galilean invariance.  Test: flight_speed_changes_nothing. */
-static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
-                           const fb_link_state *x, const fb_link_state *start)
+static void fbi_root_enter(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
+                           const fb_link_state *start)
 {
   fbi_link_work *L = &w->link[k];
 
@@ -8706,10 +8715,18 @@ static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_
     L->root = fbi_link_joint(system, w, i)->kind == FB_JOINT_FREE ? i : k;
   }
 
-  /* origin and velocity of the frame; position in it */
+  /* origin and velocity of the frame */
   if (L->root == k) {
     fbi_vec3_copy(L->origin, start->x);
     fbi_vec3_copy(L->frame, start->u);
+  }
+}
+
+/* Position of a free body in the frame of its tree. */
+static void fbi_root_place(fb_system_work *w, int k, const fb_link_state *x, const fb_link_state *start)
+{
+  fbi_link_work *L = &w->link[k];
+  if (L->root == k) {
     fbi_vec3_copy(L->rho, x->lost_x); /* from its start */
   } else {
     const fb_real *origin = w->link[L->root].origin;
@@ -8743,14 +8760,43 @@ static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *
   }
 }
 
-/* Poses of all bodies, and the joint, model and parent of each. modes: the state whose axis modes and frames count. */
+/* Joint, model, parent, axis modes and frame of each body, by the axis modes and frames of a state. */
+static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *modes)
+{
+  w->driven = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fbi_link_work *L = &w->link[k];
+
+    /* axis modes; a body whose joint is enforced by multipliers is free */
+    for (int i = 0; i < 3; i++) {
+      L->mode[i] = fbi_is_kept(system, w, k) ? FB_AXIS_FREE : modes->mode[k][i];
+      w->driven |= L->mode[i] == FB_AXIS_PRESCRIBED;
+    }
+
+    /* what belongs to the link */
+    L->joint = joint;
+    L->model = fbi_model(system, body, k);
+    L->parent = fbi_parent(w, joint);
+    L->coupled = !w->kept && system->coupled[k];
+    L->A = joint->A;
+    L->settled = 0;
+    fbi_root_enter(w, system, joint, k, &modes->link[k]);
+  }
+}
+
+/* Poses of all bodies. modes: the state whose axis modes and frames count, in further evaluations of a step as before. */
 static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_system_state *modes)
 {
+  if (!w->repeats) {
+    fbi_links_enter(w, system, body, modes);
+  }
   for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
     fbi_link_work *L = &w->link[k];
+    const fb_body *model = L->model;
+    const fb_joint *joint = L->joint;
 
     /* (1, q) */
     L->k.qx[0] = FB_R(1.0);
@@ -8765,27 +8811,12 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
     }
 #endif
 
-    /* axis modes; a body whose joint is enforced by multipliers is free */
-    if (fbi_is_kept(system, w, k)) {
-      L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
-    } else {
-      L->mode[0] = modes->mode[k][0];
-      L->mode[1] = modes->mode[k][1];
-      L->mode[2] = modes->mode[k][2];
-    }
-
-    /* what belongs to the link */
-    L->joint = joint;
-    L->model = model;
-    L->parent = fbi_parent(w, joint);
-    L->coupled = !w->kept && system->coupled[k];
+    /* pose in the frame of the tree */
     L->has_speeds = 1;
-    L->A = joint->A;
-
-    /* frame of the tree, pose in it */
-    fbi_root_place(w, system, joint, k, &state->link[k], &modes->link[k]);
-    fbi_link_place(L, joint, L->parent, joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
-                   &state->link[k]);
+    if (joint->kind == FB_JOINT_FREE) {
+      fbi_root_place(w, k, &state->link[k], &modes->link[k]);
+    }
+    fbi_link_place(L, joint, L->parent, L->parent ? L->parent->model : NULL, &state->link[k]);
   }
 }
 
@@ -9142,13 +9173,20 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
   return FB_OK;
 }
 
-/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
+/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. settled: S, U and
+   D of a body that carries no other are the same at every state where its own S and its axes are; kept within a step. */
 static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, fb_real g)
 {
   /* each body by itself; open: its modes are eliminated together with its joint */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0) || fbi_is_large(model));
+    if (L->settled && !L->open && !(g > FB_R(0.0))) {
+      L->settled = 2;
+      continue;
+    }
+    L->settled = model->constant_S && !L->open && L->A == L->joint->A && !(g > FB_R(0.0));
     if (fbi_is_large(model)) {
       if (fbi_large_begin(L) != FB_OK) {
         w->joint = k;
@@ -9159,7 +9197,6 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
-    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0) || fbi_is_large(model));
     if (L->open) {
       fbi_link_open(L, model, g, w->heavy);
     }
@@ -9170,15 +9207,18 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k], *parent = L->parent;
     const fb_joint *joint = L->joint;
-    fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
-    status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
-    if (status != FB_OK) {
-      w->joint = k;
-      return status;
+    if (L->settled < 2) {
+      fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
+      status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
+      if (status != FB_OK) {
+        w->joint = k;
+        return status;
+      }
     }
 
     /* largest eliminated inertia, whose round-off S contains */
     if (parent) {
+      parent->settled = 0;
       parent->mass = fbi_larger(parent->mass, L->mass);
       parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
     }
@@ -9309,19 +9349,20 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
    joint and modes, and the momentum G = S V + b of the subtree. */
 static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
 {
-  fb_real V[6] = {0};
+  fb_real *const V = L->V;
+  if (node) {
+    fbi_from_node(V, L, node);
+  } else {
+    fbi_vec6_zero(V);
+  }
   if (joint->kind == FB_JOINT_FREE) {
     const fb_status status = fbi_free_out(V, L, body->n);
     if (status != FB_OK) {
       return status;
     }
   } else {
-    if (node) {
-      fbi_from_node(V, L, node);
-    }
     fbi_axes_out(V, L, joint);
   }
-  fbi_vec6_copy(L->V, V);
   fbi_vec6_add(L->G, FB_R(1.0), L->b);
   fbi_modes_out(L, body, V);
   return FB_OK;
@@ -9376,12 +9417,14 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fbi_link_work *parent = L->parent;
+    const fb_real *at = parent ? parent->V : NULL;
     fb_real node[6];
     fb_status status;
-    if (parent) {
+    if (parent && L->joint->moves) {
       fbi_node_velocity(node, L, L->joint, parent->model, parent->V, parent->q_dot);
+      at = node;
     }
-    status = fbi_link_out(L, L->joint, L->model, parent ? node : NULL);
+    status = fbi_link_out(L, L->joint, L->model, at);
     if (status != FB_OK) {
       w->joint = k;
       return status;
@@ -10441,7 +10484,9 @@ static void fbi_link_rotors_turn(fb_real *q_dot, fb_real *pi_dot, fbi_link_work 
   fb_real unused[3];
   fbi_vec6_copy(L->k.V, L->V);
   for (int r = 0; r < L->model->n_rotor; r++) {
-    fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
+    if (L->model->rotor[r].moves) {
+      fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
+    }
   }
   fbi_rotors_turn(q_dot, pi_dot, f, &L->k, L->model, input);
 }
@@ -11120,11 +11165,13 @@ static FBI_NOINLINE fb_status fbi_link_own_loads(fb_system_work *w, const fb_sys
 }
 #endif
 
-/* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg and k.x; *power: of
-   actuators. */
+/* Forces on all bodies by their own inertia, gravity, loads and springs between points: k.fg, k.loaded and k.x; *power:
+   of actuators. */
 static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_state *state, const fb_system_input *input)
 {
+  const int everywhere = w->closed || w->n_row > 0 || system->n_spring > 0 || fbi_has_distributed(input) ||
+                         (input && input->forces); /* may push any body */
   fb_status status = FB_OK;
   *power = FB_R(0.0);
   w->has_forces = 0;
@@ -11133,15 +11180,18 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
     fbi_vec6_zero(L->k.fg);
+    L->k.loaded = everywhere;
 #if FB_WITH_GRAVITY || FB_WITH_ROTORS
     if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY | FB_EFFECT_ROTORS)) {
       const fb_status own = fbi_link_own_loads(w, state, k);
       status = status ? status : own;
+      L->k.loaded = 1;
     }
 #endif
   }
   for (int i = 0; input && i < input->n_load; i++) {
     fbi_link_work *L = &w->link[input->load[i].body];
+    L->k.loaded = 1;
     fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
   }
 #if FB_WITH_LARGE_DEFLECTION
@@ -11276,8 +11326,12 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
   /* free joint: inertial axes */
   if (joint->kind == FB_JOINT_FREE) {
     if (L->mode[0] == FB_AXIS_FREE) {
-      fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
-      fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
+      if (L->k.loaded) {
+        fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
+        fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
+      } else {
+        fbi_vec6_zero(rate->p);
+      }
       fbi_vec3_add_cross(rate->p + 3, x->p, rate->lost_x);
     } else {
       fbi_vec6_zero(rate->p);
@@ -11323,7 +11377,7 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
   return power;
 }
 
-/* Transmits F and G of a body to its parent: F to its load, both to the modes that move the node. */
+/* Transmits F, if any, and G of a body to its parent: F to its load, both to the modes that move the node. */
 static void fbi_load_hand_in(const fbi_link_work *L)
 {
   const fb_joint *joint = L->joint;
@@ -11340,8 +11394,10 @@ static void fbi_load_hand_in(const fbi_link_work *L)
                   L->n, G, F);
     fbi_vec3_add_cross(F + 3, L->n, F);
     fbi_vec6_add(parent->F, FB_R(1.0), F);
-  } else {
+    parent->k.loaded = 1;
+  } else if (L->k.loaded) {
     fbi_to_parent_add(parent->F, L, L->F);
+    parent->k.loaded = 1;
   }
 }
 
@@ -11396,7 +11452,7 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
   w->closed = w->kept || system->n_loop > 0;
   w->special = w->closed || system->carries_rotors;
   w->heavy = w->clock = FB_R(0.0);
-  w->owns = w->has_forces = 0;
+  w->owns = w->has_forces = w->repeats = 0;
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
@@ -11499,9 +11555,13 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
     return;
   }
 #endif
-  fbi_zero(x, body->n + 1);
-  fbi_pull_eval(c, x, &L->k, body, L->k.qx, d, fbi_is_large(body));
-  fbi_copy(e, x + 1, body->n);
+  if (body->n > 0) {
+    fbi_zero(x, body->n + 1);
+    fbi_pull_eval(c, x, &L->k, body, L->k.qx, d, 0);
+    fbi_copy(e, x + 1, body->n);
+  } else {
+    fbi_vec3_copy(c, body->c);
+  }
   if (body->constant_S && body->n > 0) {
     const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     fb_real elastic[6] = {0}, pb[FB_MAX_MODES];
@@ -11701,8 +11761,9 @@ static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const 
 
 /* Transforms momenta to the chosen frames: those of the state, or (more) the increments that it is to grow by. The
    linear momentum of a free root becomes exactly zero. */
-static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state, fb_system_state *more,
-                            const fb_system_state *modes, const fb_system_input *input)
+static FBI_FLATTEN void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state,
+                                        fb_system_state *more, const fb_system_state *modes,
+                                        const fb_system_input *input)
 {
   fbi_trees_sum(w, system, state, more);
   fbi_trees_hold(w, system, modes);
@@ -11955,9 +12016,9 @@ static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, c
 
 static int fbi_link_state_is_finite(const fb_link_state *x, int n)
 {
-  return fbi_is_finite(x->x, 3) && fbi_is_finite(x->quat, 4) && fbi_is_finite(x->p, 6) && fbi_is_finite(x->q, n) &&
-         fbi_is_finite(x->pi, n) && fbi_is_finite(x->u, 3) && fbi_is_finite(x->lost_x, 3) &&
-         fbi_is_finite(x->lost_u, 3);
+  return fbi_vec3_is_finite(x->x) && fbi_is_finite(x->quat, 4) && fbi_vec3_is_finite(x->p) &&
+         fbi_vec3_is_finite(x->p + 3) && fbi_is_finite(x->q, n) && fbi_is_finite(x->pi, n) &&
+         fbi_vec3_is_finite(x->u) && fbi_vec3_is_finite(x->lost_x) && fbi_vec3_is_finite(x->lost_u);
 }
 
 /* Finite, and every body within its deflection limit. */
@@ -17767,16 +17828,14 @@ static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k
   return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* Start of a step of free roots without constraints: angular momentum in body axes. */
-static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
+/* Start of a step of free roots without constraints, at the first velocities: angular momentum in body axes. */
+static void fbi_own_begin(fb_system_work *w, const fb_system *system)
 {
   w->owns = 1;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    if (system->joint[k].kind == FB_JOINT_FREE) {
-      fb_real R[9];
-      fb_quat_to_mat33(R, state->link[k].quat);
-      fb_mat33_mulT_vec3(L->own_start, R, state->link[k].p + 3);
+    if (L->joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_copy(L->own_start, L->p + 3);
       fbi_vec3_copy(L->own, L->own_start);
       fbi_vec3_zero(L->own_sum);
     }
@@ -17869,8 +17928,8 @@ static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_sy
 
 /* Adds weight times the rates of a stage to the increments of the step and sets the next stage to start + ahead rates
    (last: no next stage). */
-static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
-                         const fb_system_state *start, fb_real weight, fb_real ahead, int last)
+static FBI_FLATTEN void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
+                                     const fb_system_state *start, fb_real weight, fb_real ahead, int last)
 {
   w->sum.motor_work += weight * w->rate.motor_work;
   for (int k = 0; k < system->n_body; k++) {
@@ -17956,7 +18015,9 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
 
   /* Prescribed coordinates, momenta */
-  fbi_prescribe(next, system, w, state, input);
+  if (w->driven) {
+    fbi_prescribe(next, system, w, state, input);
+  }
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
     fbi_frames_take(w, system, next, &w->sum, state, input);
@@ -17987,6 +18048,16 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
     fbi_links_copy(state, next, system);
   }
   return status;
+}
+
+/* Start of every step: what is the same in all its evaluations. */
+static void fbi_step_enter(fb_system_work *w, const fb_system *system, const fb_body *body,
+                           const fb_system_state *state)
+{
+  fbi_system_enter(w, system);
+  w->flies = fbi_flies(system, w);
+  fbi_links_enter(w, system, body, state);
+  w->repeats = 1;
 }
 
 static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
@@ -18030,18 +18101,16 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     FB_R(1.0) / FB_R(6.0)};
   const fb_system_input *input[4];
   fb_status status = FB_OK;
-  int flies;
+  int flies, owns;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
-  fbi_system_enter(work, system);
-  flies = work->flies = fbi_flies(system, work);
+  fbi_step_enter(work, system, body, state);
+  flies = work->flies;
 
   /* Inputs of the four stages; E11.27 for free flight without constraints */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  if (flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end)) {
-    fbi_own_begin(work, system, state);
-  }
+  owns = flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
   status = fbi_drives_check(work, system, state, start, end);
@@ -18052,10 +18121,15 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     /* Rates */
     status = fbi_system_step_check(system, body, input[stage], dt);
     if (status == FB_OK && stage > 0) {
-      fbi_prescribe(&work->stage, system, work, state, input[stage]);
+      if (work->driven) {
+        fbi_prescribe(&work->stage, system, work, state, input[stage]);
+      }
       work->clock = dt * node[stage - 1];
     }
     status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
+    if (status == FB_OK && stage == 0 && owns) {
+      fbi_own_begin(work, system);
+    }
 
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
@@ -18394,8 +18468,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  fbi_system_enter(work, system);
-  flies = work->flies = fbi_flies(system, work);
+  fbi_step_enter(work, system, body, state);
+  flies = work->flies;
 
   /* Inputs, step limit at the start */
   status = fbi_system_step_check(system, body, start, dt);
