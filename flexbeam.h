@@ -885,7 +885,7 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
    turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
    Bodies of systems have them, too, at less cost than wheels that are bodies on hinges: fb_link_motion starts them,
-   fb_system_input.rotor drives them. No advice; internal loads of lines with rotors on the hub alone. Others:
+   fb_system_input.rotor drives them. Internal loads of lines with rotors on the hub alone. Others:
    FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
@@ -3134,6 +3134,11 @@ typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur
   fb_real duration;  /* [s] of the simulation */
   fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
   int node;          /* the output is the elastic displacement of this node */
+#if FB_WITH_ROTORS
+  /* extremes of the rotors of the desc: torque of the motor beside what balances friction; momentum, given or not.
+     frequency need not have the nutation that they cause */
+  fb_rotor_input rotor[FB_MAX_ROTORS];
+#endif
 } fb_envelope;
 
 #define FB_ADVICE_EFFECTS 5 /* inertial effects: bits 0..4 of fb_effect */
@@ -3200,6 +3205,9 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
+#if FB_WITH_ROTORS
+  int turns; /* some rotor does */
+#endif
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
   fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
   fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
@@ -3218,8 +3226,8 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
    matter to the output, also those of other appendages by the recoil.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
    tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
-   natural modes; FB_ERR_STEP: no integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice
-   is written only on FB_OK. */
+   natural modes, a rotor has an imbalance, or rotors couple the modes too much for an estimate; FB_ERR_STEP: no
+   integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
 FB_API fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
@@ -3288,7 +3296,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
-          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
+          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
+          descriptions of bodies have them.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.

@@ -15342,13 +15342,13 @@ static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinet
    braking by friction; the rotation of rotors with an imbalance.
    Source: E11.41.  Cost: 6 flops a rotor.  Fails: never.
    Test: wheels_at_600_rad_per_s_cost_no_step, rotors_bound_the_step. */
-static fb_real fbi_own_rotors_spin(const fb_body *body, const fbi_kinetics *k)
+static fb_real fbi_own_rotors_spin(const fb_body *body, const fb_real *momentum)
 {
   fb_real spin = FB_R(0.0);
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    spin += FB_R(0.5) * FB_FABS(k->rotor_momentum[r]) * rotor->mobility + rotor->rate;
-    spin += fbi_is_unbalanced(rotor) ? FB_FABS(k->rotor_momentum[r]) / rotor->inertia : FB_R(0.0);
+    spin += FB_R(0.5) * FB_FABS(momentum[r]) * rotor->mobility + rotor->rate;
+    spin += fbi_is_unbalanced(rotor) ? FB_FABS(momentum[r]) / rotor->inertia : FB_R(0.0);
   }
   return spin;
 }
@@ -15361,7 +15361,7 @@ static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *accelerati
   fbi_step_conditions(spin, acceleration, body, k, input);
 #if FB_WITH_ROTORS
   if (further & FB_EFFECT_ROTORS) {
-    *spin += fbi_own_rotors_spin(body, k);
+    *spin += fbi_own_rotors_spin(body, k->rotor_momentum);
   }
 #endif
 #if FB_WITH_GRAVITY
@@ -31419,9 +31419,14 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without central gravity, mu", -1, desc->mu, FB_R(0.0));
   }
 #if FB_WITH_ROTORS
-  if (desc->n_rotor != 0) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "advice: on a body without rotors, n_rotor", -1, (fb_real)desc->n_rotor,
-                      FB_R(0.0));
+  FBI_REQUIRE(desc->n_rotor >= 0 && desc->n_rotor <= FB_MAX_ROTORS, FB_ERR_CAPACITY);
+  for (int r = 0; r < desc->n_rotor; r++) {
+    if (!fbi_is_finite(&e->rotor[r].torque, 1) || !fbi_is_finite(&e->rotor[r].momentum, 1)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    if (fbi_is_unbalanced(&desc->rotor[r])) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "rotor: advice, without imbalances", r, e->rotor[r].momentum, FB_R(0.0));
+    }
   }
 #endif
   return fbi_advise_modes_check(shape);
@@ -31440,6 +31445,55 @@ static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_s
   }
   return fb_body_init(body, &work->body_work, shape, &work->desc);
 }
+
+#if FB_WITH_ROTORS
+static int fbi_advice_can_nutate(fb_base base)
+{
+  return base == FB_BASE_FREE || base == FB_BASE_PINNED;
+}
+
+/* [E13.10] Frequency of the nutation of the whole body, as rigid, by the momenta of its rotors: w = J^-1 (H x w) has the
+   eigenvalues 0 and +-i sqrt(H.J H/det J), H = sum h_r a_r, J about the mass center, or the pin. What drives the modes
+   turns with it in the axes of the body: the frequency of the envelope is at least that. Held and hinged bases have none.
+   Source: E8.47, E11.50.  Fails: never.  Test: nutation_drives_the_modes. */
+static fb_real fbi_advice_nutation(const fb_shape *shape, const fb_body_desc *desc, const fb_envelope *e)
+{
+  const fb_real *const c = shape->c;
+  fb_real H[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, J[9], JH[3], y[3], square;
+  if (!fbi_advice_can_nutate(desc->base)) {
+    return FB_R(0.0);
+  }
+  for (int r = 0; r < desc->n_rotor; r++) {
+    fbi_vec3_add(H, e->rotor[r].momentum / fbi_vec3_norm(desc->rotor[r].axis), desc->rotor[r].axis);
+  }
+  for (int i = 0; i < 9; i++) {
+    const fb_real shift = (i % 4 == 0 ? fb_vec3_dot(c, c) : FB_R(0.0)) - c[i / 3] * c[i % 3];
+    J[i] = shape->J[i] - (desc->base == FB_BASE_FREE ? shift / shape->mass : FB_R(0.0));
+  }
+  fb_mat33_mul_vec3(JH, J, H);
+  fb_vec3_cross(y, J + 3, J + 6);
+  square = fb_vec3_dot(H, JH) / fb_vec3_dot(J, y);
+  return square > FB_R(0.0) && square < FB_HUGE ? FB_SQRT(square) : FB_R(0.0);
+}
+
+/* Factors of the spin in the load cases of a body that nutates by its rotors: at some time it adds to what the loads do,
+   at another it takes from it. */
+static const signed char fbi_advice_nutates[FBI_ADVICE_INSTANTS + 1] = {1, -1, 0, 1, 0, 0};
+
+/* Rotors of a load case: momenta; torques of motors, beside those that balance friction. */
+static void fbi_advise_rotors(fb_advice_work *work, const fb_body *body, const fb_envelope *e, int acts,
+                              const fb_real w[3])
+{
+  for (int r = 0; r < body->n_rotor; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    const fb_real h = e->rotor[r].momentum, speed = h / rotor->inertia - fb_vec3_dot(rotor->axis, w);
+    work->state.pi[body->n + r] = h;
+    work->input.rotor[r].momentum = rotor->given ? h : FB_R(0.0);
+    work->input.rotor[r].torque = acts ? e->rotor[r].torque : FB_R(0.0);
+    work->input.rotor[r].torque -= rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, speed);
+  }
+}
+#endif
 
 /* Accelerations (work.motion) and displacement of the output (work.node) in a load case, at q, q_dot. */
 static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant,
@@ -31462,6 +31516,12 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
     work->input.w[i] = w[i];
     work->input.w_dot[i] = (fb_real)on[1] * e->spin_rate[i];
   }
+#if FB_WITH_ROTORS
+  for (int i = 0; i < 3 && work->turns && fbi_advice_can_nutate(body->base); i++) {
+    w[i] = (fb_real)fbi_advice_nutates[instant] * e->spin[i];
+  }
+  fbi_advise_rotors(work, body, e, on[3], w);
+#endif
 
   /* Gravity in place of the acceleration of O, less w x v, which the body accounts for itself */
   fb_vec3_cross(turning, w, v);
@@ -31769,24 +31829,15 @@ static int fbi_advice_at(fb_real y[3], const fb_advice_work *work, const fb_enve
   return 1;
 }
 
-/* [E13.1] Modal response in a load case: the quasi-static K q = f, K the tangent stiffness of the full set of effects
-   (if that is unstable: the one at rest), each mode of the whole body times its dynamic amplification factor.
-   Source: own; quasi-static response with dynamic amplification.  Cost: 2 n evaluations, an LU factorization, an
-   eigenproblem.  Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
-static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, int i)
+/* Answer to the forces work.f of a load case: how far beyond the deflection limit it was, to which it is scaled down. */
+static fb_status fbi_advise_respond(fb_real *beyond, fb_advice_work *work, const fb_envelope *e, int i)
 {
   const int n = work->full.n;
   const fbi_advice_modes *const m = &work->modes;
-  fb_real *const q = work->q[i], *const q_dot = work->q_dot[i], *const K = work->tangent[i], tip, beyond;
-  fb_status status = fbi_advise_stiffness(work, e, i);
-  fbi_zero(q, n);
-  status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
-  if (status != FB_OK) {
-    return status;
-  }
+  fb_real *const q = work->q[i], *const q_dot = work->q_dot[i], *const K = work->tangent[i];
+  fb_status status = FB_OK;
 
   /* Quasi-static response */
-  fbi_advise_force(work->f[i], work, work->motion.q_ddot, work->all, n);
   if (fbi_advise_solve(q, work, K, work->f[i], n) != FB_OK || !fbi_advice_holds(work, K, q) ||
       fbi_advise_modes(work, e, i, q, n) != FB_OK) {
     fbi_copy(K, work->tangent[FBI_ADVICE_REST], n * n);
@@ -31804,10 +31855,118 @@ static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, i
       q_dot[a] += m->gain[k] * m->part[k] * m->x[k * n + a] * fbi_advice_rate(e, m->omega[k]);
     }
   }
-  beyond = fbi_advice_bound(q, &work->full);
+  *beyond = fbi_advice_bound(q, &work->full);
   for (int a = 0; a < n; a++) {
-    q_dot[a] /= beyond;
+    q_dot[a] /= *beyond;
   }
+  return status;
+}
+
+#if FB_WITH_ROTORS
+/* Force on the modes per momenta p of an oscillation at q by the momenta of the rotors: that part of it which is odd in
+   p, less the same of rotors at rest; the momentum of the whole stays, so that the base recoils. */
+static fb_status fbi_advise_coupling(fb_real *force, fb_advice_work *work, const fb_envelope *e, int i,
+                                     const fb_real *q, const fb_real *p)
+{
+  const int n = work->full.n;
+  fb_envelope still = *e;
+  fb_real sum[FB_MAX_MODES];
+  fb_status status = FB_OK;
+  memset(still.rotor, 0, sizeof still.rotor);
+  fbi_zero(sum, n);
+  for (int turns = 0; turns < 2 && status == FB_OK; turns++) {
+    status = fbi_advise_motion(work, &work->full, turns ? e : &still, i, q, NULL);
+    for (int side = -1; side <= 1 && status == FB_OK; side += 2) {
+      fb_state at = work->state;
+      for (int a = 0; a < n; a++) {
+        at.pi[a] += (fb_real)side * p[a];
+      }
+      status = fb_body_motion_eval(&work->full, &work->motion, &at, &work->input);
+      for (int a = 0; a < n; a++) {
+        sum[a] += (turns ? FB_R(0.5) : FB_R(-0.5)) * (fb_real)side * work->motion.q_ddot[a];
+      }
+    }
+  }
+  fbi_advise_force(force, work, sum, work->all, n);
+  return status;
+}
+
+/* How much a mode that vibrates at `omega` on its own drives another one by a force at that frequency, of what that force
+   does at rest: 1/|1 - r^2|, limited by the duration. */
+static fb_real fbi_advice_growth(const fb_envelope *e, fb_real omega, fb_real other)
+{
+  const fb_real r = omega / other, near = fbi_smaller(FB_FABS(FB_R(1.0) - r * r), FB_R(1.0));
+  return FB_R(1.0) / fbi_larger(near, FB_R(1.0) / fbi_larger(FB_R(3.0), FB_R(0.5) * other * e->duration));
+}
+
+/* [E13.11] Forces by the gyroscopic coupling of the modes through turning rotors, to the forces of a load case: mode j,
+   which swings by a_j at the speed v_j, puts x_k.G x_j v_j on mode k, to which that gives at most the energy of mode j;
+   to first order, and of either sign.
+   Source: own; E8.44, E13.7.  Cost: 4 n evaluations.  Fails: FB_ERR_UNSUPPORTED where the energy that all of it gives at
+   rest is more than a quarter of that which is there.  Test: wheels_couple_the_planes_of_booms. */
+static fb_status fbi_advise_gyrate(fb_advice_work *work, const fb_envelope *e, int i)
+{
+  const fbi_advice_modes *const m = &work->modes;
+  const int n = work->full.n;
+  fb_real more[FB_MAX_MODES], p[FB_MAX_MODES], force[FB_MAX_MODES], own = FB_R(0.0), given = FB_R(0.0);
+  fbi_zero(more, n);
+  for (int j = 0; j < n; j++) {
+    const fb_real swing = FB_FABS(m->gain[j] * m->part[j]), speed = swing * fbi_advice_rate(e, m->omega[j]);
+    fb_status status;
+    own += swing * m->omega[j] * swing * m->omega[j];
+    if (!(speed > FB_R(0.0))) {
+      continue;
+    }
+    fbi_advise_force(p, work, m->x + j * n, work->all, n);
+    status = fbi_advise_coupling(force, work, e, i, work->q[i], p);
+    if (status != FB_OK) {
+      return status;
+    }
+    for (int k = 0; k < n; k++) {
+      const fb_real other = m->omega[k], rest = FB_FABS(fbi_dot(m->x + k * n, force, n)) * speed / (other * other);
+      given += rest * other * rest * other;
+      more[k] += fbi_smaller(rest * fbi_advice_growth(e, m->omega[j], other), swing * m->omega[j] / other);
+    }
+  }
+  for (int k = 0; k < n; k++) {
+    const fb_real add = more[k] * m->omega[k] * m->omega[k] / m->gain[k];
+    fbi_advise_force(p, work, m->x + k * n, work->all, n);
+    for (int a = 0; a < n; a++) {
+      work->f[i][a] += (m->part[k] < FB_R(0.0) ? -add : add) * p[a];
+    }
+  }
+  return given <= FB_R(0.25) * own
+             ? FB_OK
+             : FBI_REFUSE(FB_ERR_UNSUPPORTED,
+                          "advice: gyroscopic coupling of modes by rotors, of their energy, at most", -1, given / own,
+                          FB_R(0.25));
+}
+#endif
+
+/* [E13.1] Modal response in a load case: the quasi-static K q = f, K the tangent stiffness of the full set of effects
+   (if that is unstable: the one at rest), each mode of the whole body times its dynamic amplification factor.
+   Source: own; quasi-static response with dynamic amplification.  Cost: 2 n evaluations, an LU factorization, an
+   eigenproblem.  Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
+static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, int i)
+{
+  const int n = work->full.n;
+  fb_real *const q = work->q[i], tip, beyond = FB_R(1.0);
+  fb_status status = fbi_advise_stiffness(work, e, i);
+  fbi_zero(q, n);
+  status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* Forces, and the answer */
+  fbi_advise_force(work->f[i], work, work->motion.q_ddot, work->all, n);
+  status = fbi_advise_respond(&beyond, work, e, i);
+#if FB_WITH_ROTORS
+  if (status == FB_OK && work->turns) {
+    status = fbi_advise_gyrate(work, e, i);
+    status = status ? status : fbi_advise_respond(&beyond, work, e, i);
+  }
+#endif
 
   /* Deflection of the output */
   status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
@@ -31999,6 +32158,23 @@ static fb_real fbi_large_instructions(const fb_body *body)
 #endif
 }
 
+/* Instructions of an evaluation of the rates by rotors, on a section that the modes move more; quadratic: 1 with a
+   quadratic field. Counted by callgrind for 1 and 3 rotors, 2 to 12 modes, every effect: within 5 %. */
+static fb_real fbi_rotor_instructions(const fb_body *body, fb_real quadratic)
+{
+  fb_real count = FB_R(0.0);
+#if FB_WITH_ROTORS
+  const fb_real n = (fb_real)body->n;
+  for (int r = 0; r < body->n_rotor; r++) {
+    count += body->rotor[r].moves ? 700 + (340 + 69 * quadratic * n) * n : FB_R(210.0);
+  }
+  count += body->n_rotor > 0 ? FB_R(850.0) : FB_R(0.0);
+#else
+  (void)body, (void)quadratic;
+#endif
+  return count;
+}
+
 /* Approximate number of instructions of a step, so that the times of candidates have the right ratio: evaluations of
    the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix and its LU
    factors. The linear system of a base that is not prescribed has 6 more rows.
@@ -32014,7 +32190,8 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   /* Counts of each part */
   const fb_real sums = 490 + 28 * n + 12 * terms;
   const fb_real modal = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
-  const fb_real rates = modal + (fbi_is_large(body) ? fbi_large_instructions(body) : FB_R(0.0));
+  const fb_real beside = fbi_rotor_instructions(body, quadratic);
+  const fb_real rates = modal + beside + (fbi_is_large(body) ? fbi_large_instructions(body) : FB_R(0.0));
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
   const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* position of O, frame of the momenta */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
@@ -32030,10 +32207,26 @@ static fb_real fbi_longest_step(const fb_envelope *e)
   return e->frame > FB_R(0.0) ? fbi_smaller(e->frame, e->duration) : FB_R(0.125) * e->duration;
 }
 
+/* [rad/s] of the body that a step has to resolve, with what its rotors add. */
+static fb_real fbi_advice_spin(const fb_body *body, const fb_envelope *e)
+{
+  fb_real spin = fbi_vec3_norm(e->spin);
+#if FB_WITH_ROTORS
+  fb_real momentum[FB_MAX_ROTORS];
+  for (int r = 0; r < body->n_rotor; r++) {
+    momentum[r] = e->rotor[r].momentum;
+  }
+  spin += fbi_own_rotors_spin(body, momentum);
+#else
+  (void)body;
+#endif
+  return spin;
+}
+
 /* Largest step [s] that an integrator accepts for the body in this envelope. */
 static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
-  const fb_real spin = fbi_vec3_norm(e->spin);
+  const fb_real spin = fbi_advice_spin(body, e);
   const fb_real acceleration = body->base == FB_BASE_FREE ? FB_R(0.0) : fbi_vec3_norm(e->acceleration);
   return fbi_smaller(fbi_integrator_table[(int)integrator].limit(body, spin, acceleration), fbi_longest_step(e));
 }
@@ -32056,7 +32249,7 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
 {
   fb_spectrum *const s = &work->spectrum;
   const int exact = !fbi_has_amplification(integrator); /* in the linear part */
-  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exact ? work->error[0] : 1;
+  const fb_real spin = fbi_advice_spin(&work->full, e), inertial = exact ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
 
   /* Free vibration */
@@ -32084,10 +32277,19 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
 
 /* Modal responses, order of the modes, errors of all sets of effects and numbers of modes. */
 static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
-                                    const fb_envelope *e, fb_real tolerance)
+                                    fb_envelope *e, fb_real tolerance)
 {
   /* Bodies with all modes: full and linear set of effects */
   fb_status status = fbi_advise_check(shape, desc, e, tolerance);
+#if FB_WITH_ROTORS
+  work->turns = 0;
+  for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
+    work->turns |= e->rotor[r].momentum != FB_R(0.0);
+  }
+  if (work->turns) {
+    e->frequency = fbi_larger(e->frequency, fbi_advice_nutation(shape, desc, e));
+  }
+#endif
   for (int a = 0; a < FB_MAX_MODES; a++) {
     work->all[a] = work->order[a] = a;
     work->zeta[a] = fbi_has(desc->effects, FB_EFFECT_DAMPING) ? desc->zeta[a] : FB_R(0.0);
@@ -32247,11 +32449,13 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
   fb_advice best[2], candidate; /* the cheapest within the tolerance; of those whose displacement field errs by more */
+  fb_envelope e;
   fb_status status;
 
   /* Responses and error estimates */
   FBI_REQUIRE(advice && work && shape && desc && envelope, FB_ERR_NULL);
-  status = fbi_advise_prepare(work, shape, desc, envelope, tolerance);
+  e = *envelope;
+  status = fbi_advise_prepare(work, shape, desc, &e, tolerance);
   if (status != FB_OK) {
     return status;
   }
@@ -32267,11 +32471,11 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
     fb_real rest, own;
     fbi_advice_fill(&candidate, work, desc, set, n);
     rest = left - candidate.error_effects - candidate.error_modes;
-    if (rest > FB_R(0.0) && fbi_advise_candidate(&own, work, shape, desc, envelope, &candidate) == FB_OK) {
+    if (rest > FB_R(0.0) && fbi_advise_candidate(&own, work, shape, desc, &e, &candidate) == FB_OK) {
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
       rest = left - candidate.error_effects - candidate.error_modes;
       if (rest > FB_R(0.0)) {
-        fbi_advise_integrator(&candidate, work, envelope, rest);
+        fbi_advise_integrator(&candidate, work, &e, rest);
         best[beyond] = candidate.cost < best[beyond].cost ? candidate : best[beyond];
       }
     }
@@ -32458,21 +32662,23 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
                                   const fb_trial *trial)
 {
   fb_advice found;
+  fb_envelope e;
   fb_status status;
   FBI_REQUIRE(advice && work && shape && desc && envelope && trial, FB_ERR_NULL);
   FBI_REQUIRE(trial->run && trial->output && trial->reference, FB_ERR_NULL);
   FBI_REQUIRE(trial->n > 0 && trial->width > 0 && trial->n % trial->width == 0, FB_ERR_VALUE);
 
   /* Estimates, then the reference */
-  status = fbi_advise_prepare(work, shape, desc, envelope, tolerance);
-  status = status ? status : fbi_search_prepare(work, shape, desc, envelope);
-  status = status ? status : fbi_search_fullest(&found, work, shape, desc, envelope, trial);
+  e = *envelope;
+  status = fbi_advise_prepare(work, shape, desc, &e, tolerance);
+  status = status ? status : fbi_search_prepare(work, shape, desc, &e);
+  status = status ? status : fbi_search_fullest(&found, work, shape, desc, &e, trial);
   if (status == FB_OK && found.error > 2 * tolerance) { /* with fewer effects it could be smaller by chance only */
     status = FB_ERR_CONVERGENCE;
   }
 
   /* Candidates, the cheapest first */
-  status = status ? status : fbi_search_run(&found, work, desc, envelope, tolerance, trial, found.cost);
+  status = status ? status : fbi_search_run(&found, work, desc, &e, tolerance, trial, found.cost);
 
   /* The estimates beside the error found */
   if (status == FB_OK) {
@@ -32482,7 +32688,7 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
     status = fbi_candidate(work, shape, desc, &found);
   }
   if (status == FB_OK) {
-    found.long_step = found.dt > fbi_integrator_limit(&work->body, found.integrator, envelope);
+    found.long_step = found.dt > fbi_integrator_limit(&work->body, found.integrator, &e);
     *advice = found;
   }
   return status;

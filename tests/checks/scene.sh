@@ -159,6 +159,13 @@ for file in inside outside; do
 done
 [ "$(wc -l < "$out/inside.csv")" -gt 50 ] && cmp -s "$out/inside.csv" "$out/outside.csv" || fail "rotors of a description move otherwise than those of a scene"
 
+sed -e '/^step/d' -e '/^body craft/a auto 0.01' "$out/inside.txt" > "$out/chosen.txt"
+for axis in y z; do
+  echo "reference inside.csv t tip_$axis output tip_$axis tolerance 0.01 relative" >> "$out/chosen.txt"
+done
+try "$out/scene" "$out/chosen.txt" --quiet
+[ ! -s "$out/log" ] || fail "a satellite with wheels, modes and step chosen: $(cat "$out/log")"
+
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"
