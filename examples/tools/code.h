@@ -1221,7 +1221,7 @@ static void code_write_large_frame(const code *w)
       }
     }
     code_assign(&inner, &s, w->single ? "const float square" : "const double square");
-    fputs("      w[11] = square > w[11] ? square : w[11];\n    }\n", w->out);
+    fputs("      w[11] = square <= w[11] ? w[11] : square;\n    }\n", w->out);
   }
   fputs("  }\n", w->out);
 }
@@ -1307,7 +1307,12 @@ static const char code_helpers[] =
     "/* Short loops are unrolled, which -O2 does not by itself; the rates keep the registers to themselves. */\n"
     "#if defined(__clang__)\n#define @_UNROLL _Pragma(\"unroll 8\")\n"
     "#elif defined(__GNUC__)\n#define @_UNROLL _Pragma(\"GCC unroll 8\")\n#else\n#define @_UNROLL\n#endif\n"
-    "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n"
+    "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n";
+
+static const char code_restrict[] =
+    "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#else\n#define @_RESTRICT\n#endif\n\n";
+
+static const char code_finite[] =
     "static int @_is_finite(const $ *x, int n)\n{\n"
     "  $ sum = `0`;\n"
     "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
@@ -1773,6 +1778,8 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
   code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                            : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
+  code_template(&w, w.large ? code_restrict : "");
+  code_template(&w, code_finite);
   code_template(&w, code_input_finite[code_model.first / 3]);
   code_template(&w, code_rotations);
   if (code_model.first > 0) {

@@ -68,6 +68,10 @@ static void code_line_begin(int number)
       }
     }
   }
+  if (code_line.by[0] + code_line.by[1] + code_line.by[2] == 1) { /* turns about one axis commute: B is of no effect */
+    memset(code_line.row + 3, 0, 3 * sizeof code_line.row[0]);
+    memset(code_line.by + 3, 0, 3 * sizeof code_line.by[0]);
+  }
   for (int t = 0; t < CODE_TABLES; t++) {
     code_line.by[t] = code_line.by[t] ? ++code_line.n_by : 0;
   }
@@ -146,14 +150,6 @@ static double code_line_shift(int a, int i)
 static void code_loop(const code *w, int indent, char index, int first, int end)
 {
   fprintf(w->out, "%*sfor (int %c = %d; %c < %d; %c++) {\n", indent, "", index, first, index, end, index);
-}
-
-/* The same over coordinates, short and unrolled. */
-static void code_short_loop(const code *w, int indent, char index, int first, int end)
-{
-  fprintf(w->out, "%*s", indent, "");
-  code_template(w, "@_UNROLL\n");
-  code_loop(w, indent, index, first, end);
 }
 
 /* Declares a field of the line: "name[m]" and so on. */
@@ -346,7 +342,8 @@ static void code_line_head(const code *w, const char *type, const char *name, co
   code_template(w, "@_");
   fprintf(w->out, "%s_%d(", name, code_line.number);
   code_template(w, "@_line_");
-  fprintf(w->out, "%d *l", code_line.number);
+  fprintf(w->out, "%d *", code_line.number);
+  code_template(w, "@_RESTRICT l");
   code_template(w, arguments);
   fputs(")\n{\n", w->out);
 }
@@ -466,8 +463,9 @@ static void code_line_half(const code *w)
     code_number(number, w, 1.0 / 6.0);
     fprintf(w->out, "%s - x * f;\n", number);
   }
-  code_template(w, "    const $ half = sqrt~(`1` - `0.5` * a * x);\n"
-                   "    const $ share = (`0.5` - `0.5` * b * x) / half;\n");
+  code_template(w, "    l->quat_w[j] = `0.5` - `0.5` * b * x;\n"
+                   "    l->half[j] = `1` - `0.5` * a * x;\n");
+  code_member(code_variable("half[%d]", code_line.m).name);
   if (!code_line.plane) {
     code_keep_one(&inner, code_variable("a"), "a");
     code_keep_one(&inner, code_variable("b"), "b");
@@ -475,8 +473,12 @@ static void code_line_half(const code *w)
     code_member(code_variable("a1[%d]", code_line.m).name);
     code_member(code_variable("b1[%d]", code_line.m).name);
   }
-  fputs("    l->quat_w[j] = half;\n", w->out);
   code_member(code_variable("quat_w[%d]", code_line.m).name);
+  fputs("  }\n", w->out);
+  code_loop(w, 2, 'j', 0, code_line.m);
+  code_template(w, "    l->half[j] = sqrt~(l->half[j]);\n  }\n");
+  code_loop(w, 2, 'j', 0, code_line.m);
+  code_template(w, "    const $ half = l->half[j], share = l->quat_w[j] / half;\n    l->quat_w[j] = half;\n");
   d = code_scale(&inner, "d", 1.0, code_variable("share"), &code_line.phi);
   code_keep_vec(&inner, &d, "quat");
   for (int i = 0; i < 3 && !code_line.plane; i++) {
@@ -774,11 +776,53 @@ static code_value code_keep_by(const code *w, code_sum *s, const char *name)
 
 static code_vec code_line_K, code_line_Jw, code_line_h;
 
+/* 1 if a local name is there already; kept from one loop to the next by code_line_loaded = 0 */
+static char code_line_names[40][CODE_NAME];
+static int code_line_loaded;
+
+static int code_line_is_loaded(const char *name)
+{
+  for (int k = 0; k < code_line_loaded; k++) {
+    if (strcmp(code_line_names[k], name) == 0) {
+      return 1;
+    }
+  }
+  strcpy(code_line_names[code_line_loaded++], name);
+  return 0;
+}
+
+/* Local names of n fields at point j, before a loop over coordinates. */
+static void code_line_preload(const code *w, code_value *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    char name[CODE_NAME];
+    if (strncmp(x[i].name, "l->", 3) != 0) {
+      continue;
+    }
+    strcpy(name, x[i].name + 3);
+    *strchr(name, '[') = '\0';
+    if (!code_line_is_loaded(name)) {
+      fprintf(w->out, "%*sconst %s %s = %s;\n", w->indent, "", w->single ? "float" : "double", name, x[i].name);
+    }
+    strcpy(x[i].name, name);
+  }
+}
+
+/* Rows of the table `by` at point j. */
+static void code_line_row_pointers(const code *w)
+{
+  for (int t = 0; t < code_line.n_by; t++) {
+    code_template(w, "    const $ *const D_");
+    fprintf(w->out, "%d = D[j][%d];\n", t, t);
+  }
+}
+
 /* E14.5 by points; inner loops over the coordinates. */
 static void code_line_jacobians(const code *w)
 {
   code outer = *w, inner = *w;
-  code_vec d, u, v, turn, A_a, B_a, t = code_line.t;
+  struct code_line kept;
+  code_vec d, u, v, turn, A_a, B_a, t;
   code_sum s;
   outer.indent = 4;
   inner.indent = 6;
@@ -786,8 +830,8 @@ static void code_line_jacobians(const code *w)
         "tangent */\n",
         w->out);
   for (int i = 0; i < 3; i++) {
-    A_a.x[i] = code_line.by[i] ? code_variable("D[j][%d][a]", code_line.by[i] - 1) : code_constant(0.0);
-    B_a.x[i] = code_line.by[3 + i] ? code_variable("D[j][%d][a]", code_line.by[3 + i] - 1) : code_constant(0.0);
+    A_a.x[i] = code_line.by[i] ? code_variable("D_%d[a]", code_line.by[i] - 1) : code_constant(0.0);
+    B_a.x[i] = code_line.by[3 + i] ? code_variable("D_%d[a]", code_line.by[3 + i] - 1) : code_constant(0.0);
     turn.x[i] = code_constant(0.0);
     for (int k = 0; k < 3; k++) {
       if (!code_is_zero(&code_line.N[i][k]) && !code_is_zero(&code_line.phi.x[k])) {
@@ -807,7 +851,17 @@ static void code_line_jacobians(const code *w)
   } else {
     u.x[0] = u.x[1] = u.x[2] = v.x[0] = v.x[1] = v.x[2] = code_constant(0.0);
   }
-  code_short_loop(w, 4, 'a', 0, code_line.width);
+  code_line_loaded = 0;
+  kept = code_line;
+  code_line_preload(&outer, code_line.N[0], 9);
+  code_line_preload(&outer, code_line.H[0], 9);
+  code_line_preload(&outer, code_line.t.x, 3);
+  if (code_line.spread) {
+    code_line_preload(&outer, code_line.I[0], 9);
+  }
+  code_line_row_pointers(w);
+  t = code_line.t;
+  code_loop(w, 4, 'a', 0, code_line.width);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, A_a.x[i]);
@@ -837,7 +891,7 @@ static void code_line_jacobians(const code *w)
     code_add_cross(&s, 1.0, &code_line_Jw, &t, i);
     for (int k = 0; k < 3; k++) {
       if (code_line.by[6 + k]) {
-        code_add(&s, 1.0, code_line.H[i][k], code_variable("D[j][%d][a]", code_line.by[6 + k] - 1));
+        code_add(&s, 1.0, code_line.H[i][k], code_variable("D_%d[a]", code_line.by[6 + k] - 1));
       }
     }
     code_line_K.x[i] = code_keep_by(&inner, &s, code_variable("K_%c", code_axis[i]).name);
@@ -855,6 +909,10 @@ static void code_line_jacobians(const code *w)
     code_line_h.x[i] = code_keep_by(&inner, &s, code_variable("h_%c", code_axis[i]).name);
   }
   fputs("    }\n  }\n", w->out);
+  memcpy(code_line.N, kept.N, sizeof kept.N);
+  memcpy(code_line.H, kept.H, sizeof kept.H);
+  memcpy(code_line.I, kept.I, sizeof kept.I);
+  code_line.t = kept.t;
 }
 
 /* Names of fields by coordinates at point j: [j][a] or with the name of another index. */
@@ -896,7 +954,7 @@ static void code_line_weigh(const code *w)
   }
   for (int j = 0; j < count; j++) {
     code_vec turn, rho;
-    code_short_loop(w, 2, 'a', 0, code_line.width);
+    code_loop(w, 2, 'a', 0, code_line.width);
     for (int i = 0; i < 3; i++) {
       turn.x[i] = code_by_at(code_line_Jw.x[i], j, "a");
     }
@@ -999,7 +1057,7 @@ static void code_line_products(const code *w)
   for (int a = 0; a < code_line.n; a++) {
     char own[16];
     snprintf(own, sizeof own, "%d", a);
-    code_short_loop(w, 2, 'b', a / 2 * 2, code_line.width);
+    code_loop(w, 2, 'b', a / 2 * 2, code_line.width);
     code_begin(&s);
     for (int j = 0; j < count; j++) {
       for (int i = 0; i < 3; i++) {
@@ -1010,7 +1068,7 @@ static void code_line_products(const code *w)
     code_assign(&inner, &s, code_variable("l->M[%d][b]", a).name);
     fputs("  }\n", w->out);
   }
-  code_short_loop(w, 2, 'a', 0, code_line.width);
+  code_loop(w, 2, 'a', 0, code_line.width);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
     for (int j = 0; j < count; j++) {
@@ -1467,12 +1525,19 @@ static void code_line_gradient(const code *w, int unused)
   code_template(w, "\n  /* to the coordinates */\n  memset(l->g, 0, sizeof l->g);\n");
   code_member(code_variable("g[%d]", code_line.width).name);
   code_loop(w, 2, 'j', 0, code_line.m);
-  code_short_loop(w, 4, 'a', 0, code_line.width);
+  code_line_loaded = 0;
+  {
+    code outer = *w;
+    outer.indent = 4;
+    code_line_preload(&outer, by, CODE_TABLES);
+  }
+  code_line_row_pointers(w);
+  code_loop(w, 4, 'a', 0, code_line.width);
   code_begin(&s);
   code_add_one(&s, 1.0, code_variable("l->g[a]"));
   for (int t = 0; t < CODE_TABLES; t++) {
     if (code_line.by[t]) {
-      code_add(&s, 1.0, by[t], code_variable("D[j][%d][a]", code_line.by[t] - 1));
+      code_add(&s, 1.0, by[t], code_variable("D_%d[a]", code_line.by[t] - 1));
     }
   }
   code_assign(&inner, &s, "l->g[a]");
