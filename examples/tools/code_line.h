@@ -799,8 +799,8 @@ static void code_line_preload(const code *w, code_value *x, int n)
     if (strncmp(x[i].name, "l->", 3) != 0) {
       continue;
     }
-    strcpy(name, x[i].name + 3);
-    *strchr(name, '[') = '\0';
+    snprintf(name, sizeof name - 2, "%s", x[i].name + 3);
+    strcpy(strchr(name, '['), "_j");
     if (!code_line_is_loaded(name)) {
       fprintf(w->out, "%*sconst %s %s = %s;\n", w->indent, "", w->single ? "float" : "double", name, x[i].name);
     }

@@ -93,14 +93,14 @@ single=$worst
 polynomial=$largest
 largest=0
 lines=0
-for seed in 1 3 4 5 6 8 9 10 11 12 14 15 17; do
+for seed in 1 3 4 5 10 11 14 17; do
   generate $seed "large damping"
   agree -O0
   note
   lines=$((lines + 1))
 done
 for base_is in pinned prescribed; do
-  for seed in 4 5 14; do
+  for seed in 4 14; do
     generate $seed "large damping gravity"
     agree -O0
     note
