@@ -1,5 +1,5 @@
-/* code.h - writes the rk4 step of one body as C99 of its own, straight-line: what code_model.h knows of a fb_body
-   in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
+/* code.h - writes the rk4 step of one body as C99 of its own, straight-line: what code_model.h knows of a fb_body, and
+   code_line.h of its lines, in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
 #ifndef CODE_H
 #define CODE_H
 #include "code_model.h"
@@ -262,12 +262,12 @@ static void code_write_inertia(const code *w)
 enum { CODE_ROWS = FB_MAX_MODES + 6 };
 
 typedef struct code_factor { /* in the order of elimination */
-  int n, order[6]; /* rows that the base leaves free */
+  int n, order[6];           /* rows that the base leaves free */
   char label[CODE_ROWS][8];
   code_value S[CODE_ROWS][CODE_ROWS];
-  code_value low[CODE_ROWS][CODE_ROWS]; /* unit lower triangle.. */
-  code_value raw[CODE_ROWS][CODE_ROWS]; /* ..and it times the pivots */
-  code_value share[CODE_ROWS];          /* 1/pivot */
+  code_value low[CODE_ROWS][CODE_ROWS];  /* unit lower triangle.. */
+  code_value raw[CODE_ROWS][CODE_ROWS];  /* ..and it times the pivots */
+  code_value share[CODE_ROWS];           /* 1/pivot */
   code_value y[CODE_ROWS], x[CODE_ROWS]; /* right side, solution */
 } code_factor;
 
@@ -942,7 +942,8 @@ static void code_write_large_inertia(const code *w)
         code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
       }
       code_large_M(&s, e);
-      code_now.S[e] = code_end(w, &s, code_variable("S_%s_%s", code_rows[fbi_sym6_row[e]], code_rows[fbi_sym6_column[e]]));
+      code_now.S[e] =
+          code_end(w, &s, code_variable("S_%s_%s", code_rows[fbi_sym6_row[e]], code_rows[fbi_sym6_column[e]]));
     }
   }
   for (int i = 0; i < 3 && code_model.first < 6; i++) {
@@ -1193,9 +1194,10 @@ static void code_write_large_frame(const code *w)
   if (body->allow_long_step) {
     return;
   }
-  fputs("\n  /* E11.36, E11.37: bounds of stiffness and damping at this deflection, fastest section, for the step limit "
-        "*/\n",
-        w->out);
+  fputs(
+      "\n  /* E11.36, E11.37: bounds of stiffness and damping at this deflection, fastest section, for the step limit "
+      "*/\n",
+      w->out);
   code_template(w, "  if (w[9] > `0`) {\n");
   code_write_large_mobility(&inner, G);
   code_template(w, "    w[10] = w[11] = `0`;\n");
@@ -1312,13 +1314,12 @@ static const char code_helpers[] =
 static const char code_restrict[] =
     "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#else\n#define @_RESTRICT\n#endif\n\n";
 
-static const char code_finite[] =
-    "static int @_is_finite(const $ *x, int n)\n{\n"
-    "  $ sum = `0`;\n"
-    "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
-    "  return sum <= @_huge;\n}\n\n"
-    "static int @_input_is_finite(const @_input *in)\n{\n"
-    "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
+static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
+                                  "  $ sum = `0`;\n"
+                                  "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
+                                  "  return sum <= @_huge;\n}\n\n"
+                                  "static int @_input_is_finite(const @_input *in)\n{\n"
+                                  "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
 
 static const char code_input_finite[3][120] = {
     " &&\n                 @_is_finite(in->force, 3) && @_is_finite(in->torque, 3));\n}\n\n",
@@ -1365,11 +1366,11 @@ static void code_write_nothing(const code *w)
 /* c(q), first moment of mass. */
 static void code_write_center(const code *w)
 {
-  code_template(
-      w, w->large ? "\n/* E8.16: c(q) [kg m], first moment of mass, body axes; 0 where a line turns too far */\n"
-                    "static int @_center($ *c, const $ *q)\n{\n"
-                  : "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\n"
-                    "static void @_center($ *c, const $ *q)\n{\n");
+  code_template(w, w->large
+                       ? "\n/* E8.16: c(q) [kg m], first moment of mass, body axes; 0 where a line turns too far */\n"
+                         "static int @_center($ *c, const $ *q)\n{\n"
+                       : "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\n"
+                         "static void @_center($ *c, const $ *q)\n{\n");
   if (w->large) {
     code_write_large_poses(w, "q");
   }
@@ -1414,7 +1415,8 @@ static void code_write_limit(const code *w)
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
                    "static $ @_longest(const $ *w, $ a)\n{\n"
                    "  const $ spin = @_norm(w);\n");
-  code_template(w, w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
+  code_template(w,
+                w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
   code_begin(&s);
   if (code_model.first == 0) {
     code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
@@ -1647,7 +1649,7 @@ static void code_write_end(const code *w)
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(@_state *state, $ *d, const $ *x");
-  code_template(w, code_model.first == 6                ? ", const @_input *last)\n{\n  @_status status;\n"
+  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n  @_status status;\n"
                    : code_model.first == 0 && w->large ? ", const $ *before)\n{\n  @_status status;\n"
                                                        : ")\n{\n  @_status status;\n");
   code_template(w, w->large && code_model.first < 6 ? "  $ after[3];\n" : "");
@@ -1656,8 +1658,7 @@ static void code_write_end(const code *w)
                                          : "  $ before[3], after[3], old[3], own[3];\n");
   code_template(w, w->large ? "  int sound = 1;\n" : "");
   code_template(w, w->single ? code_end_declare_single : code_end_declare);
-  code_template(w, code_model.first < 6
-                       ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
+  code_template(w, code_model.first < 6 ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
                    : w->large ? "  status = @_unit(d, x);\n  sound = @_follow(d, x, last ? last->v : @_nothing.v);\n"
                               : "  status = @_unit(d, x);\n  @_follow(d, x, last ? last->v : @_nothing.v);\n");
   code_template(w, w->single ? code_end_single : code_end_double);
@@ -1694,16 +1695,14 @@ static const char code_step_head[] =
     "  const @_input *in[4];\n"
     "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[%w], first[3], a;\n";
 
-static const char code_step_begin[] =
-    "  if (!state) {\n    return @_null;\n  }\n"
-    "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
-    "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
-    "  @_enter(x, state);\n"
-    "  memcpy(at, x, sizeof at);\n";
+static const char code_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
+                                      "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
+                                      "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
+                                      "  @_enter(x, state);\n"
+                                      "  memcpy(at, x, sizeof at);\n";
 
-static const char code_step_stages[] =
-    "  for (int stage = 0; stage < 4; stage++) {\n"
-    "    const $ by = dt * weight[stage], to = dt * node[stage];\n";
+static const char code_step_stages[] = "  for (int stage = 0; stage < 4; stage++) {\n"
+                                       "    const $ by = dt * weight[stage], to = dt * node[stage];\n";
 
 static const char code_step_call[] =
     "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, w, &a, at, in[stage]) : @_not_finite;\n";
@@ -1832,7 +1831,7 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
     code_template(&w, code_step_limits);
   }
   code_template(&w, code_step_rest);
-  code_template(&w, code_model.first == 6                ? ", end);\n}\n"
+  code_template(&w, code_model.first == 6              ? ", end);\n}\n"
                     : code_model.first == 0 && w.large ? ", center);\n}\n"
                                                        : ");\n}\n");
   good = code_write_read(&w) && good;

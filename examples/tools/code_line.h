@@ -16,9 +16,9 @@ enum { CODE_MEMBERS = 200, CODE_TABLES = 9 };
 static struct code_line {
   const fb_lines *all;
   const fb_line *line;
-  int number, n, width, m;   /* coordinates, these rounded up to even; points */
+  int number, n, width, m;            /* coordinates, these rounded up to even; points */
   int row[CODE_TABLES][FB_MAX_MODES]; /* of A, B, Gamma by axes: 1 + the row of the table `turn` of each coordinate */
-  int by[CODE_TABLES];       /* 1 + its number in the table `by`; 0: all of it is zero */
+  int by[CODE_TABLES];                /* 1 + its number in the table `by`; 0: all of it is zero */
   int n_row, n_by;
   int plane, offset, spread; /* turns about one axis alone; mass centers beside the line; rotary inertia */
   int n_member;
@@ -572,8 +572,9 @@ static void code_line_tangents(const code *w)
   fputs("\n  /* E14.4: their matrices H, tangents t = H (e + Gamma q) */\n", w->out);
   code_loop(w, 2, 'j', 0, code_line.m);
   for (int i = 0; i < 4; i++) {
-    q[i] = i > 0 && code_is_zero(&code_line.phi.x[i - 1]) && code_line.plane ? code_constant(0.0)
-                                                                             : code_variable("l->quat_%c[j]", "wxyz"[i]);
+    q[i] = i > 0 && code_is_zero(&code_line.phi.x[i - 1]) && code_line.plane
+               ? code_constant(0.0)
+               : code_variable("l->quat_%c[j]", "wxyz"[i]);
   }
   code_line_matrix(&inner, code_line.H, q, "H");
   stretch = code_line_rows(&inner, 2, "stretch", "q");
@@ -655,7 +656,8 @@ static void code_line_maps(const code *w)
   inner.indent = 4;
   for (int k = 0; k < 3; k++) { /* plane: about its axis T is 1 */
     for (int i = 0; i < 3; i++) {
-      code_line.N[i][k] = code_line.plane && !code_is_zero(&code_line.phi.x[k]) ? code_line.H[i][k] : code_constant(0.0);
+      code_line.N[i][k] =
+          code_line.plane && !code_is_zero(&code_line.phi.x[k]) ? code_line.H[i][k] : code_constant(0.0);
     }
   }
   if (code_line.plane) {
@@ -1218,12 +1220,14 @@ static void code_line_masses(const code *w, const char *name, int kind)
       double c = 0.0;
       if (j < count) {
         if (kind == 0) { /* outboard momentum directly */
-          c = l < count ? code_line_outboard(j, l) : l == count ? code_line_outboard(j, -1)
-                                                                : code_line_outboard_start(l - count - 1, j);
+          c = l < count    ? code_line_outboard(j, l)
+              : l == count ? code_line_outboard(j, -1)
+                           : code_line_outboard_start(l - count - 1, j);
         } else if (kind == 1) { /* momenta of the points */
-          c = code_line_mass(j) * (l < count    ? code_line_W(j, l)
-                                   : l == count ? 1.0
-                                                : (double)code_line.all->start[l - count - 1][code_line.line->point + j]);
+          c = code_line_mass(j) * (l < count ? code_line_W(j, l)
+                                   : l == count
+                                       ? 1.0
+                                       : (double)code_line.all->start[l - count - 1][code_line.line->point + j]);
         } else { /* felt at the tangents */
           c = code_line_W(l, j);
         }
@@ -1289,9 +1293,10 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
       move.x[i] = code_variable("l->move_%c[j]", code_axis[i]);
     }
   }
-  fputs("\n  /* F, momenta outboard; by a virtual rotation c = t x F, by its rate; b = tau x F; solid points add rho x P "
-        "+ I w and\n     (w x rho) x P */\n",
-        w->out);
+  fputs(
+      "\n  /* F, momenta outboard; by a virtual rotation c = t x F, by its rate; b = tau x F; solid points add rho x P "
+      "+ I w and\n     (w x rho) x P */\n",
+      w->out);
   code_loop(w, 2, 'j', 0, code_line.m);
   for (int i = 0; i < 3; i++) {
     if (code_line.offset) {
@@ -1494,11 +1499,13 @@ static void code_line_gradient(const code *w, int unused)
   code_sum s;
   (void)unused;
   inner.indent = 6;
-  fputs("\n/* E14.7: g, the gradient of its kinetic energy at fixed velocities u, o of the frame, line axes, and rates of "
+  fputs("\n/* E14.7: g, the gradient of its kinetic energy at fixed velocities u, o of the frame, line axes, and rates "
+        "of "
         "the\n   coordinates, by one sweep from the tip, after its drift. */\n",
         w->out);
-  code_line_head(w, "void", "gradient", code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
-                                                              : ", const $ *u, const $ *o");
+  code_line_head(w, "void", "gradient",
+                 code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
+                                       : ", const $ *u, const $ *o");
   code_line_alias(w, "D", "by");
   for (int i = 0; i < 3; i++) {
     o.x[i] = code_variable("o_%c", code_axis[i]);

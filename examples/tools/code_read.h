@@ -105,8 +105,9 @@ static void code_write_node(const code *w, int k)
   fprintf(w->out, "\n/* E8.14: displacement [m] and rotation of node %d with their rates, body axes */\n", k);
   code_template(w, "static void @_node_");
   fprintf(w->out, "%d", k);
-  code_template(w, w->large ? "($ *u, $ *turn, $ *u_dot, $ *spin, const $ *q, const $ *q_dot)\n{\n  $ phi[3], phi_dot[3];\n"
-                            : "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
+  code_template(w, w->large
+                       ? "($ *u, $ *turn, $ *u_dot, $ *spin, const $ *q, const $ *q_dot)\n{\n  $ phi[3], phi_dot[3];\n"
+                       : "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
   for (int i = 0; i < 3; i++) {
     code_write_displacement(w, "u", i, node->psi, chi);
     code_write_displacement(w, "phi", i, node->theta, chi_theta);
@@ -377,8 +378,8 @@ static void code_write_motion(const code *w)
 {
   code_template(w, code_read_motion);
   code_template(w, code_model.first == 0 && w->large ? "  @_origin(motion->v, w, x);\n"
-                   : code_model.first == 0 ? "  @_origin(motion->v, w, x, rate + 10);\n"
-                   : code_model.first == 3 ? "  memset(motion->v, 0, sizeof motion->v);\n"
+                   : code_model.first == 0           ? "  @_origin(motion->v, w, x, rate + 10);\n"
+                   : code_model.first == 3           ? "  memset(motion->v, 0, sizeof motion->v);\n"
                                            : "  memcpy(motion->v, in ? in->v : @_nothing.v, sizeof motion->v);\n");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
@@ -478,7 +479,8 @@ static int code_write_nodes(const code *w)
   int good = 1;
   char number[40];
   for (int k = 1; k < body->n_node; k++) {
-    good = good && code_write_pruned(w, w->large && body->node[k].line.line > 0 ? code_write_line_node : code_write_node, k);
+    good = good &&
+           code_write_pruned(w, w->large && body->node[k].line.line > 0 ? code_write_line_node : code_write_node, k);
   }
   code_template(
       w,
@@ -490,13 +492,14 @@ static int code_write_nodes(const code *w)
       fprintf(w->out, "%s%s%s", i == 0 ? (k == 0 ? "{" : ", {") : ", ", number, i == 2 ? "}" : "");
     }
   }
-  code_template(w,
-                w->large ? "};\n  $ s[3], v[3], u[3] = {`0`}, turn[4] = {`1`}, u_dot[3] = {`0`}, spin[3] = {`0`};\n  int sound = 1;\n"
-                         : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
-  code_template(w,
-                "  $ x[%N];\n"
-                "  const $ *q;\n"
-                "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
+  code_template(
+      w,
+      w->large
+          ? "};\n  $ s[3], v[3], u[3] = {`0`}, turn[4] = {`1`}, u_dot[3] = {`0`}, spin[3] = {`0`};\n  int sound = 1;\n"
+          : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
+  code_template(w, "  $ x[%N];\n"
+                   "  const $ *q;\n"
+                   "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
   fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
   code_template(w, "    return @_value;\n  }\n  @_enter(x, state);\n"
                    "  if (!@_is_finite(x, %N)) {\n    return @_not_finite;\n  }\n"
@@ -504,8 +507,10 @@ static int code_write_nodes(const code *w)
   for (int k = 1; k < body->n_node; k++) {
     fprintf(w->out, "  if (node == %d) {\n", k);
     code_template(w, w->large && body->node[k].line.line > 0 ? "    sound = @_node_" : "    @_node_");
-    fprintf(w->out, w->large ? "%d(u, turn, u_dot, spin, state->q, motion->q_dot);\n  }\n"
-                             : "%d(u, phi, u_dot, phi_dot, state->q, motion->q_dot);\n  }\n", k);
+    fprintf(w->out,
+            w->large ? "%d(u, turn, u_dot, spin, state->q, motion->q_dot);\n  }\n"
+                     : "%d(u, phi, u_dot, phi_dot, state->q, motion->q_dot);\n  }\n",
+            k);
   }
   code_template(w, w->large ? code_read_large_node : code_read_node);
   return good;

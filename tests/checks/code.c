@@ -56,8 +56,8 @@ static int begin(run *r, double spin)
     w[i] = BASE == PRESCRIBED ? (fb_real)(0.1 * i) : (fb_real)(spin * random_number());
   }
   for (int a = 0; a < generated.n; a++) {
-    const double most =
-        (generated.effects & FB_EFFECT_LARGE_DEFLECTION ? 0.05 : 0.1) * (double)generated.deflection_limit / (generated.n * fmax((double)generated.reach[a], 0.1));
+    const double most = (generated.effects & FB_EFFECT_LARGE_DEFLECTION ? 0.05 : 0.1) *
+                        (double)generated.deflection_limit / (generated.n * fmax((double)generated.reach[a], 0.1));
     r->state.q[a] = (fb_real)(most * random_number());
     q_dot[a] = (fb_real)(most * random_number());
   }
@@ -112,7 +112,8 @@ static double fly(run *r, int loaded)
   fb_input in[3];
   generated_input own[3];
   double worst = 0;
-  const fb_real share = generated.effects & FB_EFFECT_LARGE_DEFLECTION ? FB_R(0.05) : FB_R(0.15); /* it falls on the way */
+  const fb_real share =
+      generated.effects & FB_EFFECT_LARGE_DEFLECTION ? FB_R(0.05) : FB_R(0.15); /* it falls on the way */
   const fb_real dt = generated.n > 0 ? share * fb_rk4_limit(&generated, FB_R(1.0), FB_R(1.0)) : FB_R(0.01);
   for (int k = 0; k < STEPS; k++) {
     fb_status status;
