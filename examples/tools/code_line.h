@@ -18,8 +18,8 @@ static struct code_line {
   const fb_line *line;
   int number, n, width, m;            /* coordinates, these rounded up to even; points */
   int row[CODE_TABLES][FB_MAX_MODES]; /* of A, B, Gamma by axes: 1 + the row of the table `turn` of each coordinate */
-  int by[CODE_TABLES];                /* 1 + its number in the table `by`; 0: all of it is zero */
-  int n_row, n_by;
+  int by[CODE_TABLES];                /* 1: some coordinate has it */
+  int n_row;
   int plane, offset, spread; /* turns about one axis alone; mass centers beside the line; rotary inertia */
   int n_member;
   char member[CODE_MEMBERS][CODE_NAME];
@@ -71,9 +71,6 @@ static void code_line_begin(int number)
   if (code_line.by[0] + code_line.by[1] + code_line.by[2] == 1) { /* turns about one axis commute: B is of no effect */
     memset(code_line.row + 3, 0, 3 * sizeof code_line.row[0]);
     memset(code_line.by + 3, 0, 3 * sizeof code_line.by[0]);
-  }
-  for (int t = 0; t < CODE_TABLES; t++) {
-    code_line.by[t] = code_line.by[t] ? ++code_line.n_by : 0;
   }
   for (int j = line->point; j < line->point + line->count && line->solid; j++) {
     for (int i = 0; i < 3; i++) {
@@ -292,7 +289,9 @@ static void code_line_tables(const code *w)
       n_row += code_line.row[t][a] > 0;
     }
   }
-  fputs("/* the same by coordinates and points */\n", w->out);
+  code_template(w, "\n/* Line ");
+  fprintf(w->out, "%d: A, B and Gamma (E14.1, E14.4) of its coordinates, those that are not zero, by points */\n",
+          code_line.number);
   code_template(w, "static const $ @_turn_");
   fprintf(w->out, "%d[%d][%d] = {", code_line.number, n_row, code_line.m);
   for (int t = 0; t < CODE_TABLES; t++) {
@@ -307,29 +306,6 @@ static void code_line_tables(const code *w)
         code_line.row[t][a] = ++code_line.n_row; /* from here on 1 + its place in the table */
       }
     }
-  }
-  fputs("};\n", w->out);
-}
-
-static void code_line_by(const code *w)
-{
-  code_template(w, "\n/* A, B, Gamma (E14.1, E14.4) of line ");
-  fprintf(w->out, "%d by points, kinds that are not zero, coordinates */\n", code_line.number);
-  code_template(w, "static const $ @_by_");
-  fprintf(w->out, "%d[%d][%d][%d] = {", code_line.number, code_line.m, code_line.n_by, code_line.width);
-  for (int j = 0; j < code_line.m; j++) {
-    fprintf(w->out, "%s\n    {", j ? "," : "");
-    for (int t = 0; t < CODE_TABLES; t++) {
-      if (code_line.by[t]) {
-        fputs(code_line.by[t] == 1 ? "{" : ",\n     {", w->out);
-        for (int a = 0; a < code_line.width; a++) {
-          const int row = a < code_line.n ? code_line.row[t][a] - 1 : -1;
-          code_cell(w, row >= 0 ? code_line_coefficient(t / 3, row, j) : 0.0, a, code_line.width);
-        }
-        fputs("}", w->out);
-      }
-    }
-    fputs("}", w->out);
   }
   fputs("};\n", w->out);
 }
@@ -349,15 +325,10 @@ static void code_line_head(const code *w, const char *type, const char *name, co
 }
 
 /* A local name of a table. */
-static void code_line_alias(const code *w, const char *local, const char *table)
+static void code_line_alias(const code *w)
 {
-  char text[80];
-  if (strcmp(table, "by") == 0) {
-    snprintf(text, sizeof text, "  const $ (*const %s)[%d][%d] = @_by_", local, code_line.n_by, code_line.width);
-  } else {
-    snprintf(text, sizeof text, "  const $ (*const %s)[%d] = @_turn_", local, code_line.m);
-  }
-  code_template(w, text);
+  fprintf(w->out, "  const %s (*const T)[%d] = ", w->single ? "float" : "double", code_line.m);
+  code_template(w, "@_turn_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
 
@@ -634,7 +605,7 @@ static void code_line_pose(const code *w, int unused)
     }
     fputs("};\n", w->out);
   }
-  code_line_alias(w, "T", "turn");
+  code_line_alias(w);
   fputs("  int sound = 1;\n", w->out);
   code_line_coordinates(w, "q");
   code_line_turns(w);
@@ -764,157 +735,160 @@ static void code_line_solid(const code *w)
   fputs("  }\n", w->out);
 }
 
-/* A field of coordinates at point j. */
-static code_value code_keep_by(const code *w, code_sum *s, const char *name)
+/* Columns of what A and B of a coordinate about axis k add: N (1 + B^/6) and -N A^/6. */
+static void code_line_columns(const code *w, code_value EA[3][3], code_value EB[3][3])
 {
+  code inner = *w;
+  code_vec u, v;
+  code_sum s;
+  inner.indent = 4;
+  memcpy(EA, code_line.N, sizeof code_line.N);
+  for (int i = 0; i < 9; i++) {
+    EB[i / 3][i % 3] = code_constant(0.0);
+  }
+  if (code_line.plane) {
+    return;
+  }
+  code_loop(w, 2, 'j', 0, code_line.m);
+  u = code_scale(&inner, "u", 1.0 / 6.0, code_constant(1.0), &code_line.A);
+  v = code_scale(&inner, "v", 1.0 / 6.0, code_constant(1.0), &code_line.B);
+  for (int k = 0; k < 3; k++) {
+    const int y = (k + 1) % 3, z = (k + 2) % 3;
+    for (int i = 0; i < 3; i++) {
+      if (code_line.by[k]) {
+        code_begin(&s);
+        code_add_one(&s, 1.0, code_line.N[i][k]);
+        code_add(&s, 1.0, code_line.N[i][y], v.x[z]);
+        code_add(&s, -1.0, code_line.N[i][z], v.x[y]);
+        EA[i][k] = code_keep(&inner, &s, code_variable("EA_%c%c", code_axis[i], code_axis[k]).name);
+      }
+      if (code_line.by[3 + k]) {
+        code_begin(&s);
+        code_add(&s, -1.0, code_line.N[i][y], u.x[z]);
+        code_add(&s, 1.0, code_line.N[i][z], u.x[y]);
+        EB[i][k] = code_keep(&inner, &s, code_variable("EB_%c%c", code_axis[i], code_axis[k]).name);
+      }
+    }
+  }
+  fputs("  }\n", w->out);
+}
+
+/* A field by points and coordinates, at coordinate a; no: what is zero of every coordinate so far. */
+static void code_keep_by(const code *w, code_sum *s, code_value *field, const char *name, int a)
+{
+  char target[CODE_NAME];
   code_settle(s);
   if (s->n == 0) {
-    return code_constant(s->constant);
+    return;
   }
   code_member(code_variable("%s[%d][%d]", name, code_line.m, code_line.width).name);
-  code_assign(w, s, code_variable("l->%s[j][a]", name).name);
-  return code_variable("l->%s[j][a]", name);
+  snprintf(target, sizeof target, "l->%s[j][%d]", name, a);
+  code_assign(w, s, target);
+  *field = code_variable("l->%s[j][a]", name);
 }
 
 static code_vec code_line_K, code_line_Jw, code_line_h;
+static int code_line_known[9][FB_MAX_MODES]; /* 1: the field is set of coordinate a */
 
-/* 1 if a local name is there already; kept from one loop to the next by code_line_loaded = 0 */
-static char code_line_names[40][CODE_NAME];
-static int code_line_loaded;
-
-static int code_line_is_loaded(const char *name)
+/* Angular velocities of the points by coordinate a, before their sum. */
+static code_vec code_line_steps(const code *w, int a, code_value EA[3][3], code_value EB[3][3])
 {
-  for (int k = 0; k < code_line_loaded; k++) {
-    if (strcmp(code_line_names[k], name) == 0) {
-      return 1;
-    }
-  }
-  strcpy(code_line_names[code_line_loaded++], name);
-  return 0;
-}
-
-/* Local names of n fields at point j, before a loop over coordinates. */
-static void code_line_preload(const code *w, code_value *x, int n)
-{
-  for (int i = 0; i < n; i++) {
-    char name[CODE_NAME];
-    if (strncmp(x[i].name, "l->", 3) != 0) {
-      continue;
-    }
-    snprintf(name, sizeof name - 2, "%s", x[i].name + 3);
-    strcpy(strchr(name, '['), "_j");
-    if (!code_line_is_loaded(name)) {
-      fprintf(w->out, "%*sconst %s %s = %s;\n", w->indent, "", w->single ? "float" : "double", name, x[i].name);
-    }
-    strcpy(x[i].name, name);
-  }
-}
-
-/* Rows of the table `by` at point j. */
-static void code_line_row_pointers(const code *w)
-{
-  for (int t = 0; t < code_line.n_by; t++) {
-    code_template(w, "    const $ *const D_");
-    fprintf(w->out, "%d = D[j][%d];\n", t, t);
-  }
-}
-
-/* E14.5 by points; inner loops over the coordinates. */
-static void code_line_jacobians(const code *w)
-{
-  code outer = *w, inner = *w;
-  struct code_line kept;
-  code_vec d, u, v, turn, A_a, B_a, t;
+  code_vec turn;
   code_sum s;
-  outer.indent = 4;
-  inner.indent = 6;
-  fputs("\n  /* E14.5: by coordinates the angular velocity of each point, the sum of N dphi, and K, the rate of its "
-        "tangent */\n",
-        w->out);
   for (int i = 0; i < 3; i++) {
-    A_a.x[i] = code_line.by[i] ? code_variable("D_%d[a]", code_line.by[i] - 1) : code_constant(0.0);
-    B_a.x[i] = code_line.by[3 + i] ? code_variable("D_%d[a]", code_line.by[3 + i] - 1) : code_constant(0.0);
-    turn.x[i] = code_constant(0.0);
+    code_begin(&s);
     for (int k = 0; k < 3; k++) {
-      if (!code_is_zero(&code_line.N[i][k]) && !code_is_zero(&code_line.phi.x[k])) {
-        turn.x[i] = code_variable("turn_%c[a]", code_axis[i]);
+      if (code_line.row[k][a]) {
+        code_add(&s, 1.0, EA[i][k], code_variable("T[%d][j]", code_line.row[k][a] - 1));
+      }
+      if (code_line.row[3 + k][a]) {
+        code_add(&s, 1.0, EB[i][k], code_variable("T[%d][j]", code_line.row[3 + k][a] - 1));
       }
     }
-    if (!code_is_zero(&turn.x[i])) {
-      code_template(w, "  $ ");
-      fprintf(w->out, "turn_%c[%d] = {", code_axis[i], code_line.width);
-      code_template(w, "`0`};\n");
+    turn.x[i] = code_keep(w, &s, code_variable("turn_%c", code_axis[i]).name);
+  }
+  return turn;
+}
+
+/* E14.5 of coordinate a. */
+static void code_line_jacobian(const code *w, int a, code_value EA[3][3], code_value EB[3][3])
+{
+  code inner = *w;
+  code_vec turn;
+  code_sum s;
+  inner.indent = 4;
+  fprintf(w->out, "\n  /* coordinate %d */\n", a);
+  code_loop(w, 2, 'j', 0, code_line.m);
+  turn = code_line_steps(&inner, a, EA, EB);
+  fputs("  }\n", w->out);
+  if (!code_is_zero(&turn.x[0]) || !code_is_zero(&turn.x[1]) || !code_is_zero(&turn.x[2])) {
+    code_loop(w, 2, 'j', 1, code_line.m);
+    for (int i = 0; i < 3; i++) {
+      if (!code_is_zero(&turn.x[i])) {
+        fprintf(w->out, "    l->turn_%c[j] += l->turn_%c[j - 1];\n", code_axis[i], code_axis[i]);
+      }
     }
+    fputs("  }\n", w->out);
   }
   code_loop(w, 2, 'j', 0, code_line.m);
-  if (!code_line.plane) {
-    u = code_scale(&outer, "u", 1.0 / 6.0, code_constant(1.0), &code_line.A);
-    v = code_scale(&outer, "v", 1.0 / 6.0, code_constant(1.0), &code_line.B);
-  } else {
-    u.x[0] = u.x[1] = u.x[2] = v.x[0] = v.x[1] = v.x[2] = code_constant(0.0);
-  }
-  code_line_loaded = 0;
-  kept = code_line;
-  code_line_preload(&outer, code_line.N[0], 9);
-  code_line_preload(&outer, code_line.H[0], 9);
-  code_line_preload(&outer, code_line.t.x, 3);
-  if (code_line.spread) {
-    code_line_preload(&outer, code_line.I[0], 9);
-  }
-  code_line_row_pointers(w);
-  t = code_line.t;
-  code_loop(w, 4, 'a', 0, code_line.width);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, A_a.x[i]);
-    code_add_cross(&s, -1.0, &A_a, &v, i);
-    code_add_cross(&s, -1.0, &u, &B_a, i);
-    d.x[i] = code_end(&inner, &s, code_variable("d_%c", code_axis[i]));
-  }
-  for (int i = 0; i < 3; i++) {
-    if (!code_is_zero(&turn.x[i])) {
-      code_begin(&s);
-      code_add_one(&s, 1.0, turn.x[i]);
-      for (int k = 0; k < 3; k++) {
-        code_add(&s, 1.0, code_line.N[i][k], d.x[k]);
-      }
-      code_line_Jw.x[i] = code_end(&inner, &s, code_variable("w_%c", code_axis[i]));
-    } else {
-      code_line_Jw.x[i] = code_constant(0.0);
-    }
-  }
-  for (int i = 0; i < 3; i++) {
-    if (!code_is_zero(&turn.x[i])) {
-      fprintf(w->out, "      %s = %s;\n", turn.x[i].name, code_line_Jw.x[i].name);
-    }
-  }
-  for (int i = 0; i < 3; i++) {
-    code_begin(&s);
-    code_add_cross(&s, 1.0, &code_line_Jw, &t, i);
+    code_add_cross(&s, 1.0, &turn, &code_line.t, i);
     for (int k = 0; k < 3; k++) {
-      if (code_line.by[6 + k]) {
-        code_add(&s, 1.0, code_line.H[i][k], code_variable("D_%d[a]", code_line.by[6 + k] - 1));
+      if (code_line.row[6 + k][a]) {
+        code_add(&s, 1.0, code_line.H[i][k], code_variable("T[%d][j]", code_line.row[6 + k][a] - 1));
       }
     }
-    code_line_K.x[i] = code_keep_by(&inner, &s, code_variable("K_%c", code_axis[i]).name);
+    code_keep_by(&inner, &s, &code_line_K.x[i], code_variable("K_%c", code_axis[i]).name, a);
+    code_line_known[i][a] = s.n > 0;
   }
   for (int i = 0; i < 3 && (code_line.offset || code_line.spread); i++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, code_line_Jw.x[i]);
-    code_line_Jw.x[i] = code_keep_by(&inner, &s, code_variable("W_%c", code_axis[i]).name);
+    code_add_one(&s, 1.0, turn.x[i]);
+    code_keep_by(&inner, &s, &code_line_Jw.x[i], code_variable("W_%c", code_axis[i]).name, a);
+    code_line_known[3 + i][a] = s.n > 0;
   }
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 3 && code_line.spread; i++) {
     code_begin(&s);
-    for (int k = 0; k < 3 && code_line.spread; k++) {
-      code_add(&s, 1.0, code_line.I[i][k], code_line_Jw.x[k]);
+    for (int k = 0; k < 3; k++) {
+      code_add(&s, 1.0, code_line.I[i][k], turn.x[k]);
     }
-    code_line_h.x[i] = code_keep_by(&inner, &s, code_variable("h_%c", code_axis[i]).name);
+    code_keep_by(&inner, &s, &code_line_h.x[i], code_variable("h_%c", code_axis[i]).name, a);
+    code_line_known[6 + i][a] = s.n > 0;
   }
-  fputs("    }\n  }\n", w->out);
-  memcpy(code_line.N, kept.N, sizeof kept.N);
-  memcpy(code_line.H, kept.H, sizeof kept.H);
-  memcpy(code_line.I, kept.I, sizeof kept.I);
-  code_line.t = kept.t;
+  fputs("  }\n", w->out);
+}
+
+/* What is zero of some coordinates alone, the spare one among them. */
+static void code_line_blanks(const code *w)
+{
+  static const char *const name[3] = {"K", "W", "h"};
+  const code_vec *const field[3] = {&code_line_K, &code_line_Jw, &code_line_h};
+  for (int f = 0; f < 9; f++) {
+    for (int a = 0; a < code_line.width && !code_is_zero(&field[f / 3]->x[f % 3]); a++) {
+      if (!code_line_known[f][a]) {
+        code_loop(w, 2, 'j', 0, code_line.m);
+        fprintf(w->out, "    l->%s_%c[j][%d] = 0;\n  }\n", name[f / 3], code_axis[f % 3], a);
+      }
+    }
+  }
+}
+
+static void code_line_jacobians(const code *w)
+{
+  code_value EA[3][3], EB[3][3];
+  memset(code_line_known, 0, sizeof code_line_known);
+  for (int i = 0; i < 3; i++) {
+    code_line_K.x[i] = code_line_Jw.x[i] = code_line_h.x[i] = code_constant(0.0);
+  }
+  fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N A^/6 "
+        "B_a, and\n     K, the rate of its tangent */\n",
+        w->out);
+  code_line_columns(w, EA, EB);
+  for (int a = 0; a < code_line.n; a++) {
+    code_line_jacobian(w, a, EA, EB);
+  }
+  code_line_blanks(w);
 }
 
 /* Names of fields by coordinates at point j: [j][a] or with the name of another index. */
@@ -1120,7 +1094,7 @@ static void code_line_inertia(const code *w, int unused)
   (void)unused;
   fputs("\n/* Its inertia, after its pose. */\n", w->out);
   code_line_head(w, "void", "inertia", code_line.line->moves ? ", const $ *q" : "");
-  code_line_alias(w, "D", "by");
+  code_line_alias(w);
   code_line_root(w, "root", "q");
   code_line_maps(w);
   code_line_solid(w);
@@ -1144,7 +1118,7 @@ static void code_line_drift(const code *w, int unused)
         "velocity o\n   of the frame, after its inertia. */\n",
         w->out);
   code_line_head(w, "void", "drift", ", const $ *q_dot, const $ *o");
-  code_line_alias(w, "T", "turn");
+  code_line_alias(w);
   code_line_coordinates(w, "q_dot");
   code_loop(w, 2, 'j', 0, code_line.m);
   code_line.A_dot = code_line_rows(&inner, 0, "A_dot", "q_dot");
@@ -1493,12 +1467,10 @@ static void code_line_root_force(const code *w, const code_vec *o)
 
 static void code_line_gradient(const code *w, int unused)
 {
-  code inner = *w;
   code_vec o, root, move, cross;
   code_value by[CODE_TABLES];
   code_sum s;
   (void)unused;
-  inner.indent = 6;
   fputs("\n/* E14.7: g, the gradient of its kinetic energy at fixed velocities u, o of the frame, line axes, and rates "
         "of "
         "the\n   coordinates, by one sweep from the tip, after its drift. */\n",
@@ -1506,7 +1478,7 @@ static void code_line_gradient(const code *w, int unused)
   code_line_head(w, "void", "gradient",
                  code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
                                        : ", const $ *u, const $ *o");
-  code_line_alias(w, "D", "by");
+  code_line_alias(w);
   for (int i = 0; i < 3; i++) {
     o.x[i] = code_variable("o_%c", code_axis[i]);
     code_template(w, "  const $ ");
@@ -1529,26 +1501,19 @@ static void code_line_gradient(const code *w, int unused)
     by[t] = code_constant(0.0);
   }
   code_line_moments(w, by);
-  code_template(w, "\n  /* to the coordinates */\n  memset(l->g, 0, sizeof l->g);\n");
+  fputs("\n  /* to the coordinates */\n", w->out);
   code_member(code_variable("g[%d]", code_line.width).name);
-  code_loop(w, 2, 'j', 0, code_line.m);
-  code_line_loaded = 0;
-  {
-    code outer = *w;
-    outer.indent = 4;
-    code_line_preload(&outer, by, CODE_TABLES);
-  }
-  code_line_row_pointers(w);
-  code_loop(w, 4, 'a', 0, code_line.width);
-  code_begin(&s);
-  code_add_one(&s, 1.0, code_variable("l->g[a]"));
-  for (int t = 0; t < CODE_TABLES; t++) {
-    if (code_line.by[t]) {
-      code_add(&s, 1.0, by[t], code_variable("D_%d[a]", code_line.by[t] - 1));
+  for (int a = 0; a < code_line.n; a++) {
+    code_begin(&s);
+    for (int t = 0; t < CODE_TABLES; t++) {
+      for (int j = 0; j < code_line.line->count && code_line.row[t][a]; j++) {
+        char at[16];
+        snprintf(at, sizeof at, "%d", j);
+        code_add(&s, 1.0, code_variable("T[%d][%d]", code_line.row[t][a] - 1, j), code_at(by[t], at));
+      }
     }
+    code_assign(w, &s, code_variable("l->g[%d]", a).name);
   }
-  code_assign(&inner, &s, "l->g[a]");
-  fputs("    }\n  }\n", w->out);
   if (code_line.line->moves) {
     code_line_root_force(w, &o);
   }
@@ -1585,7 +1550,6 @@ static int code_write_lines(const code *w)
       return 0;
     }
     code_line_begin(k);
-    code_line_by(w);
     code_line_tables(w);
     good = code_write_pruned(&draft, code_line_pose, 0) && code_write_pruned(&draft, code_line_inertia, 0) &&
            code_write_pruned(&draft, code_line_drift, 0) && code_write_pruned(&draft, code_line_gradient, 0);
