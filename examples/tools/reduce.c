@@ -23,7 +23,7 @@ static const char help[] =
     "  --single     for single precision (double)\n"
     "  --code       C of the body's own step of rk4, which needs no library, instead (base free, pinned or "
     "prescribed,\n"
-    "               effects up to full)\n"
+    "               effects up to full, or large)\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
