@@ -8638,13 +8638,9 @@ static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_re
                             const fb_link_state *x)
 {
   fb_real J[9], slide;
-  fbi_joint_turn(J, &slide, L, joint, axes, x);
-  if (joint->turned) {
-    for (int i = 0; i < 9; i++) {
-      L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
-    }
-  } else {
-    fbi_mat33_copy(L->C, J);
+  fbi_joint_turn(joint->turned ? J : L->C, &slide, L, joint, axes, x);
+  for (int i = 0; i < 9 && joint->turned; i++) {
+    L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
   }
   fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
   FBI_UNROLL
