@@ -4337,7 +4337,8 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
    a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented. Not of a body with lines.
    Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (deflection beyond the model's range).
    Test: momenta_agree_with_a_particle_model. */
-static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_FLATTEN fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                          const fb_input *input)
 {
   fb_real y[6];
   const int n = body->n;
@@ -5152,7 +5153,7 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
    q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
    These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so every choice of terms conserves energy.
    Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
-static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+static FBI_FLATTEN void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
   fbi_copy(e, state->pi, body->n);
@@ -5780,14 +5781,20 @@ static void fbi_imbalance_load(fb_load *load, const fb_rotor *rotor, fb_real spi
   fbi_vec3_add(load->torque, torque * FB_SIN(at), y);
 }
 
+/* Is any rotor of a body unbalanced? A sum, so that balanced ones cost no branches. */
+static int fbi_has_imbalance(const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  for (int r = 0; r < body->n_rotor; r++) {
+    sum += FB_FABS(body->rotor[r].static_imbalance) + FB_FABS(body->rotor[r].dynamic_imbalance);
+  }
+  return sum > FB_R(0.0);
+}
+
 static void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, int large)
 {
   fb_real fg[6], a[3];
-  int any = 0;
-  for (int r = 0; r < body->n_rotor; r++) {
-    any |= fbi_is_unbalanced(&body->rotor[r]);
-  }
-  if (!any) {
+  if (!fbi_has_imbalance(body)) {
     return;
   }
   fbi_vec6_copy(fg, k->fg);
@@ -8631,13 +8638,9 @@ static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_re
                             const fb_link_state *x)
 {
   fb_real J[9], slide;
-  fbi_joint_turn(J, &slide, L, joint, axes, x);
-  if (joint->turned) {
-    for (int i = 0; i < 9; i++) {
-      L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
-    }
-  } else {
-    fbi_mat33_copy(L->C, J);
+  fbi_joint_turn(joint->turned ? J : L->C, &slide, L, joint, axes, x);
+  for (int i = 0; i < 9 && joint->turned; i++) {
+    L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
   }
   fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
   FBI_UNROLL
@@ -10522,7 +10525,8 @@ static FBI_NOINLINE fb_real fbi_link_rotors_rate(fb_link_state *rate, fbi_link_w
 /* Loads of imbalance (E8.42) on a body; angle: of its rotors */
 static void fbi_link_imbalance_add(fbi_link_work *L, const fb_real *angle)
 {
-  for (int r = 0; r < L->model->n_rotor; r++) {
+  const int n = fbi_has_imbalance(L->model) ? L->model->n_rotor : 0;
+  for (int r = 0; r < n; r++) {
     const fb_rotor *const rotor = &L->model->rotor[r];
     if (fbi_is_unbalanced(rotor)) {
       fb_load load;
