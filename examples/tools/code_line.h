@@ -20,10 +20,13 @@ static struct code_line {
   int row[CODE_TABLES][FB_MAX_MODES]; /* of A, B, Gamma by axes: 1 + the row of the table `turn` of each coordinate */
   int by[CODE_TABLES];                /* 1: some coordinate has it */
   int n_row;
+  int centered;       /* 1: E14.17 about the mass center of the whole, see code_line_center */
+  double whole, kept; /* |sqrt(m)|; kappa */
+  double Q[FB_MAX_POINTS][FB_MAX_POINTS + 4]; /* C, then Q^T sqrt(m), then start of E14.17 as they are written */
   int plane, offset, spread; /* turns about one axis alone; mass centers beside the line; rotary inertia */
   int n_member;
   char member[CODE_MEMBERS][CODE_NAME];
-  code_vec A, B, phi, t, phi_dot, A_dot, B_dot, w, tau; /* at point j */
+  code_vec A, B, phi, t, phi_dot, A_dot, B_dot, w, tau, Y; /* at point j */
   code_value H[3][3], N[3][3], I[3][3];
 } code_line;
 
@@ -106,6 +109,109 @@ static double code_line_start(int i, int s)
 static double code_line_mass(int s)
 {
   return (double)code_line.all->mass[code_line.line->point + s];
+}
+
+/* What the rest of the body has of the linear momentum of coordinate a, line axes; constant where the line is centered. */
+static double code_line_rest(int a, int i)
+{
+  const fb_line *const line = code_line.line;
+  double sum = 0.0;
+  for (int k = 0; k < 3; k++) {
+    sum += (line->turned ? (double)line->axes[3 * k + i] : i == k ? 1.0 : 0.0) * code_model.lambda[k].constant[a];
+  }
+  return sum;
+}
+
+/* 1 if the linear momentum of the rest does not depend on q */
+static int code_line_rest_is_constant(void)
+{
+  int constant = 1;
+  for (int k = 0; k < 3; k++) {
+    for (int a = 0; a < code_model.n; a++) {
+      for (int b = 0; b < code_model.n; b++) {
+        constant = constant && !(fabs(code_model.lambda[k].slope[a][b]) > 0.0);
+      }
+    }
+  }
+  return constant;
+}
+
+/* x -= 2 v (v.x) by columns of Q: the reflection that leaves nothing of a column below `row`. */
+static void code_line_reflect(int row, int column, int n_column)
+{
+  const int count = code_line.line->count;
+  double v[FB_MAX_POINTS] = {0.0}, size = 0.0, norm = 0.0;
+  for (int s = row; s < count; s++) {
+    v[s] = code_line.Q[s][column];
+    size += v[s] * v[s];
+  }
+  v[row] += v[row] < 0.0 ? -sqrt(size) : sqrt(size);
+  for (int s = row; s < count; s++) {
+    norm += v[s] * v[s];
+  }
+  for (int c = 0; c < n_column && norm > 0.0; c++) {
+    double dot = 0.0;
+    for (int s = row; s < count; s++) {
+      dot += v[s] * code_line.Q[s][c];
+    }
+    for (int s = row; s < count; s++) {
+      code_line.Q[s][c] -= 2.0 * dot / norm * v[s];
+    }
+  }
+}
+
+/* What is written of E14.17. Of a free body with this line alone Q^T sqrt(m) = (|sqrt(m)|, 0, ..), and row 0 becomes kappa
+   times itself less |sqrt(m)|/(m kappa) times what the rest has, kappa = sqrt(1 - m_line/m): P_rest of Y, c_rest of y. Then
+   sums over Y and y are those relative to the mass center of the whole, M - P^T P/m, L - c x P/m and the second moments
+   of mass without c c^T/m, but for what the rest of mass m_rest has itself, P_rest^T P_rest/m_rest and so on. */
+static void code_line_center(void)
+{
+  const fb_body *const body = code_model.body;
+  const fb_line *const line = code_line.line;
+  const int count = line->count;
+  double mass = 0.0;
+  for (int s = 0; s < count; s++) {
+    for (int k = 0; k < count; k++) {
+      code_line.Q[s][k] = code_line_C(s, k);
+    }
+    code_line.Q[s][count] = code_line_u(s);
+    for (int i = 0; i < 3; i++) {
+      code_line.Q[s][count + 1 + i] = code_line_start(i, s);
+    }
+    mass += code_line_u(s) * code_line_u(s);
+  }
+  code_line.whole = sqrt(mass);
+  code_line.kept = 1.0 - mass / (double)body->mass;
+  code_line.centered = body->base == FB_BASE_FREE && body->lines.n_line == 1 && line->n == body->n && count > 1 &&
+                       !code_line.offset && code_line.kept > 1e-3 && code_line_rest_is_constant();
+  if (!code_line.centered) {
+    return;
+  }
+  code_line.kept = sqrt(code_line.kept);
+  code_line_reflect(0, count, count + 4);
+  for (int s = 1; s + 1 < count; s++) {
+    code_line_reflect(s, s - 1, count + 4);
+  }
+  if (code_line.Q[0][count] < 0.0) {
+    for (int c = 0; c < count + 4; c++) {
+      code_line.Q[0][c] = -code_line.Q[0][c];
+    }
+  }
+  for (int s = 1; s < count; s++) { /* what is round-off */
+    code_line.Q[s][count] = 0.0;
+    for (int k = 0; k + 1 < s; k++) {
+      code_line.Q[s][k] = 0.0;
+    }
+  }
+  for (int c = 0; c < count + 4; c++) {
+    code_line.Q[0][c] *= code_line.kept;
+  }
+}
+
+/* |sqrt(m)|/(m kappa) */
+static double code_line_share(void)
+{
+  return code_line.whole / ((double)code_model.body->mass * code_line.kept);
 }
 
 /* Sum of m W W^T, of the masses outboard of a tangent, of their places. */
@@ -899,8 +1005,6 @@ static code_value code_by_at(code_value x, int j, const char *index)
   return code_at(x, at);
 }
 
-static code_vec code_line_Y;
-
 /* E14.17: Y = Q^T sqrt(m) Jv of the mass centers by points. */
 static void code_line_weigh(const code *w)
 {
@@ -909,12 +1013,24 @@ static void code_line_weigh(const code *w)
   inner.indent = 4;
   fputs("\n  /* E14.17: Y = C K, velocities of the mass centers by coordinates, weighed */\n", w->out);
   for (int i = 0; i < 3; i++) {
-    code_line_Y.x[i] = code_variable("l->Y_%c[j][a]", code_axis[i]);
-    if (code_is_zero(&code_line_K.x[i]) && !code_line.line->moves && !code_line.offset) {
-      code_line_Y.x[i] = code_constant(0.0);
+    code_line.Y.x[i] = code_variable("l->Y_%c[j][a]", code_axis[i]);
+    if (code_is_zero(&code_line_K.x[i]) && !code_line.line->moves && !code_line.offset && !code_line.centered) {
+      code_line.Y.x[i] = code_constant(0.0);
     } else {
       code_member(code_variable("Y_%c[%d][%d]", code_axis[i], count, code_line.width).name);
     }
+  }
+  if (code_line.centered) {
+    code_template(w, "  static const $ rest[3][");
+    fprintf(w->out, "%d] = {", code_line.width);
+    for (int i = 0; i < 3; i++) {
+      fputs(i ? ",\n    {" : "\n    {", w->out);
+      for (int a = 0; a < code_line.width; a++) {
+        code_cell(w, a < code_line.n ? -code_line_share() * code_line_rest(a, i) : 0.0, a, code_line.width);
+      }
+      fputs("}", w->out);
+    }
+    fputs("}; /* of the rest of the body, for row 0 about the mass center of the whole */\n", w->out);
   }
   if (code_line.line->moves) {
     code_template(w, "  static const $ shift[3][");
@@ -939,10 +1055,13 @@ static void code_line_weigh(const code *w)
       code_sum s;
       code_begin(&s);
       for (int k = 0; k < count; k++) {
-        code_add_one(&s, code_line_C(j, k), code_by_at(code_line_K.x[i], k, "a"));
+        code_add_one(&s, code_line.Q[j][k], code_by_at(code_line_K.x[i], k, "a"));
       }
       if (code_line.line->moves) {
-        code_add_one(&s, code_line_u(j), code_variable("shift[%d][a]", i));
+        code_add_one(&s, code_line.Q[j][count], code_variable("shift[%d][a]", i));
+      }
+      if (code_line.centered && j == 0) {
+        code_add_one(&s, 1.0, code_variable("rest[%d][a]", i));
       }
       if (code_line.offset) {
         code_sum more;
@@ -950,10 +1069,10 @@ static void code_line_weigh(const code *w)
         code_begin(&more);
         code_add_cross(&more, 1.0, &turn, &rho, i);
         own = code_end(&inner, &more, code_variable("more_%c", code_axis[i]));
-        code_add_one(&s, code_line_u(j), own);
+        code_add_one(&s, code_line.Q[j][count], own);
       }
-      if (!code_is_zero(&code_line_Y.x[i])) {
-        code_assign(&inner, &s, code_by_at(code_line_Y.x[i], j, "a").name);
+      if (!code_is_zero(&code_line.Y.x[i])) {
+        code_assign(&inner, &s, code_by_at(code_line.Y.x[i], j, "a").name);
       }
     }
     fputs("  }\n", w->out);
@@ -974,23 +1093,31 @@ static void code_line_centers(const code *w)
     const code_vec rho = code_vec_at(&code_line_rho, j);
     for (int i = 0; i < 3; i++) {
       code_begin(&s);
-      code_add_one(&s, code_line_start(i, j), code_constant(1.0));
+      code_add_one(&s, code_line.Q[j][count + 1 + i], code_constant(1.0));
       for (int k = 0; k < count; k++) {
         char at[16];
         snprintf(at, sizeof at, "%d", k);
-        code_add_one(&s, code_line_C(j, k), code_at(code_line.t.x[i], at));
+        code_add_one(&s, code_line.Q[j][k], code_at(code_line.t.x[i], at));
       }
-      code_add_one(&s, code_line_u(j), rho.x[i]);
+      code_add_one(&s, code_line.Q[j][count], rho.x[i]);
+      if (code_line.centered && j == 0) {
+        code_add_one(&s, -code_line_share(), code_variable("hub[%d]", i));
+      }
       if (code_line.line->moves) {
-        code_add_one(&s, code_line_u(j), code_variable("root_%c", code_axis[i]));
+        code_add_one(&s, code_line.Q[j][count], code_variable("root_%c", code_axis[i]));
       }
       code_line_y[i][j] = code_end(w, &s, code_variable("y_%c_%d", code_axis[i], j));
     }
   }
   for (int i = 0; i < 3; i++) {
+    const double share = code_line.whole / code_line.kept;
     code_begin(&s);
-    for (int j = 0; j < count; j++) {
-      code_add_one(&s, code_line_u(j), code_line_y[i][j]);
+    for (int j = 0; j < count && !code_line.centered; j++) {
+      code_add_one(&s, code_line.Q[j][count], code_line_y[i][j]);
+    }
+    if (code_line.centered) {
+      code_add_one(&s, share * code_line_share(), code_variable("hub[%d]", i));
+      code_add_one(&s, share, code_line_y[i][0]);
     }
     code_assign(w, &s, code_variable("l->c[%d]", i).name);
   }
@@ -1037,7 +1164,7 @@ static void code_line_products(const code *w)
     code_begin(&s);
     for (int j = 0; j < count; j++) {
       for (int i = 0; i < 3; i++) {
-        code_add(&s, 1.0, code_by_at(code_line_Y.x[i], j, own), code_by_at(code_line_Y.x[i], j, "b"));
+        code_add(&s, 1.0, code_by_at(code_line.Y.x[i], j, own), code_by_at(code_line.Y.x[i], j, "b"));
         code_add(&s, 1.0, code_by_at(code_line_h.x[i], j, own), code_by_at(code_line_Jw.x[i], j, "b"));
       }
     }
@@ -1045,10 +1172,10 @@ static void code_line_products(const code *w)
     fputs("  }\n", w->out);
   }
   code_loop(w, 2, 'a', 0, code_line.width);
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 3 && !code_line.centered; i++) {
     code_begin(&s);
     for (int j = 0; j < count; j++) {
-      code_add_one(&s, code_line_u(j), code_by_at(code_line_Y.x[i], j, "a"));
+      code_add_one(&s, code_line.Q[j][count], code_by_at(code_line.Y.x[i], j, "a"));
     }
     code_assign(&inner, &s, code_variable("l->P[%d][a]", i).name);
   }
@@ -1056,15 +1183,17 @@ static void code_line_products(const code *w)
     const int y = (i + 1) % 3, z = (i + 2) % 3;
     code_begin(&s);
     for (int j = 0; j < count; j++) {
-      code_add(&s, 1.0, code_line_y[y][j], code_by_at(code_line_Y.x[z], j, "a"));
-      code_add(&s, -1.0, code_line_y[z][j], code_by_at(code_line_Y.x[y], j, "a"));
+      code_add(&s, 1.0, code_line_y[y][j], code_by_at(code_line.Y.x[z], j, "a"));
+      code_add(&s, -1.0, code_line_y[z][j], code_by_at(code_line.Y.x[y], j, "a"));
       code_add_one(&s, 1.0, code_by_at(code_line_h.x[i], j, "a"));
     }
     code_assign(&inner, &s, code_variable("l->L[%d][a]", i).name);
   }
   fputs("  }\n", w->out);
   code_member(code_variable("M[%d][%d]", code_line.n, code_line.width).name);
-  code_member(code_variable("P[3][%d]", code_line.width).name);
+  if (!code_line.centered) {
+    code_member(code_variable("P[3][%d]", code_line.width).name);
+  }
   code_member(code_variable("L[3][%d]", code_line.width).name);
 }
 
@@ -1092,8 +1221,15 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
 static void code_line_inertia(const code *w, int unused)
 {
   (void)unused;
-  fputs("\n/* Its inertia, after its pose. */\n", w->out);
-  code_line_head(w, "void", "inertia", code_line.line->moves ? ", const $ *q" : "");
+  fputs(code_line.centered ? "\n/* Its inertia relative to the mass center of the whole, after its pose; hub: first moment of mass of the "
+                             "rest,\n   line axes. */\n"
+                           : "\n/* Its inertia, after its pose. */\n",
+        w->out);
+  code_line_head(w, "void", "inertia",
+                 code_line.centered && code_line.line->moves ? ", const $ *hub, const $ *q"
+                 : code_line.centered                        ? ", const $ *hub"
+                 : code_line.line->moves                     ? ", const $ *q"
+                                                             : "");
   code_line_alias(w);
   code_line_root(w, "root", "q");
   code_line_maps(w);
@@ -1550,6 +1686,7 @@ static int code_write_lines(const code *w)
       return 0;
     }
     code_line_begin(k);
+    code_line_center();
     code_line_tables(w);
     good = code_write_pruned(&draft, code_line_pose, 0) && code_write_pruned(&draft, code_line_inertia, 0) &&
            code_write_pruned(&draft, code_line_drift, 0) && code_write_pruned(&draft, code_line_gradient, 0);
