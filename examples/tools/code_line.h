@@ -255,6 +255,13 @@ static void code_loop(const code *w, int indent, char index, int first, int end)
   fprintf(w->out, "%*sfor (int %c = %d; %c < %d; %c++) {\n", indent, "", index, first, index, end, index);
 }
 
+/* A loop from point to point, each from the one before: unrolled. */
+static void code_scan(const code *w, int m)
+{
+  code_template(w, "  @_UNROLL\n");
+  code_loop(w, 2, 'j', 1, m);
+}
+
 /* Declares a field of the line: "name[m]" and so on. */
 static void code_member(const char *name)
 {
@@ -595,7 +602,7 @@ static void code_line_quats(const code *w)
     d[i] = none ? code_constant(0.0) : code_variable("l->quat_%c[j]", name);
   }
   fputs("\n  /* E14.3: quaternions of the points, each from the one before */\n", w->out);
-  code_loop(w, 2, 'j', 1, code_line.m);
+  code_scan(w, code_line.m);
   for (int i = 0; i < 4; i++) {
     if (!code_is_zero(&p[i])) {
       code_template(w, "    const $ ");
@@ -911,58 +918,45 @@ static code_vec code_line_steps(const code *w, int a, code_value EA[3][3], code_
         code_add(&s, 1.0, EB[i][k], code_variable("T[%d][j]", code_line.row[3 + k][a] - 1));
       }
     }
-    turn.x[i] = code_keep(w, &s, code_variable("turn_%c", code_axis[i]).name);
+    turn.x[i] = code_constant(0.0);
+    if (s.n > 0) {
+      turn.x[i] = code_variable("l->turn_%c[%d][j]", code_axis[i], a);
+      code_member(code_variable("turn_%c[%d][%d]", code_axis[i], code_line.n, code_line.m).name);
+      code_assign(w, &s, turn.x[i].name);
+    }
   }
   return turn;
 }
 
-/* E14.5 of coordinate a. */
-static void code_line_jacobian(const code *w, int a, code_value EA[3][3], code_value EB[3][3])
+/* E14.5 of coordinate a, from its angular velocities. */
+static void code_line_jacobian(const code *w, int a, const code_vec *turn)
 {
-  code inner = *w;
-  code_vec turn;
   code_sum s;
-  inner.indent = 4;
-  fprintf(w->out, "\n  /* coordinate %d */\n", a);
-  code_loop(w, 2, 'j', 0, code_line.m);
-  turn = code_line_steps(&inner, a, EA, EB);
-  fputs("  }\n", w->out);
-  if (!code_is_zero(&turn.x[0]) || !code_is_zero(&turn.x[1]) || !code_is_zero(&turn.x[2])) {
-    code_loop(w, 2, 'j', 1, code_line.m);
-    for (int i = 0; i < 3; i++) {
-      if (!code_is_zero(&turn.x[i])) {
-        fprintf(w->out, "    l->turn_%c[j] += l->turn_%c[j - 1];\n", code_axis[i], code_axis[i]);
-      }
-    }
-    fputs("  }\n", w->out);
-  }
-  code_loop(w, 2, 'j', 0, code_line.m);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
-    code_add_cross(&s, 1.0, &turn, &code_line.t, i);
+    code_add_cross(&s, 1.0, turn, &code_line.t, i);
     for (int k = 0; k < 3; k++) {
       if (code_line.row[6 + k][a]) {
         code_add(&s, 1.0, code_line.H[i][k], code_variable("T[%d][j]", code_line.row[6 + k][a] - 1));
       }
     }
-    code_keep_by(&inner, &s, &code_line_K.x[i], code_variable("K_%c", code_axis[i]).name, a);
+    code_keep_by(w, &s, &code_line_K.x[i], code_variable("K_%c", code_axis[i]).name, a);
     code_line_known[i][a] = s.n > 0;
   }
   for (int i = 0; i < 3 && (code_line.offset || code_line.spread); i++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, turn.x[i]);
-    code_keep_by(&inner, &s, &code_line_Jw.x[i], code_variable("W_%c", code_axis[i]).name, a);
+    code_add_one(&s, 1.0, turn->x[i]);
+    code_keep_by(w, &s, &code_line_Jw.x[i], code_variable("W_%c", code_axis[i]).name, a);
     code_line_known[3 + i][a] = s.n > 0;
   }
   for (int i = 0; i < 3 && code_line.spread; i++) {
     code_begin(&s);
     for (int k = 0; k < 3; k++) {
-      code_add(&s, 1.0, code_line.I[i][k], turn.x[k]);
+      code_add(&s, 1.0, code_line.I[i][k], turn->x[k]);
     }
-    code_keep_by(&inner, &s, &code_line_h.x[i], code_variable("h_%c", code_axis[i]).name, a);
+    code_keep_by(w, &s, &code_line_h.x[i], code_variable("h_%c", code_axis[i]).name, a);
     code_line_known[6 + i][a] = s.n > 0;
   }
-  fputs("  }\n", w->out);
 }
 
 /* What is zero of some coordinates alone, the spare one among them. */
@@ -982,7 +976,10 @@ static void code_line_blanks(const code *w)
 
 static void code_line_jacobians(const code *w)
 {
+  static code_vec turn[FB_MAX_MODES];
   code_value EA[3][3], EB[3][3];
+  code inner = *w;
+  inner.indent = 4;
   memset(code_line_known, 0, sizeof code_line_known);
   for (int i = 0; i < 3; i++) {
     code_line_K.x[i] = code_line_Jw.x[i] = code_line_h.x[i] = code_constant(0.0);
@@ -991,9 +988,25 @@ static void code_line_jacobians(const code *w)
         "B_a, and\n     K, the rate of its tangent */\n",
         w->out);
   code_line_columns(w, EA, EB);
+  code_loop(w, 2, 'j', 0, code_line.m);
   for (int a = 0; a < code_line.n; a++) {
-    code_line_jacobian(w, a, EA, EB);
+    turn[a] = code_line_steps(&inner, a, EA, EB);
   }
+  fputs("  }\n", w->out);
+  for (int a = 0; a < code_line.n; a++) {
+    code_scan(w, code_line.m);
+    for (int i = 0; i < 3; i++) {
+      if (!code_is_zero(&turn[a].x[i])) {
+        fprintf(w->out, "    l->turn_%c[%d][j] += l->turn_%c[%d][j - 1];\n", code_axis[i], a, code_axis[i], a);
+      }
+    }
+    fputs("  }\n", w->out);
+  }
+  code_loop(w, 2, 'j', 0, code_line.m);
+  for (int a = 0; a < code_line.n; a++) {
+    code_line_jacobian(&inner, a, &turn[a]);
+  }
+  fputs("  }\n", w->out);
   code_line_blanks(w);
 }
 
@@ -1293,7 +1306,7 @@ static void code_line_drift(const code *w, int unused)
       fprintf(w->out, "  l->w_%c[0] += o_%c;\n", code_axis[i], code_axis[i]);
     }
   }
-  code_loop(w, 2, 'j', 1, code_line.m);
+  code_scan(w, code_line.m);
   for (int i = 0; i < 3; i++) {
     if (!code_is_zero(&step.x[i])) {
       fprintf(w->out, "    l->w_%c[j] += l->w_%c[j - 1];\n", code_axis[i], code_axis[i]);
@@ -1438,6 +1451,7 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
     code_line_F = code_keep_vec(&inner, &code_line_F, "F");
   }
   fputs("  }\n\n  /* from the tip to the root */\n", w->out);
+  code_template(w, "  @_UNROLL\n");
   fprintf(w->out, "  for (int j = %d; j >= 0; j--) {\n", code_line.m - 2);
   for (int i = 0; i < 3; i++) {
     fprintf(w->out, "    l->b_%c[j] += l->b_%c[j + 1];\n    l->c_%c[j] += l->c_%c[j + 1];\n", code_axis[i],
