@@ -1182,6 +1182,15 @@ static void code_large_root(double F[FB_MAX_MODES][FB_MAX_MODES], double A[FB_MA
   }
 }
 
+static int code_large_is_diagonal(double F[FB_MAX_MODES][FB_MAX_MODES], int a, int n)
+{
+  int only = 1;
+  for (int b = 0; b < n; b++) {
+    only = only && (b == a || !(fabs(F[a][b]) > 0.0));
+  }
+  return only;
+}
+
 /* E11.37: w[at] = bound of the largest eigenvalue of A against the inertia whose inverse is G. */
 static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_MAX_MODES], const fb_sparse *from,
                                   double unit, int at)
@@ -1189,6 +1198,7 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
   static double A[FB_MAX_MODES][FB_MAX_MODES], F[FB_MAX_MODES][FB_MAX_MODES];
   static code_value GF[FB_MAX_MODES][FB_MAX_MODES], Q[FB_MAX_MODES][FB_MAX_MODES];
   const int n = w->n;
+  int diagonal = 1;
   char number[40];
   code_sum s, trace;
   code_read_sparse(A, from, n);
@@ -1198,6 +1208,9 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
   }
   code_large_root(F, A, unit, n);
   for (int a = 0; a < n; a++) {
+    diagonal = diagonal && code_large_is_diagonal(F, a, n);
+  }
+  for (int a = 0; a < n && !diagonal; a++) {
     for (int b = 0; b < n; b++) {
       code_begin(&s);
       for (int m = 0; m < n; m++) {
@@ -1209,9 +1222,10 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
       code_begin(&s);
-      for (int m = 0; m < n; m++) {
+      for (int m = 0; m < n && !diagonal; m++) {
         code_add_one(&s, F[m][a], GF[m][b]);
       }
+      code_add_one(&s, diagonal ? F[a][a] * F[b][b] : 0.0, G[a][b]);
       Q[a][b] = Q[b][a] = code_end(w, &s, code_variable("Q%d_%d_%d", at, a, b));
     }
   }
@@ -1400,7 +1414,9 @@ static const char code_helpers[] =
     "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n";
 
 static const char code_restrict[] =
-    "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#else\n#define @_RESTRICT\n#endif\n\n";
+    "/* fields of the lines do not overlap, and begin at multiples of two numbers */\n"
+    "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#define @_ALIGNED __attribute__((aligned(16)))\n"
+    "#else\n#define @_RESTRICT\n#define @_ALIGNED\n#endif\n\n";
 
 static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
                                   "  $ sum = `0`;\n"

@@ -203,6 +203,11 @@ static void code_line_center(void)
       code_line.Q[s][k] = 0.0;
     }
   }
+  for (int s = 0; s < count; s++) {
+    for (int k = 0; k < count; k++) {
+      code_line.Q[s][k] = fabs(code_line.Q[s][k]) < 1e-15 * code_line.whole ? 0.0 : code_line.Q[s][k];
+    }
+  }
   for (int c = 0; c < count + 4; c++) {
     code_line.Q[0][c] *= code_line.kept;
   }
@@ -719,15 +724,15 @@ static void code_line_pose(const code *w, int unused)
     fputs("};\n", w->out);
   }
   code_line_alias(w);
-  fputs("  int sound = 1;\n", w->out);
+  code_template(w, "  $ most = `0`;\n");
   code_line_coordinates(w, "q");
   code_line_turns(w);
   code_line_half(w);
   code_line_quats(w);
   code_line_tangents(w);
-  code_template(w, "\n  /* E14.2: range of the series */\n");
+  code_template(w, "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
   code_loop(w, 2, 'j', 0, code_line.m);
-  code_template(w, "    sound &= l->x[j] <= `1.5`;\n  }\n  return sound;\n}\n");
+  code_template(w, "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
 }
 
 /* ---- E14.5, E14.6: inertia */
@@ -862,7 +867,6 @@ static void code_line_columns(const code *w, code_value EA[3][3], code_value EB[
   if (code_line.plane) {
     return;
   }
-  code_loop(w, 2, 'j', 0, code_line.m);
   u = code_scale(&inner, "u", 1.0 / 6.0, code_constant(1.0), &code_line.A);
   v = code_scale(&inner, "v", 1.0 / 6.0, code_constant(1.0), &code_line.B);
   for (int k = 0; k < 3; k++) {
@@ -873,17 +877,16 @@ static void code_line_columns(const code *w, code_value EA[3][3], code_value EB[
         code_add_one(&s, 1.0, code_line.N[i][k]);
         code_add(&s, 1.0, code_line.N[i][y], v.x[z]);
         code_add(&s, -1.0, code_line.N[i][z], v.x[y]);
-        EA[i][k] = code_keep(&inner, &s, code_variable("EA_%c%c", code_axis[i], code_axis[k]).name);
+        EA[i][k] = code_end(&inner, &s, code_variable("EA_%c%c", code_axis[i], code_axis[k]));
       }
       if (code_line.by[3 + k]) {
         code_begin(&s);
         code_add(&s, -1.0, code_line.N[i][y], u.x[z]);
         code_add(&s, 1.0, code_line.N[i][z], u.x[y]);
-        EB[i][k] = code_keep(&inner, &s, code_variable("EB_%c%c", code_axis[i], code_axis[k]).name);
+        EB[i][k] = code_end(&inner, &s, code_variable("EB_%c%c", code_axis[i], code_axis[k]));
       }
     }
   }
-  fputs("  }\n", w->out);
 }
 
 /* A field by points and coordinates, at coordinate a; no: what is zero of every coordinate so far. */
@@ -987,8 +990,8 @@ static void code_line_jacobians(const code *w)
   fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N A^/6 "
         "B_a, and\n     K, the rate of its tangent */\n",
         w->out);
-  code_line_columns(w, EA, EB);
   code_loop(w, 2, 'j', 0, code_line.m);
+  code_line_columns(w, EA, EB);
   for (int a = 0; a < code_line.n; a++) {
     turn[a] = code_line_steps(&inner, a, EA, EB);
   }
@@ -1057,9 +1060,9 @@ static void code_line_weigh(const code *w)
     }
     fputs("}; /* of the root by coordinates */\n", w->out);
   }
+  code_loop(w, 2, 'a', 0, code_line.width);
   for (int j = 0; j < count; j++) {
     code_vec turn, rho;
-    code_loop(w, 2, 'a', 0, code_line.width);
     for (int i = 0; i < 3; i++) {
       turn.x[i] = code_by_at(code_line_Jw.x[i], j, "a");
     }
@@ -1081,15 +1084,15 @@ static void code_line_weigh(const code *w)
         code_value own;
         code_begin(&more);
         code_add_cross(&more, 1.0, &turn, &rho, i);
-        own = code_end(&inner, &more, code_variable("more_%c", code_axis[i]));
+        own = code_end(&inner, &more, code_variable("more_%c_%d", code_axis[i], j));
         code_add_one(&s, code_line.Q[j][count], own);
       }
       if (!code_is_zero(&code_line.Y.x[i])) {
         code_assign(&inner, &s, code_by_at(code_line.Y.x[i], j, "a").name);
       }
     }
-    fputs("  }\n", w->out);
   }
+  fputs("  }\n", w->out);
 }
 
 static code_value code_line_y[3][FB_MAX_POINTS];
@@ -1157,7 +1160,7 @@ static void code_line_centers(const code *w)
     }
     code_assign(w, &s, code_variable("l->J[%d]", e).name);
   }
-  code_member("c[3]");
+  code_member("c[4]");
   code_member("J[6]");
 }
 
@@ -1685,7 +1688,7 @@ static void code_line_type(const code *w)
     code_template(w, "  $ ");
     fprintf(w->out, "%s;\n", code_line.member[k]);
   }
-  code_template(w, "} @_line_");
+  code_template(w, "} @_ALIGNED @_line_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
 
