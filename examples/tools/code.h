@@ -378,7 +378,8 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
       return;
     }
     for (int e = 0, m = 0; e < 21; e++) {
-      if (fbi_sym6_row[e] >= code_model.first && !code_is_constant(&code_now.S[e])) {
+      if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first) &&
+          !code_is_constant(&code_now.S[e])) {
         fprintf(w->out, "%s%s(%s)",
                 m == 0       ? ""
                 : m % 4 == 0 ? " +\n           "
@@ -839,7 +840,7 @@ static void code_write_large_inertias(const code *w, const char *q)
   for (int k = 0; k < code_model.body->lines.n_line; k++) {
     const fb_line *const line = &code_model.body->lines.line[k];
     code_template(w, "  @_inertia_");
-    fprintf(w->out, "%d(&line_%d", k, k);
+    fprintf(w->out, "%d(&line_%d%s", k, k, code_lines[k].centered ? ", hub" : "");
     if (line->moves) {
       fprintf(w->out, ", %s + %d", q, line->first);
     }
@@ -851,8 +852,14 @@ static void code_write_large_inertias(const code *w, const char *q)
 static void code_large_add(code_sum *s, int k, char which, int i, int b)
 {
   const fb_line *const line = &code_model.body->lines.line[k];
+  const struct code_line *const own = &code_lines[k];
   for (int j = 0; j < 3 && b >= line->first && b < line->first + line->n; j++) {
-    code_add_one(s, code_large_axes(k, i, j), code_variable("line_%d.%c[%d][%d]", k, which, j, b - line->first));
+    if (which == 'P' && own->centered) { /* row 0 of Y */
+      code_add_one(s, code_is_zero(&code_lines[k].Y.x[j]) ? 0.0 : code_large_axes(k, i, j) * own->whole / own->kept,
+                   code_variable("line_%d.Y_%c[0][%d]", k, code_axis[j], b - line->first));
+    } else {
+      code_add_one(s, code_large_axes(k, i, j), code_variable("line_%d.%c[%d][%d]", k, which, j, b - line->first));
+    }
   }
 }
 
@@ -918,14 +925,39 @@ static void code_large_M(code_sum *s, int e)
   }
 }
 
+static code_value code_hub[3]; /* first moment of mass of the rest of the body */
+
+static double code_large_rest_mass(void)
+{
+  return (double)code_model.body->mass - code_lines[0].whole * code_lines[0].whole;
+}
+
+/* Sums relative to the mass center of the whole: what the rest of the body has itself. s += that of element e of M_rr. */
+static void code_large_centered(code_sum *s, int e)
+{
+  const int i = fbi_sym6_row[e] - 3, j = fbi_sym6_column[e] - 3;
+  const double share = 1.0 / code_large_rest_mass();
+  code_add(s, share, code_hub[i], code_hub[j]);
+  for (int k = 0; k < 3 && i == j; k++) {
+    code_add(s, -share, code_hub[k], code_hub[k]);
+  }
+}
+
 /* Lambda, M_rr and c of the whole. */
 static void code_write_large_inertia(const code *w)
 {
   code_sum s;
   for (int i = 0; i < 6; i++) {
     for (int b = 0; b < w->n; b++) {
+      const int y = (i + 1) % 3, z = (i + 2) % 3;
+      const int centered = code_lines[0].centered;
       code_begin(&s);
-      code_add_one(&s, 1.0, code_now.lambda[i][b]);
+      code_add_one(&s, centered && i < 3 ? (double)code_model.body->mass / code_large_rest_mass() : 1.0,
+                   code_now.lambda[i][b]);
+      if (centered && i >= 3) { /* - c x P/m of the rest */
+        code_add_one(&s, -code_model.lambda[z].constant[b] / code_large_rest_mass(), code_hub[y]);
+        code_add_one(&s, code_model.lambda[y].constant[b] / code_large_rest_mass(), code_hub[z]);
+      }
       for (int k = 0; k < code_model.body->lines.n_line; k++) {
         code_large_add(&s, k, i < 3 ? 'P' : 'L', i % 3, b);
       }
@@ -933,7 +965,7 @@ static void code_write_large_inertia(const code *w)
     }
   }
   for (int e = 0; e < 21; e++) {
-    if (fbi_sym6_row[e] >= code_model.first) {
+    if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first)) {
       for (int m = 0; m < code_model.n_part[e]; m++) {
         code_write_value(w, code_model.part[e][m]);
       }
@@ -942,6 +974,9 @@ static void code_write_large_inertia(const code *w)
         code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
       }
       code_large_M(&s, e);
+      if (code_lines[0].centered) {
+        code_large_centered(&s, e);
+      }
       code_now.S[e] =
           code_end(w, &s, code_variable("S_%s_%s", code_rows[fbi_sym6_row[e]], code_rows[fbi_sym6_column[e]]));
     }
@@ -965,6 +1000,10 @@ static code_value code_write_large_mass(const code *w, int a, int b)
   code_sum s;
   code_begin(&s);
   code_add_one(&s, code_model.W[a][b], code_constant(1.0));
+  for (int i = 0; i < 3 && code_lines[0].centered; i++) {
+    code_add_one(&s, -code_model.lambda[i].constant[a] * code_model.lambda[i].constant[b] / code_large_rest_mass(),
+                 code_constant(1.0));
+  }
   for (int k = 0; k < code_model.body->lines.n_line; k++) {
     const fb_line *const line = &code_model.body->lines.line[k];
     if (a >= line->first && b < line->first + line->n) {
@@ -974,12 +1013,33 @@ static code_value code_write_large_mass(const code *w, int a, int b)
   return code_end(w, &s, code_variable("M_%d_%d", a, b));
 }
 
+/* Velocity of O relative to the mass center, v = -(w x c + P q_dot)/m. */
+static void code_write_large_origin(const code *w)
+{
+  const double share = -1.0 / (double)code_model.body->mass;
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    const int y = (i + 1) % 3, z = (i + 2) % 3;
+    code_begin(&s);
+    for (int a = 0; a < w->n; a++) {
+      code_add(&s, 1.0, code_now.lambda[i][a], code_now.q_dot[a]);
+    }
+    code_add(&s, 1.0, code_now.V[3 + y], code_now.value[z]);
+    code_add(&s, -1.0, code_now.V[3 + z], code_now.value[y]);
+    code_now.V[i] = code_end(w, &s, code_variable("p_%c", 'x' + i));
+    code_begin(&s);
+    code_add_one(&s, share, code_now.V[i]);
+    code_now.V[i] = code_end(w, &s, code_variable("%s", code_rows[i]));
+  }
+}
+
 static void code_write_large_solve(const code *w)
 {
   static char names[CODE_ROWS][CODE_NAME];
   static const char *const h[3] = {"hx", "hy", "hz"};
   code_factor *const f = &code_solver;
-  f->n = w->n + 6 - code_model.first;
+  const int first = code_lines[0].centered ? 3 : code_model.first; /* of the rows of the frame */
+  f->n = w->n + 6 - first;
   for (int a = 0; a < w->n; a++) {
     code_sum s;
     snprintf(f->label[a], sizeof f->label[a], "q%d", a);
@@ -994,24 +1054,27 @@ static void code_write_large_solve(const code *w)
     }
     f->y[a] = code_end(w, &s, code_variable("e_%d", a));
   }
-  for (int i = code_model.first; i < 6; i++) {
-    const int at = w->n + i - code_model.first;
+  for (int i = first; i < 6; i++) {
+    const int at = w->n + i - first;
     strcpy(f->label[at], code_rows[i]);
     strcpy(names[at], code_rows[i]);
     f->y[at] = i < 3 ? code_constant(0.0) : code_variable("%s", h[i - 3]);
     for (int a = 0; a < w->n; a++) {
       f->S[at][a] = f->S[a][at] = code_now.lambda[i][a];
     }
-    for (int j = code_model.first; j < 6; j++) {
-      f->S[at][w->n + j - code_model.first] = code_now.S[fb_sym6_index(i, j)];
+    for (int j = first; j < 6; j++) {
+      f->S[at][w->n + j - first] = code_now.S[fb_sym6_index(i, j)];
     }
   }
   code_write_factor(w, f, names);
   for (int a = 0; a < w->n; a++) {
     code_now.q_dot[a] = f->x[a];
   }
-  for (int i = code_model.first; i < 6; i++) {
-    code_now.V[i] = f->x[w->n + i - code_model.first];
+  for (int i = first; i < 6; i++) {
+    code_now.V[i] = f->x[w->n + i - first];
+  }
+  if (code_lines[0].centered) {
+    code_write_large_origin(w);
   }
 }
 
@@ -1039,15 +1102,36 @@ static void code_write_large_line(const code *w, int k)
   fputs(");\n", w->out);
 }
 
+/* First moment of mass of the rest of the body, in the axes of the line. */
+static void code_write_large_hub(const code *w)
+{
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    code_write_value(w, i);
+    code_hub[i] = code_now.value[i];
+  }
+  code_template(w, "  $ hub[3];\n");
+  for (int j = 0; j < 3; j++) {
+    code_begin(&s);
+    for (int i = 0; i < 3; i++) {
+      code_add_one(&s, code_large_axes(0, i, j), code_hub[i]);
+    }
+    code_assign(w, &s, code_variable("hub[%d]", j).name);
+  }
+}
+
 /* Up to the rates of the coordinates, and the gradients by lines. */
 static void code_write_large(const code *w)
 {
   fputs("\n  /* poses and inertia of the lines (E14.1 to E14.6) */\n", w->out);
   code_write_large_poses(w, "x + 10");
   code_template(w, "  if (!sound) {\n    return @_is_finite(x + 10, %n) ? @_range : @_not_finite;\n  }\n");
-  code_write_large_inertias(w, "x + 10");
   code_write_lambda(w);
   code_write_inertia(w);
+  if (code_lines[0].centered) {
+    code_write_large_hub(w);
+  }
+  code_write_large_inertias(w, "x + 10");
   fputs("\n  /* E14.12: Lambda, M_rr and first moment of mass of the whole */\n", w->out);
   code_write_large_inertia(w);
   for (int i = 0; i < code_model.first; i++) {
@@ -1056,7 +1140,11 @@ static void code_write_large(const code *w)
   if (code_model.first == 6) {
     code_write_given(w);
   }
-  fputs("\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by L D L^T */\n", w->out);
+  fputs(code_lines[0].centered ? "\n  /* E8.13, E14.13: M q_dot + Lambda^T w = pi,  Lambda q_dot + J w = h about the mass "
+                                 "center, by L D L^T */\n"
+                               : "\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by "
+                                 "L D L^T */\n",
+        w->out);
   code_write_large_solve(w);
   if (code_model.first < 6) {
     code_write_names(w);
@@ -1094,6 +1182,15 @@ static void code_large_root(double F[FB_MAX_MODES][FB_MAX_MODES], double A[FB_MA
   }
 }
 
+static int code_large_is_diagonal(double F[FB_MAX_MODES][FB_MAX_MODES], int a, int n)
+{
+  int only = 1;
+  for (int b = 0; b < n; b++) {
+    only = only && (b == a || !(fabs(F[a][b]) > 0.0));
+  }
+  return only;
+}
+
 /* E11.37: w[at] = bound of the largest eigenvalue of A against the inertia whose inverse is G. */
 static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_MAX_MODES], const fb_sparse *from,
                                   double unit, int at)
@@ -1101,6 +1198,7 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
   static double A[FB_MAX_MODES][FB_MAX_MODES], F[FB_MAX_MODES][FB_MAX_MODES];
   static code_value GF[FB_MAX_MODES][FB_MAX_MODES], Q[FB_MAX_MODES][FB_MAX_MODES];
   const int n = w->n;
+  int diagonal = 1;
   char number[40];
   code_sum s, trace;
   code_read_sparse(A, from, n);
@@ -1110,6 +1208,9 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
   }
   code_large_root(F, A, unit, n);
   for (int a = 0; a < n; a++) {
+    diagonal = diagonal && code_large_is_diagonal(F, a, n);
+  }
+  for (int a = 0; a < n && !diagonal; a++) {
     for (int b = 0; b < n; b++) {
       code_begin(&s);
       for (int m = 0; m < n; m++) {
@@ -1121,9 +1222,10 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
       code_begin(&s);
-      for (int m = 0; m < n; m++) {
+      for (int m = 0; m < n && !diagonal; m++) {
         code_add_one(&s, F[m][a], GF[m][b]);
       }
+      code_add_one(&s, diagonal ? F[a][a] * F[b][b] : 0.0, G[a][b]);
       Q[a][b] = Q[b][a] = code_end(w, &s, code_variable("Q%d_%d_%d", at, a, b));
     }
   }
@@ -1312,7 +1414,9 @@ static const char code_helpers[] =
     "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n";
 
 static const char code_restrict[] =
-    "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#else\n#define @_RESTRICT\n#endif\n\n";
+    "/* fields of the lines do not overlap, and begin at multiples of two numbers */\n"
+    "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#define @_ALIGNED __attribute__((aligned(16)))\n"
+    "#else\n#define @_RESTRICT\n#define @_ALIGNED\n#endif\n\n";
 
 static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
                                   "  $ sum = `0`;\n"

@@ -20,10 +20,13 @@ static struct code_line {
   int row[CODE_TABLES][FB_MAX_MODES]; /* of A, B, Gamma by axes: 1 + the row of the table `turn` of each coordinate */
   int by[CODE_TABLES];                /* 1: some coordinate has it */
   int n_row;
+  int centered;       /* 1: E14.17 about the mass center of the whole, see code_line_center */
+  double whole, kept; /* |sqrt(m)|; kappa */
+  double Q[FB_MAX_POINTS][FB_MAX_POINTS + 4]; /* C, then Q^T sqrt(m), then start of E14.17 as they are written */
   int plane, offset, spread; /* turns about one axis alone; mass centers beside the line; rotary inertia */
   int n_member;
   char member[CODE_MEMBERS][CODE_NAME];
-  code_vec A, B, phi, t, phi_dot, A_dot, B_dot, w, tau; /* at point j */
+  code_vec A, B, phi, t, phi_dot, A_dot, B_dot, w, tau, Y; /* at point j */
   code_value H[3][3], N[3][3], I[3][3];
 } code_line;
 
@@ -108,6 +111,114 @@ static double code_line_mass(int s)
   return (double)code_line.all->mass[code_line.line->point + s];
 }
 
+/* What the rest of the body has of the linear momentum of coordinate a, line axes; constant where the line is centered. */
+static double code_line_rest(int a, int i)
+{
+  const fb_line *const line = code_line.line;
+  double sum = 0.0;
+  for (int k = 0; k < 3; k++) {
+    sum += (line->turned ? (double)line->axes[3 * k + i] : i == k ? 1.0 : 0.0) * code_model.lambda[k].constant[a];
+  }
+  return sum;
+}
+
+/* 1 if the linear momentum of the rest does not depend on q */
+static int code_line_rest_is_constant(void)
+{
+  int constant = 1;
+  for (int k = 0; k < 3; k++) {
+    for (int a = 0; a < code_model.n; a++) {
+      for (int b = 0; b < code_model.n; b++) {
+        constant = constant && !(fabs(code_model.lambda[k].slope[a][b]) > 0.0);
+      }
+    }
+  }
+  return constant;
+}
+
+/* x -= 2 v (v.x) by columns of Q: the reflection that leaves nothing of a column below `row`. */
+static void code_line_reflect(int row, int column, int n_column)
+{
+  const int count = code_line.line->count;
+  double v[FB_MAX_POINTS] = {0.0}, size = 0.0, norm = 0.0;
+  for (int s = row; s < count; s++) {
+    v[s] = code_line.Q[s][column];
+    size += v[s] * v[s];
+  }
+  v[row] += v[row] < 0.0 ? -sqrt(size) : sqrt(size);
+  for (int s = row; s < count; s++) {
+    norm += v[s] * v[s];
+  }
+  for (int c = 0; c < n_column && norm > 0.0; c++) {
+    double dot = 0.0;
+    for (int s = row; s < count; s++) {
+      dot += v[s] * code_line.Q[s][c];
+    }
+    for (int s = row; s < count; s++) {
+      code_line.Q[s][c] -= 2.0 * dot / norm * v[s];
+    }
+  }
+}
+
+/* What is written of E14.17. Of a free body with this line alone Q^T sqrt(m) = (|sqrt(m)|, 0, ..), and row 0 becomes kappa
+   times itself less |sqrt(m)|/(m kappa) times what the rest has, kappa = sqrt(1 - m_line/m): P_rest of Y, c_rest of y. Then
+   sums over Y and y are those relative to the mass center of the whole, M - P^T P/m, L - c x P/m and the second moments
+   of mass without c c^T/m, but for what the rest of mass m_rest has itself, P_rest^T P_rest/m_rest and so on. */
+static void code_line_center(void)
+{
+  const fb_body *const body = code_model.body;
+  const fb_line *const line = code_line.line;
+  const int count = line->count;
+  double mass = 0.0;
+  for (int s = 0; s < count; s++) {
+    for (int k = 0; k < count; k++) {
+      code_line.Q[s][k] = code_line_C(s, k);
+    }
+    code_line.Q[s][count] = code_line_u(s);
+    for (int i = 0; i < 3; i++) {
+      code_line.Q[s][count + 1 + i] = code_line_start(i, s);
+    }
+    mass += code_line_u(s) * code_line_u(s);
+  }
+  code_line.whole = sqrt(mass);
+  code_line.kept = 1.0 - mass / (double)body->mass;
+  code_line.centered = body->base == FB_BASE_FREE && body->lines.n_line == 1 && line->n == body->n && count > 1 &&
+                       !code_line.offset && code_line.kept > 1e-3 && code_line_rest_is_constant();
+  if (!code_line.centered) {
+    return;
+  }
+  code_line.kept = sqrt(code_line.kept);
+  code_line_reflect(0, count, count + 4);
+  for (int s = 1; s + 1 < count; s++) {
+    code_line_reflect(s, s - 1, count + 4);
+  }
+  if (code_line.Q[0][count] < 0.0) {
+    for (int c = 0; c < count + 4; c++) {
+      code_line.Q[0][c] = -code_line.Q[0][c];
+    }
+  }
+  for (int s = 1; s < count; s++) { /* what is round-off */
+    code_line.Q[s][count] = 0.0;
+    for (int k = 0; k + 1 < s; k++) {
+      code_line.Q[s][k] = 0.0;
+    }
+  }
+  for (int s = 0; s < count; s++) {
+    for (int k = 0; k < count; k++) {
+      code_line.Q[s][k] = fabs(code_line.Q[s][k]) < 1e-15 * code_line.whole ? 0.0 : code_line.Q[s][k];
+    }
+  }
+  for (int c = 0; c < count + 4; c++) {
+    code_line.Q[0][c] *= code_line.kept;
+  }
+}
+
+/* |sqrt(m)|/(m kappa) */
+static double code_line_share(void)
+{
+  return code_line.whole / ((double)code_model.body->mass * code_line.kept);
+}
+
 /* Sum of m W W^T, of the masses outboard of a tangent, of their places. */
 static double code_line_outboard(int j, int k)
 {
@@ -147,6 +258,13 @@ static double code_line_shift(int a, int i)
 static void code_loop(const code *w, int indent, char index, int first, int end)
 {
   fprintf(w->out, "%*sfor (int %c = %d; %c < %d; %c++) {\n", indent, "", index, first, index, end, index);
+}
+
+/* A loop from point to point, each from the one before: unrolled. */
+static void code_scan(const code *w, int m)
+{
+  code_template(w, "  @_UNROLL\n");
+  code_loop(w, 2, 'j', 1, m);
 }
 
 /* Declares a field of the line: "name[m]" and so on. */
@@ -489,7 +607,7 @@ static void code_line_quats(const code *w)
     d[i] = none ? code_constant(0.0) : code_variable("l->quat_%c[j]", name);
   }
   fputs("\n  /* E14.3: quaternions of the points, each from the one before */\n", w->out);
-  code_loop(w, 2, 'j', 1, code_line.m);
+  code_scan(w, code_line.m);
   for (int i = 0; i < 4; i++) {
     if (!code_is_zero(&p[i])) {
       code_template(w, "    const $ ");
@@ -606,15 +724,15 @@ static void code_line_pose(const code *w, int unused)
     fputs("};\n", w->out);
   }
   code_line_alias(w);
-  fputs("  int sound = 1;\n", w->out);
+  code_template(w, "  $ most = `0`;\n");
   code_line_coordinates(w, "q");
   code_line_turns(w);
   code_line_half(w);
   code_line_quats(w);
   code_line_tangents(w);
-  code_template(w, "\n  /* E14.2: range of the series */\n");
+  code_template(w, "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
   code_loop(w, 2, 'j', 0, code_line.m);
-  code_template(w, "    sound &= l->x[j] <= `1.5`;\n  }\n  return sound;\n}\n");
+  code_template(w, "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
 }
 
 /* ---- E14.5, E14.6: inertia */
@@ -749,7 +867,6 @@ static void code_line_columns(const code *w, code_value EA[3][3], code_value EB[
   if (code_line.plane) {
     return;
   }
-  code_loop(w, 2, 'j', 0, code_line.m);
   u = code_scale(&inner, "u", 1.0 / 6.0, code_constant(1.0), &code_line.A);
   v = code_scale(&inner, "v", 1.0 / 6.0, code_constant(1.0), &code_line.B);
   for (int k = 0; k < 3; k++) {
@@ -760,17 +877,16 @@ static void code_line_columns(const code *w, code_value EA[3][3], code_value EB[
         code_add_one(&s, 1.0, code_line.N[i][k]);
         code_add(&s, 1.0, code_line.N[i][y], v.x[z]);
         code_add(&s, -1.0, code_line.N[i][z], v.x[y]);
-        EA[i][k] = code_keep(&inner, &s, code_variable("EA_%c%c", code_axis[i], code_axis[k]).name);
+        EA[i][k] = code_end(&inner, &s, code_variable("EA_%c%c", code_axis[i], code_axis[k]));
       }
       if (code_line.by[3 + k]) {
         code_begin(&s);
         code_add(&s, -1.0, code_line.N[i][y], u.x[z]);
         code_add(&s, 1.0, code_line.N[i][z], u.x[y]);
-        EB[i][k] = code_keep(&inner, &s, code_variable("EB_%c%c", code_axis[i], code_axis[k]).name);
+        EB[i][k] = code_end(&inner, &s, code_variable("EB_%c%c", code_axis[i], code_axis[k]));
       }
     }
   }
-  fputs("  }\n", w->out);
 }
 
 /* A field by points and coordinates, at coordinate a; no: what is zero of every coordinate so far. */
@@ -805,58 +921,45 @@ static code_vec code_line_steps(const code *w, int a, code_value EA[3][3], code_
         code_add(&s, 1.0, EB[i][k], code_variable("T[%d][j]", code_line.row[3 + k][a] - 1));
       }
     }
-    turn.x[i] = code_keep(w, &s, code_variable("turn_%c", code_axis[i]).name);
+    turn.x[i] = code_constant(0.0);
+    if (s.n > 0) {
+      turn.x[i] = code_variable("l->turn_%c[%d][j]", code_axis[i], a);
+      code_member(code_variable("turn_%c[%d][%d]", code_axis[i], code_line.n, code_line.m).name);
+      code_assign(w, &s, turn.x[i].name);
+    }
   }
   return turn;
 }
 
-/* E14.5 of coordinate a. */
-static void code_line_jacobian(const code *w, int a, code_value EA[3][3], code_value EB[3][3])
+/* E14.5 of coordinate a, from its angular velocities. */
+static void code_line_jacobian(const code *w, int a, const code_vec *turn)
 {
-  code inner = *w;
-  code_vec turn;
   code_sum s;
-  inner.indent = 4;
-  fprintf(w->out, "\n  /* coordinate %d */\n", a);
-  code_loop(w, 2, 'j', 0, code_line.m);
-  turn = code_line_steps(&inner, a, EA, EB);
-  fputs("  }\n", w->out);
-  if (!code_is_zero(&turn.x[0]) || !code_is_zero(&turn.x[1]) || !code_is_zero(&turn.x[2])) {
-    code_loop(w, 2, 'j', 1, code_line.m);
-    for (int i = 0; i < 3; i++) {
-      if (!code_is_zero(&turn.x[i])) {
-        fprintf(w->out, "    l->turn_%c[j] += l->turn_%c[j - 1];\n", code_axis[i], code_axis[i]);
-      }
-    }
-    fputs("  }\n", w->out);
-  }
-  code_loop(w, 2, 'j', 0, code_line.m);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
-    code_add_cross(&s, 1.0, &turn, &code_line.t, i);
+    code_add_cross(&s, 1.0, turn, &code_line.t, i);
     for (int k = 0; k < 3; k++) {
       if (code_line.row[6 + k][a]) {
         code_add(&s, 1.0, code_line.H[i][k], code_variable("T[%d][j]", code_line.row[6 + k][a] - 1));
       }
     }
-    code_keep_by(&inner, &s, &code_line_K.x[i], code_variable("K_%c", code_axis[i]).name, a);
+    code_keep_by(w, &s, &code_line_K.x[i], code_variable("K_%c", code_axis[i]).name, a);
     code_line_known[i][a] = s.n > 0;
   }
   for (int i = 0; i < 3 && (code_line.offset || code_line.spread); i++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, turn.x[i]);
-    code_keep_by(&inner, &s, &code_line_Jw.x[i], code_variable("W_%c", code_axis[i]).name, a);
+    code_add_one(&s, 1.0, turn->x[i]);
+    code_keep_by(w, &s, &code_line_Jw.x[i], code_variable("W_%c", code_axis[i]).name, a);
     code_line_known[3 + i][a] = s.n > 0;
   }
   for (int i = 0; i < 3 && code_line.spread; i++) {
     code_begin(&s);
     for (int k = 0; k < 3; k++) {
-      code_add(&s, 1.0, code_line.I[i][k], turn.x[k]);
+      code_add(&s, 1.0, code_line.I[i][k], turn->x[k]);
     }
-    code_keep_by(&inner, &s, &code_line_h.x[i], code_variable("h_%c", code_axis[i]).name, a);
+    code_keep_by(w, &s, &code_line_h.x[i], code_variable("h_%c", code_axis[i]).name, a);
     code_line_known[6 + i][a] = s.n > 0;
   }
-  fputs("  }\n", w->out);
 }
 
 /* What is zero of some coordinates alone, the spare one among them. */
@@ -876,7 +979,10 @@ static void code_line_blanks(const code *w)
 
 static void code_line_jacobians(const code *w)
 {
+  static code_vec turn[FB_MAX_MODES];
   code_value EA[3][3], EB[3][3];
+  code inner = *w;
+  inner.indent = 4;
   memset(code_line_known, 0, sizeof code_line_known);
   for (int i = 0; i < 3; i++) {
     code_line_K.x[i] = code_line_Jw.x[i] = code_line_h.x[i] = code_constant(0.0);
@@ -884,10 +990,26 @@ static void code_line_jacobians(const code *w)
   fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N A^/6 "
         "B_a, and\n     K, the rate of its tangent */\n",
         w->out);
+  code_loop(w, 2, 'j', 0, code_line.m);
   code_line_columns(w, EA, EB);
   for (int a = 0; a < code_line.n; a++) {
-    code_line_jacobian(w, a, EA, EB);
+    turn[a] = code_line_steps(&inner, a, EA, EB);
   }
+  fputs("  }\n", w->out);
+  for (int a = 0; a < code_line.n; a++) {
+    code_scan(w, code_line.m);
+    for (int i = 0; i < 3; i++) {
+      if (!code_is_zero(&turn[a].x[i])) {
+        fprintf(w->out, "    l->turn_%c[%d][j] += l->turn_%c[%d][j - 1];\n", code_axis[i], a, code_axis[i], a);
+      }
+    }
+    fputs("  }\n", w->out);
+  }
+  code_loop(w, 2, 'j', 0, code_line.m);
+  for (int a = 0; a < code_line.n; a++) {
+    code_line_jacobian(&inner, a, &turn[a]);
+  }
+  fputs("  }\n", w->out);
   code_line_blanks(w);
 }
 
@@ -899,8 +1021,6 @@ static code_value code_by_at(code_value x, int j, const char *index)
   return code_at(x, at);
 }
 
-static code_vec code_line_Y;
-
 /* E14.17: Y = Q^T sqrt(m) Jv of the mass centers by points. */
 static void code_line_weigh(const code *w)
 {
@@ -909,12 +1029,24 @@ static void code_line_weigh(const code *w)
   inner.indent = 4;
   fputs("\n  /* E14.17: Y = C K, velocities of the mass centers by coordinates, weighed */\n", w->out);
   for (int i = 0; i < 3; i++) {
-    code_line_Y.x[i] = code_variable("l->Y_%c[j][a]", code_axis[i]);
-    if (code_is_zero(&code_line_K.x[i]) && !code_line.line->moves && !code_line.offset) {
-      code_line_Y.x[i] = code_constant(0.0);
+    code_line.Y.x[i] = code_variable("l->Y_%c[j][a]", code_axis[i]);
+    if (code_is_zero(&code_line_K.x[i]) && !code_line.line->moves && !code_line.offset && !code_line.centered) {
+      code_line.Y.x[i] = code_constant(0.0);
     } else {
       code_member(code_variable("Y_%c[%d][%d]", code_axis[i], count, code_line.width).name);
     }
+  }
+  if (code_line.centered) {
+    code_template(w, "  static const $ rest[3][");
+    fprintf(w->out, "%d] = {", code_line.width);
+    for (int i = 0; i < 3; i++) {
+      fputs(i ? ",\n    {" : "\n    {", w->out);
+      for (int a = 0; a < code_line.width; a++) {
+        code_cell(w, a < code_line.n ? -code_line_share() * code_line_rest(a, i) : 0.0, a, code_line.width);
+      }
+      fputs("}", w->out);
+    }
+    fputs("}; /* of the rest of the body, for row 0 about the mass center of the whole */\n", w->out);
   }
   if (code_line.line->moves) {
     code_template(w, "  static const $ shift[3][");
@@ -928,9 +1060,9 @@ static void code_line_weigh(const code *w)
     }
     fputs("}; /* of the root by coordinates */\n", w->out);
   }
+  code_loop(w, 2, 'a', 0, code_line.width);
   for (int j = 0; j < count; j++) {
     code_vec turn, rho;
-    code_loop(w, 2, 'a', 0, code_line.width);
     for (int i = 0; i < 3; i++) {
       turn.x[i] = code_by_at(code_line_Jw.x[i], j, "a");
     }
@@ -939,25 +1071,28 @@ static void code_line_weigh(const code *w)
       code_sum s;
       code_begin(&s);
       for (int k = 0; k < count; k++) {
-        code_add_one(&s, code_line_C(j, k), code_by_at(code_line_K.x[i], k, "a"));
+        code_add_one(&s, code_line.Q[j][k], code_by_at(code_line_K.x[i], k, "a"));
       }
       if (code_line.line->moves) {
-        code_add_one(&s, code_line_u(j), code_variable("shift[%d][a]", i));
+        code_add_one(&s, code_line.Q[j][count], code_variable("shift[%d][a]", i));
+      }
+      if (code_line.centered && j == 0) {
+        code_add_one(&s, 1.0, code_variable("rest[%d][a]", i));
       }
       if (code_line.offset) {
         code_sum more;
         code_value own;
         code_begin(&more);
         code_add_cross(&more, 1.0, &turn, &rho, i);
-        own = code_end(&inner, &more, code_variable("more_%c", code_axis[i]));
-        code_add_one(&s, code_line_u(j), own);
+        own = code_end(&inner, &more, code_variable("more_%c_%d", code_axis[i], j));
+        code_add_one(&s, code_line.Q[j][count], own);
       }
-      if (!code_is_zero(&code_line_Y.x[i])) {
-        code_assign(&inner, &s, code_by_at(code_line_Y.x[i], j, "a").name);
+      if (!code_is_zero(&code_line.Y.x[i])) {
+        code_assign(&inner, &s, code_by_at(code_line.Y.x[i], j, "a").name);
       }
     }
-    fputs("  }\n", w->out);
   }
+  fputs("  }\n", w->out);
 }
 
 static code_value code_line_y[3][FB_MAX_POINTS];
@@ -974,23 +1109,31 @@ static void code_line_centers(const code *w)
     const code_vec rho = code_vec_at(&code_line_rho, j);
     for (int i = 0; i < 3; i++) {
       code_begin(&s);
-      code_add_one(&s, code_line_start(i, j), code_constant(1.0));
+      code_add_one(&s, code_line.Q[j][count + 1 + i], code_constant(1.0));
       for (int k = 0; k < count; k++) {
         char at[16];
         snprintf(at, sizeof at, "%d", k);
-        code_add_one(&s, code_line_C(j, k), code_at(code_line.t.x[i], at));
+        code_add_one(&s, code_line.Q[j][k], code_at(code_line.t.x[i], at));
       }
-      code_add_one(&s, code_line_u(j), rho.x[i]);
+      code_add_one(&s, code_line.Q[j][count], rho.x[i]);
+      if (code_line.centered && j == 0) {
+        code_add_one(&s, -code_line_share(), code_variable("hub[%d]", i));
+      }
       if (code_line.line->moves) {
-        code_add_one(&s, code_line_u(j), code_variable("root_%c", code_axis[i]));
+        code_add_one(&s, code_line.Q[j][count], code_variable("root_%c", code_axis[i]));
       }
       code_line_y[i][j] = code_end(w, &s, code_variable("y_%c_%d", code_axis[i], j));
     }
   }
   for (int i = 0; i < 3; i++) {
+    const double share = code_line.whole / code_line.kept;
     code_begin(&s);
-    for (int j = 0; j < count; j++) {
-      code_add_one(&s, code_line_u(j), code_line_y[i][j]);
+    for (int j = 0; j < count && !code_line.centered; j++) {
+      code_add_one(&s, code_line.Q[j][count], code_line_y[i][j]);
+    }
+    if (code_line.centered) {
+      code_add_one(&s, share * code_line_share(), code_variable("hub[%d]", i));
+      code_add_one(&s, share, code_line_y[i][0]);
     }
     code_assign(w, &s, code_variable("l->c[%d]", i).name);
   }
@@ -1017,7 +1160,7 @@ static void code_line_centers(const code *w)
     }
     code_assign(w, &s, code_variable("l->J[%d]", e).name);
   }
-  code_member("c[3]");
+  code_member("c[4]");
   code_member("J[6]");
 }
 
@@ -1037,7 +1180,7 @@ static void code_line_products(const code *w)
     code_begin(&s);
     for (int j = 0; j < count; j++) {
       for (int i = 0; i < 3; i++) {
-        code_add(&s, 1.0, code_by_at(code_line_Y.x[i], j, own), code_by_at(code_line_Y.x[i], j, "b"));
+        code_add(&s, 1.0, code_by_at(code_line.Y.x[i], j, own), code_by_at(code_line.Y.x[i], j, "b"));
         code_add(&s, 1.0, code_by_at(code_line_h.x[i], j, own), code_by_at(code_line_Jw.x[i], j, "b"));
       }
     }
@@ -1045,10 +1188,10 @@ static void code_line_products(const code *w)
     fputs("  }\n", w->out);
   }
   code_loop(w, 2, 'a', 0, code_line.width);
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 3 && !code_line.centered; i++) {
     code_begin(&s);
     for (int j = 0; j < count; j++) {
-      code_add_one(&s, code_line_u(j), code_by_at(code_line_Y.x[i], j, "a"));
+      code_add_one(&s, code_line.Q[j][count], code_by_at(code_line.Y.x[i], j, "a"));
     }
     code_assign(&inner, &s, code_variable("l->P[%d][a]", i).name);
   }
@@ -1056,15 +1199,17 @@ static void code_line_products(const code *w)
     const int y = (i + 1) % 3, z = (i + 2) % 3;
     code_begin(&s);
     for (int j = 0; j < count; j++) {
-      code_add(&s, 1.0, code_line_y[y][j], code_by_at(code_line_Y.x[z], j, "a"));
-      code_add(&s, -1.0, code_line_y[z][j], code_by_at(code_line_Y.x[y], j, "a"));
+      code_add(&s, 1.0, code_line_y[y][j], code_by_at(code_line.Y.x[z], j, "a"));
+      code_add(&s, -1.0, code_line_y[z][j], code_by_at(code_line.Y.x[y], j, "a"));
       code_add_one(&s, 1.0, code_by_at(code_line_h.x[i], j, "a"));
     }
     code_assign(&inner, &s, code_variable("l->L[%d][a]", i).name);
   }
   fputs("  }\n", w->out);
   code_member(code_variable("M[%d][%d]", code_line.n, code_line.width).name);
-  code_member(code_variable("P[3][%d]", code_line.width).name);
+  if (!code_line.centered) {
+    code_member(code_variable("P[3][%d]", code_line.width).name);
+  }
   code_member(code_variable("L[3][%d]", code_line.width).name);
 }
 
@@ -1092,8 +1237,15 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
 static void code_line_inertia(const code *w, int unused)
 {
   (void)unused;
-  fputs("\n/* Its inertia, after its pose. */\n", w->out);
-  code_line_head(w, "void", "inertia", code_line.line->moves ? ", const $ *q" : "");
+  fputs(code_line.centered ? "\n/* Its inertia relative to the mass center of the whole, after its pose; hub: first moment of mass of the "
+                             "rest,\n   line axes. */\n"
+                           : "\n/* Its inertia, after its pose. */\n",
+        w->out);
+  code_line_head(w, "void", "inertia",
+                 code_line.centered && code_line.line->moves ? ", const $ *hub, const $ *q"
+                 : code_line.centered                        ? ", const $ *hub"
+                 : code_line.line->moves                     ? ", const $ *q"
+                                                             : "");
   code_line_alias(w);
   code_line_root(w, "root", "q");
   code_line_maps(w);
@@ -1157,7 +1309,7 @@ static void code_line_drift(const code *w, int unused)
       fprintf(w->out, "  l->w_%c[0] += o_%c;\n", code_axis[i], code_axis[i]);
     }
   }
-  code_loop(w, 2, 'j', 1, code_line.m);
+  code_scan(w, code_line.m);
   for (int i = 0; i < 3; i++) {
     if (!code_is_zero(&step.x[i])) {
       fprintf(w->out, "    l->w_%c[j] += l->w_%c[j - 1];\n", code_axis[i], code_axis[i]);
@@ -1302,6 +1454,7 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
     code_line_F = code_keep_vec(&inner, &code_line_F, "F");
   }
   fputs("  }\n\n  /* from the tip to the root */\n", w->out);
+  code_template(w, "  @_UNROLL\n");
   fprintf(w->out, "  for (int j = %d; j >= 0; j--) {\n", code_line.m - 2);
   for (int i = 0; i < 3; i++) {
     fprintf(w->out, "    l->b_%c[j] += l->b_%c[j + 1];\n    l->c_%c[j] += l->c_%c[j + 1];\n", code_axis[i],
@@ -1535,7 +1688,7 @@ static void code_line_type(const code *w)
     code_template(w, "  $ ");
     fprintf(w->out, "%s;\n", code_line.member[k]);
   }
-  code_template(w, "} @_line_");
+  code_template(w, "} @_ALIGNED @_line_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
 
@@ -1550,6 +1703,7 @@ static int code_write_lines(const code *w)
       return 0;
     }
     code_line_begin(k);
+    code_line_center();
     code_line_tables(w);
     good = code_write_pruned(&draft, code_line_pose, 0) && code_write_pruned(&draft, code_line_inertia, 0) &&
            code_write_pruned(&draft, code_line_drift, 0) && code_write_pruned(&draft, code_line_gradient, 0);

@@ -184,7 +184,11 @@ static void code_write_line_node(const code *w, int k)
   code_template(w, "  const int sound = @_pose_");
   fprintf(w->out, "%d(l, q + %d);\n", number, line->first);
   code_template(w, "  @_inertia_");
-  fprintf(w->out, line->moves ? "%d(l, q + %d);\n" : "%d(l);\n", number, line->first);
+  fprintf(w->out, "%d(l%s", number, code_line.centered ? ", rest" : "");
+  if (line->moves) {
+    fprintf(w->out, ", q + %d", line->first);
+  }
+  fputs(");\n", w->out);
   code_template(w, "  @_drift_");
   fprintf(w->out, "%d(l, q_dot + %d, rest);\n", number, line->first);
 
