@@ -13,10 +13,10 @@ for program in clang wasm-ld; do
 done
 mkdir -p "$folder/include"
 for header in math string stdio stdlib time; do
-  echo '#include "../../../examples/page/libc.h"' > "$folder/include/$header.h"
+  echo '#include "libc.h"' > "$folder/include/$header.h"
 done
 clang --target=wasm32 -std=c99 -O2 -ffreestanding -fno-math-errno -ffp-contract=off -mbulk-memory -nostdlib -D__thread= \
-  -Wall -Wextra -Wno-unused-function -Wno-unused-parameter -DFLEXBEAM_STATIC -I. -isystem "$folder/include" -o "$folder/page.wasm" $here/page.c \
+  -Wall -Wextra -Wno-unused-function -Wno-unused-parameter -DFLEXBEAM_STATIC -I. -isystem "$folder/include" -isystem $here -o "$folder/page.wasm" $here/page.c \
   -Wl,--no-entry -Wl,--allow-undefined -Wl,--strip-all -Wl,-z,stack-size=1048576 -Wl,--stack-first \
   $(sed -n 's/^[a-z].*[ *]\(page_[a-z_]*\)(.*);.*/-Wl,--export=\1/p' $here/page.c)
 base64 "$folder/page.wasm" > "$folder/page.base64"

@@ -92,7 +92,7 @@ function takeScene() {
   const scene = +$("scene").value;
   const [least, most, usual] = [0, 1, 2].map(k => lib.page_drive(scene, k));
   $("what").textContent = text(lib.page_text(scene, 1));
-  $("drive_label").textContent = text(lib.page_text(scene, 2));
+  $("drive_label").textContent = text(lib.page_text(scene, 2)).replace(/^./, c => c.toUpperCase());
   Object.assign($("drive"), {min: least, max: most, value: usual});
   $("stiffness").value = 0;
   lib.page_take(scene, usual, 1);
@@ -127,7 +127,7 @@ function beginJudge() {
 }
 
 function beginBody() {
-  Object.assign(run, {body: 0, slice: 1, pass: 0, passTime: 0, passes: 0, measured: 0, ns: Infinity, recorded: false});
+  Object.assign(run, {body: 0, slice: 1, passTime: 0, passes: 0, measured: 0, ns: Infinity, recorded: false});
   run.status = lib.page_body_begin(+$("modes").value, effects(), +$("integrator").value, share());
   run.dt = run.status ? NaN : run.duration / samples / lib.page_body_steps();
   $("code").textContent = program();
@@ -140,14 +140,20 @@ function slice(advance, n) {
 }
 
 function advanceBody() {
-  const before = lib.page_body_done(), n = Math.min(run.slice, samples - before);
-  const [status, ms, next] = slice(lib.page_body_advance, n);
-  const done = lib.page_body_done();
+  const [status, , next] = slice(lib.page_body_advance, Math.min(run.slice, samples - run.body));
+  run.body = lib.page_body_done();
+  run.slice = next;
+  run.status = status;
+}
+
+/* The same run once more, its steps alone. */
+function timeBody() {
+  if (run.passTime === 0) run.status = lib.page_body_restart();
+  const [status, ms, next] = slice(lib.page_body_time, Math.min(run.slice, samples - lib.page_body_timed()));
   run.passTime += ms;
   run.slice = next;
-  run.body = Math.max(run.body, done);
   run.status = run.status || status;
-  if (done === samples) {
+  if (lib.page_body_timed() === samples) {
     run.ns = Math.min(run.ns, 1e6 * run.passTime / (samples * lib.page_body_steps()));
     run.measured += run.passTime;
     run.passes++;
@@ -181,8 +187,7 @@ function work() {
     } else if (judgeGoes()) {
       advanceJudge();
     } else {
-      if (lib.page_body_done() === samples) lib.page_body_restart();
-      advanceBody();
+      timeBody();
     }
   }
   if (!busy() && !run.recorded) {
@@ -198,9 +203,10 @@ const judgeDt = () => run.duration / samples / lib.page_judge_steps();
 
 // ---- figures
 
-const percent = x => !(x >= 0) ? "" : (100 * x).toPrecision(x < 1e-6 ? 1 : 3) + " %";
-const time = ns => !(ns < Infinity) ? "" : ns < 1e3 ? ns.toFixed(0) + " ns" : ns < 1e6 ? (ns / 1e3).toPrecision(3) +
-  " \u00b5s" : (ns / 1e6).toPrecision(3) + " ms";
+const short = x => +x.toPrecision(3) + "";
+const percent = x => !(x >= 0) ? "" : x < 1e-7 ? "0 %" : short(100 * x) + " %";
+const time = ns => !(ns < Infinity) ? "" : ns < 1e3 ? ns.toFixed(0) + " ns" : ns < 1e6 ? short(ns / 1e3) +
+  " \u00b5s" : ns < 1e9 ? short(ns / 1e6) + " ms" : short(ns / 1e9) + " s";
 const factor = x => !(x < Infinity) ? "" : x < 10 ? x.toPrecision(2) + " \u00d7" : (+x.toPrecision(3)).toFixed(0) + " \u00d7";
 
 function setName() {
@@ -217,7 +223,7 @@ function showFigures(k) {
   };
   show("error_now", k < both ? percent(lib.page_error_at(k)) : "");
   show("error", both ? percent(lib.page_error(both)) : "");
-  show("off", judged ? "some " + percent(+lib.page_judge_off().toPrecision(1)) : "");
+  show("off", judged ? "\u2248 " + percent(+lib.page_judge_off().toPrecision(1)) : "");
   show("ns", time(run.ns));
   show("judge_ns", judged ? time(judgeNs()) : "");
   show("dt", time(1e9 * run.dt));
@@ -325,11 +331,10 @@ function bounds() {
   return [box[0] - 0.06 * L, box[1] - 0.06 * L, box[2] + 0.06 * L, box[3] + 0.06 * L];
 }
 
-/* A round length for a scale of at most that. */
-function round(x) {
-  const ten = 10 ** Math.floor(Math.log10(x));
-  return x >= 5 * ten ? 5 * ten : x >= 2 * ten ? 2 * ten : ten;
-}
+/* A round number of at most x; of at least x. */
+const rounds = x => [1, 2, 5, 10].map(m => m * 10 ** Math.floor(Math.log10(x)));
+const roundDown = x => Math.max(...rounds(x).filter(v => v <= x));
+const roundUp = x => Math.min(...rounds(x).filter(v => v >= x));
 
 function drawPicture(k) {
   const [g, w, h] = canvas("picture");
@@ -352,7 +357,7 @@ function drawPicture(k) {
   g.beginPath();
   g.arc(...body[0], 4.5, 0, 7);
   g.fill();
-  const bar = round(w / 4 / scale);
+  const bar = roundDown(w / 4 / scale);
   stroke(g, colors.quiet, 1.5, [[8, h - 8], [8 + bar * scale, h - 8]]);
   g.fillStyle = colors.quiet;
   g.fillText(bar + " m", 14 + bar * scale, h - 4);
@@ -378,7 +383,7 @@ function axes(g, [left, top, right, bottom], [x0, x1], [y0, y1], xs, ys, title) 
 }
 
 function ticks(least, most, n) {
-  const step = round((most - least) / n) || 1, out = [];
+  const step = roundUp((most - least) / n) || 1, out = [];
   for (let k = Math.ceil(least / step); k * step <= most + 1e-9 * step; k++) out.push([k * step, +(k * step).toPrecision(6) + ""]);
   return out;
 }
@@ -403,7 +408,7 @@ function drawCurves(k) {
   }
   const pad = 0.06 * (most - least) || 1;
   const seconds = ticks(0, run.duration, w < 450 ? 4 : 8);
-  const [X, Y] = axes(g, [52, 20, w - 8, middle - 22], [0, run.duration], [least - pad, most + pad], seconds.map(s => [s[0], ""]),
+  const [X, Y] = axes(g, [52, 20, w - 16, middle - 22], [0, run.duration], [least - pad, most + pad], seconds.map(s => [s[0], ""]),
                       ticks(least - pad, most + pad, 4), "deflection of the " + run.of + " [m]");
   const curve = (m, n) => Array.from({length: n}, (_, i) => [X((i + 1) * dt), Y(at(m, i))]);
   g.globalAlpha = 0.55;
@@ -411,8 +416,8 @@ function drawCurves(k) {
   g.globalAlpha = 1;
   stroke(g, colors.body, 1.8, curve(BODY, run.body));
   const top = worst > 0 ? 1.1 * worst : 1;
-  const [, E] = axes(g, [52, middle + 14, w - 8, h - 20], [0, run.duration], [0, top], seconds.map(s => [s[0], s[1] + " s"]),
-                     ticks(0, top, 3), "error [%]");
+  const [, E] = axes(g, [52, middle + 14, w - 16, h - 20], [0, run.duration], [0, top], seconds.map(s => [s[0], s[1] + " s"]),
+                     ticks(0, top, 2), "error [%]");
   stroke(g, colors.body, 1.8, errors.map((e, i) => [X((i + 1) * dt), E(Math.min(e, top))]));
   stroke(g, colors.ink, 1, [[X((k + 1) * dt), 20], [X((k + 1) * dt), h - 20]]);
 }
@@ -512,7 +517,7 @@ function frame(now) {
   if (view.playing && run.body) {
     view.time += passed / 1000 * +$("speed").value;
     if (view.time > run.duration) view.time = 0;
-    view.fps += 0.05 * (1000 / Math.max(passed, 1) - view.fps);
+    if (passed > 0) view.fps += 0.05 * (1000 / Math.max(passed, 1) - view.fps);
     $("fps").textContent = view.fps.toFixed(0);
   }
   draw();
