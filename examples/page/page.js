@@ -2,7 +2,7 @@
 /* Controls, jobs and pictures. page.c computes; its functions and what they return stand at its top. */
 
 const BODY = 0, EXACT = 1;
-const FRAME = 1000 / 60, BUDGET = 8; // [ms] of a frame, of it for computing
+const LEAST = 2, MOST = 10; // [ms] of a frame for computing
 const LARGE = 287, ELASTIC = 1, LARGE_ALONE = 256; // of fb_effect
 const $ = id => document.getElementById(id);
 const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -10,7 +10,7 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 let lib, memory, samples, points;
 let refusal = ""; // of bench/check.h
 const run = {}; // both models, as far as they have come
-const view = {time: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, fps: 60, drawn: ""};
+const view = {time: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, fps: 60, budget: MOST, curves: document.createElement("canvas")};
 let tried = []; // settings of the present scene, drive and stiffness
 let asked = 0; // frame that was asked for
 
@@ -128,6 +128,7 @@ function beginJudge() {
 
 function beginBody() {
   Object.assign(run, {body: 0, slice: 1, passTime: 0, passes: 0, measured: 0, ns: Infinity, recorded: false});
+  run.serial = (run.serial || 0) + 1;
   run.status = lib.page_body_begin(+$("modes").value, effects(), +$("integrator").value, share());
   run.dt = run.status ? NaN : run.duration / samples / lib.page_body_steps();
   $("code").textContent = program();
@@ -180,7 +181,7 @@ const busy = () => bodyGoes() || judgeGoes() || timeGoes();
 
 /* Works for some milliseconds. */
 function work() {
-  const until = performance.now() + BUDGET;
+  const until = performance.now() + view.budget;
   while (busy() && performance.now() < until) {
     if (bodyGoes()) {
       advanceBody();
@@ -388,7 +389,23 @@ function ticks(least, most, n) {
   return out;
 }
 
+/* What is drawn once for many frames: whether it is to be drawn again. */
+function stale(id, ...depends) {
+  const now = [$(id).clientWidth, $(id).clientHeight, devicePixelRatio, colors.ink, run.body, run.judge, run.recorded, ...depends].join();
+  if (view[id + "Stamp"] === now) return false;
+  view[id + "Stamp"] = now;
+  return true;
+}
+
+/* The curves, and on a copy of them where time is. */
 function drawCurves(k) {
+  if (stale("curves", run.serial)) drawCurvesAnew();
+  const [g, w, h] = canvas("curves"), x = 52 + (w - 68) * (k + 1) / samples;
+  if (w && h) g.drawImage(view.curves, 0, 0, w, h);
+  stroke(g, colors.ink, 1, [[x, 20], [x, h - 20]]);
+}
+
+function drawCurvesAnew() {
   const [g, w, h] = canvas("curves"), dt = run.duration / samples, c = run.component, middle = 0.62 * h, done = exactDone();
   const outputs = [BODY, EXACT].map(m => numbers(lib.page_output(m), 3 * samples));
   const at = (m, i) => outputs[m][3 * i + c];
@@ -419,10 +436,12 @@ function drawCurves(k) {
   const [, E] = axes(g, [52, middle + 14, w - 16, h - 20], [0, run.duration], [0, top], seconds.map(s => [s[0], s[1] + " s"]),
                      ticks(0, top, 2), "error [%]");
   stroke(g, colors.body, 1.8, errors.map((e, i) => [X((i + 1) * dt), E(Math.min(e, top))]));
-  stroke(g, colors.ink, 1, [[X((k + 1) * dt), 20], [X((k + 1) * dt), h - 20]]);
+  Object.assign(view.curves, {width: $("curves").width, height: $("curves").height});
+  if (w && h) view.curves.getContext("2d").drawImage($("curves"), 0, 0);
 }
 
 function drawPoints() {
+  if (!stale("points", run.serial, tried.length, $("axis").value)) return;
   const [g, w, h] = canvas("points"), axis = $("axis").value;
   const all = tried.map(p => ({x: p[axis], y: 100 * p.error, now: false}));
   if (all.length && run.recorded && !run.status) all[all.length - 1].now = true;
@@ -508,6 +527,7 @@ function frame(now) {
   asked = 0;
   const passed = Math.min(now - view.last, 100);
   view.last = now;
+  view.budget = passed > 22 ? Math.max(LEAST, view.budget - 1) : Math.min(MOST, view.budget + 0.1); // late: less
   try {
     work();
   } catch (error) {
@@ -517,7 +537,7 @@ function frame(now) {
   if (view.playing && run.body) {
     view.time += passed / 1000 * +$("speed").value;
     if (view.time > run.duration) view.time = 0;
-    if (passed > 0) view.fps += 0.05 * (1000 / Math.max(passed, 1) - view.fps);
+    view.fps += 0.05 * (1000 / Math.max(passed, 1) - view.fps);
     $("fps").textContent = view.fps.toFixed(0);
   }
   draw();

@@ -21,7 +21,7 @@ class Browser:
         self.process = subprocess.Popen(
             [browser, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
              "--remote-debugging-pipe", "--user-data-dir=" + os.path.abspath(folder) + "/profile", "about:blank"],
-            preexec_fn=as_3_and_4, close_fds=False, stdout=subprocess.DEVNULL, stderr=open(folder + "/browser.txt", "w"))
+            preexec_fn=as_3_and_4, close_fds=False, start_new_session=True, stdout=subprocess.DEVNULL, stderr=open(folder + "/browser.txt", "w"))
         os.close(to_child)
         os.close(from_child)
         self.number, self.rest, self.session, self.errors, self.loaded = 0, b"", None, [], False
@@ -97,6 +97,18 @@ class Browser:
         open(folder + "/" + name, "wb").write(base64.b64decode(data))
 
 
+def processor_ms(session):
+    """Milliseconds of processor that the processes of a session have had."""
+    ticks = 0
+    for entry in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            fields = open(f"/proc/{entry}/stat").read().rsplit(")", 1)[1].split()
+        except OSError:  # it has ended
+            continue
+        ticks += int(fields[11]) + int(fields[12]) if int(fields[3]) == session else 0
+    return 1000 * ticks / os.sysconf("SC_CLK_TCK")
+
+
 def wrong(what):
     print(what)
     sys.exit(1)
@@ -135,26 +147,28 @@ def main():
     tab.size(1280, 1000)
     tab.open("file://" + os.path.abspath(page))
 
-    # Frames while both models compute, of three tries the best: another program may have the processor.
-    frames = 0
-    for _ in range(3):
+    # Frames while both models compute, of some tries the best. Where other programs keep the processors busy: by the
+    # processor's time that a frame takes, of which there are two times 33 ms at 30 frames a second.
+    frames, cost = 0, 1e9
+    for _ in range(5):
         change(tab, "scene", 4)
-        frames = max(frames, tab.run("new Promise(done => { let n = 0; const begin = performance.now(); const count = now => "
-                                     "now - begin > 1500 ? done(1000 * n / (now - begin)) : (n++, requestAnimationFrame(count));"
-                                     "requestAnimationFrame(count); })"))
-        if frames > 45:
+        before = processor_ms(tab.process.pid)
+        n, seconds = tab.run("new Promise(done => { let n = 0; const begin = performance.now(); const count = now => now - begin > "
+                             "1000 ? done([n, (now - begin) / 1000]) : (n++, requestAnimationFrame(count)); requestAnimationFrame(count); })")
+        frames, cost = max(frames, n / seconds), min(cost, (processor_ms(tab.process.pid) - before) / n)
+        if frames > 40:
             break
     if not tab.run("run.judge > 0 && view.playing"):
         wrong("nothing is computed between the frames")
-    if frames < 30:
-        wrong(f"{frames:.0f} frames a second")
+    if frames < 30 and (cost > 33 or os.getloadavg()[0] < 2.5):
+        wrong(f"{frames:.0f} frames a second, each {cost:.0f} ms of processor time")
 
     # Every scene, the page's numbers beside the program's.
     scenes = tab.run("lib.page_scenes()")
     same, worst, drawn = 0, 0, set()
     cases = [(k, 3, "rk4", None) for k in range(scenes)]
     cases += [(0, 2, "exponential", None), (0, 3, "midpoint", ("stiffness", -0.2)), (3, 1, "sdirk", ("drive", 1)),
-              (7, 3, "rk4", ("large", 1))]
+              (5, 3, "rk4", ("large", 1))]
     for scene, modes, integrator, more in cases:
         change(tab, "scene", scene)
         change(tab, "modes", modes)
@@ -279,7 +293,7 @@ def main():
         pass
     tab.process.wait(20)
     print(f"{scenes} scenes, {len(cases)} settings: {same} of {2 * len(cases)} histories have the program's bits, the others are "
-          f"within {worst:.0e}; {frames:.0f} frames a second while it computes; {os.path.getsize(page) // 1024} kB")
+          f"within {worst:.0e}; {frames:.0f} frames a second while it computes, {cost:.0f} ms of a processor each; {os.path.getsize(page) // 1024} kB")
 
 
 main()
