@@ -1,6 +1,6 @@
-"""page.py FOLDER BROWSER PAGE PROGRAM - drives the page in a headless browser (DevTools protocol over a pipe) and compares
-its numbers with those of the native program. Prints one line of figures; the first thing that is wrong ends it."""
-import json, os, re, select, subprocess, sys, time
+"""page.py FOLDER BROWSER PAGE PROGRAM [SVG] - drives the page in a headless browser (DevTools protocol over a pipe) and compares
+its numbers with those of the native program. Prints one line of figures; the first thing that is wrong ends it. SVG: only makes the picture of examples/page/README.md."""
+import base64, json, os, re, select, subprocess, sys, time
 
 folder, browser, page, program = sys.argv[1:5]
 
@@ -92,7 +92,6 @@ class Browser:
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def picture(self, name):
-        import base64
         data = self.call("Page.captureScreenshot", captureBeyondViewport=True)["data"]
         open(folder + "/" + name, "wb").write(base64.b64decode(data))
 
@@ -142,10 +141,31 @@ def change(tab, control, value):
             f"$('{control}').dispatchEvent(new Event('change', {{bubbles: true}}))")
 
 
+def portrait(tab, name):
+    """The upper part of the page, some settings tried, as a picture in an SVG: text, as all files are."""
+    size = 1280, 810
+    for modes, box in (1, None), (2, None), (3, None), (6, None), (3, 5), (3, 5), (3, 2), (3, 3), (3, 4), (3, 1):
+        change(tab, "modes", modes)
+        tab.run((f"$('effect{box}').click();" if box else "") + SETTLE)
+    for k in range(1, 5):
+        tab.run(f"$('effect{k}').checked || $('effect{k}').click()")
+    tab.run(SETTLE + "play(false); view.time = 7; draw()")
+    data = tab.call("Page.captureScreenshot", format="webp", quality=70, clip={"x": 0, "y": 0, "width": size[0], "height": size[1], "scale": 0.75})
+    with open(name, "w") as file:
+        file.write('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 %d %d"><title>the page</title><image width="%d" height="%d" '
+                   'href="data:image/webp;base64,\n' % (*size, *size))
+        text = data["data"]
+        file.write("\n".join(text[k:k + 120] for k in range(0, len(text), 120)) + '"/></svg>\n')
+
+
 def main():
     tab = Browser()
     tab.size(1280, 1000)
     tab.open("file://" + os.path.abspath(page))
+
+    if len(sys.argv) > 5:
+        portrait(tab, sys.argv[5])
+        return
 
     # Frames while both models compute, of some tries the best. Where other programs keep the processors busy: by the
     # processor's time that a frame takes, of which there are two times 33 ms at 30 frames a second.
