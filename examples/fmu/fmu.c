@@ -22,10 +22,12 @@ static const char help[] =
     "documentation\n"
     "usage: flexbeam fmu FILE --out NAME.fmu [options]\n"
     "  --version 2|3   of FMI (2)\n"
-    "  --step SECONDS  of the integrator, the start value of settings.step (a fifth of what rk4 takes at rest; of a scene\n"
+    "  --step SECONDS  of the integrator, the start value of settings.step (a fifth of what rk4 takes at rest; of a "
+    "scene\n"
     "                  as it says itself)\n"
     "  --static        one instance a process, in static memory: no heap\n"
-    "  --binary FILE   of a scene: a binary that another scene's FMU of this version holds, instead of compiling it again\n"
+    "  --binary FILE   of a scene: a binary that another scene's FMU of this version holds, instead of compiling it "
+    "again\n"
     "  --sources DIR   where flexbeam.h is (.)\n"
     "  --help          this text\n"
     "The compiler is cc, or $CC. The descriptions of bodies are explained in examples/tools/README.md, scenes in\n"
@@ -190,12 +192,11 @@ static void write_model(FILE *out, const fmu_export *e)
   fputs("};\n", out);
 }
 
-static const char *const interfaces[2][5] = {{"examples/fmu/fmu2.c", "examples/fmu/fmi2/fmi2Functions.h",
-                                              "examples/fmu/fmi2/fmi2FunctionTypes.h",
-                                              "examples/fmu/fmi2/fmi2TypesPlatform.h", NULL},
-                                             {"examples/fmu/fmu3.c", "examples/fmu/fmi3/fmi3Functions.h",
-                                              "examples/fmu/fmi3/fmi3FunctionTypes.h",
-                                              "examples/fmu/fmi3/fmi3PlatformTypes.h", NULL}};
+static const char *const interfaces[2][5] = {
+    {"examples/fmu/fmu2.c", "examples/fmu/fmi2/fmi2Functions.h", "examples/fmu/fmi2/fmi2FunctionTypes.h",
+     "examples/fmu/fmi2/fmi2TypesPlatform.h", NULL},
+    {"examples/fmu/fmu3.c", "examples/fmu/fmi3/fmi3Functions.h", "examples/fmu/fmi3/fmi3FunctionTypes.h",
+     "examples/fmu/fmi3/fmi3PlatformTypes.h", NULL}};
 
 /* Files of the project, up to NULL, into that folder; folder NULL: into their own below `sources`. */
 static int copy_sources(const char *const *list, const char *folder_name, const char *sources)
@@ -231,9 +232,12 @@ static int write_sources(const fmu_export *e, const char *sources)
 /* Those of a scene keep their folders: its headers include each other by them. */
 static int write_scene_sources(const fmu_export *e, const char *sources)
 {
-  static const char *const folders[] = {
-      "sources", "sources/examples", "sources/examples/common", "sources/examples/tools", "sources/examples/scene",
-      "sources/examples/fmu"};
+  static const char *const folders[] = {"sources",
+                                        "sources/examples",
+                                        "sources/examples/common",
+                                        "sources/examples/tools",
+                                        "sources/examples/scene",
+                                        "sources/examples/fmu"};
   static const char *const all[] = {"flexbeam.h",
                                     "flexbeam_impl.h",
                                     "examples/common/csv.h",
@@ -329,7 +333,6 @@ static int compile(const fmu_export *e, const char *binary)
 {
   char place[MAX_NAME], file[MAX_NAME], source[64], text[MAX_PATH];
   char *const options[] = {(char *)"-std=c99",
-                           (char *)"-O2",
                            (char *)"-ffp-contract=off",
                            (char *)"-fPIC",
                            (char *)"-shared",
@@ -340,13 +343,18 @@ static int compile(const fmu_export *e, const char *binary)
                            source,
                            (char *)"-lm",
                            NULL};
-  char *argv[MAX_WORDS + sizeof options / sizeof options[0]];
+  char *argv[MAX_WORDS + 1 + sizeof options / sizeof options[0]];
   const int n = read_compiler(argv, text);
-  int status;
+  int status, at = 1;
   if (n == 0) {
     return 1;
   }
-  memcpy(argv + n, options, sizeof options);
+  while (at < n && argv[at][0] != '-') {
+    at++;
+  }
+  memmove(argv + at + 1, argv + at, (size_t)(n - at) * sizeof *argv); /* another -O of $CC comes behind it */
+  argv[at] = (char *)"-O2";
+  memcpy(argv + n + 1, options, sizeof options);
   snprintf(source, sizeof source, "sources/%sfmu%d.c", e->body ? "" : "examples/fmu/", e->fmi);
   snprintf(place, sizeof place, "binaries/%.60s", e->platform);
   snprintf(file, sizeof file, "binaries/%.60s/%.63s.%s", e->platform, e->name,
@@ -368,17 +376,27 @@ static int compile(const fmu_export *e, const char *binary)
 
 static int pack(const char *out, int is_scene)
 {
-  char *const zip[] = {(char *)"zip",       (char *)"-q",
-                       (char *)"-X",        (char *)"-r",
-                       (char *)"model.zip", (char *)"modelDescription.xml",
-                       (char *)"binaries",  (char *)"documentation",
-                       (char *)"sources",   is_scene ? (char *)"resources" : NULL,
+  char *const zip[] = {(char *)"zip",
+                       (char *)"-q",
+                       (char *)"-X",
+                       (char *)"-r",
+                       (char *)"model.zip",
+                       (char *)"modelDescription.xml",
+                       (char *)"binaries",
+                       (char *)"documentation",
+                       (char *)"sources",
+                       is_scene ? (char *)"resources" : NULL,
                        NULL};
-  char *const python[] = {(char *)"python3",   (char *)"-m",
-                          (char *)"zipfile",   (char *)"-c",
-                          (char *)"model.zip", (char *)"modelDescription.xml",
-                          (char *)"binaries",  (char *)"documentation",
-                          (char *)"sources",   is_scene ? (char *)"resources" : NULL,
+  char *const python[] = {(char *)"python3",
+                          (char *)"-m",
+                          (char *)"zipfile",
+                          (char *)"-c",
+                          (char *)"model.zip",
+                          (char *)"modelDescription.xml",
+                          (char *)"binaries",
+                          (char *)"documentation",
+                          (char *)"sources",
+                          is_scene ? (char *)"resources" : NULL,
                           NULL};
   char path[MAX_PATH];
   int status = folder_run(zip);
@@ -569,10 +587,11 @@ static int scene_find_files(scene_folder *found, const char *file)
       failed = found->n == MAX_NAMED || strlen(word) >= sizeof found->name[0] || scene_ups(word) < 0 ||
                scene_ups(word) > MAX_UP;
       if (failed) {
-        fprintf(stderr,
-                "fmu: %s:%d: %s: an FMU takes at most %d files with it, of names of %d characters from the folder of the "
-                "scene on, as ../FOLDER/FILE, at most %d up\n",
-                file, t.line, word, MAX_NAMED, (int)sizeof found->name[0] - 1, MAX_UP);
+        fprintf(
+            stderr,
+            "fmu: %s:%d: %s: an FMU takes at most %d files with it, of names of %d characters from the folder of the "
+            "scene on, as ../FOLDER/FILE, at most %d up\n",
+            file, t.line, word, MAX_NAMED, (int)sizeof found->name[0] - 1, MAX_UP);
       } else {
         strcpy(found->name[found->n++], word);
         found->up = scene_ups(word) > found->up ? scene_ups(word) : found->up;
@@ -714,8 +733,8 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
     return 2;
   }
   status = is_scene && (write_resources(e, file, o->step) || open_scene(e));
-  status = status || (is_scene ? write_scene_sources : write_sources)(e, o->sources) || write_documents(e, o->sources) ||
-           compile(e, o->binary) || pack(o->out, is_scene);
+  status = status || (is_scene ? write_scene_sources : write_sources)(e, o->sources) ||
+           write_documents(e, o->sources) || compile(e, o->binary) || pack(o->out, is_scene);
   folder_remove();
   return status;
 }

@@ -13,8 +13,8 @@
 
 #define FMU_SCENE_INPUTS (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + SCENE_CONTROLS)
 #define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 2)
-typedef char fmu_scenes_have_room[FMU_SCENE_VARIABLES <= FMU_MAX_VARIABLES && FMU_SCENE_VARIABLES <= FMU_MAX_VALUES ? 1
-                                                                                                                    : -1];
+typedef char
+    fmu_scenes_have_room[FMU_SCENE_VARIABLES <= FMU_MAX_VARIABLES && FMU_SCENE_VARIABLES <= FMU_MAX_VALUES ? 1 : -1];
 
 typedef struct fmu_plant {
   int opened;
@@ -375,8 +375,8 @@ static fmu_answer fmu_scene_set(const fmu_values *v, fmu_text text)
 /* The part of a state that this scene has. */
 static inline void fmu_plant_copy(fmu_plant_state *to, const fmu_plant_state *from)
 {
-  const size_t head = offsetof(fmu_plant_state, controlling) +
-                      (size_t)staged.s.n_control * sizeof(struct scene_controlling);
+  const size_t head =
+      offsetof(fmu_plant_state, controlling) + (size_t)staged.s.n_control * sizeof(struct scene_controlling);
   memcpy(to, from, head);
   if (staged.s.is_exact) {
     to->of.exact = from->of.exact;

@@ -6,7 +6,12 @@
 #define FMU_VARIABLES_H
 
 typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
-typedef enum fmu_place { FMU_OF_BODY, FMU_OF_NODE, FMU_OF_TIP, FMU_OF_SCENE } fmu_place; /* tip: every node but the hub */
+typedef enum fmu_place {
+  FMU_OF_BODY,
+  FMU_OF_NODE,
+  FMU_OF_TIP,
+  FMU_OF_SCENE
+} fmu_place;             /* tip: every node but the hub */
 enum { FMU_MODES = -1 }; /* as many numbers as there are modes */
 
 /* kind, role, place, numbers, name (of nodes behind "hub." or the node's name), unit, does it depend directly on the

@@ -40,7 +40,7 @@ static void fmu_write_unit(FILE *out, const char *unit)
   static const struct {
     const char *name;
     int kg, m, s, rad;
-  } known[] = {{"m", 0, 1, 0, 0}, {"kg", 1, 0, 0, 0}, {"s", 0, 0, 1, 0}, {"rad", 0, 0, 0, 1},
+  } known[] = {{"m", 0, 1, 0, 0},  {"kg", 1, 0, 0, 0}, {"s", 0, 0, 1, 0},  {"rad", 0, 0, 0, 1},
                {"N", 1, 1, -2, 0}, {"J", 1, 2, -2, 0}, {"W", 1, 2, -3, 0}, {"1", 0, 0, 0, 0}};
   static const char *const names[] = {"kg", "m", "s", "rad"};
   int sum[4] = {0, 0, 0, 0}, all = 1, sign = 1;
@@ -93,7 +93,6 @@ static void fmu_write_name(FILE *out, const fmu_export *e, const fmu_variable *v
   fmu_name(name, v, e->node[v->node < FB_MAX_NODES ? v->node : 0]);
   fputs(name, out);
 }
-
 
 /* Start values of elements i to end. */
 static void fmu_write_start(FILE *out, const fmu_export *e, const fmu_variable *v, int i, int end)
@@ -218,7 +217,8 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
           "  <CoSimulation modelIdentifier=\"%s\" canHandleVariableCommunicationStepSize=\"true\"\n"
           "    canBeInstantiatedOnlyOncePerProcess=\"%s\" canGetAndSetFMU%s=\"true\" canSerializeFMU%s=\"true\"\n"
           "    providesDirectionalDerivative%s=\"true\"",
-          e->name, fmu_true[e->is_static || !e->body], two ? "state" : "State", two ? "state" : "State", two ? "" : "s");
+          e->name, fmu_true[e->is_static || !e->body], two ? "state" : "State", two ? "state" : "State",
+          two ? "" : "s");
   if (two) {
     fprintf(out,
             " canNotUseMemoryManagementFunctions=\"%s\">\n"
