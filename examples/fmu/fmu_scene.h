@@ -243,13 +243,13 @@ static fmu_answer fmu_scene_open(const char *resources, fmu_text text)
 {
   const size_t n = strlen(resources);
   const char *const slash = n > 0 && resources[n - 1] == '/' ? "" : "/";
-  char path[FMU_PATH + 200], message[TEXT_MESSAGE] = "";
+  char at[FMU_PATH + 200], path[FMU_PATH + 200], message[TEXT_MESSAGE] = "";
   unsigned list = ~0u, files = ~0u;
   const char *word;
   text_file t;
-  snprintf(path, sizeof path, "%s%sflexbeam.txt", resources, slash);
-  if (!fmu_scene_word(&list, path) || !text_try(&t, "fmu", path)) {
-    snprintf(text, sizeof(fmu_text), "no scene: %.500s: %s", n > 0 ? path : "no folder of resources is given",
+  snprintf(at, sizeof at, "%s%sflexbeam.txt", resources, slash);
+  if (!fmu_scene_word(&list, at) || !text_try(&t, "fmu", at)) {
+    snprintf(text, sizeof(fmu_text), "no scene: %.500s: %s", n > 0 ? at : "no folder of resources is given",
              n > 0 ? strerror(errno) : "the scene is there");
     return FMU_ERROR;
   }

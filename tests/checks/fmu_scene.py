@@ -335,11 +335,16 @@ def refuses(what, call, log, *words):
     want(False, f"{what} is not refused")
 
 
+def forget(one):
+    """Its instance goes, its library stays."""
+    (one.fmu.fmi2FreeInstance if one.two else one.fmu.fmi3FreeInstance)(one.fmu.component)
+    one.log.clear()
+
+
 def damaged(name, change):
     """An instance of an FMU of which a file is another one; not instantiated yet."""
     one = Instance(folder / f"{name}2.fmu", initialize=False)
-    one.fmu.freeInstance()
-    one.log.clear()
+    forget(one)
     change(Path(one.folder) / "resources")
     return one
 
@@ -347,8 +352,7 @@ def damaged(name, change):
 def check_refusals():
     global refusals
     one = Instance(folder / "driven2.fmu", initialize=False)
-    refuses("a second instance", one.instantiate, one.log, "one")
-    one.fmu.reset() if one.fmu.component else None
+    refuses("a second instance", one.instantiate, one.log, "an instance in this process already")
     for change, words in ((lambda at: (at / "driven.txt").unlink(), ["driven.txt", "No such file"]),
                           (lambda at: (at / "flexbeam.txt").unlink(), ["flexbeam.txt", "No such file"]),
                           (lambda at: (at / "driven.txt").write_text(DRIVEN.replace("900 900", "901 900")), ["token"]),
@@ -404,7 +408,7 @@ def check_folders():
         want("resources/data/force.csv" in held and "resources/d/a_driven_one.txt" in held, f"{fmu} holds {held}")
         one = Instance(fmu)
         far = Path(one.folder).rename(folder / f"far away {version}")
-        one.fmu.freeInstance()
+        forget(one)
         one.fmu.unzipDirectory = str(far)
         one.instantiate()
         one.initialize()
