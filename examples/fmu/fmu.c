@@ -1,15 +1,11 @@
-/* fmu - a body from a text file becomes an FMU: its model as C beside the library and the interface of FMI 2.0 or 3.0,
-   compiled for the machine at hand, described and packed. POSIX (fork, mkdtemp, uname); wants cc, and zip or python3.
+/* fmu - a body or a scene from a text file becomes an FMU: its model as C, or the text that it runs, beside the library and
+   the interface of FMI 2.0 or 3.0, compiled for the machine at hand, described and packed. POSIX (fork, mkdtemp, uname); wants cc, and zip or python3.
    Exit: 0 well, 1 the model cannot be built or packed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_WITH_NONLINEAR_STRAIN 0
 #define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
-#include "../../flexbeam.h"
-#include "../tools/model.h"
+static int fmu_fmi; /* version of FMI */
+#define FMU_INTERFACE ((unsigned)fmu_fmi)
+#include "fmu_scene.h"
 #include "../tools/rom.h"
 #define PROGRAM "fmu"
 #include "../tools/words.h"
@@ -22,19 +18,24 @@
 #include <unistd.h>
 
 static const char help[] =
-    "fmu - a body from a text file as an FMU for co-simulation: sources, a binary for this machine, documentation\n"
+    "fmu - a body or a scene from a text file as an FMU for co-simulation: sources, a binary for this machine,\n"
+    "documentation\n"
     "usage: flexbeam fmu FILE --out NAME.fmu [options]\n"
     "  --version 2|3   of FMI (2)\n"
-    "  --step SECONDS  of the integrator, the start value of settings.step (a fifth of what rk4 takes at rest)\n"
+    "  --step SECONDS  of the integrator, the start value of settings.step (a fifth of what rk4 takes at rest; of a "
+    "scene\n"
+    "                  as it says itself)\n"
     "  --static        one instance a process, in static memory: no heap\n"
+    "  --binary FILE   of a scene: a binary that another scene's FMU of this version holds, instead of compiling it "
+    "again\n"
     "  --sources DIR   where flexbeam.h is (.)\n"
     "  --help          this text\n"
-    "The compiler is cc, or $CC. The descriptions of bodies are explained in examples/tools/README.md, the FMU in\n"
-    "examples/fmu/README.md.\n";
+    "The compiler is cc, or $CC. The descriptions of bodies are explained in examples/tools/README.md, scenes in\n"
+    "examples/scenes/README.md, the FMU in examples/fmu/README.md.\n";
 
 /* ---- files of the folder that is packed */
 
-enum { MAX_PATH = 1056, MAX_NAME = 160, MAX_FILES = 32, MAX_WORDS = 16 };
+enum { MAX_PATH = 1056, MAX_NAME = 160, MAX_FILES = 256, MAX_WORDS = 16 };
 
 static struct folder {
   char path[MAX_PATH];
@@ -92,12 +93,13 @@ static int folder_write(const char *name, void (*write)(FILE *out, const fmu_exp
   return output_close(out, name) != 0;
 }
 
+/* from: beside `sources`; NULL: where it says. */
 static int folder_copy(const char *name, const char *sources, const char *from)
 {
   char path[MAX_PATH], part[4096];
   FILE *in, *out;
   size_t n;
-  snprintf(path, sizeof path, "%.880s/%.128s", sources, from);
+  snprintf(path, sizeof path, "%.880s%s%.128s", sources, from ? "/" : "", from ? from : "");
   in = fopen(path, "rb");
   if (!in) {
     fprintf(stderr, "fmu: %s: %s (run it at the top of flexbeam, or say --sources)\n", path, strerror(errno));
@@ -142,6 +144,16 @@ static int folder_run(char *const argv[])
 
 /* ---- what is written into it */
 
+/* What the FMU of a scene has to know, as a header. */
+static void write_scene_config(FILE *out, const fmu_export *e)
+{
+  fprintf(out,
+          "/* fmu_config.h - this FMU is that of a scene, the same for all of them; made by flexbeam fmu */\n"
+          "#define FMU_OF_A_SCENE 1\n"
+          "#ifndef FMU_STATIC /* 1: the instance in static memory, too */\n#define FMU_STATIC %d\n#endif\n",
+          e->is_static);
+}
+
 /* The smallest configuration that the model takes, as a header. */
 static void write_config(FILE *out, const fmu_export *e)
 {
@@ -164,7 +176,7 @@ static void write_config(FILE *out, const fmu_export *e)
           "#define FB_MAX_LOADS FB_MAX_NODES\n#define FB_MAX_ELEMENTS 1\n#define FB_MAX_STATIONS 1\n"
           "#define FB_MAX_LUMPS 1\n#define FB_WITH_SYSTEM 0\n#define FB_WITH_EXACT 0\n#define FB_WITH_ANALYSE 0\n"
           "#define FB_WITH_DETAIL 1\n"
-          "#define FMU_TOKEN \"%s\"\n#define FMU_STEP_DEFAULT %.17g\n"
+          "#define FMU_OF_A_SCENE 0\n#define FMU_TOKEN \"%s\"\n#define FMU_STEP_DEFAULT %.17g\n"
           "#ifndef FMU_STATIC /* 1: one instance in static memory; modelDescription.xml has to say the same */\n"
           "#define FMU_STATIC %d\n#endif\n",
           e->token, e->step, e->is_static);
@@ -180,6 +192,26 @@ static void write_model(FILE *out, const fmu_export *e)
   fputs("};\n", out);
 }
 
+static const char *const interfaces[2][5] = {
+    {"examples/fmu/fmu2.c", "examples/fmu/fmi2/fmi2Functions.h", "examples/fmu/fmi2/fmi2FunctionTypes.h",
+     "examples/fmu/fmi2/fmi2TypesPlatform.h", NULL},
+    {"examples/fmu/fmu3.c", "examples/fmu/fmi3/fmi3Functions.h", "examples/fmu/fmi3/fmi3FunctionTypes.h",
+     "examples/fmu/fmi3/fmi3PlatformTypes.h", NULL}};
+
+/* Files of the project, up to NULL, into that folder; folder NULL: into their own below `sources`. */
+static int copy_sources(const char *const *list, const char *folder_name, const char *sources)
+{
+  int failed = 0;
+  for (int k = 0; list[k] && !failed; k++) {
+    const char *const slash = strrchr(list[k], '/');
+    char to[MAX_NAME];
+    snprintf(to, sizeof to, "%.60s/%.90s", folder_name ? folder_name : "sources",
+             folder_name && slash ? slash + 1 : list[k]);
+    failed = folder_copy(to, sources, list[k]);
+  }
+  return failed;
+}
+
 static int write_sources(const fmu_export *e, const char *sources)
 {
   static const char *const common[] = {"flexbeam.h",
@@ -190,24 +222,63 @@ static int write_sources(const fmu_export *e, const char *sources)
                                        "examples/fmu/fmu_core.h",
                                        "examples/fmu/fmu_instance.h",
                                        NULL};
-  static const char *const two[] = {"examples/fmu/fmu2.c", "examples/fmu/fmi2/fmi2Functions.h",
-                                    "examples/fmu/fmi2/fmi2FunctionTypes.h", "examples/fmu/fmi2/fmi2TypesPlatform.h",
-                                    NULL};
-  static const char *const three[] = {"examples/fmu/fmu3.c", "examples/fmu/fmi3/fmi3Functions.h",
-                                      "examples/fmu/fmi3/fmi3FunctionTypes.h", "examples/fmu/fmi3/fmi3PlatformTypes.h",
-                                      NULL};
-  const char *const *const lists[] = {common, e->fmi == 2 ? two : three};
-  int failed = folder_make("sources");
-  for (int l = 0; l < 2; l++) {
-    for (int k = 0; lists[l][k] && !failed; k++) {
-      const char *const slash = strrchr(lists[l][k], '/');
-      char to[128];
-      snprintf(to, sizeof to, "sources/%.100s", slash ? slash + 1 : lists[l][k]);
-      failed = folder_copy(to, sources, lists[l][k]);
-    }
-  }
+  int failed = folder_make("sources") || copy_sources(common, "sources", sources) ||
+               copy_sources(interfaces[e->fmi - 2], "sources", sources);
   failed = failed || folder_write("sources/fmu_config.h", write_config, e);
   failed = failed || folder_write("sources/fmu_model.h", write_model, e);
+  return failed || (e->fmi == 3 && folder_write("sources/buildDescription.xml", fmu_write_build, e));
+}
+
+/* Those of a scene keep their folders: its headers include each other by them. */
+static int write_scene_sources(const fmu_export *e, const char *sources)
+{
+  static const char *const folders[] = {"sources",
+                                        "sources/examples",
+                                        "sources/examples/common",
+                                        "sources/examples/tools",
+                                        "sources/examples/scene",
+                                        "sources/examples/fmu"};
+  static const char *const all[] = {"flexbeam.h",
+                                    "flexbeam_impl.h",
+                                    "examples/common/csv.h",
+                                    "examples/common/filter.h",
+                                    "examples/common/linear_out.h",
+                                    "examples/common/output.h",
+                                    "examples/common/refusal.h",
+                                    "examples/common/stepper.h",
+                                    "examples/common/text.h",
+                                    "examples/tools/model.h",
+                                    "examples/tools/exact_text.h",
+                                    "examples/scene/control.h",
+                                    "examples/scene/function.h",
+                                    "examples/scene/scene.h",
+                                    "examples/scene/scene_auto.h",
+                                    "examples/scene/scene_body.h",
+                                    "examples/scene/scene_check.h",
+                                    "examples/scene/scene_control.h",
+                                    "examples/scene/scene_draw.h",
+                                    "examples/scene/scene_engine.h",
+                                    "examples/scene/scene_exact.h",
+                                    "examples/scene/scene_joint.h",
+                                    "examples/scene/scene_linear.h",
+                                    "examples/scene/scene_margins.h",
+                                    "examples/scene/scene_parts.h",
+                                    "examples/scene/scene_rotor.h",
+                                    "examples/scene/scene_run.h",
+                                    "examples/scene/scene_time.h",
+                                    "examples/scene/scene_wanted.h",
+                                    "examples/fmu/fmu_variables.h",
+                                    "examples/fmu/fmu_scene.h",
+                                    "examples/fmu/fmu_core.h",
+                                    "examples/fmu/fmu_instance.h",
+                                    NULL};
+  int failed = 0;
+  for (size_t k = 0; k < sizeof folders / sizeof folders[0] && !failed; k++) {
+    failed = folder_make(folders[k]);
+  }
+  failed = failed || copy_sources(all, NULL, sources) ||
+           copy_sources(interfaces[e->fmi - 2], "sources/examples/fmu", sources);
+  failed = failed || folder_write("sources/examples/fmu/fmu_config.h", write_scene_config, e);
   return failed || (e->fmi == 3 && folder_write("sources/buildDescription.xml", fmu_write_build, e));
 }
 
@@ -257,11 +328,11 @@ static int read_compiler(char *argv[MAX_WORDS], char text[MAX_PATH])
   return n;
 }
 
-static int compile(const fmu_export *e)
+/* Into binaries/, where `binary` may be there already. */
+static int compile(const fmu_export *e, const char *binary)
 {
-  char place[MAX_NAME], file[MAX_NAME], source[] = "sources/fmu2.c", text[MAX_PATH];
+  char place[MAX_NAME], file[MAX_NAME], source[64], text[MAX_PATH];
   char *const options[] = {(char *)"-std=c99",
-                           (char *)"-O2",
                            (char *)"-ffp-contract=off",
                            (char *)"-fPIC",
                            (char *)"-shared",
@@ -272,19 +343,27 @@ static int compile(const fmu_export *e)
                            source,
                            (char *)"-lm",
                            NULL};
-  char *argv[MAX_WORDS + sizeof options / sizeof options[0]];
+  char *argv[MAX_WORDS + 1 + sizeof options / sizeof options[0]];
   const int n = read_compiler(argv, text);
-  int status;
+  int status, at = 1;
   if (n == 0) {
     return 1;
   }
-  memcpy(argv + n, options, sizeof options);
-  source[11] = e->fmi == 2 ? '2' : '3';
+  while (at < n && argv[at][0] != '-') {
+    at++;
+  }
+  memmove(argv + at + 1, argv + at, (size_t)(n - at) * sizeof *argv); /* another -O of $CC comes behind it */
+  argv[at] = (char *)"-O2";
+  memcpy(argv + n + 1, options, sizeof options);
+  snprintf(source, sizeof source, "sources/%sfmu%d.c", e->body ? "" : "examples/fmu/", e->fmi);
   snprintf(place, sizeof place, "binaries/%.60s", e->platform);
   snprintf(file, sizeof file, "binaries/%.60s/%.63s.%s", e->platform, e->name,
            strstr(e->platform, "darwin") ? "dylib" : "so");
   if (folder_make("binaries") || folder_make(place)) {
     return 1;
+  }
+  if (binary) {
+    return folder_copy(file, binary, NULL);
   }
   folder_note(file);
   status = folder_run(argv);
@@ -295,18 +374,30 @@ static int compile(const fmu_export *e)
   return status != 0;
 }
 
-static int pack(const char *out)
+static int pack(const char *out, int is_scene)
 {
-  char *const zip[] = {(char *)"zip",       (char *)"-q",
-                       (char *)"-X",        (char *)"-r",
-                       (char *)"model.zip", (char *)"modelDescription.xml",
-                       (char *)"binaries",  (char *)"documentation",
-                       (char *)"sources",   NULL};
-  char *const python[] = {(char *)"python3",   (char *)"-m",
-                          (char *)"zipfile",   (char *)"-c",
-                          (char *)"model.zip", (char *)"modelDescription.xml",
-                          (char *)"binaries",  (char *)"documentation",
-                          (char *)"sources",   NULL};
+  char *const zip[] = {(char *)"zip",
+                       (char *)"-q",
+                       (char *)"-X",
+                       (char *)"-r",
+                       (char *)"model.zip",
+                       (char *)"modelDescription.xml",
+                       (char *)"binaries",
+                       (char *)"documentation",
+                       (char *)"sources",
+                       is_scene ? (char *)"resources" : NULL,
+                       NULL};
+  char *const python[] = {(char *)"python3",
+                          (char *)"-m",
+                          (char *)"zipfile",
+                          (char *)"-c",
+                          (char *)"model.zip",
+                          (char *)"modelDescription.xml",
+                          (char *)"binaries",
+                          (char *)"documentation",
+                          (char *)"sources",
+                          is_scene ? (char *)"resources" : NULL,
+                          NULL};
   char path[MAX_PATH];
   int status = folder_run(zip);
   status = status == 127 ? folder_run(python) : status;
@@ -423,8 +514,194 @@ static int build(const char *file)
   return 0;
 }
 
+/* ---- the scene */
+
+/* Is it one? A body begins with its kind. The description of a body tells what is wrong with a file that is neither. */
+static int file_is_scene(const char *file)
+{
+  text_file t;
+  const char *word = NULL;
+  int kind = 0;
+  if (text_try(&t, PROGRAM, file)) {
+    word = text_line(&t) ? text_word(&t) : NULL;
+    text_close(&t);
+  }
+  while (word && model_kinds[kind] && strcmp(word, model_kinds[kind]) != 0) {
+    kind++;
+  }
+  return word && !model_kinds[kind];
+}
+
+/* Letters, digits and _ of the name of the file, without its ending. */
+static void scene_name_of(char name[TEXT_NAME], const char *file)
+{
+  const char *const slash = strrchr(file, '/');
+  const char *c = slash ? slash + 1 : file;
+  int n = 0;
+  if (isdigit((unsigned char)*c)) {
+    name[n++] = '_';
+  }
+  for (; *c && *c != '.' && n < TEXT_NAME - 1; c++) {
+    name[n++] = isalnum((unsigned char)*c) ? *c : '_';
+  }
+  name[n] = 0;
+  if (n == 0) {
+    strcpy(name, "scene");
+  }
+}
+
+enum { MAX_NAMED = 32, MAX_UP = 8 };
+
+typedef struct scene_folder { /* files that a scene names, relative to its folder */
+  int n, up;                  /* up: the most folders that one goes up */
+  char name[MAX_NAMED][MAX_NAME - 64];
+} scene_folder;
+
+/* How many folders a name goes up; -1: it is absolute, or goes up again below. */
+static int scene_ups(const char *name)
+{
+  int up = 0;
+  while (strncmp(name, "../", 3) == 0) {
+    name += 3;
+    up++;
+  }
+  return name[0] == '/' || strstr(name, "../") || strstr(name, "./") == name ? -1 : up;
+}
+
+/* Words of the scene that are names of files. 0, or 1 after a message. */
+static int scene_find_files(scene_folder *found, const char *file)
+{
+  char path[512];
+  const char *word;
+  text_file t;
+  int failed = 0;
+  if (!text_open(&t, PROGRAM, file)) {
+    return 1;
+  }
+  while (!failed && text_line(&t)) {
+    while (!failed && (word = text_word(&t)) != NULL) {
+      struct stat there;
+      int k = 0;
+      text_beside(path, file, word);
+      while (k < found->n && strcmp(found->name[k], word) != 0) {
+        k++;
+      }
+      if (k < found->n || stat(path, &there) != 0 || !S_ISREG(there.st_mode)) {
+        continue;
+      }
+      failed = found->n == MAX_NAMED || strlen(word) >= sizeof found->name[0] || scene_ups(word) < 0 ||
+               scene_ups(word) > MAX_UP;
+      if (failed) {
+        fprintf(
+            stderr,
+            "fmu: %s:%d: %s: an FMU takes at most %d files with it, of names of %d characters from the folder of the "
+            "scene on, as ../FOLDER/FILE, at most %d up\n",
+            file, t.line, word, MAX_NAMED, (int)sizeof found->name[0] - 1, MAX_UP);
+      } else {
+        strcpy(found->name[found->n++], word);
+        found->up = scene_ups(word) > found->up ? scene_ups(word) : found->up;
+      }
+    }
+  }
+  text_close(&t);
+  return failed;
+}
+
+/* The file, and the folders of it, below resources. */
+static int scene_copy(const char *name, const char *beside, const char *word)
+{
+  char path[512], part[MAX_NAME];
+  for (const char *slash = strchr(name, '/'); slash; slash = strchr(slash + 1, '/')) {
+    struct stat there;
+    char whole[MAX_PATH];
+    snprintf(part, sizeof part, "%.*s", (int)(slash - name), name);
+    folder_path(whole, part);
+    if (stat(whole, &there) != 0 && folder_make(part)) {
+      return 1;
+    }
+  }
+  text_beside(path, beside, word);
+  return folder_copy(name, path, NULL);
+}
+
+/* resources: what the scene reads, in folders that are to each other as it says, and the list of it. */
+static int write_resources(const fmu_export *e, const char *file, double step)
+{
+  static scene_folder found;
+  char down[3 * MAX_UP + 1] = "", name[MAX_NAME];
+  const char *const slash = strrchr(file, '/');
+  FILE *list;
+  memset(&found, 0, sizeof found);
+  if (scene_find_files(&found, file) || folder_make("resources")) {
+    return 1;
+  }
+  list = folder_open("resources/flexbeam.txt");
+  for (int k = 0; k < found.up; k++) {
+    strcat(down, "d/");
+  }
+  snprintf(name, sizeof name, "resources/%s%s.txt", down, e->name);
+  if (!list || scene_copy(name, file, slash ? slash + 1 : file)) {
+    return 1;
+  }
+  fprintf(list, "scene %s\n", name + strlen("resources/"));
+  if (step > 0) {
+    fprintf(list, "step %.17g\n", step);
+  }
+  for (int k = 0; k < found.n; k++) {
+    const int up = scene_ups(found.name[k]);
+    snprintf(name, sizeof name, "resources/%.*s%s", 2 * (found.up - up), down, found.name[k] + 3 * up);
+    if (scene_copy(name, file, found.name[k])) {
+      return 1;
+    }
+    fprintf(list, "file %s\n", name + strlen("resources/"));
+  }
+  return output_close(list, "flexbeam.txt") != 0;
+}
+
+/* The scene as its FMU has it: that it starts, and its variables. */
+static int open_scene(fmu_export *e)
+{
+  static fmu_plant p;
+  static fmu_plant_state state;
+  static double value[FMU_SCENE_VARIABLES];
+  char resources[MAX_PATH];
+  fmu_text text = "";
+  fmu_answer answer;
+  folder_path(resources, "resources");
+  answer = fmu_plant_open(&p, resources, text);
+  if (answer == FMU_OK) {
+    const fmu_values all = {e->list, fmu_plant_variables(&p, e->list), value};
+    e->n = all.n;
+    for (int k = 0; k < e->n; k++) {
+      value[k] = e->list[k].start;
+    }
+    strcpy(e->token, fmu_plant_token(&p));
+    answer = fmu_plant_start(&p, &state, &all, text);
+    answer = answer ? answer : fmu_plant_outputs(&p, &state, &all, text);
+    answer = answer ? answer : fmu_plant_step(&p, &state, &all, 0, timing.interval, text);
+  }
+  e->title = staged.s.title[0] ? staged.s.title : e->name;
+  e->stop = staged.s.duration;
+  e->step = timing.interval;
+  if (answer != FMU_OK) {
+    fprintf(stderr, "fmu: %s\n", text);
+  }
+  return answer != FMU_OK;
+}
+
+/* Is there a scene in the file, and one that moves? 0, or 2 after a message. */
+static int check_scene(const char *file)
+{
+  fmu_text text = "";
+  const fmu_answer answer = fmu_scene_read(file, NULL, 0, text);
+  if (answer != FMU_OK) {
+    fprintf(stderr, "fmu: %s\n", text);
+  }
+  return answer != FMU_OK ? 2 : 0;
+}
+
 typedef struct options {
-  const char *out, *sources;
+  const char *out, *sources, *binary;
   int version;
   double step;
 } options;
@@ -440,18 +717,40 @@ static int read_option(void *to, const char *name, const char *text)
     o->sources = text;
     return 0;
   }
+  if (strcmp(name, "--binary") == 0) {
+    o->binary = text;
+    return 0;
+  }
   if (strcmp(name, "--version") == 0) {
     return read_choice(&o->version, name, text, "2|3");
   }
   return read_number(step, 1, name, text);
 }
 
+/* The folder and what is in it, packed; a status of main. */
+static int export_fmu(fmu_export *e, const char *file, const options *o)
+{
+  const int is_scene = !e->body;
+  int status;
+  snprintf(folder.path, sizeof folder.path, "%s.XXXXXX", o->out);
+  if (!mkdtemp(folder.path)) {
+    fprintf(stderr, "fmu: %s: %s\n", o->out, strerror(errno));
+    return 2;
+  }
+  status = is_scene && (write_resources(e, file, o->step) || open_scene(e));
+  status = status || (is_scene ? write_scene_sources : write_sources)(e, o->sources) ||
+           write_documents(e, o->sources) || compile(e, o->binary) || pack(o->out, is_scene);
+  folder_remove();
+  return status;
+}
+
 int fmu_main(int argc, char **argv)
 {
   static fmu_export e;
-  char platform[64];
+  char platform[64], name[TEXT_NAME];
   const int is_static = take_flag(&argc, argv, "--static"), named = argc > 1 && argv[1][0] != '-';
-  options o = {NULL, ".", 0, 0};
+  const int is_scene = named && file_is_scene(argv[1]);
+  options o = {NULL, ".", NULL, 0, 0};
   int status;
   struct stat there;
   output_begin(PROGRAM);
@@ -461,33 +760,38 @@ int fmu_main(int argc, char **argv)
   if (!named || !o.out) {
     return fail(named ? "--out is missing" : "a description is missing", "");
   }
+  if (o.binary && !is_scene) {
+    return fail("--binary is of scenes: that of a body is its own", o.binary);
+  }
   if (lstat(o.out, &there) == 0 && !S_ISREG(there.st_mode)) {
     return fail("a link, a device, a pipe or a folder, where an FMU becomes a file of its own", o.out);
   }
-  status = build(argv[1]);
+  fmu_fmi = e.fmi = o.version + 2;
+  status = is_scene ? check_scene(argv[1]) : build(argv[1]);
   if (status != 0) {
     return status;
   }
-  e.fmi = o.version + 2;
   e.is_static = is_static;
-  e.name = model.name;
   e.platform = platform;
-  e.body = &model_body;
-  e.step = o.step > 0 ? o.step : make_step(&model_body);
-  e.n = fmu_variables(e.list, &model_body);
-  name_nodes(&e);
-  make_token(&e);
+  if (is_scene) {
+    scene_name_of(name, argv[1]);
+    e.name = name;
+  } else {
+    e.name = model.name;
+    e.body = &model_body;
+    e.step = o.step > 0 ? o.step : make_step(&model_body);
+    e.n = fmu_variables(e.list, &model_body);
+    name_nodes(&e);
+    make_token(&e);
+  }
   if (find_platform(platform, e.fmi)) {
     return fail("what machine this is nobody tells: there is no name for its binary", "");
   }
-  snprintf(folder.path, sizeof folder.path, "%s.XXXXXX", o.out);
-  if (!mkdtemp(folder.path)) {
-    fprintf(stderr, "fmu: %s: %s\n", o.out, strerror(errno));
-    return 2;
-  }
-  status = write_sources(&e, o.sources) || write_documents(&e, o.sources) || compile(&e) || pack(o.out);
-  folder_remove();
-  if (status == 0) {
+  status = export_fmu(&e, argv[1], &o);
+  if (status == 0 && is_scene) {
+    printf("%s: %s for FMI %d.0, %d inputs, %d outputs, %d parameters, binary for %s\n", o.out, e.name, e.fmi,
+           staged.n_input, staged.s.n_output, staged.s.n_parameter, platform);
+  } else if (status == 0) {
     const fmu_variable *const last = &e.list[e.n - 1];
     printf("%s: %s for FMI %d.0, %d modes, %d nodes, %d numbers, step %g s, binary for %s\n", o.out, e.name, e.fmi,
            model_body.n, model_body.n_node, last->first + last->count, e.step, platform);

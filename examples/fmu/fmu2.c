@@ -1,12 +1,17 @@
-/* fmu2.c - a flexible body as a co-simulation FMU of FMI 2.0: the interface around fmu_core.h. Written into each FMU
+/* fmu2.c - a flexible body or a scene as a co-simulation FMU of FMI 2.0: the interface around fmu_core.h. Written into each FMU
    beside its model (build/flexbeam fmu); compile this file alone, C99, with the math library. */
 #include "fmu_config.h"
 #define FLEXBEAM_STATIC
+#define FMU_INTERFACE 2
+#if FMU_OF_A_SCENE
+#include "fmu_scene.h"
+#else
 #include "flexbeam.h"
 #include "fmu_model.h"
-#include "fmi2Functions.h"
 #include "fmu_variables.h"
 #include "fmu_body.h"
+#endif
+#include "fmi2Functions.h"
 
 typedef struct fmu_host {
   fmi2CallbackLogger logger;
@@ -53,14 +58,38 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
   return c ? fmi2OK : fmi2Error;
 }
 
+/* The folder of file:///FOLDER, in which %20 is a blank; empty where it is no such text, or too long. */
+static void uri_to_path(char path[FMU_PATH], const char *uri)
+{
+  static const char *const heads[] = {"file://localhost/", "file:///", "file:/"};
+  size_t n = 0, head = 0;
+  path[0] = 0;
+  for (int k = 0; k < 3 && head == 0; k++) {
+    head = strncmp(uri, heads[k], strlen(heads[k])) == 0 ? strlen(heads[k]) : 0;
+  }
+  for (const char *c = uri + head - 1; head > 0 && *c; c++) {
+    const char *const digits = "0123456789abcdef0123456789ABCDEF";
+    const char *const high = *c == '%' && c[1] ? strchr(digits, c[1]) : NULL;
+    const char *const low = high && c[2] ? strchr(digits, c[2]) : NULL;
+    if (n + 1 == FMU_PATH) {
+      path[0] = 0;
+      return;
+    }
+    path[n++] = low ? (char)(16 * ((high - digits) % 16) + (low - digits) % 16) : *c;
+    path[n] = 0;
+    c += low ? 2 : 0;
+  }
+}
+
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callback, fmi2Boolean visible, fmi2Boolean on)
 {
   const fmu_memory_calls calls = {callback ? callback->allocateMemory : NULL, callback ? callback->freeMemory : NULL};
   const int able = FMU_STATIC || (calls.take && calls.give);
   fmu *const f = able ? fmu_take(&calls) : NULL;
+  char folder[FMU_PATH];
   fmu_answer answer;
-  (void)resources, (void)visible, (void)on;
+  (void)visible, (void)on;
   if (!f) {
     if (callback && callback->logger) {
       callback->logger(callback->componentEnvironment, name, fmi2Error, "logStatusError",
@@ -71,7 +100,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
   f->host.logger = callback ? callback->logger : NULL;
   f->host.environment = callback ? callback->componentEnvironment : NULL;
   snprintf(f->host.name, sizeof f->host.name, "%s", name ? name : "");
-  answer = type == fmi2CoSimulation ? fmu_init(f, guid)
+  uri_to_path(folder, resources ? resources : "");
+  answer = type == fmi2CoSimulation ? fmu_init(f, guid, folder)
                                     : fmu_refuse(f, FMU_ERROR, "this FMU is for co-simulation, not for model exchange");
   if (told(f, answer) != fmi2OK) {
     fmu_give(f);

@@ -1,12 +1,17 @@
-/* fmu3.c - a flexible body as a co-simulation FMU of FMI 3.0: the interface around fmu_core.h. Written into each FMU
+/* fmu3.c - a flexible body or a scene as a co-simulation FMU of FMI 3.0: the interface around fmu_core.h. Written into each FMU
    beside its model (build/flexbeam fmu); compile this file alone, C99, with the math library. */
 #include "fmu_config.h"
 #define FLEXBEAM_STATIC
+#define FMU_INTERFACE 3
+#if FMU_OF_A_SCENE
+#include "fmu_scene.h"
+#else
 #include "flexbeam.h"
 #include "fmu_model.h"
-#include "fmi3Functions.h"
 #include "fmu_variables.h"
 #include "fmu_body.h"
+#endif
+#include "fmi3Functions.h"
 
 typedef struct fmu_host {
   fmi3LogMessageCallback logger;
@@ -80,7 +85,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 #endif
   fmu *const f = fmu_take(&calls);
   fmu_answer answer;
-  (void)name, (void)resources, (void)visible, (void)on, (void)early, (void)between, (void)update;
+  (void)name, (void)visible, (void)on, (void)early, (void)between, (void)update;
   if (!f) {
     if (logger) {
       logger(environment, fmi3Error, "logStatusError", "there is no memory for one more instance");
@@ -89,7 +94,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
   }
   f->host.logger = logger;
   f->host.environment = environment;
-  answer = fmu_init(f, token);
+  answer = fmu_init(f, token, resources ? resources : "");
   if (answer == FMU_OK && (events || n_between > 0)) {
     answer = fmu_refuse(f, FMU_ERROR, "this FMU has no event mode and no intermediate updates");
   }

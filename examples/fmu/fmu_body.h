@@ -4,7 +4,10 @@
 #ifndef FMU_BODY_H
 #define FMU_BODY_H
 #include "refusal.h"
+#include <math.h>
 #include <string.h>
+
+#define FMU_MOST_STEPS 10000000 /* within a communication step */
 
 typedef struct fmu_plant {
   fb_body body;
@@ -17,26 +20,58 @@ typedef struct fmu_plant {
 
 typedef fb_state fmu_plant_state;
 
-/* Numbers of one kind, of node 0 where it has any; NULL: it is not there. */
-typedef struct fmu_values {
-  const fmu_variable *variable;
-  int n;
-  double *value;
-} fmu_values;
-
-static double *fmu_of(const fmu_values *v, fmu_kind kind, int node)
+/* Is the model what was exported? resources: of the FMU, in which there are none. */
+static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text text)
 {
-  for (int k = 0; k < v->n; k++) {
-    if (v->variable[k].kind == kind && v->variable[k].node == node) {
-      return v->value + v->variable[k].first;
-    }
+  (void)p, (void)resources;
+  if (fb_body_crc(&fmu_model) != fmu_model_crc || fb_body_check(&fmu_model) != FB_OK) {
+    snprintf(text, sizeof(fmu_text), "the model is not what was exported: its check word differs");
+    return FMU_ERROR;
   }
-  return NULL;
+  return FMU_OK;
 }
 
-static fb_status fmu_plant_check(void)
+static void fmu_plant_close(fmu_plant *p)
 {
-  return fb_body_crc(&fmu_model) == fmu_model_crc ? fb_body_check(&fmu_model) : FB_ERR_VALUE;
+  (void)p;
+}
+
+static const char *fmu_plant_token(const fmu_plant *p)
+{
+  (void)p;
+  return FMU_TOKEN;
+}
+
+static int fmu_plant_variables(const fmu_plant *p, fmu_variable *list)
+{
+  (void)p;
+  return fmu_variables(list, &fmu_model);
+}
+
+static double fmu_plant_default(const fmu_variable *v, int element)
+{
+  return fmu_start(&fmu_model, v, element, FMU_STEP_DEFAULT);
+}
+
+static const char *fmu_plant_node(const fmu_variable *v)
+{
+  return fmu_node_name[v->node];
+}
+
+static void fmu_plant_copy(fmu_plant_state *to, const fmu_plant_state *from)
+{
+  *to = *from;
+}
+
+/* A status of the library as an answer, with what it tells of the reason. */
+static fmu_answer fmu_plant_said(fmu_text text, fmu_answer answer, const char *where, fb_status status)
+{
+  char detail[REFUSAL_LENGTH];
+  refusal_write(detail, status);
+  if (status != FB_OK) {
+    snprintf(text, sizeof(fmu_text), "%s: %s%s", where, fb_status_string(status), detail);
+  }
+  return status == FB_OK ? FMU_OK : answer;
 }
 
 /* The copy, with its damping. */
@@ -79,7 +114,7 @@ static void fmu_plant_set(fmu_plant *p, const fmu_values *v)
 }
 
 /* The state that the parameters describe. */
-static fb_status fmu_plant_start(fmu_plant *p, fmu_plant_state *state, const fmu_values *v)
+static fmu_answer fmu_plant_start(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, fmu_text text)
 {
   const double *const velocity = fmu_of(v, FMU_START_VELOCITY, 0), *const q = fmu_of(v, FMU_START_Q, 0);
   fb_real R[9], own[3] = {0, 0, 0};
@@ -101,7 +136,8 @@ static fb_status fmu_plant_start(fmu_plant *p, fmu_plant_state *state, const fmu
   status = status ? status
                   : fb_state_from_velocity(&p->body, state, own, fmu_of(v, FMU_START_RATE, 0),
                                            fmu_of(v, FMU_START_Q_DOT, 0));
-  return status ? status : fb_state_check(&p->body, state);
+  status = status ? status : fb_state_check(&p->body, state);
+  return fmu_plant_said(text, FMU_ERROR, "initialization", status);
 }
 
 /* A stepper for steps of dt; as it is if it is one already. */
@@ -138,6 +174,42 @@ static fb_status fmu_plant_advance(fmu_plant *p, fmu_plant_state *state, int *do
   return status;
 }
 
+/* Steps of a communication step: n of dt. Where it is a multiple of the internal step, but for the rounding of an
+   importer's clock, they are that step, bit for bit; else equal parts that are not longer. 0: too many. */
+static int fmu_divide(double *dt, double whole, double step)
+{
+  const double ratio = whole / step, near = floor(ratio + 0.5);
+  const int fits = near >= 1 && fabs(ratio - near) <= FMU_SAME * near;
+  const double n = fits ? near : ceil(ratio);
+  if (!(n <= FMU_MOST_STEPS)) {
+    return 0;
+  }
+  *dt = fits ? step : whole / n;
+  return (int)n;
+}
+
+/* A communication step; where it fails the state is somewhere in it. */
+static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, double from, double length,
+                                 fmu_text text)
+{
+  const double step = *fmu_of(v, FMU_STEP, 0);
+  double dt = 0;
+  int done = 0;
+  const int n = fmu_divide(&dt, length, step);
+  fmu_answer answer;
+  if (n == 0) {
+    snprintf(text, sizeof(fmu_text), "a communication step of %g s takes more than %d steps of %g s", length,
+             FMU_MOST_STEPS, step);
+    return FMU_ERROR;
+  }
+  answer = fmu_plant_said(text, FMU_DISCARD, "step", fmu_plant_advance(p, state, &done, v, dt, n));
+  if (answer != FMU_OK) {
+    const size_t at = strlen(text);
+    snprintf(text + at, sizeof(fmu_text) - at, ", in a step of %g s at %.12g s", dt, from + done * dt);
+  }
+  return answer;
+}
+
 static void fmu_put(const fmu_values *v, fmu_kind kind, int node, const fb_real *x, int n)
 {
   double *const to = fmu_of(v, kind, node);
@@ -147,8 +219,8 @@ static void fmu_put(const fmu_values *v, fmu_kind kind, int node, const fb_real 
 }
 
 /* Outputs of a node; rates in axes of its section, of the hub as the motion has them. */
-static fb_status fmu_plant_node(const fmu_plant *p, const fmu_plant_state *state, const fb_motion *motion,
-                                const fmu_values *v, int node)
+static fb_status fmu_plant_put_node(const fmu_plant *p, const fmu_plant_state *state, const fb_motion *motion,
+                                    const fmu_values *v, int node)
 {
   fb_node_motion m;
   fb_real R[9], rate[3], rate_dot[3];
@@ -171,7 +243,7 @@ static fb_status fmu_plant_node(const fmu_plant *p, const fmu_plant_state *state
 }
 
 /* Outputs from the state under the inputs. */
-static fb_status fmu_plant_outputs(fmu_plant *p, const fmu_plant_state *state, const fmu_values *v)
+static fmu_answer fmu_plant_outputs(fmu_plant *p, const fmu_plant_state *state, const fmu_values *v, fmu_text text)
 {
   fb_motion motion;
   fb_energy energy;
@@ -180,7 +252,7 @@ static fb_status fmu_plant_outputs(fmu_plant *p, const fmu_plant_state *state, c
   status = fb_body_motion_eval(&p->body, &motion, state, &p->input);
   status = status ? status : fb_body_energy_eval(&p->body, &energy, state, &p->input);
   for (int node = 0; node < p->body.n_node && status == FB_OK; node++) {
-    status = fmu_plant_node(p, state, &motion, v, node);
+    status = fmu_plant_put_node(p, state, &motion, v, node);
   }
   if (status == FB_OK) {
     fmu_put(v, FMU_REACTION_FORCE, 0, motion.reaction_force, 3);
@@ -191,6 +263,6 @@ static fb_status fmu_plant_outputs(fmu_plant *p, const fmu_plant_state *state, c
     fmu_put(v, FMU_STRAIN, 0, &energy.strain, 1);
     fmu_put(v, FMU_POTENTIAL, 0, &energy.gravity, 1);
   }
-  return status;
+  return fmu_plant_said(text, FMU_ERROR, "outputs", status);
 }
 #endif

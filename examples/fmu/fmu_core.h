@@ -1,12 +1,17 @@
 /* fmu_core.h - what FMI 2 and 3 have in common: values by reference, modes of an instance, communication steps, saved
-   states. It knows nothing of what it simulates: that is a plant (fmu_body.h), included before, with
+   states. It knows nothing of what it simulates: that is a plant (fmu_body.h, fmu_scene.h), included before, with
 
      fmu_plant, fmu_plant_state                    the model with its scratch; all that changes
-     fmu_plant_check()                             is the model what was exported?
-     fmu_plant_start(p, state, values)             the state that the parameters describe
-     fmu_plant_advance(p, state, &done, values, dt, n)
-     fmu_plant_outputs(p, state, values)           fills in the outputs
-     fmu_model, fmu_variables, fmu_start, fmu_rows its variables
+     fmu_plant_open(p, resources, text)            is the model what was exported?
+     fmu_plant_close(p)
+     fmu_plant_token(p)                            of the model
+     fmu_plant_variables(p, list)                  how many, in the order of their references
+     fmu_plant_default(v, element)                 value before anything is set
+     fmu_plant_node(v)                             name of the node of a variable that has one
+     fmu_plant_start(p, state, values, text)       the state that the parameters describe
+     fmu_plant_step(p, state, values, from, length, text)
+     fmu_plant_outputs(p, state, values, text)     fills in the outputs
+     fmu_plant_copy(to, from)                      states
 
    and fmu_host, what the interface wants to know of its importer.
 
@@ -18,11 +23,7 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef enum fmu_answer { FMU_OK = 0, FMU_DISCARD = 2, FMU_ERROR = 3 } fmu_answer;
 typedef enum fmu_mode { FMU_MADE, FMU_INITIALIZING, FMU_STEPPING, FMU_ENDED } fmu_mode;
-
-#define FMU_MOST_STEPS 10000000 /* within a communication step */
-#define FMU_SAME 1e-9           /* relative difference of times that are the same */
 
 typedef struct fmu_memory { /* all that changes, without pointers: assignment saves it */
   int mode, started, fresh; /* is state that of the parameters or later; are the outputs those of state? */
@@ -51,7 +52,7 @@ typedef struct fmu {
   fmu_variable variable[FMU_MAX_VARIABLES];
   int n_variable, n_value;
   short owner[FMU_MAX_VALUES]; /* variable of a value reference */
-  char text[768];
+  fmu_text text;
 } fmu;
 
 static fmu_answer fmu_refuse(fmu *f, fmu_answer answer, const char *format, ...)
@@ -63,14 +64,6 @@ static fmu_answer fmu_refuse(fmu *f, fmu_answer answer, const char *format, ...)
   return answer;
 }
 
-/* A status of the library as an answer, with what it tells of the reason. */
-static fmu_answer fmu_said(fmu *f, fmu_answer answer, const char *where, fb_status status)
-{
-  char detail[REFUSAL_LENGTH];
-  refusal_write(detail, status);
-  return status == FB_OK ? FMU_OK : fmu_refuse(f, answer, "%s: %s%s", where, fb_status_string(status), detail);
-}
-
 static fmu_values fmu_all(fmu *f)
 {
   const fmu_values all = {f->variable, f->n_variable, f->now.value};
@@ -78,12 +71,10 @@ static fmu_values fmu_all(fmu *f)
 }
 
 /* "tip.force[2]" into name. */
-static void fmu_name(char name[80], const fmu_variable *v, int element)
+static void fmu_element_name(char name[FMU_NAME], const fmu_variable *v, int element)
 {
-  const fmu_row *const row = &fmu_rows[v->kind];
-  const int n = snprintf(name, 64, "%s%s%s", row->place == FMU_OF_BODY ? "" : fmu_node_name[v->node],
-                         row->place == FMU_OF_BODY ? "" : ".", row->name);
-  if (v->count > 1 && n > 0) {
+  fmu_name(name, v, fmu_plant_node(v));
+  if (v->count > 1) {
     snprintf(name + strlen(name), 16, "[%d]", element + 1);
   }
 }
@@ -95,22 +86,23 @@ static void fmu_reset(fmu *f)
   for (int k = 0; k < f->n_variable; k++) {
     const fmu_variable *const v = &f->variable[k];
     for (int i = 0; i < v->count; i++) {
-      f->now.value[v->first + i] = fmu_start(&fmu_model, v->kind, i, FMU_STEP_DEFAULT);
+      f->now.value[v->first + i] = fmu_plant_default(v, i);
     }
   }
 }
 
-/* f: of zeros. token: what the importer has read; the FMU's own is FMU_TOKEN. */
-static fmu_answer fmu_init(fmu *f, const char *token)
+/* f: of zeros. token: what the importer has read; resources: the folder. */
+static fmu_answer fmu_init(fmu *f, const char *token, const char *resources)
 {
-  if (!token || strcmp(token, FMU_TOKEN) != 0) {
+  const fmu_answer answer = fmu_plant_open(&f->plant, resources, f->text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  if (!token || strcmp(token, fmu_plant_token(&f->plant)) != 0) {
     return fmu_refuse(f, FMU_ERROR, "the token of the model description is %.60s, that of the program %s",
-                      token ? token : "missing", FMU_TOKEN);
+                      token ? token : "missing", fmu_plant_token(&f->plant));
   }
-  if (fmu_plant_check() != FB_OK) {
-    return fmu_refuse(f, FMU_ERROR, "the model is not what was exported: its check word differs");
-  }
-  f->n_variable = fmu_variables(f->variable, &fmu_model);
+  f->n_variable = fmu_plant_variables(&f->plant, f->variable);
   for (int k = 0; k < f->n_variable; k++) {
     for (int i = 0; i < f->variable[k].count; i++) {
       f->owner[f->n_value++] = (short)k;
@@ -150,13 +142,13 @@ static fmu_answer fmu_begin(fmu *f, double start, int stop_defined, double stop)
 static fmu_answer fmu_started(fmu *f)
 {
   const fmu_values all = fmu_all(f);
-  fb_status status = FB_OK;
+  fmu_answer answer = FMU_OK;
   if (!f->now.started) {
-    status = fmu_plant_start(&f->plant, &f->now.state, &all);
-    f->now.started = status == FB_OK;
+    answer = fmu_plant_start(&f->plant, &f->now.state, &all, f->text);
+    f->now.started = answer == FMU_OK;
     f->now.fresh = 0;
   }
-  return fmu_said(f, FMU_ERROR, "initialization", status);
+  return answer;
 }
 
 static fmu_answer fmu_enter(fmu *f)
@@ -190,8 +182,8 @@ static const fmu_variable *fmu_find(fmu *f, unsigned reference, int whole)
   if (!v) {
     fmu_refuse(f, FMU_ERROR, "there is no value reference %u; the last one is %d", reference, f->n_value - 1);
   } else if ((v->kind == FMU_INTEGRATOR) != whole) {
-    char name[80];
-    fmu_name(name, v, 0);
+    char name[FMU_NAME];
+    fmu_element_name(name, v, 0);
     fmu_refuse(f, FMU_ERROR, "%s is %s", name, whole ? "a real number" : "an enumeration");
     v = NULL;
   }
@@ -202,8 +194,8 @@ static const fmu_variable *fmu_find(fmu *f, unsigned reference, int whole)
 static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double x)
 {
   const fmu_role role = fmu_rows[v->kind].role;
-  char name[80];
-  fmu_name(name, v, element);
+  char name[FMU_NAME];
+  fmu_element_name(name, v, element);
   if (role != FMU_INPUT && role != FMU_PARAMETER) {
     return fmu_refuse(f, FMU_ERROR, "%s is computed, it cannot be set", name);
   }
@@ -216,7 +208,7 @@ static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double
   if (v->kind == FMU_STEP && !(x > 0)) {
     return fmu_refuse(f, FMU_ERROR, "%s is above 0: %g", name, x);
   }
-  if (v->kind == FMU_DAMPING && !(x >= 0)) {
+  if ((v->kind == FMU_DAMPING || v->kind == FMU_SCENE_STEP) && !(x >= 0)) {
     return fmu_refuse(f, FMU_ERROR, "%s is at least 0: %g", name, x);
   }
   if (v->kind == FMU_INTEGRATOR && !(x >= 1 && x <= (double)FB_INTEGRATOR_COUNT)) {
@@ -232,7 +224,7 @@ static fmu_answer fmu_refresh(fmu *f)
   fmu_answer answer = FMU_OK;
   if (!f->now.fresh || !f->now.started) {
     answer = fmu_started(f);
-    answer = answer ? answer : fmu_said(f, FMU_ERROR, "outputs", fmu_plant_outputs(&f->plant, &f->now.state, &all));
+    answer = answer ? answer : fmu_plant_outputs(&f->plant, &f->now.state, &all, f->text);
     f->now.fresh = answer == FMU_OK;
   }
   return answer;
@@ -338,20 +330,6 @@ static fmu_answer fmu_get_choice(fmu *f, unsigned reference, int *x)
 
 /* ---- steps */
 
-/* Steps of a communication step: n of dt. Where it is a multiple of the internal step, but for the rounding of an
-   importer's clock, they are that step, bit for bit; else equal parts that are not longer. 0: too many. */
-static int fmu_divide(double *dt, double whole, double step)
-{
-  const double ratio = whole / step, near = floor(ratio + 0.5);
-  const int fits = near >= 1 && fabs(ratio - near) <= FMU_SAME * near;
-  const double n = fits ? near : ceil(ratio);
-  if (!(n <= FMU_MOST_STEPS)) {
-    return 0;
-  }
-  *dt = fits ? step : whole / n;
-  return (int)n;
-}
-
 static fmu_answer fmu_step_check(fmu *f, double from, double length)
 {
   const double scale = FMU_SAME * (fabs(f->now.time) + fabs(length));
@@ -373,23 +351,14 @@ static fmu_answer fmu_step(fmu *f, double from, double length)
 {
   const fmu_values all = fmu_all(f);
   fmu_answer answer = fmu_wants(f, FMU_STEPPING, "a step");
-  double dt = 0;
-  int n, done = 0;
   answer = answer ? answer : fmu_step_check(f, from, length);
   if (answer != FMU_OK) {
     return answer;
   }
-  n = fmu_divide(&dt, length, *fmu_of(&all, FMU_STEP, 0));
-  if (n == 0) {
-    return fmu_refuse(f, FMU_ERROR, "a communication step of %g s takes more than %d steps of %g s", length,
-                      FMU_MOST_STEPS, *fmu_of(&all, FMU_STEP, 0));
-  }
-  f->before.state = f->now.state;
-  answer = fmu_said(f, FMU_DISCARD, "step", fmu_plant_advance(&f->plant, &f->now.state, &done, &all, dt, n));
+  fmu_plant_copy(&f->before.state, &f->now.state);
+  answer = fmu_plant_step(&f->plant, &f->now.state, &all, from, length, f->text);
   if (answer != FMU_OK) {
-    const size_t at = strlen(f->text);
-    f->now.state = f->before.state;
-    snprintf(f->text + at, sizeof f->text - at, ", in a step of %g s at %.12g s", dt, from + done * dt);
+    fmu_plant_copy(&f->now.state, &f->before.state);
     return answer;
   }
   f->now.value[0] = f->now.time = from + length;
@@ -413,8 +382,8 @@ static fmu_answer fmu_slope(fmu *f, double *change, const unsigned *unknown, int
     if (!v) {
       answer = FMU_ERROR;
     } else if (fmu_rows[v->kind].role != (k < n_unknown ? FMU_OUTPUT : FMU_INPUT)) {
-      char name[80];
-      fmu_name(name, v, (int)reference - v->first);
+      char name[FMU_NAME];
+      fmu_element_name(name, v, (int)reference - v->first);
       answer = fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs by inputs: %s is no %s", name,
                           k < n_unknown ? "output" : "input");
     } else if (k >= n_unknown && !isfinite(by[k - n_unknown])) {
@@ -444,30 +413,37 @@ static fmu_answer fmu_slope(fmu *f, double *change, const unsigned *unknown, int
 
 /* ---- saved states */
 
+/* Check word of many bytes, which costs a multiplication for four: states are saved often. */
 static unsigned fmu_word(const void *from, size_t bytes)
 {
   const unsigned char *const byte = (const unsigned char *)from;
-  unsigned crc = ~0u;
-  for (size_t k = 0; k < bytes; k += sizeof crc) {
+  unsigned long long sum = 14695981039346656037u;
+  for (size_t k = 0; k < bytes; k += sizeof(unsigned)) {
     unsigned word = 0;
     memcpy(&word, byte + k, bytes - k < sizeof word ? bytes - k : sizeof word);
-    crc = fbi_crc_word(crc, word);
+    sum = (sum ^ word) * 1099511628211u;
   }
-  return ~crc;
+  return (unsigned)(sum >> 32 ^ sum);
+}
+
+static unsigned fmu_token_word(const fmu *f)
+{
+  const char *const token = fmu_plant_token(&f->plant);
+  return fmu_word(token, strlen(token));
 }
 
 static void fmu_save(const fmu *f, fmu_saved *to)
 {
   memset(to, 0, sizeof *to);
   to->size = (unsigned)sizeof *to;
-  to->token = fmu_word(FMU_TOKEN, sizeof FMU_TOKEN);
+  to->token = fmu_token_word(f);
   memcpy(&to->memory, &f->now, sizeof to->memory);
   to->check = fmu_word(&to->memory, sizeof to->memory);
 }
 
 static fmu_answer fmu_load(fmu *f, const fmu_saved *from)
 {
-  if (!from || from->size != sizeof *from || from->token != fmu_word(FMU_TOKEN, sizeof FMU_TOKEN)) {
+  if (!from || from->size != sizeof *from || from->token != fmu_token_word(f)) {
     return fmu_refuse(f, FMU_ERROR, "this is no state of this FMU, but of another model or nothing");
   }
   if (from->check != fmu_word(&from->memory, sizeof from->memory)) {

@@ -35,6 +35,7 @@ static fmu *fmu_take(const fmu_memory_calls *calls)
 
 static void fmu_give(fmu *f)
 {
+  fmu_plant_close(&f->plant);
 #if FMU_STATIC
   (void)f;
   fmu_store.taken = 0;

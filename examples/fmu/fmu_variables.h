@@ -1,12 +1,18 @@
-/* fmu_variables.h - the variables of a body's FMU, one table for the exporter, which writes it as XML, and for the FMU,
-   which serves it. A variable is a number or a vector; value references count numbers: that of a vector is its first
-   element's. Include flexbeam.h first. */
+/* fmu_variables.h - the variables of an FMU, one table for the exporter, which writes it as XML, and for the FMU, which
+   serves it. A variable is a number or a vector; value references count numbers: that of a vector is its first
+   element's. Those of a scene have the names and units that the scene gives them (fmu_scene.h). Include flexbeam.h
+   first. */
 #ifndef FMU_VARIABLES_H
 #define FMU_VARIABLES_H
 
 typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
-typedef enum fmu_place { FMU_OF_BODY, FMU_OF_NODE, FMU_OF_TIP } fmu_place; /* tip: of every node but that of the hub */
-enum { FMU_MODES = -1 };                                                   /* as many numbers as there are modes */
+typedef enum fmu_place {
+  FMU_OF_BODY,
+  FMU_OF_NODE,
+  FMU_OF_TIP,
+  FMU_OF_SCENE
+} fmu_place;             /* tip: every node but the hub */
+enum { FMU_MODES = -1 }; /* as many numbers as there are modes */
 
 /* kind, role, place, numbers, name (of nodes behind "hub." or the node's name), unit, does it depend directly on the
    inputs?, meaning */
@@ -38,7 +44,11 @@ enum { FMU_MODES = -1 };                                                   /* as
   X(START_VELOCITY, PARAMETER, BODY, 3, "start.velocity", "m/s", 0, "of the hub, inertial axes")                     \
   X(START_RATE, PARAMETER, BODY, 3, "start.rate", "rad/s", 0, "of the hub, body axes")                               \
   X(START_Q, PARAMETER, BODY, FMU_MODES, "start.q", NULL, 0, "modal coordinates")                                    \
-  X(START_Q_DOT, PARAMETER, BODY, FMU_MODES, "start.q_dot", NULL, 0, "their rates")
+  X(START_Q_DOT, PARAMETER, BODY, FMU_MODES, "start.q_dot", NULL, 0, "their rates")                                  \
+  X(SCENE_INPUT, INPUT, SCENE, 1, "", NULL, 0, "added to what the scene says")                                       \
+  X(SCENE_OUTPUT, OUTPUT, SCENE, 1, "", NULL, 0, "")                                                                 \
+  X(SCENE_STEP, PARAMETER, SCENE, 1, "", NULL, 0, "longest step of the integrator; 0: as the scene says")            \
+  X(SCENE_PARAMETER, PARAMETER, SCENE, 1, "", NULL, 0, "parameter of the scene")
 
 #define FMU_KIND_ENUM(kind, role, place, count, name, unit, direct, what) FMU_##kind,
 typedef enum fmu_kind { FMU_KINDS(FMU_KIND_ENUM) FMU_KIND_COUNT } fmu_kind;
@@ -61,13 +71,65 @@ static const fmu_row fmu_rows[] = {FMU_KINDS(FMU_KIND_ROW)};
 typedef struct fmu_variable {
   fmu_kind kind;
   int node, first, count; /* first: value reference */
+  /* of a scene: */
+  const char *name, *unit, *what; /* unit, what NULL: none */
+  double start;
+  int direct;
 } fmu_variable;
+
+/* Why an FMU does not do what it is asked to: the status of FMI 2 and 3, and the reason. */
+typedef enum fmu_answer { FMU_OK = 0, FMU_DISCARD = 2, FMU_ERROR = 3 } fmu_answer;
+typedef char fmu_text[768];
+#define FMU_NAME ((size_t)96)   /* characters of the name of a variable */
+#define FMU_PATH ((size_t)1024) /* of a folder */
+
+#define FMU_SAME 1e-9 /* relative difference of times that are the same */
+
+typedef struct fmu_values { /* numbers of variables */
+  const fmu_variable *variable;
+  int n;
+  double *value;
+} fmu_values;
+
+/* Numbers of one kind, of node 0 where it has any; NULL: it is not there. */
+static inline double *fmu_of(const fmu_values *v, fmu_kind kind, int node)
+{
+  for (int k = 0; k < v->n; k++) {
+    if (v->variable[k].kind == kind && v->variable[k].node == node) {
+      return v->value + v->variable[k].first;
+    }
+  }
+  return NULL;
+}
 
 #define FMU_MAX_VARIABLES (FMU_KIND_COUNT * (FB_MAX_NODES + 1))
 #define FMU_MAX_VALUES (48 + 34 * FB_MAX_NODES + 4 * FB_MAX_MODES) /* enough for the numbers of all of them */
 
+/* Its name without the number of an element; node: that of its node. */
+static inline void fmu_name(char name[FMU_NAME], const fmu_variable *v, const char *node)
+{
+  const fmu_row *const row = &fmu_rows[v->kind];
+  const int at_node = row->place == FMU_OF_NODE || row->place == FMU_OF_TIP;
+  snprintf(name, FMU_NAME - 16, "%s%s%s", at_node ? node : "", at_node ? "." : "", v->name ? v->name : row->name);
+}
+
+static inline const char *fmu_unit(const fmu_variable *v)
+{
+  return v->name ? v->unit : fmu_rows[v->kind].unit;
+}
+
+static inline const char *fmu_what(const fmu_variable *v)
+{
+  return v->what ? v->what : fmu_rows[v->kind].what;
+}
+
+static inline int fmu_direct(const fmu_variable *v)
+{
+  return v->name ? v->direct : fmu_rows[v->kind].direct;
+}
+
 /* Does a body have it? Settings and states that a body does not have are left out. */
-static int fmu_has(const fb_body *body, fmu_kind kind)
+static inline int fmu_has(const fb_body *body, fmu_kind kind)
 {
   const int held = body->base != FB_BASE_FREE;
   switch (kind) {
@@ -81,12 +143,12 @@ static int fmu_has(const fb_body *body, fmu_kind kind)
   case FMU_START_VELOCITY:
     return !held;
   default:
-    return fmu_rows[kind].count != FMU_MODES || body->n > 0;
+    return fmu_rows[kind].place != FMU_OF_SCENE && (fmu_rows[kind].count != FMU_MODES || body->n > 0);
   }
 }
 
 /* The variables of a body in the order of their value references: how many. */
-static int fmu_variables(fmu_variable *list, const fb_body *body)
+static inline int fmu_variables(fmu_variable *list, const fb_body *body)
 {
   int n = 0, next = 0;
   for (int kind = 0; kind < (int)FMU_KIND_COUNT; kind++) {
@@ -94,7 +156,7 @@ static int fmu_variables(fmu_variable *list, const fb_body *body)
     const int count = row->count == FMU_MODES ? body->n : row->count;
     const int from = row->place == FMU_OF_TIP, to = row->place == FMU_OF_BODY ? 1 : body->n_node;
     for (int node = from; node < to && fmu_has(body, (fmu_kind)kind); node++) {
-      const fmu_variable one = {(fmu_kind)kind, node, next, count};
+      const fmu_variable one = {.kind = (fmu_kind)kind, .node = node, .first = next, .count = count};
       list[n++] = one;
       next += count;
     }
@@ -103,9 +165,9 @@ static int fmu_variables(fmu_variable *list, const fb_body *body)
 }
 
 /* Value of a number before anything is set. */
-static double fmu_start(const fb_body *body, fmu_kind kind, int element, double step)
+static inline double fmu_start(const fb_body *body, const fmu_variable *v, int element, double step)
 {
-  switch (kind) {
+  switch (v->kind) {
 #if FB_WITH_GRAVITY
   case FMU_GRAVITY:
     return (double)body->gravity[element];
@@ -119,7 +181,7 @@ static double fmu_start(const fb_body *body, fmu_kind kind, int element, double 
     return element == 0;
   default:
     (void)body;
-    return 0;
+    return v->start;
   }
 }
 #endif

@@ -1,5 +1,5 @@
-/* fmu_xml.h - the model description of a body's FMU, FMI 2.0 and 3.0, and its page of documentation, from the table of
-   fmu_variables.h. Names are C identifiers and need no escapes. */
+/* fmu_xml.h - the model description of an FMU, FMI 2.0 and 3.0, and its page of documentation, from the table of
+   fmu_variables.h. Names are C identifiers and need no escapes; a scene's titles, names of units and of files do. */
 #ifndef FMU_XML_H
 #define FMU_XML_H
 #include "fmu_variables.h"
@@ -11,7 +11,9 @@ typedef struct fmu_export {
   double step;
   const char *name, *platform;
   char token[48];
-  const fb_body *body;
+  const fb_body *body; /* NULL: a scene.. */
+  const char *title;   /* ..with this title.. */
+  double stop;         /* ..and duration [s] */
   char node[FB_MAX_NODES][TEXT_NAME + 8];
   int n;
   fmu_variable list[FMU_MAX_VARIABLES];
@@ -20,27 +22,76 @@ typedef struct fmu_export {
 static const char *const fmu_roles[] = {"independent", "input", "output", "parameter"};
 static const char *const fmu_true[] = {"false", "true"};
 
-static const struct fmu_unit {
-  const char *name, *base;
-} fmu_units[] = {{"s", "s=\"1\""},
-                 {"m", "m=\"1\""},
-                 {"m/s", "m=\"1\" s=\"-1\""},
-                 {"m/s2", "m=\"1\" s=\"-2\""},
-                 {"rad", "rad=\"1\""},
-                 {"rad/s", "rad=\"1\" s=\"-1\""},
-                 {"rad/s2", "rad=\"1\" s=\"-2\""},
-                 {"N", "kg=\"1\" m=\"1\" s=\"-2\""},
-                 {"N.m", "kg=\"1\" m=\"2\" s=\"-2\""},
-                 {"J", "kg=\"1\" m=\"2\" s=\"-2\""}};
+static void fmu_write_text(FILE *out, const char *text)
+{
+  for (const char *c = text; *c; c++) {
+    const char *const escape = *c == '&' ? "&amp;" : *c == '<' ? "&lt;" : *c == '>' ? "&gt;" : "&quot;";
+    if (strchr("&<>\"", *c)) {
+      fputs(escape, out);
+    } else {
+      fputc(*c, out);
+    }
+  }
+}
+
+/* A product such as N.m or rad/s2 in base units; with another name in it, as sqrt(kg) or lb, there are none. */
+static void fmu_write_unit(FILE *out, const char *unit)
+{
+  static const struct {
+    const char *name;
+    int kg, m, s, rad;
+  } known[] = {{"m", 0, 1, 0, 0},  {"kg", 1, 0, 0, 0}, {"s", 0, 0, 1, 0},  {"rad", 0, 0, 0, 1},
+               {"N", 1, 1, -2, 0}, {"J", 1, 2, -2, 0}, {"W", 1, 2, -3, 0}, {"1", 0, 0, 0, 0}};
+  static const char *const names[] = {"kg", "m", "s", "rad"};
+  int sum[4] = {0, 0, 0, 0}, all = 1, sign = 1;
+  for (const char *c = unit; *c;) {
+    const size_t whole = strcspn(c, "./"), n = *c == '1' ? 1 : strcspn(c, "./0123456789");
+    const int power = sign * (whole > n ? atoi(c + n) : 1);
+    int k = 0;
+    while (k < 8 && (strlen(known[k].name) != n || strncmp(known[k].name, c, n) != 0)) {
+      k++;
+    }
+    all = all && k < 8;
+    for (int i = 0; i < 4 && all; i++) {
+      const int parts[] = {known[k].kg, known[k].m, known[k].s, known[k].rad};
+      sum[i] += power * parts[i];
+    }
+    c += whole;
+    sign = *c == '/' ? -1 : 1;
+    c += *c != 0;
+  }
+  fputs("    <Unit name=\"", out);
+  fmu_write_text(out, unit);
+  fputs(all ? "\"><BaseUnit" : "\"/>\n", out);
+  for (int i = 0; i < 4 && all; i++) {
+    if (sum[i] != 0) {
+      fprintf(out, " %s=\"%d\"", names[i], sum[i]);
+    }
+  }
+  fputs(all ? "/></Unit>\n" : "", out);
+}
+
+/* Each unit of the variables once. */
+static void fmu_write_units(FILE *out, const fmu_export *e)
+{
+  for (int k = 0; k < e->n; k++) {
+    const char *const unit = fmu_unit(&e->list[k]);
+    int first = unit != NULL;
+    for (int i = 0; i < k && first; i++) {
+      const char *const other = fmu_unit(&e->list[i]);
+      first = !other || strcmp(other, unit) != 0;
+    }
+    if (first) {
+      fmu_write_unit(out, unit);
+    }
+  }
+}
 
 static void fmu_write_name(FILE *out, const fmu_export *e, const fmu_variable *v)
 {
-  const fmu_row *const row = &fmu_rows[v->kind];
-  if (row->place == FMU_OF_BODY) {
-    fputs(row->name, out);
-  } else {
-    fprintf(out, "%s.%s", e->node[v->node], row->name);
-  }
+  char name[FMU_NAME];
+  fmu_name(name, v, e->node[v->node < FB_MAX_NODES ? v->node : 0]);
+  fputs(name, out);
 }
 
 /* Start values of elements i to end. */
@@ -50,7 +101,7 @@ static void fmu_write_start(FILE *out, const fmu_export *e, const fmu_variable *
   if (role == FMU_INPUT || role == FMU_PARAMETER) {
     fputs(" start=\"", out);
     for (int k = i; k < end; k++) {
-      fprintf(out, "%s%.17g", k > i ? " " : "", fmu_start(e->body, v->kind, k, e->step));
+      fprintf(out, "%s%.17g", k > i ? " " : "", fmu_start(e->body, v, k, e->step));
     }
     fputs("\"", out);
   }
@@ -64,20 +115,21 @@ static void fmu_write_attributes(FILE *out, const fmu_variable *v, int reference
   if (role == FMU_PARAMETER || role == FMU_OUTPUT) {
     fprintf(out, " initial=\"%s\"", role == FMU_PARAMETER ? "exact" : "calculated");
   }
-  fprintf(out, " description=\"%s\"", fmu_rows[v->kind].what);
+  fprintf(out, " description=\"%s\"", fmu_what(v));
 }
 
 /* The attributes of the type, with the start of elements i to end. */
 static void fmu_write_type(FILE *out, const fmu_export *e, const fmu_variable *v, int i, int end)
 {
-  const fmu_row *const row = &fmu_rows[v->kind];
-  if (row->unit) {
-    fprintf(out, " unit=\"%s\"", row->unit);
+  if (fmu_unit(v)) {
+    fputs(" unit=\"", out);
+    fmu_write_text(out, fmu_unit(v));
+    fputs("\"", out);
   }
   if (v->kind == FMU_INTEGRATOR) {
     fputs(" declaredType=\"Integrator\"", out);
   }
-  if (v->kind == FMU_STEP || v->kind == FMU_DAMPING) {
+  if (v->kind == FMU_STEP || v->kind == FMU_DAMPING || v->kind == FMU_SCENE_STEP) {
     fputs(" min=\"0\"", out);
   }
   fmu_write_start(out, e, v, i, end);
@@ -119,7 +171,7 @@ static void fmu_write_dependencies(FILE *out, const fmu_export *e, const fmu_var
 {
   const char *between = "";
   fputs(" dependencies=\"", out);
-  for (int k = 0; k < e->n && fmu_rows[v->kind].direct; k++) {
+  for (int k = 0; k < e->n && fmu_direct(v); k++) {
     const fmu_variable *const input = &e->list[k];
     const int pulls = v->kind != FMU_POTENTIAL || input->kind == FMU_GRAVITY;
     for (int i = 0; i < (e->fmi == 2 ? input->count : 1) && fmu_rows[input->kind].role == FMU_INPUT && pulls; i++) {
@@ -165,12 +217,13 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
           "  <CoSimulation modelIdentifier=\"%s\" canHandleVariableCommunicationStepSize=\"true\"\n"
           "    canBeInstantiatedOnlyOncePerProcess=\"%s\" canGetAndSetFMU%s=\"true\" canSerializeFMU%s=\"true\"\n"
           "    providesDirectionalDerivative%s=\"true\"",
-          e->name, fmu_true[e->is_static], two ? "state" : "State", two ? "state" : "State", two ? "" : "s");
+          e->name, fmu_true[e->is_static || !e->body], two ? "state" : "State", two ? "state" : "State",
+          two ? "" : "s");
   if (two) {
     fprintf(out,
             " canNotUseMemoryManagementFunctions=\"%s\">\n"
-            "    <SourceFiles><File name=\"fmu2.c\"/></SourceFiles>\n  </CoSimulation>\n",
-            fmu_true[e->is_static]);
+            "    <SourceFiles><File name=\"%sfmu2.c\"/></SourceFiles>\n  </CoSimulation>\n",
+            fmu_true[e->is_static], e->body ? "" : "examples/fmu/");
   } else {
     fputs("/>\n", out);
   }
@@ -181,10 +234,12 @@ static void fmu_write_types(FILE *out, const fmu_export *e)
   static const char *const integrator[] = {"rk4", "midpoint", "sdirk", "exponential"};
   const int two = e->fmi == 2;
   fputs("  <UnitDefinitions>\n", out);
-  for (int k = 0; k < (int)(sizeof fmu_units / sizeof *fmu_units); k++) {
-    fprintf(out, "    <Unit name=\"%s\"><BaseUnit %s/></Unit>\n", fmu_units[k].name, fmu_units[k].base);
+  fmu_write_units(out, e);
+  fputs("  </UnitDefinitions>\n", out);
+  if (!e->body) {
+    return;
   }
-  fputs("  </UnitDefinitions>\n  <TypeDefinitions>\n    ", out);
+  fputs("  <TypeDefinitions>\n    ", out);
   fputs(two ? "<SimpleType name=\"Integrator\"><Enumeration>\n" : "<EnumerationType name=\"Integrator\">\n", out);
   for (int k = 0; k < FB_INTEGRATOR_COUNT; k++) {
     fprintf(out, "      <Item name=\"%s\" value=\"%d\"/>\n", integrator[k], k + 1);
@@ -193,23 +248,33 @@ static void fmu_write_types(FILE *out, const fmu_export *e)
   fputs("  </TypeDefinitions>\n", out);
 }
 
+static void fmu_write_subject(FILE *out, const fmu_export *e)
+{
+  if (e->body) {
+    fprintf(out, "a flexible body of %d modes and %d nodes, %.9g kg", e->body->n, e->body->n_node,
+            (double)e->body->mass);
+  } else {
+    fmu_write_text(out, e->title);
+  }
+}
+
 /* modelDescription.xml */
 static void fmu_write_description(FILE *out, const fmu_export *e)
 {
   const int two = e->fmi == 2;
   fprintf(out,
           "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"%d.0\" modelName=\"%s\"\n"
-          "  %s=\"%s\"\n  description=\"a flexible body of %d modes and %d nodes, %.9g kg\"\n"
-          "  generationTool=\"flexbeam %s\" variableNamingConvention=\"structured\">\n",
-          e->fmi, e->name, two ? "guid" : "instantiationToken", e->token, e->body->n, e->body->n_node,
-          (double)e->body->mass, FB_VERSION);
+          "  %s=\"%s\"\n  description=\"",
+          e->fmi, e->name, two ? "guid" : "instantiationToken", e->token);
+  fmu_write_subject(out, e);
+  fprintf(out, "\"\n  generationTool=\"flexbeam %s\" variableNamingConvention=\"structured\">\n", FB_VERSION);
   fmu_write_kind(out, e);
   fmu_write_types(out, e);
   fputs("  <LogCategories>\n    <Category name=\"logStatusError\" description=\"what was refused, and why\"/>\n"
         "  </LogCategories>\n",
         out);
-  fprintf(out, "  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"%.17g\"/>\n  <ModelVariables>\n",
-          e->step < 0.01 ? 0.01 : e->step);
+  fprintf(out, "  <DefaultExperiment startTime=\"0\" stopTime=\"%.17g\" stepSize=\"%.17g\"/>\n  <ModelVariables>\n",
+          e->body ? 10 : e->stop, !e->body || e->step >= 0.01 ? e->step : 0.01);
   for (int k = 0; k < e->n; k++) {
     (two ? fmu_write_variable2 : fmu_write_variable3)(out, e, &e->list[k]);
   }
@@ -224,9 +289,9 @@ static void fmu_write_build(FILE *out, const fmu_export *e)
   fprintf(out,
           "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n"
           "  <BuildConfiguration modelIdentifier=\"%s\">\n    <SourceFileSet language=\"C99\">\n"
-          "      <SourceFile name=\"fmu3.c\"/>\n    </SourceFileSet>\n    <Library name=\"m\"/>\n"
+          "      <SourceFile name=\"%sfmu3.c\"/>\n    </SourceFileSet>\n    <Library name=\"m\"/>\n"
           "  </BuildConfiguration>\n</fmiBuildDescription>\n",
-          e->name);
+          e->name, e->body ? "" : "examples/fmu/");
 }
 
 /* documentation/index.html */
@@ -234,27 +299,35 @@ static void fmu_write_page(FILE *out, const fmu_export *e)
 {
   fprintf(out,
           "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>%s</title></head><body>\n"
-          "<h1>%s</h1>\n<p>A flexible body of %d modes and %d nodes, %.9g kg, as a co-simulation FMU of FMI %d.0, "
-          "exported by flexbeam %s.</p>\n"
-          "<p>Inputs are held over a communication step. It is made of internal steps: as many of settings.step as go "
-          "into it, or, where that is no whole number, of equal ones that are not longer. A step that the integrator "
-          "refuses leaves the state as it was, and is answered by Discard with the reason in the log.</p>\n"
-          "<p>Vectors are listed once. Mass, stiffness, effects and number of modes are part of the model: another "
-          "description is another FMU.</p>\n"
+          "<h1>%s</h1>\n<p>",
+          e->name, e->name);
+  fmu_write_subject(out, e);
+  fprintf(out,
+          ": a %s as a co-simulation FMU of FMI %d.0, exported by flexbeam %s.</p>\n"
+          "<p>Inputs are held over a communication step. %s A step that the integrator refuses leaves the state as it "
+          "was, and is answered by Discard with the reason in the log.</p>\n"
+          "<p>%s</p>\n"
           "<table>\n<tr><th>variable</th><th>numbers</th><th>causality</th><th>unit</th><th>start</th>"
           "<th>meaning</th></tr>\n",
-          e->name, e->name, e->body->n, e->body->n_node, (double)e->body->mass, e->fmi, FB_VERSION);
+          e->body ? "body" : "scene", e->fmi, FB_VERSION,
+          e->body ? "It is made of internal steps: as many of settings.step as go into it, or, where that is no whole "
+                    "number, of equal ones that are not longer."
+                  : "They add to what the scene says: left at zero, it moves as the scene does.",
+          e->body ? "Vectors are listed once. Mass, stiffness, effects and number of modes are part of the model: "
+                    "another description is another FMU."
+                  : "The scene, with the files that it names, is among the resources.");
   for (int k = 0; k < e->n; k++) {
     const fmu_variable *const v = &e->list[k];
     const fmu_row *const row = &fmu_rows[v->kind];
     fputs("<tr><td>", out);
     fmu_write_name(out, e, v);
-    fprintf(out, "</td><td>%d</td><td>%s</td><td>%s</td><td>", v->count, fmu_roles[row->role],
-            row->unit ? row->unit : "");
+    fprintf(out, "</td><td>%d</td><td>%s</td><td>", v->count, fmu_roles[row->role]);
+    fmu_write_text(out, fmu_unit(v) ? fmu_unit(v) : "");
+    fputs("</td><td>", out);
     for (int i = 0; i < v->count && (row->role == FMU_INPUT || row->role == FMU_PARAMETER); i++) {
-      fprintf(out, "%s%.9g", i ? " " : "", fmu_start(e->body, v->kind, i, e->step));
+      fprintf(out, "%s%.9g", i ? " " : "", fmu_start(e->body, v, i, e->step));
     }
-    fprintf(out, "</td><td>%s</td></tr>\n", row->what);
+    fprintf(out, "</td><td>%s</td></tr>\n", fmu_what(v));
   }
   fputs("</table>\n</body></html>\n", out);
 }

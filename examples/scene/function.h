@@ -23,6 +23,7 @@ typedef struct function {
   double a, t0, t1;    /* size; from, to [s] */
   double omega, phase; /* of a sine */
   int first, n;        /* rows of a table */
+  double added;        /* to its value, from outside: an input of an FMU; 0 in a file */
 } function;
 
 typedef struct function_row {
@@ -98,7 +99,9 @@ static function_value function_eval(const function *f, const function_tables *ta
   const double d = f->t1 - f->t0;
   function_value out = {0, 0, 0, 0};
   if (f->kind == FUNCTION_TABLE) {
-    return function_table(f, tables, t, side);
+    out = function_table(f, tables, t, side);
+    out.value += f->added;
+    return out;
   }
   if (f->kind == FUNCTION_SINE) {
     const double s = sin(f->omega * t + f->phase), c = cos(f->omega * t + f->phase);
@@ -117,6 +120,7 @@ static function_value function_eval(const function *f, const function_tables *ta
     out = function_rise(f, (t - f->t0) / d, d);
   }
   out.value *= f->a;
+  out.value += f->added;
   out.rate *= f->a;
   out.acceleration *= f->a;
   out.sum *= f->a;

@@ -266,7 +266,7 @@ static fb_status scene_take_rigid(const scene *s, long row, double *t, int *even
   fb_status status = scene_note(s, *t);
   scene_piece p;
   status = status ? status : scene_happen(s, event, *t);
-  p = scene_piece_from(s, row, *t);
+  p = scene_piece_from(s, (double)row * timing.interval, (double)(row + 1) * timing.interval, *t);
   for (long k = 0; (double)k < p.steps && status == FB_OK; k++) {
     const double at = p.begin + (double)k * p.dt;
     status = k > 0 ? scene_note(s, at) : FB_OK;

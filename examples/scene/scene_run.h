@@ -588,10 +588,10 @@ static int scene_no_start(scene *s, fb_status status)
 }
 
 /* What happens at `begin`, which may say when the piece from there ends, and its steps; ends before the one that fails. */
-static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p, double begin)
+static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p, double start, double last, double begin)
 {
   fb_status status = scene_happen(s, &run->event, begin);
-  *p = scene_piece_from(s, run->row, begin);
+  *p = scene_piece_from(s, start, last, begin);
   for (long long k = 0; (double)k < p->steps && status == FB_OK; k++) {
     p->begin = begin + (double)k * p->dt;
     status = scene_step(s, p->begin, p->dt);
@@ -600,15 +600,14 @@ static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p, doub
   return status;
 }
 
-/* From a row to the next. A chosen step that turns out to be too long is halved; one that is given is not. */
-static fb_status scene_interval(scene *s, scene_run_state *run, char when[96])
+/* From a row, `start`, to the next. A chosen step that turns out to be too long is halved; one that is given is not. */
+static fb_status scene_interval(scene *s, scene_run_state *run, double start, double last, char when[96])
 {
-  double t = (double)run->row * timing.interval;
-  const long row = run->row;
+  double t = start;
   fb_status status = FB_OK;
-  while (t < (double)(row + 1) * timing.interval && status == FB_OK) {
+  while (t < last && status == FB_OK) {
     scene_piece p;
-    status = scene_take(s, run, &p, t);
+    status = scene_take(s, run, &p, start, last, t);
     snprintf(when, 96, "at %.6g s, step of %.4g s", p.begin, p.dt);
     t = p.begin;
     if (status == FB_ERR_STEP && !(s->step > 0) && run->halved < SCENE_HALVINGS) {
@@ -627,7 +626,7 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   fb_status status = FB_OK;
   engine.by_step = 0;
   while (run->row < timing.rows && status == FB_OK && !run->broken) {
-    status = scene_interval(s, run, when);
+    status = scene_interval(s, run, (double)run->row * timing.interval, (double)(run->row + 1) * timing.interval, when);
     if (status == FB_OK) {
       run->row++;
       status = scene_row(s, run, (double)run->row * timing.interval);

@@ -132,10 +132,9 @@ static double scene_piece_length(const scene *s, double begin, double end)
   return end - begin;
 }
 
-/* What comes next of the interval after row `row`. */
-static scene_piece scene_piece_from(const scene *s, long row, double begin)
+/* What comes next of the interval from `start` to `last`, of the length timing.interval. */
+static scene_piece scene_piece_from(const scene *s, double start, double last, double begin)
 {
-  const double start = (double)row * timing.interval, last = (double)(row + 1) * timing.interval;
   scene_piece p;
   double length, sample;
   p.begin = begin;
@@ -160,9 +159,10 @@ static scene_steps scene_count_steps(const scene *s)
 {
   scene_steps all = {0, 0, 0};
   for (long row = 0; row < timing.rows && all.count <= SCENE_STEPS; row++) {
-    double t = (double)row * timing.interval;
-    while (t < (double)(row + 1) * timing.interval) {
-      const scene_piece p = scene_piece_from(s, row, t);
+    const double start = (double)row * timing.interval, last = (double)(row + 1) * timing.interval;
+    double t = start;
+    while (t < last) {
+      const scene_piece p = scene_piece_from(s, start, last, t);
       all.count += p.steps;
       all.longest = fmax(all.longest, p.dt);
       all.turn = fmax(all.turn, p.dt * scene_pace(s, 0.5 * (p.begin + p.end)));

@@ -386,17 +386,22 @@ def check_speed():
     return 1 / most
 
 
-numbers = sum(check_motion(model) for model in MODELS)
-check_integrators()
-check_damping(str(folder / "damped.txt"))
-slopes = []
-for version in 2, 3:
-    other = start(folder / f"two_booms{version}.fmu")
-    foreign = other.fmu.serializeFMUState(other.fmu.getFMUState())
-    saved = check_states(version)
-    check_refusals(version, saved, foreign)
-    slopes.append(check_derivatives(version))
-check_static()
-speed = check_speed()
-print(f"FMPy {fmpy.__version__}: {len(MODELS)} bodies valid in FMI 2.0 and 3.0, {numbers} outputs of each with the library's bits, "
-      f"derivatives to {max(slopes):.1g}, {refusals} refusals, 1 kHz with {speed:.0f} times to spare")
+def main():
+    numbers = sum(check_motion(model) for model in MODELS)
+    check_integrators()
+    check_damping(str(folder / "damped.txt"))
+    slopes = []
+    for version in 2, 3:
+        other = start(folder / f"two_booms{version}.fmu")
+        foreign = other.fmu.serializeFMUState(other.fmu.getFMUState())
+        saved = check_states(version)
+        check_refusals(version, saved, foreign)
+        slopes.append(check_derivatives(version))
+    check_static()
+    speed = check_speed()
+    print(f"FMPy {fmpy.__version__}: {len(MODELS)} bodies valid in FMI 2.0 and 3.0, {numbers} outputs of each with the library's bits, "
+          f"derivatives to {max(slopes):.1g}, {refusals} refusals, 1 kHz with {speed:.0f} times to spare")
+
+
+if __name__ == "__main__":
+    main()

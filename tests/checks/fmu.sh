@@ -1,7 +1,8 @@
 #!/bin/sh
 # FMUs of bodies: FMPy validates and simulates them, they move as the library does to the last bit (tests/checks/fmu.py); their
-# C has no warnings; without a heap they call none; a controller by SciPy holds one. FMPy and SciPy are fetched by pip into
-# build/venv; where that is out of reach the check is left out, but not in CI.
+# C has no warnings; without a heap they call none; a controller by SciPy holds one. FMUs of scenes move as their runs do
+# (tests/checks/fmu_scene.py). FMPy and SciPy are fetched by pip into build/venv; where that is out of reach the check is
+# left out, but not in CI.
 . tests/checks/common.sh
 need python3 python3
 need zip zip
@@ -37,7 +38,10 @@ for model in satellite two_booms panel; do
   done
 done
 try build/flexbeam fmu examples/satellite.txt --static --out "$out/static2.fmu"
-for fmu in static2 satellite3; do
+for version in 2 3; do # their binaries are those of all scenes
+  try env CC='gcc -O1' build/flexbeam fmu examples/scenes/satellite_control.txt --version $version --out "$out/scene$version.fmu"
+done
+for fmu in static2 satellite3 scene2 scene3; do
   mkdir "$out/$fmu"
   try "$python" -m zipfile -e "$out/$fmu.fmu" "$out/$fmu"
 done
@@ -47,6 +51,7 @@ for cc in gcc clang; do # the headers of FMI are not ours: they have no warnings
   for version in 2 3; do
     try $cc $c99 -fsyntax-only -DFMU_STATIC=$((version - 2)) -Iexamples/common -I"$out/$([ $version = 2 ] && echo static2 || echo satellite3)/sources" \
       -isystem examples/fmu/fmi$version examples/fmu/fmu$version.c
+    try $cc $c99 -fsyntax-only -I"$out/scene$version/sources/examples/fmu" -isystem examples/fmu/fmi$version examples/fmu/fmu$version.c
   done
 done
 sed 's/^damping 0.003/damping 0.006/' examples/satellite.txt > "$out/damped.txt"
@@ -72,4 +77,9 @@ grep -q '^inertia about z 402' "$out/log" || fail "the inertia that a torque mee
   cat "$out/log"
   fail "tests/checks/fmu.py"
 }
-ok "$(tail -n 1 "$out/log")"
+figures=$(tail -n 1 "$out/log")
+"$python" tests/checks/fmu_scene.py "$out" "$out/reference" > "$out/log" 2>&1 || {
+  cat "$out/log"
+  fail "tests/checks/fmu_scene.py"
+}
+ok "$figures; $(tail -n 1 "$out/log")"
