@@ -91,6 +91,14 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_NOINLINE
 #endif
 
+/* FBI_FLATTEN_SHARED: the same of what the plain step has in line and the step of a body with rotors calls; without
+   rotors it would only be larger. */
+#if FB_WITH_ROTORS
+#define FBI_FLATTEN_SHARED FBI_FLATTEN
+#else
+#define FBI_FLATTEN_SHARED
+#endif
+
 /* FBI_RESTRICT: what this pointer reaches is written through no other, so that a loop's iterations may overlap. */
 #if defined(__GNUC__)
 #define FBI_RESTRICT __restrict__
@@ -4337,8 +4345,8 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
    a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented. Not of a body with lines.
    Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (deflection beyond the model's range).
    Test: momenta_agree_with_a_particle_model. */
-static FBI_FLATTEN fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                          const fb_input *input)
+static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                 const fb_input *input)
 {
   fb_real y[6];
   const int n = body->n;
@@ -5153,7 +5161,8 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
    q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
    These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so every choice of terms conserves energy.
    Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
-static FBI_FLATTEN void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
+                                                 const fb_state *state)
 {
   fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
   fbi_copy(e, state->pi, body->n);

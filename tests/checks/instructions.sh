@@ -97,22 +97,22 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 # systems (bench/system_count.c), CASE, integrator, bound: what was reached; after it what was counted before trees had a frame
 # that flies with them, which in sum must not cost more than 4 per cent
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
-system rigid rk4 9980 # 8326
-system rigid sdirk 20890 # 20889
-system hinge rk4 22170 # 20112
-system hinge sdirk 49350 # 49483
-system booms rk4 63080 # 58830
-system booms sdirk 175900 # 217877
-system chain rk4 327000 # 386664
-system chain sdirk 724500 # 929501
-system ground rk4 306000 # 387508
-system ground sdirk 692000 # 930043
-system dense rk4 124300 # 161214
-system dense sdirk 318900 # 426612
-system ring rk4 160750 # 182025
-system ring sdirk 306700 # 356790
-system rows rk4 177300 # 239507
-system rows sdirk 335750 # 476585
+system rigid rk4 8830 # 8326
+system rigid sdirk 19920 # 20889
+system hinge rk4 18850 # 20112
+system hinge sdirk 45900 # 49483
+system booms rk4 59800 # 58830
+system booms sdirk 170300 # 217877
+system chain rk4 323200 # 386664
+system chain sdirk 716300 # 929501
+system ground rk4 302300 # 387508
+system ground sdirk 684400 # 930043
+system dense rk4 121000 # 161214
+system dense sdirk 311600 # 426612
+system ring rk4 149950 # 182025
+system ring sdirk 293100 # 356790
+system rows rk4 172700 # 239507
+system rows sdirk 329500 # 476585
 
 # the geometrically exact beam: the most that a step takes; angles of libm's take a few more or less
 try gcc -std=c99 -I. -O2 -o "$out/exact" bench/exact_count.c "$out/default.o" -lm -Wl,-z,now
