@@ -31446,17 +31446,24 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
 }
 
 /* Body with a set of effects and the modes coordinate[] (NULL: all), with gravity, by which fbi_advise_motion applies
-   all accelerations of the origin. */
+   all accelerations of the origin. Friction of rotors, which motors balance, counts in limits of steps alone. */
 static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                  const int *coordinate, unsigned effects)
 {
+  fb_status status;
   work->desc = *desc;
   work->desc.effects = effects | FB_EFFECT_GRAVITY | (desc->effects & FB_EFFECT_DAMPING);
   work->desc.allow_long_step = 1;
   for (int k = 0; k < shape->n && coordinate; k++) {
     work->desc.zeta[k] = desc->zeta[coordinate[k]];
   }
-  return fb_body_init(body, &work->body_work, shape, &work->desc);
+  status = fb_body_init(body, &work->body_work, shape, &work->desc);
+#if FB_WITH_ROTORS
+  for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
+    body->rotor[r].damping = body->rotor[r].friction = FB_R(0.0);
+  }
+#endif
+  return status;
 }
 
 #if FB_WITH_ROTORS
@@ -31493,17 +31500,14 @@ static fb_real fbi_advice_nutation(const fb_shape *shape, const fb_body_desc *de
    at another it takes from it. */
 static const signed char fbi_advice_nutates[FBI_ADVICE_INSTANTS + 1] = {1, -1, 0, 1, 0, 0};
 
-/* Rotors of a load case: momenta; torques of motors, beside those that balance friction. */
-static void fbi_advise_rotors(fb_advice_work *work, const fb_body *body, const fb_envelope *e, int acts,
-                              const fb_real w[3])
+/* Rotors of a load case: momenta, torques of motors. */
+static void fbi_advise_rotors(fb_advice_work *work, const fb_body *body, const fb_envelope *e, int acts)
 {
   for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real h = e->rotor[r].momentum, speed = h / rotor->inertia - fb_vec3_dot(rotor->axis, w);
+    const fb_real h = e->rotor[r].momentum;
     work->state.pi[body->n + r] = h;
-    work->input.rotor[r].momentum = rotor->given ? h : FB_R(0.0);
+    work->input.rotor[r].momentum = body->rotor[r].given ? h : FB_R(0.0);
     work->input.rotor[r].torque = acts ? e->rotor[r].torque : FB_R(0.0);
-    work->input.rotor[r].torque -= rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, speed);
   }
 }
 #endif
@@ -31533,7 +31537,7 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
   for (int i = 0; i < 3 && work->turns && fbi_advice_can_nutate(body->base); i++) {
     w[i] = (fb_real)fbi_advice_nutates[instant] * e->spin[i];
   }
-  fbi_advise_rotors(work, body, e, on[3], w);
+  fbi_advise_rotors(work, body, e, on[3]);
 #endif
 
   /* Gravity in place of the acceleration of O, less w x v, which the body accounts for itself */

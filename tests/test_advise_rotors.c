@@ -272,6 +272,27 @@ TEST(advised_steps_take_wheels)
   }
 }
 
+/* E13.10: the spin by nutation is at some time along what loads do, at another against it: its sign does not matter.
+   Friction that motors balance bends nothing. */
+TEST(nutation_goes_to_and_fro)
+{
+  static fb_real unused[3 * SWINGS];
+  double most;
+  make_wheels(2, 12.0);
+  FBT_INT_EQ(swing(unused, NULL), FB_OK);
+  most = deflection();
+  for (int i = 0; i < 3; i++) {
+    envelope.spin[i] = -envelope.spin[i];
+  }
+  FBT_NEAR_REL(deflection(), most, FBT_TOL(1e-9, 1e-4));
+  for (int r = 0; r < WHEELS; r++) {
+    level.rotor[r].damping = FB_R(1e-2); /* 6 N m at 600 rad/s */
+    level.rotor[r].friction = FB_R(0.5);
+    level.rotor[r].friction_speed = FB_R(2.0);
+  }
+  FBT_NEAR_REL(deflection(), most, FBT_TOL(1e-9, 1e-4));
+}
+
 TEST(advice_on_wheels_refuses_nonsense)
 {
   make_wheels(2, 1.0);
@@ -294,5 +315,6 @@ TEST(advice_on_wheels_refuses_nonsense)
 }
 
 SUITE(advise_rotors, RUN(nutation_drives_the_modes), RUN(wheels_couple_the_planes_of_booms),
-      RUN(advised_steps_take_wheels), RUN(advice_on_wheels_refuses_nonsense), RUN(advice_on_wheels_meets_its_tolerance))
+      RUN(advised_steps_take_wheels), RUN(nutation_goes_to_and_fro), RUN(advice_on_wheels_refuses_nonsense),
+      RUN(advice_on_wheels_meets_its_tolerance))
 #endif

@@ -752,7 +752,8 @@ static int scene_build(scene *s, const scene_options *o)
     if (advised && scene_advise(s, k, o->talk)) {
       return 1;
     }
-    if (advised && !((double)automatic.advice[k].error <= s->body[k].tolerance)) {
+    if (advised &&
+        !((double)automatic.advice[k].error <= s->body[k].tolerance * (1 + 1e-9))) { /* rounding of the sum */
       scene_tell_missed(s, k, o->warn);
     }
     status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
