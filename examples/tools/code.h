@@ -378,8 +378,7 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
       return;
     }
     for (int e = 0, m = 0; e < 21; e++) {
-      if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first) &&
-          !code_is_constant(&code_now.S[e])) {
+      if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first) && !code_is_constant(&code_now.S[e])) {
         fprintf(w->out, "%s%s(%s)",
                 m == 0       ? ""
                 : m % 4 == 0 ? " +\n           "
@@ -1140,10 +1139,11 @@ static void code_write_large(const code *w)
   if (code_model.first == 6) {
     code_write_given(w);
   }
-  fputs(code_lines[0].centered ? "\n  /* E8.13, E14.13: M q_dot + Lambda^T w = pi,  Lambda q_dot + J w = h about the mass "
-                                 "center, by L D L^T */\n"
-                               : "\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by "
-                                 "L D L^T */\n",
+  fputs(code_lines[0].centered
+            ? "\n  /* E8.13, E14.13: M q_dot + Lambda^T w = pi,  Lambda q_dot + J w = h about the mass "
+              "center, by L D L^T */\n"
+            : "\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by "
+              "L D L^T */\n",
         w->out);
   code_write_large_solve(w);
   if (code_model.first < 6) {

@@ -20,8 +20,8 @@ static struct code_line {
   int row[CODE_TABLES][FB_MAX_MODES]; /* of A, B, Gamma by axes: 1 + the row of the table `turn` of each coordinate */
   int by[CODE_TABLES];                /* 1: some coordinate has it */
   int n_row;
-  int centered;       /* 1: E14.17 about the mass center of the whole, see code_line_center */
-  double whole, kept; /* |sqrt(m)|; kappa */
+  int centered;                               /* 1: E14.17 about the mass center of the whole, see code_line_center */
+  double whole, kept;                         /* |sqrt(m)|; kappa */
   double Q[FB_MAX_POINTS][FB_MAX_POINTS + 4]; /* C, then Q^T sqrt(m), then start of E14.17 as they are written */
   int plane, offset, spread; /* turns about one axis alone; mass centers beside the line; rotary inertia */
   int n_member;
@@ -730,7 +730,8 @@ static void code_line_pose(const code *w, int unused)
   code_line_half(w);
   code_line_quats(w);
   code_line_tangents(w);
-  code_template(w, "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
+  code_template(w,
+                "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
   code_loop(w, 2, 'j', 0, code_line.m);
   code_template(w, "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
 }
@@ -987,7 +988,8 @@ static void code_line_jacobians(const code *w)
   for (int i = 0; i < 3; i++) {
     code_line_K.x[i] = code_line_Jw.x[i] = code_line_h.x[i] = code_constant(0.0);
   }
-  fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N A^/6 "
+  fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N "
+        "A^/6 "
         "B_a, and\n     K, the rate of its tangent */\n",
         w->out);
   code_loop(w, 2, 'j', 0, code_line.m);
@@ -1237,7 +1239,8 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
 static void code_line_inertia(const code *w, int unused)
 {
   (void)unused;
-  fputs(code_line.centered ? "\n/* Its inertia relative to the mass center of the whole, after its pose; hub: first moment of mass of the "
+  fputs(code_line.centered ? "\n/* Its inertia relative to the mass center of the whole, after its pose; hub: first "
+                             "moment of mass of the "
                              "rest,\n   line axes. */\n"
                            : "\n/* Its inertia, after its pose. */\n",
         w->out);
