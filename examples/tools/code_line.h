@@ -394,7 +394,7 @@ static code_vec code_vec_named(const char *format)
 static void code_cell(const code *w, double x, int at, int in_row)
 {
   char number[40];
-  code_number(number, w, x);
+  code_number(number, w, fabs(x) > 0.0 ? x : 0.0);
   fprintf(w->out, "%s%s", at == 0 ? "" : at % 5 == 0 && in_row > 5 ? ",\n     " : ", ", number);
 }
 
@@ -445,7 +445,7 @@ static void code_line_head(const code *w, const char *type, const char *name, co
 /* A local name of a table. */
 static void code_line_alias(const code *w)
 {
-  fprintf(w->out, "  const %s (*const T)[%d] = ", w->single ? "float" : "double", code_line.m);
+  fprintf(w->out, "  const %s (*const T)[%d] = ", code_real(w), code_line.m);
   code_template(w, "@_turn_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
@@ -1228,7 +1228,7 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
     code_settle(&s);
     if (code_line.line->moves) {
       char target[48];
-      snprintf(target, sizeof target, "const %s %s_%c", w->single ? "float" : "double", name, code_axis[i]);
+      snprintf(target, sizeof target, "const %s %s_%c", code_real(w), name, code_axis[i]);
       code_assign(w, &s, target);
     }
     root.x[i] = code_line.line->moves ? code_variable("%s_%c", name, code_axis[i]) : code_constant(0.0);
@@ -1649,7 +1649,7 @@ static void code_line_gradient(const code *w, int unused)
     code_add_one(&s, 1.0, code_variable("u[%d]", i));
     code_add_one(&s, 1.0, move.x[i]);
     code_add_one(&s, 1.0, cross.x[i]);
-    snprintf(target, sizeof target, "const %s U_%c", w->single ? "float" : "double", code_axis[i]);
+    snprintf(target, sizeof target, "const %s U_%c", code_real(w), code_axis[i]);
     code_assign(w, &s, target);
   }
   code_line_outboard_forces(w, &o);
