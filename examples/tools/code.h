@@ -33,7 +33,7 @@ static code_value code_pi(int a)
 static void code_write_state(const code *w)
 {
   static const char *const frame[10] = {"quat_w", "quat_x", "quat_y", "quat_z", "ux", "uy", "uz", "hx", "hy", "hz"};
-  const char *const type = w->single ? "float" : "double";
+  const char *const type = code_real(w);
   code_template(
       w, "  /* quaternion; velocity of the mass center [m/s], inertial axes; angular momentum about it [N m s], body\n"
          "     axes; coordinates and momenta of the modes */\n");
@@ -334,7 +334,7 @@ static void code_write_pivot(const code *w, code_factor *f, int k)
     return;
   }
   f->share[k] = code_variable("r_%s", code_row_at(f, k));
-  fprintf(w->out, "  const %s %s = ", w->single ? "float" : "double", f->share[k].name);
+  fprintf(w->out, "  const %s %s = ", code_real(w), f->share[k].name);
   code_template(w, "`1` / ");
   fprintf(w->out, "%s;\n", pivot.name);
 }
@@ -378,8 +378,7 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
       return;
     }
     for (int e = 0, m = 0; e < 21; e++) {
-      if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first) &&
-          !code_is_constant(&code_now.S[e])) {
+      if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first) && !code_is_constant(&code_now.S[e])) {
         fprintf(w->out, "%s%s(%s)",
                 m == 0       ? ""
                 : m % 4 == 0 ? " +\n           "
@@ -448,7 +447,7 @@ static void code_write_names(const code *w)
       char target[32];
       code_begin(&s);
       code_add_one(&s, 1.0, code_now.V[i]);
-      snprintf(target, sizeof target, "const %s %s", w->single ? "float" : "double", code_rows[i]);
+      snprintf(target, sizeof target, "const %s %s", code_real(w), code_rows[i]);
       code_assign(w, &s, target);
     }
   }
@@ -703,7 +702,7 @@ static const char code_given_acceleration[] =
 /* Gravity G, inertial axes, and gx, gy, gz, body axes. */
 static void code_write_field(const code *w)
 {
-  const char *const type = w->single ? "float" : "double";
+  const char *const type = code_real(w);
   char number[40];
   fputs("\n  /* E8.16: gravity, first moment of mass c */\n", w->out);
   for (int i = 0; i < 3; i++) {
@@ -732,7 +731,7 @@ static void code_write_pull(const code *w)
     code_add_one(&s, 1.0, code_variable("act->torque[%d]", i));
     code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
     code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
-    snprintf(target, sizeof target, "const %s t%c", w->single ? "float" : "double", 'x' + i);
+    snprintf(target, sizeof target, "const %s t%c", code_real(w), 'x' + i);
     code_assign(w, &s, target);
   }
   for (int a = 0; a < w->n; a++) {
@@ -778,7 +777,7 @@ static void code_write_torque(const code *w, int i)
   code_add_one(&s, 1.0, code_variable("T[%d]", i));
   code_add(&s, -1.0, code_now.value[y], code_variable("a%c", 'x' + z));
   code_add(&s, 1.0, code_now.value[z], code_variable("a%c", 'x' + y));
-  snprintf(target, sizeof target, "const %s g%c", w->single ? "float" : "double", 'x' + i);
+  snprintf(target, sizeof target, "const %s g%c", code_real(w), 'x' + i);
   code_assign(w, &s, target);
 }
 
@@ -791,7 +790,7 @@ static void code_write_loads(const code *w)
     char number[40], name[4] = {'a', (char)('x' + k), 0};
     code_write_value(&inner, k);
     code_number(number, w, 1.0 / (double)code_model.body->mass);
-    fprintf(w->out, "    const %s %s = %s * F[%d];\n", w->single ? "float" : "double", name, number, k);
+    fprintf(w->out, "    const %s %s = %s * F[%d];\n", code_real(w), name, number, k);
   }
   for (int i = 0; i < 3; i++) {
     code_write_torque(&inner, i);
@@ -1140,10 +1139,11 @@ static void code_write_large(const code *w)
   if (code_model.first == 6) {
     code_write_given(w);
   }
-  fputs(code_lines[0].centered ? "\n  /* E8.13, E14.13: M q_dot + Lambda^T w = pi,  Lambda q_dot + J w = h about the mass "
-                                 "center, by L D L^T */\n"
-                               : "\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by "
-                                 "L D L^T */\n",
+  fputs(code_lines[0].centered
+            ? "\n  /* E8.13, E14.13: M q_dot + Lambda^T w = pi,  Lambda q_dot + J w = h about the mass "
+              "center, by L D L^T */\n"
+            : "\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by "
+              "L D L^T */\n",
         w->out);
   code_write_large_solve(w);
   if (code_model.first < 6) {

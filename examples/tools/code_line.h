@@ -20,8 +20,8 @@ static struct code_line {
   int row[CODE_TABLES][FB_MAX_MODES]; /* of A, B, Gamma by axes: 1 + the row of the table `turn` of each coordinate */
   int by[CODE_TABLES];                /* 1: some coordinate has it */
   int n_row;
-  int centered;       /* 1: E14.17 about the mass center of the whole, see code_line_center */
-  double whole, kept; /* |sqrt(m)|; kappa */
+  int centered;                               /* 1: E14.17 about the mass center of the whole, see code_line_center */
+  double whole, kept;                         /* |sqrt(m)|; kappa */
   double Q[FB_MAX_POINTS][FB_MAX_POINTS + 4]; /* C, then Q^T sqrt(m), then start of E14.17 as they are written */
   int plane, offset, spread; /* turns about one axis alone; mass centers beside the line; rotary inertia */
   int n_member;
@@ -394,7 +394,7 @@ static code_vec code_vec_named(const char *format)
 static void code_cell(const code *w, double x, int at, int in_row)
 {
   char number[40];
-  code_number(number, w, x);
+  code_number(number, w, fabs(x) > 0.0 ? x : 0.0);
   fprintf(w->out, "%s%s", at == 0 ? "" : at % 5 == 0 && in_row > 5 ? ",\n     " : ", ", number);
 }
 
@@ -445,7 +445,7 @@ static void code_line_head(const code *w, const char *type, const char *name, co
 /* A local name of a table. */
 static void code_line_alias(const code *w)
 {
-  fprintf(w->out, "  const %s (*const T)[%d] = ", w->single ? "float" : "double", code_line.m);
+  fprintf(w->out, "  const %s (*const T)[%d] = ", code_real(w), code_line.m);
   code_template(w, "@_turn_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
@@ -730,7 +730,8 @@ static void code_line_pose(const code *w, int unused)
   code_line_half(w);
   code_line_quats(w);
   code_line_tangents(w);
-  code_template(w, "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
+  code_template(w,
+                "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
   code_loop(w, 2, 'j', 0, code_line.m);
   code_template(w, "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
 }
@@ -987,7 +988,8 @@ static void code_line_jacobians(const code *w)
   for (int i = 0; i < 3; i++) {
     code_line_K.x[i] = code_line_Jw.x[i] = code_line_h.x[i] = code_constant(0.0);
   }
-  fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N A^/6 "
+  fputs("\n  /* E14.5: by coordinates the angular velocity of each point, a sum from the root of N (1 + B^/6) A_a - N "
+        "A^/6 "
         "B_a, and\n     K, the rate of its tangent */\n",
         w->out);
   code_loop(w, 2, 'j', 0, code_line.m);
@@ -1226,7 +1228,7 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
     code_settle(&s);
     if (code_line.line->moves) {
       char target[48];
-      snprintf(target, sizeof target, "const %s %s_%c", w->single ? "float" : "double", name, code_axis[i]);
+      snprintf(target, sizeof target, "const %s %s_%c", code_real(w), name, code_axis[i]);
       code_assign(w, &s, target);
     }
     root.x[i] = code_line.line->moves ? code_variable("%s_%c", name, code_axis[i]) : code_constant(0.0);
@@ -1237,7 +1239,8 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
 static void code_line_inertia(const code *w, int unused)
 {
   (void)unused;
-  fputs(code_line.centered ? "\n/* Its inertia relative to the mass center of the whole, after its pose; hub: first moment of mass of the "
+  fputs(code_line.centered ? "\n/* Its inertia relative to the mass center of the whole, after its pose; hub: first "
+                             "moment of mass of the "
                              "rest,\n   line axes. */\n"
                            : "\n/* Its inertia, after its pose. */\n",
         w->out);
@@ -1646,7 +1649,7 @@ static void code_line_gradient(const code *w, int unused)
     code_add_one(&s, 1.0, code_variable("u[%d]", i));
     code_add_one(&s, 1.0, move.x[i]);
     code_add_one(&s, 1.0, cross.x[i]);
-    snprintf(target, sizeof target, "const %s U_%c", w->single ? "float" : "double", code_axis[i]);
+    snprintf(target, sizeof target, "const %s U_%c", code_real(w), code_axis[i]);
     code_assign(w, &s, target);
   }
   code_line_outboard_forces(w, &o);

@@ -155,12 +155,6 @@ static code_vec code_node_rows(const code *w, const char *name, const fb_real *r
   return out;
 }
 
-/* A vector of the points at point p, as the function of a node calls it. */
-static code_vec code_node_at(const code_vec *x, int p)
-{
-  return code_vec_at(x, p);
-}
-
 /* E14.14: a node on a line. */
 static void code_write_line_node(const code *w, int k)
 {
@@ -296,8 +290,8 @@ static void code_write_line_node(const code *w, int k)
     code_begin(&move);
     code_add_one(&s, (double)at->start[i], code_constant(1.0));
     for (int j = 0; j < line->count; j++) {
-      code_add_one(&s, (double)at->weight[j], code_node_at(&code_line.t, j).x[i]);
-      code_add_one(&move, (double)at->weight[j], code_node_at(&code_line.tau, j).x[i]);
+      code_add_one(&s, (double)at->weight[j], code_vec_at(&code_line.t, j).x[i]);
+      code_add_one(&move, (double)at->weight[j], code_vec_at(&code_line.tau, j).x[i]);
     }
     for (int a = 0; a < code_line.n; a++) {
       code_add_one(&s, code_line_shift(a, i), code_variable("q[%d]", line->first + a));

@@ -36,6 +36,12 @@ typedef struct code_sum {
   code_term term[CODE_TERMS];
 } code_sum;
 
+/* Type of a real number in what is written. */
+static const char *code_real(const code *w)
+{
+  return w->single ? "float" : "double";
+}
+
 static code_value code_constant(double c)
 {
   code_value v = {c, ""};
@@ -165,7 +171,7 @@ static code_value code_end(const code *w, code_sum *s, code_value name)
     strcpy(same.name, s->term[0].x);
     return same;
   }
-  fprintf(w->out, "%*sconst %s %s = ", w->indent, "", w->single ? "float" : "double", name.name);
+  fprintf(w->out, "%*sconst %s %s = ", w->indent, "", code_real(w), name.name);
   code_expression(w, s, 16 + w->indent + (int)strlen(name.name));
   fputs(";\n", w->out);
   return name;
@@ -210,7 +216,7 @@ static void code_template(const code *w, const char *text)
     if (*c == '@') {
       fputs(w->name, w->out);
     } else if (*c == '$') {
-      fputs(w->single ? "float" : "double", w->out);
+      fputs(code_real(w), w->out);
     } else if (*c == '~') {
       fputs(w->single ? "f" : "", w->out);
     } else if (*c == '%') {
