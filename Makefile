@@ -12,22 +12,23 @@ LIBRARY  = flexbeam.h flexbeam_impl.h
 TESTS    = $(wildcard tests/test_*.c)
 EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_flap arm fourbar \
            elastica follower flap whirl wing_goland ground_resonance leigh hil_plant hil_controller \
-           tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
+           tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware page
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu packages hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu packages page hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
+.PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
 	@echo "make tool      build/flexbeam: $(WORDS)"
 	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
+	@echo "make page      a page to try it on, one file for a browser: build/page/flexbeam.html (clang and lld)"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
@@ -87,6 +88,8 @@ firmware:
 	@$(MAKE) -s --no-print-directory check-firmware
 	@echo && echo "Cortex-M4F, single precision, -O2:" && cat build/checks/firmware/board_single-O2.txt
 	@echo && echo "Cortex-M7, double precision, -O2:" && cat build/checks/firmware/board_double-O2.txt
+
+page: build/page/flexbeam.html
 
 hil: build/examples/hil_plant build/examples/hil_controller
 	@rm -f build/hil.key; (umask 077; od -An -N16 -tx1 /dev/urandom | tr -d ' \n' > build/hil.key)
@@ -229,6 +232,11 @@ build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common
 build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) examples/common/clock.h examples/common/options.h $(wildcard examples/common/*.h) $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
+build/examples/page: bench/case.h bench/check.h
+
+build/page/flexbeam.html: $(wildcard examples/page/*) bench/case.h bench/check.h $(wildcard examples/common/*.h) $(LIBRARY) | build/page
+	@sh examples/page/pack.sh $@
+
 build/examples/campaign_mpi: examples/campaign/campaign_mpi.c $(HEADERS) $(LIBRARY) build/flags | build/examples
 	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
@@ -265,7 +273,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme:
+build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -288,6 +296,8 @@ check-hil: build/examples/hil_plant build/examples/hil_controller
 check-aero: build/examples/wing_goland build/examples/ground_resonance
 
 check-fmu: build/flexbeam
+
+check-page: build/examples/page
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 

@@ -164,14 +164,14 @@
      fb_rk4_work                 54840
      fb_implicit_work            63032
      fb_exponential_work         57864
-     fb_system_work             628032
+     fb_system_work             628104
      fb_exact_work              173336
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               428136
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
-     fb_system_analyse_work    1959552
+     fb_system_analyse_work    1959624
      fb_exact_path_work         202472
      fb_exact_spectrum_work    1625192
      fb_exact_linear_work      1998872
@@ -885,7 +885,7 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
    turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
    Bodies of systems have them, too, at less cost than wheels that are bodies on hinges: fb_link_motion starts them,
-   fb_system_input.rotor drives them. No advice; internal loads of lines with rotors on the hub alone. Others:
+   fb_system_input.rotor drives them. Internal loads of lines with rotors on the hub alone. Others:
    FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
@@ -1504,6 +1504,7 @@ typedef struct fbi_link_work {
   int has_speeds; /* q_dot is known */
   int had_speeds;
   int coupled, open; /* its modes carry something; they are in E, X, Z below */
+  int settled;       /* S, U and D are the same at every state; 2: known */
   int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
   fb_axis_mode mode[3];
   fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
@@ -1564,6 +1565,8 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   int closed;    /* so, or there are loops */
   int special;   /* so, or rotors inside bodies */
   int flies;     /* of a step: a tree's frame may move */
+  int repeats;   /* within a step: what belongs to the links is known */
+  int driven;    /* an axis is prescribed */
   fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
   fb_real clock; /* [s] since the frames were at their origins */
   int owns;      /* roots that are free take L in body axes from link.own */
@@ -3131,6 +3134,11 @@ typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur
   fb_real duration;  /* [s] of the simulation */
   fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
   int node;          /* the output is the elastic displacement of this node */
+#if FB_WITH_ROTORS
+  /* extremes of the rotors of the desc: torque of the motor beside what balances friction; momentum, given or not.
+     frequency need not have the nutation that they cause */
+  fb_rotor_input rotor[FB_MAX_ROTORS];
+#endif
 } fb_envelope;
 
 #define FB_ADVICE_EFFECTS 5 /* inertial effects: bits 0..4 of fb_effect */
@@ -3197,6 +3205,9 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
+#if FB_WITH_ROTORS
+  int turns; /* some rotor does */
+#endif
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
   fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
   fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
@@ -3215,8 +3226,8 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
    matter to the output, also those of other appendages by the recoil.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
    tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
-   natural modes; FB_ERR_STEP: no integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice
-   is written only on FB_OK. */
+   natural modes, a rotor has an imbalance, or rotors couple the modes too much for an estimate; FB_ERR_STEP: no
+   integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
 FB_API fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
@@ -3285,13 +3296,14 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
-          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval.
+          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
+          descriptions of bodies have them.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.
-          build/flexbeam reduce --code: the rk4 step of one body as C of its own.
+          build/flexbeam reduce --code: the rk4 step of one body as C of its own, geometrically exact lines included.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

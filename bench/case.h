@@ -10,7 +10,12 @@
 #include <math.h>
 
 #define FBB_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
+#ifndef FBB_SAMPLES
 #define FBB_SAMPLES 160 /* at equal times after the start */
+#endif
+#ifndef FBB_BETWEEN
+#define FBB_BETWEEN 0 /* nodes of a body beside root, middle and tip, at equal distances: for pictures */
+#endif
 #define FBB_PI 3.14159265358979323846
 
 enum { FBB_ROOT = 0, FBB_MIDDLE = 1, FBB_TIP = 2, FBB_NODES = 3 };
@@ -220,6 +225,16 @@ static const fbb_case fbb_cases[] = {
 
 /* ---- what both kinds of model share */
 
+/* The largest spin [rad/s] of a scene, for the limit of the step. */
+static double fbb_largest_spin(const fbb_case *c)
+{
+  const double *w = c->spin;
+  const double driven = c->drive == fbb_drive_spinup  ? c->size
+                        : c->drive == fbb_drive_joint ? 2 * c->size / c->period
+                                                      : 0;
+  return sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + driven;
+}
+
 static fb_section fbb_section(const fbb_case *c)
 {
   fb_section section;
@@ -336,46 +351,79 @@ static void fbb_exact_input(fb_exact_input *input, const fbb_case *c, const fb_e
   }
 }
 
-/* Runs it with n_element elements (even) and `steps` steps between samples. */
-static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element, int steps)
+/* A run of it, as far as it has come. */
+typedef struct fbb_exact_flight {
+  fb_exact exact;
+  fb_exact_state state;
+  fb_exact_work work;
+  fb_exact_input input;
+  fb_exact_node node[FB_MAX_EXACT + 1];
+  double dt; /* [s] */
+  int step;
+} fbb_exact_flight;
+
+/* At the start, with n_element elements (even) and `steps` steps between samples. */
+static fb_status fbb_exact_begin(fbb_exact_flight *f, const fbb_case *c, int n_element, int steps)
 {
-  static fb_exact exact;
-  static fb_exact_state state;
-  static fb_exact_work work;
-  static fb_exact_input input;
-  static fb_exact_node node[FB_MAX_EXACT + 1];
-  const double dt = c->duration / (FBB_SAMPLES * steps);
-  fb_real x[FBB_NODES][3], quat[FBB_NODES][4];
-  double time = 0.0;
-  memset(&input, 0, sizeof input);
-  fbb_exact_init(&exact, c, n_element);
-  fbb_exact_input(&input, c, &exact, 0.0);
+  fb_status status;
+  memset(&f->input, 0, sizeof f->input);
+  f->dt = c->duration / (FBB_SAMPLES * steps);
+  f->step = 0;
+  fbb_exact_init(&f->exact, c, n_element);
+  fbb_exact_input(&f->input, c, &f->exact, 0.0);
   if (c->base == FB_BASE_FREE) { /* of the root: the mass center rests */
     for (int i = 0; i < 3; i++) {
       const double arm[3] = {0.5 * c->length, 0.0, 0.0};
-      input.v[i] = (fb_real)(-(c->spin[(i + 1) % 3] * arm[(i + 2) % 3] - c->spin[(i + 2) % 3] * arm[(i + 1) % 3]));
+      f->input.v[i] = (fb_real)(-(c->spin[(i + 1) % 3] * arm[(i + 2) % 3] - c->spin[(i + 2) % 3] * arm[(i + 1) % 3]));
     }
   }
-  fbb_check(fb_exact_state_init(&exact, &state, &work, &input), "exact beam");
-  if (c->steady) {
-    fbb_check(fb_exact_trim(&exact, &state, &work, &input), "exact beam's steady state");
+  status = fb_exact_state_init(&f->exact, &f->state, &f->work, &f->input);
+  return status || !c->steady ? status : fb_exact_trim(&f->exact, &f->state, &f->work, &f->input);
+}
+
+static fb_status fbb_exact_advance(fbb_exact_flight *f, const fbb_case *c, int steps)
+{
+  fb_status status = FB_OK;
+  for (int i = 0; i < steps && status == FB_OK; i++) {
+    fbb_exact_input(&f->input, c, &f->exact, (f->step + 0.5) * f->dt);
+    status = fb_exact_step(&f->exact, &f->state, &f->work, &f->input, (fb_real)f->dt);
+    f->step++;
   }
+  return status;
+}
+
+static void fbb_exact_output(double out[3], fbb_exact_flight *f, const fbb_case *c)
+{
+  fb_real x[FBB_NODES][3], quat[FBB_NODES][4];
+  fbb_check(fb_exact_nodes_eval(&f->exact, f->node, &f->state), "exact beam");
+  for (int j = 0; j < FBB_NODES; j++) {
+    memcpy(x[j], f->node[j * f->exact.n / 2].position, sizeof x[j]);
+    memcpy(quat[j], f->node[j * f->exact.n / 2].quat, sizeof quat[j]);
+  }
+  fbb_output(out, c, x, quat);
+}
+
+static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element, int steps)
+{
+  static fbb_exact_flight flight;
+  double time = 0.0;
+  fbb_check(fbb_exact_begin(&flight, c, n_element, steps), "exact beam's start");
   history->status = FB_OK;
   for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {
     const double start = clock_ns();
-    for (int i = 0; i < steps && history->status == FB_OK; i++) {
-      fbb_exact_input(&input, c, &exact, (k * steps + i + 0.5) * dt);
-      history->status = fb_exact_step(&exact, &state, &work, &input, (fb_real)dt);
-    }
+    history->status = fbb_exact_advance(&flight, c, steps);
     time += clock_ns() - start;
-    fbb_check(fb_exact_nodes_eval(&exact, node, &state), "exact beam");
-    for (int j = 0; j < FBB_NODES; j++) {
-      memcpy(x[j], node[j * n_element / 2].position, sizeof x[j]);
-      memcpy(quat[j], node[j * n_element / 2].quat, sizeof quat[j]);
-    }
-    fbb_output(history->out[k], c, x, quat);
+    fbb_exact_output(history->out[k], &flight, c);
   }
   history->ns_per_s = time / c->duration;
+}
+
+/* The exact beam's solution that meshes and steps lead to, both halved: of order 2 in both. */
+static void fbb_extrapolate_row(double out[3], const double coarse[3], const double fine[3])
+{
+  for (int i = 0; i < 3; i++) {
+    out[i] = fine[i] + (fine[i] - coarse[i]) / 3;
+  }
 }
 
 /* ---- modal bodies */
@@ -456,6 +504,10 @@ static void fbb_shape_make(fb_shape *shape, const fbb_case *c, const fbb_basis *
   for (int j = 0; j < FBB_NODES; j++) {
     fbb_check(fb_shape_add_beam_node(shape, &node, 0, &beam, &modes, (fb_real)(0.5 * j * c->length)), "node");
   }
+  for (int j = 1; j <= FBB_BETWEEN; j++) {
+    fbb_check(fb_shape_add_beam_node(shape, &node, 0, &beam, &modes, (fb_real)(j * c->length / (FBB_BETWEEN + 1))),
+              "node");
+  }
 }
 
 static int fbb_has_gravity(const fbb_case *c)
@@ -502,36 +554,62 @@ static void fbb_body_output(double out[3], const fbb_case *c, const fb_body *bod
   fbb_output(out, c, x, quat);
 }
 
+/* A run of a body, as far as it has come. */
+typedef struct fbb_body_flight {
+  fb_stepper by;
+  fb_exponential exponential;
+  union {
+    fb_body_work body;
+    fb_analyse_work analyse;
+  } work;
+  fb_input input[3]; /* at the start, the middle and the end of a step */
+  fb_state state;
+  double dt; /* [s] */
+  int step;
+} fbb_body_flight;
+
+/* At the start, with `steps` steps between samples. */
+static fb_status fbb_body_begin(fbb_body_flight *f, const fbb_case *c, const fb_body *body, fb_integrator integrator,
+                                int steps)
+{
+  const fb_real zero[3] = {0}, spin[3] = {(fb_real)c->spin[0], (fb_real)c->spin[1], (fb_real)c->spin[2]};
+  fb_status status;
+  memset(f->input, 0, sizeof f->input);
+  f->dt = c->duration / (FBB_SAMPLES * steps);
+  f->step = 0;
+  fbb_input_at(&f->input[2], c, 0.0);
+  fbb_check(fb_state_init(body, &f->state), "state");
+  status = c->steady ? fb_body_trim(body, &f->state, &f->work.analyse, &f->input[2])
+                     : fb_state_from_velocity(body, &f->state, zero, spin, NULL);
+  return status ? status
+                : body_stepper(&f->by, &f->exponential, &f->work.body, body, &f->state, f->input, integrator, f->dt);
+}
+
+static fb_status fbb_body_advance(fbb_body_flight *f, const fbb_case *c, int steps)
+{
+  fb_status status = FB_OK;
+  for (int i = 0; i < steps && status == FB_OK; i++) {
+    f->input[0] = f->input[2];
+    fbb_input_at(&f->input[1], c, (f->step + 0.5) * f->dt);
+    fbb_input_at(&f->input[2], c, (f->step + 1) * f->dt);
+    status = fb_stepper_step(&f->by);
+    f->step++;
+  }
+  return status;
+}
+
 /* Runs the body with `steps` steps between samples; its status says whether it came to the end. */
 static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body *body, fb_integrator integrator,
                          int steps)
 {
-  static fb_body_work body_work;
-  static fb_stepper by;
-  static fb_exponential exponential;
-  static fb_analyse_work work;
-  static fb_input input[3];
-  static fb_state state, sample[FBB_SAMPLES];
-  const double dt = c->duration / (FBB_SAMPLES * steps);
-  const fb_real zero[3] = {0}, spin[3] = {(fb_real)c->spin[0], (fb_real)c->spin[1], (fb_real)c->spin[2]};
+  static fbb_body_flight flight;
+  static fb_state sample[FBB_SAMPLES];
   double start;
-  memset(input, 0, sizeof input);
-  fbb_input_at(&input[2], c, 0.0);
-  fbb_check(fb_state_init(body, &state), "state");
-  history->status =
-      c->steady ? fb_body_trim(body, &state, &work, &input[2]) : fb_state_from_velocity(body, &state, zero, spin, NULL);
-  if (history->status == FB_OK) {
-    history->status = body_stepper(&by, &exponential, &body_work, body, &state, input, integrator, dt);
-  }
+  history->status = fbb_body_begin(&flight, c, body, integrator, steps);
   start = clock_ns();
-  for (int k = 0; k < FBB_SAMPLES * steps && history->status == FB_OK; k++) {
-    input[0] = input[2];
-    fbb_input_at(&input[1], c, (k + 0.5) * dt);
-    fbb_input_at(&input[2], c, (k + 1) * dt);
-    history->status = fb_stepper_step(&by);
-    if ((k + 1) % steps == 0) {
-      sample[k / steps] = state;
-    }
+  for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {
+    history->status = fbb_body_advance(&flight, c, steps);
+    sample[k] = flight.state;
   }
   history->ns_per_s = (clock_ns() - start) / c->duration;
   for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {

@@ -67,14 +67,11 @@ static void fbb_record(const fbb_entry *e, const fbb_history *h)
 
 /* ---- reference */
 
-/* The exact beam's solution that meshes and steps lead to, both halved: of order 2 in both. */
 static void fbb_extrapolate(fbb_history *out, const fbb_history *coarse, const fbb_history *fine)
 {
   *out = *fine;
   for (int k = 0; k < FBB_SAMPLES; k++) {
-    for (int i = 0; i < 3; i++) {
-      out->out[k][i] += (fine->out[k][i] - coarse->out[k][i]) / 3;
-    }
+    fbb_extrapolate_row(out->out[k], coarse->out[k], fine->out[k]);
   }
 }
 
@@ -126,16 +123,6 @@ static int fbb_tip_loads(const fbb_case *c)
 static double fbb_modes_spin(const fbb_case *c)
 {
   return c->steady ? c->spin[2] : c->drive == fbb_drive_spinup ? c->size : 0.0;
-}
-
-/* The largest spin [rad/s] of a scene, for the limit of the step. */
-static double fbb_largest_spin(const fbb_case *c)
-{
-  const double *w = c->spin;
-  const double driven = c->drive == fbb_drive_spinup  ? c->size
-                        : c->drive == fbb_drive_joint ? 2 * c->size / c->period
-                                                      : 0;
-  return sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + driven;
 }
 
 /* Its time is the least of three where that of one is too short to be trusted. */

@@ -26,7 +26,7 @@
   X(line_kinematics) X(line_statics) X(line_motion) \
   X(exact_statics) X(exact_motion) X(exact_flight) X(exact_spectrum) X(exact_linear) \
   X(analyse_body) X(analyse_rotors) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) \
-  X(advise_formulas) X(advise_search) X(build)
+  X(advise_formulas) X(advise_search) X(advise_rotors) X(build)
 // clang-format on
 
 #define DECLARE(section) void fbt_suite_##section(void);

@@ -498,6 +498,11 @@ static int build(const char *file)
             file);
     return 1;
   }
+  if (model.level.n_rotor > 0) {
+    fprintf(stderr, "fmu: %s: rotor %s: an FMU has no rotors: a wheel acts on its node by torques of the simulator\n",
+            file, model.rotor[0].text.name);
+    return 1;
+  }
   if (!(model.level.mu > FB_R(0.0))) {
     model.level.effects |= FB_EFFECT_GRAVITY; /* an input */
   }

@@ -173,6 +173,7 @@ static void scene_read_body(text_file *t, scene *s)
     scene_check_modes(t, s, body);
     scene_check_form(t, body);
     scene_check_auto(t, body);
+    scene_take_rotors(t, s, s->n_body);
   }
   scene_check_nodes(t, body);
   s->n_body += !t->failed;

@@ -162,6 +162,17 @@ static void scene_note_body(const scene *s, int k)
   automatic.acceleration = fmax(automatic.acceleration, sqrt((double)felt));
 }
 
+/* Momenta of rotors, and torques of their motors. */
+static void scene_note_drives(const scene *s, double t)
+{
+  for (int k = 0; k < s->n_rotor; k++) {
+    const scene_rotor *const rotor = &s->rotor[k];
+    fb_rotor_input *const most = &automatic.envelope[rotor->body].rotor[rotor->at];
+    scene_widen(&most->torque, scene_rotor_at(s, rotor, t, t + timing.slack).torque);
+    scene_widen(&most->momentum, engine.view.motion.motion[rotor->body].rotor_momentum[rotor->at]);
+  }
+}
+
 static void scene_note_loads(const scene *s, double t)
 {
   for (int k = 0; k < s->n_load; k++) {
@@ -241,6 +252,9 @@ static fb_status scene_note(const scene *s, double t)
   }
   for (int j = 0; j < s->n_spring && status == FB_OK; j++) {
     status = scene_note_spring(s, j);
+  }
+  if (status == FB_OK) {
+    scene_note_drives(s, t);
   }
   scene_note_loads(s, t);
   return status;

@@ -334,15 +334,9 @@ static void scene_check_rotors(text_file *t, const scene *s)
 {
   for (int k = 0; k < s->n_rotor && !t->failed; k++) {
     const scene_body *const body = &s->body[s->rotor[k].body];
-    t->line = s->rotor[k].line;
+    t->line = s->rotor[k].text.line;
     if (s->is_exact) {
       text_fail(t, "a rotor is that of a body, not of an exact beam");
-    }
-    for (int b = 0; b < s->n_body && !t->failed; b++) {
-      if (s->body[b].tolerance > 0) {
-        text_fail(t, "a rotor in a scene with auto, which knows of none: give effects and modes of body %s",
-                  s->body[b].name);
-      }
     }
     if (body->level.form != FB_FORM_MOMENTUM) {
       scene_refuse(t, &body->seen, "form", "of a body with rotors is momentum");

@@ -93,7 +93,7 @@ static void scene_act_by_rotor(text_file *t, scene *s, scene_control *c)
 {
   c->at = scene_rotor_of(t, s);
   if (!t->failed && scene_rotor_desc(s, &s->rotor[c->at])->given) {
-    text_fail(t, "the momentum of rotor %s is given: no motor", s->rotor[c->at].name);
+    text_fail(t, "the momentum of rotor %s is given: no motor", s->rotor[c->at].text.name);
   }
   if (!t->failed) {
     scene_check_actor(t, s, s->rotor[c->at].control, "the rotor");

@@ -130,7 +130,7 @@ static fb_status single_start_rotors(const scene *s)
   fb_status status = FB_OK;
   for (int k = 0; k < s->n_rotor && status == FB_OK; k++) {
     if (!s->body[0].level.rotor[k].given) {
-      status = fb_state_rotor_set(&engine.body[0], &engine.state, k, (fb_real)s->rotor[k].speed, 0, &engine.at[0]);
+      status = fb_state_rotor_set(&engine.body[0], &engine.state, k, (fb_real)s->rotor[k].text.speed, 0, &engine.at[0]);
     }
   }
   return status;
@@ -312,7 +312,7 @@ static fb_status system_start(const scene *s)
     }
   }
   for (int k = 0; k < s->n_rotor; k++) {
-    start[s->rotor[k].body].rotor_speed[s->rotor[k].at] = (fb_real)s->rotor[k].speed;
+    start[s->rotor[k].body].rotor_speed[s->rotor[k].at] = (fb_real)s->rotor[k].text.speed;
   }
   system_input(s, input, 0, 0);
   for (int k = 0; k < s->n_body && s->trim; k++) { /* what the steady state spins about */

@@ -229,7 +229,7 @@ static const char *plant_input_name(char name[80], const scene *s, const plant_i
     return "N";
   }
   if (in->actor == SCENE_BY_ROTOR) {
-    snprintf(name, 80, "rotor.%s", s->rotor[in->at].name);
+    snprintf(name, 80, "rotor.%s", s->rotor[in->at].text.name);
     return s->body[s->rotor[in->at].body].level.rotor[s->rotor[in->at].at].given ? "N m s" : "N m";
   }
   const scene_load *const load = &s->load[in->at];

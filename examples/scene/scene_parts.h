@@ -114,10 +114,8 @@ typedef struct scene_spring { /* between two points */
 } scene_spring;
 
 typedef struct scene_rotor { /* the rest of it is in the level of its body */
-  char name[TEXT_NAME];
-  int line, body, at; /* at: which one of the body */
-  text_words seen;
-  double speed; /* at the start */
+  rotor_text text;
+  int body, at; /* at: which one of the body */
   function f;   /* motor; momentum, where it is given */
   int control;  /* whose command adds to the motor; -1: none */
 } scene_rotor;

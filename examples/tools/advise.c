@@ -34,6 +34,7 @@ static const char help[] =
     "  --gravity V           [m/s^2], along the axes as they lie at the start (that of the file)\n"
     "  --force NODE,X,Y,Z    [N] at a node of the body, 0: the origin; up to 8 forces and torques\n"
     "  --torque NODE,X,Y,Z   [N m]\n"
+    "  --motor ROTOR,TORQUE  [N m] of the motor of a rotor, by its number, 0: the first; all turn as the file says\n"
     "  --frequency F         [Hz] of what drives the modes: forces, torques, acceleration; or steady, or jump\n"
     "                        (steady; jump where the body starts undeformed under gravity or spin)\n"
     "  --duration T          [s] that the answer is wanted for (10)\n"
@@ -52,7 +53,7 @@ static const char help[] =
 
 typedef struct options {
   const char *out;
-  int base, n_mode, has_gravity, has_frequency, simulate, n_tolerance;
+  int base, n_mode, has_gravity, has_frequency, simulate, n_tolerance, n_motor;
   double modes[FB_KIND_COUNT], gravity[3], frame, node, trials, tolerance[TOLERANCES];
   scene scene;
 } options;
@@ -122,6 +123,17 @@ static int read_load(scene *s, const char *name, const char *text)
   return 0;
 }
 
+static int read_motor(options *o, const char *text)
+{
+  double x[2];
+  if (read_list(x, 2, text) != 2 || x[0] < 0 || x[0] >= FB_MAX_ROTORS || x[0] > floor(x[0])) {
+    return fail("--motor wants the number of a rotor and a torque, with a comma between", text);
+  }
+  o->scene.motor[(int)x[0]] = x[1];
+  o->n_motor = o->n_motor > (int)x[0] ? o->n_motor : (int)x[0] + 1;
+  return 0;
+}
+
 static int read_option(void *to, const char *name, const char *text)
 {
   options *const o = (options *)to;
@@ -148,6 +160,9 @@ static int read_option(void *to, const char *name, const char *text)
   }
   if (strcmp(name, "--force") == 0 || strcmp(name, "--torque") == 0) {
     return read_load(&o->scene, name, text);
+  }
+  if (strcmp(name, "--motor") == 0) {
+    return read_motor(o, text);
   }
   if (strcmp(name, "--frequency") == 0) {
     return read_frequency(o, text);
@@ -187,6 +202,13 @@ static int check_options(options *o)
   for (int k = 0; k < s->n_load; k++) {
     if (s->load[k].node >= model_shape.n_node) {
       return fail("the description has no such node", "--force, --torque");
+    }
+  }
+  for (int r = 0; r < o->n_motor; r++) {
+    if (r >= model.level.n_rotor || (model.level.rotor[r].given && fabs(s->motor[r]) > 0)) {
+      return fail(r < model.level.n_rotor ? "the momentum of this rotor is given: no motor"
+                                          : "the description has no such rotor",
+                  "--motor");
     }
   }
   if (!held && (s->spin_rate > 0 || !is_zero(s->acceleration))) {
@@ -345,6 +367,10 @@ static void print_scene(const char *file, const fb_envelope *e)
     snprintf(what, sizeof what, "%s, node %d", force ? "force" : "torque", load->node);
     print_vector(what, force ? load->force : load->torque, force ? "N" : "N m");
   }
+  for (int r = 0; r < model.level.n_rotor; r++) {
+    printf("  rotor %-10s %10.4g  N m s, motor %.4g N m\n", model.rotor[r].text.name, (double)e->rotor[r].momentum,
+           (double)e->rotor[r].torque);
+  }
   if (e->frequency < FB_HUGE && e->frequency > FB_R(0.0)) {
     printf("  what drives the modes has at most %.4g Hz\n", (double)e->frequency / (2 * model_pi));
   } else {
@@ -477,7 +503,9 @@ static void print_code(const fb_advice *a, const fb_body *body)
       n++;
     }
   }
-  printf("};%s\n", a->effects & (FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY) ? " // and .zeta, .gravity as called for" : "");
+  printf("};%s\n", body->n_rotor > 0 ? " // and .rotor, .zeta, .gravity as called for"
+                   : a->effects & (FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY) ? " // and .zeta, .gravity as called for"
+                                                                          : "");
   printf("  status = fb_shape_select(&selected, &shape, keep, %d); // of the %d modes above\n", a->n, model_shape.n);
   printf("  status = status ? status : fb_body_init(&body, &body_work, &selected, &level);\n");
   if (a->integrator == FB_INTEGRATOR_EXPONENTIAL) {

@@ -30,15 +30,17 @@ static const char help[] =
     "  --out NAME        writes NAME.csv and, where gnuplot is there, NAME.svg (analyse)\n"
     "  --linear FILE     A, B, C, D about the steady spin, with names and units: FILE.json, or CSV\n"
     "  --inputs LIST     of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, of a prescribed base\n"
-    "                    base_velocity.AXIS, base_rate.AXIS; NODE a name or a number, AXIS x, y or z\n"
+    "                    base_velocity.AXIS, base_rate.AXIS; motor.ROTOR; NODE, ROTOR a name or a number, AXIS x, y "
+    "or z\n"
     "                    (force at the last node, torque at node 0)\n"
-    "  --outputs LIST    displacement, rotation, rate, acceleration, each .NODE.AXIS\n"
+    "  --outputs LIST    displacement, rotation, rate, acceleration, each .NODE.AXIS; rotor_speed.ROTOR\n"
     "                    (displacement of the last node, rate of node 0)\n"
     "  --help            this text\n"
     "A free or pinned body spins about the principal axis of its deformed shape nearest to the one wanted, a hinged "
     "one\n"
     "about z; rigid motion is among the modes. A free body falls with its gravity, which is left out. Steps are those\n"
-    "advised, and no longer than the steppers accept at that spin.\n";
+    "advised, and no longer than the steppers accept at that spin. Rotors turn at the speeds of the description, held "
+    "by\ntheir motors against friction.\n";
 
 typedef struct options {
   const char *file, *out, *linear, *inputs, *outputs;
@@ -102,6 +104,49 @@ static void drop_rounding(void)
   }
 }
 
+/* The torque of a motor that holds its rotor at its speed against friction. */
+static fb_real hold(const fb_rotor *rotor, fb_real speed)
+{
+  const fb_real slip = FB_SQRT(speed * speed + rotor->friction_speed * rotor->friction_speed);
+  return speed * (rotor->damping + (rotor->friction > FB_R(0.0) ? rotor->friction / slip : FB_R(0.0)));
+}
+
+/* Steady state with the rotors at their speeds relative to their nodes: their momenta depend on the spin that a free
+   body finds with them. Friction, which motors balance, is left out of the search. */
+static fb_status trim_rotors(void)
+{
+  static fb_body smooth;
+  fb_motion motion;
+  fb_real most = FB_SQRT(fb_vec3_dot(input.w, input.w)), miss = FB_HUGE;
+  fb_status status = FB_OK;
+  smooth = model_body;
+  for (int k = 0; k < smooth.n_rotor; k++) {
+    fb_rotor *const rotor = &smooth.rotor[k];
+    const fb_real speed = (fb_real)model.rotor[k].text.speed + fb_vec3_dot(rotor->axis, input.w);
+    rotor->damping = rotor->friction = FB_R(0.0);
+    input.rotor[k].torque = FB_R(0.0);
+    input.rotor[k].momentum = (fb_real)model.rotor[k].momentum;
+    state.pi[smooth.n + k] = rotor->given ? input.rotor[k].momentum : rotor->inertia * speed;
+    most = fmax(most, FB_FABS(speed));
+  }
+  for (int round = 0; round < 20 && status == FB_OK && miss > FB_R(1e-11) * most; round++) {
+    status = fb_body_trim(&smooth, &state, &work, &input);
+    status = status ? status : fb_body_motion_eval(&smooth, &motion, &state, &input);
+    miss = FB_R(0.0);
+    for (int k = 0; k < smooth.n_rotor && status == FB_OK; k++) {
+      const fb_real off =
+          smooth.rotor[k].given ? FB_R(0.0) : (fb_real)model.rotor[k].text.speed - motion.rotor_speed[k];
+      state.pi[smooth.n + k] += smooth.rotor[k].inertia * off;
+      miss = fmax(miss, FB_FABS(off));
+    }
+  }
+  status = status == FB_OK && miss > FB_R(1e-11) * most ? FB_ERR_CONVERGENCE : status;
+  for (int k = 0; k < smooth.n_rotor && status == FB_OK; k++) {
+    input.rotor[k].torque = model_body.rotor[k].given ? FB_R(0.0) : hold(&model_body.rotor[k], motion.rotor_speed[k]);
+  }
+  return status;
+}
+
 /* Steady state and spectrum at a spin along an axis; state goes on from the last one. */
 static fb_status solve(const double axis[3], double spin)
 {
@@ -109,7 +154,7 @@ static fb_status solve(const double axis[3], double spin)
   for (int i = 0; i < 3; i++) {
     input.w[i] = (fb_real)(spin * axis[i]);
   }
-  status = fb_body_trim(&model_body, &state, &work, &input);
+  status = model_body.n_rotor > 0 ? trim_rotors() : fb_body_trim(&model_body, &state, &work, &input);
   status = status ? status : fb_body_spectrum_solve(&model_body, &work, &spectrum, &state, &input);
   if (status == FB_OK) {
     drop_rounding();
@@ -139,8 +184,9 @@ static void print_spin(const fb_motion *motion)
     turn = hypot(turn, (double)(motion->w[i] - input.w[i]));
   }
   if (turn > 1e-3 * spin) {
-    printf("it spins at %.6g rad/s about (%.4g, %.4g, %.4g), the principal axis nearest to that\n", spin,
-           (double)motion->w[0] / spin, (double)motion->w[1] / spin, (double)motion->w[2] / spin);
+    printf("it spins at %.6g rad/s about (%.4g, %.4g, %.4g), %s\n", spin, (double)motion->w[0] / spin,
+           (double)motion->w[1] / spin, (double)motion->w[2] / spin,
+           model_body.n_rotor > 0 ? "about which it is steady with its rotors" : "the principal axis nearest to that");
   }
 }
 
@@ -151,6 +197,14 @@ static void print_gravity(void)
   fb_vec3_cross(across, model_body.gravity, input.w);
   if ((model_body.effects & FB_EFFECT_GRAVITY) && fb_vec3_dot(across, across) > FB_R(0.0)) {
     printf("gravity is not along the axis: what follows is for it standing still in the turning frame\n");
+  }
+}
+
+static void print_rotors(const fb_motion *motion)
+{
+  for (int k = 0; k < model_body.n_rotor; k++) {
+    printf("  rotor %s: %.6g rad/s, momentum %.6g N m s, motor %.4g N m\n", model.rotor[k].text.name,
+           (double)motion->rotor_speed[k], (double)motion->rotor_momentum[k], (double)input.rotor[k].torque);
   }
 }
 
@@ -175,6 +229,9 @@ static void print_trim(void)
              (double)at.displacement[2]);
     }
   }
+  if (status == FB_OK) {
+    print_rotors(&motion);
+  }
 }
 
 static void print_modes(int count)
@@ -193,6 +250,10 @@ static void print_modes(int count)
 static void print_steps(const options *o, double spin)
 {
   static const char *const name[3] = {"rk4", "implicit midpoint", "SDIRK2"};
+  fb_body_limit here;
+  if (model_body.n_rotor > 0 && fb_body_limit_eval(&model_body, &here, &state, &input) == FB_OK) {
+    spin = (double)here.spin; /* their nutation is in it */
+  }
   printf("steps for an error of %g over %g s, modes of amplitude 1:\n", o->tolerance, o->duration);
   for (int k = 0; k < 3; k++) {
     const double limit = (double)fb_spectrum_limit(&spectrum, (fb_integrator)k);
@@ -315,18 +376,38 @@ static int find_node(const char *name, size_t length)
   return length > 0 && end == name + length && number >= 0 && number < model_body.n_node ? (int)number : -1;
 }
 
-/* One port, as force.tip.y; where the base moves it there is no node. 0, or 2 after a message. */
+/* The rotor of that name or number; -1: there is none. */
+static int find_rotor(const char *name)
+{
+  char *end;
+  const long number = strtol(name, &end, 10);
+  for (int k = 0; k < model_body.n_rotor; k++) {
+    if (strcmp(model.rotor[k].text.name, name) == 0) {
+      return k;
+    }
+  }
+  return end != name && !*end && number >= 0 && number < model_body.n_rotor ? (int)number : -1;
+}
+
+/* One port, as force.tip.y; where the base moves it there is no node; motor.wheel. 0, or 2 after a message. */
 static int read_port(fb_port *port, const char *option, const char *word)
 {
   const size_t kind = strcspn(word, ".");
   const char *const last = strrchr(word, '.');
+  int is_input;
   memset(port, 0, sizeof *port);
-  while (port->kind < FB_PORT_DRIVE &&
+  while (port->kind < FB_PORT_COUNT &&
          (strlen(linear_ports[port->kind].name) != kind || strncmp(linear_ports[port->kind].name, word, kind) != 0)) {
     port->kind = (fb_port_kind)(port->kind + 1);
   }
-  if (port->kind == FB_PORT_DRIVE || (port->kind < FB_PORT_DISPLACEMENT) != (option[2] == 'i')) {
+  is_input = port->kind < FB_PORT_DISPLACEMENT || port->kind == FB_PORT_MOTOR;
+  if (port->kind == FB_PORT_COUNT || (port->kind >= FB_PORT_DRIVE && port->kind < FB_PORT_MOTOR) ||
+      is_input != (option[2] == 'i')) {
     return fail_port(option, word, "no such kind (see --help)");
+  }
+  if (port->kind >= FB_PORT_MOTOR) {
+    port->axis = find_rotor(word[kind] ? word + kind + 1 : "");
+    return port->axis >= 0 ? 0 : fail_port(option, word, "no such rotor");
   }
   if (!last || strlen(last) != 2 || !strchr(linear_axes, last[1])) {
     return fail_port(option, word, "wants .x, .y or .z at its end");
@@ -388,6 +469,9 @@ static int write_linear(const options *o)
   for (int k = 0; k < FB_MAX_PORTS; k++) {
     memcpy(file.in[k].name, in[k].name, sizeof in[k].name);
     memcpy(file.out[k].name, out[k].name, sizeof out[k].name);
+    if (desc.in[k].kind == FB_PORT_MOTOR && model_body.rotor[desc.in[k].axis].given) {
+      strcpy(file.in[k].unit, "N m s"); /* its momentum */
+    }
   }
   if (linear_out_write(&file, o->linear)) {
     fprintf(stderr, PROGRAM ": cannot write %s: %s\n", o->linear, strerror(errno));

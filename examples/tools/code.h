@@ -1,5 +1,5 @@
-/* code.h - writes the rk4 step of one body as C99 of its own, straight-line: what code_model.h knows of a fb_body
-   in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
+/* code.h - writes the rk4 step of one body as C99 of its own, straight-line: what code_model.h knows of a fb_body, and
+   code_line.h of its lines, in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
 #ifndef CODE_H
 #define CODE_H
 #include "code_model.h"
@@ -241,7 +241,7 @@ static void code_write_inertia(const code *w)
   for (int k = 0; k < code_model.n_poly; k++) {
     code_write_slope(w, k);
   }
-  if (code_model.constant_S) {
+  if (code_model.constant_S || code_model.large) {
     return;
   }
   fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T; c [kg m]: first moment of mass */\n", w->out);
@@ -257,15 +257,21 @@ static void code_write_inertia(const code *w)
   }
 }
 
-/* ---- the solution of S V = y */
+/* ---- the solution of S V = y, with lines of M and S at once */
 
-typedef struct code_factor {
-  int n, order[6];      /* rows that the base leaves free */
-  code_value S[6][6];   /* in the order of elimination */
-  code_value low[6][6]; /* unit lower triangle.. */
-  code_value raw[6][6]; /* ..and it times the pivots */
-  code_value share[6];  /* 1/pivot */
+enum { CODE_ROWS = FB_MAX_MODES + 6 };
+
+typedef struct code_factor { /* in the order of elimination */
+  int n, order[6];           /* rows that the base leaves free */
+  char label[CODE_ROWS][8];
+  code_value S[CODE_ROWS][CODE_ROWS];
+  code_value low[CODE_ROWS][CODE_ROWS];  /* unit lower triangle.. */
+  code_value raw[CODE_ROWS][CODE_ROWS];  /* ..and it times the pivots */
+  code_value share[CODE_ROWS];           /* 1/pivot */
+  code_value y[CODE_ROWS], x[CODE_ROWS]; /* right side, solution */
 } code_factor;
+
+static code_factor code_solver;
 
 /* Order of elimination: pivots that are constants first, then those with few elements beside them. */
 static void code_order(code_factor *f)
@@ -295,6 +301,7 @@ static void code_order(code_factor *f)
     }
     done[best] = 1;
     f->order[k] = best;
+    strcpy(f->label[k], code_rows[best]);
     for (int i = 0; i < 6; i++) {
       for (int j = 0; j < 6; j++) {
         if (full[best][i] && full[best][j]) {
@@ -308,7 +315,7 @@ static void code_order(code_factor *f)
 
 static const char *code_row_at(const code_factor *f, int k)
 {
-  return code_rows[f->order[k]];
+  return f->label[k];
 }
 
 /* Pivot k and its inverse. */
@@ -366,8 +373,13 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
   }
   if (n > 0) {
     fputs(")) {\n    return ", w->out);
+    if (code_model.first == 6) {
+      code_template(w, "@_range;\n  }\n");
+      return;
+    }
     for (int e = 0, m = 0; e < 21; e++) {
-      if (fbi_sym6_row[e] >= code_model.first && !code_is_constant(&code_now.S[e])) {
+      if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first) &&
+          !code_is_constant(&code_now.S[e])) {
         fprintf(w->out, "%s%s(%s)",
                 m == 0       ? ""
                 : m % 4 == 0 ? " +\n           "
@@ -381,14 +393,14 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
   }
 }
 
-/* V by substitution. */
-static void code_write_substitution(const code *w, const code_factor *f)
+/* The solution x by substitution, called as `names` say. */
+static void code_write_substitution(const code *w, code_factor *f, char names[CODE_ROWS][CODE_NAME])
 {
-  code_value z[6];
+  code_value z[CODE_ROWS];
   code_sum s;
   for (int k = 0; k < f->n; k++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, code_now.y[f->order[k]]);
+    code_add_one(&s, 1.0, f->y[k]);
     for (int m = 0; m < k; m++) {
       code_add(&s, -1.0, f->low[k][m], z[m]);
     }
@@ -398,10 +410,21 @@ static void code_write_substitution(const code *w, const code_factor *f)
     code_begin(&s);
     code_add(&s, 1.0, z[k], f->share[k]);
     for (int m = k + 1; m < f->n; m++) {
-      code_add(&s, -1.0, f->low[m][k], code_now.V[f->order[m]]);
+      code_add(&s, -1.0, f->low[m][k], f->x[m]);
     }
-    code_now.V[f->order[k]] = code_end(w, &s, code_variable("%s", code_row_at(f, k)));
+    f->x[k] = code_end(w, &s, code_variable("%s", names[k]));
   }
+}
+
+/* Solves it. */
+static void code_write_factor(const code *w, code_factor *f, char names[CODE_ROWS][CODE_NAME])
+{
+  for (int k = 0; k < f->n; k++) {
+    code_write_pivot(w, f, k);
+    code_write_column(w, f, k);
+  }
+  code_write_pivot_check(w, f);
+  code_write_substitution(w, f, names);
 }
 
 static void code_write_constant_velocities(const code *w)
@@ -446,7 +469,8 @@ static void code_write_given(const code *w)
 
 static void code_write_velocities(const code *w)
 {
-  code_factor f;
+  static char names[CODE_ROWS][CODE_NAME];
+  code_factor *const f = &code_solver;
   if (code_model.first == 6) {
     code_write_given(w);
     return;
@@ -463,18 +487,18 @@ static void code_write_velocities(const code *w)
     code_write_names(w);
     return;
   }
-  code_order(&f);
-  for (int i = 0; i < f.n; i++) {
-    for (int j = 0; j < f.n; j++) {
-      f.S[i][j] = code_now.S[fb_sym6_index(f.order[i], f.order[j])];
+  code_order(f);
+  for (int i = 0; i < f->n; i++) {
+    for (int j = 0; j < f->n; j++) {
+      f->S[i][j] = code_now.S[fb_sym6_index(f->order[i], f->order[j])];
     }
+    f->y[i] = code_now.y[f->order[i]];
+    strcpy(names[i], code_rows[f->order[i]]);
   }
-  for (int k = 0; k < f.n; k++) {
-    code_write_pivot(w, &f, k);
-    code_write_column(w, &f, k);
+  code_write_factor(w, f, names);
+  for (int i = 0; i < f->n; i++) {
+    code_now.V[f->order[i]] = f->x[i];
   }
-  code_write_pivot_check(w, &f);
-  code_write_substitution(w, &f);
   code_write_names(w);
 }
 
@@ -574,6 +598,18 @@ static void code_write_gradient(const code *w, code_sum *x)
 
 static code_sum code_force[FB_MAX_MODES];
 
+/* dT/dq_a of the line that coordinate a deforms. */
+static code_value code_large_gradient(int a)
+{
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    const fb_line *const line = &code_model.body->lines.line[k];
+    if (a >= line->first && a < line->first + line->n) {
+      return code_variable("line_%d.g[%d]", k, a - line->first);
+    }
+  }
+  return code_constant(0.0);
+}
+
 static void code_write_pi_dot(const code *w)
 {
   static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
@@ -595,6 +631,9 @@ static void code_write_pi_dot(const code *w)
     }
   }
   code_write_gradient(w, code_force);
+  for (int a = 0; a < w->n && w->large; a++) {
+    code_add_one(&code_force[a], 1.0, code_large_gradient(a));
+  }
   fputs("\n  /* E8.17: pi_dot = that - K q - C q_dot */\n", w->out);
   for (int a = 0; a < w->n; a++) {
     char target[32];
@@ -772,6 +811,525 @@ static void code_write_loads(const code *w)
   code_template(w, code_inertial);
 }
 
+/* ---- bodies with lines (code_line.h): their functions with the rest of the body */
+
+/* Line axes to body axes, round-off left out. */
+static double code_large_axes(int k, int i, int j)
+{
+  const fb_line *const line = &code_model.body->lines.line[k];
+  const double c = line->turned ? (double)line->axes[3 * i + j] : i == j ? 1.0 : 0.0;
+  return fabs(c) < 4.0 * DBL_EPSILON ? 0.0 : fabs(fabs(c) - 1.0) < 4.0 * DBL_EPSILON ? floor(c + 0.5) : c;
+}
+
+/* Poses of all lines at coordinates q; sound: no interval turns too far. */
+static void code_write_large_poses(const code *w, const char *q)
+{
+  fputs("  int sound = 1;\n", w->out);
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    code_template(w, "  @_line_");
+    fprintf(w->out, "%d line_%d;\n", k, k);
+  }
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    code_template(w, "  sound &= @_pose_");
+    fprintf(w->out, "%d(&line_%d, %s + %d);\n", k, k, q, code_model.body->lines.line[k].first);
+  }
+}
+
+static void code_write_large_inertias(const code *w, const char *q)
+{
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    const fb_line *const line = &code_model.body->lines.line[k];
+    code_template(w, "  @_inertia_");
+    fprintf(w->out, "%d(&line_%d%s", k, k, code_lines[k].centered ? ", hub" : "");
+    if (line->moves) {
+      fprintf(w->out, ", %s + %d", q, line->first);
+    }
+    fputs(");\n", w->out);
+  }
+}
+
+/* s += momentum i of coordinate b (which: 'P' linear, 'L' angular) of line k, body axes. */
+static void code_large_add(code_sum *s, int k, char which, int i, int b)
+{
+  const fb_line *const line = &code_model.body->lines.line[k];
+  const struct code_line *const own = &code_lines[k];
+  for (int j = 0; j < 3 && b >= line->first && b < line->first + line->n; j++) {
+    if (which == 'P' && own->centered) { /* row 0 of Y */
+      code_add_one(s, code_is_zero(&code_lines[k].Y.x[j]) ? 0.0 : code_large_axes(k, i, j) * own->whole / own->kept,
+                   code_variable("line_%d.Y_%c[0][%d]", k, code_axis[j], b - line->first));
+    } else {
+      code_add_one(s, code_large_axes(k, i, j), code_variable("line_%d.%c[%d][%d]", k, which, j, b - line->first));
+    }
+  }
+}
+
+/* First moment of mass of line k from its pose, body axes: sum of masses outboard times tangents. */
+static code_value code_write_large_center(const code *w, int k, int i)
+{
+  const struct code_line own = code_lines[k];
+  code_sum s;
+  code_line = own;
+  code_begin(&s);
+  for (int j = 0; j < 3; j++) {
+    const double turn = code_large_axes(k, i, j);
+    const fb_lines *const all = code_line.all;
+    code_add_one(&s, turn * code_line_moment(j), code_constant(1.0));
+    for (int p = 0; p < code_line.line->count; p++) {
+      const int at = code_line.line->point + p;
+      char place[16];
+      code_value t;
+      snprintf(place, sizeof place, "%d", p);
+      t = code_at(code_line.t.x[j], place);
+      if (strncmp(t.name, "l->", 3) == 0) {
+        t = code_variable("line_%d.%s", k, code_at(code_line.t.x[j], place).name + 3);
+      }
+      code_add_one(&s, turn * code_line_outboard(p, -1), t);
+      for (int c = 0; c < 3 && code_line.offset; c++) { /* m H center */
+        code_value H = code_line.H[j][c];
+        const double first = code_line_mass(p) * (double)all->center[3 * at + c];
+        if (!code_is_constant(&H)) {
+          H = code_variable("line_%d.H_%c%c[%d]", k, code_axis[j], code_axis[c], p);
+        }
+        code_add_one(&s, turn * first, H);
+      }
+    }
+    for (int a = 0; a < code_line.n; a++) {
+      code_add_one(&s, turn * code_line_moment(-1) * code_line_shift(a, j),
+                   code_variable("q[%d]", code_line.line->first + a));
+    }
+  }
+  return code_end(w, &s, code_variable("c_%c_%d", code_axis[i], k));
+}
+
+/* What the lines add to element e of M_rr. */
+static void code_large_M(code_sum *s, int e)
+{
+  static const int packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    code_line = code_lines[k];
+    if (i < 3 && j < 3) {
+      code_add_one(s, i == j ? code_line_moment(-1) : 0.0, code_constant(1.0));
+    } else if (i < 3) {
+      const int axis = 3 - i - (j - 3);
+      for (int p = 0; p < 3 && j - 3 != i; p++) {
+        code_add_one(s, ((j - 3) - i + 3) % 3 == 1 ? code_large_axes(k, axis, p) : -code_large_axes(k, axis, p),
+                     code_variable("line_%d.c[%d]", k, p));
+      }
+    } else {
+      for (int p = 0; p < 9; p++) {
+        code_add_one(s, code_large_axes(k, i - 3, p / 3) * code_large_axes(k, j - 3, p % 3),
+                     code_variable("line_%d.J[%d]", k, packed[p / 3][p % 3]));
+      }
+    }
+  }
+}
+
+static code_value code_hub[3]; /* first moment of mass of the rest of the body */
+
+static double code_large_rest_mass(void)
+{
+  return (double)code_model.body->mass - code_lines[0].whole * code_lines[0].whole;
+}
+
+/* Sums relative to the mass center of the whole: what the rest of the body has itself. s += that of element e of M_rr. */
+static void code_large_centered(code_sum *s, int e)
+{
+  const int i = fbi_sym6_row[e] - 3, j = fbi_sym6_column[e] - 3;
+  const double share = 1.0 / code_large_rest_mass();
+  code_add(s, share, code_hub[i], code_hub[j]);
+  for (int k = 0; k < 3 && i == j; k++) {
+    code_add(s, -share, code_hub[k], code_hub[k]);
+  }
+}
+
+/* Lambda, M_rr and c of the whole. */
+static void code_write_large_inertia(const code *w)
+{
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    for (int b = 0; b < w->n; b++) {
+      const int y = (i + 1) % 3, z = (i + 2) % 3;
+      const int centered = code_lines[0].centered;
+      code_begin(&s);
+      code_add_one(&s, centered && i < 3 ? (double)code_model.body->mass / code_large_rest_mass() : 1.0,
+                   code_now.lambda[i][b]);
+      if (centered && i >= 3) { /* - c x P/m of the rest */
+        code_add_one(&s, -code_model.lambda[z].constant[b] / code_large_rest_mass(), code_hub[y]);
+        code_add_one(&s, code_model.lambda[y].constant[b] / code_large_rest_mass(), code_hub[z]);
+      }
+      for (int k = 0; k < code_model.body->lines.n_line; k++) {
+        code_large_add(&s, k, i < 3 ? 'P' : 'L', i % 3, b);
+      }
+      code_now.lambda[i][b] = code_end(w, &s, code_variable("X_%s_%d", code_rows[i], b));
+    }
+  }
+  for (int e = 0; e < 21; e++) {
+    if (fbi_sym6_row[e] >= (code_lines[0].centered ? 3 : code_model.first)) {
+      for (int m = 0; m < code_model.n_part[e]; m++) {
+        code_write_value(w, code_model.part[e][m]);
+      }
+      code_begin(&s);
+      for (int m = 0; m < code_model.n_part[e]; m++) {
+        code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
+      }
+      code_large_M(&s, e);
+      if (code_lines[0].centered) {
+        code_large_centered(&s, e);
+      }
+      code_now.S[e] =
+          code_end(w, &s, code_variable("S_%s_%s", code_rows[fbi_sym6_row[e]], code_rows[fbi_sym6_column[e]]));
+    }
+  }
+  for (int i = 0; i < 3 && code_model.first < 6; i++) {
+    code_write_value(w, i);
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_now.value[i]);
+    for (int k = 0; k < code_model.body->lines.n_line; k++) {
+      for (int p = 0; p < 3; p++) {
+        code_add_one(&s, code_large_axes(k, i, p), code_variable("line_%d.c[%d]", k, p));
+      }
+    }
+    code_now.value[i] = code_end(w, &s, code_variable("all_c_%c", 'x' + i));
+  }
+}
+
+/* M(q), row a, column b >= a */
+static code_value code_write_large_mass(const code *w, int a, int b)
+{
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, code_model.W[a][b], code_constant(1.0));
+  for (int i = 0; i < 3 && code_lines[0].centered; i++) {
+    code_add_one(&s, -code_model.lambda[i].constant[a] * code_model.lambda[i].constant[b] / code_large_rest_mass(),
+                 code_constant(1.0));
+  }
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    const fb_line *const line = &code_model.body->lines.line[k];
+    if (a >= line->first && b < line->first + line->n) {
+      code_add_one(&s, 1.0, code_variable("line_%d.M[%d][%d]", k, a - line->first, b - line->first));
+    }
+  }
+  return code_end(w, &s, code_variable("M_%d_%d", a, b));
+}
+
+/* Velocity of O relative to the mass center, v = -(w x c + P q_dot)/m. */
+static void code_write_large_origin(const code *w)
+{
+  const double share = -1.0 / (double)code_model.body->mass;
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    const int y = (i + 1) % 3, z = (i + 2) % 3;
+    code_begin(&s);
+    for (int a = 0; a < w->n; a++) {
+      code_add(&s, 1.0, code_now.lambda[i][a], code_now.q_dot[a]);
+    }
+    code_add(&s, 1.0, code_now.V[3 + y], code_now.value[z]);
+    code_add(&s, -1.0, code_now.V[3 + z], code_now.value[y]);
+    code_now.V[i] = code_end(w, &s, code_variable("p_%c", 'x' + i));
+    code_begin(&s);
+    code_add_one(&s, share, code_now.V[i]);
+    code_now.V[i] = code_end(w, &s, code_variable("%s", code_rows[i]));
+  }
+}
+
+static void code_write_large_solve(const code *w)
+{
+  static char names[CODE_ROWS][CODE_NAME];
+  static const char *const h[3] = {"hx", "hy", "hz"};
+  code_factor *const f = &code_solver;
+  const int first = code_lines[0].centered ? 3 : code_model.first; /* of the rows of the frame */
+  f->n = w->n + 6 - first;
+  for (int a = 0; a < w->n; a++) {
+    code_sum s;
+    snprintf(f->label[a], sizeof f->label[a], "q%d", a);
+    snprintf(names[a], sizeof names[a], "rate_%d", a);
+    for (int b = a; b < w->n; b++) {
+      f->S[a][b] = f->S[b][a] = code_write_large_mass(w, a, b);
+    }
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_pi(a));
+    for (int i = 0; i < 6 && code_model.first == 6; i++) {
+      code_add(&s, -1.0, code_now.lambda[i][a], code_now.V[i]);
+    }
+    f->y[a] = code_end(w, &s, code_variable("e_%d", a));
+  }
+  for (int i = first; i < 6; i++) {
+    const int at = w->n + i - first;
+    strcpy(f->label[at], code_rows[i]);
+    strcpy(names[at], code_rows[i]);
+    f->y[at] = i < 3 ? code_constant(0.0) : code_variable("%s", h[i - 3]);
+    for (int a = 0; a < w->n; a++) {
+      f->S[at][a] = f->S[a][at] = code_now.lambda[i][a];
+    }
+    for (int j = first; j < 6; j++) {
+      f->S[at][w->n + j - first] = code_now.S[fb_sym6_index(i, j)];
+    }
+  }
+  code_write_factor(w, f, names);
+  for (int a = 0; a < w->n; a++) {
+    code_now.q_dot[a] = f->x[a];
+  }
+  for (int i = first; i < 6; i++) {
+    code_now.V[i] = f->x[w->n + i - first];
+  }
+  if (code_lines[0].centered) {
+    code_write_large_origin(w);
+  }
+}
+
+/* Velocities of the frame in the axes of line k, those of its points, dT/dq. */
+static void code_write_large_line(const code *w, int k)
+{
+  const fb_line *const line = &code_model.body->lines.line[k];
+  code_sum s;
+  code_template(w, "  $ ");
+  fprintf(w->out, "u_%d[3], o_%d[3];\n", k, k);
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add_one(&s, code_large_axes(k, j, i % 3), code_now.V[i - i % 3 + j]);
+    }
+    code_assign(w, &s, code_variable("%c_%d[%d]", i < 3 ? 'u' : 'o', k, i % 3).name);
+  }
+  code_template(w, "  @_drift_");
+  fprintf(w->out, "%d(&line_%d, rate + %d, o_%d);\n", k, k, 10 + line->first, k);
+  code_template(w, "  @_gradient_");
+  fprintf(w->out, "%d(&line_%d, u_%d, o_%d", k, k, k, k);
+  if (line->moves) {
+    fprintf(w->out, ", x + %d, rate + %d", 10 + line->first, 10 + line->first);
+  }
+  fputs(");\n", w->out);
+}
+
+/* First moment of mass of the rest of the body, in the axes of the line. */
+static void code_write_large_hub(const code *w)
+{
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    code_write_value(w, i);
+    code_hub[i] = code_now.value[i];
+  }
+  code_template(w, "  $ hub[3];\n");
+  for (int j = 0; j < 3; j++) {
+    code_begin(&s);
+    for (int i = 0; i < 3; i++) {
+      code_add_one(&s, code_large_axes(0, i, j), code_hub[i]);
+    }
+    code_assign(w, &s, code_variable("hub[%d]", j).name);
+  }
+}
+
+/* Up to the rates of the coordinates, and the gradients by lines. */
+static void code_write_large(const code *w)
+{
+  fputs("\n  /* poses and inertia of the lines (E14.1 to E14.6) */\n", w->out);
+  code_write_large_poses(w, "x + 10");
+  code_template(w, "  if (!sound) {\n    return @_is_finite(x + 10, %n) ? @_range : @_not_finite;\n  }\n");
+  code_write_lambda(w);
+  code_write_inertia(w);
+  if (code_lines[0].centered) {
+    code_write_large_hub(w);
+  }
+  code_write_large_inertias(w, "x + 10");
+  fputs("\n  /* E14.12: Lambda, M_rr and first moment of mass of the whole */\n", w->out);
+  code_write_large_inertia(w);
+  for (int i = 0; i < code_model.first; i++) {
+    code_now.V[i] = code_constant(0.0);
+  }
+  if (code_model.first == 6) {
+    code_write_given(w);
+  }
+  fputs(code_lines[0].centered ? "\n  /* E8.13, E14.13: M q_dot + Lambda^T w = pi,  Lambda q_dot + J w = h about the mass "
+                                 "center, by L D L^T */\n"
+                               : "\n  /* E8.13, E14.13: M q_dot + Lambda^T V = pi,  Lambda q_dot + M_rr V = (0, h), by "
+                                 "L D L^T */\n",
+        w->out);
+  code_write_large_solve(w);
+  if (code_model.first < 6) {
+    code_write_names(w);
+  }
+  for (int a = 0; a < w->n; a++) {
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_now.q_dot[a]);
+    code_assign(w, &s, code_variable("rate[%d]", 10 + a).name);
+  }
+  fputs("\n  /* E14.7: dT/dq of the lines at fixed V and q_dot */\n", w->out);
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    code_write_large_line(w, k);
+  }
+}
+
+/* Lower triangle F of A = F F^T, of a matrix without negative eigenvalues. */
+static void code_large_root(double F[FB_MAX_MODES][FB_MAX_MODES], double A[FB_MAX_MODES][FB_MAX_MODES], double unit,
+                            int n)
+{
+  memset(F, 0, sizeof(double) * FB_MAX_MODES * FB_MAX_MODES);
+  for (int j = 0; j < n; j++) {
+    double own = A[j][j] / unit;
+    for (int m = 0; m < j; m++) {
+      own -= F[j][m] * F[j][m];
+    }
+    F[j][j] = own > 1e-14 * fabs(A[j][j]) / unit ? sqrt(own) : 0.0;
+    for (int i = j + 1; i < n && F[j][j] > 0.0; i++) {
+      double sum = A[i][j] / unit;
+      for (int m = 0; m < j; m++) {
+        sum -= F[i][m] * F[j][m];
+      }
+      F[i][j] = sum / F[j][j];
+    }
+  }
+}
+
+static int code_large_is_diagonal(double F[FB_MAX_MODES][FB_MAX_MODES], int a, int n)
+{
+  int only = 1;
+  for (int b = 0; b < n; b++) {
+    only = only && (b == a || !(fabs(F[a][b]) > 0.0));
+  }
+  return only;
+}
+
+/* E11.37: w[at] = bound of the largest eigenvalue of A against the inertia whose inverse is G. */
+static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_MAX_MODES], const fb_sparse *from,
+                                  double unit, int at)
+{
+  static double A[FB_MAX_MODES][FB_MAX_MODES], F[FB_MAX_MODES][FB_MAX_MODES];
+  static code_value GF[FB_MAX_MODES][FB_MAX_MODES], Q[FB_MAX_MODES][FB_MAX_MODES];
+  const int n = w->n;
+  int diagonal = 1;
+  char number[40];
+  code_sum s, trace;
+  code_read_sparse(A, from, n);
+  if (!(unit > 0.0)) {
+    fprintf(w->out, "    w[%d] = 0;\n", at);
+    return;
+  }
+  code_large_root(F, A, unit, n);
+  for (int a = 0; a < n; a++) {
+    diagonal = diagonal && code_large_is_diagonal(F, a, n);
+  }
+  for (int a = 0; a < n && !diagonal; a++) {
+    for (int b = 0; b < n; b++) {
+      code_begin(&s);
+      for (int m = 0; m < n; m++) {
+        code_add_one(&s, F[m][b], G[a][m]);
+      }
+      GF[a][b] = code_end(w, &s, code_variable("GF%d_%d_%d", at, a, b));
+    }
+  }
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_begin(&s);
+      for (int m = 0; m < n && !diagonal; m++) {
+        code_add_one(&s, F[m][a], GF[m][b]);
+      }
+      code_add_one(&s, diagonal ? F[a][a] * F[b][b] : 0.0, G[a][b]);
+      Q[a][b] = Q[b][a] = code_end(w, &s, code_variable("Q%d_%d_%d", at, a, b));
+    }
+  }
+  code_begin(&trace);
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_value square;
+      code_begin(&s);
+      for (int m = 0; m < n; m++) {
+        code_add(&s, 1.0, Q[a][m], Q[m][b]);
+      }
+      square = code_end(w, &s, code_variable("QQ%d_%d_%d", at, a, b));
+      code_add(&trace, a == b ? 1.0 : 2.0, square, square);
+    }
+  }
+  code_assign(w, &trace, w->single ? "const float trace" : "const double trace");
+  code_number(number, w, unit);
+  fprintf(w->out, "    w[%d] = %s * ", at, number);
+  code_template(w, "sqrt~(sqrt~(trace));\n");
+}
+
+/* E11.36: G, the inverse of M - Lambda^T M_rr^-1 Lambda; from the factors L D L^T of all rows. */
+static void code_write_large_mobility(const code *w, code_value G[FB_MAX_MODES][FB_MAX_MODES])
+{
+  static code_value P[FB_MAX_MODES][CODE_ROWS], Q[FB_MAX_MODES][CODE_ROWS];
+  const code_factor *const f = &code_solver;
+  code_sum s;
+  for (int a = 0; a < w->n; a++) {
+    for (int k = 0; k < f->n; k++) {
+      code_begin(&s);
+      code_add_one(&s, k == a ? 1.0 : 0.0, code_constant(1.0));
+      for (int m = a; m < k; m++) {
+        code_add(&s, -1.0, f->low[k][m], P[a][m]);
+      }
+      P[a][k] = code_end(w, &s, code_variable("P_%d_%d", a, k));
+    }
+    for (int k = 0; k < f->n; k++) {
+      code_begin(&s);
+      code_add(&s, 1.0, P[a][k], f->share[k]);
+      Q[a][k] = code_end(w, &s, code_variable("PD_%d_%d", a, k));
+    }
+  }
+  for (int a = 0; a < w->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_begin(&s);
+      for (int k = a; k < f->n; k++) {
+        code_add(&s, 1.0, P[b][k], Q[a][k]);
+      }
+      G[a][b] = G[b][a] = code_end(w, &s, code_variable("G_%d_%d", a, b));
+    }
+  }
+}
+
+/* What a step needs beside the rates, w: velocity of O relative to the mass center, first moment of mass; step limit. */
+static void code_write_large_frame(const code *w)
+{
+  static code_value G[FB_MAX_MODES][FB_MAX_MODES];
+  const fb_body *const body = code_model.body;
+  code inner = *w;
+  inner.indent = 4;
+  fputs("  w[3] = vx;\n  w[4] = vy;\n  w[5] = vz;\n", w->out);
+  for (int i = 0; i < 3 && code_model.first < 6; i++) {
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_now.value[i]);
+    code_assign(w, &s, code_variable("w[%d]", 6 + i).name);
+  }
+  if (body->allow_long_step) {
+    return;
+  }
+  fputs(
+      "\n  /* E11.36, E11.37: bounds of stiffness and damping at this deflection, fastest section, for the step limit "
+      "*/\n",
+      w->out);
+  code_template(w, "  if (w[9] > `0`) {\n");
+  code_write_large_mobility(&inner, G);
+  code_template(w, "    w[10] = w[11] = `0`;\n");
+#if FB_WITH_DAMPING
+  if (body->effects & FB_EFFECT_DAMPING) {
+    fputs("    {\n", w->out);
+    code_write_large_norm(&inner, G, &body->C, (double)body->limit_damping, 10);
+    fputs("    }\n", w->out);
+  }
+#endif
+  code_write_large_norm(&inner, G, &body->K, (double)body->limit_elastic, 9);
+  for (int k = 0; k < body->lines.n_line; k++) {
+    code_sum s;
+    code_line = code_lines[k];
+    code_loop(w, 4, 'j', 0, code_line.m);
+    inner.indent = 6;
+    code_begin(&s);
+    for (int i = 0; i < 3; i++) {
+      if (code_line.w.x[i].name[0] == 'l') {
+        code_template(w, "      const $ ");
+        fprintf(w->out, "w_%c = line_%d.w_%c[j] - o_%d[%d];\n", 'x' + i, k, 'x' + i, k, i);
+        code_add(&s, 1.0, code_variable("w_%c", 'x' + i), code_variable("w_%c", 'x' + i));
+      }
+    }
+    code_assign(&inner, &s, w->single ? "const float square" : "const double square");
+    fputs("      w[11] = square <= w[11] ? w[11] : square;\n    }\n", w->out);
+  }
+  fputs("  }\n", w->out);
+}
+
 static void code_write_rates(const code *w, int unused)
 {
   (void)unused;
@@ -786,13 +1344,20 @@ static void code_write_rates(const code *w, int unused)
   if (code_model.first > 0) {
     code_template(w, "  @_matrix(R, x);\n");
   }
-  code_write_lambda(w);
-  code_write_momenta(w);
-  code_write_inertia(w);
-  code_write_velocities(w);
-  code_write_q_dot(w);
+  if (w->large) {
+    code_write_large(w);
+  } else {
+    code_write_lambda(w);
+    code_write_momenta(w);
+    code_write_inertia(w);
+    code_write_velocities(w);
+    code_write_q_dot(w);
+  }
   code_write_pi_dot(w);
   code_write_frame(w);
+  if (w->large) {
+    code_write_large_frame(w);
+  }
   if (code_model.first == 0) {
     code_write_loads(w);
   } else {
@@ -846,13 +1411,19 @@ static const char code_helpers[] =
     "/* Short loops are unrolled, which -O2 does not by itself; the rates keep the registers to themselves. */\n"
     "#if defined(__clang__)\n#define @_UNROLL _Pragma(\"unroll 8\")\n"
     "#elif defined(__GNUC__)\n#define @_UNROLL _Pragma(\"GCC unroll 8\")\n#else\n#define @_UNROLL\n#endif\n"
-    "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n"
-    "static int @_is_finite(const $ *x, int n)\n{\n"
-    "  $ sum = `0`;\n"
-    "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
-    "  return sum <= @_huge;\n}\n\n"
-    "static int @_input_is_finite(const @_input *in)\n{\n"
-    "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
+    "#if defined(__GNUC__)\n#define @_NOINLINE __attribute__((noinline))\n#else\n#define @_NOINLINE\n#endif\n\n";
+
+static const char code_restrict[] =
+    "/* fields of the lines do not overlap, and begin at multiples of two numbers */\n"
+    "#if defined(__GNUC__)\n#define @_RESTRICT __restrict\n#define @_ALIGNED __attribute__((aligned(16)))\n"
+    "#else\n#define @_RESTRICT\n#define @_ALIGNED\n#endif\n\n";
+
+static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
+                                  "  $ sum = `0`;\n"
+                                  "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
+                                  "  return sum <= @_huge;\n}\n\n"
+                                  "static int @_input_is_finite(const @_input *in)\n{\n"
+                                  "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
 
 static const char code_input_finite[3][120] = {
     " &&\n                 @_is_finite(in->force, 3) && @_is_finite(in->torque, 3));\n}\n\n",
@@ -899,8 +1470,14 @@ static void code_write_nothing(const code *w)
 /* c(q), first moment of mass. */
 static void code_write_center(const code *w)
 {
-  code_template(
-      w, "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\nstatic void @_center($ *c, const $ *q)\n{\n");
+  code_template(w, w->large
+                       ? "\n/* E8.16: c(q) [kg m], first moment of mass, body axes; 0 where a line turns too far */\n"
+                         "static int @_center($ *c, const $ *q)\n{\n"
+                       : "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\n"
+                         "static void @_center($ *c, const $ *q)\n{\n");
+  if (w->large) {
+    code_write_large_poses(w, "q");
+  }
   for (int i = 0; i < 3; i++) {
     const code_poly *const p = &code_model.poly[i];
     code_sum s;
@@ -919,9 +1496,13 @@ static void code_write_center(const code *w)
     for (int b = 0; b < w->n; b++) {
       code_add(&s, 1.0, slope[b], code_variable("q[%d]", b));
     }
+    for (int k = 0; k < code_model.body->lines.n_line && w->large; k++) {
+      code_add_one(&s, 1.0, code_write_large_center(w, k, i));
+    }
     snprintf(target, sizeof target, "c[%d]", i);
     code_assign(w, &s, target);
   }
+  fputs(w->large ? "  return sound;\n" : "", w->out);
   if (w->n == 0) {
     fputs("  (void)q;\n", w->out);
   }
@@ -933,10 +1514,13 @@ static void code_write_limit(const code *w)
 {
   const fb_body *const body = code_model.body;
   const double c = sqrt((double)(body->c[0] * body->c[0] + body->c[1] * body->c[1] + body->c[2] * body->c[2]));
+  const code_value whole = code_variable(w->large ? "whole" : "spin");
   code_sum s;
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
                    "static $ @_longest(const $ *w, $ a)\n{\n"
                    "  const $ spin = @_norm(w);\n");
+  code_template(w,
+                w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
   code_begin(&s);
   if (code_model.first == 0) {
     code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
@@ -944,12 +1528,20 @@ static void code_write_limit(const code *w)
   code_add_one(&s, 1.0, code_variable("a"));
   code_assign(w, &s, w->single ? "const float acceleration" : "const double acceleration");
   code_begin(&s);
-  code_add_one(&s, 0.5 * (double)body->limit_damping, code_constant(1.0));
-  code_add_one(&s, 1.0, code_variable("spin"));
+  if (w->large) {
+    code_add_one(&s, 0.5, code_variable("w[10]"));
+  } else {
+    code_add_one(&s, 0.5 * (double)body->limit_damping, code_constant(1.0));
+  }
+  code_add_one(&s, 1.0, whole);
   code_assign(w, &s, w->single ? "const float g" : "const double g");
   code_begin(&s);
-  code_add_one(&s, (double)body->limit_elastic, code_constant(1.0));
-  code_add(&s, (double)body->limit_spin, code_variable("spin"), code_variable("spin"));
+  if (w->large) {
+    code_add_one(&s, 1.0, code_variable("w[9]"));
+  } else {
+    code_add_one(&s, (double)body->limit_elastic, code_constant(1.0));
+  }
+  code_add(&s, (double)body->limit_spin, whole, whole);
   code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
   code_assign(w, &s, w->single ? "const float k" : "const double k");
   code_template(w, "  const $ bound = g + sqrt~(g * g + k);\n");
@@ -1091,9 +1683,15 @@ static const char code_end_position[] = "\n  /* E11.30: O from the mass center *
                                         "  @_turn(old, x, before);\n"
                                         "  @_turn(own, d, after);\n";
 
-static const char code_end_commit[] = "  @_sum_kept(d + %r, lost_rho, x + %r, 3);\n"
-                                      "  status = status == @_ok ? @_check(d) : status;\n"
-                                      "  if (status != @_ok) {\n    return status;\n  }\n";
+static const char code_end_large_position[] = "\n  /* E11.30: O from the mass center; range of the lines */\n"
+                                              "  sound = @_center(after, d + 10);\n"
+                                              "  @_turn(old, x, before);\n"
+                                              "  @_turn(own, d, after);\n";
+
+static const char code_end_check[] = "  @_sum_kept(d + %r, lost_rho, x + %r, 3);\n"
+                                     "  status = status == @_ok ? @_check(d) : status;\n";
+
+static const char code_end_commit[] = "  if (status != @_ok) {\n    return status;\n  }\n";
 
 static const char code_end_take[] = "  memcpy(state->rho, d + %r, sizeof state->rho);\n"
                                     "  memcpy(state->quat, d, sizeof state->quat);\n"
@@ -1111,13 +1709,19 @@ static void code_write_follow(const code *w, int unused)
   code_sum s;
   (void)unused;
   code_template(w, "\n/* E11.31, E8.35: u becomes the velocity of the base, v in body axes; pi relative to it */\n"
-                   "static void @_follow($ *d, const $ *x, const $ *v)\n{\n"
+                   "static ");
+  code_template(w, w->large ? "int" : "void");
+  code_template(w, " @_follow($ *d, const $ *x, const $ *v)\n{\n"
                    "  $ quat[4], q[%m], u[3], s[3];\n"
                    "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
                    "  for (int k = 0; k < %n; k++) {\n    q[k] = x[10 + k] + d[10 + k];\n  }\n"
                    "  @_turn(u, quat, v);\n"
                    "  for (int i = 0; i < 3; i++) {\n    u[i] -= x[4 + i];\n    d[4 + i] = u[i];\n  }\n"
                    "  @_turn_back(s, quat, u);\n");
+  if (w->large) {
+    code_write_large_poses(w, "q");
+    code_write_large_inertias(w, "q");
+  }
   for (int b = 0; b < w->n; b++) {
     char target[32];
     code_value slope[3];
@@ -1126,6 +1730,9 @@ static void code_write_follow(const code *w, int unused)
       code_add_one(&s, code_model.lambda[i].constant[b], code_constant(1.0));
       for (int a = 0; a < w->n; a++) {
         code_add_one(&s, code_model.lambda[i].slope[b][a], code_variable("q[%d]", a));
+      }
+      for (int k = 0; k < code_model.body->lines.n_line && w->large; k++) {
+        code_large_add(&s, k, 'P', i, b);
       }
       slope[i] = code_end(w, &s, code_variable("L_%s_%d", code_rows[i], b));
     }
@@ -1137,7 +1744,7 @@ static void code_write_follow(const code *w, int unused)
     }
     code_assign(w, &s, target);
   }
-  fputs("  (void)q, (void)s;\n}\n", w->out);
+  fputs(w->large ? "  return sound;\n}\n" : "  (void)q, (void)s;\n}\n", w->out);
 }
 
 /* The end of a step. */
@@ -1146,25 +1753,35 @@ static void code_write_end(const code *w)
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(@_state *state, $ *d, const $ *x");
-  code_template(w, code_model.first == 6 ? ", const @_input *last)\n{\n  @_status status;\n"
-                                         : ")\n{\n  @_status status;\n");
-  code_template(w, code_model.first == 0 ? "  $ before[3], after[3], old[3], own[3];\n" : "");
+  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n  @_status status;\n"
+                   : code_model.first == 0 && w->large ? ", const $ *before)\n{\n  @_status status;\n"
+                                                       : ")\n{\n  @_status status;\n");
+  code_template(w, w->large && code_model.first < 6 ? "  $ after[3];\n" : "");
+  code_template(w, code_model.first != 0 ? ""
+                   : w->large            ? "  $ old[3], own[3];\n"
+                                         : "  $ before[3], after[3], old[3], own[3];\n");
+  code_template(w, w->large ? "  int sound = 1;\n" : "");
   code_template(w, w->single ? code_end_declare_single : code_end_declare);
-  code_template(w, code_model.first < 6
-                       ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
-                       : "  status = @_unit(d, x);\n  @_follow(d, x, last ? last->v : @_nothing.v);\n");
+  code_template(w, code_model.first < 6 ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
+                   : w->large ? "  status = @_unit(d, x);\n  sound = @_follow(d, x, last ? last->v : @_nothing.v);\n"
+                              : "  status = @_unit(d, x);\n  @_follow(d, x, last ? last->v : @_nothing.v);\n");
   code_template(w, w->single ? code_end_single : code_end_double);
   code_template(w, code_end_rest);
   if (code_model.first < 6) {
     code_template_of(w, 1, code_end_keep_single);
   }
+  if (code_model.first == 3 && w->large) {
+    code_template(w, "  sound = @_center(after, d + 10);\n");
+  }
   if (code_model.first == 0) {
-    code_template(w, code_end_position);
+    code_template(w, w->large ? code_end_large_position : code_end_position);
     code_number(number, w, 1.0 / (double)code_model.body->mass);
     code_template(w, "  for (int i = 0; i < 3; i++) {\n");
     fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
   }
   code_template(w, code_model.first == 3 ? code_end_pin : "");
+  code_template(w, code_end_check);
+  code_template(w, w->large ? "  status = status == @_ok && !sound ? @_range : status;\n" : "");
   code_template(w, code_end_commit);
   code_template_of(w, 1, "  *state = next;\n");
   code_template(w, code_end_take);
@@ -1180,14 +1797,18 @@ static const char code_step_head[] =
     "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
     "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
-    "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[3], first[3], a;\n"
-    "  if (!state) {\n    return @_null;\n  }\n"
-    "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
-    "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
-    "  @_enter(x, state);\n"
-    "  memcpy(at, x, sizeof at);\n"
-    "  for (int stage = 0; stage < 4; stage++) {\n"
-    "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
+    "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[%w], first[3], a;\n";
+
+static const char code_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
+                                      "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
+                                      "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
+                                      "  @_enter(x, state);\n"
+                                      "  memcpy(at, x, sizeof at);\n";
+
+static const char code_step_stages[] = "  for (int stage = 0; stage < 4; stage++) {\n"
+                                       "    const $ by = dt * weight[stage], to = dt * node[stage];\n";
+
+static const char code_step_call[] =
     "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, w, &a, at, in[stage]) : @_not_finite;\n";
 
 static const char code_step_limits[] =
@@ -1252,23 +1873,28 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
 static int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
                       void (*coordinate)(FILE *, int))
 {
-  const code w = {out, name, single, body->n, 2};
-  int good;
+  const code w = {out, name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2};
+  int good = 1;
   code_read(body);
   code_write_head(&w, body, source, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
   code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                            : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
+  code_template(&w, w.large ? code_restrict : "");
+  code_template(&w, code_finite);
   code_template(&w, code_input_finite[code_model.first / 3]);
   code_template(&w, code_rotations);
   if (code_model.first > 0) {
     code_write_nothing(&w);
   }
+  if (w.large) {
+    good = code_write_lines(&w);
+  }
   if (code_model.first < 6) {
     code_write_center(&w);
   }
-  good = code_write_pruned(&w, code_write_rates, 0);
+  good = code_write_pruned(&w, code_write_rates, 0) && good;
   code_write_limit(&w);
   code_template(&w, code_sums);
   if (code_model.first < 6) {
@@ -1291,11 +1917,27 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
   code_write_end(&w);
   code_template(&w, code_start);
   code_template(&w, code_step_head);
+  code_template(&w, w.large && code_model.first == 0 ? "  $ center[3];\n" : "");
+  code_template(&w, code_step_begin);
+  if (w.large) {
+    code_template(&w, code_model.first == 0 ? "  memset(w, 0, sizeof w);\n  memset(center, 0, sizeof center);\n"
+                                            : "  memset(w, 0, sizeof w);\n");
+  }
+  code_template(&w, code_step_stages);
+  if (w.large) {
+    code_template(&w, body->allow_long_step ? "" : "    w[9] = stage == 0 ? `1` : `0`; /* 1: with the step limit */\n");
+  }
+  code_template(&w, code_step_call);
+  if (w.large && code_model.first == 0) {
+    code_template(&w, "    if (stage == 0) {\n      memcpy(center, w + 6, sizeof center);\n    }\n");
+  }
   if (!body->allow_long_step) {
     code_template(&w, code_step_limits);
   }
   code_template(&w, code_step_rest);
-  code_template(&w, code_model.first == 6 ? ", end);\n}\n" : ");\n}\n");
+  code_template(&w, code_model.first == 6              ? ", end);\n}\n"
+                    : code_model.first == 0 && w.large ? ", center);\n}\n"
+                                                       : ");\n}\n");
   good = code_write_read(&w) && good;
   fputs("#endif\n", out);
   return good;
@@ -1304,8 +1946,8 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
 /* What of a body cannot be written, with what would be right; NULL: nothing. */
 static const char *code_refusal(const fb_body *body)
 {
-  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
-    return "effects large: lines have no step of constant coefficients; choose effects full";
+  if (body->effects & FB_EFFECT_LARGE_DEFLECTION && code_line_refusal(&body->lines)) {
+    return code_line_refusal(&body->lines);
   }
   if (body->effects & FB_EFFECT_ROTORS) {
     return "rotors: choose bodies without them";

@@ -21,8 +21,9 @@ static const char *const code_rows[6] = {"vx", "vy", "vz", "wx", "wy", "wz"};
 static struct code_model {
   const fb_body *body;
   int n, constant_S;
+  int large; /* 1: with lines; what follows is then of the rest of the body, S its M_rr */
   int first; /* of the rows (v, w) that the base leaves free: 0 free, 3 pinned, 6 prescribed */
-  double W[FB_MAX_MODES][FB_MAX_MODES]; /* M^-1 */
+  double W[FB_MAX_MODES][FB_MAX_MODES]; /* M^-1; with lines M of the rest */
   code_row lambda[6];
   code_poly S[21];
   int n_poly; /* different ones: c(q) by axes first */
@@ -95,8 +96,8 @@ static void code_read_sparse(double A[FB_MAX_MODES][FB_MAX_MODES], const fb_spar
 
 static void code_read_mass(const fb_body *body)
 {
-  if (!body->unit_mass) {
-    code_read_sparse(code_model.W, &body->Minv, body->n);
+  if (!body->unit_mass || code_model.large) {
+    code_read_sparse(code_model.W, code_model.large ? &body->M_rest : &body->Minv, body->n);
     return;
   }
   memset(code_model.W, 0, sizeof code_model.W);
@@ -163,8 +164,10 @@ static void code_make_M(code_poly *p, code_poly *size, int i, int j)
 {
   *p = code_model.S[fb_sym6_index(i, j)];
   code_poly_magnitude(size, p);
-  code_products_add(p, i, j, 0);
-  code_products_add(size, i, j, 1);
+  if (!code_model.large) {
+    code_products_add(p, i, j, 0);
+    code_products_add(size, i, j, 1);
+  }
   p->constant = code_chop(p->constant, size->constant);
   for (int a = 0; a < code_model.n; a++) {
     p->linear[a] = code_chop(p->linear[a], size->linear[a]);
@@ -280,6 +283,12 @@ static void code_make_moments(void)
   }
 }
 
+/* First moment of mass of the undeformed body, without its lines. */
+static const fb_real *code_center(const fb_body *body)
+{
+  return code_model.large ? body->c_rest : body->c;
+}
+
 /* c(q), first moment of mass, by axes: its gradient are the first three rows of Lambda (E8.16). */
 static void code_make_center(const fb_body *body)
 {
@@ -288,7 +297,7 @@ static void code_make_center(const fb_body *body)
   memset(&p, 0, sizeof p);
   for (int i = 0; i < 3; i++) {
     const char name[4] = {'c', '_', (char)('x' + i), 0};
-    p.constant = (double)body->c[i];
+    p.constant = (double)code_center(body)[i];
     for (int b = 0; b < body->n; b++) {
       p.linear[b] = code_model.lambda[i].constant[b];
       for (int a = 0; a < body->n; a++) {
@@ -305,21 +314,22 @@ static void code_read(const fb_body *body)
   static code_poly p, size;
   code_model.body = body;
   code_model.n = body->n;
-  code_model.constant_S = body->constant_S;
+  code_model.large = (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
+  code_model.constant_S = body->constant_S && !code_model.large;
   code_model.first = fbi_first_free(body->base);
   code_read_mass(body);
   code_read_lambda(body);
   code_read_S(body);
   code_make_center(body);
   memset(code_model.n_part, 0, sizeof code_model.n_part);
-  for (int e = 0; e < 21 && !body->constant_S; e++) {
+  for (int e = 0; e < 21 && !code_model.constant_S; e++) {
     const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
     if (i < 3 || i != j) {
       code_make_M(&p, &size, i, j);
       code_classify(e, &p, &size);
     }
   }
-  if (!body->constant_S) {
+  if (!code_model.constant_S) {
     code_make_moments();
   }
 }

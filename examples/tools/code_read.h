@@ -3,8 +3,8 @@
 #ifndef CODE_READ_H
 #define CODE_READ_H
 #include "code_model.h"
+#include "code_line.h"
 #include "code_text.h"
-#include <errno.h>
 
 static const char code_read_types[] =
     "\ntypedef struct @_motion {\n"
@@ -26,21 +26,6 @@ static const char code_read_energy_types[] =
     "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
     "} @_energy;\n\n"
     "@_status @_energy_eval(@_energy *energy, const @_state *state);\n";
-
-/* Writes a function by `write`, without what nothing in it uses; 0: no temporary file, or too long, see errno. */
-static int code_write_pruned(const code *w, void (*write)(const code *, int), int k)
-{
-  code draft = *w;
-  int good;
-  draft.out = tmpfile();
-  if (!draft.out) {
-    return 0;
-  }
-  write(&draft, k);
-  good = code_prune(w->out, draft.out);
-  errno = good ? errno : EFBIG;
-  return fclose(draft.out) == 0 && good;
-}
 
 static void code_write_center_rate(const code *w, int unused)
 {
@@ -95,6 +80,18 @@ static void code_write_displacement(const code *w, const char *name, int i, cons
   code_assign(w, &rate, target);
 }
 
+static const char code_read_rotation[] =
+    "  {\n"
+    "    const $ share = `1` / (`1` + `0.25` * (phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2]));\n"
+    "    const $ half = `0.5` * sqrt~(share);\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      const int y = i < 2 ? i + 1 : 0, z = i > 0 ? i - 1 : 2;\n"
+    "      spin[i] = share * (phi_dot[i] + `0.5` * (phi[y] * phi_dot[z] - phi[z] * phi_dot[y]));\n"
+    "      turn[1 + i] = half * phi[i];\n"
+    "    }\n"
+    "    turn[0] = `2` * half;\n"
+    "  }\n";
+
 static void code_write_node(const code *w, int k)
 {
   const fb_node *const node = &code_model.body->node[k];
@@ -108,24 +105,223 @@ static void code_write_node(const code *w, int k)
   fprintf(w->out, "\n/* E8.14: displacement [m] and rotation of node %d with their rates, body axes */\n", k);
   code_template(w, "static void @_node_");
   fprintf(w->out, "%d", k);
-  code_template(w, "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
+  code_template(w, w->large
+                       ? "($ *u, $ *turn, $ *u_dot, $ *spin, const $ *q, const $ *q_dot)\n{\n  $ phi[3], phi_dot[3];\n"
+                       : "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
   for (int i = 0; i < 3; i++) {
     code_write_displacement(w, "u", i, node->psi, chi);
     code_write_displacement(w, "phi", i, node->theta, chi_theta);
   }
-  fputs("  (void)q, (void)q_dot;\n}\n", w->out);
+  fputs("  (void)q, (void)q_dot;\n", w->out);
+  if (w->large) { /* to a quaternion and an angular velocity */
+    code_template(w, code_read_rotation);
+  }
+  fputs("}\n", w->out);
+}
+
+/* Axes of a line and body axes: element i, j of the matrix that takes the former to the latter. */
+static double code_node_axes(const fb_line *line, int i, int j)
+{
+  return line->turned ? (double)line->axes[3 * i + j] : i == j ? 1.0 : 0.0;
+}
+
+/* target[i] = line vector v in body axes, + less[i] */
+static void code_node_assign(const code *w, const fb_line *line, const char *target, int at, const code_vec *v,
+                             const fb_real *less)
+{
+  for (int i = 0; i < 3; i++) {
+    code_sum s;
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add_one(&s, code_node_axes(line, i, j), v->x[j]);
+    }
+    code_add_one(&s, less ? -(double)less[i] : 0.0, code_constant(1.0));
+    code_assign(w, &s, code_variable("%s[%d]", target, at + i).name);
+  }
+}
+
+/* Coordinates times n x 3 of a node. */
+static code_vec code_node_rows(const code *w, const char *name, const fb_real *rows, const char *by)
+{
+  code_vec out;
+  for (int i = 0; i < 3; i++) {
+    code_sum s;
+    code_begin(&s);
+    for (int a = 0; a < code_line.n; a++) {
+      code_add_one(&s, (double)rows[3 * a + i], code_variable("%s[%d]", by, code_line.line->first + a));
+    }
+    out.x[i] = code_end(w, &s, code_variable("%s_%c", name, code_axis[i]));
+  }
+  return out;
+}
+
+/* A vector of the points at point p, as the function of a node calls it. */
+static code_vec code_node_at(const code_vec *x, int p)
+{
+  return code_vec_at(x, p);
+}
+
+/* E14.14: a node on a line. */
+static void code_write_line_node(const code *w, int k)
+{
+  const fb_node *const node = &code_model.body->node[k];
+  const fb_line_node *const at = &node->line;
+  const fb_line *line;
+  const int number = at->line - 1;
+  code_vec A, B, mixed, phi, A_dot, B_dot, rate, pr, r, v, spin, before;
+  code_value x, prod, p[4], d[4], now[4], b_prod;
+  code_sum s;
+  int after;
+  code_line = code_lines[number];
+  line = code_line.line;
+  after = at->after ? at->after - 1 - line->point : -1;
+  fprintf(w->out, "\n/* E14.14: displacement [m] and rotation of node %d with their rates, body axes */\n", k);
+  code_template(w, "static int @_node_");
+  fprintf(w->out, "%d", k);
+  code_template(w, "($ *u, $ *turn, $ *u_dot, $ *spin, const $ *q, const $ *q_dot)\n{\n"
+                   "  static const $ rest[3] = {`0`, `0`, `0`};\n  @_line_");
+  fprintf(w->out, "%d line, *const l = &line;\n", number);
+  code_template(w, "  const int sound = @_pose_");
+  fprintf(w->out, "%d(l, q + %d);\n", number, line->first);
+  code_template(w, "  @_inertia_");
+  fprintf(w->out, "%d(l%s", number, code_line.centered ? ", rest" : "");
+  if (line->moves) {
+    fprintf(w->out, ", q + %d", line->first);
+  }
+  fputs(");\n", w->out);
+  code_template(w, "  @_drift_");
+  fprintf(w->out, "%d(l, q_dot + %d, rest);\n", number, line->first);
+
+  /* the interval before it */
+  A = code_node_rows(w, "A", at->turn, "q");
+  B = code_node_rows(w, "B", at->bow, "q");
+  A_dot = code_node_rows(w, "A_dot", at->turn, "q_dot");
+  B_dot = code_node_rows(w, "B_dot", at->bow, "q_dot");
+  mixed = code_cross(w, "m", &A, &B);
+  for (int i = 0; i < 3; i++) {
+    code_value both;
+    code_begin(&s);
+    code_add_one(&s, 1.0, A.x[i]);
+    code_add_one(&s, -1.0 / 6.0, mixed.x[i]);
+    phi.x[i] = code_end(w, &s, code_variable("phi_%c", code_axis[i]));
+    code_begin(&s);
+    code_add_cross(&s, 1.0, &A_dot, &B, i);
+    code_add_cross(&s, 1.0, &A, &B_dot, i);
+    both = code_end(w, &s, code_variable("both_%c", code_axis[i]));
+    code_begin(&s);
+    code_add_one(&s, 1.0, A_dot.x[i]);
+    code_add_one(&s, -1.0 / 6.0, both);
+    rate.x[i] = code_end(w, &s, code_variable("rate_%c", code_axis[i]));
+  }
+  code_begin(&s);
+  for (int i = 0; i < 3; i++) {
+    code_add(&s, 1.0, phi.x[i], phi.x[i]);
+  }
+  code_assign(w, &s, w->single ? "const float x" : "const double x");
+  x = code_variable("x");
+  code_line_series(w, "e", 4);
+  code_line_series(w, "f", 5);
+  code_template(w, "    const $ a = `0.5` - x * e;\n    const $ b = ");
+  {
+    char number_text[40];
+    code_number(number_text, w, 1.0 / 6.0);
+    fprintf(w->out, "%s - x * f;\n", number_text);
+  }
+  code_template(w, "    const $ half = sqrt~(`1` - `0.5` * a * x);\n"
+                   "    const $ share = (`0.5` - `0.5` * b * x) / half;\n");
+
+  /* attitude */
+  d[0] = code_variable("half");
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add(&s, 1.0, code_variable("share"), phi.x[i]);
+    d[1 + i] = code_end(w, &s, code_variable("d_%c", code_axis[i]));
+  }
+  for (int i = 0; i < 4; i++) {
+    p[i] = code_constant(i == 0);
+    if (after >= 0 && !(i > 0 && code_line.plane && code_is_zero(&code_line.phi.x[i - 1]))) {
+      p[i] = code_variable("l->quat_%c[%d]", "wxyz"[i], after);
+    }
+  }
+  code_quat_product(w, now, p, d, "n");
+  code_begin(&s);
+  code_add_one(&s, 1.0, now[0]);
+  code_assign(w, &s, "turn[0]");
+  for (int i = 0; i < 3; i++) {
+    v.x[i] = now[1 + i];
+  }
+  code_node_assign(w, line, "turn", 1, &v, NULL);
+
+  /* its rate: w before + H before (1 - b x + a phi^ + b phi phi^T) phi_dot */
+  prod = code_dot(w, "prod", &phi, &rate);
+  code_begin(&s);
+  code_add(&s, 1.0, code_variable("b"), prod);
+  b_prod = code_end(w, &s, code_variable("b_prod"));
+  code_begin(&s);
+  code_add_one(&s, 1.0, code_constant(1.0));
+  code_add(&s, -1.0, code_variable("b"), x);
+  x = code_end(w, &s, code_variable("sigma"));
+  mixed = code_cross(w, "pr", &phi, &rate);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add(&s, 1.0, x, rate.x[i]);
+    code_add(&s, 1.0, code_variable("a"), mixed.x[i]);
+    code_add(&s, 1.0, b_prod, phi.x[i]);
+    pr.x[i] = code_end(w, &s, code_variable("own_%c", code_axis[i]));
+  }
+  before.x[0] = before.x[1] = before.x[2] = code_constant(0.0);
+  for (int i = 0; i < 3 && after >= 0; i++) {
+    if (code_line.w.x[i].name[0] == 'l') {
+      char place[16];
+      snprintf(place, sizeof place, "%d", after);
+      before.x[i] = code_at(code_line.w.x[i], place);
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, before.x[i]);
+    for (int j = 0; j < 3; j++) {
+      char place[16];
+      snprintf(place, sizeof place, "%d", after);
+      code_add(&s, 1.0, after < 0 ? code_constant(i == j) : code_at(code_line.H[i][j], place), pr.x[j]);
+    }
+    spin.x[i] = code_end(w, &s, code_variable("spin_%c", code_axis[i]));
+  }
+  code_node_assign(w, line, "spin", 0, &spin, NULL);
+
+  /* place */
+  for (int i = 0; i < 3; i++) {
+    code_sum move;
+    code_begin(&s);
+    code_begin(&move);
+    code_add_one(&s, (double)at->start[i], code_constant(1.0));
+    for (int j = 0; j < line->count; j++) {
+      code_add_one(&s, (double)at->weight[j], code_node_at(&code_line.t, j).x[i]);
+      code_add_one(&move, (double)at->weight[j], code_node_at(&code_line.tau, j).x[i]);
+    }
+    for (int a = 0; a < code_line.n; a++) {
+      code_add_one(&s, code_line_shift(a, i), code_variable("q[%d]", line->first + a));
+      code_add_one(&move, code_line_shift(a, i), code_variable("q_dot[%d]", line->first + a));
+    }
+    r.x[i] = code_end(w, &s, code_variable("r_%c", code_axis[i]));
+    v.x[i] = code_end(w, &move, code_variable("v_%c", code_axis[i]));
+  }
+  code_node_assign(w, line, "u", 0, &r, node->r);
+  code_node_assign(w, line, "u_dot", 0, &v, NULL);
+  fputs("  return sound;\n}\n", w->out);
 }
 
 static const char code_read_motion[] =
     "\n@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in)\n{\n"
-    "  $ x[%N], rate[%N], w[3], a;\n"
+    "  $ x[%N], rate[%N], w[%w], a;\n"
     "  @_status status;\n"
     "  if (!motion || !state) {\n    return @_null;\n  }\n"
+    "  memset(w, 0, sizeof w);\n"
     "  @_enter(x, state);\n"
     "  status = @_is_finite(x, %N) && @_input_is_finite(in) ? @_rates_at(rate, w, &a, x, in) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n";
 
-static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof w);\n"
+static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof motion->w);\n"
                                            "  memcpy(motion->q_dot, rate + 10, %n * sizeof *rate);\n"
                                            "  return @_is_finite(rate, %N) ? @_ok : @_not_finite;\n}\n";
 
@@ -139,12 +335,13 @@ static const char code_read_origin[] = "\n/* v of O, body axes: R^T u - (w x c +
 
 static const char code_read_rates[] =
     "\n@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in)\n{\n"
-    "  $ x[%N], dot[%N], w[3], a;\n"
+    "  $ x[%N], dot[%N], w[%w], a;\n"
     "  @_motion motion;\n"
     "  @_status status;\n"
     "  if (!rate || !state) {\n    return @_null;\n  }\n"
     "  status = @_motion_eval(&motion, state, in);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  memset(w, 0, sizeof w);\n"
     "  @_enter(x, state);\n"
     "  status = @_rates_at(dot, w, &a, x, in);\n"
     "  status = status == @_ok && !@_is_finite(dot, %N) ? @_not_finite : status;\n"
@@ -158,9 +355,19 @@ static const char code_read_rates[] =
     "  memcpy(rate->pi, dot + %p, %n * sizeof *dot);\n"
     "  return @_ok;\n}\n";
 
+/* The same with lines, of which the rates tell R^T u less it. */
+static const char code_read_large_origin[] = "\n/* v of O, body axes: R^T u and what it has beside the mass center */\n"
+                                             "static void @_origin($ *v, const $ *w, const $ *x)\n{\n"
+                                             "  @_turn_back(v, x, x + 4);\n"
+                                             "  for (int i = 0; i < 3; i++) {\n    v[i] += w[3 + i];\n  }\n}\n";
+
 static void code_write_origin(const code *w)
 {
   char number[40];
+  if (w->large) {
+    code_template(w, code_read_large_origin);
+    return;
+  }
   code_template(w, code_read_origin);
   code_number(number, w, 1.0 / (double)code_model.body->mass);
   for (int i = 0; i < 3; i++) {
@@ -174,8 +381,9 @@ static void code_write_origin(const code *w)
 static void code_write_motion(const code *w)
 {
   code_template(w, code_read_motion);
-  code_template(w, code_model.first == 0   ? "  @_origin(motion->v, w, x, rate + 10);\n"
-                   : code_model.first == 3 ? "  memset(motion->v, 0, sizeof motion->v);\n"
+  code_template(w, code_model.first == 0 && w->large ? "  @_origin(motion->v, w, x);\n"
+                   : code_model.first == 0           ? "  @_origin(motion->v, w, x, rate + 10);\n"
+                   : code_model.first == 3           ? "  memset(motion->v, 0, sizeof motion->v);\n"
                                            : "  memcpy(motion->v, in ? in->v : @_nothing.v, sizeof motion->v);\n");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
@@ -184,9 +392,10 @@ static void code_write_motion(const code *w)
 static const char code_read_energy[] =
     "\n/* T = 1/2 (w.h + q_dot.pi + m u.u), homogeneous of degree 2 in the momenta; gravity as E8.16 */\n"
     "@_status @_energy_eval(@_energy *energy, const @_state *state)\n{\n"
-    "  $ x[%N], rate[%N], w[3], c[3], moment[3], a, kinetic;\n"
+    "  $ x[%N], rate[%N], w[%w], c[3], moment[3], a, kinetic;\n"
     "  @_status status;\n"
     "  if (!energy || !state) {\n    return @_null;\n  }\n"
+    "  memset(w, 0, sizeof w);\n"
     "  @_enter(x, state);\n"
     "  status = @_is_finite(x, %N) ? @_rates_at(rate, w, &a, x, NULL) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
@@ -249,13 +458,33 @@ static const char code_read_node[] =
     "  return @_is_finite(out->position, 3) && @_is_finite(out->quat, 4) && @_is_finite(out->velocity, 3) &&\n"
     "             @_is_finite(out->angular_rate, 3) ? @_ok : @_not_finite;\n}\n";
 
+/* The end with lines: by a quaternion and an angular velocity. */
+static const char code_read_large_node[] =
+    "  for (int i = 0; i < 3; i++) {\n    s[i] += u[i];\n  }\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const int y = i < 2 ? i + 1 : 0, z = i > 0 ? i - 1 : 2;\n"
+    "    v[i] = motion->v[i] + motion->w[y] * s[z] - motion->w[z] * s[y] + u_dot[i];\n"
+    "    spin[i] += motion->w[i];\n"
+    "  }\n"
+    "  @_turn(out->position, q, s);\n"
+    "  @_turn(out->velocity, q, v);\n"
+    "  @_turn(out->angular_rate, q, spin);\n"
+    "  for (int i = 0; i < 3; i++) {\n    out->position[i] += state->rho[i];\n  }\n"
+    "  out->quat[0] = q[0] * turn[0] - q[1] * turn[1] - q[2] * turn[2] - q[3] * turn[3];\n"
+    "  out->quat[1] = q[1] * turn[0] + q[0] * turn[1] + q[2] * turn[3] - q[3] * turn[2];\n"
+    "  out->quat[2] = q[2] * turn[0] + q[0] * turn[2] + q[3] * turn[1] - q[1] * turn[3];\n"
+    "  out->quat[3] = q[3] * turn[0] + q[0] * turn[3] + q[1] * turn[2] - q[2] * turn[1];\n"
+    "  return sound && @_is_finite(out->position, 3) && @_is_finite(out->quat, 4) && @_is_finite(out->velocity, 3) &&\n"
+    "             @_is_finite(out->angular_rate, 3) ? @_ok : sound ? @_not_finite : @_range;\n}\n";
+
 static int code_write_nodes(const code *w)
 {
   const fb_body *const body = code_model.body;
   int good = 1;
   char number[40];
   for (int k = 1; k < body->n_node; k++) {
-    good = good && code_write_pruned(w, code_write_node, k);
+    good = good &&
+           code_write_pruned(w, w->large && body->node[k].line.line > 0 ? code_write_line_node : code_write_node, k);
   }
   code_template(
       w,
@@ -267,21 +496,27 @@ static int code_write_nodes(const code *w)
       fprintf(w->out, "%s%s%s", i == 0 ? (k == 0 ? "{" : ", {") : ", ", number, i == 2 ? "}" : "");
     }
   }
-  code_template(w,
-                "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n"
-                "  $ x[%N];\n"
-                "  const $ *q;\n"
-                "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
+  code_template(
+      w,
+      w->large
+          ? "};\n  $ s[3], v[3], u[3] = {`0`}, turn[4] = {`1`}, u_dot[3] = {`0`}, spin[3] = {`0`};\n  int sound = 1;\n"
+          : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
+  code_template(w, "  $ x[%N];\n"
+                   "  const $ *q;\n"
+                   "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
   fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
   code_template(w, "    return @_value;\n  }\n  @_enter(x, state);\n"
                    "  if (!@_is_finite(x, %N)) {\n    return @_not_finite;\n  }\n"
                    "  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
   for (int k = 1; k < body->n_node; k++) {
     fprintf(w->out, "  if (node == %d) {\n", k);
-    code_template(w, "    @_node_");
-    fprintf(w->out, "%d(u, phi, u_dot, phi_dot, state->q, motion->q_dot);\n  }\n", k);
+    code_template(w, w->large && body->node[k].line.line > 0 ? "    sound = @_node_" : "    @_node_");
+    fprintf(w->out,
+            w->large ? "%d(u, turn, u_dot, spin, state->q, motion->q_dot);\n  }\n"
+                     : "%d(u, phi, u_dot, phi_dot, state->q, motion->q_dot);\n  }\n",
+            k);
   }
-  code_template(w, code_read_node);
+  code_template(w, w->large ? code_read_large_node : code_read_node);
   return good;
 }
 
@@ -289,8 +524,10 @@ static int code_write_nodes(const code *w)
 static int code_write_read(const code *w)
 {
   int good = 1;
-  if (code_model.first == 0) {
+  if (code_model.first == 0 && !w->large) {
     good = code_write_pruned(w, code_write_center_rate, 0);
+  }
+  if (code_model.first == 0) {
     code_write_origin(w);
   }
   code_write_motion(w);

@@ -2,6 +2,7 @@
    no text; a sum that is a constant or a variable gets no name. code.h uses it. */
 #ifndef CODE_TEXT_H
 #define CODE_TEXT_H
+#include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
@@ -15,6 +16,7 @@ typedef struct code {
   FILE *out;
   const char *name; /* prefix of what is written */
   int single, n;    /* precision, modes */
+  int large;        /* 1: with lines */
   int indent;
 } code;
 
@@ -192,6 +194,8 @@ static int code_place(const code *w, char letter)
     return 10 + 2 * w->n;
   case 'l': /* L */
     return 13 + 2 * w->n;
+  case 'w': /* what rates tell of the frame */
+    return w->large ? 12 : 3;
   default: /* N: all */
     return 16 + 2 * w->n;
   }
@@ -277,7 +281,7 @@ static const char *code_defined(const char *line)
     return NULL;
   }
   c = strchr(c + 6, ' ') + 1;
-  return *c != '*' && strchr(c, '=') && !strchr(strchr(c, '=') + 1, '=') ? c : NULL;
+  return code_is_letter(*c) && strchr(c, '=') && !strchr(strchr(c, '=') + 1, '=') ? c : NULL;
 }
 
 /* Copies `in` to `out`, without definitions of what is used nowhere. 0: too long. */
@@ -312,6 +316,21 @@ static int code_prune(FILE *out, FILE *in)
     fputs(keep[i] ? line[i] : "", out);
   }
   return n < CODE_LINES && seen.n < CODE_SEEN / 2;
+}
+
+/* Writes a function by `write`, without what nothing in it uses; 0: no temporary file, or too long, see errno. */
+static int code_write_pruned(const code *w, void (*write)(const code *, int), int k)
+{
+  code draft = *w;
+  int good;
+  draft.out = tmpfile();
+  if (!draft.out) {
+    return 0;
+  }
+  write(&draft, k);
+  good = code_prune(w->out, draft.out);
+  errno = good ? errno : EFBIG;
+  return fclose(draft.out) == 0 && good;
 }
 
 /* As much of a template as the precision wants. */

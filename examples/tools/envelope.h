@@ -16,10 +16,11 @@ typedef struct scene {
   double acceleration[3]; /* [m/s^2] of O, prescribed base, body axes; driven like the loads */
   int n_load;
   fb_load load[FB_MAX_LOADS];
-  double frequency;        /* [rad/s] of the drive; 0: it rises in half the duration and stays, HUGE_VAL: a jump */
-  int pulse;               /* 1: a single (1 - cos) of that frequency, 0: a sine */
-  double duration, sample; /* [s] */
-  int n_sample, node;      /* whose displacement is the output */
+  double motor[FB_MAX_ROTORS]; /* [N m], driven like the loads */
+  double frequency;            /* [rad/s] of the drive; 0: it rises in half the duration and stays, HUGE_VAL: a jump */
+  int pulse;                   /* 1: a single (1 - cos) of that frequency, 0: a sine */
+  double duration, sample;     /* [s] */
+  int n_sample, node;          /* whose displacement is the output */
 } scene;
 
 /* Duration of the spin-up [s]. */
@@ -111,6 +112,10 @@ static void scene_input(fb_input *input, scene_base *base, const scene *s, doubl
       input->load[k].torque[i] *= (fb_real)drive;
     }
   }
+  for (int r = 0; r < s->level.n_rotor; r++) {
+    input->rotor[r].torque = s->level.rotor[r].given ? FB_R(0.0) : (fb_real)(drive * s->motor[r]);
+    input->rotor[r].momentum = (fb_real)model.rotor[r].momentum;
+  }
   if (s->level.base != FB_BASE_PRESCRIBED) {
     return;
   }
@@ -134,9 +139,23 @@ static fb_status scene_start(fb_state *state, const fb_body *body, const scene *
   const int held = s->level.base == FB_BASE_PRESCRIBED;
   fb_status status = fb_state_init(body, state);
   if (held && s->frequency < HUGE_VAL && body->n > 0) {
-    return status ? status : fb_body_trim(body, state, &work, input);
+    static fb_body smooth; /* friction of rotors is none of the steady state */
+    fb_input steady = *input;
+    smooth = *body;
+    for (int r = 0; r < body->n_rotor; r++) {
+      const double speed = model.rotor[r].text.speed + (double)fb_vec3_dot(body->rotor[r].axis, input->w);
+      state->pi[body->n + r] = body->rotor[r].inertia * (fb_real)speed;
+      smooth.rotor[r].damping = smooth.rotor[r].friction = steady.rotor[r].torque = FB_R(0.0);
+    }
+    return status ? status : fb_body_trim(&smooth, state, &work, &steady);
   }
-  return status ? status : fb_state_from_velocity(body, state, still, held ? input->w : spin, NULL);
+  status = status ? status : fb_state_from_velocity(body, state, still, held ? input->w : spin, NULL);
+  for (int r = 0; r < body->n_rotor && status == FB_OK; r++) {
+    status = body->rotor[r].given
+                 ? FB_OK
+                 : fb_state_rotor_set(body, state, r, (fb_real)model.rotor[r].text.speed, FB_R(0.0), input);
+  }
+  return status;
 }
 
 /* Runs a body with `steps` steps between samples; each goes to `note`. FB_ERR_VALUE: more than SCENE_STEPS. */
@@ -191,6 +210,10 @@ static fb_status scene_note_rigid(void *user, const fb_body *body, const fb_stat
     e->acceleration[i] = FB_FABS(felt) > FB_FABS(e->acceleration[i]) ? felt : e->acceleration[i];
     e->spin[i] = FB_FABS(motion.w[i]) > FB_FABS(e->spin[i]) ? motion.w[i] : e->spin[i];
   }
+  for (int r = 0; r < body->n_rotor; r++) {
+    fb_real *const most = &e->rotor[r].momentum, now = motion.rotor_momentum[r];
+    *most = FB_FABS(now) > FB_FABS(*most) ? now : *most;
+  }
   return status;
 }
 
@@ -217,6 +240,9 @@ static fb_status scene_envelope(fb_envelope *e, const scene *s, const fb_shape *
     const fb_real a = (fb_real)s->acceleration[i];
     e->acceleration[i] += e->acceleration[i] * a < FB_R(0.0) ? -a : a;
     e->spin_rate[i] = (fb_real)(ramp > 0 ? s->spin_rate * s->spin[i] / spin : 0);
+  }
+  for (int r = 0; r < s->level.n_rotor; r++) {
+    e->rotor[r].torque = (fb_real)s->motor[r];
   }
   e->n_load = s->n_load;
   memcpy(e->load, s->load, sizeof e->load);

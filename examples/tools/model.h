@@ -4,6 +4,7 @@
 #define MODEL_H
 #include "../common/refusal.h"
 #include "../common/text.h"
+#include "../common/rotor_text.h"
 
 #define MODEL_NODES 4096 /* of a finite-element component */
 
@@ -57,6 +58,11 @@ static struct model {
     double x[3];                 /* of a beam: how far along it, below 0: its tip */
     char name[TEXT_NAME];
   } mark[FB_MAX_NODES];
+  struct { /* the rest of level.rotor */
+    rotor_text text;
+    char node[TEXT_NAME]; /* name or number; empty: the frame */
+    double momentum;      /* [N m s] where it is given */
+  } rotor[FB_MAX_ROTORS];
   char node_name[FB_MAX_NODES][TEXT_NAME]; /* of all nodes, once built; empty: none */
   int node_part[FB_MAX_NODES];             /* -1: the hub */
   model_node node[MODEL_NODES];
@@ -206,6 +212,47 @@ static int model_damping(text_file *t, double zeta[FB_MAX_MODES])
   return n;
 }
 
+/* momentum H: it stays that */
+static int model_rotor_drive(text_file *t, void *user, const char *word)
+{
+  const int k = model.level.n_rotor;
+  (void)user;
+  if (strcmp(word, "motor") == 0) {
+    text_fail(t, "the motor of a rotor is not in its description: a scene has one, or a program");
+  } else if (strcmp(word, "momentum") == 0) {
+    model.level.rotor[k].given = 1;
+    model.rotor[k].momentum = text_number(t, word);
+  } else {
+    return 0;
+  }
+  return 1;
+}
+
+/* rotor NAME [NODE], its lines, end */
+static void model_rotor(text_file *t)
+{
+  const int n = model.level.n_rotor;
+  if (n == FB_MAX_ROTORS) {
+    text_fail(t, "more than %d rotors", FB_MAX_ROTORS);
+    return;
+  }
+  model.rotor[n].text.line = t->line;
+  text_name(t, "a rotor", model.rotor[n].text.name);
+  for (int k = 0; k < n; k++) {
+    if (strcmp(model.rotor[k].text.name, model.rotor[n].text.name) == 0) {
+      text_fail(t, "two rotors have the name %s", model.rotor[n].text.name);
+    }
+  }
+  if (text_more(t)) {
+    snprintf(model.rotor[n].node, sizeof model.rotor[n].node, "%s", text_word(t));
+  }
+  text_end_of_line(t);
+  if (!t->failed) {
+    rotor_block(t, &model.rotor[n].text, &model.level.rotor[n], model_rotor_drive, NULL);
+    model.level.n_rotor++;
+  }
+}
+
 /* Words that every model may have; 0 if word is none of them. */
 static int model_common(text_file *t, const char *word)
 {
@@ -240,6 +287,8 @@ static int model_common(text_file *t, const char *word)
     text_reals(t, "the center", model.level.center, 3);
   } else if (strcmp(word, "deflection_limit") == 0) {
     model.level.deflection_limit = (fb_real)text_number(t, "deflection_limit");
+  } else if (strcmp(word, "rotor") == 0) {
+    model_rotor(t);
   } else if (strcmp(word, "damping") == 0) {
     model.n_damping = model_damping(t, zeta);
     model.zeta = zeta[0];
@@ -869,8 +918,8 @@ static void model_beam_check(text_file *t, model_part *part)
 /* Refuses a word that was there before, but for those of which there may be many. */
 static void model_once(text_file *t, text_words *seen, const char *word)
 {
-  static const char *const many[] = {"point",     "lump",     "load", "node",      "taper", "shape",    "mark",
-                                     "quadratic", "boundary", "beam", "component", "line",  "geometric"};
+  static const char *const many[] = {"point",     "lump",     "load", "node",      "taper", "shape",     "mark",
+                                     "quadratic", "boundary", "beam", "component", "line",  "geometric", "rotor"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
       text_note(t, seen, word);
@@ -1016,11 +1065,48 @@ static inline void model_forget_lines(void)
   for (int k = 0; k < model.n_part; k++) {
     model.part[k].seen.n = model.part[k].line = 0;
   }
+  for (int k = 0; k < model.level.n_rotor; k++) {
+    model.rotor[k].text.line = 0;
+  }
+}
+
+/* Where a rotor sits, by name or number among the nodes in the order of the body: the hub's, then those of each part. */
+static int model_find_node(const char *name)
+{
+  int n = 0, at = strcmp(name, "origin") == 0 || !name[0] ? 0 : -1;
+  char *end;
+  const long number = strtol(name, &end, 10);
+  for (int part = -1; part < model.n_part; part++) {
+    for (int k = 0; k < model.n_mark; k++) {
+      n += model.mark[k].part == part;
+      at = model.mark[k].part == part && strcmp(model.mark[k].name, name) == 0 && name[0] ? n : at;
+    }
+    for (int k = 0; part >= 0 && k < model.part[part].n_node; k++) {
+      const model_node *const node = &model.node[model.part[part].node + k];
+      n += node->marked > 0;
+      at = node->marked && strcmp(node->name, name) == 0 && name[0] ? n : at;
+    }
+  }
+  return at < 0 && end != name && !*end && number >= 0 && number <= n ? (int)number : at;
+}
+
+static void model_rotor_nodes(text_file *t)
+{
+  for (int k = 0; k < model.level.n_rotor && !t->failed; k++) {
+    const int at = model_find_node(model.rotor[k].node), line = t->line, own = model.rotor[k].text.line;
+    model.level.rotor[k].node = at;
+    t->line = own > 0 ? own : line;
+    if (at < 0) {
+      text_fail(t, "rotor %s: no node has the name or number %s", model.rotor[k].text.name, model.rotor[k].node);
+    }
+    t->line = line;
+  }
 }
 
 /* What only the whole description tells. */
 static void model_check(text_file *t)
 {
+  model_rotor_nodes(t);
   model_effects_check(t);
   if (!t->failed && (model.kind == MODEL_BEAM || model.kind == MODEL_COMPONENT)) {
     model_part_check(t, &model.part[0]);

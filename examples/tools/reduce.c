@@ -23,7 +23,7 @@ static const char help[] =
     "  --single     for single precision (double)\n"
     "  --code       C of the body's own step of rk4, which needs no library, instead (base free, pinned or "
     "prescribed,\n"
-    "               effects up to full)\n"
+    "               effects up to full, or large)\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
@@ -67,6 +67,12 @@ static void summarize(const char *file)
   }
   for (int k = 0; k < model.n_part; k++) {
     summarize_part(&model.part[k], &model_modes[k]);
+  }
+  for (int k = 0; k < model_body.n_rotor; k++) {
+    fprintf(stderr, "  rotor %d  %s: %.6g %s, which the header has not: by %s\n", k, model.rotor[k].text.name,
+            model_body.rotor[k].given ? model.rotor[k].momentum : model.rotor[k].text.speed,
+            model_body.rotor[k].given ? "N m s" : "rad/s at the start",
+            model_body.rotor[k].given ? "fb_input.rotor" : "fb_state_rotor_set");
   }
   fprintf(stderr, "  %d terms of Lambda, %d of S\n", model_body.n_lambda, model_body.n_S);
 }

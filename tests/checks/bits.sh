@@ -10,7 +10,7 @@ need clang clang
 need qemu-mips qemu-user
 need mips-linux-gnu-gcc "gcc-mips-linux-gnu libc6-dev-mips-cross"
 few=300
-many=${STEPS:-3000}
+many=${STEPS:-1000}
 : > "$out/counts"
 for kind in full large; do # large: lines of large deflection, by fewer compilers, a tenth of the steps
   compilers="gcc:-O0 gcc:-O2 gcc:-O3 clang:-O0 clang:-O2 clang:-O3"

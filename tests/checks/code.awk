@@ -1,4 +1,6 @@
 # A random hub with one to three booms at random places and attitudes, together 1 to 12 modes: -v seed, -v effects, -v base.
+# With effects large they are geometrically exact: curved, twisted, tapered, with offset masses, shear centers, lumped bodies, by
+# seed, and there may be a component beside them.
 function uniform(low, high) {
   state = (16807 * state) % 2147483647
   return low + (high - low) * state / 2147483647
@@ -24,7 +26,12 @@ BEGIN {
     print "beam boom" k
     print "position " uniform(-1, 1) " " uniform(-1, 1) " " uniform(-1, 1)
     print "attitude x " uniform(0, 90) " z " uniform(0, 360) " y " uniform(-60, 60)
-    print "length " uniform(4, 12) "\nelements 12"
+    large = effects ~ /large/
+    L = uniform(4, 12)
+    bent = large && n < 3 && (seed + k) % 4 == 0
+    if (bent) for (j = 0; j <= 3; j++) print "point " L * j / 3 " " 0.02 * L * j * j / 9 " " 0.01 * L * j / 3
+    if (!bent) print "length " L "\nelements 12"
+    if (large && (seed + k) % 3 == 0) print "lump " (bent ? 3 : 12) " " uniform(1, 5) " 0.1 -0.05 0.1 0.1 0.2 0.15"
     y = int((own + 1) * uniform(0, 1))
     t = own > 3 && uniform(0, 1) > 0.5
     if (y + t > own) t = 0
@@ -32,9 +39,26 @@ BEGIN {
     if (y > 0) line = line " bend_y " y
     if (own - y - t > 0) line = line " bend_z " own - y - t
     if (t) line = line " torsion 1"
+    if (large && (n > 2 || seed % 5 == 0)) line = line " points " (n > 2 ? 8 : own + 4)
     print line
+    if (large) {
+      turn = seed % 2 ? 0 : uniform(5, 20)
+      solid = (seed + k) % 3 == 1 || t ? uniform(0.01, 0.02) : 0
+      aside = (seed + k) % 5 == 1 && solid ? uniform(0.01, 0.03) : 0
+      print "stations fraction mass EA GJ EI_y EI_z GA_y GA_z i_y i_z twist_deg mass_y shear_z"
+      print "0 2 1e6 2000 " uniform(2000, 9000) " " uniform(2000, 9000) " 1e6 1e6 " solid " " solid " 0 " aside " " aside
+      print "1 " uniform(1, 2) " 1e6 2000 " uniform(1000, 2000) " " uniform(1000, 2000) " 1e6 1e6 " solid " " solid " " turn " " aside " " aside
+      print "end\nnode tip\n" (n < 3 ? "node " L / 3 "\n" : "") "end"
+      continue
+    }
     print "stations x mass EA GJ EI_y EI_z i_y i_z"
     print "0 " uniform(0.5, 2) " 1e6 2000 " uniform(1000, 9000) " " uniform(1000, 9000) " 0.01 0.02"
     print "end\nnode tip\nend"
+  }
+  if (large && seed % 4 == 3 && (seed * 5) % 12 < 10) {
+    print "component panel\nmodes 2\nfrequency_hz 0.3 0.5\nposition 0 -0.5 0"
+    for (j = 1; j <= 4; j++) print "node " j " 0 " (-j) " 0 2 0.1 0.1 0.1"
+    for (j = 1; j <= 4; j++) print "shape 1 " j " 0 0 " j * j / 16 " " (-j / 8) " 0 0\nshape 2 " j " " j * j / 16 " 0 0 0 0 " j / 8
+    print "line frame 0 0 0 1 2 3 4\nmark 4 edge\nend"
   }
 }

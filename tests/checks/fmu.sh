@@ -68,6 +68,8 @@ done
 printf 'rigid\nname held\nhub 1 0 0 0 1 1 1\nbase prescribed\n' > "$out/held.txt"
 ! build/flexbeam fmu "$out/held.txt" --out "$out/held.fmu" 2> "$out/log" || fail "a prescribed base is taken"
 grep -q 'prescribed base' "$out/log" || fail "a prescribed base: $(cat "$out/log")"
+! build/flexbeam fmu examples/satellite_wheels.txt --out "$out/wheels.fmu" 2> "$out/log" || fail "rotors are taken"
+grep -q 'rotor pitch: an FMU has no rotors' "$out/log" || fail "rotors: $(cat "$out/log")"
 ls "$out"/*.fmu.* > /dev/null 2>&1 && fail "folders are left behind"
 try "$python" examples/fmu/attitude.py "$out/satellite2.fmu"
 grep -q '^inertia about z 402' "$out/log" || fail "the inertia that a torque meets: $(cat "$out/log")"

@@ -16,9 +16,9 @@
 static fb_build_work build_work;
 static fb_body by_calls;
 static int bad;
-static double worst[4]; /* of what is said at the end */
+static double worst[5]; /* of what is said at the end */
 
-enum { FILES, PLACED, DAMPED, STEPPED };
+enum { FILES, PLACED, DAMPED, STEPPED, TURNING };
 
 static void is_near(int what, const char *name, double have, double want, double scale, double tolerance)
 {
@@ -67,13 +67,17 @@ static void frequencies(fb_real *d, const fb_shape *shape)
   require(fb_eig_gen_solve(d, X, K, M, shape->n), "frequencies");
 }
 
-/* 1000 steps under a torque on the hub and a force on the last node. */
+/* 1000 steps under a torque on the hub and a force on the last node; rotors from the speeds of the description on. */
 static void run(fb_state *state, const fb_body *body)
 {
   static fb_rk4_work work;
   fb_input input = {.n_load = 2, .load = {{.torque = {3, -2, 5}}, {.axes = FB_AXES_INERTIAL, .force = {1, 1, 2}}}};
   input.load[1].node = body->n_node - 1;
   require(fb_state_init(body, state), "state");
+  for (int r = 0; r < body->n_rotor; r++) {
+    input.rotor[r].torque = FB_R(0.05);
+    require(fb_state_rotor_set(body, state, r, (fb_real)model.rotor[r].text.speed, 0, NULL), "speed");
+  }
   for (int k = 0; k < 1000; k++) {
     require(fb_rk4_step(body, state, &work, &input, &input, &input, FB_R(0.002)), "step");
   }
@@ -117,6 +121,8 @@ static void compare(int what, const fb_shape *shape, const fb_body *body)
   are_near(what, "attitude", a.quat, b.quat, 4, 1e-12);
   are_near(what, "q", a.q, b.q, n, 1e-12);
   are_near(what, "pi", a.pi, b.pi, n, 1e-12);
+  are_near(what, "angles of rotors", a.q + n, b.q + n, body->n_rotor, 1e-12);
+  are_near(what, "momenta of rotors", a.pi + n, b.pi + n, body->n_rotor, 1e-12);
 }
 
 static void two_booms(void)
@@ -146,6 +152,61 @@ static void two_booms(void)
   are_near(STEPPED, "q of the model in ROM", b.q, a.q, 8, 0);
   are_near(STEPPED, "pi of the model in ROM", b.pi, a.pi, 8, 0);
   are_near(STEPPED, "attitude of the model in ROM", b.quat, a.quat, 4, 0);
+}
+
+/* Wheels on the hub and, by the number of its node, on the tip of a boom. */
+static void wheels(const char *file)
+{
+  static fb_shape shape;
+  static fb_beam beam;
+  static fb_modes modes;
+  static fb_modes_work modes_work;
+  static fb_body_work body_work;
+  const fb_section tube = {.mass = FB_R(0.5), .EI_y = 2000, .EI_z = 3000};
+  const fb_beam_desc desc = {.length = 8, .n_element = 8, .n_station = 1, .station = {tube}};
+  const fb_modes_desc keep = {.count = {2, 2}};
+  const fb_real center[3] = {0}, inertia[6] = {60, 70, 80}, bench[3] = {0, FB_R(0.3), 0}, none[3 * FB_MAX_MODES] = {0};
+  const fb_rotor rotor[3] = {{.node = 1, .axis = {0, 2, 0}, .inertia = FB_R(0.05), .damping = FB_R(1e-3)},
+                             {.node = 2,
+                              .axis = {1, 1, 0},
+                              .inertia = FB_R(0.004),
+                              .static_imbalance = FB_R(1e-5),
+                              .dynamic_imbalance = FB_R(2e-5),
+                              .dynamic_phase = (fb_real)(40 * 3.14159265358979324 / 180)},
+                             {.axis = {0, 0, -1}, .inertia = FB_R(0.01), .friction = FB_R(0.02), .friction_speed = 2}};
+  fb_body_desc level = {.effects = FB_EFFECTS_FULL, .n_rotor = 3};
+  int node;
+  FILE *out = fopen(file, "w");
+  if (!out) {
+    perror(file);
+    exit(1);
+  }
+  fputs("parts\nhub 400  0 0 0  60 70 80\neffects full\n"
+        "rotor tip 2\n  axis 1 1 0\n  inertia 0.004\n  speed -40\n  static_imbalance 1e-5\n"
+        "  dynamic_imbalance 2e-5 40\nend\n"
+        "beam boom\n  length 8\n  elements 8\n  modes bend_y 2 bend_z 2\n  stations x mass EI_y EI_z\n"
+        "  0 0.5 2000 3000\n  end\n  node tip far\nend\n"
+        "rotor hub bench\n  speed 300\n  axis 0 2 0\n  damping 1e-3\n  inertia 0.05\nend\nnode 0 0.3 0 bench\n"
+        "rotor own\n  axis 0 0 -1\n  inertia 0.01\n  friction 0.02 2\nend\n",
+        out);
+  fclose(out);
+  read_body(file);
+  require(fb_beam_init(&beam, &desc), "beam");
+  require(fb_modes_solve(&modes, &modes_work, &beam, &keep), "modes");
+  require(fb_shape_init(&shape, 4), "shape");
+  require(fb_shape_add_node(&shape, &node, bench, none, none), "node");
+  require(fb_shape_add_beam(&shape, 0, &beam, &modes), "beam");
+  require(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 8), "node");
+  require(fb_shape_add_rigid(&shape, 400, center, inertia), "hub");
+  level.rotor[0] = rotor[1]; /* in the order of the file */
+  level.rotor[1] = rotor[0];
+  level.rotor[2] = rotor[2];
+  require(fb_body_init(&by_calls, &body_work, &shape, &level), "body");
+  compare(TURNING, &shape, &by_calls);
+  if (fb_body_crc(&by_calls) != fb_body_crc(&model_body)) {
+    printf("wheels: another body than by C calls\n");
+    bad = 1;
+  }
 }
 
 /* ---- a component in another place and attitude, beside a beam */
@@ -469,10 +530,12 @@ static void placed(const char *file, int way)
 
 int main(int argc, char **argv)
 {
-  char file[256];
+  char file[256], turning[256];
   const char *what;
   snprintf(file, sizeof file, "%s/placed.txt", argc > 1 ? argv[1] : ".");
   two_booms();
+  snprintf(turning, sizeof turning, "%s/turning.txt", argc > 1 ? argv[1] : ".");
+  wheels(turning);
   for (int way = WAYS - 1; way >= 0; way--) { /* the file of the last one stays */
     placed(file, way);
   }
@@ -481,7 +544,8 @@ int main(int argc, char **argv)
   require(model_build(&what), "two booms, held");
   rings_down(0, 0.005);
   rings_down(4, 0.003);
-  printf("file against C calls %.1e, placed component against turned points %.1e, damping by part %.1e, in ROM %.1e\n",
-         worst[FILES], worst[PLACED], worst[DAMPED], worst[STEPPED]);
+  printf("file against C calls %.1e, placed component against turned points %.1e, damping by part %.1e, in ROM %.1e, "
+         "wheels %.1e\n",
+         worst[FILES], worst[PLACED], worst[DAMPED], worst[STEPPED], worst[TURNING]);
   return bad;
 }

@@ -30,6 +30,27 @@ for mode in 1:0.01 4:0.01 5:0.03 6:0.03; do
 done
 ! "$out/advise" "$out/damped.txt" > "$out/log" 2>&1 && grep -q 'want one damping ratio here' "$out/log" || fail "advise takes damping by frequency"
 
+# a wheel along pitch: nutation h/sqrt(J_x J_z), at a spin W about pitch sqrt((h + (J_y - J_z) W)(h + (J_y - J_x) W)/(J_x J_z)), h with
+# I W; friction lets its speed decay at d (1/I + 1/J_y), and its motor balances it
+gyrostat() {
+  printf 'rigid\nhub 50  0 0 0  2 3 4.5\nrotor wheel\n  axis 0 2 0\n  inertia 0.01\n  speed 80\n  damping 1e-3\nend\n' > "$out/gyrostat.txt"
+  try "$out/analyse" "$out/gyrostat.txt" --spin "0,$1,0"
+  awk -v W="$1" 'function near(x, y) { return x - y < 5e-6 * y && y - x < 5e-6 * y }
+    BEGIN { h = 0.8 + 0.01 * W; nutation = sqrt((h - 1.5 * W) * (h + W) / 9) }
+    /^  rotor wheel: 80 rad/ && $11 == 0.08 { held = near($6, h) }
+    near($3, nutation) { nutates = 1 } $3 == 0 && $2 > -0.10035 && $2 < -0.10032 { decays = 1 }
+    END { exit !(held && nutates && decays) }' "$out/log" || fail "a gyrostat at $1 rad/s: $(cat "$out/log")"
+}
+gyrostat 0
+gyrostat 0.3
+try "$out/analyse" examples/satellite_wheels.txt --linear "$out/wheels.csv" --inputs motor.pitch,torque.bench.y --outputs rotor_speed.0,rate.0.y
+for option in '--inputs motor.bench' '--inputs rotor_speed.pitch' '--outputs motor.pitch'; do
+  ! "$out/analyse" examples/satellite_wheels.txt --linear "$out/wheels.csv" $option > "$out/log" 2>&1 || fail "analyse takes $option"
+done
+try "$out/reduce" examples/satellite_wheels.txt --out "$out/wheels.h"
+grep -q 'rotor 0  pitch: 400 rad/s at the start, which the header has not' "$out/log" || fail "reduce does not tell of the speed of a rotor"
+! "$out/reduce" examples/satellite_wheels.txt --code --out "$out/wheels.h" 2> "$out/log" && grep -q -e '--code: rotors' "$out/log" || fail "--code takes rotors"
+
 # refuse LINE TEXT: of the file at the standard input
 : > "$out/refused"
 refuse() {
@@ -111,4 +132,27 @@ for k in 1 2 3 4 5 6 7 8 9; do
 done > "$out/nine"
 whole linear "$(cat "$out/nine")" | refuse 68 "more than 8 parts"
 printf 'rigid\nhub 1 0 0 0 1 1 1\nbeam a\nend\n' | refuse 3 "no such word for a rigid body: beam"
+# turns LINES...: a rigid body with a rotor of these lines
+turns() {
+  printf 'rigid\nhub 1 0 0 0 1 1 1\nnode 1 0 0 here\nrotor w here\n'
+  printf '%s\n' "$@"
+}
+turns "axis 1 0 0" "inertia 1" end > "$out/good.txt"
+try "$out/reduce" "$out/good.txt" --out "$out/good.h"
+turns "axis 1 0 0" "inertia 1" | refuse 6 "rotor w of line 4 wants a line \`end\`"
+turns "axis 1 0 0" end | refuse 4 "rotor w wants an inertia"
+turns "inertia 1" end | refuse 4 "rotor w wants an axis, not zero"
+turns "axis 1 0 0" "inertia 0" end | refuse 6 "inertia must be greater than 0"
+turns "axis 1 0 0" "inertia 1 2" end | refuse 6 "too much on the line: 2"
+turns "axis 1 0 0" "axis 1 0 0" end | refuse 6 "axis is there twice"
+turns "axis 1 0 0" "inertia 1" "motor constant 1" end | refuse 7 "the motor of a rotor is not in its description"
+turns "axis 1 0 0" "inertia 1" "momentum 1" "speed 1" end | refuse 8 "speed of a rotor whose momentum is given"
+turns "axis 1 0 0" "inertia 1" "momentum" end | refuse 7 "momentum is missing"
+turns "axis 1 0 0" "inertia 1" "spin 1" end | refuse 7 "no such word for a rotor: spin"
+turns "axis 1 0 0" "inertia 1" end "rotor w" "axis 1 0 0" "inertia 1" end | refuse 8 "two rotors have the name w"
+turns "axis 1 0 0" "inertia 1" end "rotor v there" "axis 1 0 0" "inertia 1" end | refuse 8 "rotor v: no node has the name or number there"
+turns "axis 1 0 0" "inertia 1" end "rotor v 2" "axis 1 0 0" "inertia 1" end | refuse 8 "rotor v: no node has the name or number 2"
+turns "axis 1 0 0" "inertia 1" end "rotor" | refuse 8 "the name of a rotor is missing"
+whole linear "beam a" "$boom" "rotor w" end | refuse 11 "no such word for a beam: rotor"
+turns "axis 1 0 0" "inertia 1" end "$(for k in 1 2 3 4; do printf 'rotor r%s\naxis 1 0 0\ninertia 1\nend\n' $k; done)" | refuse 20 "more than 4 rotors"
 ok "$figures; $(wc -l < "$out/refused") malformed files refused"

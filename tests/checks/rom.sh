@@ -25,7 +25,7 @@ for taken in fb_body fbi_dot FB_OK; do # names of the library
 done
 for single in 0 1; do
   precision=$([ $single = 1 ] && echo --single || true)
-  for model in examples/blade examples/panel examples/satellite examples/two_booms "$out/large"; do
+  for model in examples/blade examples/panel examples/satellite examples/two_booms examples/satellite_wheels "$out/large"; do
     try "$out/reduce" $model.txt $precision --name rom_body --out "$out/rom.h"
     again $model $model.txt $single
   done

@@ -135,6 +135,37 @@ done
 try "$out/scene" "$out/one_body.txt" --quiet
 [ ! -s "$out/log" ] || fail "the satellite as one body: $(cat "$out/log")"
 
+# rotors of a description, driven and read by name, are those of a scene
+{
+  printf 'duration 5\ninterval 0.1\nstep 0.01\n'
+  echo "body craft file $(pwd)/examples/satellite_wheels.txt"
+  printf 'end\nrotor craft.yaw\n  motor smooth 0.1 0 1\nend\nrotor craft.roll\n  speed 50\nend\n'
+} > "$out/inside.txt"
+{
+  printf 'duration 5\ninterval 0.1\nstep 0.01\nbody craft parts\n'
+  sed -e '1,/^parts/d' -e '/^rotor/,/^end/d' examples/satellite_wheels.txt
+  printf 'end\n'
+  sed -n -e 's/^rotor \([a-z]*\) bench/rotor \1 craft.bench/' -e '/^rotor/,/^end/p' examples/satellite_wheels.txt |
+    sed -e '/^rotor yaw/a motor smooth 0.1 0 1' -e '/^rotor roll/a speed 50'
+} > "$out/outside.txt"
+for file in inside outside; do
+  dot=$([ $file = inside ] && echo craft. || true)
+  {
+    printf 'output w spin craft\noutput tip displacement craft.right_tip\noutput s rotor_speed %syaw\n' "$dot"
+    printf 'output h rotor_momentum %spitch\ncontrol c\n  sample 0.1\n  input h\n  reference constant 32\n' "$dot"
+    printf '  pid 0.1 0 0\n  output rotor %spitch\nend\n' "$dot"
+  } >> "$out/$file.txt"
+  try "$out/scene" "$out/$file.txt" --quiet --out "$out/$file.csv"
+done
+[ "$(wc -l < "$out/inside.csv")" -gt 50 ] && cmp -s "$out/inside.csv" "$out/outside.csv" || fail "rotors of a description move otherwise than those of a scene"
+
+sed -e '/^step/d' -e '/^body craft/a auto 0.01' "$out/inside.txt" > "$out/chosen.txt"
+for axis in y z; do
+  echo "reference inside.csv t tip_$axis output tip_$axis tolerance 0.01 relative" >> "$out/chosen.txt"
+done
+try "$out/scene" "$out/chosen.txt" --quiet
+[ ! -s "$out/log" ] || fail "a satellite with wheels, modes and step chosen: $(cat "$out/log")"
+
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"

@@ -1354,6 +1354,60 @@ rotor w top
 end
 output s rotor_speed x
 END
+refuse 12 "no rotor has the name top.w" << END
+$top
+body more rigid
+  hub 1  0 0 0  1 1 1
+  rotor w
+    axis 0 0 1
+    inertia 0.1
+  end
+end
+rotor top.w
+  motor constant 1
+end
+END
+refuse 14 "motor of a rotor whose momentum is given" << END
+$top
+body more rigid
+  hub 1  0 0 0  1 1 1
+  rotor w
+    axis 0 0 1
+    inertia 0.1
+    momentum 0.2
+  end
+end
+rotor more.w
+  motor constant 1
+end
+END
+refuse 13 "speed of a rotor whose momentum is given" << END
+$top
+body more rigid
+  hub 1  0 0 0  1 1 1
+  rotor w
+    axis 0 0 1
+    inertia 0.1
+    speed 2
+  end
+end
+rotor more.w
+  momentum constant 1
+end
+END
+refuse 13 "too much on the line: more" << END
+$top
+body more rigid
+  hub 1  0 0 0  1 1 1
+  rotor w
+    axis 0 0 1
+    inertia 0.1
+    speed 2
+  end
+end
+rotor more.w more
+end
+END
 refuse 24 "more than 4 rotors of body more" << END
 $top
 body more rigid
