@@ -49,6 +49,8 @@ static struct fmu_staged { /* one scene in a process */
   int n_input, n_variable;
   fmu_variable variable[FMU_SCENE_VARIABLES];
   char name[FMU_SCENE_VARIABLES][FMU_NAME], unit[FMU_SCENE_VARIABLES][40];
+  int n_exported, n_parameter; /* variables of the FMU and parameters of the scene as it was exported */
+  char exported[FMU_SCENE_VARIABLES][FMU_NAME], parameter[SCENE_PARAMETERS][TEXT_NAME];
   double built[SCENE_PARAMETERS]; /* parameters, and.. */
   double built_step;              /* ..the step that the scene was built with */
 } staged;
@@ -284,14 +286,12 @@ static fmu_answer fmu_scene_open(const char *resources, fmu_text text)
 /* Reads it, with these parameters; NULL: its own. */
 static fmu_answer fmu_scene_read(const char *path, const double *parameter, double step, fmu_text text)
 {
-  static text_named named[SCENE_PARAMETERS];
   scene *const s = &staged.s;
   scene_setting set[SCENE_PARAMETERS];
-  const int n = parameter ? s->n_parameter : 0;
+  const int n = parameter ? staged.n_parameter : 0;
   const char *const slash = strrchr(path, '/');
-  memcpy(named, s->parameter, sizeof named);
   for (int k = 0; k < n; k++) {
-    set[k].name = named[k].name;
+    set[k].name = staged.parameter[k];
     set[k].value = parameter[k];
   }
   staged.made = 0;
@@ -307,18 +307,16 @@ static fmu_answer fmu_scene_read(const char *path, const double *parameter, doub
   return FMU_OK;
 }
 
-/* The variables again: a parameter may say how many modes there are, and with that how many outputs. */
+/* The variables again: a load that a parameter makes zero has no input. */
 static fmu_answer fmu_scene_relist(fmu_text text)
 {
-  static char before[FMU_SCENE_VARIABLES][FMU_NAME];
-  const int n = staged.n_variable;
-  memcpy(before, staged.name, sizeof before);
+  const int n = staged.n_exported;
   fmu_scene_list(&staged.s);
   for (int k = 0; k < n || k < staged.n_variable; k++) {
-    if (k >= n || k >= staged.n_variable || strcmp(before[k], staged.name[k]) != 0) {
+    if (k >= n || k >= staged.n_variable || strcmp(staged.exported[k], staged.name[k]) != 0) {
       snprintf(text, sizeof(fmu_text),
                "with these parameters the scene has other variables than the FMU (%s): export it with them",
-               k < n ? before[k] : staged.name[k]);
+               k < n ? staged.exported[k] : staged.name[k]);
       return FMU_ERROR;
     }
   }
@@ -451,6 +449,12 @@ static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text t
   answer = answer ? answer : fmu_scene_read(staged.path, NULL, 0, text);
   if (answer == FMU_OK) {
     fmu_scene_list(&staged.s);
+    memcpy(staged.exported, staged.name, sizeof staged.exported);
+    staged.n_exported = staged.n_variable;
+    staged.n_parameter = staged.s.n_parameter;
+    for (int k = 0; k < staged.n_parameter; k++) {
+      strcpy(staged.parameter[k], staged.s.parameter[k].name);
+    }
     staged.taken = p->opened = 1;
   }
   (void)scene_run; /* it runs a scene from end to end; here somebody else has the clock */

@@ -4,6 +4,7 @@
    first. */
 #ifndef FMU_VARIABLES_H
 #define FMU_VARIABLES_H
+#include <stdio.h>
 
 typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
 typedef enum fmu_place {

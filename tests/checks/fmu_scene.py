@@ -371,16 +371,16 @@ def check_refusals():
         other.initialize()
         want(len(rows_of(other, 3, 0.1)) == 4, f"after {name} {value} it does not run")
         other.close()
-    other = Instance(folder / "driven3.fmu", **{"settings.step": 0.2})
+    other = Instance(folder / "spinup_torque3.fmu", **{"settings.step": 10})
     before = other.outputs()
-    refuses("a step beyond the limit", lambda: other.step(0.4), other.log, "driven.txt", "step of 0.2 s")
-    other.set("motor.root", 0.0)
+    refuses("a step beyond the limit", lambda: other.step(0.1), other.log, "spinup_torque.txt", "step of 0.05 s", "fb_rk4_step")
+    other.set(other.names("input")[0], 0.0)
     want(other.outputs() == before, "a step that is refused changes something")
     other.close()
     for text, words in (("duration 1\nbox 3\n", [":2: no such word: box"]),
                         ("duration 1\n", ["bod"]),
                         ("duration 1\nbody a file none.txt\nend\n", ["none.txt", "No such file"]),
-                        (DRIVEN.replace("duration 2", ""), ["without duration"]),
+                        (DRIVEN.replace("duration 2", ""), ["wants a duration"]),
                         (DRIVEN + f"reference {Path('tests/reference/p07C_second_order.csv').resolve()} t GE_u2 output spin tolerance 1\n", ["from the folder of the scene"])):
         file = folder / "bad.txt"
         file.write_text(text)
