@@ -168,14 +168,14 @@
      fb_exact_work              173336
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               428136
+     fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
      fb_system_analyse_work    1959624
      fb_exact_path_work         202472
      fb_exact_spectrum_work    1625192
      fb_exact_linear_work      1998872
-     fb_advice_work            1127800
+     fb_advice_work            1128760
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -799,14 +799,15 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
   fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
   fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
-  fb_real root[FB_MAX_LINES][3];  /* displacement of a line's root by the modes */
+  fb_real root[FB_MAX_LINES][3], root_dot[FB_MAX_LINES][3]; /* displacement of a line's root by the modes; its rate */
   fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jr[FB_MAX_LINES][FB_MAX_MODES][3]; /* per rate of a line's coordinate:
                                                             of the points, velocity of the root */
-  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS];       /* velocities of a line's points, weighed (E14.17) */
-  fb_real gradient[FB_MAX_MODES];                   /* dT/dq */
-  fb_real push[3];                                  /* [N] E14.15 */
-  fb_real L[FB_MAX_MODES * FB_MAX_MODES];           /* Cholesky factor of M(q) */
-  fb_real X[6 * FB_MAX_MODES];                      /* Lambda(q), 6 x n, body axes */
+  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS]; /* velocities of a line's points, weighed (E14.17) */
+  fb_real place[3 * FB_MAX_POINTS];       /* likewise positions of the mass centers, line by line, 3 x stride each */
+  fb_real gradient[FB_MAX_MODES];         /* dT/dq */
+  fb_real push[3];                        /* [N] E14.15 */
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES]; /* Cholesky factor of M(q) */
+  fb_real X[6 * FB_MAX_MODES];            /* Lambda(q), 6 x n, body axes */
   fb_real column[FB_MAX_MODES][6], p[FB_MAX_MODES]; /* columns of Lambda L^-T, L^-1 pi */
   fb_real M_rr[21];                                 /* M_rr(q) */
   fb_real e[FB_MAX_MODES];                          /* L^-1 pi */

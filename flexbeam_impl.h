@@ -1888,8 +1888,8 @@ static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *a
 }
 
 /* The same of two fields, one behind the other in memory, by one pass over the factor. */
-static FBI_INLINE void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
-                                        const fb_line *line, fb_real x[2][3][FB_MAX_POINTS], int m)
+static FBI_INLINE void fbi_line_weigh_2_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
+                                            const fb_line *line, fb_real x[2][3][FB_MAX_POINTS], int m)
 {
   const int p = line->point, count = line->count, solid = line->solid;
   const fb_real *const factor = fbi_line_factor(all, line);
@@ -1927,14 +1927,76 @@ static FBI_INLINE void fbi_line_weigh_2(fb_real *FBI_RESTRICT Y, fb_real *FBI_RE
   }
 }
 
+/* Mass center of point j from the line, rho = H center. */
+static void fbi_line_offset(fb_real rho[3], fbi_line_work *w, const fb_lines *all, int j)
+{
+  fb_real H[9];
+  fbi_line_get9(H, w->H, j);
+  fb_mat33_mul_vec3(rho, H, all->center + 3 * j);
+}
+
+/* Y = C x of one field; C x = Q^T sqrt(m) W x. */
+static FBI_NOINLINE void fbi_line_weighed(fb_real *Y, const fb_lines *all, const fb_line *line,
+                                          fb_real x[3][FB_MAX_POINTS])
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_weigh(Y, all, line, x, m))
+}
+
+static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_lines *all, const fb_line *line,
+                                          fb_real x[2][3][FB_MAX_POINTS])
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_weigh_2_sum(Y, Z, all, line, x, m))
+}
+
+/* Positions of the mass centers as E14.17 has them, Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
+static void fbi_line_centers(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const start = u + m;
+  fb_real *const y = w->place + 3 * p;
+  fbi_line_weighed(y, all, line, w->t);
+  if (line->moves || line->hangs) {
+    fbi_line_root_weigh(y, all, line, w->root[line - all->line], m);
+  }
+  fbi_line_row_add(y, FB_R(1.0), start, 3 * m);
+  for (int j = 0; j < line->count && line->solid; j++) {
+    fb_real rho[3];
+    fbi_line_offset(rho, w, all, p + j);
+    for (int i = 0; i < 3; i++) {
+      y[i * m + j] += u[j] * rho[i];
+    }
+  }
+}
+
 /* [E14.4] Positions of the points from O, r = start + int t dx: the tangents' interpolating polynomials on each smooth
    stretch, integrated; the tangent of a root at rest is part of start.
    Source: [AS] 25.4, Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
    Test: lines_reach_where_the_differential_equation_does. */
-static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
-                               const fb_real *q)
+static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
 {
   const int p = line->point, m = fbi_line_width(line);
+  const fb_real *const root = w->root[line - all->line];
+  for (int j = 0; j < m; j++) {
+    w->r[0][p + j] = all->start[0][p + j] + root[0];
+    w->r[1][p + j] = all->start[1][p + j] + root[1];
+    w->r[2][p + j] = all->start[2][p + j] + root[2];
+  }
+  fbi_line_integrals_add(w->r, all, line, w->t);
+}
+
+/* Positions of the points of all lines that are posed; those of lines on which others hang are known. */
+static void fbi_lines_positions(fbi_line_work *w, const fb_lines *all)
+{
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    if (!line->carries) {
+      fbi_line_positions(w, all, line);
+    }
+  }
+}
+
+/* Displacement of a line's root by the modes. */
+static void fbi_line_root(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q)
+{
   fb_real *const root = w->root[line - all->line];
   fbi_vec3_zero(root);
   if (line->hangs) {
@@ -1943,12 +2005,6 @@ static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *al
   for (int a = 0; a < line->n && line->moves; a++) {
     fbi_vec3_add(root, q[line->first + a], all->table + line->shift + 3 * a);
   }
-  for (int j = 0; j < m; j++) {
-    w->r[0][p + j] = all->start[0][p + j] + root[0];
-    w->r[1][p + j] = all->start[1][p + j] + root[1];
-    w->r[2][p + j] = all->start[2][p + j] + root[2];
-  }
-  fbi_line_integrals_add(w->r, all, line, w->t);
 }
 
 /* Squared angles by which the intervals before the points turn at q; 0 where one is beyond FBI_LINE_TURN or not a number
@@ -1970,7 +2026,7 @@ static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q
   return sound;
 }
 
-/* Where the points of all lines are at q: x, quat, H, t, r. Returns 0 where an interval turns too far (E14.2). */
+/* Rotations of all lines at q, x, quat, H, t, and what masses are at; r is left to who asks (fbi_lines_positions). Returns 0 where an interval turns too far (E14.2). */
 static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
   int sound = 1;
@@ -1978,7 +2034,11 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
     fbi_line_turns(w, all, line, q);
     fbi_line_quats(w, line);
     fbi_line_tangents(w, all, line);
-    fbi_line_positions(w, all, line, q);
+    fbi_line_root(w, all, line, q);
+    fbi_line_centers(w, all, line);
+    if (line->carries) {
+      fbi_line_positions(w, all, line);
+    }
     sound &= fbi_line_is_in_range(w, line);
   }
   return sound;
@@ -2165,9 +2225,9 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
 
     /* Y of two coordinates together */
     if (k % 2) {
-      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates, m);
+      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates);
     } else if (k + 1 == line->n) {
-      fbi_line_weigh(w->Y[k], all, line, K, m);
+      fbi_line_weighed(w->Y[k], all, line, K);
     }
   }
   for (int k = 0; k < line->n && (line->moves || line->hangs); k++) {
@@ -2209,11 +2269,11 @@ static FBI_INLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const 
     r += r < last && r->a == k;
     fbi_line_plane_rates(K_y, K_z, Jw, t_y, t_z, m);
     if (field % 6 == 4) {
-      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates, m);
+      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates);
     } else if (k + 1 == line->n) {
-      fbi_line_weigh(Y + field / 6 * 6 * m, all, line, rates[0], m);
+      fbi_line_weighed(Y + field / 6 * 6 * m, all, line, rates[0]);
       if (field % 6 == 2) {
-        fbi_line_weigh(Y + (field / 6 * 6 + 3) * m, all, line, rates[1], m);
+        fbi_line_weighed(Y + (field / 6 * 6 + 3) * m, all, line, rates[1]);
       }
     }
   }
@@ -2228,14 +2288,6 @@ static FBI_NOINLINE void fbi_line_rates_by_coordinate(fbi_line_work *w, const fb
   } else {
     FBI_BY_WIDTH(width, fbi_line_jacobians(w, all, line, m))
   }
-}
-
-/* Mass center of point j from the line, rho = H center. */
-static void fbi_line_offset(fb_real rho[3], fbi_line_work *w, const fb_lines *all, int j)
-{
-  fb_real H[9];
-  fbi_line_get9(H, w->H, j);
-  fb_mat33_mul_vec3(rho, H, all->center + 3 * j);
 }
 
 /* Rotary inertia of point j in the line's axes, I = H inertia H^T (packed xx, xy, xz, yy, yz, zz). */
@@ -2313,26 +2365,6 @@ static FBI_NOINLINE void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I
     fbi_line_set3(rho, j, at);
     for (int i = 0; i < 9; i++) {
       I[i][j] = own[i];
-    }
-  }
-}
-
-/* Positions of the mass centers as E14.17 has them, Y = Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
-static FBI_INLINE void fbi_line_centers(fb_real *FBI_RESTRICT Y, fbi_line_work *w, const fb_lines *all,
-                                        const fb_line *line, fb_real rho[3][FB_MAX_POINTS], int m)
-{
-  const int p = line->point;
-  const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const start = u + m;
-  fbi_line_weigh(Y, all, line, w->t, m);
-  if (line->moves || line->hangs) {
-    fbi_line_root_weigh(Y, all, line, w->root[line - all->line], m);
-  }
-  for (int i = 0; i < 3 * m; i++) {
-    Y[i] += start[i];
-  }
-  for (int i = 0; i < 3 && line->solid; i++) {
-    for (int j = 0; j < m; j++) {
-      Y[i * m + j] += u[j] * rho[i][p + j];
     }
   }
 }
@@ -2539,13 +2571,13 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
                                                const fb_lines *all, int nb)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fb_real y[3 * FB_MAX_POINTS], rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
+    const fb_real *const y = w->place + 3 * line->point;
+    fb_real rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
     fbi_line_mass mass;
     fbi_line_rates_by_coordinate(w, all, line);
     if (line->solid) {
       fbi_line_solid(rho, I, w, all, line);
     }
-    FBI_BY_WIDTH(fbi_line_width(line), fbi_line_centers(y, w, all, line, rho, m))
     fbi_line_inertia_eval(M, X, w, all, line, nb, y, rho, I);
     if (M_rr) {
       fbi_line_mass_eval(&mass, y, all, line, I);
@@ -2559,13 +2591,14 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
 
 /* ---- velocities and forces */
 
-/* Velocities of the points relative to the frame, w and v, from the rates of the coordinates (E14.5 without its
-   matrices), the rates of the tangents, w x t + H Gamma q_dot, and of the rotation vectors. */
-static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
-                                        const fb_real *q_dot)
+/* Angular velocities of the points relative to the frame, from the rates of the coordinates (E14.5 without its matrices),
+   the rates of the tangents, w x t + H Gamma q_dot, of the rotation vectors and of the root. */
+static FBI_NOINLINE void fbi_line_turn(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+                                       const fb_real *q_dot)
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, *const move = w->root_dot[line - all->line];
+  fbi_vec3_zero(move);
   fbi_line_rows_eval(w->turn_dot, w->bow_dot, w->glide, all, line, q_dot);
   if (line->hangs) {
     fbi_line_get3(turn, w->w, line->hangs - 1);
@@ -2619,18 +2652,34 @@ static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_
     }
   }
 
-  /* t_dot, v */
+  /* t_dot */
   for (int j = 0; j < m; j++) {
     const fb_real x = w->w[0][p + j], y = w->w[1][p + j], z = w->w[2][p + j];
     const fb_real u = w->t[0][p + j], v = w->t[1][p + j], s = w->t[2][p + j];
     w->t_dot[0][p + j] = y * s - z * v + w->glide[0][p + j];
     w->t_dot[1][p + j] = z * u - x * s + w->glide[1][p + j];
     w->t_dot[2][p + j] = x * v - y * u + w->glide[2][p + j];
-    w->v[0][p + j] = move[0];
-    w->v[1][p + j] = move[1];
-    w->v[2][p + j] = move[2];
+  }
+}
+
+/* Velocities of the points relative to the frame from the rates of their tangents. */
+static void fbi_line_velocities(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  const fb_real *const move = w->root_dot[line - all->line];
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < m; j++) {
+      w->v[i][p + j] = move[i];
+    }
   }
   fbi_line_integrals_add(w->v, all, line, w->t_dot);
+}
+
+/* Both. */
+static void fbi_line_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q_dot)
+{
+  fbi_line_turn(w, all, line, q_dot);
+  fbi_line_velocities(w, all, line);
 }
 
 /* y_ij = sum over the points s of weight_j(s) x_is: what acts on the points, felt at the tangents; the transpose of
@@ -2664,6 +2713,46 @@ static FBI_NOINLINE void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb
                                            fb_real x[3][FB_MAX_POINTS])
 {
   FBI_BY_WIDTH(fbi_line_width(line), fbi_line_outboard_sum(y, all, line, x, m))
+}
+
+/* y_ij = sum over the rows s of C of C_sj z_is, z axis after axis: what weighed momenta are at the tangents. Two tangents
+   at once; of a triangular C those up to the diagonal. */
+static FBI_INLINE void fbi_line_unweigh_sum(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                            const fb_real *z, int m)
+{
+  const int p = line->point, count = line->count, solid = line->solid;
+  const fb_real *C = fbi_line_factor(all, line);
+  for (int j = 0; j < m; j += 2, C += 2 * m) {
+    const fb_real *const D = j + 1 < count ? C + m : C; /* beyond: an odd number of points, what follows is not read */
+    const int end = solid ? m : j + 2;
+    fb_real a = FB_R(0.0), A = a, b = a, B = a, c = a, G = a, d = a, E = a, e = a, F = a, f = a, H = a;
+    for (int s = 0; s < end; s += 2) {
+      a += C[s] * z[s];
+      A += C[s + 1] * z[s + 1];
+      b += D[s] * z[s];
+      B += D[s + 1] * z[s + 1];
+      c += C[s] * z[m + s];
+      G += C[s + 1] * z[m + s + 1];
+      d += D[s] * z[m + s];
+      E += D[s + 1] * z[m + s + 1];
+      e += C[s] * z[2 * m + s];
+      F += C[s + 1] * z[2 * m + s + 1];
+      f += D[s] * z[2 * m + s];
+      H += D[s + 1] * z[2 * m + s + 1];
+    }
+    y[0][p + j] = a + A;
+    y[0][p + j + 1] = b + B;
+    y[1][p + j] = c + G;
+    y[1][p + j + 1] = d + E;
+    y[2][p + j] = e + F;
+    y[2][p + j + 1] = f + H;
+  }
+}
+
+static FBI_NOINLINE void fbi_line_unweigh(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                          const fb_real *z)
+{
+  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_unweigh_sum(y, all, line, z, m))
 }
 
 /* x_a += sum over the points of A_a f + B_a g by their axes */
@@ -2757,28 +2846,20 @@ static void fbi_line_before(fb_real H[9], fb_real turn[3], fbi_line_work *w, con
   }
 }
 
-/* Forces by points, F, where a root moves with the modes, or with the point of another line: there with the further
-   vectors of its moments. */
+/* Force F where a root moves with the modes, or hung with the point of another line: there with the further vectors of
+   its moments. */
 static FBI_NOINLINE void fbi_line_root_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                           fb_real F[3][FB_MAX_POINTS], fb_real hung[3][FB_MAX_POINTS],
-                                           const fb_real B[3], const fb_real C[3])
+                                           const fb_real F[3], const fb_real hung[3], const fb_real B[3],
+                                           const fb_real C[3])
 {
   const int on = line->hangs - 1;
-  fb_real sum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  for (int i = 0; i < 3; i++) {
-    for (int j = line->point; j < line->point + line->count; j++) {
-      sum[i] += F[i][j];
-      if (line->hangs) {
-        w->hung[i][on] += hung[i][j];
-      }
-    }
-    if (line->hangs) {
-      w->hung[3 + i][on] += B[i];
-      w->hung[6 + i][on] += C[i];
-    }
+  for (int i = 0; i < 3 && line->hangs; i++) {
+    w->hung[i][on] += hung[i];
+    w->hung[3 + i][on] += B[i];
+    w->hung[6 + i][on] += C[i];
   }
   for (int a = 0; a < line->n && line->moves; a++) {
-    x[line->first + a] += fb_vec3_dot(sum, all->table + line->shift + 3 * a);
+    x[line->first + a] += fb_vec3_dot(F, all->table + line->shift + 3 * a);
   }
 }
 
@@ -2795,31 +2876,54 @@ static void fbi_line_spin(fb_real out[3], fb_real a_dot, fb_real b_dot, fb_real 
   }
 }
 
-/* Momenta of the points of a solid line: P at the mass centers; what their offsets and rotary inertia add to c and b
-   (E14.7). */
-static FBI_NOINLINE void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
-                                                fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
-                                                const fb_line *line, const fb_real o[3])
+/* Of a solid line: momenta z of its points by sqrt(m) become those of the mass centers; what their offsets and rotary
+   inertia add to c and b (E14.7). */
+static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fb_real b[3][FB_MAX_POINTS], fb_real c[3][FB_MAX_POINTS],
+                                                fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                                const fb_real o[3])
 {
-  for (int j = line->point; j < line->point + line->count; j++) {
-    fb_real turn[3], whole[3], rho[3], I[9], L[3], P_j[3], more[3], own[3];
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  for (int s = 0; s < line->count; s++) {
+    const int j = line->point + s;
+    fb_real turn[3], whole[3], rho[3], I[9], L[3], P[3], more[3], own[3];
     fbi_line_get3(turn, w->w, j);
-    fbi_line_get3(P_j, P, j);
     fbi_vec3_advance(whole, o, FB_R(1.0), turn);
     fbi_line_offset(rho, w, all, j);
     fbi_line_spread(I, w, all, j);
-    fb_vec3_cross(more, whole, rho);
-    fbi_vec3_add(P_j, all->mass[j], more);
-    fbi_line_set3(P, j, P_j);
+    fb_vec3_cross(more, turn, rho);
+    for (int i = 0; i < 3; i++) {
+      z[i * m + s] += u[s] * more[i];
+      P[i] = u[s] * z[i * m + s];
+    }
     fb_mat33_mul_vec3(L, I, whole);
-    fb_vec3_cross(own, rho, P_j);
+    fb_vec3_cross(own, rho, P);
     fbi_vec3_add(own, FB_R(1.0), L);
     fbi_line_set3(c, j, own);
     fb_vec3_cross(more, turn, own);
-    fb_vec3_cross(own, P_j, whole);
+    fb_vec3_cross(own, P, whole);
     fbi_vec3_add_cross(more, rho, own);
     fbi_vec3_add_cross(more, L, whole);
     fbi_line_set3(b, j, more);
+  }
+}
+
+/* Momenta of the points by E14.17, z = Q^T sqrt(m) (u + v_root) + o x y + C t_dot, y: positions of the mass centers
+   (fbi_line_centers). Times Q^T sqrt(m) their sum is the momentum, times C they are what tangents feel. */
+static FBI_NOINLINE void fbi_line_weighed_momenta(fb_real *z, fbi_line_work *w, const fb_lines *all,
+                                                  const fb_line *line, const fb_real u[3], const fb_real o[3])
+{
+  const int m = fbi_line_width(line);
+  const fb_real *const one = fbi_line_factor(all, line) + line->count * m, *const y = w->place + 3 * line->point;
+  const fb_real *const root = w->root_dot[line - all->line];
+  const fb_real a = u[0] + root[0], b = u[1] + root[1], c = u[2] + root[2], d = o[0], e = o[1], f = o[2];
+  fb_real *FBI_RESTRICT const z_x = z, *FBI_RESTRICT const z_y = z + m, *FBI_RESTRICT const z_z = z + 2 * m;
+  fbi_line_weighed(z, all, line, w->t_dot);
+  for (int j = 0; j < m; j++) {
+    const fb_real X = y[j], Y = y[m + j], Z = y[2 * m + j];
+    z_x[j] += one[j] * a + (e * Z - f * Y);
+    z_y[j] += one[j] * b + (f * X - d * Z);
+    z_z[j] += one[j] * c + (d * Y - e * X);
   }
 }
 
@@ -2867,9 +2971,25 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_
   }
 }
 
+/* What hangs on the points adds to F, b and c of E14.7. */
+static FBI_NOINLINE void fbi_line_hung_add(fb_real F[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
+                                           fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
+                                           const fb_line *line)
+{
+  fb_real at[3][FB_MAX_POINTS];
+  fbi_line_outboard(at, all, line, w->hung);
+  for (int i = 0; i < 3; i++) {
+    for (int j = line->point; j < line->point + line->stride; j++) {
+      F[i][j] += at[i][j];
+      b[i][j] += w->hung[3 + i][j];
+      c[i][j] += w->hung[6 + i][j];
+    }
+  }
+}
+
 /* [E14.7] Gradient of the kinetic energy of a line by its coordinates at fixed velocities, x_a += dT/dq_a, by one
    sweep from the tip. A virtual rotation d of a section moves the points by the integral of d x t, and changes their
-   velocities by that of d' x t + d x t_dot, so that with the momenta P of the points and F, P outboard (E14.4),
+   velocities by that of d' x t + d x t_dot, so that with the momenta P of the points and F, P outboard (E14.17),
    c = t x F by d',  b = t x (F x o) + t_dot x F by d,  u, o: velocity and angular velocity of the frame;
    solid lines add c' = rho x P + L and b' = w x c' + rho x (P x (o + w)) + L x (o + w) at mass centers r + rho with the
    angular momenta L about them. B, C: b and c summed from the tip. d = sum N d phi gives
@@ -2881,31 +3001,25 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
                                                const fb_real u[3], const fb_real o[3])
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real P[3][FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS], c[3][FB_MAX_POINTS],
+  fb_real z[3 * FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS], c[3][FB_MAX_POINTS],
       y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS];
   fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
-  /* momenta of the points; what offset masses and lines that hang there add */
-  for (int j = 0; j < m; j++) {
-    const fb_real X = w->r[0][p + j], Y = w->r[1][p + j], Z = w->r[2][p + j], mass = all->mass[p + j];
-    P[0][p + j] = mass * (w->v[0][p + j] + u[0] + (o[1] * Z - o[2] * Y));
-    P[1][p + j] = mass * (w->v[1][p + j] + u[1] + (o[2] * X - o[0] * Z));
-    P[2][p + j] = mass * (w->v[2][p + j] + u[2] + (o[0] * Y - o[1] * X));
-    b[0][p + j] = b[1][p + j] = b[2][p + j] = c[0][p + j] = c[1][p + j] = c[2][p + j] = FB_R(0.0);
+  /* momenta of the points and what they are at the tangents; what offset masses and lines that hang there add */
+  fbi_line_weighed_momenta(z, w, all, line, u, o);
+  for (int i = 0; i < 3; i++) {
+    fbi_zero(b[i] + p, m);
+    fbi_zero(c[i] + p, m);
   }
   if (line->solid) {
-    fbi_line_solid_momenta(P, b, c, w, all, line, o);
+    fbi_line_solid_momenta(z, b, c, w, all, line, o);
   }
-  for (int j = 0; j < m && line->carries; j++) {
-    for (int i = 0; i < 3; i++) {
-      P[i][p + j] += w->hung[i][p + j];
-      b[i][p + j] += w->hung[3 + i][p + j];
-      c[i][p + j] += w->hung[6 + i][p + j];
-    }
+  fbi_line_unweigh(F, all, line, z);
+  if (line->carries) {
+    fbi_line_hung_add(F, b, c, w, all, line);
   }
 
   /* b, c and their sums from the tip to the root */
-  fbi_line_outboard(F, all, line, P);
   for (int j = 0; j < m; j++) {
     const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
     const fb_real a = w->t[0][p + j], d = w->t[1][p + j], e = w->t[2][p + j];
@@ -2946,14 +3060,16 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
   }
   fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, G);
   if (line->moves || line->hangs) {
-    fb_real Q[3][FB_MAX_POINTS];
-    for (int j = p; j < p + m; j++) {
-      fb_real P_j[3], own[3];
-      fbi_line_get3(P_j, P, j);
-      fb_vec3_cross(own, P_j, o);
-      fbi_line_set3(Q, j, own);
+    const fb_real *const one = fbi_line_factor(all, line) + line->count * m;
+    fb_real P[3], own[3];
+    for (int i = 0; i < 3; i++) {
+      P[i] = fbi_line_dot(one, z + i * m, m);
+      for (int j = p; j < p + m && line->carries; j++) {
+        P[i] += w->hung[i][j];
+      }
     }
-    fbi_line_root_add(x, w, all, line, Q, P, B, C);
+    fb_vec3_cross(own, P, o);
+    fbi_line_root_add(x, w, all, line, own, P, B, C);
   }
 }
 
@@ -2982,7 +3098,10 @@ static FBI_NOINLINE void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, co
                                                 const fb_real *q_dot)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_rates(w, all, line, q_dot);
+    fbi_line_turn(w, all, line, q_dot);
+    if (line->carries) {
+      fbi_line_velocities(w, all, line);
+    }
   }
   fbi_lines_unload(w, all);
   for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
@@ -3002,11 +3121,15 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
 {
   const int p = line->point, m = line->stride;
   fb_real f[3][FB_MAX_POINTS], y[3][FB_MAX_POINTS], g[3][FB_MAX_POINTS], own[3][FB_MAX_POINTS];
-  fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, total[3];
   const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   for (int i = 0; i < 3; i++) {
     for (int j = p; j < p + m; j++) {
       own[i][j] = F[i][j] + (line->carries ? w->hung[i][j] : FB_R(0.0));
+    }
+    total[i] = FB_R(0.0);
+    for (int j = p; j < p + line->count; j++) {
+      total[i] += own[i][j];
     }
   }
   fbi_line_outboard(f, all, line, own);
@@ -3036,7 +3159,7 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
   }
   fbi_line_moments_add(x, w, all, line, y, NULL);
   fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, g);
-  fbi_line_root_add(x, w, all, line, own, own, B, none);
+  fbi_line_root_add(x, w, all, line, total, total, B, none);
 }
 
 /* Of all lines: c += first moment of mass about O, body axes; unless x is NULL x_a += g.dc/dq_a. */
@@ -3047,16 +3170,11 @@ static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work 
     fbi_lines_unload(w, all);
   }
   for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
-    fb_real sum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, own[3], F[3][FB_MAX_POINTS];
-    for (int j = line->point; j < line->point + line->count; j++) {
-      fb_real r[3];
-      fbi_line_get3(r, w->r, j);
-      if (line->solid) {
-        fb_real rho[3];
-        fbi_line_offset(rho, w, all, j);
-        fbi_vec3_add(r, FB_R(1.0), rho);
-      }
-      fbi_vec3_add(sum, all->mass[j], r);
+    const int m = fbi_line_width(line);
+    const fb_real *const one = fbi_line_factor(all, line) + line->count * m, *const y = w->place + 3 * line->point;
+    fb_real sum[3], own[3], F[3][FB_MAX_POINTS];
+    for (int i = 0; i < 3; i++) {
+      sum[i] = fbi_line_dot(one, y + i * m, m);
     }
     fbi_vec3_copy(own, sum);
     if (line->turned) {
@@ -3171,6 +3289,7 @@ static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_li
 {
   fb_real F[3][FB_MAX_POINTS], T[3][FB_MAX_POINTS];
   fbi_lines_drift(w, all, q_dot);
+  fbi_lines_positions(w, all);
   fbi_lines_unload(w, all);
   fbi_vec3_zero(push);
   for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
@@ -3273,6 +3392,7 @@ static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R
                                  FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0)};
   static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_line_point *p = w->point;
+  fbi_lines_positions(w, all);
   for (int l = 0; l < all->n_line; l++) {
     const fb_line *const line = &all->line[l];
     fb_real H[9], r[3], v[3], turn[3];
@@ -4303,19 +4423,17 @@ static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
   }
 }
 
-/* E8.13 for a body with lines whose inertia is known. */
+/* E8.13 for a body with lines whose inertia is known; leaves out k.pb, which no rate asks for. */
 static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                             const fb_input *input)
 {
   fb_real y[6];
   fbi_line_work *const w = k->line;
-  fbi_chol_forward(w->p, w->L, state->pi, body->n);
-  fbi_chol_back(k->Minv_pi, w->L, w->p, body->n);
-  k->pb = k->Minv_pi;
   if (body->base == FB_BASE_PRESCRIBED) {
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
+  fbi_chol_forward(w->p, w->L, state->pi, body->n);
   fbi_large_S(k, body);
   fbi_vec3_zero(k->V);
   fbi_vec3_zero(k->ph);
@@ -6060,6 +6178,16 @@ static fb_status fbi_further_rates(fb_state *rate, fbi_kinetics *k, const fb_bod
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* k.pb = M^-1 pi of a body with lines whose inertia is known. */
+static fb_status fbi_large_elastic(fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+{
+  k->pb = k->Minv_pi;
+  fb_chol_solve(k->Minv_pi, k->line->L, pi, body->n);
+  return FB_OK;
+}
+#endif
+
 /* Velocities of any body at a state; with rotors state.pi becomes what it is without them. */
 static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state *state, const fb_input *input)
 {
@@ -6069,12 +6197,18 @@ static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state
     fb_state own;
     const fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input);
     fbi_copy(state->pi, own.pi, body->n);
+#if FB_WITH_LARGE_DEFLECTION
+    if (status == FB_OK && fbi_is_large(body)) {
+      return fbi_large_elastic(k, body, state->pi);
+    }
+#endif
     return status;
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    return fbi_large_velocity(k, body, state, input);
+    const fb_status status = fbi_large_velocity(k, body, state, input);
+    return status == FB_OK ? fbi_large_elastic(k, body, state->pi) : status;
   }
 #endif
   return fbi_velocity(k, body, state, input);
@@ -10819,7 +10953,7 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
 }
 
 #if FB_WITH_LARGE_DEFLECTION
-/* Distributed loads on body k, E14.40; velocities of its points relative to O are known. */
+/* Distributed loads on body k, E14.40; its lines are posed, the rates of their tangents known. */
 static FBI_NOINLINE fb_status fbi_link_distributed(fb_system_work *w, const fb_system_input *input, int k)
 {
   fbi_link_work *const L = &w->link[k];
@@ -10835,6 +10969,9 @@ static FBI_NOINLINE fb_status fbi_link_distributed(fb_system_work *w, const fb_s
   }
   fbi_vec6_copy(V, L->V);
   fbi_own_frame_add(V, FB_R(1.0), w, k);
+  for (int l = 0; l < all->n_line; l++) {
+    fbi_line_velocities(line, all, &all->line[l]);
+  }
   n = fbi_lines_look(line, all, L->k.R, origin, V);
   for (int i = 0; i < n; i++) {
     line->point[i].body = k;
@@ -16066,6 +16203,10 @@ static void fbi_lines_slopes(fb_real *x, fb_real *p, fb_real y[6], fbi_line_work
   fbi_zero(y, 6);
   (void)fbi_lines_pose(w, &body->lines, q);
   fbi_lines_gradient_add(x, w, &body->lines, V, q_dot);
+  for (const fb_line *line = body->lines.line, *end = line + body->lines.n_line; line < end; line++) {
+    fbi_line_velocities(w, &body->lines, line);
+  }
+  fbi_lines_positions(w, &body->lines);
   fbi_lines_momenta_add(y, p, w, &body->lines, V);
 }
 
@@ -16132,6 +16273,7 @@ static fb_status fbi_large_coupling(fb_implicit_work *w, const fbi_kinetics *k, 
       w->A[i * rows + j] = w->A[j * rows + i] = *M_rr++;
     }
   }
+  fbi_lines_positions(k->line, &body->lines);
   w->inertia = fbi_lines_inertia(line, &body->lines);
 
   /* N, Y, K */
@@ -24232,31 +24374,29 @@ static void fbi_line_factor_fill(fb_lines *all, const fb_line *line)
   }
 }
 
-/* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
-   a joined beam moves with no point of an earlier one; FB_ERR_UNSUPPORTED: its modes, or another beam in its place with
-   the same coordinates. */
-static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
+/* The points of a beam's line, if there is room for it: else all->n_point is what is wanted. */
+static fb_status fbi_line_claim(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam,
+                                const fb_modes *modes)
 {
-  fb_line *const line = &all->line[all->n_line];
-  fb_real position[3], root_weight, column[FB_MAX_POINTS];
-  int on = -1;
   fb_status status;
   if (all->n_line >= FB_MAX_LINES) {
     return FB_ERR_CAPACITY;
   }
   status = fbi_line_plan_fill(plan, beam, modes);
   if (all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
-    all->n_point += (plan->n + 1) / 2 * 2; /* what is wanted */
+    all->n_point += (plan->n + 1) / 2 * 2;
     return FB_ERR_CAPACITY;
   }
   if (status != FB_OK) {
     return status;
   }
-  if (fbi_line_find(all, first, beam, modes) >= 0) {
-    return FB_ERR_UNSUPPORTED;
-  }
+  return fbi_line_find(all, first, beam, modes) >= 0 ? FB_ERR_UNSUPPORTED : FB_OK;
+}
 
-  /* what it is */
+/* What a line is: coordinates, points, axes. */
+static void fbi_line_describe(fb_line *line, const fb_lines *all, const fbi_line_plan *plan, int first,
+                              const fb_beam *beam, const fb_modes *modes)
+{
   memset(line, 0, sizeof *line);
   line->first = (unsigned short)first;
   line->n = (unsigned short)modes->n;
@@ -24268,41 +24408,57 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     line->axes[i] = modes->joined ? (i % 4 ? FB_R(0.0) : FB_R(1.0)) : beam->axes[i];
     line->turned = line->turned || FB_FABS(line->axes[i] - (i % 4 ? FB_R(0.0) : FB_R(1.0))) > FBI_ROUNDING;
   }
-  fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   fbi_vec3_copy(line->root, beam->desc.position);
   fbi_mat33_copy(line->frame, beam->axes);
+}
+
+/* What the root of a line moves with: the point of an earlier one, the modes, or the body. */
+static fb_status fbi_line_hang(fb_lines *all, fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
+                               const fb_modes *modes)
+{
   if (modes->joined && plan->moves) {
-    on = fbi_line_support(all, first, modes->n, beam->desc.position, beam->desc.length);
+    const int on = fbi_line_support(all, line->first, modes->n, beam->desc.position, beam->desc.length);
+    fb_line *below;
     if (on < 0) {
       return FB_ERR_KIND;
     }
     line->hangs = (unsigned short)(1 + on);
-    all->line[fbi_line_of(all, on) - all->line].carries = 1;
-    all->line[fbi_line_of(all, on) - all->line].plane = 0;
+    below = &all->line[fbi_line_of(all, on) - all->line];
+    below->carries = 1;
+    below->plane = 0;
   }
-  line->moves = (unsigned short)(plan->moves && on < 0);
+  line->moves = (unsigned short)(plan->moves && !line->hangs);
+  return FB_OK;
+}
 
-  /* rows */
-  status = fbi_line_rows_fill(all, line, plan, beam, modes, 0);
+/* Tables of a line: rows of its turns and stretches, displacement of its root, and room for the sums of E14.4, E14.17. */
+static fb_status fbi_line_tables_fill(fb_lines *all, fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
+                                      const fb_modes *modes)
+{
+  const int sums = (2 * line->count + 4) * line->stride;
+  fb_status status = fbi_line_rows_fill(all, line, plan, beam, modes, 0);
   line->n_turn = (unsigned short)(all->n_row - line->row);
   status = status == FB_OK && plan->flexes ? fbi_line_rows_fill(all, line, plan, beam, modes, 1) : status;
   line->n_stretch = (unsigned short)(all->n_row - line->row - line->n_turn);
-  if (status != FB_OK || all->n_table + (2 * line->count + 4) * line->stride + 3 * modes->n > FBI_MAX_LINE_TABLE) {
+  if (status != FB_OK || all->n_table + sums + 3 * modes->n > FBI_MAX_LINE_TABLE) {
     return status ? status : FB_ERR_CAPACITY;
   }
-
-  /* displacement of the root */
   line->shift = all->n_table;
   for (int a = 0; a < modes->n && line->moves; a++) {
     fb_real theta[3], stretch[3];
     fbi_line_field(all->table + line->shift + 3 * a, theta, stretch, beam, modes, a, FB_R(0.0), 0);
     all->n_table += 3;
   }
-
-  /* points: mass, tangents, integrals along the line */
   line->weight = all->n_table;
-  all->n_table += (2 * line->count + 4) * line->stride;
-  fbi_zero(all->table + line->weight, (2 * line->count + 4) * line->stride);
+  all->n_table += sums;
+  fbi_zero(all->table + line->weight, sums);
+  return FB_OK;
+}
+
+/* Points of a line: masses and tangents, zero in the spare one. */
+static void fbi_line_points_fill(fb_lines *all, fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
+                                 const fb_modes *modes)
+{
   for (int s = 0; s < line->stride; s++) {
     const int at = line->point + s;
     fb_real e[3];
@@ -24318,8 +24474,15 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
       fbi_line_set3(all->tangent, at, e);
     }
   }
+}
+
+/* Integrals along a line up to its points (E14.4): weights of the tangents, and where the points start. */
+static void fbi_line_integrals_fill(fb_lines *all, const fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
+                                    const fb_modes *modes)
+{
+  fb_real position[3], root_weight, column[FB_MAX_POINTS];
+  fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   for (int s = 0; s < line->count; s++) {
-    const int at = line->point + s;
     fb_real start[3];
     fbi_line_weights(column, &root_weight, plan, plan->x[s]);
     fbi_line_begins_at(start, column, all, line, beam, modes, plan->x[s]);
@@ -24327,9 +24490,29 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
       all->table[line->weight + j * line->stride + s] = column[j];
     }
     for (int i = 0; i < 3; i++) {
-      all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
+      all->start[i][line->point + s] = (line->hangs ? FB_R(0.0) : position[i]) + start[i];
     }
   }
+}
+
+/* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
+   a joined beam moves with no point of an earlier one; FB_ERR_UNSUPPORTED: its modes, or another beam in its place with
+   the same coordinates. */
+static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  fb_line *const line = &all->line[all->n_line];
+  fb_status status = fbi_line_claim(all, plan, first, beam, modes);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_line_describe(line, all, plan, first, beam, modes);
+  status = fbi_line_hang(all, line, plan, beam, modes);
+  status = status == FB_OK ? fbi_line_tables_fill(all, line, plan, beam, modes) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_line_points_fill(all, line, plan, beam, modes);
+  fbi_line_integrals_fill(all, line, plan, beam, modes);
   fbi_line_factor_fill(all, line);
   line->plane = (unsigned short)fbi_line_plane(all, line);
   status = fbi_line_stations_fill(all, plan, beam, modes);
