@@ -161,17 +161,17 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
-     fb_rk4_work                 54840
-     fb_implicit_work            63032
-     fb_exponential_work         57864
-     fb_system_work             628104
+     fb_rk4_work                 55800
+     fb_implicit_work            63992
+     fb_exponential_work         58824
+     fb_system_work             635784
      fb_exact_work              173336
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
-     fb_system_analyse_work    1959624
+     fb_system_analyse_work    1967304
      fb_exact_path_work         202472
      fb_exact_spectrum_work    1625192
      fb_exact_linear_work      1998872
