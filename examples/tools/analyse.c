@@ -117,6 +117,7 @@ static fb_status trim_rotors(void)
 {
   static fb_body smooth;
   fb_motion motion;
+  const fb_real exact = FB_R(4e4) * FB_EPSILON;
   fb_real most = FB_SQRT(fb_vec3_dot(input.w, input.w)), miss = FB_HUGE;
   fb_status status = FB_OK;
   smooth = model_body;
@@ -127,9 +128,9 @@ static fb_status trim_rotors(void)
     input.rotor[k].torque = FB_R(0.0);
     input.rotor[k].momentum = (fb_real)model.rotor[k].momentum;
     state.pi[smooth.n + k] = rotor->given ? input.rotor[k].momentum : rotor->inertia * speed;
-    most = fmax(most, FB_FABS(speed));
+    most = FB_FABS(speed) > most ? FB_FABS(speed) : most;
   }
-  for (int round = 0; round < 20 && status == FB_OK && miss > FB_R(1e-11) * most; round++) {
+  for (int round = 0; round < 20 && status == FB_OK && miss > exact * most; round++) {
     status = fb_body_trim(&smooth, &state, &work, &input);
     status = status ? status : fb_body_motion_eval(&smooth, &motion, &state, &input);
     miss = FB_R(0.0);
@@ -137,10 +138,10 @@ static fb_status trim_rotors(void)
       const fb_real off =
           smooth.rotor[k].given ? FB_R(0.0) : (fb_real)model.rotor[k].text.speed - motion.rotor_speed[k];
       state.pi[smooth.n + k] += smooth.rotor[k].inertia * off;
-      miss = fmax(miss, FB_FABS(off));
+      miss = FB_FABS(off) > miss ? FB_FABS(off) : miss;
     }
   }
-  status = status == FB_OK && miss > FB_R(1e-11) * most ? FB_ERR_CONVERGENCE : status;
+  status = status == FB_OK && miss > exact * most ? FB_ERR_CONVERGENCE : status;
   for (int k = 0; k < smooth.n_rotor && status == FB_OK; k++) {
     input.rotor[k].torque = model_body.rotor[k].given ? FB_R(0.0) : hold(&model_body.rotor[k], motion.rotor_speed[k]);
   }
