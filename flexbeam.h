@@ -3128,6 +3128,7 @@ typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur
   int n_load;                    /* extreme loads; in axes of the body or of the node */
   fb_load load[FB_MAX_LOADS];
   fb_real frequency; /* [rad/s] of the excitation: 0 steady, FB_HUGE a step load, else the highest that matters */
+  int smooth;        /* 1: below the frequency of a mode it begins and ends as 1 - cos; 0: as a sine */
   fb_real duration;  /* [s] of the simulation */
   fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
   int node;          /* the output is the elastic displacement of this node */
@@ -3142,6 +3143,7 @@ typedef struct fb_advice {
   fb_integrator integrator;
   int long_step;      /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
   fb_real dt;         /* [s] */
+  int line_points;    /* fb_modes_desc.line_points that large deflection of these modes wants; 0: without it */
   fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
   fb_real deflection; /* [m] estimated maximum of the output, at most half the size of the body: beyond it a lower
                          bound */
@@ -3164,6 +3166,7 @@ typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in 
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
   fb_real omega[FB_MAX_MODES], zeta[FB_MAX_MODES], part[FB_MAX_MODES]; /* [rad/s], -, of the quasi-static answer */
   fb_real gain[FB_MAX_MODES], give[FB_MAX_MODES][3];                   /* to the output, without gain [m] */
+  fb_real free[FB_MAX_MODES];                                          /* free vibration by gain */
 } fbi_advice_modes;
 
 typedef struct fb_advice_work { /* scratch; large: make it static */
@@ -3176,6 +3179,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_motion motion;
   fb_node_motion node;
   fb_spectrum spectrum;
+  fb_exponential exponential;
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
   int all[FB_MAX_MODES];                        /* 0, 1, ... */
@@ -3190,13 +3194,17 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   /* of the body with the first n coordinates in that order: highest frequency and largest contribution of each mode of
      its own, row n - 1; its motion in the load cases with all of them */
   fb_real omega[FB_MAX_MODES][FB_MAX_MODES], most[FB_MAX_MODES][FB_MAX_MODES];
+  fb_real swing[FB_MAX_MODES][FB_MAX_MODES]; /* free vibration of the contribution */
   fb_real history[FBI_ADVICE_INSTANTS][FBI_ADVICE_TIMES][3];
   int order[FB_MAX_MODES]; /* coordinates in descending order of what they matter to the output, score */
   fb_real score[FB_MAX_MODES], give[FB_MAX_MODES]; /* give: what they give directly */
   fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
+  fb_real motion_off, linear_off, field_off; /* of a set, of the linear one, by the field: acceleration, as statically */
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
+  int has_field; /* 1: lines say what the displacement field errs by, */
+  fb_real field; /* relative to the deflection */
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
   fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
   fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
