@@ -633,7 +633,7 @@ TEST(large_deflection_has_no_error_of_the_field)
     FBT_INT_EQ(advice.effects == FB_EFFECTS_LARGE, large);
     if (k < 4) { /* elastica: (delta/L)^2 36/35 of its deflection, to second degree */
       FBT_NEAR_REL(advice.error_field, 36.0 / 35.0 * pow(bend[k / 2], 2.0), 0.03);
-    } else { /* beyond the limit E13.4 */
+    } else {                                                              /* beyond the limit E13.4 */
       FBT_NEAR_REL(advice.error_field, 0.3 * pow(bend[k / 2], 2.0), 0.1); /* the tip comes in, too */
     }
     FBT_NEAR_ABS(advice.error_model, large ? 0.0 : (double)advice.error_field, 0.0);
