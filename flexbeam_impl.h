@@ -32119,7 +32119,7 @@ static fb_real fbi_frame_part(fb_real dt, fb_real frame)
 /* [E13.44] Error of the free vibrations by the slope of a drive that jumps within a step h: the quadrature of the ramp
    errs by h^2/24 (Simpson's rule, order 4) or h^2/8 (middle, order 2) of its slope, at most, where it jumps in the
    middle; that is an impulse, which excites (omega h)^2/24 of the free vibration E13.43, after a smooth drive
-   (omega h)^3/384; at most twice that vibration.
+   (omega h)^3/384; at most twice that vibration; of several modes, whose phases are any, the root of the sum of squares.
    Source: own.  Fails: never.  Test: drives_may_end_within_a_step. */
 static fb_real fbi_advice_kink(const fb_advice_work *work, const fb_envelope *e, fb_integrator integrator, int n,
                                fb_real dt)
@@ -32128,9 +32128,11 @@ static fb_real fbi_advice_kink(const fb_advice_work *work, const fb_envelope *e,
   fb_real sum = FB_R(0.0);
   for (int k = 0; k < n && e->frequency < FB_HUGE; k++) {
     const fb_real turn = work->omega[n - 1][k] * dt;
-    sum += work->swing[n - 1][k] * fbi_smaller(turn * turn * (e->smooth ? turn / FB_R(384.0) : part), FB_R(2.0));
+    const fb_real off =
+        work->swing[n - 1][k] * fbi_smaller(turn * turn * (e->smooth ? turn / FB_R(384.0) : part), FB_R(2.0));
+    sum += off * off;
   }
-  return sum / work->deflection;
+  return FB_SQRT(sum) / work->deflection;
 }
 
 /* Step [s] for a tolerance by E12.7: the free vibration of each mode at its frequency plus the spin, and the driven

@@ -82,7 +82,7 @@ TEST(advised_steps_are_those_of_the_spectrum)
       for (int m = 0; m < advice.n; m++) {
         const double turn = (double)work.omega[advice.n - 1][m] * next, swing = (double)work.swing[advice.n - 1][m];
         const int of_two = advice.integrator == FB_INTEGRATOR_MIDPOINT || advice.integrator == FB_INTEGRATOR_SDIRK;
-        kink += fmin(2.0, turn * turn / (of_two ? 8.0 : 24.0)) * swing / (double)work.deflection;
+        kink = hypot(kink, fmin(2.0, turn * turn / (of_two ? 8.0 : 24.0)) * swing / (double)work.deflection);
       }
       left = (double)advice.error_step * 1.0001 - kink;
       left =
