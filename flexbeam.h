@@ -175,7 +175,7 @@
      fb_exact_path_work         202472
      fb_exact_spectrum_work    1625192
      fb_exact_linear_work      1998872
-     fb_advice_work            1128760
+     fb_advice_work            1135776
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -3132,6 +3132,7 @@ typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur
   int n_load;                    /* extreme loads; in axes of the body or of the node */
   fb_load load[FB_MAX_LOADS];
   fb_real frequency; /* [rad/s] of the excitation: 0 steady, FB_HUGE a step load, else the highest that matters */
+  int smooth;        /* 1: it begins and ends as 1 - cos, which leaves less vibration of faster modes; 0: as a sine */
   fb_real duration;  /* [s] of the simulation */
   fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
   int node;          /* the output is the elastic displacement of this node */
@@ -3149,9 +3150,11 @@ typedef struct fb_advice {
   int n;                        /* number of modes */
   int coordinate[FB_MAX_MODES]; /* the modes, ascending: for fb_shape_select */
   fb_integrator integrator;
-  int long_step;      /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
-  fb_real dt;         /* [s] */
-  fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
+  int long_step;   /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
+  fb_real dt;      /* [s] */
+  int line_points; /* for fb_modes_desc with large deflection: as many as these modes want, of which cost is; 0: without
+                         it. The shape need not be made again: more points take more time, no more error */
+  fb_real cost;    /* approximate number of instructions of a 64-bit processor per simulated second */
   fb_real deflection; /* [m] estimated maximum of the output, at most half the size of the body: beyond it a lower
                          bound */
   /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
@@ -3173,6 +3176,7 @@ typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in 
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
   fb_real omega[FB_MAX_MODES], zeta[FB_MAX_MODES], part[FB_MAX_MODES]; /* [rad/s], -, of the quasi-static answer */
   fb_real gain[FB_MAX_MODES], give[FB_MAX_MODES][3];                   /* to the output, without gain [m] */
+  fb_real free[FB_MAX_MODES];                                          /* free vibration by gain */
 } fbi_advice_modes;
 
 typedef struct fb_advice_work { /* scratch; large: make it static */
@@ -3185,6 +3189,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_motion motion;
   fb_node_motion node;
   fb_spectrum spectrum;
+  fb_exponential exponential;
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
   int all[FB_MAX_MODES];                        /* 0, 1, ... */
@@ -3199,13 +3204,18 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   /* of the body with the first n coordinates in that order: highest frequency and largest contribution of each mode of
      its own, row n - 1; its motion in the load cases with all of them */
   fb_real omega[FB_MAX_MODES][FB_MAX_MODES], most[FB_MAX_MODES][FB_MAX_MODES];
+  fb_real swing[FB_MAX_MODES][FB_MAX_MODES]; /* free vibration of the contribution */
   fb_real history[FBI_ADVICE_INSTANTS][FBI_ADVICE_TIMES][3];
   int order[FB_MAX_MODES]; /* coordinates in descending order of what they matter to the output, score */
   fb_real score[FB_MAX_MODES], give[FB_MAX_MODES]; /* give: what they give directly */
   fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
-  fb_real bend; /* [m] the deflection without its limit */
-  int buckled;  /* 1: in some load case */
+  fb_real motion_off, linear_off,
+      field_off; /* of a set, of the linear one, by the field: acceleration, as statically */
+  fb_real bend;  /* [m] the deflection without its limit */
+  int buckled;   /* 1: in some load case */
+  int has_field; /* 1: lines say what the displacement field errs by, */
+  fb_real field; /* relative to the deflection */
 #if FB_WITH_ROTORS
   int turns; /* some rotor does */
 #endif
@@ -3216,11 +3226,11 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   int part[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
 } fb_advice_work;
 
-/* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
-   (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
-   tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no
-   load case buckles it or bends it by more than five lengths. With it no step of fb_exponential_step is advised: its
-   limit depends on how far the beams are bent.
+/* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most four fifths of
+   the tolerance (relative to the largest output). error_model uses at most 0.7 of the tolerance; if it is larger, error
+   exceeds the tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK)
+   and no load case buckles it or bends it by more than five lengths. A step of fb_exponential_step with it is one that
+   the deflections of the load cases allow; a run that bends much farther is refused (FB_ERR_STEP).
    The estimates compare the accelerations of each set at the extremes of the envelope, and the motion of the body with
    and without some modes, linear, while its base recoils: bounded work, no simulation. They are often wrong by a factor
    of three. shape: natural modes of each appendage, more than will be needed; modes are taken in the order of what they
@@ -3296,6 +3306,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
+          It measures the quadratic field by the lines, where a body has any, and foresees exponential steps with large
+          deflection: fb_envelope.smooth, fb_advice.line_points.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
           descriptions of bodies have them.

@@ -17,6 +17,8 @@ static void fbb_envelope(fb_envelope *e, const fbb_case *c)
   e->duration = (fb_real)c->duration;
   e->frame = (fb_real)(c->duration / FBB_SAMPLES);
   e->frequency = c->period > 0.0 ? (fb_real)(2 * FBB_PI * per_turn / c->period) : FB_HUGE;
+  e->smooth = c->drive == fbb_drive_spinup || c->drive == fbb_drive_flap || c->drive == fbb_drive_shake ||
+              c->drive == fbb_drive_hit;
   e->node = (c->chord ? FBB_MIDDLE : FBB_TIP) + 1;
   for (int k = 0; k <= 1000; k++) { /* the base, which turns about z alone */
     const double t = 1e-3 * k * c->duration;
@@ -62,14 +64,21 @@ typedef struct fbb_trial { /* what the library's trials run */
 
 static fb_status fbb_trial_run(void *user, fb_real *output, const fb_advice *candidate)
 {
-  static fb_shape shape;
+  static fb_shape shape, pointed;
   static fb_body body;
   static fb_body_work work;
   static fbb_history history;
   fbb_trial *const trial = (fbb_trial *)user;
+  fbb_basis basis = fbb_modes_of(trial->c, trial->c->y * FBB_ADVICE_MODES, trial->c->z * FBB_ADVICE_MODES);
   const int steps = (int)lround(trial->c->duration / FBB_SAMPLES / (double)candidate->dt);
   fb_body_desc desc;
-  fb_status status = fb_shape_select(&shape, trial->shape, candidate->coordinate, candidate->n);
+  fb_status status;
+  if (candidate->line_points > 0) {
+    basis.points = candidate->line_points;
+    fbb_shape_make(&pointed, trial->c, &basis);
+  }
+  status = fb_shape_select(&shape, candidate->line_points > 0 ? &pointed : trial->shape, candidate->coordinate,
+                           candidate->n);
   fbb_body_desc_make(&desc, trial->c, candidate->effects);
   status = status ? status : fb_body_init(&body, &work, &shape, &desc);
   if (status != FB_OK) {

@@ -13,6 +13,7 @@ static fb_advice advice;
 static fb_real metre = FB_R(1.0), kilogram = FB_R(1.0), second = FB_R(1.0); /* of booms */
 static fb_real boom_attitude[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 static fb_real boom_output = FB_R(1.0); /* part of the length */
+static int boom_points;                 /* line_points; 0: the default */
 
 /* A uniform cantilever of 3 m with bending modes along y and z and a node, at the tip; its modes go to `modes`. */
 static inline void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
@@ -32,6 +33,7 @@ static inline void make_boom(fb_shape *out, fb_modes *modes, int along_y, int al
   desc.station[0].EI_z = FB_R(900.0) * kilogram * metre * metre * metre / (second * second);
   keep.count[FB_KIND_BEND_Y] = along_y;
   keep.count[FB_KIND_BEND_Z] = along_z;
+  keep.line_points = boom_points;
   FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
   FBT_INT_EQ(fb_modes_solve(modes, &modes_work, &beam, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(out, modes->n), FB_OK);

@@ -229,8 +229,8 @@ TEST(a_rate_too_small_to_matter_changes_no_advice)
       memcpy(modes, work.error_modes, sizeof modes);
     }
     FBT_NEAR_REL(advice.deflection, steady.deflection, FBT_TOL(1e-6, 1e-3));
-    FBT_NEAR_REL(advice.dt, steady.dt, FBT_TOL(1e-6, 1e-2));
-    FBT_BELOW(fbt_difference(work.error, error, FBI_ADVICE_SETS), FBT_TOL(1e-6, 1e-2) * fbt_largest(error, 3));
+    FBT_NEAR_REL(advice.dt, steady.dt, FBT_TOL(1e-5, 1e-2));
+    FBT_BELOW(fbt_difference(work.error, error, FBI_ADVICE_SETS), FBT_TOL(1e-4, 1e-2) * fbt_largest(error, 3));
     FBT_BELOW(fbt_difference(work.error_modes, modes, 6), FBT_TOL(1e-6, 1e-3));
   }
 }
@@ -600,12 +600,13 @@ TEST(bending_and_speed_have_their_phases)
   FBT_NEAR_REL(work.error[0], s * s / omega_z2 * (1.0 + 0.5 * f * T), FBT_TOL(1e-2, 0.1));
 }
 
-/* E13.4 as it is written, about a slow spin of the boom about itself. */
+/* E13.4 as it is written, of a body without lines, about a slow spin of the boom about itself. */
 TEST(model_error_is_its_formula)
 {
   const double s = 0.1, f = 1.0, T = 10.0;
   double bend;
   boom_under_a_force(5.0, 0, 1);
+  shape.lines_status = FB_ERR_UNSUPPORTED;
   envelope.spin[0] = (fb_real)s;
   envelope.frequency = (fb_real)f;
   bend = deflection() / 3.0;
@@ -617,7 +618,7 @@ TEST(model_error_is_its_formula)
   FBT_NEAR_REL(advice.error_model, 0.3 * bend * bend, 0.01);
 }
 
-/* E13.4: a dead force that bends the boom by a fifth of its length takes large deflection for 1 %, not for 10 %, one
+/* E13.4, E13.40: a dead force that bends the boom by a fifth of its length takes large deflection for 1 %, not for 10 %, one
    that bends it by 2 % takes it for neither; of a beam without lines the advice is what it would be without the effect,
    and says that it misses. What is beyond 5 lengths is not known. */
 TEST(large_deflection_has_no_error_of_the_field)
@@ -630,7 +631,11 @@ TEST(large_deflection_has_no_error_of_the_field)
     boom_under_a_force(bend[k / 2] * unit, 0, 6);
     FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 2]), FB_OK);
     FBT_INT_EQ(advice.effects == FB_EFFECTS_LARGE, large);
-    FBT_NEAR_REL(advice.error_field, 0.3 * pow(bend[k / 2], 2.0), 0.1); /* the tip comes in, too */
+    if (k < 4) { /* elastica: (delta/L)^2 36/35 of its deflection, to second degree */
+      FBT_NEAR_REL(advice.error_field, 36.0 / 35.0 * pow(bend[k / 2], 2.0), 0.03);
+    } else {                                                              /* beyond the limit E13.4 */
+      FBT_NEAR_REL(advice.error_field, 0.3 * pow(bend[k / 2], 2.0), 0.1); /* the tip comes in, too */
+    }
     FBT_NEAR_ABS(advice.error_model, large ? 0.0 : (double)advice.error_field, 0.0);
     FBT_INT_EQ((double)advice.error <= tolerance[k % 2] * 1.00001, k < 4);
     if (large) {
@@ -787,6 +792,7 @@ TEST(advice_does_not_hide_what_is_out_of_range)
 {
   fb_real modes[3], model;
   boom_under_a_force(0.5 * 0.5 * 3.0 * 500.0 / 9.0, 0, 3);
+  shape.lines_status = FB_ERR_UNSUPPORTED;
   FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
   memcpy(modes, work.error_modes, sizeof modes);
   model = advice.error_model;

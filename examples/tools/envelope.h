@@ -249,6 +249,7 @@ static fb_status scene_envelope(fb_envelope *e, const scene *s, const fb_shape *
   frequency = ramp > 0 ? fmax(frequency, model_pi / ramp) : frequency;
   frequency = pulled ? fmax(frequency, spin) : frequency; /* gravity turns in the body's axes */
   e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;
+  e->smooth = s->pulse;
   e->duration = (fb_real)s->duration;
   e->node = s->node;
   return status;
