@@ -19,6 +19,7 @@ mv "$out/log" "$out/boom"
 scene examples/boom.txt --base hinged --torque 0,0,0,100 --frequency 0.1 --tolerance 10,1
 scene examples/satellite.txt --base pinned --gravity 0,-1,0 --duration 3 --tolerance 10,1
 scene examples/satellite.txt --torque 0,0,0,8 --frequency 0.05 --duration 40
+scene examples/satellite_wheels.txt --motor 2,2 --frequency 0.1 --duration 40
 scene examples/blade.txt --spin 1.267 --gravity 0,-9.81,0 --force 1,0,2000,5000 --frequency 0.2 --frame 0.1 \
   --tolerance 5
 
@@ -60,6 +61,8 @@ nothing.txt
 --modes 1.5,2
 --duration nan
 --pulse --frequency jump
+--motor 1
+examples/satellite_wheels.txt --motor 3,1
 examples/satellite.txt --acceleration 1
 build/checks/advise/panel.txt --base prescribed --acceleration 0,0,1
 END

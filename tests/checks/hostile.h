@@ -44,7 +44,7 @@ static struct world {
   int coordinate[2];
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
-  fb_body_desc body_desc, scene_desc, bent_desc, spun_desc;
+  fb_body_desc body_desc, scene_desc, wheel_desc, bent_desc, spun_desc;
   fb_body body, held, bent, bent_held, spun,
       calm; /* bent ones with lines, the last with rotors, central gravity; calm: balanced, held */
   fb_state state, bent_state, spun_state, calm_state;
@@ -220,6 +220,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     WORK(analyse_work), OUT(fb_linear), IN(calm_state), IN(spun_input), OPTIONAL(motor_desc))                          \
   F(fb_body_spectrum_solve_of_rotors, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(calm),         \
     WORK(analyse_work), OUT(fb_spectrum), IN(calm_state), IN(spun_input))                                              \
+  F(fb_advice_solve_of_rotors, fb_advice_solve(p[0], p[1], p[2], p[3], p[4], x[0]), SLOW, OUT(fb_advice),              \
+    WORK(advise_work), MODEL(natural), IN(wheel_desc), IN(envelope), REAL(FB_R(0.1)))                                  \
   F(fb_system_check_of_rotors, fb_system_check(p[0], p[1], i[0]), 1, MODEL(calm_system), MODEL(calm), WHOLE(1))        \
   F(fb_system_state_init_of_rotors, fb_system_state_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(calm_system),   \
     MODEL(calm), OUT(fb_system_state), WORK(system_work), OPTIONAL(link_motion), OPTIONAL(calm_system_input))          \
@@ -699,6 +701,7 @@ static void body_fill(void)
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   w.scene_desc.rotor[1].static_imbalance = w.scene_desc.rotor[1].dynamic_imbalance = FB_R(0.0);
   need(fb_body_init(&w.calm, &body_work, &w.natural, &w.scene_desc), "balanced body with rotors");
+  w.wheel_desc = w.scene_desc;
   need(fb_state_init(&w.calm, &w.calm_state), "its state");
   w.scene_desc = w.bent_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
@@ -735,6 +738,7 @@ static void body_fill(void)
   w.envelope.load[0] = w.input.load[0];
   w.envelope.duration = FB_R(1.0);
   w.envelope.node = 1;
+  w.envelope.rotor[0].momentum = w.envelope.rotor[1].torque = FB_R(1e-3);
   w.trial.run = trial_run;
   w.trial.n = w.trial.width = 3;
   w.trial.output = trial_output;
