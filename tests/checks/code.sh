@@ -193,7 +193,6 @@ refuse() {
   [ ! -e "$out/none.h" ] || fail "$what: a file is written"
 }
 refuse "base hinged" "base hinged"
-refuse "base hinged" "base hinged" "effects large"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
 grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
