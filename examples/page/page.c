@@ -49,15 +49,12 @@ int page_judge_elements(void); /* of the present run */
 int page_judge_steps(void);    /* between samples, of the present run */
 double page_judge_off(void);
 
-/* The body: modes in each plane, step by its share of the stability limit of rk4 (1: just within). page_body_restart:
-   the same once more. page_body_time: steps of as many samples, nothing else; it is over at page_body_timed() ==
-   page_samples(). */
+/* The body: modes in each plane, step by its share of the stability limit of rk4 (1: just within). page_body_time, after
+   the run: the steps of so many samples, from the start again and again, and nothing else. */
 int page_body_begin(int modes, unsigned effects, int integrator, double share);
-int page_body_restart(void);
 int page_body_advance(int samples);
 int page_body_done(void);
 int page_body_time(int samples);
-int page_body_timed(void);
 int page_body_steps(void); /* between samples */
 
 /* What was found so far, by samples: output (3 numbers [m]; bench/case.h), attitude and position of the root (4 + 3),
@@ -124,7 +121,8 @@ static struct {
   fbb_exact_flight judge;
   fb_body body;
   fbb_body_flight flight;
-  fb_integrator integrator;
+  fb_state start; /* of the body's run, and the input there */
+  fb_input input;
   int steps; /* of the body between samples */
 } page;
 
@@ -352,13 +350,10 @@ int page_body_begin(int modes, unsigned mask, int integrator, double share)
   }
   limit = share * (double)fb_rk4_limit(&page.body, (fb_real)fbb_largest_spin(c), 0);
   page.steps = limit < sample ? (int)ceil(sample / limit) : 1;
-  page.integrator = (fb_integrator)integrator;
-  return page_body_restart();
-}
-
-int page_body_restart(void)
-{
-  return fbb_body_begin(&page.flight, &page.scene, &page.body, page.integrator, page.steps);
+  status = fbb_body_begin(&page.flight, c, &page.body, (fb_integrator)integrator, page.steps);
+  page.start = page.flight.state;
+  page.input = page.flight.input[2];
+  return status;
 }
 
 int page_body_advance(int samples)
@@ -373,12 +368,16 @@ int page_body_advance(int samples)
 
 int page_body_time(int samples)
 {
-  return fbb_body_advance(&page.flight, &page.scene, samples * page.steps);
-}
-
-int page_body_timed(void)
-{
-  return page.flight.step / page.steps;
+  fb_status status = FB_OK;
+  for (int k = 0; k < samples && status == FB_OK; k++) {
+    if (page.flight.step >= FBB_SAMPLES * page.steps) {
+      page.flight.state = page.start;
+      page.flight.input[2] = page.input;
+      page.flight.step = 0;
+    }
+    status = fbb_body_advance(&page.flight, &page.scene, page.steps);
+  }
+  return status;
 }
 
 int page_body_done(void)

@@ -10,7 +10,7 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 let lib, memory, samples, points;
 let refusal = ""; // of bench/check.h
 const run = {}; // both models, as far as they have come
-const view = {time: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, fps: 60, budget: MOST, curves: document.createElement("canvas")};
+const view = {time: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, fps: 60, frames: 0, budget: MOST, curves: document.createElement("canvas")};
 let tried = []; // settings of the present scene, drive and stiffness
 let asked = 0; // frame that was asked for
 
@@ -118,7 +118,7 @@ function showSettings() {
 
 function beginJudge() {
   lib.page_take(+$("scene").value, drive(), stiffness());
-  Object.assign(run, {judge: 0, judgeTime: 0, judgeSteps: 0, judgeSlice: 1, judgeStatus: lib.page_judge_begin()});
+  Object.assign(run, {judge: 0, judgeNs: Infinity, judgeSlice: 1, judgeStatus: lib.page_judge_begin()});
   run.planes = lib.page_number(2);
   run.duration = lib.page_number(0);
   run.component = run.planes & 2 ? 2 : 1;
@@ -127,7 +127,7 @@ function beginJudge() {
 }
 
 function beginBody() {
-  Object.assign(run, {body: 0, slice: 1, passTime: 0, passes: 0, measured: 0, ns: Infinity, recorded: false});
+  Object.assign(run, {body: 0, slice: 1, timeSlice: 1, timed: 0, ns: Infinity, recorded: NaN});
   run.serial = (run.serial || 0) + 1;
   run.status = lib.page_body_begin(+$("modes").value, effects(), +$("integrator").value, share());
   run.dt = run.status ? NaN : run.duration / samples / lib.page_body_steps();
@@ -147,18 +147,15 @@ function advanceBody() {
   run.status = status;
 }
 
-/* The same run once more, its steps alone. */
+/* The steps of the same run again, alone: the least of 40 slices, and of those that follow while it plays: the browser's
+   compiler takes its time. */
 function timeBody() {
-  if (run.passTime === 0) run.status = lib.page_body_restart();
-  const [status, ms, next] = slice(lib.page_body_time, Math.min(run.slice, samples - lib.page_body_timed()));
-  run.passTime += ms;
-  run.slice = next;
-  run.status = run.status || status;
-  if (lib.page_body_timed() === samples) {
-    run.ns = Math.min(run.ns, 1e6 * run.passTime / (samples * lib.page_body_steps()));
-    run.measured += run.passTime;
-    run.passes++;
-    run.passTime = 0;
+  const n = run.timeSlice, [status, ms, next] = slice(lib.page_body_time, n);
+  run.status = status;
+  run.timeSlice = next;
+  if (ms >= 3) {
+    run.ns = Math.min(run.ns, 1e6 * ms / (n * lib.page_body_steps()));
+    run.timed++;
   }
 }
 
@@ -168,15 +165,14 @@ function advanceJudge() {
   run.judge = lib.page_judge_done();
   run.judgeStatus = status;
   run.judgeSlice = next;
-  if (run.judge > samples) {
-    run.judgeTime += ms;
-    run.judgeSteps += n * lib.page_judge_steps();
+  if (run.judge > samples && (ms >= 3 || run.judge === 2 * samples && run.judgeNs === Infinity)) {
+    run.judgeNs = Math.min(run.judgeNs, 1e6 * ms / (n * lib.page_judge_steps()));
   }
 }
 
 const bodyGoes = () => !run.status && run.body < samples;
 const judgeGoes = () => !run.judgeStatus && run.judge < 2 * samples;
-const timeGoes = () => !run.status && (run.passes < 3 || run.measured < 150);
+const timeGoes = () => !run.status && run.timed < 40;
 const busy = () => bodyGoes() || judgeGoes() || timeGoes();
 
 /* Works for some milliseconds. */
@@ -191,15 +187,15 @@ function work() {
       timeBody();
     }
   }
-  if (!busy() && !run.recorded) {
-    run.recorded = true;
+  if (!busy() && view.playing && !run.status && ++view.frames % 12 === 0) timeBody();
+  if (!busy() && (isNaN(run.recorded) || run.ns < 0.95 * run.recorded)) {
+    run.recorded = run.ns;
     record();
   }
 }
 
 /* The exact beam's samples: of its second run. */
 const exactDone = () => Math.max(0, run.judge - samples);
-const judgeNs = () => 1e6 * run.judgeTime / run.judgeSteps;
 const judgeDt = () => run.duration / samples / lib.page_judge_steps();
 
 // ---- figures
@@ -218,7 +214,7 @@ function setName() {
 
 function showFigures(k) {
   const both = Math.min(run.body, exactDone()), judged = run.judge === 2 * samples;
-  const cost = run.ns / run.dt, judge = judgeNs() / judgeDt();
+  const cost = run.ns / run.dt, judge = run.judgeNs / judgeDt();
   const show = (id, value) => {
     if ($(id).textContent !== value) $(id).textContent = value;
   };
@@ -226,7 +222,7 @@ function showFigures(k) {
   show("error", both ? percent(lib.page_error(both)) : "");
   show("off", judged ? "\u2248 " + percent(+lib.page_judge_off().toPrecision(1)) : "");
   show("ns", time(run.ns));
-  show("judge_ns", judged ? time(judgeNs()) : "");
+  show("judge_ns", judged ? time(run.judgeNs) : "");
   show("dt", time(1e9 * run.dt));
   show("judge_dt", time(1e9 * judgeDt()));
   show("cost", time(cost));
@@ -247,7 +243,7 @@ function record() {
              error: lib.page_error(samples), ns: run.ns, cost: run.ns / run.dt};
   tried = tried.filter(q => q.name !== p.name).concat(p);
   $("says").textContent = text(lib.page_text(+$("scene").value, 0)) + ", " + p.name + ": error " + percent(p.error) +
-    ", " + time(p.ns) + " per step; the exact beam " + time(judgeNs()) + " per step.";
+    ", " + time(p.ns) + " per step; the exact beam " + time(run.judgeNs) + " per step.";
   const rows = tried.map(q => {
     const row = document.createElement("tr");
     for (const value of [q.name, percent(q.error), time(q.ns)]) {
@@ -444,8 +440,8 @@ function drawPoints() {
   if (!stale("points", run.serial, tried.length, $("axis").value)) return;
   const [g, w, h] = canvas("points"), axis = $("axis").value;
   const all = tried.map(p => ({x: p[axis], y: 100 * p.error, now: false}));
-  if (all.length && run.recorded && !run.status) all[all.length - 1].now = true;
-  const exact = run.judge === 2 * samples ? {x: axis === "ns" ? judgeNs() : judgeNs() / judgeDt(), y: 100 * lib.page_judge_off()} : null;
+  if (all.length && run.recorded > 0 && !run.status) all[all.length - 1].now = true;
+  const exact = run.judge === 2 * samples ? {x: axis === "ns" ? run.judgeNs : run.judgeNs / judgeDt(), y: 100 * lib.page_judge_off()} : null;
   const shown = all.concat(exact || []).filter(p => p.x > 0 && p.y > 0).map(p => ({...p, x: Math.log10(p.x), y: Math.log10(p.y)}));
   const span = (key, least, most) => [Math.floor(Math.min(least, ...shown.map(p => p[key] - 0.1))),
                                       Math.ceil(Math.max(most, ...shown.map(p => p[key] + 0.1)))];

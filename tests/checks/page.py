@@ -113,7 +113,7 @@ def wrong(what):
     sys.exit(1)
 
 
-SETTLE = "while (busy()) work(); if (!run.recorded) work(); draw(); "
+SETTLE = "run.timed = 37; while (busy()) work(); work(); draw(); "
 OUTPUTS = ("({body: [...numbers(lib.page_output(BODY), 3 * run.body)], exact: [...numbers(lib.page_output(EXACT), 3 * exactDone())],"
            " steps: lib.page_body_steps(), error: lib.page_error(Math.min(run.body, exactDone())), shown: $('error').textContent,"
            " status: text(lib.page_status_text(run.status)), says: $('says').textContent, drive: drive(), stiffness: stiffness(),"
@@ -143,16 +143,18 @@ def change(tab, control, value):
 
 def portrait(tab, name):
     """The upper part of the page, some settings tried, as a picture in an SVG: text, as all files are."""
-    size = 1280, 810
+    size = 1280, 1130
+    settle = SETTLE.replace("run.timed = 37; ", "")
+    time.sleep(10)  # the browser's compiler takes its time
     for modes, box in (1, None), (2, None), (3, None), (6, None), (3, 5), (3, 5), (3, 2), (3, 3), (3, 4), (3, 1):
         change(tab, "modes", modes)
-        tab.run((f"$('effect{box}').click();" if box else "") + SETTLE)
+        tab.run((f"$('effect{box}').click();" if box else "") + settle)
     for k in range(1, 5):
         tab.run(f"$('effect{k}').checked || $('effect{k}').click()")
-    tab.run(SETTLE + "play(false); view.time = 7; draw()")
-    data = tab.call("Page.captureScreenshot", format="webp", quality=70, clip={"x": 0, "y": 0, "width": size[0], "height": size[1], "scale": 0.75})
+    tab.run(settle + "play(false); view.time = 7; draw()")
+    data = tab.call("Page.captureScreenshot", format="webp", quality=60, clip={"x": 0, "y": 0, "width": size[0], "height": size[1], "scale": 0.75})
     with open(name, "w") as file:
-        file.write('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 %d %d"><title>the page</title><image width="%d" height="%d" '
+        file.write('<svg xmlns="http://www.w3.org/2000/svg" width="960" viewBox="0 0 %d %d"><title>the page</title><image width="%d" height="%d" '
                    'href="data:image/webp;base64,\n' % (*size, *size))
         text = data["data"]
         file.write("\n".join(text[k:k + 120] for k in range(0, len(text), 120)) + '"/></svg>\n')
