@@ -89,7 +89,8 @@ static fb_status swing(fb_real *out, const fb_advice *candidate)
   return status;
 }
 
-/* Largest distance of a candidate from all modes and effects in short steps, by the largest displacement. */
+/* Largest distance of a candidate from all modes and effects in short steps, by the largest displacement; FB_HUGE: its steps are
+   refused. */
 static double off_by(const fb_advice *candidate)
 {
   static fb_real out[3 * SWINGS], reference[3 * SWINGS];
@@ -103,7 +104,9 @@ static double off_by(const fb_advice *candidate)
     all.coordinate[a] = a;
   }
   FBT_INT_EQ(swing(reference, &all), FB_OK);
-  FBT_INT_EQ(swing(out, candidate), FB_OK);
+  if (swing(out, candidate) != FB_OK) {
+    return FB_HUGE;
+  }
   for (int k = 0; k < 3 * SWINGS; k += 3) {
     most = fmax(most, hypot(hypot((double)(out[k] - reference[k]), (double)(out[k + 1] - reference[k + 1])),
                             (double)(out[k + 2] - reference[k + 2])));

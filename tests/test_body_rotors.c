@@ -748,17 +748,6 @@ TEST(rotors_are_refused_where_there_are_none)
     FBT_INT_EQ(fb_body_node_loads_eval(&body, &loads, &state, &motion, &input, desc.rotor[1].node), FB_ERR_UNSUPPORTED);
   }
 #endif
-#if FB_WITH_ANALYSE
-  {
-    static fb_advice_work advice_work;
-    fb_advice advice;
-    fb_envelope envelope;
-    memset(&envelope, 0, sizeof envelope);
-    envelope.node = desc.rotor[1].node;
-    envelope.duration = FB_R(1.0);
-    FBT_INT_EQ(fb_advice_solve(&advice, &advice_work, &shape, &desc, &envelope, FB_R(0.1)), FB_ERR_UNSUPPORTED);
-  }
-#endif
 }
 
 SUITE(body_rotors, RUN(gyrostats_nutate_and_wobble_in_closed_form), RUN(gyroscopes_precess_in_closed_form),
