@@ -53,6 +53,26 @@ TEST(momentum_wheels_give_their_platform_a_nutation)
   }
 }
 
+/* E8.47 at rest: whatever the wheels do and however the craft is turned, it has a state of rest. What the rounding of
+   their momenta leaves of the angular velocity is no spin. */
+TEST(wheels_at_any_speeds_leave_a_craft_at_rest)
+{
+  static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PINNED};
+  fbt_seed(11);
+  for (int k = 0; k < 40; k++) {
+    double speed[3];
+    for (int r = 0; r < 3; r++) {
+      speed[r] = 400.0 * fbt_random();
+    }
+    craft(FB_EFFECTS_FULL, base[k % 2], 0);
+    spin_up(0, 0, 0, speed);
+    trim_at(0, 0, 0);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(motion.w[i], 0.0, FBT_TOL(1e-12, 1e-3));
+    }
+  }
+}
+
 /* E8.46: an asymmetric gyrostat spins steadily about an axis that is principal for nothing, w = (lambda 1 - J)^-1 h: found
    from a direction 5 degrees beside. From the direction of a principal axis, which is none with the wheels, as well. */
 TEST(gyrostats_spin_steadily_about_no_axis_of_their_own)
@@ -335,7 +355,7 @@ TEST(analysis_of_rotors_refuses_bad_input)
 }
 
 SUITE(analyse_rotors, RUN(momentum_wheels_give_their_platform_a_nutation),
-      RUN(gyrostats_spin_steadily_about_no_axis_of_their_own), RUN(rotors_decay_by_the_tangent_of_their_friction),
-      RUN(linear_models_of_rotors_are_derivatives_of_rates), RUN(flexible_gyrostats_stay_in_their_steady_spin),
-      RUN(analysis_of_rotors_refuses_bad_input))
+      RUN(wheels_at_any_speeds_leave_a_craft_at_rest), RUN(gyrostats_spin_steadily_about_no_axis_of_their_own),
+      RUN(rotors_decay_by_the_tangent_of_their_friction), RUN(linear_models_of_rotors_are_derivatives_of_rates),
+      RUN(flexible_gyrostats_stay_in_their_steady_spin), RUN(analysis_of_rotors_refuses_bad_input))
 #endif
