@@ -244,7 +244,11 @@ static void model_rotor(text_file *t)
     }
   }
   if (text_more(t)) {
-    snprintf(model.rotor[n].node, sizeof model.rotor[n].node, "%s", text_word(t));
+    const char *const node = text_word(t);
+    if (strlen(node) >= sizeof model.rotor[n].node) { /* not that whose name it begins with */
+      text_fail(t, "rotor %s: no node has the name or number %s", model.rotor[n].text.name, node);
+    }
+    snprintf(model.rotor[n].node, sizeof model.rotor[n].node, "%s", node);
   }
   text_end_of_line(t);
   if (!t->failed) {
