@@ -28212,6 +28212,18 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
          FBI_UNREST * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
 }
 
+/* What the rounding of momenta L, of wheels above all, leaves of w where the base is to be at rest is no spin: takes it
+   away, and returns the torque [N m] to add for what it does. */
+static fb_real fbi_rest_settle(fb_real w[3], const fb_real wanted[3], const fb_real L[3])
+{
+  const fb_real noise = FB_R(16.0) * fbi_vec3_norm(w) * fbi_vec3_norm(L);
+  if (!fbi_is_zero(wanted, 3)) {
+    return FB_R(0.0);
+  }
+  fbi_vec3_zero(w);
+  return noise / FBI_UNREST;
+}
+
 /* Step of the finite differences, relative to the size of the body, or in radians. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
 #if FB_WITH_LARGE_DEFLECTION
@@ -28585,7 +28597,7 @@ static fb_status fbi_rotors_rest(const fb_body *body, const fb_real *speed, cons
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
+  fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0), noise;
   fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
 #if FB_WITH_ROTORS
   status = status ? status : fbi_rotors_rest(body, work->motion.rotor_speed, input->rotor);
@@ -28603,6 +28615,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
   fb_mat33_mul_vec3(w, R, work->motion.w);
+  noise = fbi_rest_settle(w, input->w, work->moved.L);
   for (int i = 0; i < input->n_load; i++) {
     const fb_load *const load = &input->load[i];
     const fb_real *const seen = load->axes == FB_AXES_INERTIAL ? w : none;
@@ -28619,7 +28632,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   /* P' = 0, L' = w x L, now and later */
   fbi_zero(push, 3);
   fbi_vec3_add(push, body->mass, work->rate.u);
-  return fbi_is_balanced(push, work->rate.L, work->moved.L, w, length, torque) && across <= FBI_UNREST * torque
+  return fbi_is_balanced(push, work->rate.L, work->moved.L, w, length, torque + noise) && across <= FBI_UNREST * torque
              ? FB_OK
              : FB_ERR_UNREST;
 }
@@ -29187,7 +29200,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
 static fb_status fbi_roots_rest(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
-  const fb_real length = fbi_system_size(s->system, s->body);
+  const fb_real length = fbi_system_size(s->system, s->body), none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real torque = FB_R(0.0), w[3];
   for (int k = 0; k < s->system->n_body; k++) {
     const fb_real *const fg = work->system.link[k].k.fg;
@@ -29196,9 +29209,12 @@ static fb_status fbi_roots_rest(const fbi_subject *s)
   for (int k = 0; k < s->system->n_body; k++) {
     const fbi_link_work *const L = &work->system.link[k];
     const fb_real *const rate = work->rate.link[k].p;
+    const fb_real *const momentum = work->moved.link[k].p + 3;
+    fb_real noise;
     fb_mat33_mul_vec3(w, L->k.R, L->V + 3);
+    noise = fbi_rest_settle(w, s->system_input ? s->system_input->drive[k].rate + 3 : none, momentum);
     if (fbi_is_afloat(s->system, &work->moved, k) &&
-        !fbi_is_balanced(rate, rate + 3, work->moved.link[k].p + 3, w, length, torque)) {
+        !fbi_is_balanced(rate, rate + 3, momentum, w, length, torque + noise)) {
       work->system.joint = k;
       return FB_ERR_UNREST;
     }

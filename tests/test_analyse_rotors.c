@@ -53,6 +53,57 @@ TEST(momentum_wheels_give_their_platform_a_nutation)
   }
 }
 
+#if FB_WITH_SYSTEM
+/* The same body on a free joint, anyhow turned, its wheels at these speeds: a state of rest. */
+static void system_rests(const double *speed)
+{
+  static fb_system_desc tree;
+  static fb_system system;
+  static fb_system_work scratch;
+  static fb_system_analyse_work analyse;
+  static fb_system_state at;
+  static fb_system_input still;
+  static fb_link_motion first[FB_MAX_BODIES];
+  fb_real turn[3];
+  for (int i = 0; i < 3; i++) {
+    turn[i] = (fb_real)fbt_random();
+    first[0].rotor_speed[i] = (fb_real)speed[i];
+  }
+  fb_quat_from_rotvec(first[0].quat, turn);
+  tree.n_body = 1;
+  tree.joint[0].kind = FB_JOINT_FREE;
+  tree.joint[0].parent = FB_GROUND;
+  FBT_INT_EQ(fb_system_init(&system, &scratch, &body, &tree, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&system, &body, &at, &scratch, first, &still), FB_OK);
+  FBT_INT_EQ(fb_system_trim(&system, &body, &at, &analyse, &still), FB_OK);
+}
+#endif
+
+/* E8.47 at rest: whatever the wheels do and however the craft is turned, it has a state of rest. What the rounding of
+   their momenta leaves of the angular velocity is no spin. */
+TEST(wheels_at_any_speeds_leave_a_craft_at_rest)
+{
+  static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PINNED};
+  fbt_seed(11);
+  for (int k = 0; k < 40; k++) {
+    double speed[3];
+    for (int r = 0; r < 3; r++) {
+      speed[r] = 400.0 * fbt_random();
+    }
+    craft(FB_EFFECTS_FULL, base[k % 2], 0);
+    spin_up(0, 0, 0, speed);
+    trim_at(0, 0, 0);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(motion.w[i], 0.0, FBT_TOL(1e-12, 1e-3));
+    }
+#if FB_WITH_SYSTEM
+    if (base[k % 2] == FB_BASE_FREE) {
+      system_rests(speed);
+    }
+#endif
+  }
+}
+
 /* E8.46: an asymmetric gyrostat spins steadily about an axis that is principal for nothing, w = (lambda 1 - J)^-1 h: found
    from a direction 5 degrees beside. From the direction of a principal axis, which is none with the wheels, as well. */
 TEST(gyrostats_spin_steadily_about_no_axis_of_their_own)
@@ -335,7 +386,7 @@ TEST(analysis_of_rotors_refuses_bad_input)
 }
 
 SUITE(analyse_rotors, RUN(momentum_wheels_give_their_platform_a_nutation),
-      RUN(gyrostats_spin_steadily_about_no_axis_of_their_own), RUN(rotors_decay_by_the_tangent_of_their_friction),
-      RUN(linear_models_of_rotors_are_derivatives_of_rates), RUN(flexible_gyrostats_stay_in_their_steady_spin),
-      RUN(analysis_of_rotors_refuses_bad_input))
+      RUN(wheels_at_any_speeds_leave_a_craft_at_rest), RUN(gyrostats_spin_steadily_about_no_axis_of_their_own),
+      RUN(rotors_decay_by_the_tangent_of_their_friction), RUN(linear_models_of_rotors_are_derivatives_of_rates),
+      RUN(flexible_gyrostats_stay_in_their_steady_spin), RUN(analysis_of_rotors_refuses_bad_input))
 #endif

@@ -244,7 +244,11 @@ static void model_rotor(text_file *t)
     }
   }
   if (text_more(t)) {
-    snprintf(model.rotor[n].node, sizeof model.rotor[n].node, "%s", text_word(t));
+    const char *const node = text_word(t);
+    if (strlen(node) >= sizeof model.rotor[n].node) { /* not that whose name it begins with */
+      text_fail(t, "rotor %s: no node has the name or number %s", model.rotor[n].text.name, node);
+    }
+    snprintf(model.rotor[n].node, sizeof model.rotor[n].node, "%s", node);
   }
   text_end_of_line(t);
   if (!t->failed) {
@@ -1070,21 +1074,27 @@ static inline void model_forget_lines(void)
   }
 }
 
-/* Where a rotor sits, by name or number among the nodes in the order of the body: the hub's, then those of each part. */
-static int model_find_node(const char *name)
+/* Where a rotor sits, by name or number among the nodes in the order of the body: the hub's, then those of each part;
+   *namesakes: nodes of that name. */
+static int model_find_node(int *namesakes, const char *name)
 {
   int n = 0, at = strcmp(name, "origin") == 0 || !name[0] ? 0 : -1;
   char *end;
   const long number = strtol(name, &end, 10);
+  *namesakes = 0;
   for (int part = -1; part < model.n_part; part++) {
     for (int k = 0; k < model.n_mark; k++) {
+      const int is = model.mark[k].part == part && strcmp(model.mark[k].name, name) == 0 && name[0];
       n += model.mark[k].part == part;
-      at = model.mark[k].part == part && strcmp(model.mark[k].name, name) == 0 && name[0] ? n : at;
+      at = is ? n : at;
+      *namesakes += is;
     }
     for (int k = 0; part >= 0 && k < model.part[part].n_node; k++) {
       const model_node *const node = &model.node[model.part[part].node + k];
+      const int is = node->marked && strcmp(node->name, name) == 0 && name[0];
       n += node->marked > 0;
-      at = node->marked && strcmp(node->name, name) == 0 && name[0] ? n : at;
+      at = is ? n : at;
+      *namesakes += is;
     }
   }
   return at < 0 && end != name && !*end && number >= 0 && number <= n ? (int)number : at;
@@ -1093,11 +1103,13 @@ static int model_find_node(const char *name)
 static void model_rotor_nodes(text_file *t)
 {
   for (int k = 0; k < model.level.n_rotor && !t->failed; k++) {
-    const int at = model_find_node(model.rotor[k].node), line = t->line, own = model.rotor[k].text.line;
+    int namesakes;
+    const int at = model_find_node(&namesakes, model.rotor[k].node), line = t->line, own = model.rotor[k].text.line;
     model.level.rotor[k].node = at;
     t->line = own > 0 ? own : line;
-    if (at < 0) {
-      text_fail(t, "rotor %s: no node has the name or number %s", model.rotor[k].text.name, model.rotor[k].node);
+    if (at < 0 || namesakes > 1) {
+      text_fail(t, "rotor %s: %s the name%s %s", model.rotor[k].text.name, at < 0 ? "no node has" : "two nodes have",
+                at < 0 ? " or number" : "", model.rotor[k].node);
     }
     t->line = line;
   }

@@ -152,6 +152,10 @@ turns "axis 1 0 0" "inertia 1" "spin 1" end | refuse 7 "no such word for a rotor
 turns "axis 1 0 0" "inertia 1" end "rotor w" "axis 1 0 0" "inertia 1" end | refuse 8 "two rotors have the name w"
 turns "axis 1 0 0" "inertia 1" end "rotor v there" "axis 1 0 0" "inertia 1" end | refuse 8 "rotor v: no node has the name or number there"
 turns "axis 1 0 0" "inertia 1" end "rotor v 2" "axis 1 0 0" "inertia 1" end | refuse 8 "rotor v: no node has the name or number 2"
+whole linear "component b" "$wing" "mark 1 tip" "mark 2 tip" end "rotor w tip" "axis 1 0 0" "inertia 1" end |
+  refuse 14 "rotor w: two nodes have the name tip"
+long=a123456789b123456789c123456789d
+{ printf 'rigid\nhub 1 0 0 0 1 1 1\nnode 1 0 0 %s\n' $long && printf 'rotor w %se\naxis 1 0 0\ninertia 1\nend\n' $long; } | refuse 4 "rotor w: no node has the name or number ${long}e"
 turns "axis 1 0 0" "inertia 1" end "rotor" | refuse 8 "the name of a rotor is missing"
 whole linear "beam a" "$boom" "rotor w" end | refuse 11 "no such word for a beam: rotor"
 turns "axis 1 0 0" "inertia 1" end "$(for k in 1 2 3 4; do printf 'rotor r%s\naxis 1 0 0\ninertia 1\nend\n' $k; done)" | refuse 20 "more than 4 rotors"
