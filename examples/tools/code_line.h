@@ -319,13 +319,13 @@ static code_vec code_keep_vec(const code *w, const code_vec *x, const char *name
 /* What a field that code_keep made is called elsewhere: at point `at`, by a pointer to the line or by its name. */
 static code_value code_at(code_value x, const char *at)
 {
-  char *const bracket = strchr(x.name, '[');
-  if (bracket) {
-    char tail[CODE_NAME];
-    snprintf(tail, sizeof tail, "[%s]", at);
-    strcpy(bracket, tail);
+  const int bare = (int)strcspn(x.name, "[");
+  code_value y = x;
+  if (x.name[bare]) {
+    y = code_variable("%.*s[%s]", bare, x.name, at);
+    y.c = x.c;
   }
-  return x;
+  return y;
 }
 
 static code_vec code_vec_at(const code_vec *x, int j)

@@ -6,7 +6,7 @@
 need gcc gcc
 need valgrind valgrind
 steps=60
-bound_linear=5820
+bound_linear=5860
 bound_residual=10700 # with residual inertia
 bound_full=16450     # and the quadratic field on top: 15000 was aimed at and is missed; this keeps what was reached
 bound_gravity=16400
