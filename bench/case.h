@@ -410,9 +410,9 @@ static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element
   fbb_check(fbb_exact_begin(&flight, c, n_element, steps), "exact beam's start");
   history->status = FB_OK;
   for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {
-    const double start = clock_ns();
+    const double start = clock_own_ns();
     history->status = fbb_exact_advance(&flight, c, steps);
-    time += clock_ns() - start;
+    time += clock_own_ns() - start;
     fbb_exact_output(history->out[k], &flight, c);
   }
   history->ns_per_s = time / c->duration;
@@ -606,12 +606,12 @@ static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body 
   static fb_state sample[FBB_SAMPLES];
   double start;
   history->status = fbb_body_begin(&flight, c, body, integrator, steps);
-  start = clock_ns();
+  start = clock_own_ns();
   for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {
     history->status = fbb_body_advance(&flight, c, steps);
     sample[k] = flight.state;
   }
-  history->ns_per_s = (clock_ns() - start) / c->duration;
+  history->ns_per_s = (clock_own_ns() - start) / c->duration;
   for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {
     fbb_body_output(history->out[k], c, body, &sample[k]);
   }

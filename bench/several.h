@@ -250,7 +250,7 @@ static fb_status fbb_several_run(void *user, fb_real *output, const fb_advice *c
   status =
       status ? status : body_stepper(&stepper, &exponential, &work, &body, &state, input, candidate->integrator, dt);
   for (int k = 0; k < FBB_SAMPLES && status == FB_OK; k++) {
-    const double start = clock_ns();
+    const double start = clock_own_ns();
     fb_motion motion;
     fb_node_motion node;
     for (int i = 0; i < steps && status == FB_OK; i++) {
@@ -259,7 +259,7 @@ static fb_status fbb_several_run(void *user, fb_real *output, const fb_advice *c
       }
       status = fb_stepper_step(&stepper);
     }
-    time += clock_ns() - start;
+    time += clock_own_ns() - start;
     memset(&motion, 0, sizeof motion);
     status = status ? status : fb_body_node_motion_eval(&body, &node, &state, &motion, c->output);
     for (int i = 0; i < 3 && status == FB_OK; i++) {

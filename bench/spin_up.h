@@ -1,5 +1,5 @@
 /* spin_up.h - the scene of the peers: a beam of 10 m on a hub that turns with a prescribed rate up to 6 rad/s in 15 s, 30 s
-   in all. Include flexbeam.h first; define _POSIX_C_SOURCE 200112L before. */
+   in all. Include flexbeam.h first. */
 #ifndef FBB_SPIN_UP_H
 #define FBB_SPIN_UP_H
 
@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define SPIN_UP_END 30.0 /* [s] */
 #define SPIN_UP_RAMP 15.0
@@ -29,14 +28,6 @@ static inline void spin_up_drive(fb_input *input, double t)
 {
   input->w[2] = (fb_real)spin_up_rate(t);
   input->w_dot[2] = (fb_real)spin_up_acceleration(t);
-}
-
-/* Of this program: a run of 0.2 s is interrupted by whatever else the machine does, and that does not count. */
-static inline double spin_up_clock_ns(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
 static inline void spin_up_require(int ok, const char *program, const char *what)

@@ -7,6 +7,9 @@
 #define HUGE_VAL __builtin_huge_val()
 #define stderr 0
 #define CLOCK_MONOTONIC 1
+#define CLOCK_PROCESS_CPUTIME_ID 2
+
+typedef int clockid_t;
 
 struct timespec {
   long tv_sec, tv_nsec;
@@ -23,7 +26,7 @@ void page_refused(const char *what, const char *why); /* does not come back */
 #define memset(to, byte, n) __builtin_memset(to, byte, n)
 
 /* Declared for what the page does not run. */
-int clock_gettime(int clock, struct timespec *t);
+int clock_gettime(clockid_t clock, struct timespec *t);
 void qsort(void *base, size_t n, size_t size, int (*compare)(const void *, const void *));
 
 /* What bench/check.h does with a refusal. */
