@@ -3151,9 +3151,10 @@ typedef struct fb_advice {
   int coordinate[FB_MAX_MODES]; /* the modes, ascending: for fb_shape_select */
   fb_integrator integrator;
   int long_step;   /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
-  fb_real dt;      /* [s] */
   int line_points; /* for fb_modes_desc with large deflection: as many as these modes want, of which cost is; 0: without
                          it. The shape need not be made again: more points take more time, no more error */
+  int n_trial;     /* number of simulations */
+  fb_real dt;      /* [s] */
   fb_real cost;    /* approximate number of instructions of a 64-bit processor per simulated second */
   fb_real deflection; /* [m] estimated maximum of the output, at most half the size of the body: beyond it a lower
                          bound */
@@ -3163,7 +3164,6 @@ typedef struct fb_advice {
   fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
   fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
-  int n_trial;                        /* number of simulations */
 } fb_advice;
 
 #define FBI_ADVICE_SETS 11

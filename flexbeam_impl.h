@@ -32412,7 +32412,7 @@ static fb_status fbi_advise_off(fb_real *off, fb_advice_work *work, const fb_env
 static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e)
 {
   const int n = work->full.n;
-  fb_real off[FB_MAX_MODES];
+  fb_real off[FB_MAX_MODES] = {FB_R(0.0)};
   fb_status status = FB_OK;
   for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
     status = fbi_advise_off(off, work, e, k / FBI_ADVICE_PHASES, k % FBI_ADVICE_PHASES);

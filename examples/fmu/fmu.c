@@ -748,7 +748,7 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
 int fmu_main(int argc, char **argv)
 {
   static fmu_export e;
-  char platform[64], name[TEXT_NAME];
+  static char platform[64], name[TEXT_NAME];
   const int is_static = take_flag(&argc, argv, "--static"), named = argc > 1 && argv[1][0] != '-';
   const int is_scene = named && file_is_scene(argv[1]);
   options o = {NULL, ".", NULL, 0, 0};
