@@ -62,9 +62,11 @@ static void scene_take_rotors(text_file *t, scene *s, int body)
 {
   for (int k = 0; k < model.level.n_rotor && !t->failed; k++) {
     scene_rotor *const rotor = scene_begin_rotor(t, s, body, s->body[body].line);
+    char name[2 * TEXT_NAME];
     if (rotor) {
-      snprintf(rotor->text.name, sizeof rotor->text.name, "%.*s.%.*s", TEXT_NAME - 1, s->body[body].name, TEXT_NAME - 1,
+      snprintf(name, sizeof name, "%.*s.%.*s", TEXT_NAME - 1, s->body[body].name, TEXT_NAME - 1,
                model.rotor[k].text.name);
+      strcpy(rotor->text.name, name);
       rotor->text.speed = model.rotor[k].text.speed;
       rotor->f.a = model.rotor[k].momentum;
       rotor->at = k;

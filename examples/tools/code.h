@@ -263,7 +263,7 @@ enum { CODE_ROWS = FB_MAX_MODES + 6 };
 
 typedef struct code_factor { /* in the order of elimination */
   int n, order[6];           /* rows that the base leaves free */
-  char label[CODE_ROWS][8];
+  char label[CODE_ROWS][16];
   code_value S[CODE_ROWS][CODE_ROWS];
   code_value low[CODE_ROWS][CODE_ROWS];  /* unit lower triangle.. */
   code_value raw[CODE_ROWS][CODE_ROWS];  /* ..and it times the pivots */

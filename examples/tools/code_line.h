@@ -893,7 +893,7 @@ static void code_line_columns(const code *w, code_value EA[3][3], code_value EB[
 /* A field by points and coordinates, at coordinate a; no: what is zero of every coordinate so far. */
 static void code_keep_by(const code *w, code_sum *s, code_value *field, const char *name, int a)
 {
-  char target[CODE_NAME];
+  char target[CODE_NAME + 16];
   code_settle(s);
   if (s->n == 0) {
     return;
