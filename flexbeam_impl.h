@@ -31567,7 +31567,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
-   (uses config, status, vec3, solve, body, eigen, assemble, trim, linear) */
+   (uses config, status, vec3, solve, body, integrate, eigen, assemble, trim, linear) */
 
 /* Candidate sets of effects, ascending in cost; the last but one is the full set, which errors of effects are relative
    to, the last that of geometrically exact beams. */
