@@ -407,7 +407,7 @@ def check_folders():
         held = zipfile.ZipFile(fmu).namelist()
         want("resources/data/force.csv" in held and "resources/d/a_driven_one.txt" in held, f"{fmu} holds {held}")
         one = Instance(fmu)
-        far = Path(one.folder).rename(folder / f"far away {version}")
+        far = Path(one.folder).rename((folder / f"far away {version}").resolve())
         forget(one)
         one.fmu.unzipDirectory = str(far)
         one.instantiate()
