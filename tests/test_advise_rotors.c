@@ -105,7 +105,7 @@ static double off_by(const fb_advice *candidate)
   }
   FBT_INT_EQ(swing(reference, &all), FB_OK);
   if (swing(out, candidate) != FB_OK) {
-    return FB_HUGE;
+    return (double)FB_HUGE;
   }
   for (int k = 0; k < 3 * SWINGS; k += 3) {
     most = fmax(most, hypot(hypot((double)(out[k] - reference[k]), (double)(out[k + 1] - reference[k + 1])),
