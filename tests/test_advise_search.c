@@ -176,7 +176,7 @@ TEST(drives_may_end_within_a_step)
 {
   const double f = 0.5, h = 0.2, end = 2.0 * 3.14159265358979 / f;
   const int steps = (int)(end / h);
-  double t = end - (steps + 0.5) * h, y[2], exact[2];
+  double t = end - (steps + 0.5) * h, y[2] = {0.0, 0.0}, exact[2] = {0.0, 0.0};
   for (int k = 0; k < 2;
        k++) { /* of sin(f t) from rest: (sin(f t) - f sin t)/(1 - f^2), at the first step and the last */
     double *const at = k ? exact : y;
