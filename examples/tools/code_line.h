@@ -500,6 +500,17 @@ static void code_line_series(const code *w, const char *name, int first)
   fputs(";\n", w->out);
 }
 
+/* a = 1/2 - x e and b = 1/6 - x f of E14.2, of x = |phi|^2. */
+static void code_line_turn(const code *w)
+{
+  char number[40];
+  code_line_series(w, "e", 4);
+  code_line_series(w, "f", 5);
+  code_number(number, w, 1.0 / 6.0);
+  code_template(w, "    const $ a = `0.5` - x * e;\n    const $ b = ");
+  fprintf(w->out, "%s - x * f;\n", number);
+}
+
 /* ---- E14.1 to E14.4: poses */
 
 static void code_line_turns(const code *w)
@@ -544,14 +555,7 @@ static void code_line_half(const code *w)
         w->out);
   code_loop(w, 2, 'j', 0, code_line.m);
   code_template(w, "    const $ x = l->x[j];\n");
-  code_line_series(w, "e", 4);
-  code_line_series(w, "f", 5);
-  code_template(w, "    const $ a = `0.5` - x * e;\n    const $ b = ");
-  {
-    char number[40];
-    code_number(number, w, 1.0 / 6.0);
-    fprintf(w->out, "%s - x * f;\n", number);
-  }
+  code_line_turn(w);
   code_template(w, "    l->quat_w[j] = `0.5` - `0.5` * b * x;\n"
                    "    l->half[j] = `1` - `0.5` * a * x;\n");
   code_member(code_variable("half[%d]", code_line.m).name);

@@ -213,14 +213,7 @@ static void code_write_line_node(const code *w, int k)
   }
   code_assign(w, &s, w->single ? "const float x" : "const double x");
   x = code_variable("x");
-  code_line_series(w, "e", 4);
-  code_line_series(w, "f", 5);
-  code_template(w, "    const $ a = `0.5` - x * e;\n    const $ b = ");
-  {
-    char number_text[40];
-    code_number(number_text, w, 1.0 / 6.0);
-    fprintf(w->out, "%s - x * f;\n", number_text);
-  }
+  code_line_turn(w);
   code_template(w, "    const $ half = sqrt~(`1` - `0.5` * a * x);\n"
                    "    const $ share = (`0.5` - `0.5` * b * x) / half;\n");
 
