@@ -106,4 +106,18 @@ static inline double deflection(void)
   return (double)advice.deflection;
 }
 
+/* All modes and effects in short steps of rk4, for the scene of a candidate. */
+static inline fb_advice all_of(const fb_advice *candidate)
+{
+  fb_advice all = *candidate;
+  all.effects = FB_EFFECTS_FULL;
+  all.integrator = FB_INTEGRATOR_RK4;
+  all.n = shape.n;
+  all.dt = FB_R(0.005);
+  for (int a = 0; a < all.n; a++) {
+    all.coordinate[a] = a;
+  }
+  return all;
+}
+
 #endif

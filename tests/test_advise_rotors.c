@@ -94,15 +94,8 @@ static fb_status swing(fb_real *out, const fb_advice *candidate)
 static double off_by(const fb_advice *candidate)
 {
   static fb_real out[3 * SWINGS], reference[3 * SWINGS];
-  fb_advice all = *candidate;
+  const fb_advice all = all_of(candidate);
   double most = 0.0, size = 0.0;
-  all.effects = FB_EFFECTS_FULL;
-  all.integrator = FB_INTEGRATOR_RK4;
-  all.n = shape.n;
-  all.dt = FB_R(0.005);
-  for (int a = 0; a < all.n; a++) {
-    all.coordinate[a] = a;
-  }
   FBT_INT_EQ(swing(reference, &all), FB_OK);
   if (swing(out, candidate) != FB_OK) {
     return (double)FB_HUGE;

@@ -860,14 +860,7 @@ static fb_status swing(void *user, fb_real *out, const fb_advice *candidate)
 static double off_by(const fb_advice *candidate)
 {
   static fb_real out[SWINGS], reference[SWINGS];
-  fb_advice all = *candidate;
-  all.effects = FB_EFFECTS_FULL;
-  all.integrator = FB_INTEGRATOR_RK4;
-  all.n = shape.n;
-  all.dt = FB_R(0.005);
-  for (int a = 0; a < all.n; a++) {
-    all.coordinate[a] = a;
-  }
+  const fb_advice all = all_of(candidate);
   FBT_INT_EQ(swing(NULL, reference, &all), FB_OK);
   FBT_INT_EQ(swing(NULL, out, candidate), FB_OK);
   return fbt_difference(out, reference, SWINGS) / fbt_largest(reference, SWINGS);
