@@ -230,7 +230,7 @@ TEST(a_rate_too_small_to_matter_changes_no_advice)
     }
     FBT_NEAR_REL(advice.deflection, steady.deflection, FBT_TOL(1e-6, 1e-3));
     FBT_NEAR_REL(advice.dt, steady.dt, FBT_TOL(1e-5, 1e-2));
-    FBT_BELOW(fbt_difference(work.error, error, FBI_ADVICE_SETS), FBT_TOL(1e-4, 1e-2) * fbt_largest(error, 3));
+    FBT_BELOW(fbt_difference(work.error, error, FBI_ADVICE_SETS), FBT_TOL(2e-5, 1e-2) * fbt_largest(error, 3));
     FBT_BELOW(fbt_difference(work.error_modes, modes, 6), FBT_TOL(1e-6, 1e-3));
   }
 }
