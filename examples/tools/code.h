@@ -1429,7 +1429,7 @@ static const char code_input_finite[3][120] = {
     " &&\n                 @_is_finite(in->force, 3) && @_is_finite(in->torque, 3));\n}\n\n",
     " && @_is_finite(in->torque, 3));\n}\n\n", ");\n}\n\n"};
 
-static const char code_rotations[] =
+static const char code_matrix[] =
     "/* E4.1: rotation matrix of a quaternion of any length */\n"
     "static void @_matrix($ *R, const $ *q)\n{\n"
     "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
@@ -1438,7 +1438,9 @@ static const char code_rotations[] =
     "  const $ yy = q[2] * y2, yz = q[2] * z2, zz = q[3] * z2;\n"
     "  R[0] = `1` - (yy + zz);\n  R[1] = xy - wz;\n  R[2] = xz + wy;\n"
     "  R[3] = xy + wz;\n  R[4] = `1` - (xx + zz);\n  R[5] = yz - wx;\n"
-    "  R[6] = xz - wy;\n  R[7] = yz + wx;\n  R[8] = `1` - (xx + yy);\n}\n\n"
+    "  R[6] = xz - wy;\n  R[7] = yz + wx;\n  R[8] = `1` - (xx + yy);\n}\n\n";
+
+static const char code_turns[] =
     "/* y = R x by the quaternion of R */\n"
     "static void @_turn($ *y, const $ *q, const $ *x)\n{\n"
     "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
@@ -1449,7 +1451,9 @@ static const char code_rotations[] =
     "/* y = R^T x */\n"
     "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
     "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
-    "  @_turn(y, back, x);\n}\n\n"
+    "  @_turn(y, back, x);\n}\n\n";
+
+static const char code_norm[] =
     "static $ @_norm(const $ *x)\n{\n"
     "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
 
@@ -1558,7 +1562,9 @@ static const char code_sums[] =
     "  @_UNROLL\n  for (int i = 0; i < n; i++) {\n"
     "    const $ more = d[i] + lost[i];\n"
     "    d[i] = x[i] + more;\n"
-    "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n"
+    "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n";
+
+static const char code_unit[] =
     "\n/* The increment d of the attitude so that it has unit length */\n"
     "static @_status @_unit($ *d, const $ *x)\n{\n"
     "  $ quat[4], norm2 = `0`, norm;\n"
@@ -1870,7 +1876,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
 
 /* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
    no temporary file, see errno. */
-static int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
+static inline int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
                       void (*coordinate)(FILE *, int))
 {
   const code w = {out, name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2};
@@ -1884,7 +1890,9 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
   code_template(&w, w.large ? code_restrict : "");
   code_template(&w, code_finite);
   code_template(&w, code_input_finite[code_model.first / 3]);
-  code_template(&w, code_rotations);
+  code_template(&w, code_matrix);
+  code_template(&w, code_turns);
+  code_template(&w, code_norm);
   if (code_model.first > 0) {
     code_write_nothing(&w);
   }
@@ -1897,6 +1905,7 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
   good = code_write_pruned(&w, code_write_rates, 0) && good;
   code_write_limit(&w);
   code_template(&w, code_sums);
+  code_template(&w, code_unit);
   if (code_model.first < 6) {
     code_template(&w, code_align);
     code_template_of(&w, 1, code_align_single);
@@ -1944,7 +1953,7 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
 }
 
 /* What of a body cannot be written, with what would be right; NULL: nothing. */
-static const char *code_refusal(const fb_body *body)
+static inline const char *code_refusal(const fb_body *body)
 {
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION && code_line_refusal(&body->lines)) {
     return code_line_refusal(&body->lines);

@@ -48,6 +48,8 @@ static code_value code_constant(double c)
   return v;
 }
 
+static const char *code_prefix = ""; /* of the names of variables */
+
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
@@ -56,8 +58,9 @@ code_variable(const char *format, ...)
 {
   code_value v = {1.0, ""};
   va_list list;
+  const int at = snprintf(v.name, sizeof v.name, "%s", code_prefix);
   va_start(list, format);
-  vsnprintf(v.name, sizeof v.name, format, list);
+  vsnprintf(v.name + at, sizeof v.name - (size_t)at, format, list);
   va_end(list);
   return v;
 }

@@ -1,0 +1,1938 @@
+/* code_tree.h - writes the rk4 step of bodies on joints, a tree, as C99 of its own, straight-line: the equations and
+   checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself. Include flexbeam.h
+   first.
+
+   The velocities: modes are eliminated within their body (E8.11), the composite inertia of all that hangs on a joint
+   gives the matrix of the speeds of the root and of the joints, factored by L D L^T, constant pivots first: for few
+   joints that takes less arithmetic than the articulated inertias of E9.4, since the composite mass of rigid bodies
+   stays a number and their first moment a vector. */
+#ifndef CODE_TREE_H
+#define CODE_TREE_H
+#include "code.h"
+
+enum { TREE_QUAT = 0, TREE_P = 4, TREE_L = 7, TREE_OWN = 10, TREE_PLACE = 13, TREE_ROOT = 16 }; /* x of a free root */
+
+typedef struct tree_link {
+  const fb_body *model;
+  const fb_joint *joint;
+  int parent, n;                 /* link or -1; modes */
+  int x, p, q, pi;               /* where its coordinates and momenta are in the vector */
+  int axes, row;                 /* scalar or spherical axes; row of the first one in the system of equations */
+  code_value C[9], J[9], s[3];   /* child's axes to the parent's, joint's to the parent's; O from the parent's O */
+  code_value A[3][6], A_dot[6];  /* twists */
+  code_value I[21], b[6];        /* of all that hangs on the joint: inertia, momentum at rest */
+  code_value own[6], V[6], G[6]; /* momentum of the body at rest; velocity; momentum of all that hangs here */
+  code_value F[6], g[3], u[6];   /* load of all that hangs here; gravity, body axes; speeds of the axes */
+  code_rates rates;
+} tree_link;
+
+static struct tree {
+  const fb_system *system;
+  const fb_body *body;
+  const char *const *names;
+  int n, size, root;  /* links; numbers in the vector; the free link, -1: none */
+  int work, n_axis;   /* where the work of the motors is, number of axes */
+  int stands, pulled; /* its frame stands still (no residual inertia); gravity acts */
+  int has_R;          /* the attitude of the root is needed */
+  double mass;
+  tree_link link[FB_MAX_BODIES];
+} tree;
+
+static const char tree_axis[3] = {'x', 'y', 'z'};
+
+/* ---- vectors and matrices of values */
+
+/* A number that is 0 or 1 or -1 but for round-off of `size`. */
+static double tree_snap(double x, double size)
+{
+  const double near = floor(x + 0.5);
+  return fabs(x) <= 8.0 * DBL_EPSILON * size ? 0.0 : fabs(x - near) <= 8.0 * DBL_EPSILON ? near : x;
+}
+
+/* s += c (a x b)_i */
+static void tree_add_cross(code_sum *s, double c, const code_value a[3], const code_value b[3], int i)
+{
+  const int y = (i + 1) % 3, z = (i + 2) % 3;
+  code_add(s, c, a[y], b[z]);
+  code_add(s, -c, a[z], b[y]);
+}
+
+/* s += row i of C x (back: of C^T x) */
+static void tree_add_turned(code_sum *s, const code_value C[9], int back, const code_value x[3], int i)
+{
+  for (int j = 0; j < 3; j++) {
+    code_add(s, 1.0, C[back ? 3 * j + i : 3 * i + j], x[j]);
+  }
+}
+
+/* y = C x, or C^T x, by name and link */
+static void tree_write_turned(const code *w, code_value y[3], const code_value C[9], int back, const code_value x[3],
+                              const char *name, int k)
+{
+  code_value out[3];
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    tree_add_turned(&s, C, back, x, i);
+    out[i] = code_end(w, &s, code_variable("b%d_%s_%c", k, name, tree_axis[i]));
+  }
+  memcpy(y, out, sizeof out);
+}
+
+static void tree_nothing(code_value *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = code_constant(0.0);
+  }
+}
+
+/* y = x + what comes from a child: C x and, of its angular part, s x (C x); by name and child */
+static void tree_write_to_parent(const code *w, code_value y[6], const tree_link *L, const code_value x[6],
+                                 const char *name, int k)
+{
+  code_value turned[3];
+  code_sum s;
+  char word[40];
+  snprintf(word, sizeof word, "%sc", name);
+  tree_write_turned(w, turned, L->C, 0, x, word, k);
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, y[i]);
+    if (i < 3) {
+      code_add_one(&s, 1.0, turned[i]);
+    } else {
+      tree_add_turned(&s, L->C, 0, x + 3, i - 3);
+      tree_add_cross(&s, 1.0, L->s, turned, i - 3);
+    }
+    y[i] = code_end(w, &s, code_variable("b%d_%su_%s", k, name, code_rows[i]));
+  }
+}
+
+/* A vector in the axes of the ground, as link k sees it (back 0: the way back). */
+static void tree_write_view(const code *w, code_value y[3], const code_value x[3], const char *name, int k, int back)
+{
+  int chain[FB_MAX_BODIES], n = 0;
+  code_value R[9];
+  for (int i = 0; i < 9; i++) {
+    R[i] = code_variable("R[%d]", i);
+  }
+  for (int j = k; j >= 0; j = tree.link[j].parent) {
+    chain[n++] = j;
+  }
+  memcpy(y, x, 3 * sizeof *y);
+  for (int i = 0; i < n; i++) {
+    const int j = back ? chain[n - 1 - i] : chain[i];
+    const tree_link *const L = &tree.link[j];
+    char word[40];
+    snprintf(word, sizeof word, "%s%d", name, j);
+    tree_write_turned(w, y, L->joint->kind == FB_JOINT_FREE ? R : L->C, back, y, word, k);
+  }
+}
+
+/* ---- what the description is */
+
+static int tree_has_gravity(const fb_body *body)
+{
+#if FB_WITH_GRAVITY
+  return (body->effects & FB_EFFECT_GRAVITY) != 0;
+#else
+  (void)body;
+  return 0;
+#endif
+}
+
+/* Places of all links in the vector, and what the whole is. */
+static void tree_read(const fb_system *system, const fb_body *body, const char *const *names)
+{
+  memset(&tree, 0, sizeof tree);
+  tree.system = system;
+  tree.body = body;
+  tree.names = names;
+  tree.n = system->n_body;
+  tree.root = -1;
+  for (int k = 0; k < tree.n; k++) {
+    tree.root = system->joint[k].kind == FB_JOINT_FREE ? k : tree.root;
+  }
+  tree.size = tree.root >= 0 ? TREE_ROOT : 0;
+  for (int k = 0; k < tree.n; k++) {
+    tree_link *const L = &tree.link[k];
+    L->joint = &system->joint[k];
+    L->model = &body[system->model[k]];
+    L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
+    L->n = L->model->n;
+    L->axes = L->joint->kind == FB_JOINT_FREE ? 0 : L->joint->n_axis;
+    L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
+    L->x = k == tree.root ? 0 : tree.size;
+    L->p = k == tree.root ? TREE_P : L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes);
+    tree.size = k == tree.root ? tree.size : L->p + L->axes;
+    L->q = tree.size;
+    L->pi = L->q + L->n;
+    tree.size = L->pi + L->n;
+    tree.n_axis += L->axes;
+    tree.mass += (double)L->model->mass;
+    tree.pulled |= tree_has_gravity(L->model);
+    tree.stands |= L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
+    tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
+  }
+  tree.has_R = (tree.has_R || tree.pulled) && tree.root >= 0;
+  tree.work = tree.n_axis > 0 ? tree.size++ : -1;
+}
+
+/* What of a joint is not written, with what would be right; NULL: nothing. */
+static const char *tree_joint_refusal(const fb_system *system, int k)
+{
+  const fb_joint *const joint = &system->joint[k];
+  if (joint->moves) {
+    return "a joint on a node that modes move: hang it on the frame or on a rigid body";
+  }
+  if (joint->rubs) {
+    return "friction and stops: choose joints without them";
+  }
+  for (int i = 0; i < 3 && i < joint->n_axis; i++) {
+    if (joint->mode[i] != FB_AXIS_FREE) {
+      return "a locked or prescribed axis: choose mode free, or a rigid joint";
+    }
+  }
+  return NULL;
+}
+
+static const char *tree_body_refusal(const fb_body *body)
+{
+  const char *const one = code_refusal(body);
+  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    return "effects large: choose effects up to full";
+  }
+  if (body->effects & FB_EFFECT_NONLINEAR_STRAIN) {
+    return "effects strain: choose effects up to full";
+  }
+  return body->base == FB_BASE_HINGED ? NULL : one; /* the base of a body in a tree has no influence */
+}
+
+/* What of a system cannot be written, with the joint or the body; "": nothing. */
+static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
+{
+  int roots = 0;
+  text[0] = '\0';
+  for (int k = 0; k < system->n_body && !text[0]; k++) {
+    const char *what = tree_body_refusal(&body[system->model[k]]);
+    what = what ? what : tree_joint_refusal(system, k);
+    roots += system->joint[k].kind == FB_JOINT_FREE;
+    what = what         ? what
+           : roots == 2 ? "a second free body: each tree is a file of its own"
+           : system->has_rotors && system->rotor[k] > FB_R(0.0) && !system->allow_long_step
+               ? "it looks the same at all angles of its hinge, a wheel, whose step limit is not written: allow long "
+                 "steps"
+               : NULL;
+    if (what) {
+      snprintf(text, 200, "%.60s: %s", names[k], what);
+    }
+  }
+  if (!text[0] && (system->n_loop > 0 || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
+    snprintf(text, 200, "%s", system->n_loop > 0     ? "loops: choose a tree"
+                              : system->n_spring > 0 ? "springs between points: choose springs of joints"
+                                                     : "method multipliers: choose recursive");
+  }
+}
+
+/* ---- places */
+
+/* The joint's turn T by its coordinates. */
+static void tree_write_joint_turn(const code *w, code_value T[9], int k)
+{
+  const tree_link *const L = &tree.link[k];
+  const fbi_joint_traits *const is = fbi_traits(L->joint);
+  code_sum s;
+  for (int i = 0; i < 9; i++) {
+    T[i] = code_constant(i % 4 == 0 ? 1.0 : 0.0);
+  }
+  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+    fprintf(w->out, "  %s T%d[9];\n", code_real(w), k);
+    code_template(w, "  @_matrix(");
+    fprintf(w->out, "T%d, x + %d);\n", k, L->x);
+    for (int i = 0; i < 9; i++) {
+      T[i] = code_variable("T%d[%d]", k, i);
+    }
+  }
+  for (int i = 0; i < 2; i++) {
+    if (i == is->angle || i == is->tilt) {
+      fprintf(w->out, "  const %s b%d_c%d = cos%s(x[%d]);\n", code_real(w), k, i, w->single ? "f" : "", L->x + i);
+      fprintf(w->out, "  const %s b%d_s%d = sin%s(x[%d]);\n", code_real(w), k, i, w->single ? "f" : "", L->x + i);
+    }
+  }
+  if (is->angle >= 0) {
+    T[0] = T[4] = code_variable("b%d_c%d", k, is->angle);
+    T[3] = T[1] = code_variable("b%d_s%d", k, is->angle);
+    T[1].c = -1.0;
+  }
+  for (int i = 0; i < 3 && is->tilt >= 0; i++) {
+    const code_value c = code_variable("b%d_c%d", k, is->tilt), t = code_variable("b%d_s%d", k, is->tilt);
+    const code_value y = T[3 * i + 1], z = T[3 * i + 2];
+    code_begin(&s);
+    code_add(&s, 1.0, c, y);
+    code_add(&s, 1.0, t, z);
+    T[3 * i + 1] = code_end(w, &s, code_variable("b%d_T_%cy", k, tree_axis[i]));
+    code_begin(&s);
+    code_add(&s, 1.0, c, z);
+    code_add(&s, -1.0, t, y);
+    T[3 * i + 2] = code_end(w, &s, code_variable("b%d_T_%cz", k, tree_axis[i]));
+  }
+}
+
+/* The twist A of the axis a in the child's joint axes (E9.1). */
+static void tree_write_twist(const code *w, code_value A[6], const fb_joint *joint, const code_value a[3],
+                             const char *name, int k)
+{
+  code_value axes[9], d[3], turned[3];
+  code_sum s;
+  for (int i = 0; i < 9; i++) {
+    axes[i] = code_constant(tree_snap((double)joint->child_axes[i], 1.0));
+    d[i % 3] = code_constant((double)joint->child_position[i % 3]);
+  }
+  tree_write_turned(w, turned, axes, 0, a, name, k);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    tree_add_cross(&s, 1.0, d, turned, i);
+    A[i] = code_end(w, &s, code_variable("b%d_%s_v%c", k, name, tree_axis[i]));
+    A[3 + i] = turned[i];
+  }
+}
+
+static void tree_write_twists(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  const fbi_joint_traits *const is = fbi_traits(L->joint);
+  for (int a = 0; a < L->axes; a++) {
+    double size = 0;
+    for (int i = 0; i < 6; i++) {
+      size = fmax(size, fabs((double)L->joint->A[6 * a + i]));
+    }
+    for (int i = 0; i < 6; i++) {
+      L->A[a][i] = code_constant(tree_snap((double)L->joint->A[6 * a + i], size));
+    }
+  }
+  tree_nothing(L->A_dot, 6);
+  if (is->tilt >= 0) {
+    const code_value c = code_variable("b%d_c%d", k, is->tilt), s = code_variable("b%d_s%d", k, is->tilt);
+    code_value first[3], rate[3];
+    first[0] = rate[0] = code_constant(0.0);
+    first[1] = rate[2] = s;
+    first[2] = rate[1] = c;
+    rate[2].c = -1.0;
+    tree_write_twist(w, L->A[0], L->joint, first, "A", k);
+    tree_write_twist(w, L->A_dot, L->joint, rate, "Ad", k);
+  }
+}
+
+/* E9.2: C and s of a link. */
+static void tree_write_place(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  const fbi_joint_traits *const is = fbi_traits(L->joint);
+  code_value axes[9], child[9], T[9];
+  code_sum s;
+  if (L->joint->kind == FB_JOINT_FREE) {
+    return;
+  }
+  for (int i = 0; i < 9; i++) {
+    axes[i] = code_constant(tree_snap((double)L->joint->axes[i], 1.0));
+    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+  }
+  tree_write_joint_turn(w, T, k);
+  for (int i = 0; i < 9; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, axes[i / 3 * 3 + j], T[3 * j + i % 3]);
+    }
+    L->J[i] = code_end(w, &s, code_variable("b%d_J_%c%c", k, tree_axis[i / 3], tree_axis[i % 3]));
+  }
+  for (int i = 0; i < 9; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, L->J[i / 3 * 3 + j], child[i % 3 * 3 + j]);
+    }
+    L->C[i] = code_end(w, &s, code_variable("b%d_C_%c%c", k, tree_axis[i / 3], tree_axis[i % 3]));
+  }
+  for (int i = 0; i < 3; i++) {
+    const int by = is->slide >= 0 ? is->slide : is->pitched ? is->angle : -1;
+    code_begin(&s);
+    code_add_one(&s, (double)L->joint->position[i], code_constant(1.0));
+    if (by >= 0) {
+      code_add(&s, is->pitched ? (double)L->joint->pitch : 1.0, axes[3 * i + 2], code_variable("b%d_x_%d", k, by));
+    }
+    for (int j = 0; j < 3; j++) {
+      code_add_one(&s, -(double)L->joint->child_position[j], L->C[3 * i + j]);
+    }
+    L->s[i] = code_end(w, &s, code_variable("b%d_s_%c", k, tree_axis[i]));
+  }
+  tree_write_twists(w, k);
+}
+
+/* Names of what is in the vector. */
+static void tree_write_names(const code *w)
+{
+  const char *const type = code_real(w);
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int i = 0; i < L->axes; i++) {
+      if (L->joint->kind != FB_JOINT_SPHERICAL) {
+        fprintf(w->out, "  const %s b%d_x_%d = x[%d];\n", type, k, i, L->x + i);
+      }
+      fprintf(w->out, "  const %s b%d_m_%d = x[%d];\n", type, k, i, L->p + i);
+    }
+    for (int a = 0; a < L->n; a++) {
+      fprintf(w->out, "  const %s b%d_q_%d = x[%d];\n", type, k, a, L->q + a);
+      fprintf(w->out, "  const %s b%d_p_%d = x[%d];\n", type, k, a, L->pi + a);
+    }
+  }
+}
+
+/* ---- a body by itself, in the words of code.h */
+
+static char tree_prefix[16];
+
+/* The body of a link becomes that of code.h; `of` its names. */
+static code tree_enter(const code *w, int k)
+{
+  code own = *w;
+  own.n = tree.link[k].n;
+  own.large = 0;
+  code_read(tree.link[k].model);
+  code_model.first = 0;
+  snprintf(tree_prefix, sizeof tree_prefix, "b%d_", k);
+  code_prefix = tree_prefix;
+  code_now = tree.link[k].rates;
+  return own;
+}
+
+static void tree_leave(int k)
+{
+  tree.link[k].rates = code_now;
+  code_prefix = "";
+}
+
+/* S and momentum at rest, Lambda M^-1 pi, of the body of a link. */
+static void tree_write_body(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  const code own = tree_enter(w, k);
+  code_value pi[FB_MAX_MODES];
+  code_sum s;
+  fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
+  code_write_lambda(&own);
+  for (int a = 0; a < L->n; a++) {
+    pi[a] = code_pi(a);
+  }
+  code_write_solve(&own, code_now.pb, pi, "b");
+  code_write_inertia(&own);
+  for (int e = 0; e < 21 && code_model.constant_S; e++) {
+    const double size = sqrt(fabs((double)L->model->S0[fb_sym6_index(fbi_sym6_row[e], fbi_sym6_row[e])] *
+                                  (double)L->model->S0[fb_sym6_index(fbi_sym6_column[e], fbi_sym6_column[e])]));
+    const double c = (double)L->model->S0[e];
+    code_now.S[e] = code_constant(fabs(c) <= 16.0 * DBL_EPSILON * size ? 0.0 : c);
+  }
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    for (int b = 0; b < L->n; b++) {
+      code_add(&s, 1.0, code_now.lambda[i][b], code_now.pb[b]);
+    }
+    L->own[i] = code_end(&own, &s, code_variable("B_%s", code_rows[i]));
+  }
+  memcpy(L->I, code_now.S, sizeof L->I);
+  memcpy(L->b, L->own, sizeof L->b);
+  tree_leave(k);
+}
+
+/* ---- inertia of all that hangs on a joint */
+
+/* Is X a multiple of the unit matrix that is a number? */
+static int tree_is_round(const code_value X[9])
+{
+  int round = code_is_constant(&X[0]);
+  for (int i = 0; i < 9; i++) {
+    round = round && code_is_constant(&X[i]) &&
+            (i % 4 == 0 ? fabs(X[i].c - X[0].c) <= 16.0 * DBL_EPSILON * fabs(X[0].c) : code_is_zero(&X[i]));
+  }
+  return round;
+}
+
+/* Is X the matrix of a cross product? */
+static int tree_is_cross(const code_value X[9])
+{
+  int cross = 1;
+  for (int i = 0; i < 9; i++) {
+    const code_value *const a = &X[i], *const b = &X[i % 3 * 3 + i / 3];
+    cross = cross && (i % 4 == 0 ? code_is_zero(a)
+                                 : strcmp(a->name, b->name) == 0 &&
+                                       fabs(a->c + b->c) <= 16.0 * DBL_EPSILON * fabs(a->c));
+  }
+  return cross;
+}
+
+/* Y = C X C^T; symmetric: of X that is. */
+static void tree_write_congruent(const code *w, code_value Y[9], const code_value C[9], const code_value X[9],
+                                 int symmetric, char name, int k)
+{
+  code_value T[9];
+  code_sum s;
+  if (tree_is_round(X)) {
+    memcpy(Y, X, 9 * sizeof *Y);
+    return;
+  }
+  if (tree_is_cross(X)) {
+    const code_value x[3] = {X[7], X[2], X[3]};
+    code_value y[3];
+    char word[4] = {name, 'x', '\0', '\0'};
+    tree_write_turned(w, y, C, 0, x, word, k);
+    for (int i = 0; i < 3; i++) {
+      const int j = (i + 1) % 3, l = (i + 2) % 3;
+      Y[4 * i] = code_constant(0.0);
+      Y[3 * l + j] = Y[3 * j + l] = y[i];
+      Y[3 * j + l].c = -y[i].c;
+    }
+    return;
+  }
+  for (int i = 0; i < 9; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, C[i / 3 * 3 + j], X[3 * j + i % 3]);
+    }
+    T[i] = code_end(w, &s, code_variable("b%d_%ct_%c%c", k, name, tree_axis[i / 3], tree_axis[i % 3]));
+  }
+  for (int i = 0; i < 9; i++) {
+    if (symmetric && i % 3 < i / 3) {
+      Y[i] = Y[i % 3 * 3 + i / 3];
+      continue;
+    }
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, T[i / 3 * 3 + j], C[i % 3 * 3 + j]);
+    }
+    Y[i] = code_end(w, &s, code_variable("b%d_%c_%c%c", k, name, tree_axis[i / 3], tree_axis[i % 3]));
+  }
+}
+
+/* I of the parent += E9.3 of a link. */
+static void tree_write_inertia(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  tree_link *const P = &tree.link[L->parent];
+  code_value block[3][9], turned[3][9], across[9];
+  code_sum s;
+  for (int i = 0; i < 9; i++) {
+    block[0][i] = L->I[fb_sym6_index(i / 3, i % 3)];
+    block[1][i] = L->I[fb_sym6_index(i / 3, 3 + i % 3)];
+    block[2][i] = L->I[fb_sym6_index(3 + i / 3, 3 + i % 3)];
+  }
+  tree_write_congruent(w, turned[0], L->C, block[0], 1, 'A', k);
+  tree_write_congruent(w, turned[1], L->C, block[1], 0, 'B', k);
+  tree_write_congruent(w, turned[2], L->C, block[2], 1, 'D', k);
+  for (int i = 0; i < 9; i++) { /* B - A s^ */
+    code_begin(&s);
+    code_add_one(&s, 1.0, turned[1][i]);
+    tree_add_cross(&s, -1.0, turned[0] + i / 3 * 3, L->s, i % 3);
+    across[i] = code_end(w, &s, code_variable("b%d_X_%c%c", k, tree_axis[i / 3], tree_axis[i % 3]));
+  }
+  for (int e = 0; e < 21; e++) {
+    const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
+    code_begin(&s);
+    code_add_one(&s, 1.0, P->I[e]);
+    if (j < 3) {
+      code_add_one(&s, 1.0, turned[0][3 * i + j]);
+    } else if (i < 3) {
+      code_add_one(&s, 1.0, across[3 * i + j - 3]);
+    } else {
+      const int r = i - 3, c = j - 3;
+      const code_value x[3] = {turned[1][r], turned[1][3 + r], turned[1][6 + r]};
+      const code_value y[3] = {across[c], across[3 + c], across[6 + c]};
+      code_add_one(&s, 1.0, turned[2][3 * r + c]);
+      tree_add_cross(&s, 1.0, L->s, x, c); /* (s^ B)^T */
+      tree_add_cross(&s, 1.0, L->s, y, r);
+    }
+    P->I[e] = code_end(w, &s, code_variable("b%d_I%d_%s_%s", L->parent, k, code_rows[i], code_rows[j]));
+  }
+}
+
+/* ---- velocities */
+
+/* y = I x of a link */
+static void tree_write_momentum(const code *w, code_value y[6], const code_value I[21], const code_value x[6],
+                                const code_value *more, const char *name, int k)
+{
+  code_value out[6];
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 6; j++) {
+      code_add(&s, 1.0, I[fb_sym6_index(i, j)], x[j]);
+    }
+    if (more) {
+      code_add_one(&s, 1.0, more[i]);
+    }
+    out[i] = code_end(w, &s, code_variable("b%d_%s_%s", k, name, code_rows[i]));
+  }
+  memcpy(y, out, sizeof out);
+}
+
+static code_value tree_write_along(const code *w, const code_value a[6], const code_value b[6], code_value name)
+{
+  code_sum s;
+  code_begin(&s);
+  for (int i = 0; i < 6; i++) {
+    code_add(&s, 1.0, a[i], b[i]);
+  }
+  return code_end(w, &s, name);
+}
+
+static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
+
+/* Elements of the matrix of axis a of link k. */
+static void tree_write_column(const code *w, int k, int a)
+{
+  const int column = tree.link[k].row + a;
+  code_value f[6];
+  char word[40];
+  snprintf(word, sizeof word, "U%d", a);
+  tree_write_momentum(w, f, tree.link[k].I, tree.link[k].A[a], NULL, word, k);
+  for (int j = k, from = -1; j >= 0; from = j, j = tree.link[j].parent) {
+    const tree_link *const L = &tree.link[j];
+    if (from >= 0) {
+      code_value up[6];
+      tree_nothing(up, 6);
+      snprintf(word, sizeof word, "U%d%c%d", a, 'f', from);
+      tree_write_to_parent(w, up, &tree.link[from], f, word, k);
+      memcpy(f, up, sizeof up);
+    }
+    for (int i = 0; i < L->axes; i++) {
+      if (j < k || i <= a) {
+        const int row = L->row + i;
+        tree_matrix[row][column] = tree_matrix[column][row] =
+            tree_write_along(w, L->A[i], f, code_variable("H_%d_%d", column, row));
+      }
+    }
+    for (int i = 0; i < 6 && j == tree.root; i++) {
+      tree_matrix[i][column] = tree_matrix[column][i] = f[i];
+    }
+  }
+}
+
+/* The right side: momenta less those at rest. */
+static void tree_write_right(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_value m[3];
+  code_sum s;
+  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+    code_value h[3], child[9];
+    for (int i = 0; i < 9; i++) {
+      child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+      m[i % 3] = code_variable("b%d_m_%d", k, i % 3);
+    }
+    tree_write_view(w, h, m, "h", k, 1);
+    tree_write_turned(w, m, child, 1, h, "hj", k);
+  }
+  for (int i = 0; i < L->axes; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, L->joint->kind == FB_JOINT_SPHERICAL ? m[i] : code_variable("b%d_m_%d", k, i));
+    for (int j = 0; j < 6; j++) {
+      code_add(&s, -1.0, L->A[i][j], L->b[j]);
+    }
+    tree_right[L->row + i] = code_end(w, &s, code_variable("y_%d", L->row + i));
+  }
+}
+
+static void tree_write_root_right(const code *w)
+{
+  const tree_link *const L = &tree.link[tree.root];
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, i < 3 ? code_variable("P[%d]", i) : code_variable("x[%d]", TREE_OWN + i - 3));
+    code_add_one(&s, -1.0, L->b[i]);
+    tree_right[i] = code_end(w, &s, code_variable("y_%d", i));
+    for (int j = 0; j < 6; j++) {
+      tree_matrix[i][j] = L->I[fb_sym6_index(i, j)];
+    }
+  }
+}
+
+/* Order of elimination: pivots that are numbers first, then those with few elements beside them. */
+static void tree_order(int *order, int n)
+{
+  static int full[CODE_ROWS][CODE_ROWS], varies[CODE_ROWS][CODE_ROWS];
+  int done[CODE_ROWS] = {0};
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      full[i][j] = !code_is_zero(&tree_matrix[i][j]);
+      varies[i][j] = !code_is_constant(&tree_matrix[i][j]);
+    }
+  }
+  for (int k = 0; k < n; k++) {
+    int best = -1, least = 0;
+    for (int i = 0; i < n; i++) {
+      int cost = 100 * varies[i][i];
+      for (int j = 0; j < n; j++) {
+        cost += full[i][j] && !done[j];
+      }
+      if (!done[i] && (best < 0 || cost < least)) {
+        best = i;
+        least = cost;
+      }
+    }
+    done[best] = 1;
+    order[k] = best;
+    for (int i = 0; i < n; i++) {
+      for (int j = 0; j < n; j++) {
+        if (full[best][i] && full[best][j] && !done[i] && !done[j]) {
+          full[i][j] = 1;
+          varies[i][j] |= varies[best][i] || varies[best][j] || varies[best][best];
+        }
+      }
+    }
+  }
+}
+
+/* Refusal where a pivot is round-off. */
+static void tree_write_pivot_check(const code *w, const code_factor *f)
+{
+  int n = 0;
+  code_sum s;
+  for (int k = 0; k < f->n; k++) {
+    if (!code_is_constant(&f->raw[k][k])) {
+      char number[40];
+      code_number(number, w, 16.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
+      fprintf(w->out, "%s%s > %s * ", n++ == 0 ? "  if (!(" : " &&\n        ", f->raw[k][k].name, number);
+      code_begin(&s);
+      code_add_one(&s, 1.0, f->S[k][k]);
+      code_expression(w, &s, 60);
+    }
+  }
+  if (n > 0) {
+    fputs(")) {\n    return ", w->out);
+    code_template(w, "@_is_finite(x, ");
+    fprintf(w->out, "%d) ? ", tree.size);
+    code_template(w, "@_range : @_not_finite;\n  }\n");
+  }
+}
+
+/* M u = p, and the velocities of all bodies. */
+static void tree_write_solve(const code *w)
+{
+  static char names[CODE_ROWS][CODE_NAME];
+  const int first = tree.root >= 0 ? 6 : 0, n = first + tree.n_axis;
+  code_factor *const f = &code_solver;
+  int order[CODE_ROWS];
+  fputs("\n  /* E9.6: M u = p of the root and the axes of the joints, by L D L^T */\n", w->out);
+  for (int i = 0; i < n; i++) {
+    tree_nothing(tree_matrix[i], n);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      tree_write_column(w, k, a);
+    }
+    tree_write_right(w, k);
+  }
+  if (tree.root >= 0) {
+    tree_write_root_right(w);
+  }
+  tree_order(order, n);
+  f->n = n;
+  for (int i = 0; i < n; i++) {
+    snprintf(f->label[i], sizeof f->label[i], "%d", order[i]);
+    snprintf(names[i], sizeof names[i], "u_%d", order[i]);
+    f->y[i] = tree_right[order[i]];
+    for (int j = 0; j < n; j++) {
+      f->S[i][j] = tree_matrix[order[i]][order[j]];
+    }
+  }
+  for (int k = 0; k < n; k++) {
+    code_write_pivot(w, f, k);
+    code_write_column(w, f, k);
+  }
+  tree_write_pivot_check(w, f);
+  code_write_substitution(w, f, names);
+  for (int i = 0; i < n; i++) {
+    tree_right[order[i]] = f->x[i];
+  }
+}
+
+/* Velocities of a link from those of its parent and the speeds of its axes. */
+static void tree_write_velocity(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  code_value at[3];
+  code_sum s;
+  for (int i = 0; i < L->axes; i++) {
+    L->u[i] = tree_right[L->row + i];
+  }
+  if (k == tree.root) {
+    memcpy(L->V, tree_right, sizeof L->V);
+    return;
+  }
+  tree_nothing(at, 3);
+  for (int i = 0; i < 3 && L->parent >= 0; i++) {
+    const code_value *const V = tree.link[L->parent].V;
+    code_begin(&s);
+    code_add_one(&s, 1.0, V[i]);
+    tree_add_cross(&s, 1.0, V + 3, L->s, i);
+    at[i] = code_end(w, &s, code_variable("b%d_at_%c", k, tree_axis[i]));
+  }
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    if (L->parent >= 0) {
+      tree_add_turned(&s, L->C, 1, i < 3 ? at : tree.link[L->parent].V + 3, i % 3);
+    }
+    for (int a = 0; a < L->axes; a++) {
+      code_add(&s, 1.0, L->A[a][i], L->u[a]);
+    }
+    L->V[i] = code_end(w, &s, code_variable("b%d_%s", k, code_rows[i]));
+  }
+}
+
+/* ---- forces */
+
+/* q_dot, and pi_dot but for loads that come from outside. */
+static void tree_write_modes(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  tree_link *const L = &tree.link[k];
+  const code own = tree_enter(w, k);
+  memcpy(code_now.V, L->V, sizeof code_now.V);
+  code_write_q_dot(&own);
+  code_read_sparse(K, &L->model->K, L->n);
+  memset(C, 0, sizeof C);
+#if FB_WITH_DAMPING
+  if (L->model->effects & FB_EFFECT_DAMPING) {
+    code_read_sparse(C, &L->model->C, L->n);
+  }
+#endif
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&code_force[a]);
+    for (int b = 0; b < L->n; b++) {
+      code_add_one(&code_force[a], -K[a][b], code_q(b));
+      code_add_one(&code_force[a], -C[a][b], code_now.q_dot[b]);
+    }
+    for (int i = 0; i < 3; i++) {
+      code_add(&code_force[a], 1.0, code_now.lambda[i][a], L->g[i]);
+    }
+  }
+  code_write_gradient(&own, code_force);
+  tree_leave(k);
+  fputs("\n  /* E8.17 */\n", w->out);
+  for (int a = 0; a < L->n; a++) {
+    char target[32];
+    code_sum s;
+    snprintf(target, sizeof target, "rate[%d]", L->pi + a);
+    code_assign(w, &code_force[a], target);
+    code_begin(&s);
+    code_add_one(&s, 1.0, L->rates.q_dot[a]);
+    snprintf(target, sizeof target, "rate[%d]", L->q + a);
+    code_assign(w, &s, target);
+  }
+}
+
+/* g and the load by gravity of a body, E8.16. */
+static void tree_write_gravity(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  code_value field[3];
+  code_sum s;
+  code own;
+  tree_nothing(L->F, 6);
+  tree_nothing(L->g, 3);
+  if (!tree_has_gravity(L->model)) {
+    return;
+  }
+  own = tree_enter(w, k);
+  for (int i = 0; i < 3; i++) {
+    code_write_value(&own, i);
+    field[i] = code_constant(code_gravity(i));
+  }
+  tree_leave(k);
+  tree_write_view(w, L->g, field, "g", k, 1);
+  for (int i = 0; i < 3; i++) {
+    L->F[i] = L->g[i];
+    L->F[i].c *= (double)L->model->mass;
+    code_begin(&s);
+    tree_add_cross(&s, 1.0, L->rates.value, L->g, i);
+    L->F[3 + i] = code_end(w, &s, code_variable("b%d_T_%c", k, tree_axis[i]));
+  }
+}
+
+/* s += A.(F - turning of G) of axis a, E9.14; and A_dot.G */
+static void tree_add_axis(const code *w, code_sum *s, int k, int a)
+{
+  const tree_link *const L = &tree.link[k];
+  for (int i = 0; i < 6; i++) {
+    code_sum t;
+    code_value load;
+    code_begin(&t);
+    code_add_one(&t, 1.0, L->F[i]);
+    tree_add_cross(&t, -1.0, L->V + 3, L->G + (i < 3 ? 0 : 3), i % 3);
+    if (i >= 3) {
+      tree_add_cross(&t, -1.0, L->V, L->G, i - 3);
+    }
+    if (!code_is_zero(&L->A[a][i])) {
+      load = code_end(w, &t, code_variable("b%d_N%d_%s", k, a, code_rows[i]));
+      code_add(s, 1.0, L->A[a][i], load);
+    }
+  }
+  for (int i = 0; i < 6 && a == 0 && fbi_traits(L->joint)->tilt >= 0; i++) {
+    code_value t;
+    code_sum one;
+    code_begin(&one);
+    code_add(&one, 1.0, L->A_dot[i], L->G[i]);
+    t = code_end(w, &one, code_variable("b%d_AdG_%s", k, code_rows[i]));
+    code_add(s, 1.0, L->u[fbi_traits(L->joint)->tilt], t);
+  }
+}
+
+/* The effort of springs and dampers of a joint in place of value, E9.11. */
+static void tree_add_effort(code_sum *s, const tree_link *L, int k, int a)
+{
+  const fb_joint *const joint = L->joint;
+  const code_value x = L->joint->kind == FB_JOINT_SPHERICAL ? code_variable("phi%d[%d]", k, a)
+                                                            : code_variable("b%d_x_%d", k, a);
+  code_add_one(s, -(double)joint->stiffness[a], x);
+  code_add_one(s, (double)joint->stiffness[a] * (double)joint->rest[a], code_constant(1.0));
+  code_add_one(s, -(double)joint->damping[a], L->u[a]);
+}
+
+static void tree_assign_one(const code *w, code_value x, int at)
+{
+  char target[32];
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, 1.0, x);
+  snprintf(target, sizeof target, "rate[%d]", at);
+  code_assign(w, &s, target);
+}
+
+static const char tree_quat_rate[] = "  rate[@0] = `-0.5` * (x[@1] * @x + x[@2] * @y + x[@3] * @z);\n"
+                                     "  rate[@1] = `0.5` * (x[@0] * @x + x[@2] * @z - x[@3] * @y);\n"
+                                     "  rate[@2] = `0.5` * (x[@0] * @y + x[@3] * @x - x[@1] * @z);\n"
+                                     "  rate[@3] = `0.5` * (x[@0] * @z + x[@1] * @y - x[@2] * @x);\n";
+
+/* E4.4: rate of the quaternion at a place of the vector by angular velocity v, own axes. */
+static void tree_write_quat_rate(const code *w, int at, const code_value v[3])
+{
+  char text[1200];
+  size_t n = 0;
+  for (const char *c = tree_quat_rate; *c; c++) {
+    if (*c == '@' && c[1] >= 'x') {
+      n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", v[c[1] - 'x'].c < 0.0 ? "-" : "", v[c[1] - 'x'].name);
+      c++;
+    } else if (*c == '@') {
+      n += (size_t)snprintf(text + n, sizeof text - n, "%d", at + c[1] - '0');
+      c++;
+    } else {
+      text[n++] = *c;
+    }
+  }
+  text[n] = '\0';
+  code_template(w, text);
+}
+
+/* Coordinates and momenta of a spherical joint: E9.14 in inertial axes. */
+static void tree_write_ball(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_value tau[3], body[3], h[3], m[3], child[9], out[3];
+  code_sum s;
+  if (L->joint->stiffness[0] > FB_R(0.0)) {
+    fprintf(w->out, "  %s phi%d[3];\n", code_real(w), k);
+    code_template(w, "  @_vector(");
+    fprintf(w->out, "phi%d, x + %d);\n", k, L->x);
+  }
+  for (int a = 0; a < 3; a++) {
+    code_begin(&s);
+    tree_add_effort(&s, L, k, a);
+    tree_add_axis(w, &s, k, a);
+    tau[a] = code_end(w, &s, code_variable("b%d_tau_%d", k, a));
+    m[a] = code_variable("b%d_m_%d", k, a);
+  }
+  for (int i = 0; i < 9; i++) {
+    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+  }
+  tree_write_view(w, h, m, "hb", k, 1);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    tree_add_turned(&s, child, 0, tau, i);
+    tree_add_cross(&s, 1.0, L->V + 3, h, i);
+    body[i] = code_end(w, &s, code_variable("b%d_turn_%c", k, tree_axis[i]));
+  }
+  tree_write_view(w, out, body, "w", k, 0);
+  for (int i = 0; i < 3; i++) {
+    tree_assign_one(w, out[i], L->p + i);
+  }
+  tree_write_quat_rate(w, L->x, L->u);
+}
+
+static void tree_write_axes(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+    tree_write_ball(w, k);
+    return;
+  }
+  for (int a = 0; a < L->axes; a++) {
+    char target[32];
+    code_sum s;
+    code_begin(&s);
+    tree_add_effort(&s, L, k, a);
+    tree_add_axis(w, &s, k, a);
+    snprintf(target, sizeof target, "rate[%d]", L->p + a);
+    code_assign(w, &s, target);
+    tree_assign_one(w, L->u[a], L->x + a);
+  }
+}
+
+/* ---- loads that come from outside */
+
+/* Does something ask for the load on the whole of a tree: its root, or the stiffening by its acceleration? */
+static int tree_needs_load(int k)
+{
+  double most = 0;
+  for (int j = 0; j < tree.n && !tree.system->allow_long_step; j++) {
+    most = fmax(most, (double)tree.link[j].model->limit_acceleration);
+  }
+  return tree.link[k].parent < 0 && (k == tree.root || most > 0);
+}
+
+/* Forces of the caller: E9.15, added to the rates. */
+static void tree_write_loads(const code *w)
+{
+  static code_value F[FB_MAX_BODIES][6];
+  code inner = *w;
+  code_sum s, work;
+  inner.indent = 4;
+  fputs("\n  /* loads of the caller, from the tips; motors */\n  if (in) {\n", w->out);
+  code_begin(&work);
+  for (int k = 0; k < tree.n; k++) {
+    for (int i = 0; i < 6; i++) {
+      F[k][i] = code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
+    }
+  }
+  for (int k = tree.n - 1; k >= 0; k--) {
+    const tree_link *const L = &tree.link[k];
+    char target[48];
+    code_value tau[3];
+    for (int a = 0; a < L->axes; a++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, code_variable("in->body_%d.motor[%d]", k, a));
+      for (int i = 0; i < 6; i++) {
+        code_add(&s, 1.0, L->A[a][i], F[k][i]);
+      }
+      code_add(&work, 1.0, code_variable("in->body_%d.motor[%d]", k, a), L->u[a]);
+      tau[a] = code_end(&inner, &s, code_variable("b%d_act_%d", k, a));
+    }
+    if (L->joint->kind == FB_JOINT_SPHERICAL) {
+      code_value child[9];
+      for (int i = 0; i < 9; i++) {
+        child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+      }
+      tree_write_turned(&inner, tau, child, 0, tau, "actb", k);
+      tree_write_view(&inner, tau, tau, "actg", k, 0);
+    }
+    for (int a = 0; a < L->axes; a++) {
+      code_begin(&s);
+      snprintf(target, sizeof target, "rate[%d]", L->p + a);
+      code_add_one(&s, 1.0, code_variable("%s", target));
+      code_add_one(&s, 1.0, tau[a]);
+      code_assign(&inner, &s, target);
+    }
+    for (int a = 0; a < L->n; a++) {
+      fprintf(w->out, "    rate[%d] += in->body_%d.modal[%d];\n", L->pi + a, k, a);
+    }
+    if (L->parent >= 0) {
+      tree_write_to_parent(&inner, F[L->parent], L, F[k], "l", k);
+    } else {
+      for (int i = 0; i < 6 && tree_needs_load(k); i++) {
+        code_begin(&s);
+        snprintf(target, sizeof target, "load_%d[%d]", k, i);
+        code_add_one(&s, 1.0, code_variable("%s", target));
+        code_add_one(&s, 1.0, F[k][i]);
+        code_assign(&inner, &s, target);
+      }
+    }
+  }
+  if (tree.work >= 0) {
+    char target[32];
+    snprintf(target, sizeof target, "rate[%d]", tree.work);
+    code_assign(&inner, &work, target);
+  }
+  fputs("  }\n", w->out);
+}
+
+/* Load on each body that hangs on nothing or the ground, without that of the caller. */
+static void tree_write_root_loads(const code *w)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int i = 0; i < 6 && tree_needs_load(k); i++) {
+      char target[32];
+      code_sum s;
+      if (i == 0) {
+        fprintf(w->out, "  %s load_%d[6];\n", code_real(w), k);
+      }
+      code_begin(&s);
+      code_add_one(&s, 1.0, L->F[i]);
+      snprintf(target, sizeof target, "load_%d[%d]", k, i);
+      code_assign(w, &s, target);
+    }
+  }
+  if (tree.work >= 0) {
+    fprintf(w->out, "  rate[%d] = %s;\n", tree.work, w->single ? "0.0f" : "0.0");
+  }
+}
+
+static const char tree_root_moves[] =
+    "\n  /* E9.14, E11.27: momenta of the root, inertial axes and (h) body axes */\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+    "    rate[10 + i] = x[10 + y] * v[3 + z] - x[10 + z] * v[3 + y];\n"
+    "    rate[4 + i] = rate[7 + i] = rate[13 + i] = `0`;\n"
+    "  }\n";
+
+static const char tree_root_pushed[] = "  if (pushed) {\n"
+                                       "    $ h_dot[3];\n"
+                                       "    for (int i = 0; i < 3; i++) {\n"
+                                       "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
+                                       "      rate[10 + i] += h_dot[i];\n"
+                                       "    }\n"
+                                       "    @_turn(rate + 4, x, load);\n"
+                                       "    @_turn(rate + 7, x, h_dot);\n";
+
+/* Rates of a free root. */
+static void tree_write_root(const code *w)
+{
+  const code_value *const V = tree.link[tree.root].V;
+  char text[40];
+  fprintf(w->out, "  %s v[6];\n  const %s *const load = load_%d;\n", code_real(w), code_real(w), tree.root);
+  for (int i = 0; i < 6; i++) {
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, V[i]);
+    snprintf(text, sizeof text, "v[%d]", i);
+    code_assign(w, &s, text);
+  }
+  tree_write_quat_rate(w, TREE_QUAT, V + 3);
+  code_template(w, tree_root_moves);
+  code_template(w, tree_root_pushed);
+  code_template(w, tree.stands ? "  }\n  @_turn(rate + 13, x, v);\n"
+                               : "    memcpy(rate + 13, x + 4, 3 * sizeof *rate);\n  }\n");
+}
+
+/* ---- the step limit */
+
+static void tree_write_norm(const code *w, const char *name, int k, const code_value x[3])
+{
+  code_sum s;
+  code_begin(&s);
+  for (int i = 0; i < 3; i++) {
+    code_add(&s, 1.0, x[i], x[i]);
+  }
+  fprintf(w->out, "    const %s %s_%d = sqrt%s(", code_real(w), name, k, w->single ? "f" : "");
+  code_settle(&s);
+  code_expression(w, &s, 40);
+  fputs(");\n", w->out);
+}
+
+/* E11.15: the longest stable step at the present motion. */
+static void tree_write_limit(const code *w)
+{
+  code inner = *w;
+  char number[40];
+  code_sum s;
+  inner.indent = 4;
+  fputs("\n  /* E8.8, E11.15: longest stable step [s] */\n  if (longest) {\n", w->out);
+  code_template(w, "    $ fastest = `0`, stiffening = `0`, g, bound;\n");
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    tree_write_norm(w, "spin", k, L->V + 3);
+    if (L->parent >= 0) {
+      tree_write_norm(w, "arm", k, L->s);
+      fprintf(w->out, "    const %s a_%d = a_%d + spin_%d * spin_%d * arm_%d;\n", code_real(w), k, L->parent, L->parent,
+              L->parent, k);
+    } else {
+      code_value load[3];
+      for (int i = 0; i < 3; i++) {
+        load[i] = tree_needs_load(k) ? code_variable("load_%d[%d]", k, i) : code_constant(0.0);
+      }
+      tree_write_norm(w, "push", k, load);
+      code_number(number, w, L->model->mass > FB_R(0.0) ? 1.0 / (double)L->model->mass : 0.0);
+      fprintf(w->out, "    const %s a_%d = %s * push_%d;\n", code_real(w), k, number, k);
+    }
+    code_begin(&s);
+    code_add(&s, (double)L->model->limit_spin, code_variable("spin_%d", k), code_variable("spin_%d", k));
+    code_add_one(&s, (double)L->model->limit_acceleration, code_variable("a_%d", k));
+    fprintf(w->out, "    fastest = fastest > spin_%d ? fastest : spin_%d;\n", k, k);
+    if (s.n > 0) {
+      char target[48];
+      snprintf(target, sizeof target, "const %s stiff_%d", code_real(w), k);
+      code_assign(&inner, &s, target);
+      fprintf(w->out, "    stiffening = stiffening > stiff_%d ? stiffening : stiff_%d;\n", k, k);
+    }
+  }
+  code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
+  fprintf(w->out, "    g = fastest + %s;\n", number);
+  code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
+  code_template(w, "    bound = g + sqrt~(g * g + ");
+  fprintf(w->out, "%s + stiffening);\n", number);
+  code_template(w, "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n  }\n");
+}
+
+/* ---- rates */
+
+static const char tree_rates_head[] =
+    "\n/* Rates of the vector x (@_enter) under what acts (NULL: nothing but gravity); w: angular velocities of the "
+    "bodies;\n"
+    "   longest (NULL: not asked for): stable step. */\n"
+    "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *longest, const $ *x, const @_input *in)\n{\n";
+
+/* P of the root in body axes; pushed: it is not zero, or may become so. */
+static void tree_write_pushed(const code *w)
+{
+  if (tree.root < 0) {
+    return;
+  }
+  if (tree.pulled || tree.stands) {
+    code_template(w, "  const int pushed = 1;\n");
+  } else {
+    code_template(w, "  const int pushed = in || fabs~(x[4]) + fabs~(x[5]) + fabs~(x[6]) > `0`;\n");
+  }
+  code_template(w, "  $ P[3] = {`0`, `0`, `0`};\n");
+  code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
+  code_template(w, "  if (pushed) {\n    @_turn_back(P, x, x + 4);\n  }\n");
+}
+
+static void tree_write_rates(const code *w, int unused)
+{
+  (void)unused;
+  code_template(w, tree_rates_head);
+  tree_write_names(w);
+  tree_write_pushed(w);
+  fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_place(w, k);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_body(w, k);
+  }
+  fputs("\n  /* E9.3: inertia and momentum at rest of all that hangs on a joint */\n", w->out);
+  for (int k = tree.n - 1; k >= 0; k--) {
+    if (tree.link[k].parent >= 0) {
+      tree_write_inertia(w, k);
+      tree_write_to_parent(w, tree.link[tree.link[k].parent].b, &tree.link[k], tree.link[k].b, "r", k);
+    }
+  }
+  tree_write_solve(w);
+  fputs("\n  /* E9.5: velocities and momenta of the bodies */\n", w->out);
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_velocity(w, k);
+    tree_write_momentum(w, tree.link[k].G, tree.link[k].rates.S, tree.link[k].V, tree.link[k].own, "G", k);
+    tree_write_gravity(w, k);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    if (tree.link[k].n > 0) {
+      tree_write_modes(w, k);
+    }
+  }
+  fputs("\n  /* E9.14: rates of the momenta of joints, p = A.G */\n", w->out);
+  for (int k = tree.n - 1; k >= 0; k--) {
+    const tree_link *const L = &tree.link[k];
+    if (L->parent >= 0) {
+      tree_write_to_parent(w, tree.link[L->parent].G, L, L->G, "G", k);
+      tree_write_to_parent(w, tree.link[L->parent].F, L, L->F, "F", k);
+    }
+    tree_write_axes(w, k);
+  }
+  tree_write_root_loads(w);
+  tree_write_loads(w);
+  if (tree.root >= 0) {
+    tree_write_root(w);
+  }
+  for (int i = 0; i < 3 * tree.n; i++) {
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, tree.link[i / 3].V[3 + i % 3]);
+    code_assign(w, &s, code_variable("w[%d]", i).name);
+  }
+  if (!tree.system->allow_long_step) {
+    tree_write_limit(w);
+  } else {
+    fputs("  (void)longest;\n", w->out);
+  }
+  code_template(w, "  return @_ok;\n}\n");
+}
+
+/* ---- the end of a step of free flight */
+
+/* First moments of mass, summed from the tips: c[3] of the tree about O of the root, its axes (E9.22). */
+static void tree_write_center(const code *w, int unused)
+{
+  static code_value first[FB_MAX_BODIES][3];
+  static double bulk[FB_MAX_BODIES];
+  code_sum s;
+  (void)unused;
+  code_template(w, "\n/* E9.22: first moment of mass of the whole about O of the root, body axes */\n"
+                   "static void @_center($ *c, const $ *x)\n{\n");
+  tree_write_names(w);
+  for (int k = 0; k < tree.n; k++) {
+    code own;
+    tree_write_place(w, k);
+    own = tree_enter(w, k);
+    memset(code_now.valued, 0, sizeof code_now.valued);
+    code_write_lambda(&own);
+    for (int i = 0; i < 3; i++) {
+      code_write_slope(&own, i);
+      code_write_value(&own, i);
+      first[k][i] = code_now.value[i];
+    }
+    tree_leave(k);
+    bulk[k] = (double)tree.link[k].model->mass;
+  }
+  for (int k = tree.n - 1; k >= 0; k--) {
+    const int to = tree.link[k].parent;
+    for (int i = 0; i < 3 && to >= 0; i++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, first[to][i]);
+      tree_add_turned(&s, tree.link[k].C, 0, first[k], i);
+      code_add_one(&s, bulk[k], tree.link[k].s[i]);
+      first[to][i] = code_end(w, &s, code_variable("b%d_c%d_%c", to, k, tree_axis[i]));
+    }
+    if (to >= 0) {
+      bulk[to] += bulk[k];
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, first[tree.root][i]);
+    code_assign(w, &s, code_variable("c[%d]", i).name);
+  }
+  fputs("  (void)x;\n}\n", w->out);
+}
+
+/* E9.24 of a body: momenta by the velocity v of the whole, body axes, in b; of its modes subtracted from d. */
+static void tree_write_drift_of(const code *w, int k, const code_value v[3], code_value b[6])
+{
+  tree_link *const L = &tree.link[k];
+  code_value e[FB_MAX_MODES];
+  code_sum s;
+  const code own = tree_enter(w, k);
+  memset(code_now.valued, 0, sizeof code_now.valued);
+  code_write_lambda(&own);
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    for (int i = 0; i < 3; i++) {
+      code_add(&s, 1.0, code_now.lambda[i][a], v[i]);
+    }
+    e[a] = code_end(w, &s, code_variable("e_%d", a));
+  }
+  if (code_model.constant_S && L->n > 0) {
+    code_write_solve(&own, code_now.pb, e, "f");
+  } else {
+    for (int i = 0; i < 3; i++) {
+      code_write_slope(&own, i);
+      code_write_value(&own, i);
+    }
+  }
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    if (code_model.constant_S && L->n > 0) {
+      for (int j = 0; j < 3; j++) {
+        code_add_one(&s, (double)L->model->S0[fb_sym6_index(i, j)], v[j]);
+      }
+      for (int a = 0; a < L->n; a++) {
+        code_add(&s, 1.0, code_now.lambda[i][a], code_now.pb[a]);
+      }
+    } else if (i < 3) {
+      code_add_one(&s, (double)L->model->mass, v[i]);
+    } else {
+      tree_add_cross(&s, 1.0, code_now.value, v, i - 3);
+    }
+    b[i] = code_end(w, &s, code_variable("D_%s", code_rows[i]));
+  }
+  tree_leave(k);
+  for (int a = 0; a < L->n; a++) {
+    char target[32];
+    code_begin(&s);
+    snprintf(target, sizeof target, "d[%d]", L->pi + a);
+    code_add_one(&s, 1.0, code_variable("%s", target));
+    code_add_one(&s, -1.0, e[a]);
+    code_assign(w, &s, target);
+  }
+}
+
+/* E9.23: all momenta less those by a change of the frame's velocity. */
+static void tree_write_drift(const code *w, int unused)
+{
+  static code_value b[FB_MAX_BODIES][6];
+  code_value change[3];
+  code_sum s;
+  char target[32];
+  (void)unused;
+  code_template(w, "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
+                   "static @_NOINLINE void @_drift($ *d, const $ *x, const $ *change)\n{\n  $ R[9], moved[3];\n");
+  tree_write_names(w);
+  code_template(w, "  @_matrix(R, x);\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_place(w, k);
+  }
+  for (int i = 0; i < 3; i++) {
+    change[i] = code_variable("change[%d]", i);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    code_value v[3];
+    int from = k;
+    while (tree.link[from].parent >= 0) {
+      from = tree.link[from].parent;
+    }
+    if (from == tree.root) {
+      tree_write_view(w, v, change, "v", k, 1);
+      tree_write_drift_of(w, k, v, b[k]);
+    } else {
+      tree_nothing(b[k], 6);
+    }
+  }
+  for (int k = tree.n - 1; k >= 0; k--) {
+    const tree_link *const L = &tree.link[k];
+    code_value p[3];
+    for (int a = 0; a < L->axes; a++) {
+      p[a] = tree_write_along(w, L->A[a], b[k], code_variable("b%d_d_%d", k, a));
+    }
+    if (L->joint->kind == FB_JOINT_SPHERICAL) {
+      code_value child[9];
+      for (int i = 0; i < 9; i++) {
+        child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+      }
+      tree_write_turned(w, p, child, 0, p, "db", k);
+      tree_write_view(w, p, p, "dg", k, 0);
+    }
+    for (int a = 0; a < L->axes; a++) {
+      snprintf(target, sizeof target, "d[%d]", L->p + a);
+      code_begin(&s);
+      code_add_one(&s, 1.0, code_variable("%s", target));
+      code_add_one(&s, -1.0, p[a]);
+      code_assign(w, &s, target);
+    }
+    if (L->parent >= 0) {
+      tree_write_to_parent(w, b[L->parent], L, b[k], "d", k);
+    }
+  }
+  for (int half = 0; half < 2; half++) {
+    for (int i = 0; i < 3; i++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, b[tree.root][3 * half + i]);
+      code_assign(w, &s, code_variable("moved[%d]", i).name);
+    }
+    fprintf(w->out,
+            "  for (int i = 0; i < 3; i++) {\n    d[%d + i] -= R[3 * i] * moved[0] + R[3 * i + 1] * moved[1] + R[3 * i "
+            "+ 2] * moved[2];\n  }\n",
+            half ? TREE_L : TREE_P);
+  }
+  fputs("}\n", w->out);
+}
+
+static const char tree_align[] =
+    "\n/* E11.28: the increment d of the attitude so that R h is along L, both about the mass center at c/m */\n"
+    "static void @_align($ *d, const $ *x, const $ *center, $ share)\n{\n"
+    "  static const $ known[2] = {`0`, `1`};\n"
+    "  $ quat[4], h[3], a[3], b[3], P[3], arm[3], theta[3], sizes, told;\n"
+    "  const $ change = @_norm(d + 7);\n"
+    "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
+    "  for (int i = 0; i < 3; i++) {\n    h[i] = x[10 + i] + d[10 + i];\n    b[i] = x[7 + i] + d[7 + i];\n"
+    "    P[i] = share * (x[4 + i] + d[4 + i]);\n  }\n"
+    "  @_turn(a, quat, h);\n"
+    "  @_turn(arm, quat, center);\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+    "    const $ moment = P[y] * arm[z] - P[z] * arm[y];\n"
+    "    a[i] += moment;\n    b[i] += moment;\n  }\n"
+    "  sizes = @_norm(a) * @_norm(b);\n"
+    "  theta[0] = a[1] * b[2] - a[2] * b[1];\n"
+    "  theta[1] = a[2] * b[0] - a[0] * b[2];\n"
+    "  theta[2] = a[0] * b[1] - a[1] * b[0];\n"
+    "  told = known[sizes > change * change];\n";
+
+static const char tree_vector[] = "\n/* E4.5: rotation vector of a quaternion, at most half a turn */\n"
+                                  "static void @_vector($ *v, const $ *q)\n{\n"
+                                  "  const $ size = @_norm(q + 1), sign = q[0] < `0` ? -`1` : `1`;\n"
+                                  "  const $ by = size > `0` ? `2` * atan2~(size, sign * q[0]) / size * sign : `2`;\n"
+                                  "  for (int i = 0; i < 3; i++) {\n    v[i] = by * q[1 + i];\n  }\n}\n";
+
+static const char tree_keep[] =
+    "\n/* x += d, what rounding takes goes to `lost` */\n"
+    "static void @_keep($ *x, $ *lost, const $ *d)\n{\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const $ a = x[i], sum = a + d[i], b = sum - a, rest = lost[i] + ((a - (sum - b)) + (d[i] - b));\n"
+    "    x[i] = sum + rest;\n    lost[i] = rest - (x[i] - sum);\n  }\n}\n";
+
+/* ---- the rest of the step */
+
+/* Is there a joint of that kind? */
+static int tree_has_joint(fb_joint_kind kind)
+{
+  int has = 0;
+  for (int k = 0; k < tree.n; k++) {
+    has |= tree.system->joint[k].kind == kind;
+  }
+  return has;
+}
+
+static int tree_has_sprung_ball(void)
+{
+  int has = 0;
+  for (int k = 0; k < tree.n; k++) {
+    has |= tree.link[k].joint->kind == FB_JOINT_SPHERICAL && tree.link[k].joint->stiffness[0] > FB_R(0.0);
+  }
+  return has;
+}
+
+/* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
+typedef void tree_piece(const code *w, int at, int n, int k, const char *member);
+
+static void tree_pieces(const code *w, int k, tree_piece *f)
+{
+  const tree_link *const L = &tree.link[k];
+  const int ball = L->joint->kind == FB_JOINT_SPHERICAL || k == tree.root;
+  if (ball || L->axes > 0) {
+    f(w, L->x, ball ? 4 : L->axes, k, ball ? "quat" : "x");
+    f(w, L->p, k == tree.root ? 6 : L->axes, k, "p");
+  }
+  if (L->n > 0) {
+    f(w, L->q, L->n, k, "q");
+    f(w, L->pi, L->n, k, "pi");
+  }
+}
+
+static int tree_has_state(int k)
+{
+  return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n > 0;
+}
+
+static void tree_declare(const code *w, int at, int n, int k, const char *member)
+{
+  (void)at, (void)k;
+  fprintf(w->out, "    %s %s[%d]", code_real(w), member, n);
+  if (w->single) {
+    fprintf(w->out, ", lost_%s[%d]", member, n);
+  }
+  fputs(";\n", w->out);
+}
+
+static void tree_take(const code *w, int at, int n, int k, const char *member)
+{
+  (void)n;
+  fprintf(w->out, "  memcpy(x + %d, s->body_%d.%s, sizeof s->body_%d.%s);\n", at, k, member, k, member);
+}
+
+static void tree_give(const code *w, int at, int n, int k, const char *member)
+{
+  (void)n;
+  fprintf(w->out, "  memcpy(next.body_%d.%s, d + %d, sizeof next.body_%d.%s);\n", k, member, at, k, member);
+}
+
+/* d becomes x + d; small momenta and coordinates of modes become zero. */
+static void tree_sum(const code *w, int at, int n, int k, const char *member)
+{
+  const char *const least = member[0] == 'q' && member[1] != 'u' ? "tiny" : member[0] != 'p' ? ""
+                                                                    : member[1] == 'i'         ? "tiny"
+                                                                                               : "faint";
+  if (w->single) {
+    code_template(w, "  @_sum_kept(");
+    fprintf(w->out, "d + %d, next.body_%d.lost_%s, x + %d, %d);\n", at, k, member, at, n);
+  }
+  if (!w->single || least[0]) {
+    fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n%s", at, at + n, w->single ? "" : "    d[i] += x[i];\n");
+    if (least[0]) {
+      code_template(w, "    d[i] = fabs~(d[i]) < @_");
+      fprintf(w->out, "%s ? ", least);
+      code_template(w, "`0` : d[i];\n");
+    }
+    fputs("  }\n", w->out);
+  }
+}
+
+static void tree_sum_places(const code *w, int at, int n, int k, const char *member)
+{
+  if (member[0] != 'p') {
+    tree_sum(w, at, n, k, member);
+  }
+}
+
+static void tree_sum_momenta(const code *w, int at, int n, int k, const char *member)
+{
+  if (member[0] == 'p') {
+    tree_sum(w, at, n, k, member);
+  }
+}
+
+static void tree_units(const code *w, int at, int n, int k, const char *member)
+{
+  (void)n, (void)k;
+  if (strcmp(member, "quat") == 0) {
+    code_template(w, "  status = status == @_ok ? @_unit(");
+    fprintf(w->out, "d + %d, x + %d) : status;\n", at, at);
+  }
+}
+
+static void tree_lengths(const code *w, int at, int n, int k, const char *member)
+{
+  (void)n, (void)k;
+  if (strcmp(member, "quat") == 0) {
+    fprintf(w->out, "  norm2 = d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d];\n", at, at, at + 1, at + 1,
+            at + 2, at + 2, at + 3, at + 3);
+    code_template(w, "  status = status == @_ok && !(fabs~(norm2 - `1`) <= `2e-3`) ? @_step_length : status;\n");
+  }
+}
+
+static const char *const tree_kinds[] = {"free",  "rigid",     "revolute",  "prismatic", "cylindrical",
+                                         "screw", "universal", "spherical"};
+
+static const char tree_status[] =
+    "typedef enum @_status { /* values of fb_status */\n"
+    "  @_ok = 0,\n  @_null = -1,        /* a pointer is NULL */\n"
+    "  @_value = -2,       /* dt is not above 0 */\n"
+    "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
+    "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
+    "  @_range = -10       /* a deflection has left the range of the model */\n"
+    "} @_status;\n\n"
+    "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
+    "   joint or the body does not use is left out. */\n"
+    "typedef struct @_state {\n";
+
+static const char tree_free_state[] =
+    "    $ x[3];                  /* [m] position of O, inertial axes */\n"
+    "    $ u[3];                  /* [m/s] velocity of the frame that momenta are relative to, inertial axes */\n"
+    "    $ lost_x[3], lost_u[3];  /* what x and u have lost by rounding */\n";
+
+static const char tree_declarations[] =
+    "} @_input;\n\n"
+    "/* At zero coordinates, at rest. */\n"
+    "void @_start(@_state *state);\n"
+    "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
+    "stays as\n"
+    "   it was. */\n"
+    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n"
+    "#ifdef __cplusplus\n}\n#endif\n#endif\n";
+
+static void tree_write_types(const code *w)
+{
+  code_template(w, tree_status);
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    if (tree_has_state(k)) {
+      fprintf(w->out, "  struct { /* %s, %s */\n", tree.names[k], tree_kinds[(int)L->joint->kind]);
+      if (k == tree.root) {
+        code_template(w, tree_free_state);
+      }
+      tree_pieces(w, k, tree_declare);
+      fprintf(w->out, "  } body_%d;\n", k);
+    }
+  }
+  code_template(w, tree.work >= 0 ? "  $ motor_work; /* [J] */\n} @_state;\n\n" : "} @_state;\n\n");
+  code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    fprintf(w->out, "  struct {\n    %s force[3], torque[3]; /* [N], [N m] at O, body axes */\n", code_real(w));
+    if (L->axes > 0) {
+      fprintf(w->out, "    %s motor[%d]; /* [N m], [N] of each axis, on the body and back on its parent */\n",
+              code_real(w), L->axes);
+    }
+    if (L->n > 0) {
+      fprintf(w->out, "    %s modal[%d]; /* generalized forces of the modes */\n", code_real(w), L->n);
+    }
+    fprintf(w->out, "  } body_%d;\n", k);
+  }
+  code_template(w, tree_declarations);
+}
+
+/* Comment at the head: what is written, and of what. */
+static void tree_write_head(const code *w, const char *source, unsigned crc)
+{
+  fprintf(w->out, "/* %s - made by scene --code from ", w->name);
+  for (const char *c = source; *c; c++) { /* not to end the comment */
+    fputc(*c == '*' ? '?' : *c, w->out);
+  }
+  fprintf(w->out,
+          " with flexbeam %s, %s precision, model 0x%08X: %d\n   bodies on joints and their step of rk4, by the "
+          "equations of fb_system_rk4_step (E9.15: tests/reference/THEORY.md).\n"
+          "   Include it where needed; one file defines %s_IMPLEMENTATION before. SI units, radians. Mass %.6g kg.",
+          FB_VERSION, w->single ? "single" : "double", crc, tree.n, w->name, tree.mass);
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    fprintf(w->out, "\n   body_%d: %s, %d modes, %s", k, tree.names[k], L->n, tree_kinds[(int)L->joint->kind]);
+    if (k != tree.root) {
+      fprintf(w->out, " on %s", L->parent < 0 ? "the ground" : tree.names[L->parent]);
+    }
+  }
+  fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);
+  fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", w->out);
+}
+
+static const char tree_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
+                                  "  $ sum = `0`;\n  @_UNROLL\n"
+                                  "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
+                                  "  return sum <= @_huge;\n}\n\n";
+
+static void tree_write_enter(const code *w)
+{
+  code_template(w, "\n/* The vector x of a state: ");
+  fputs(tree.root >= 0 ? "of the root quat, P, L, h = R^T L, integral of what moves it; then by bodies the"
+                       : "by bodies the",
+        w->out);
+  code_template(w, " coordinates and\n   momenta of the joint, those of the modes. */\n"
+                   "static void @_enter($ *x, const @_state *s)\n{\n  memset(x, 0, @_N * sizeof *x);\n  (void)s;\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_take);
+  }
+  if (tree.root >= 0) {
+    code_template(w, "  @_turn_back(x + 10, x, x + 7);\n");
+  }
+  fputs("}\n", w->out);
+  code_template(w, "\nvoid @_start(@_state *state)\n{\n  memset(state, 0, sizeof *state);\n");
+  for (int k = 0; k < tree.n; k++) {
+    if (k == tree.root || tree.link[k].joint->kind == FB_JOINT_SPHERICAL) {
+      fprintf(w->out, "  state->body_%d.quat[0] = ", k);
+      code_template(w, "`1`;\n");
+    }
+  }
+  fputs("}\n", w->out);
+}
+
+/* Deflection of each body within its limit. */
+static void tree_write_range(const code *w)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    char number[40], target[40];
+    code_sum s;
+    code_begin(&s);
+    for (int a = 0; a < L->n; a++) {
+      code_add_one(&s, (double)L->model->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", L->q + a));
+    }
+    if (L->n > 0) {
+      snprintf(target, sizeof target, "const %s bent_%d", code_real(w), k);
+      code_assign(w, &s, target);
+      code_number(number, w, (double)L->model->deflection_limit);
+      code_template(w, "  status = status == @_ok && !(");
+      fprintf(w->out, "bent_%d <= %s", k, number);
+      code_template(w, ") ? @_range : status;\n");
+    }
+  }
+}
+
+/* Change of the velocity of the root's frame, momenta relative to it: E9.23. */
+static void tree_write_reframe(const code *w)
+{
+  char root[16], number[40];
+  snprintf(root, sizeof root, "body_%d", tree.root);
+  code_number(number, w, 1.0 / tree.mass);
+  code_template(w, "\n  /* E9.21, E9.23: the frame follows the mass center; momenta relative to it */\n"
+                   "  for (int i = 0; i < 3; i++) {\n");
+  if (tree.stands) {
+    fprintf(w->out, "    change[i] = -next.%s.u[i] - next.%s.lost_u[i];\n  }\n", root, root);
+  } else {
+    fprintf(w->out, "    change[i] = %s * (x[4 + i] + d[4 + i]%s", number, w->single ? " + next." : "");
+    fprintf(w->out, w->single ? "%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+  }
+  code_template(w, "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
+                   "    @_drift(d, d, change);\n  }\n");
+  if (!tree.stands) {
+    fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    d[4 + i] = -x[4 + i]");
+    if (w->single) {
+      fprintf(w->out, " - next.%s.lost_p[i]", root);
+    }
+    fputs(";\n  }\n", w->out);
+  }
+}
+
+static const char tree_frame[] =
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    step[i] = dt * @r.u[i];\n"
+    "    @r.lost_x[i] += dt * @r.lost_u[i];\n  }\n"
+    "  @_keep(@r.x, @r.lost_x, step);\n"
+    "  @_keep(@r.u, @r.lost_u, change);\n"
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const $ rest = @_faint + @e * fabs~(change[i]);\n"
+    "    const $ lost = fabs~(@r.lost_u[i]) < @_faint ? `0` : @r.lost_u[i];\n"
+    "    @r.lost_u[i] = fabs~(@r.u[i]) < rest ? `0` : lost;\n"
+    "    @r.u[i] = fabs~(@r.u[i]) < rest ? `0` : @r.u[i];\n  }\n"
+    "  status = status == @_ok && !(@_is_finite(@r.x, 3) && @_is_finite(@r.u, 3)) ? @_not_finite : status;\n";
+
+/* Place of O and velocity of the frame: E11.23. */
+static void tree_write_flight(const code *w)
+{
+  char text[2000], number[40];
+  size_t n = 0;
+  code_template(w, "\n  /* E11.23: O from the mass center, which moves by the momentum; then with the frame */\n");
+  if (tree.stands) {
+    fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += d[13 + i];\n  }\n", tree.root);
+  } else {
+    code_number(number, w, 1.0 / tree.mass);
+    code_template(w, "  @_turn(old, x, before);\n  @_turn(own, d, after);\n");
+    fprintf(w->out,
+            "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * (old[i] - own[i] + d[13 + i]);\n  }\n",
+            tree.root, number);
+  }
+  code_number(number, w, 4.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
+  for (const char *c = tree_frame; *c; c++) {
+    if (*c == '@' && c[1] == 'r') {
+      n += (size_t)snprintf(text + n, sizeof text - n, "next.body_%d", tree.root);
+      c++;
+    } else if (*c == '@' && c[1] == 'e') {
+      n += (size_t)snprintf(text + n, sizeof text - n, "%s", number);
+      c++;
+    } else {
+      text[n++] = *c;
+    }
+  }
+  text[n] = '\0';
+  code_template(w, text);
+}
+
+static void tree_write_end(const code *w)
+{
+  int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
+  char number[40];
+  code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
+                   "static @_status @_end(@_state *state, $ *d, const $ *x");
+  code_template(w, tree.root >= 0 ? ", const $ *before, $ dt)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                                    "  $ change[3], step[3];\n"
+                                  : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, balls ? "  $ norm2;\n" : "");
+  if (tree.root >= 0) {
+    code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
+    code_number(number, w, 1.0 / tree.mass);
+    code_template(w, "  @_align(d, x, before, ");
+    fprintf(w->out, "%s);\n", number);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_units);
+  }
+  code_template(w, "  if (status != @_ok) {\n    return status;\n  }\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_sum_places);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_lengths);
+  }
+  if (tree.root >= 0) {
+    tree_write_reframe(w);
+    code_template(w, tree.stands ? "" : "  @_center(after, d);\n");
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_sum_momenta);
+  }
+  if (tree.root >= 0) {
+    tree_write_flight(w);
+  }
+  if (tree.work >= 0) {
+    fprintf(w->out, "  next.motor_work += d[%d];\n", tree.work);
+  }
+  code_template(w, "\n  /* what fb_system_rk4_step checks after a step */\n"
+                   "  status = status == @_ok && !@_is_finite(d, @_N) ? @_not_finite : status;\n");
+  tree_write_range(w);
+  code_template(w, "  if (status != @_ok) {\n    return status;\n  }\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_give);
+  }
+  code_template(w, "  *state = next;\n  return @_ok;\n}\n");
+}
+
+static const char tree_step_head[] =
+    "\n/* E11.12 */\n"
+    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
+    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
+    "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
+    "  const @_input *in[4];\n"
+    "  $ x[@_N], at[@_N], rate[@_N], sum[@_N], w[3 * @_BODIES]";
+
+static const char tree_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
+                                      "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
+                                      "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
+                                      "  @_enter(x, state);\n"
+                                      "  memcpy(at, x, sizeof at);\n"
+                                      "  memset(sum, 0, sizeof sum);\n";
+
+static const char tree_step_limits[] =
+    "\n    /* E11.15, E11.26: step limit at the start, rotation at every stage */\n"
+    "    if (status == @_ok && stage == 0) {\n"
+    "      status = dt <= longest ? @_ok : @_step_length;\n"
+    "      memcpy(first, w, sizeof first);\n    }\n"
+    "    for (int k = 0; k < 3 * @_BODIES && stage > 0; k += 3) {\n"
+    "      const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + 1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+    "      status = status == @_ok && !(a * a + b * b + c * c <= `0.25`) ? @_step_length : status;\n    }\n";
+
+static const char tree_step_rest[] =
+    "    if (status != @_ok) {\n      return status;\n    }\n    @_UNROLL\n"
+    "    for (int i = 0; i < @_N; i++) {\n      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
+    "  }\n"
+    "  return @_end(state, sum, x";
+
+static void tree_write_step(const code *w)
+{
+  const int limited = !tree.system->allow_long_step;
+  code_template(w, tree_step_head);
+  code_template(w, limited ? ", first[3 * @_BODIES], longest = `0`" : "");
+  code_template(w, tree.root >= 0 ? ", center[3];\n" : ";\n");
+  code_template(w, tree_step_begin);
+  code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
+  code_template(w, "  for (int stage = 0; stage < 4; stage++) {\n"
+                   "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
+                   "    @_status status = @_rates_at(rate, w, ");
+  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage]);\n" : "NULL, at, in[stage]);\n");
+  code_template(w, limited ? tree_step_limits : "");
+  code_template(w, tree_step_rest);
+  code_template(w, tree.root >= 0 ? ", center, dt);\n}\n" : ");\n}\n");
+}
+
+/* What the rest needs of rotations and sums. */
+static void tree_write_rotations(const code *w)
+{
+  const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
+  code_template(w, free || ball ? code_matrix : "");
+  code_template(w, free ? code_turns : "");
+  code_template(w, free || tree_has_sprung_ball() ? code_norm : "");
+  code_template(w, tree_has_sprung_ball() ? tree_vector : "");
+  code_template_of(w, 1, tree.n_axis + tree.size > 0 ? code_sums : "");
+  code_template(w, free || ball ? code_unit : "");
+}
+
+/* Writes the step of a system that tree_refusal takes; names: of its bodies; crc: the check word of the system. 0: there
+   is no temporary file, see errno. */
+static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
+                      const char *name, const char *source, int single, unsigned crc)
+{
+  const code w = {out, name, single, 0, 0, 2};
+  int good = 1;
+  tree_read(system, body, names);
+  tree_write_head(&w, source, crc);
+  tree_write_types(&w);
+  code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
+  code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n"
+                           : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n");
+  code_template(&w, "enum { @_N = ");
+  fprintf(out, "%d, ", tree.size);
+  code_template(&w, "@_BODIES = ");
+  fprintf(out, "%d };\n\n", tree.n);
+  code_template(&w, code_helpers);
+  code_template(&w, tree_finite);
+  tree_write_rotations(&w);
+  good = code_write_pruned(&w, tree_write_rates, 0);
+  if (tree.root >= 0) {
+    good = code_write_pruned(&w, tree_write_center, 0) && good;
+    good = code_write_pruned(&w, tree_write_drift, 0) && good;
+    code_template(&w, tree_align);
+    code_template_of(&w, 1, code_align_single);
+    code_template(&w, code_align_end);
+    code_template(&w, tree_keep);
+  }
+  tree_write_enter(&w);
+  tree_write_end(&w);
+  tree_write_step(&w);
+  fputs("#endif\n", out);
+  return good;
+}
+#endif

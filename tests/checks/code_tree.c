@@ -1,0 +1,364 @@
+/* Trees of random bodies on joints. With WRITE: usage: write TREE [--single], prints the generated step of that tree
+   (list below), exit 3 if there is none. Else: TREE is stepped beside fb_system_rk4_step, unloaded and loaded; the largest
+   difference of each kind of variable relative to its extreme is printed and at most TOLERANCE, energy and momentum stay
+   as they do there, and what the library refuses is refused. */
+#include "flexbeam.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#ifdef WRITE
+#include "examples/tools/code_tree.h"
+#else
+#define generated_IMPLEMENTATION
+#include "code.h"
+#endif
+
+enum { RIGID, BOOM, PANEL, MODELS = 8 };
+
+typedef struct hang {
+  fb_joint_kind kind;
+  int parent, model;
+} hang;
+
+/* name, effects of the flexible models, gravity, joints turned at random, bodies */
+static const struct {
+  unsigned effects;
+  int gravity, turned;
+  hang link[5];
+} trees[] = {
+    {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}}},
+    {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_PRISMATIC, 0, RIGID}, {FB_JOINT_CYLINDRICAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL, 1, 1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_SCREW, 0, PANEL}, {FB_JOINT_UNIVERSAL, 0, RIGID}, {FB_JOINT_RIGID, 2, BOOM}}},
+    {FB_EFFECTS_FULL, 0, 1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_RIGID, 0, PANEL}, {FB_JOINT_REVOLUTE, 1, RIGID}}},
+    {FB_EFFECTS_FULL, 1, 0,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_UNIVERSAL, 1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 1, 1,
+     {{FB_JOINT_SPHERICAL, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
+    {FB_EFFECTS_FULL, 0, 1,
+     {{FB_JOINT_FREE, -1, BOOM}, {FB_JOINT_UNIVERSAL, 0, RIGID}, {FB_JOINT_REVOLUTE, 1, PANEL}, {FB_JOINT_SPHERICAL, 2, RIGID}}},
+    {FB_EFFECTS_FULL, 1, 0, {{FB_JOINT_RIGID, -1, RIGID}, {FB_JOINT_CYLINDRICAL, 0, BOOM}, {FB_JOINT_SCREW, 1, RIGID}}},
+    {FB_EFFECTS_SPIN, 0, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
+    {FB_EFFECTS_LINEAR, 0, 0, {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_SPHERICAL, 0, BOOM}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_ACCELERATION_STIFFENING | FB_EFFECT_DAMPING, 0, 1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_PRISMATIC, 0, BOOM}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
+    {FB_EFFECTS_FULL, 0, 1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_REVOLUTE, 1, RIGID}, {FB_JOINT_REVOLUTE, 2, BOOM},
+      {FB_JOINT_UNIVERSAL, 0, BOOM}}},
+};
+enum { TREES = sizeof trees / sizeof *trees };
+
+static fb_body model[MODELS];
+static fb_system_desc desc;
+static fb_system mechanism;
+static fb_system_work work;
+
+static double random_number(void)
+{
+  static unsigned long seed = 4711;
+  seed = (1103515245ul * seed + 12345ul) & 0x7ffffffful;
+  return (double)seed / 1073741824.0 - 1.0;
+}
+
+static int need(fb_status status, const char *what)
+{
+  if (status != FB_OK) {
+    fprintf(stderr, "%s: %s\n", what, fb_status_string(status));
+    exit(1);
+  }
+  return 1;
+}
+
+/* A rigid body with a beam of that many modes on it, 0: none. */
+static void build_model(fb_body *body, unsigned effects, int gravity, int modes)
+{
+  static fb_shape shape;
+  static fb_body_work body_work;
+  static fb_beam_desc boom;
+  static fb_beam beam;
+  static fb_modes basis;
+  static fb_modes_work modes_work;
+  static fb_modes_desc keep;
+  static fb_body_desc level;
+  fb_real center[3], inertia[6] = {9, 11, 14, 0, 0, 0};
+  for (int i = 0; i < 3; i++) {
+    center[i] = (fb_real)(0.3 * random_number());
+    inertia[i] += (fb_real)random_number();
+    inertia[3 + i] = (fb_real)random_number();
+  }
+  memset(&level, 0, sizeof level);
+  level.effects = (modes > 0 ? effects : FB_EFFECTS_RIGID) | (gravity ? FB_EFFECT_GRAVITY : 0u);
+  level.base = FB_BASE_PRESCRIBED;
+  level.gravity[1] = gravity ? FB_R(1.0) : FB_R(0.0);
+  level.gravity[2] = gravity ? FB_R(-9.0) : FB_R(0.0);
+  memset(&keep, 0, sizeof keep);
+  for (int a = 0; a < modes; a++) {
+    level.zeta[a] = effects & FB_EFFECT_DAMPING ? FB_R(0.02) : FB_R(0.0);
+  }
+  if (modes > 0) {
+    memset(&boom, 0, sizeof boom);
+    boom.length = FB_R(6.0) + modes;
+    boom.n_element = 6;
+    boom.n_station = 1;
+    boom.station[0].mass = 1;
+    boom.station[0].EI_y = FB_R(5000.0);
+    boom.station[0].EI_z = FB_R(8000.0);
+    boom.position[0] = FB_R(0.5);
+    keep.count[FB_KIND_BEND_Y] = (modes + 1) / 2;
+    keep.count[FB_KIND_BEND_Z] = modes / 2;
+    need(fb_beam_init(&beam, &boom), "beam");
+    need(fb_modes_solve(&basis, &modes_work, &beam, &keep), "modes");
+  }
+  need(fb_shape_init(&shape, modes), "shape");
+  need(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), "rigid body");
+  if (modes > 0) {
+    need(fb_shape_add_beam(&shape, 0, &beam, &basis), "boom");
+  }
+  need(fb_body_init(body, &body_work, &shape, &level), "body");
+}
+
+static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
+{
+  fb_real turn[3], child[3];
+  joint->kind = link->kind;
+  joint->parent = link->parent;
+  for (int i = 0; i < 3; i++) {
+    joint->position[i] = (fb_real)random_number();
+    joint->child_position[i] = turned ? (fb_real)(0.3 * random_number()) : FB_R(0.0);
+    turn[i] = (fb_real)(turned ? random_number() : i == 0 ? 1.5707963267948966 : 0.0);
+    child[i] = (fb_real)(turned ? random_number() : 0.0);
+  }
+  if (link->kind == FB_JOINT_FREE) {
+    memset(joint->position, 0, sizeof joint->position);
+    memset(joint->child_position, 0, sizeof joint->child_position);
+    return;
+  }
+  fb_quat_from_rotvec(joint->attitude, turn);
+  fb_quat_from_rotvec(joint->child_attitude, child);
+  joint->pitch = link->kind == FB_JOINT_SCREW ? FB_R(0.2) : FB_R(0.0);
+  for (int i = 0; i < 3 && link->kind != FB_JOINT_RIGID && turned; i++) {
+    joint->stiffness[i] = FB_R(20.0);
+    joint->damping[i] = FB_R(0.5);
+    joint->rest[i] = link->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : FB_R(0.1);
+  }
+}
+
+static void build(int which)
+{
+  build_model(&model[RIGID], 0, trees[which].gravity, 0);
+  build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4);
+  build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2);
+  memset(&desc, 0, sizeof desc);
+  for (int k = 0; k < 5 && (k == 0 || trees[which].link[k].kind != FB_JOINT_FREE); k++) {
+    desc.model[desc.n_body] = trees[which].link[k].model;
+    build_joint(&desc.joint[desc.n_body++], &trees[which].link[k], trees[which].turned);
+  }
+  need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system");
+}
+
+#ifdef WRITE
+/* Members of the state and the input, for the program that steps the tree. */
+static void write_members(void)
+{
+  for (int k = 0; k < desc.n_body; k++) {
+    const int axes = mechanism.joint[k].n_axis, n = model[desc.model[k]].n;
+    printf("LOAD(%d)\n", k);
+    if (desc.joint[k].kind == FB_JOINT_FREE) {
+      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k, k, k);
+    } else if (axes > 0) {
+      printf("MOTOR(%d)\n", k);
+    }
+    if (desc.joint[k].kind == FB_JOINT_FREE || desc.joint[k].kind == FB_JOINT_SPHERICAL) {
+      printf("MEMBER(%d, quat, ATTITUDE)\n", k);
+    } else if (axes > 0) {
+      printf("MEMBER(%d, x, PLACE)\n", k);
+    }
+    printf(axes > 0 ? "MEMBER(%d, p, MOMENTUM)\n" : "", k);
+    printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\n" : "", k, k);
+  }
+}
+
+int main(int argc, char **argv)
+{
+  static const char *const names[5] = {"first", "second", "third", "fourth", "fifth"};
+  const int which = argc > 1 ? atoi(argv[1]) : 0;
+  char text[200];
+  if (which >= TREES) {
+    return 3;
+  }
+  build(which);
+  if (argc > 2 && strcmp(argv[2], "--members") == 0) {
+    write_members();
+    return 0;
+  }
+  tree_refusal(text, &mechanism, model, names);
+  if (text[0]) {
+    fprintf(stderr, "tree %d: %s\n", which, text);
+    return 1;
+  }
+  return !tree_write(stdout, &mechanism, model, names, "generated", "a random tree",
+                     argc > 2 && strcmp(argv[2], "--single") == 0, fb_system_crc(&mechanism, model, MODELS));
+}
+#else
+/* ---- the generated state and that of the library, member by member */
+
+#define TOLERANCE (FB_SINGLE ? 2e-3 : 1e-11)
+
+typedef struct pair {
+  fb_real *own, *theirs;
+  int n, kind;
+} pair;
+
+enum { PLACE, ATTITUDE, MOMENTUM, MODE, MODE_MOMENTUM, FRAME, LOST, KINDS };
+
+static fb_system_state state;
+static generated_state own;
+static pair piece[40];
+static int n_piece;
+static double difference[KINDS], extreme[KINDS];
+
+static void add(fb_real *mine, fb_real *theirs, size_t bytes, int kind)
+{
+  piece[n_piece].own = mine;
+  piece[n_piece].theirs = theirs;
+  piece[n_piece].n = (int)(bytes / sizeof *mine);
+  piece[n_piece++].kind = kind;
+}
+
+/* The generated state becomes that of the library, or (back) the reverse. */
+static void take_state(int back)
+{
+  for (int k = 0; k < n_piece; k++) {
+    memcpy(back ? piece[k].theirs : piece[k].own, back ? piece[k].own : piece[k].theirs,
+           (size_t)piece[k].n * sizeof(fb_real));
+  }
+}
+
+static void compare(void)
+{
+  for (int k = 0; k < n_piece; k++) {
+    const pair *const p = &piece[k];
+    for (int i = 0; i < p->n; i++) {
+      difference[p->kind] = fmax(difference[p->kind], fabs((double)p->own[i] - (double)p->theirs[i]));
+      extreme[p->kind] = fmax(extreme[p->kind], fabs((double)p->theirs[i]));
+    }
+  }
+}
+
+static void start(double speed)
+{
+  static fb_link_motion motion[FB_MAX_BODIES];
+  memset(motion, 0, sizeof motion);
+  memset(&state, 0, sizeof state);
+  for (int k = 0; k < desc.n_body; k++) {
+    const fb_body *const body = &model[desc.model[k]];
+    fb_real turn[3];
+    for (int i = 0; i < 3; i++) {
+      turn[i] = (fb_real)random_number();
+      motion[k].value[i] = (fb_real)(0.5 * random_number());
+    }
+    fb_quat_from_rotvec(motion[k].quat, turn);
+    for (int i = 0; i < 6; i++) {
+      motion[k].speed[i] = (fb_real)(speed * random_number());
+    }
+    for (int a = 0; a < body->n; a++) {
+      motion[k].q[a] =
+          (fb_real)(0.05 * (double)body->deflection_limit / (double)body->reach[a] / body->n * random_number());
+      motion[k].q_dot[a] = (fb_real)(0.2 * random_number());
+    }
+  }
+  need(fb_system_state_init(&mechanism, model, &state, &work, motion, NULL), "state");
+  generated_start(&own);
+  take_state(0);
+}
+
+static void load(fb_system_input *in, generated_input *mine, double t)
+{
+  memset(in, 0, sizeof *in);
+  memset(mine, 0, sizeof *mine);
+  in->n_load = desc.n_body;
+  for (int k = 0; k < desc.n_body; k++) {
+    in->load[k].body = k;
+    in->load[k].load.axes = FB_AXES_BODY;
+    for (int i = 0; i < 3; i++) {
+      in->load[k].load.force[i] = (fb_real)(2 * sin(t + i + 2 * k));
+      in->load[k].load.torque[i] = (fb_real)(2 * cos(2 * t + i + k));
+      in->drive[k].torque[i] =
+          mechanism.joint[k].kind != FB_JOINT_FREE && i < mechanism.joint[k].n_axis ? (fb_real)(2 * sin(3 * t + i - k)) : FB_R(0.0);
+    }
+  }
+#define MEMBER(k, member, kind)
+#define LOAD(k)                                                             \
+  memcpy(mine->body_##k.force, in->load[k].load.force, 3 * sizeof(fb_real)); \
+  memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
+#define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
+#include "members.h"
+#undef MEMBER
+#undef LOAD
+#undef MOTOR
+}
+
+static double energy(void)
+{
+  static fb_energy e;
+  need(fb_system_energy_eval(&mechanism, model, &work, &e, &state, NULL), "energy");
+  return (double)(e.kinetic + e.strain + e.gravity);
+}
+
+/* 1000 steps of both. */
+static double fly(int loaded)
+{
+  static fb_system_input in[3];
+  static generated_input mine[3];
+  const fb_real limit = FB_R(0.15) * fb_system_rk4_limit(&mechanism, model, FB_R(1.0), FB_R(1.0));
+  const fb_real dt = limit < FB_R(0.01) ? limit : FB_R(0.01);
+  double worst = 0, before = energy(), theirs, e;
+  memset(difference, 0, sizeof difference);
+  memset(extreme, 0, sizeof extreme);
+  for (int k = 0; k < 1000; k++) {
+    fb_status status;
+    generated_status same;
+    for (int i = 0; i < 3; i++) {
+      load(&in[i], &mine[i], (k + 0.5 * i) * (double)dt);
+    }
+    status = fb_system_rk4_step(&mechanism, model, &state, &work, loaded ? &in[0] : NULL, loaded ? &in[1] : NULL,
+                                loaded ? &in[2] : NULL, dt);
+    same = generated_step(&own, loaded ? &mine[0] : NULL, loaded ? &mine[1] : NULL, loaded ? &mine[2] : NULL, dt);
+    if (status != FB_OK || (int)same != (int)status) {
+      printf("step %d: status %d, generated %d\n", k, (int)status, (int)same);
+      return 1;
+    }
+    compare();
+  }
+  for (int kind = 0; kind < LOST; kind++) {
+    const double relative = difference[kind] / (extreme[kind] > 0 ? extreme[kind] : 1);
+    worst = fmax(worst, relative);
+    printf(" %.1e", relative);
+  }
+  theirs = energy();
+  take_state(1);
+  e = energy();
+  printf(" | energy %.6g %.1e %.1e\n", before, theirs / before - 1, e / before - 1);
+  return worst;
+}
+
+int main(int argc, char **argv)
+{
+  double worst = 0;
+  build(argc > 1 ? atoi(argv[1]) : 0);
+#define LOAD(k)
+#define MOTOR(k)
+#define MEMBER(k, member, kind) add(own.body_##k.member, state.link[k].member, sizeof own.body_##k.member, kind);
+#include "members.h"
+  for (int loaded = 0; loaded < 2; loaded++) {
+    start(0.3);
+    worst = fmax(worst, fly(loaded));
+  }
+  printf(" worst %.1e\n", worst);
+  return worst <= TOLERANCE ? 0 : 1;
+}
+#endif
