@@ -18,7 +18,7 @@ WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code parts mismatch stack symbols threads \
+CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code code_tree parts mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu packages page hard
 
 .DELETE_ON_ERROR:

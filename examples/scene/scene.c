@@ -9,6 +9,7 @@
 #include "../tools/words.h"
 #include "../common/output.h"
 #include "../common/plot.h"
+#include "scene_code.h"
 #include "scene_files.h"
 #include <unistd.h>
 
@@ -20,6 +21,8 @@ static const char help[] =
     "  --margins FILE    response of the loops of controllers over frequency as CSV (Bode and Nyquist, as SVG beside\n"
     "                    it); prints their margins\n"
     "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
+    "  --code FILE       writes the rk4 step of its bodies on joints as C of its own, FILE.h, and does not run; functions\n"
+    "                    are called as FILE; with --single for single precision\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -46,6 +49,7 @@ static const char help[] =
 
 typedef struct command {
   scene_options options;
+  const char *code;
   int n_set;
   char name[SCENE_PARAMETERS][TEXT_NAME];
   scene_setting set[SCENE_PARAMETERS];
@@ -87,12 +91,13 @@ static int read_option(void *to, const char *name, const char *text)
     c->options.n_frame = (int)n;
     return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
-  for (int k = 0; k < 6; k++) {
+  for (int k = 0; k < 7; k++) {
     const struct {
       const char *name, **file;
     } files[] = {
         {"--out", &c->options.csv},         {"--margins", &c->options.margins},     {"--linear", &c->options.linear},
-        {"--picture", &c->options.picture}, {"--animation", &c->options.animation}, {"--frames", &c->options.frames}};
+        {"--picture", &c->options.picture}, {"--animation", &c->options.animation}, {"--frames", &c->options.frames},
+        {"--code", &c->code}};
     if (strcmp(name, files[k].name) == 0) {
       return read_out(files[k].file, text);
     }
@@ -247,7 +252,7 @@ int scene_main(int argc, char **argv)
 {
   static command c;
   scene *const s = &the_scene;
-  const int quiet = take_flag(&argc, argv, "--quiet");
+  const int quiet = take_flag(&argc, argv, "--quiet"), single = take_flag(&argc, argv, "--single");
   int failed;
   output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
@@ -261,15 +266,21 @@ int scene_main(int argc, char **argv)
   c.options.warn = stderr;
   c.options.progress = quiet || !isatty(2) ? NULL : stderr;
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
-  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options)) != 0) {
+  if (!failed && single && !c.code) {
+    return fail("--single belongs to --code", "");
+  }
+  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code) != 0) {
     return 2;
   }
-  failed = failed ? failed : run_scene(s, &c.options);
+  failed = failed ? failed : c.code ? scene_write_code(s, c.code, single) : run_scene(s, &c.options);
   if (failed) {
     if (s->message[0]) {
       fprintf(stderr, "scene: %s\n", s->message);
     }
     return failed;
+  }
+  if (c.code) {
+    return 0;
   }
   tell(s, quiet);
   if (has_curves(s, &c.options)) {

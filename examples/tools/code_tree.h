@@ -1676,6 +1676,26 @@ static const char tree_finite[] = "static int @_is_finite(const $ *x, int n)\n{\
                                   "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
                                   "  return sum <= @_huge;\n}\n\n";
 
+/* Are the numbers of an input finite? */
+static void tree_write_input_check(const code *w)
+{
+  code_template(w, "static int @_input_is_finite(const @_input *in)\n{\n  return !in || (");
+  for (int k = 0; k < tree.n; k++) {
+    code_template(w, k > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
+    fprintf(w->out, "in->body_%d.force, 3)", k);
+    code_template(w, " && @_is_finite(");
+    fprintf(w->out, "in->body_%d.torque, 3)", k);
+    for (int modal = 0; modal < 2; modal++) {
+      const int n = modal ? tree.link[k].n : tree.link[k].axes;
+      if (n > 0) {
+        code_template(w, " && @_is_finite(");
+        fprintf(w->out, "in->body_%d.%s, %d)", k, modal ? "modal" : "motor", n);
+      }
+    }
+  }
+  fputs(");\n}\n\n", w->out);
+}
+
 static void tree_write_enter(const code *w)
 {
   code_template(w, "\n/* The vector x of a state: ");
@@ -1881,8 +1901,9 @@ static void tree_write_step(const code *w)
   code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
   code_template(w, "  for (int stage = 0; stage < 4; stage++) {\n"
                    "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
-                   "    @_status status = @_rates_at(rate, w, ");
-  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage]);\n" : "NULL, at, in[stage]);\n");
+                   "    @_status status = @_not_finite;\n    if (@_input_is_finite(in[stage])) {\n"
+                   "      status = @_rates_at(rate, w, ");
+  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage]);\n    }\n" : "NULL, at, in[stage]);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
   code_template(w, tree.root >= 0 ? ", center, dt);\n}\n" : ");\n}\n");
@@ -1919,6 +1940,7 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   fprintf(out, "%d };\n\n", tree.n);
   code_template(&w, code_helpers);
   code_template(&w, tree_finite);
+  tree_write_input_check(&w);
   tree_write_rotations(&w);
   good = code_write_pruned(&w, tree_write_rates, 0);
   if (tree.root >= 0) {

@@ -1,0 +1,93 @@
+/* scene_code.h - writes the rk4 step of the bodies and joints of a scene as C of its own: scene --code. See scene.h and
+   ../tools/code_tree.h. */
+#ifndef SCENE_CODE_H
+#define SCENE_CODE_H
+#include "scene_run.h"
+#undef I /* that of complex.h: inertia below */
+#include "../tools/code_tree.h"
+
+/* What of a scene is neither body nor joint, and would be missing in the step: refused. */
+static int scene_code_refused(scene *s)
+{
+  const struct {
+    int n;
+    const char *what;
+  } other[] = {{s->n_load, "load and nudge: the caller gives forces and torques at the origin of each body as input"},
+               {s->n_distributed, "distributed: choose a scene without"},
+               {s->n_motion, "motion: choose a scene without"},
+               {s->n_drive, "motor, value and rate: the caller gives the torques of motors as input"},
+               {s->n_control, "control: the caller gives the torques of motors as input"},
+               {s->n_spring, "spring: choose stiffness and damping of joints"},
+               {s->n_loop, "loop: choose a tree"},
+               {s->n_event, "event: choose a scene without"},
+               {s->n_rotor, "rotor: choose bodies without"},
+               {s->is_exact, "an exact beam: choose bodies of modes"}};
+  for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {
+    if (other[k].n > 0) {
+      return scene_fail(s, "--code: %s", other[k].what);
+    }
+  }
+  if (!scene_is_system(s)) {
+    return scene_fail(s, "--code: one body without a joint: flexbeam reduce --code writes its step");
+  }
+  return 0;
+}
+
+/* The name of what is written: that of the file up to its dot; 0: none that C takes. */
+static int scene_code_name(char name[64], const char *file)
+{
+  const char *const slash = strrchr(file, '/'), *const base = slash ? slash + 1 : file;
+  const size_t n = strcspn(base, ".");
+  if (n >= 40) { /* longer ones would make lines that are too long */
+    return 0;
+  }
+  memcpy(name, base, n);
+  name[n] = '\0';
+  return model_is_name(name) && strncmp(name, "fb_", 3) != 0 && strncmp(name, "fbi_", 4) != 0 &&
+         strncmp(name, "FB_", 3) != 0;
+}
+
+/* Writes the step to a file; a status of main, 2 and a message for what cannot be written. */
+static int scene_write_code(scene *s, const char *file, int single)
+{
+  static const scene_options nothing;
+  const char *names[FB_MAX_BODIES];
+  char name[64], text[200];
+  FILE *out;
+  fb_status status;
+  int good;
+  memset(&engine, 0, sizeof engine);
+  if (scene_code_refused(s)) {
+    return 2;
+  }
+  if (!scene_code_name(name, file)) {
+    return 1 + scene_fail(s, "--code %s: the step is called as its file, whose name wants to be a C identifier of at most "
+                             "39 characters, not fb_..", file);
+  }
+  if (scene_build(s, &nothing)) {
+    return 2;
+  }
+  status = system_init(s);
+  if (status != FB_OK) {
+    return 1 + scene_failed(s, "the system", status);
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    names[k] = s->body[k].name;
+  }
+  tree_refusal(text, &engine.system, engine.body, names);
+  if (text[0]) {
+    return 1 + scene_fail(s, "--code: %s", text);
+  }
+  out = fopen(file, "w");
+  if (!out) {
+    return 1 + scene_fail(s, "cannot write %s: %s", file, strerror(errno));
+  }
+  good = tree_write(out, &engine.system, engine.body, names, name, s->path, single,
+                    fb_system_crc(&engine.system, engine.body, s->n_body));
+  if (!good) {
+    fclose(out);
+    return 1 + scene_fail(s, "a temporary file: %s", strerror(errno));
+  }
+  return output_close(out, file);
+}
+#endif

@@ -1,0 +1,132 @@
+#!/bin/sh
+# The generated step of trees (scene --code): those of code_tree.c, with every kind of joint, agree with fb_system_rk4_step after
+# 1,000 steps, unloaded and loaded, in both precisions, and refuse what it refuses; the text compiles without warnings as C99
+# and C++ and is the same each time; its instructions keep their bounds and do not vary; what cannot be written is refused
+# by name.
+. tests/checks/common.sh
+need gcc gcc
+need g++ g++
+need clang clang
+need valgrind valgrind
+bound_hinge=5500 # instructions of a step: a free hub and a rigid arm on a hinge
+bound_booms=17000 # two booms of 4 modes on it
+sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
+try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
+try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
+try gcc $c99 $sizes -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
+
+# write TREE [--single]
+write() {
+  "$out/write" "$1" --members > "$out/members.h"
+  "$out/write" "$1" ${2:-} > "$out/code.h" || fail "tree $1 is not written"
+}
+
+# agree TREE OPTIMIZATION [--single]: what was written with the library; sets worst
+agree() {
+  precision=${3:+single}
+  try gcc $c99 $sizes ${3:+-DFB_SINGLE=1} $2 -I"$out" -o "$out/run" tests/checks/code_tree.c "$out/${precision:-double}.o" -lm
+  "$out/run" "$1" > "$out/log" || {
+    cat "$out/log"
+    fail "the step of tree $1"
+  }
+  worst=$(sed -n 's/.*worst //p' "$out/log")
+}
+
+# compile: without warnings everywhere
+printf '#define generated_IMPLEMENTATION\n#include "code.h"\nint main(void) { generated_state s; generated_start(&s); return generated_step(&s, 0, 0, 0, 1); }\n' > "$out/main.c"
+compile() {
+  try gcc $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
+  try clang $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
+  try g++ -x c++ -std=c++11 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
+  try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
+}
+
+largest=0
+single=0
+trees=0
+while "$out/write" $trees --members > /dev/null; do
+  write $trees
+  agree $trees -O0
+  largest=$(printf '%s\n%s\n' "$largest" "$worst" | sort -g | tail -n 1)
+  cp "$out/code.h" "$out/first.h"
+  write $trees
+  cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
+  case $trees in
+  3 | 4 | 5 | 6 | 9)
+    compile
+    write $trees --single
+    compile
+    agree $trees -O1 --single
+    single=$(printf '%s\n%s\n' "$single" "$worst" | sort -g | tail -n 1)
+    ;;
+  esac
+  trees=$((trees + 1))
+done
+
+# steps TREE STATE: sets count
+steps() {
+  write "$1"
+  sed "s/return generated_step.*/$2 s.body_0.p[5] = 3; s.body_0.p[3] = 2; for (int k = 0; k < 50; k++) { if (generated_step(\\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/" \
+    "$out/main.c" > "$out/count.c"
+  (ulimit -t 5 && try gcc $c99 -O2 -I"$out" -o "$out/count" "$out/count.c" -lm -Wl,-z,now) || fail "tree $1: more than 5 s to compile"
+  rm -f "$out"/cg*
+  try valgrind --tool=callgrind --callgrind-out-file="$out/cg" --toggle-collect=generated_step --dump-after=generated_step "$out/count"
+  cat "$out"/cg.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq > "$out/counts"
+  [ "$(wc -l < "$out/counts")" = 1 ] || fail "tree $1: steps differ in their number of instructions: $(tr '\n' ' ' < "$out/counts")"
+  count=$(cat "$out/counts")
+}
+steps 0 's.body_1.x[0] = 0.3;'
+hinge=$count
+[ "$hinge" -le $bound_hinge ] || fail "hub and hinged body: $hinge instructions, more than $bound_hinge"
+steps 1 's.body_1.x[0] = 0.3; s.body_2.x[0] = 0.2; s.body_1.q[0] = s.body_2.q[1] = 0.01;'
+booms=$count
+[ "$booms" -le $bound_booms ] || fail "hub and two booms: $booms instructions, more than $bound_booms"
+
+# Scenes: one that is written, compiled and the same as before; then each with something that is refused.
+try gcc $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
+# scene LINE...: hub and array, with other lines at the end
+scene() {
+  {
+    printf 'body hub rigid\n  hub 800  0 0 0  400 300 500\n  node 0.8 0 0 side\nend\n'
+    printf 'body array beam\n  length 4\n  stations x mass EI_y EI_z GJ i_z\n    0 3 400 3000 200 0.25\n  end\n  hub 2  0 0 0  0.1 0.1 0.1\n'
+    printf '  modes bend_y 3\n  damping 0.005\n  effects %s\n  node tip tip\nend\n' "${effects:-full damping}"
+    printf 'joint hinge revolute hub.side array\n  stiffness 3\n  damping 0.05\n%send\n' "${line:-}"
+    printf '%s\n' "$@"
+  } > "$out/scene.txt"
+}
+scene
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+grep -q 'body_1: array, 3 modes, revolute on hub' "$out/generated.h" || fail "the head of a scene's step"
+mv "$out/generated.h" "$out/code.h"
+compile
+refused=0
+# refuse WHAT FILE [LINE...]
+refuse() {
+  what=$1 file=$2
+  shift 2
+  scene "$@"
+  ! "$out/scene" "$out/scene.txt" --code "$out/$file" 2> "$out/log" || fail "$what is taken"
+  grep -q -e "$what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
+  [ ! -e "$out/$file" ] || fail "$what: a file is written"
+  refused=$((refused + 1))
+}
+refuse "--code: load and nudge" none.h "load hub base force 1 0 0"
+refuse "--code: event" none.h "event 1 lock hinge 1"
+refuse "--code: spring" none.h "spring hub array.tip" "stiffness 1" "end"
+refuse "C identifier" 9.h
+refuse "C identifier" fb_step.h
+line='  motor 1 constant 2
+' refuse "--code: motor" none.h
+line='  mode locked
+' refuse "array: a locked or prescribed axis" none.h
+line='  friction 1
+  friction_speed 0.1
+' refuse "array: friction" none.h
+effects="large" refuse "array: effects large" none.h
+refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
+refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
+refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
+printf 'body hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
+! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
+! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
+ok "$trees trees agree with the library to $largest (single $single); a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes; $refused scenes refused"
