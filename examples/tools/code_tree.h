@@ -10,7 +10,7 @@
 #define CODE_TREE_H
 #include "code.h"
 
-enum { TREE_QUAT = 0, TREE_P = 4, TREE_L = 7, TREE_OWN = 10, TREE_PLACE = 13, TREE_ROOT = 16 }; /* x of a free root */
+enum { TREE_OWN = 4, TREE_ROOT = 7, TREE_PUSHED = 9 }; /* of a free root: where h is, numbers at the head, at the tail */
 
 typedef struct tree_link {
   const fb_body *model;
@@ -31,6 +31,7 @@ static struct tree {
   const fb_body *body;
   const char *const *names;
   int n, size, root;  /* links; numbers in the vector; the free link, -1: none */
+  int always;         /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;   /* where the work of the motors is, number of axes */
   int stands, pulled; /* its frame stands still (no residual inertia); gravity acts */
   int has_R;          /* the attitude of the root is needed */
@@ -163,7 +164,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->axes = L->joint->kind == FB_JOINT_FREE ? 0 : L->joint->n_axis;
     L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
     L->x = k == tree.root ? 0 : tree.size;
-    L->p = k == tree.root ? TREE_P : L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes);
+    L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes);
     tree.size = k == tree.root ? tree.size : L->p + L->axes;
     L->q = tree.size;
     L->pi = L->q + L->n;
@@ -175,6 +176,11 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
   }
   tree.has_R = (tree.has_R || tree.pulled) && tree.root >= 0;
+  tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
+  if (tree.root >= 0) {
+    tree.link[tree.root].p = tree.size;
+    tree.size += TREE_PUSHED;
+  }
   tree.work = tree.n_axis > 0 ? tree.size++ : -1;
 }
 
@@ -1059,6 +1065,7 @@ static void tree_write_loads(const code *w)
     char target[32];
     snprintf(target, sizeof target, "rate[%d]", tree.work);
     code_assign(&inner, &work, target);
+    fprintf(w->out, "  } else if (pushed) {\n    rate[%d] = %s;\n", tree.work, w->single ? "0.0f" : "0.0");
   }
   fputs("  }\n", w->out);
 }
@@ -1068,59 +1075,62 @@ static void tree_write_root_loads(const code *w)
 {
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
+    if (tree_needs_load(k)) {
+      fprintf(w->out, "  %s load_%d[6] = {0};\n", code_real(w), k);
+    }
     for (int i = 0; i < 6 && tree_needs_load(k); i++) {
       char target[32];
       code_sum s;
-      if (i == 0) {
-        fprintf(w->out, "  %s load_%d[6];\n", code_real(w), k);
-      }
       code_begin(&s);
       code_add_one(&s, 1.0, L->F[i]);
       snprintf(target, sizeof target, "load_%d[%d]", k, i);
-      code_assign(w, &s, target);
+      if (s.n > 0 || fabs(s.constant) > 0.0) {
+        code_assign(w, &s, target);
+      }
     }
-  }
-  if (tree.work >= 0) {
-    fprintf(w->out, "  rate[%d] = %s;\n", tree.work, w->single ? "0.0f" : "0.0");
   }
 }
 
-static const char tree_root_moves[] =
-    "\n  /* E9.14, E11.27: momenta of the root, inertial axes and (h) body axes */\n"
-    "  for (int i = 0; i < 3; i++) {\n"
-    "    const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-    "    rate[10 + i] = x[10 + y] * v[3 + z] - x[10 + z] * v[3 + y];\n"
-    "    rate[4 + i] = rate[7 + i] = rate[13 + i] = `0`;\n"
-    "  }\n";
+static const char tree_root_pushed[] = "    $ v[3], h_dot[3];\n";
 
-static const char tree_root_pushed[] = "  if (pushed) {\n"
-                                       "    $ h_dot[3];\n"
-                                       "    for (int i = 0; i < 3; i++) {\n"
-                                       "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
-                                       "      rate[10 + i] += h_dot[i];\n"
-                                       "    }\n"
-                                       "    @_turn(rate + 4, x, load);\n"
-                                       "    @_turn(rate + 7, x, h_dot);\n";
+static const char tree_root_turned[] =
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+    "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
+    "      rate[4 + i] += h_dot[i];\n"
+    "    }\n"
+    "    @_turn(rate + @_P, x, load);\n"
+    "    @_turn(rate + @_L, x, h_dot);\n";
 
-/* Rates of a free root. */
+/* Rates of a free root: E9.14, E11.27. */
 static void tree_write_root(const code *w)
 {
   const code_value *const V = tree.link[tree.root].V;
-  char text[40];
-  fprintf(w->out, "  %s v[6];\n  const %s *const load = load_%d;\n", code_real(w), code_real(w), tree.root);
-  for (int i = 0; i < 6; i++) {
-    code_sum s;
+  code inner = *w;
+  code_value h[3];
+  code_sum s;
+  inner.indent = 4;
+  tree_write_quat_rate(w, 0, V + 3);
+  fputs("\n  /* E9.14, E11.27: angular momentum h of the root in body axes; P, L in inertial axes */\n", w->out);
+  for (int i = 0; i < 3; i++) {
+    h[i] = code_variable("x[%d]", TREE_OWN + i);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    tree_add_cross(&s, 1.0, h, V + 3, i);
+    code_assign(w, &s, code_variable("rate[%d]", TREE_OWN + i).name);
+  }
+  fputs("  if (pushed) {\n", w->out);
+  code_template(w, tree_root_pushed);
+  fprintf(w->out, "    const %s *const load = load_%d;\n", code_real(w), tree.root);
+  for (int i = 0; i < 3; i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, V[i]);
-    snprintf(text, sizeof text, "v[%d]", i);
-    code_assign(w, &s, text);
+    code_assign(&inner, &s, code_variable("v[%d]", i).name);
   }
-  tree_write_quat_rate(w, TREE_QUAT, V + 3);
-  code_template(w, tree_root_moves);
-  code_template(w, tree_root_pushed);
-  code_template(w, tree.stands ? "  }\n  @_turn(rate + 13, x, v);\n"
-                               : "    memcpy(rate + 13, x + 4, 3 * sizeof *rate);\n  }\n");
+  code_template(w, tree_root_turned);
+  code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
+                               : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
 
 /* ---- the step limit */
@@ -1187,23 +1197,20 @@ static void tree_write_limit(const code *w)
 static const char tree_rates_head[] =
     "\n/* Rates of the vector x (@_enter) under what acts (NULL: nothing but gravity); w: angular velocities of the "
     "bodies;\n"
-    "   longest (NULL: not asked for): stable step. */\n"
-    "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *longest, const $ *x, const @_input *in)\n{\n";
+    "   longest (NULL: not asked for): stable step; pushed: the tail of the vector, momenta of the root and work, is not "
+    "constant. */\n"
+    "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *longest, const $ *x, const @_input *in, int pushed)\n{\n";
 
-/* P of the root in body axes; pushed: it is not zero, or may become so. */
+/* P of the root in body axes. */
 static void tree_write_pushed(const code *w)
 {
-  if (tree.root < 0) {
-    return;
+  if (tree.root >= 0) {
+    code_template(w, "  $ P[3] = {`0`, `0`, `0`};\n");
+    code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
+    code_template(w, "  if (pushed) {\n    @_turn_back(P, x, x + @_P);\n  }\n");
+  } else if (tree.work < 0) {
+    fputs("  (void)pushed;\n", w->out);
   }
-  if (tree.pulled || tree.stands) {
-    code_template(w, "  const int pushed = 1;\n");
-  } else {
-    code_template(w, "  const int pushed = in || fabs~(x[4]) + fabs~(x[5]) + fabs~(x[6]) > `0`;\n");
-  }
-  code_template(w, "  $ P[3] = {`0`, `0`, `0`};\n");
-  code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
-  code_template(w, "  if (pushed) {\n    @_turn_back(P, x, x + 4);\n  }\n");
 }
 
 static void tree_write_rates(const code *w, int unused)
@@ -1429,26 +1436,28 @@ static void tree_write_drift(const code *w, int unused)
     fprintf(w->out,
             "  for (int i = 0; i < 3; i++) {\n    d[%d + i] -= R[3 * i] * moved[0] + R[3 * i + 1] * moved[1] + R[3 * i "
             "+ 2] * moved[2];\n  }\n",
-            half ? TREE_L : TREE_P);
+            tree.link[tree.root].p + 3 * half);
   }
   fputs("}\n", w->out);
 }
 
 static const char tree_align[] =
     "\n/* E11.28: the increment d of the attitude so that R h is along L, both about the mass center at c/m */\n"
-    "static void @_align($ *d, const $ *x, const $ *center, $ share)\n{\n"
+    "static void @_align($ *d, const $ *x, const $ *center, $ share, int pushed)\n{\n"
     "  static const $ known[2] = {`0`, `1`};\n"
-    "  $ quat[4], h[3], a[3], b[3], P[3], arm[3], theta[3], sizes, told;\n"
-    "  const $ change = @_norm(d + 7);\n"
+    "  $ quat[4], h[3], a[3], b[3], theta[3], sizes, told;\n"
+    "  const $ change = @_norm(d + @_L);\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
-    "  for (int i = 0; i < 3; i++) {\n    h[i] = x[10 + i] + d[10 + i];\n    b[i] = x[7 + i] + d[7 + i];\n"
-    "    P[i] = share * (x[4 + i] + d[4 + i]);\n  }\n"
+    "  for (int i = 0; i < 3; i++) {\n    h[i] = x[4 + i] + d[4 + i];\n    b[i] = x[@_L + i] + d[@_L + i];\n  }\n"
     "  @_turn(a, quat, h);\n"
-    "  @_turn(arm, quat, center);\n"
-    "  for (int i = 0; i < 3; i++) {\n"
-    "    const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-    "    const $ moment = P[y] * arm[z] - P[z] * arm[y];\n"
-    "    a[i] += moment;\n    b[i] += moment;\n  }\n"
+    "  if (pushed) {\n"
+    "    $ P[3], arm[3];\n"
+    "    @_turn(arm, quat, center);\n"
+    "    for (int i = 0; i < 3; i++) {\n      P[i] = share * (x[@_P + i] + d[@_P + i]);\n    }\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+    "      const $ moment = P[y] * arm[z] - P[z] * arm[y];\n"
+    "      a[i] += moment;\n      b[i] += moment;\n    }\n  }\n"
     "  sizes = @_norm(a) * @_norm(b);\n"
     "  theta[0] = a[1] * b[2] - a[2] * b[1];\n"
     "  theta[1] = a[2] * b[0] - a[0] * b[2];\n"
@@ -1699,16 +1708,16 @@ static void tree_write_input_check(const code *w)
 static void tree_write_enter(const code *w)
 {
   code_template(w, "\n/* The vector x of a state: ");
-  fputs(tree.root >= 0 ? "of the root quat, P, L, h = R^T L, integral of what moves it; then by bodies the"
+  fputs(tree.root >= 0 ? "of the root quat and h = R^T L; by bodies the"
                        : "by bodies the",
         w->out);
-  code_template(w, " coordinates and\n   momenta of the joint, those of the modes. */\n"
+  code_template(w, " coordinates and\n   momenta of the joint, those of the modes; of the root P, L and its place; work. */\n"
                    "static void @_enter($ *x, const @_state *s)\n{\n  memset(x, 0, @_N * sizeof *x);\n  (void)s;\n");
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_take);
   }
   if (tree.root >= 0) {
-    code_template(w, "  @_turn_back(x + 10, x, x + 7);\n");
+    code_template(w, "  @_turn_back(x + 4, x, x + @_L);\n");
   }
   fputs("}\n", w->out);
   code_template(w, "\nvoid @_start(@_state *state)\n{\n  memset(state, 0, sizeof *state);\n");
@@ -1750,17 +1759,18 @@ static void tree_write_reframe(const code *w)
   snprintf(root, sizeof root, "body_%d", tree.root);
   code_number(number, w, 1.0 / tree.mass);
   code_template(w, "\n  /* E9.21, E9.23: the frame follows the mass center; momenta relative to it */\n"
-                   "  for (int i = 0; i < 3; i++) {\n");
+                   "  for (int i = 0; i < 3 && pushed; i++) {\n");
   if (tree.stands) {
     fprintf(w->out, "    change[i] = -next.%s.u[i] - next.%s.lost_u[i];\n  }\n", root, root);
   } else {
-    fprintf(w->out, "    change[i] = %s * (x[4 + i] + d[4 + i]%s", number, w->single ? " + next." : "");
-    fprintf(w->out, w->single ? "%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+    fprintf(w->out, "    change[i] = %s * ", number);
+    code_template(w, "(x[@_P + i] + d[@_P + i]");
+    fprintf(w->out, w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
   }
   code_template(w, "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
                    "    @_drift(d, d, change);\n  }\n");
   if (!tree.stands) {
-    fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    d[4 + i] = -x[4 + i]");
+    code_template(w, "  for (int i = 0; i < 3 && pushed; i++) {\n    d[@_P + i] = -x[@_P + i]");
     if (w->single) {
       fprintf(w->out, " - next.%s.lost_p[i]", root);
     }
@@ -1773,8 +1783,8 @@ static const char tree_frame[] =
     "    step[i] = dt * @r.u[i];\n"
     "    @r.lost_x[i] += dt * @r.lost_u[i];\n  }\n"
     "  @_keep(@r.x, @r.lost_x, step);\n"
-    "  @_keep(@r.u, @r.lost_u, change);\n"
-    "  for (int i = 0; i < 3; i++) {\n"
+    "  if (pushed) {\n    @_keep(@r.u, @r.lost_u, change);\n  }\n"
+    "  for (int i = 0; i < 3 && pushed; i++) {\n"
     "    const $ rest = @_faint + @e * fabs~(change[i]);\n"
     "    const $ lost = fabs~(@r.lost_u[i]) < @_faint ? `0` : @r.lost_u[i];\n"
     "    @r.lost_u[i] = fabs~(@r.u[i]) < rest ? `0` : lost;\n"
@@ -1788,13 +1798,14 @@ static void tree_write_flight(const code *w)
   size_t n = 0;
   code_template(w, "\n  /* E11.23: O from the mass center, which moves by the momentum; then with the frame */\n");
   if (tree.stands) {
-    fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += d[13 + i];\n  }\n", tree.root);
+    fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += ", tree.root);
+    code_template(w, "d[@_PLACE + i];\n  }\n");
   } else {
     code_number(number, w, 1.0 / tree.mass);
     code_template(w, "  @_turn(old, x, before);\n  @_turn(own, d, after);\n");
     fprintf(w->out,
-            "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * (old[i] - own[i] + d[13 + i]);\n  }\n",
-            tree.root, number);
+            "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * ", tree.root, number);
+    code_template(w, "(old[i] - own[i] + d[@_PLACE + i]);\n  }\n");
   }
   code_number(number, w, 4.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
   for (const char *c = tree_frame; *c; c++) {
@@ -1818,15 +1829,15 @@ static void tree_write_end(const code *w)
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(@_state *state, $ *d, const $ *x");
-  code_template(w, tree.root >= 0 ? ", const $ *before, $ dt)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                                    "  $ change[3], step[3];\n"
+  code_template(w, tree.root >= 0 ? ", const $ *before, $ dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                                    "  $ change[3] = {`0`, `0`, `0`}, step[3];\n"
                                   : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, balls ? "  $ norm2;\n" : "");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
     code_number(number, w, 1.0 / tree.mass);
     code_template(w, "  @_align(d, x, before, ");
-    fprintf(w->out, "%s);\n", number);
+    fprintf(w->out, "%s, pushed);\n", number);
   }
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_units);
@@ -1867,14 +1878,13 @@ static const char tree_step_head[] =
     "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
     "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
-    "  $ x[@_N], at[@_N], rate[@_N], sum[@_N], w[3 * @_BODIES]";
+    "  $ x[@_N], at[@_N], rate[@_N] = {`0`}, sum[@_N] = {`0`}, w[3 * @_BODIES]";
 
 static const char tree_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
                                       "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
                                       "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
                                       "  @_enter(x, state);\n"
-                                      "  memcpy(at, x, sizeof at);\n"
-                                      "  memset(sum, 0, sizeof sum);\n";
+                                      "  memcpy(at, x, sizeof at);\n";
 
 static const char tree_step_limits[] =
     "\n    /* E11.15, E11.26: step limit at the start, rotation at every stage */\n"
@@ -1886,8 +1896,10 @@ static const char tree_step_limits[] =
     "      status = status == @_ok && !(a * a + b * b + c * c <= `0.25`) ? @_step_length : status;\n    }\n";
 
 static const char tree_step_rest[] =
-    "    if (status != @_ok) {\n      return status;\n    }\n    @_UNROLL\n"
-    "    for (int i = 0; i < @_N; i++) {\n      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
+    "    if (status != @_ok) {\n      return status;\n    }\n"
+    "    for (int i = 0; i < @_ALWAYS; i++) {\n      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
+    "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
+    "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
     "  }\n"
     "  return @_end(state, sum, x";
 
@@ -1896,17 +1908,21 @@ static void tree_write_step(const code *w)
   const int limited = !tree.system->allow_long_step;
   code_template(w, tree_step_head);
   code_template(w, limited ? ", first[3 * @_BODIES], longest = `0`" : "");
-  code_template(w, tree.root >= 0 ? ", center[3];\n" : ";\n");
+  code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
   code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
+  code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
+  if (tree.root >= 0 && !tree.pulled && !tree.stands) {
+    code_template(w, "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
+  }
   code_template(w, "  for (int stage = 0; stage < 4; stage++) {\n"
                    "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
                    "    @_status status = @_not_finite;\n    if (@_input_is_finite(in[stage])) {\n"
                    "      status = @_rates_at(rate, w, ");
-  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage]);\n    }\n" : "NULL, at, in[stage]);\n    }\n");
+  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage], pushed);\n    }\n" : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
-  code_template(w, tree.root >= 0 ? ", center, dt);\n}\n" : ");\n}\n");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : ");\n}\n");
 }
 
 /* What the rest needs of rotations and sums. */
@@ -1937,7 +1953,19 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   code_template(&w, "enum { @_N = ");
   fprintf(out, "%d, ", tree.size);
   code_template(&w, "@_BODIES = ");
-  fprintf(out, "%d };\n\n", tree.n);
+  fprintf(out, "%d, ", tree.n);
+  code_template(&w, "@_ALWAYS = ");
+  fprintf(out, "%d", tree.always);
+  if (tree.root >= 0) {
+    const int P = tree.link[tree.root].p;
+    code_template(&w, ", @_P = ");
+    fprintf(out, "%d, ", P);
+    code_template(&w, "@_L = ");
+    fprintf(out, "%d, ", P + 3);
+    code_template(&w, "@_PLACE = ");
+    fprintf(out, "%d", P + 6);
+  }
+  fputs(" };\n\n", out);
   code_template(&w, code_helpers);
   code_template(&w, tree_finite);
   tree_write_input_check(&w);
