@@ -517,6 +517,65 @@ static void tree_write_congruent(const code *w, code_value Y[9], const code_valu
   }
 }
 
+/* Is I that of a rigid body: mass [m 0; 0 m], first moment across? */
+static int tree_is_rigid(const code_value I[21])
+{
+  code_value A[9], B[9];
+  for (int i = 0; i < 9; i++) {
+    A[i] = I[fb_sym6_index(i / 3, i % 3)];
+    B[i] = I[fb_sym6_index(i / 3, 3 + i % 3)];
+  }
+  return tree_is_round(A) && tree_is_cross(B);
+}
+
+/* I of the parent += that of a rigid link (E9.3): with first moment c in the parent's axes J about the new origin is
+   J_ii + 2 (s.c - s_i c_i) + m (s.s - s_i s_i), J_ij - s_i c_j - s_j c_i - m s_i s_j, first moment c + m s. */
+static void tree_write_rigid(const code *w, int k)
+{
+  static const int pair[3][2] = {{1, 2}, {2, 0}, {0, 1}};
+  const tree_link *const L = &tree.link[k];
+  code_value *const I = tree.link[L->parent].I;
+  const code_value x[3] = {L->I[fb_sym6_index(2, 4)], L->I[fb_sym6_index(0, 5)], L->I[fb_sym6_index(1, 3)]};
+  const double m = L->I[0].c;
+  code_value block[9], turned[9], c[3];
+  code_sum s;
+  for (int i = 0; i < 9; i++) {
+    block[i] = L->I[fb_sym6_index(3 + i / 3, 3 + i % 3)];
+  }
+  tree_write_congruent(w, turned, L->C, block, 1, 'D', k);
+  tree_write_turned(w, c, L->C, 0, x, "c", k); /* minus the first moment */
+  for (int i = 0; i < 3; i++) {
+    const int y = pair[i][0], z = pair[i][1];
+    code_value first;
+    code_begin(&s);
+    code_add_one(&s, 1.0, I[fb_sym6_index(z, 3 + y)]);
+    code_add_one(&s, 1.0, c[i]);
+    code_add_one(&s, -m, L->s[i]);
+    first = code_end(w, &s, code_variable("b%d_c%d_%c", L->parent, k, tree_axis[i]));
+    I[fb_sym6_index(z, 3 + y)] = I[fb_sym6_index(y, 3 + z)] = first;
+    I[fb_sym6_index(y, 3 + z)].c = -first.c;
+    I[fb_sym6_index(i, i)].c += m;
+  }
+  for (int e = 15; e < 21; e++) {
+    const int i = fbi_sym6_row[e] - 3, j = fbi_sym6_column[e] - 3;
+    code_begin(&s);
+    code_add_one(&s, 1.0, I[e]);
+    code_add_one(&s, 1.0, turned[3 * i + j]);
+    for (int l = 0; l < 3 && i == j; l++) {
+      if (l != i) {
+        code_add(&s, -2.0, L->s[l], c[l]);
+        code_add(&s, m, L->s[l], L->s[l]);
+      }
+    }
+    if (i != j) {
+      code_add(&s, 1.0, L->s[i], c[j]);
+      code_add(&s, 1.0, L->s[j], c[i]);
+      code_add(&s, -m, L->s[i], L->s[j]);
+    }
+    I[e] = code_end(w, &s, code_variable("b%d_I%d_%s_%s", L->parent, k, code_rows[3 + i], code_rows[3 + j]));
+  }
+}
+
 /* I of the parent += E9.3 of a link. */
 static void tree_write_inertia(const code *w, int k)
 {
@@ -524,6 +583,10 @@ static void tree_write_inertia(const code *w, int k)
   tree_link *const P = &tree.link[L->parent];
   code_value block[3][9], turned[3][9], across[9];
   code_sum s;
+  if (tree_is_rigid(L->I) && tree_is_rigid(P->I)) {
+    tree_write_rigid(w, k);
+    return;
+  }
   for (int i = 0; i < 9; i++) {
     block[0][i] = L->I[fb_sym6_index(i / 3, i % 3)];
     block[1][i] = L->I[fb_sym6_index(i / 3, 3 + i % 3)];

@@ -87,7 +87,7 @@ try gcc $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
 # scene LINE...: hub and array, with other lines at the end
 scene() {
   {
-    printf 'body hub rigid\n  hub 800  0 0 0  400 300 500\n  node 0.8 0 0 side\nend\n'
+    printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\n  node 0.8 0 0 side\nend\n'
     printf 'body array beam\n  length 4\n  stations x mass EI_y EI_z GJ i_z\n    0 3 400 3000 200 0.25\n  end\n  hub 2  0 0 0  0.1 0.1 0.1\n'
     printf '  modes bend_y 3\n  damping 0.005\n  effects %s\n  node tip tip\nend\n' "${effects:-full damping}"
     printf 'joint hinge revolute hub.side array\n  stiffness 3\n  damping 0.05\n%send\n' "${line:-}"
@@ -126,7 +126,7 @@ effects="large" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
-printf 'body hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
+printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
 ! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ok "$trees trees agree with the library to $largest (single $single); a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes; $refused scenes refused"
