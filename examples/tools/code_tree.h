@@ -1509,7 +1509,7 @@ static const char tree_align[] =
     "static void @_align($ *d, const $ *x, const $ *center, $ share, int pushed)\n{\n"
     "  static const $ known[2] = {`0`, `1`};\n"
     "  $ quat[4], h[3], a[3], b[3], theta[3], sizes, told;\n"
-    "  const $ change = @_norm(d + @_L);\n"
+    "  const $ change = pushed ? @_norm(d + @_L) : `0`;\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n    h[i] = x[4 + i] + d[4 + i];\n    b[i] = x[@_L + i] + d[@_L + i];\n  }\n"
     "  @_turn(a, quat, h);\n"
@@ -1954,9 +1954,11 @@ static const char tree_step_limits[] =
     "    if (status == @_ok && stage == 0) {\n"
     "      status = dt <= longest ? @_ok : @_step_length;\n"
     "      memcpy(first, w, sizeof first);\n    }\n"
-    "    for (int k = 0; k < 3 * @_BODIES && stage > 0; k += 3) {\n"
-    "      const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + 1]), c = dt * (w[k + 2] - first[k + 2]);\n"
-    "      status = status == @_ok && !(a * a + b * b + c * c <= `0.25`) ? @_step_length : status;\n    }\n";
+    "    if (stage > 0) {\n      int far = 0;\n      @_UNROLL\n"
+    "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
+    "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + 1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+    "        far |= !(a * a + b * b + c * c <= `0.25`);\n      }\n"
+    "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
 static const char tree_step_rest[] =
     "    if (status != @_ok) {\n      return status;\n    }\n"

@@ -21,7 +21,8 @@ typedef struct hang {
   int parent, model;
 } hang;
 
-/* name, effects of the flexible models, gravity, joints turned at random, bodies */
+/* Effects of the flexible models, gravity, joints turned at random, bodies. The first two are those of
+   bench/system_count.c, hinge and booms, in which nothing is random. */
 static const struct {
   unsigned effects;
   int gravity, turned;
@@ -29,6 +30,9 @@ static const struct {
 } trees[] = {
     {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}}},
     {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
+    {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 0,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
     {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_PRISMATIC, 0, RIGID}, {FB_JOINT_CYLINDRICAL, 0, BOOM}}},
     {FB_EFFECTS_FULL, 1, 1,
@@ -74,7 +78,7 @@ static int need(fb_status status, const char *what)
 }
 
 /* A rigid body with a beam of that many modes on it, 0: none. */
-static void build_model(fb_body *body, unsigned effects, int gravity, int modes)
+static void build_model(fb_body *body, unsigned effects, int gravity, int modes, int plain)
 {
   static fb_shape shape;
   static fb_body_work body_work;
@@ -86,9 +90,9 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes)
   static fb_body_desc level;
   fb_real center[3], inertia[6] = {9, 11, 14, 0, 0, 0};
   for (int i = 0; i < 3; i++) {
-    center[i] = (fb_real)(0.3 * random_number());
-    inertia[i] += (fb_real)random_number();
-    inertia[3 + i] = (fb_real)random_number();
+    center[i] = plain ? (i == 0 ? FB_R(0.5) : FB_R(0.0)) : (fb_real)(0.3 * random_number());
+    inertia[i] = plain ? (i == 0 ? FB_R(4.0) : FB_R(9.0)) : inertia[i] + (fb_real)random_number();
+    inertia[3 + i] = plain ? FB_R(0.0) : (fb_real)random_number();
   }
   memset(&level, 0, sizeof level);
   level.effects = (modes > 0 ? effects : FB_EFFECTS_RIGID) | (gravity ? FB_EFFECT_GRAVITY : 0u);
@@ -101,13 +105,13 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes)
   }
   if (modes > 0) {
     memset(&boom, 0, sizeof boom);
-    boom.length = (fb_real)(6 + modes);
+    boom.length = (fb_real)(6 + modes); /* 10 m with 4 modes */
     boom.n_element = 6;
     boom.n_station = 1;
     boom.station[0].mass = 1;
     boom.station[0].EI_y = FB_R(5000.0);
     boom.station[0].EI_z = FB_R(8000.0);
-    boom.position[0] = FB_R(0.5);
+    boom.position[0] = plain ? FB_R(0.0) : FB_R(0.5);
     keep.count[FB_KIND_BEND_Y] = (modes + 1) / 2;
     keep.count[FB_KIND_BEND_Z] = modes / 2;
     need(fb_beam_init(&beam, &boom), "beam");
@@ -121,11 +125,17 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes)
   need(fb_body_init(body, &body_work, &shape, &level), "body");
 }
 
+/* The second body of a plain tree a meter ahead, the third one behind, turned by half a turn. */
+static void build_plain_joint(fb_joint_desc *joint, int k)
+{
+  const fb_real turn[3] = {0, 0, k == 2 ? FB_R(3.14159265358979324) : FB_R(0.0)};
+  joint->position[0] = k == 0 ? FB_R(0.0) : k == 1 ? FB_R(1.0) : -FB_R(1.0);
+  fb_quat_from_rotvec(joint->attitude, turn);
+}
+
 static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
 {
   fb_real turn[3], child[3];
-  joint->kind = link->kind;
-  joint->parent = link->parent;
   for (int i = 0; i < 3; i++) {
     joint->position[i] = (fb_real)random_number();
     joint->child_position[i] = turned ? (fb_real)(0.3 * random_number()) : FB_R(0.0);
@@ -149,13 +159,19 @@ static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
 
 static void build(int which)
 {
-  build_model(&model[RIGID], 0, trees[which].gravity, 0);
-  build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4);
-  build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2);
+  build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2);
+  build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4, which < 2);
+  build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2);
   memset(&desc, 0, sizeof desc);
   for (int k = 0; k < 5 && (k == 0 || trees[which].link[k].kind != FB_JOINT_FREE); k++) {
     desc.model[desc.n_body] = trees[which].link[k].model;
-    build_joint(&desc.joint[desc.n_body++], &trees[which].link[k], trees[which].turned);
+    desc.joint[k].kind = trees[which].link[k].kind;
+    desc.joint[k].parent = trees[which].link[k].parent;
+    if (which < 2) {
+      build_plain_joint(&desc.joint[desc.n_body++], k);
+    } else {
+      build_joint(&desc.joint[desc.n_body++], &trees[which].link[k], trees[which].turned);
+    }
   }
   need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system");
 }
