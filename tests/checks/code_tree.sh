@@ -112,7 +112,7 @@ refuse() {
 }
 refuse "--code: load and nudge" none.h "load hub base force 1 0 0"
 refuse "--code: event" none.h "event 1 lock hinge 1"
-refuse "--code: spring" none.h "spring hub array.tip" "stiffness 1" "end"
+refuse "--code: spring" none.h "spring strut hub array.tip" "stiffness 1" "end"
 refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 line='  motor 1 constant 2
@@ -122,7 +122,7 @@ line='  mode locked
 line='  friction 1
   friction_speed 0.1
 ' refuse "array: friction" none.h
-effects="large" refuse "array: effects large" none.h
+effects="large damping" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
