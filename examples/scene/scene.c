@@ -21,7 +21,8 @@ static const char help[] =
     "  --margins FILE    response of the loops of controllers over frequency as CSV (Bode and Nyquist, as SVG beside\n"
     "                    it); prints their margins\n"
     "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
-    "  --code FILE       writes the rk4 step of its bodies on joints as C of its own, FILE.h, and does not run; functions\n"
+    "  --code FILE       writes the rk4 step of its bodies on joints as C of its own, FILE.h, and does not run; "
+    "functions\n"
     "                    are called as FILE; with --single for single precision\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
@@ -94,10 +95,13 @@ static int read_option(void *to, const char *name, const char *text)
   for (int k = 0; k < 7; k++) {
     const struct {
       const char *name, **file;
-    } files[] = {
-        {"--out", &c->options.csv},         {"--margins", &c->options.margins},     {"--linear", &c->options.linear},
-        {"--picture", &c->options.picture}, {"--animation", &c->options.animation}, {"--frames", &c->options.frames},
-        {"--code", &c->code}};
+    } files[] = {{"--out", &c->options.csv},
+                 {"--margins", &c->options.margins},
+                 {"--linear", &c->options.linear},
+                 {"--picture", &c->options.picture},
+                 {"--animation", &c->options.animation},
+                 {"--frames", &c->options.frames},
+                 {"--code", &c->code}};
     if (strcmp(name, files[k].name) == 0) {
       return read_out(files[k].file, text);
     }

@@ -61,8 +61,10 @@ static int scene_write_code(scene *s, const char *file, int single)
     return 2;
   }
   if (!scene_code_name(name, file)) {
-    return 1 + scene_fail(s, "--code %s: the step is called as its file, whose name wants to be a C identifier of at most "
-                             "39 characters, not fb_..", file);
+    return 1 + scene_fail(s,
+                          "--code %s: the step is called as its file, whose name wants to be a C identifier of at most "
+                          "39 characters, not fb_..",
+                          file);
   }
   if (scene_build(s, &nothing)) {
     return 2;

@@ -1453,9 +1453,8 @@ static const char code_turns[] =
     "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
     "  @_turn(y, back, x);\n}\n\n";
 
-static const char code_norm[] =
-    "static $ @_norm(const $ *x)\n{\n"
-    "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
+static const char code_norm[] = "static $ @_norm(const $ *x)\n{\n"
+                                "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
 
 /* The input that is meant by NULL. */
 static void code_write_nothing(const code *w)
@@ -1556,13 +1555,12 @@ static void code_write_limit(const code *w)
                    "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
 }
 
-static const char code_sums[] =
-    "\n/* E11.22: Kahan sum; d becomes x + d, lost what rounding took */\n"
-    "static void @_sum_kept($ *d, $ *lost, const $ *x, int n)\n{\n"
-    "  @_UNROLL\n  for (int i = 0; i < n; i++) {\n"
-    "    const $ more = d[i] + lost[i];\n"
-    "    d[i] = x[i] + more;\n"
-    "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n";
+static const char code_sums[] = "\n/* E11.22: Kahan sum; d becomes x + d, lost what rounding took */\n"
+                                "static void @_sum_kept($ *d, $ *lost, const $ *x, int n)\n{\n"
+                                "  @_UNROLL\n  for (int i = 0; i < n; i++) {\n"
+                                "    const $ more = d[i] + lost[i];\n"
+                                "    d[i] = x[i] + more;\n"
+                                "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n";
 
 static const char code_unit[] =
     "\n/* The increment d of the attitude so that it has unit length */\n"
@@ -1877,7 +1875,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
 /* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
    no temporary file, see errno. */
 static inline int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
-                      void (*coordinate)(FILE *, int))
+                             void (*coordinate)(FILE *, int))
 {
   const code w = {out, name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2};
   int good = 1;

@@ -10,7 +10,11 @@
 #define CODE_TREE_H
 #include "code.h"
 
-enum { TREE_OWN = 4, TREE_ROOT = 7, TREE_PUSHED = 9 }; /* of a free root: where h is, numbers at the head, at the tail */
+enum {
+  TREE_OWN = 4,
+  TREE_ROOT = 7,
+  TREE_PUSHED = 9
+}; /* of a free root: where h is, numbers at the head, at the tail */
 
 typedef struct tree_link {
   const fb_body *model;
@@ -234,9 +238,10 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     }
   }
   if (!text[0] && (system->n_loop > 0 || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
-    snprintf(text, 200, "%s", system->n_loop > 0     ? "loops: choose a tree"
-                              : system->n_spring > 0 ? "springs between points: choose springs of joints"
-                                                     : "method multipliers: choose recursive");
+    snprintf(text, 200, "%s",
+             system->n_loop > 0     ? "loops: choose a tree"
+             : system->n_spring > 0 ? "springs between points: choose springs of joints"
+                                    : "method multipliers: choose recursive");
   }
 }
 
@@ -467,9 +472,9 @@ static int tree_is_cross(const code_value X[9])
   int cross = 1;
   for (int i = 0; i < 9; i++) {
     const code_value *const a = &X[i], *const b = &X[i % 3 * 3 + i / 3];
-    cross = cross && (i % 4 == 0 ? code_is_zero(a)
-                                 : strcmp(a->name, b->name) == 0 &&
-                                       fabs(a->c + b->c) <= 16.0 * DBL_EPSILON * fabs(a->c));
+    cross =
+        cross && (i % 4 == 0 ? code_is_zero(a)
+                             : strcmp(a->name, b->name) == 0 && fabs(a->c + b->c) <= 16.0 * DBL_EPSILON * fabs(a->c));
   }
   return cross;
 }
@@ -959,8 +964,8 @@ static void tree_add_axis(const code *w, code_sum *s, int k, int a)
 static void tree_add_effort(code_sum *s, const tree_link *L, int k, int a)
 {
   const fb_joint *const joint = L->joint;
-  const code_value x = L->joint->kind == FB_JOINT_SPHERICAL ? code_variable("phi%d[%d]", k, a)
-                                                            : code_variable("b%d_x_%d", k, a);
+  const code_value x =
+      L->joint->kind == FB_JOINT_SPHERICAL ? code_variable("phi%d[%d]", k, a) : code_variable("b%d_x_%d", k, a);
   code_add_one(s, -(double)joint->stiffness[a], x);
   code_add_one(s, (double)joint->stiffness[a] * (double)joint->rest[a], code_constant(1.0));
   code_add_one(s, -(double)joint->damping[a], L->u[a]);
@@ -1156,14 +1161,13 @@ static void tree_write_root_loads(const code *w)
 
 static const char tree_root_pushed[] = "    $ v[3], h_dot[3];\n";
 
-static const char tree_root_turned[] =
-    "    for (int i = 0; i < 3; i++) {\n"
-    "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-    "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
-    "      rate[4 + i] += h_dot[i];\n"
-    "    }\n"
-    "    @_turn(rate + @_P, x, load);\n"
-    "    @_turn(rate + @_L, x, h_dot);\n";
+static const char tree_root_turned[] = "    for (int i = 0; i < 3; i++) {\n"
+                                       "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
+                                       "      rate[4 + i] += h_dot[i];\n"
+                                       "    }\n"
+                                       "    @_turn(rate + @_P, x, load);\n"
+                                       "    @_turn(rate + @_L, x, h_dot);\n";
 
 /* Rates of a free root: E9.14, E11.27. */
 static void tree_write_root(const code *w)
@@ -1252,7 +1256,8 @@ static void tree_write_limit(const code *w)
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
-  code_template(w, "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n  }\n");
+  code_template(w,
+                "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n  }\n");
 }
 
 /* ---- rates */
@@ -1260,7 +1265,8 @@ static void tree_write_limit(const code *w)
 static const char tree_rates_head[] =
     "\n/* Rates of the vector x (@_enter) under what acts (NULL: nothing but gravity); w: angular velocities of the "
     "bodies;\n"
-    "   longest (NULL: not asked for): stable step; pushed: the tail of the vector, momenta of the root and work, is not "
+    "   longest (NULL: not asked for): stable step; pushed: the tail of the vector, momenta of the root and work, is "
+    "not "
     "constant. */\n"
     "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *longest, const $ *x, const @_input *in, int pushed)\n{\n";
 
@@ -1442,8 +1448,9 @@ static void tree_write_drift(const code *w, int unused)
   code_sum s;
   char target[32];
   (void)unused;
-  code_template(w, "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
-                   "static @_NOINLINE void @_drift($ *d, const $ *x, const $ *change)\n{\n  $ R[9], moved[3];\n");
+  code_template(w,
+                "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
+                "static @_NOINLINE void @_drift($ *d, const $ *x, const $ *change)\n{\n  $ R[9], moved[3];\n");
   tree_write_names(w);
   code_template(w, "  @_matrix(R, x);\n");
   for (int k = 0; k < tree.n; k++) {
@@ -1608,9 +1615,10 @@ static void tree_give(const code *w, int at, int n, int k, const char *member)
 /* d becomes x + d; small momenta and coordinates of modes become zero. */
 static void tree_sum(const code *w, int at, int n, int k, const char *member)
 {
-  const char *const least = member[0] == 'q' && member[1] != 'u' ? "tiny" : member[0] != 'p' ? ""
-                                                                    : member[1] == 'i'         ? "tiny"
-                                                                                               : "faint";
+  const char *const least = member[0] == 'q' && member[1] != 'u' ? "tiny"
+                            : member[0] != 'p'                   ? ""
+                            : member[1] == 'i'                   ? "tiny"
+                                                                 : "faint";
   if (w->single) {
     code_template(w, "  @_sum_kept(");
     fprintf(w->out, "d + %d, next.body_%d.lost_%s, x + %d, %d);\n", at, k, member, at, n);
@@ -1653,14 +1661,14 @@ static void tree_lengths(const code *w, int at, int n, int k, const char *member
 {
   (void)n, (void)k;
   if (strcmp(member, "quat") == 0) {
-    fprintf(w->out, "  norm2 = d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d];\n", at, at, at + 1, at + 1,
-            at + 2, at + 2, at + 3, at + 3);
+    fprintf(w->out, "  norm2 = d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d];\n", at, at, at + 1,
+            at + 1, at + 2, at + 2, at + 3, at + 3);
     code_template(w, "  status = status == @_ok && !(fabs~(norm2 - `1`) <= `2e-3`) ? @_step_length : status;\n");
   }
 }
 
-static const char *const tree_kinds[] = {"free",  "rigid",     "revolute",  "prismatic", "cylindrical",
-                                         "screw", "universal", "spherical"};
+static const char *const tree_kinds[] = {"free",        "rigid", "revolute",  "prismatic",
+                                         "cylindrical", "screw", "universal", "spherical"};
 
 static const char tree_status[] =
     "typedef enum @_status { /* values of fb_status */\n"
@@ -1771,11 +1779,10 @@ static void tree_write_input_check(const code *w)
 static void tree_write_enter(const code *w)
 {
   code_template(w, "\n/* The vector x of a state: ");
-  fputs(tree.root >= 0 ? "of the root quat and h = R^T L; by bodies the"
-                       : "by bodies the",
-        w->out);
-  code_template(w, " coordinates and\n   momenta of the joint, those of the modes; of the root P, L and its place; work. */\n"
-                   "static void @_enter($ *x, const @_state *s)\n{\n  memset(x, 0, @_N * sizeof *x);\n  (void)s;\n");
+  fputs(tree.root >= 0 ? "of the root quat and h = R^T L; by bodies the" : "by bodies the", w->out);
+  code_template(
+      w, " coordinates and\n   momenta of the joint, those of the modes; of the root P, L and its place; work. */\n"
+         "static void @_enter($ *x, const @_state *s)\n{\n  memset(x, 0, @_N * sizeof *x);\n  (void)s;\n");
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_take);
   }
@@ -1866,8 +1873,7 @@ static void tree_write_flight(const code *w)
   } else {
     code_number(number, w, 1.0 / tree.mass);
     code_template(w, "  @_turn(old, x, before);\n  @_turn(own, d, after);\n");
-    fprintf(w->out,
-            "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * ", tree.root, number);
+    fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * ", tree.root, number);
     code_template(w, "(old[i] - own[i] + d[@_PLACE + i]);\n  }\n");
   }
   code_number(number, w, 4.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
@@ -1892,9 +1898,11 @@ static void tree_write_end(const code *w)
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(@_state *state, $ *d, const $ *x");
-  code_template(w, tree.root >= 0 ? ", const $ *before, $ dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                                    "  $ change[3] = {`0`, `0`, `0`}, step[3];\n"
-                                  : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w,
+                tree.root >= 0
+                    ? ", const $ *before, $ dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                      "  $ change[3] = {`0`, `0`, `0`}, step[3];\n"
+                    : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, balls ? "  $ norm2;\n" : "");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
@@ -1949,24 +1957,24 @@ static const char tree_step_begin[] = "  if (!state) {\n    return @_null;\n  }\
                                       "  @_enter(x, state);\n"
                                       "  memcpy(at, x, sizeof at);\n";
 
-static const char tree_step_limits[] =
-    "\n    /* E11.15, E11.26: step limit at the start, rotation at every stage */\n"
-    "    if (status == @_ok && stage == 0) {\n"
-    "      status = dt <= longest ? @_ok : @_step_length;\n"
-    "      memcpy(first, w, sizeof first);\n    }\n"
-    "    if (stage > 0) {\n      int far = 0;\n      @_UNROLL\n"
-    "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
-    "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + 1]), c = dt * (w[k + 2] - first[k + 2]);\n"
-    "        far |= !(a * a + b * b + c * c <= `0.25`);\n      }\n"
-    "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
+static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at the start, rotation at every stage */\n"
+                                       "    if (status == @_ok && stage == 0) {\n"
+                                       "      status = dt <= longest ? @_ok : @_step_length;\n"
+                                       "      memcpy(first, w, sizeof first);\n    }\n"
+                                       "    if (stage > 0) {\n      int far = 0;\n      @_UNROLL\n"
+                                       "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
+                                       "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
+                                       "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+                                       "        far |= !(a * a + b * b + c * c <= `0.25`);\n      }\n"
+                                       "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
-static const char tree_step_rest[] =
-    "    if (status != @_ok) {\n      return status;\n    }\n"
-    "    for (int i = 0; i < @_ALWAYS; i++) {\n      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
-    "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
-    "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
-    "  }\n"
-    "  return @_end(state, sum, x";
+static const char tree_step_rest[] = "    if (status != @_ok) {\n      return status;\n    }\n"
+                                     "    for (int i = 0; i < @_ALWAYS; i++) {\n      sum[i] += by * rate[i];\n      "
+                                     "at[i] = x[i] + to * rate[i];\n    }\n"
+                                     "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
+                                     "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
+                                     "  }\n"
+                                     "  return @_end(state, sum, x";
 
 static void tree_write_step(const code *w)
 {
@@ -1976,7 +1984,8 @@ static void tree_write_step(const code *w)
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
   code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
-  code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
+  code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n"
+                                                                  : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !tree.pulled && !tree.stands) {
     code_template(w, "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
   }
@@ -1984,7 +1993,8 @@ static void tree_write_step(const code *w)
                    "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
                    "    @_status status = @_not_finite;\n    if (@_input_is_finite(in[stage])) {\n"
                    "      status = @_rates_at(rate, w, ");
-  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage], pushed);\n    }\n" : "NULL, at, in[stage], pushed);\n    }\n");
+  code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage], pushed);\n    }\n"
+                           : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
   code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : ");\n}\n");

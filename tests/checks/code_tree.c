@@ -31,27 +31,57 @@ static const struct {
     {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}}},
     {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
     {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}}},
-    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 0,
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     0,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
-    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1,
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_PRISMATIC, 0, RIGID}, {FB_JOINT_CYLINDRICAL, 0, BOOM}}},
-    {FB_EFFECTS_FULL, 1, 1,
-     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_SCREW, 0, PANEL}, {FB_JOINT_UNIVERSAL, 0, RIGID}, {FB_JOINT_RIGID, 2, BOOM}}},
-    {FB_EFFECTS_FULL, 0, 1,
-     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_RIGID, 0, PANEL}, {FB_JOINT_REVOLUTE, 1, RIGID}}},
-    {FB_EFFECTS_FULL, 1, 0,
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_SCREW, 0, PANEL},
+      {FB_JOINT_UNIVERSAL, 0, RIGID},
+      {FB_JOINT_RIGID, 2, BOOM}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_RIGID, 0, PANEL},
+      {FB_JOINT_REVOLUTE, 1, RIGID}}},
+    {FB_EFFECTS_FULL,
+     1,
+     0,
      {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_UNIVERSAL, 1, RIGID}}},
-    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 1, 1,
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
      {{FB_JOINT_SPHERICAL, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
-    {FB_EFFECTS_FULL, 0, 1,
-     {{FB_JOINT_FREE, -1, BOOM}, {FB_JOINT_UNIVERSAL, 0, RIGID}, {FB_JOINT_REVOLUTE, 1, PANEL}, {FB_JOINT_SPHERICAL, 2, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, BOOM},
+      {FB_JOINT_UNIVERSAL, 0, RIGID},
+      {FB_JOINT_REVOLUTE, 1, PANEL},
+      {FB_JOINT_SPHERICAL, 2, RIGID}}},
     {FB_EFFECTS_FULL, 1, 0, {{FB_JOINT_RIGID, -1, RIGID}, {FB_JOINT_CYLINDRICAL, 0, BOOM}, {FB_JOINT_SCREW, 1, RIGID}}},
     {FB_EFFECTS_SPIN, 0, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
     {FB_EFFECTS_LINEAR, 0, 0, {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_SPHERICAL, 0, BOOM}}},
-    {FB_EFFECTS_SPIN | FB_EFFECT_ACCELERATION_STIFFENING | FB_EFFECT_DAMPING, 0, 1,
+    {FB_EFFECTS_SPIN | FB_EFFECT_ACCELERATION_STIFFENING | FB_EFFECT_DAMPING,
+     0,
+     1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_PRISMATIC, 0, BOOM}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
-    {FB_EFFECTS_FULL, 0, 1,
-     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_REVOLUTE, 1, RIGID}, {FB_JOINT_REVOLUTE, 2, BOOM},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, RIGID},
+      {FB_JOINT_REVOLUTE, 1, RIGID},
+      {FB_JOINT_REVOLUTE, 2, BOOM},
       {FB_JOINT_UNIVERSAL, 0, BOOM}}},
 };
 enum { TREES = sizeof trees / sizeof *trees };
@@ -184,7 +214,8 @@ static void write_members(void)
     const int axes = mechanism.joint[k].n_axis, n = model[desc.model[k]].n;
     printf("LOAD(%d)\n", k);
     if (desc.joint[k].kind == FB_JOINT_FREE) {
-      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k, k, k);
+      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k,
+             k, k);
     } else if (axes > 0) {
       printf("MOTOR(%d)\n", k);
     }
@@ -303,12 +334,13 @@ static void load(fb_system_input *in, generated_input *mine, double t)
     for (int i = 0; i < 3; i++) {
       in->load[k].load.force[i] = (fb_real)(2 * sin(t + i + 2 * k));
       in->load[k].load.torque[i] = (fb_real)(2 * cos(2 * t + i + k));
-      in->drive[k].torque[i] =
-          mechanism.joint[k].kind != FB_JOINT_FREE && i < mechanism.joint[k].n_axis ? (fb_real)(2 * sin(3 * t + i - k)) : FB_R(0.0);
+      in->drive[k].torque[i] = mechanism.joint[k].kind != FB_JOINT_FREE && i < mechanism.joint[k].n_axis
+                                   ? (fb_real)(2 * sin(3 * t + i - k))
+                                   : FB_R(0.0);
     }
   }
 #define MEMBER(k, member, kind)
-#define LOAD(k)                                                             \
+#define LOAD(k)                                                              \
   memcpy(mine->body_##k.force, in->load[k].load.force, 3 * sizeof(fb_real)); \
   memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
 #define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
@@ -363,7 +395,8 @@ static double fly(int loaded)
 }
 
 /* One step of both, which both refuse with that status (FB_OK: with any) and leave the state as it was. */
-static int refused(const fb_system_input *in, const generated_input *mine, fb_real dt, fb_status expected, const char *what)
+static int refused(const fb_system_input *in, const generated_input *mine, fb_real dt, fb_status expected,
+                   const char *what)
 {
   const generated_state before = own;
   fb_system_state copy = state;
