@@ -225,7 +225,7 @@ static void write_members(void)
       printf("MEMBER(%d, x, PLACE)\n", k);
     }
     printf(axes > 0 ? "MEMBER(%d, p, MOMENTUM)\n" : "", k);
-    printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\n" : "", k, k);
+    printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\nMODAL(%d)\n" : "", k, k, k);
   }
 }
 
@@ -344,10 +344,12 @@ static void load(fb_system_input *in, generated_input *mine, double t)
   memcpy(mine->body_##k.force, in->load[k].load.force, 3 * sizeof(fb_real)); \
   memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
 #define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
+#define MODAL(k)
 #include "members.h"
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
+#undef MODAL
 }
 
 static double energy(void)
@@ -411,6 +413,95 @@ static int refused(const fb_system_input *in, const generated_input *mine, fb_re
   return good;
 }
 
+/* A step that both take or both refuse, from the state of the library. */
+static int alike(const fb_system_input *in, const generated_input *mine, fb_real dt, const char *what)
+{
+  fb_system_state copy = state;
+  fb_status status;
+  generated_status same;
+  take_state(0);
+  status = fb_system_rk4_step(&mechanism, model, &copy, &work, in, in, in, dt);
+  same = generated_step(&own, mine, mine, mine, dt);
+  take_state(0);
+  if ((status == FB_OK) != (same == generated_ok)) {
+    printf("%s: library %d, generated %d\n", what, (int)status, (int)same);
+    return 0;
+  }
+  return 1;
+}
+
+/* The step limit of a motion, on both sides of it, and the limit of rotation in a step. */
+static int limits(void)
+{
+  static fb_system_input in;
+  static generated_input mine;
+  const double off = FB_SINGLE ? 1e-2 : 1e-6;
+  const fb_real dt = FB_R(1e-4);
+  fb_system_limit now;
+  int good = 1;
+  start(3.0);
+  need(fb_system_limit_eval(&mechanism, model, &work, &now, &state, NULL), "limit");
+  good &= alike(NULL, NULL, (fb_real)((1 - off) * (double)now.rk4), "below the limit");
+  good &= alike(NULL, NULL, (fb_real)((1 + off) * (double)now.rk4), "beyond the limit");
+  start(0.1);
+  for (int power = -2; power < 3; power++) {
+    load(&in, &mine, 0);
+    for (int i = 0; i < 3; i++) {
+      in.load[0].load.torque[i] = (fb_real)(pow(3, power) * 20) / (dt * dt);
+    }
+#define MEMBER(k, member, kind)
+#define LOAD(k) memcpy(mine.body_##k.torque, in.load[k].load.torque, 3 * sizeof(fb_real));
+#define MOTOR(k)
+#define MODAL(k)
+#include "members.h"
+#undef MEMBER
+#undef LOAD
+#undef MOTOR
+#undef MODAL
+    good &= mechanism.joint[0].n_axis == 0 || alike(&in, &mine, dt, "a torque that turns it too far");
+  }
+  return good;
+}
+
+/* A modal force alone changes the conjugate momentum by itself times the step. */
+static int modal(void)
+{
+  static generated_input mine;
+  const fb_real dt = FB_R(1e-3);
+  int good = 1;
+  memset(&mine, 0, sizeof mine);
+  start(0.0);
+  take_state(0);
+  (void)dt, (void)good;
+#define MEMBER(k, member, kind)
+#define LOAD(k)
+#define MOTOR(k)
+#define MODAL(k)                                                           \
+  for (int sign = -1; sign < 2; sign += 2) {                               \
+    const double before = (double)own.body_##k.pi[0];                      \
+    double without, with;                                                  \
+    mine.body_##k.modal[0] = FB_R(0.0);                                    \
+    good &= generated_step(&own, &mine, &mine, &mine, dt) == generated_ok; \
+    without = (double)own.body_##k.pi[0] - before;                         \
+    take_state(0);                                                         \
+    mine.body_##k.modal[0] = (fb_real)sign;                                \
+    good &= generated_step(&own, &mine, &mine, &mine, dt) == generated_ok; \
+    with = (double)own.body_##k.pi[0] - before;                            \
+    take_state(0);                                                         \
+    mine.body_##k.modal[0] = FB_R(0.0);                                    \
+    if (!(fabs((with - without) / (sign * (double)dt) - 1) < 0.05)) {      \
+      printf("modal force on body %d\n", k);                               \
+      good = 0;                                                            \
+    }                                                                      \
+  }
+#include "members.h"
+#undef MEMBER
+#undef LOAD
+#undef MOTOR
+#undef MODAL
+  return good;
+}
+
 /* What the library refuses, and each number of the state that is none. */
 static int refusals(void)
 {
@@ -430,10 +521,12 @@ static int refusals(void)
 #define MEMBER(k, member, kind)
 #define LOAD(k) memcpy(mine.body_##k.torque, in.load[k].load.torque, 3 * sizeof(fb_real));
 #define MOTOR(k)
+#define MODAL(k)
 #include "members.h"
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
+#undef MODAL
   good &= mechanism.joint[0].n_axis == 0 || refused(&in, &mine, small, FB_OK, "a load that is no number");
   for (int k = 0; k < n_piece; k++) {
     for (int i = 0; i < piece[k].n; i++) {
@@ -458,10 +551,12 @@ int main(int argc, char **argv)
 #define LOAD(k)
 #define MOTOR(k)
 #define MEMBER(k, member, kind) add(own.body_##k.member, state.link[k].member, sizeof own.body_##k.member, kind);
+#define MODAL(k)
 #include "members.h"
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
+#undef MODAL
   for (int loaded = 0; loaded < 2; loaded++) {
     start(0.3);
     worst = fmax(worst, fly(loaded));
@@ -471,6 +566,6 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return refusals() && worst <= TOLERANCE ? 0 : 1;
+  return refusals() && limits() && modal() && worst <= TOLERANCE ? 0 : 1;
 }
 #endif
