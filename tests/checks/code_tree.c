@@ -439,7 +439,7 @@ static int limits(void)
   const fb_real dt = FB_R(1e-4);
   fb_system_limit now;
   int good = 1;
-  start(3.0);
+  start(0.5);
   need(fb_system_limit_eval(&mechanism, model, &work, &now, &state, NULL), "limit");
   good &= alike(NULL, NULL, (fb_real)((1 - off) * (double)now.rk4), "below the limit");
   good &= alike(NULL, NULL, (fb_real)((1 + off) * (double)now.rk4), "beyond the limit");
