@@ -8279,15 +8279,18 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 
 /* [E8.40] CRC-32 of integers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
    + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
-   Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
+   Source: IEEE 802.3, 3.2.9.  Cost: 8 words of a table of remainders, by the four bits that leave.  Fails: never.
    Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
 typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
 
 static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
 {
+  static const unsigned remainder[16] = {0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
+                                         0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
+                                         0x9B64C2B0u, 0x86D3D2D4u, 0xA00AE278u, 0xBDBDF21Cu};
   crc ^= word;
-  for (int k = 0; k < 32; k++) {
-    crc = crc >> 1 ^ (0xEDB88320u & (0u - (crc & 1u)));
+  for (int k = 0; k < 8; k++) {
+    crc = crc >> 4 ^ remainder[crc & 15u];
   }
   return crc;
 }

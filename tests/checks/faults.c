@@ -224,7 +224,7 @@ static fb_status use_exact(void)
   return status ? status : use_path();
 }
 
-#define SAMPLE 40000 /* flips of a large struct */
+#define SAMPLE 20000 /* flips of a large struct */
 
 /* Every bit, or one in `stride` (odd, so that it comes by every bit of a word). */
 static int attack(const subject *s)
