@@ -265,8 +265,8 @@ int main(void)
 {
   static const subject subjects[] = {
       {"fb_body", &w.body, sizeof w.body, check_body, use_body, body_word},
-      {"fb_body, lines", &large, sizeof large, check_large, use_large, large_word},
-      {"fb_body, rotors", &w.spun, sizeof w.spun, check_spun, use_spun, spun_word},
+      {"fb_body/lines", &large, sizeof large, check_large, use_large, large_word},
+      {"fb_body/rotors", &w.spun, sizeof w.spun, check_spun, use_spun, spun_word},
       {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body, NULL},
       {"fb_state", &w.state, sizeof w.state, check_state, use_body, NULL},
       {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},
