@@ -535,7 +535,7 @@ static void fbi_vec6_copy(fb_real y[6], const fb_real x[6])
   y[5] = f;
 }
 
-#if FB_WITH_SYSTEM || FB_WITH_EXACT || FB_WITH_LARGE_DEFLECTION
+#if FB_WITH_SYSTEM || FB_WITH_EXACT || FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS
 static void fbi_vec6_advance(fb_real y[6], const fb_real x[6], fb_real s, const fb_real rate[6])
 {
   const fb_real a = x[0] + s * rate[0], b = x[1] + s * rate[1], c = x[2] + s * rate[2];
@@ -3803,11 +3803,13 @@ static int fbi_is_large(const fb_body *body)
   return fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION);
 }
 
+#if FB_WITH_GRAVITY || FB_WITH_LARGE_DEFLECTION || FB_WITH_SYSTEM || FB_WITH_BUILD
 /* 1 with gravity of a center; a compile-time 0 where it was removed. */
 static int fbi_is_central(const fb_body *body)
 {
   return fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY);
 }
+#endif
 
 /* What a body has beside modes of polynomials: of its effects those of lines, rotors and central gravity, whose steps
    run further functions. */
