@@ -14,7 +14,7 @@ measure() {
   single=$1
   shift
   try clang $c99 -fsyntax-only -DFB_SINGLE=$single "$@" "$out/impl.c"
-  try gcc $c99 -fsyntax-only $step_alone -DFB_SINGLE=$single "$@" "$out/impl.c"
+  try clang $c99 -fsyntax-only $step_alone -DFB_SINGLE=$single "$@" "$out/impl.c"
   [ $single = 1 ] || try gcc $c99 -Os "$@" -c -o "$out/object.o" "$out/impl.c"
   text=$(size "$out/object.o" | awk 'NR == 2 { print $1 }')
   try gcc $c99 -O0 -DFB_SINGLE=$single "$@" -o "$out/program" tests/checks/removed.c -lm
