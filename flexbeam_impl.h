@@ -3803,7 +3803,7 @@ static int fbi_is_large(const fb_body *body)
   return fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION);
 }
 
-#if FB_WITH_GRAVITY || FB_WITH_LARGE_DEFLECTION || FB_WITH_SYSTEM || FB_WITH_BUILD
+#if FB_WITH_GRAVITY || FB_WITH_LARGE_DEFLECTION || (FB_WITH_SYSTEM && FB_WITH_BUILD)
 /* 1 with gravity of a center; a compile-time 0 where it was removed. */
 static int fbi_is_central(const fb_body *body)
 {
@@ -11036,6 +11036,7 @@ static fb_real fbi_axis_torque(const fb_joint *joint, fb_real motor, int i, fb_r
   return joint->rubs ? linear + fbi_rubbing(joint, i, value, speed) : linear;
 }
 
+#if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
 /* Greatest stiffness and damping of axis i, stops at impacts much slower than 1/stop_loss. */
 static fb_real fbi_axis_stiffness(const fb_joint *joint, int i)
 {
@@ -11046,6 +11047,7 @@ static fb_real fbi_axis_damping(const fb_joint *joint, int i)
 {
   return joint->damping[i] + fbi_friction(joint, i, FB_R(0.0));
 }
+#endif
 
 /* Has joint j a spring, a damper, a stop, friction or a motor at work? */
 static int fbi_is_sprung(const fb_joint *joint, const fb_system_work *w, const fb_system_input *input, int j)
