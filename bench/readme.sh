@@ -124,7 +124,7 @@ hostile() {
   sed -e 's/^ok *hostile: /Calls of `check-hostile`: /' -e 's/: NULL is refused.*/./' "$out/calls" | block hostile
 }
 
-# Flips of check-faults without FB_WITH_FORMS; single precision behind a bar.
+# Flips of check-faults; double precision, with all forms, before a bar, single behind it.
 faults() {
   make -s check-faults CFLAGS='-O2 -Werror' > "$out/faults"
   awk '
@@ -135,7 +135,7 @@ faults() {
           print "|---|---:|---:|---:|---:|---:|---:|---:|"
           for (k = 1; k <= rows; k++) { line = "| `" row[k] "`"
             for (i = 2; i <= 8; i++) line = line " | " cell[row[k], i]
-            print line " |" } }' build/checks/faults/table00.txt build/checks/faults/table10.txt | block faults
+            print line " |" } }' build/checks/faults/table01.txt build/checks/faults/table10.txt | block faults
 }
 
 # Figures of the tests, double and single side by side.

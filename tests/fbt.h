@@ -114,7 +114,7 @@ double fbt_largest(const fb_real *a, int n);
 const fb_real *fbt_v_dot(const fb_motion *motion);
 
 /* Bytes of a struct of which one bit can flip without a change of its check word; more than all of them: the word is
-   0. */
+   0. A short run looks at every seventh byte. */
 int fbt_unseen(void *at, size_t size, unsigned (*word)(void));
 
 /* A reference CSV: '#' lines skipped, header line, rows of numbers or words. */

@@ -384,7 +384,7 @@ TEST(shafts_of_lines_whirl_as_in_closed_form)
 {
   const fbt_table *t = fbt_reference("p06_shaft_whirl.csv");
   double stiffness = FBT_TOL(1e6, 1e5), most = 0.0;
-  for (int row = 0; row < t->rows; row++) {
+  for (int row = 0; row < t->rows; row += FBT_LONG(1, 3)) {
     const double r = fbt_value(t, row, "r_over_L"), spin = fbt_value(t, row, "Om");
     const double way[2] = {fabs(fbt_value(t, row, "forward") - spin), fbt_value(t, row, "backward") + spin};
     unit_line(6, 6);

@@ -158,7 +158,7 @@ static void linear_response(double y[2], int out, int in, double omega)
 TEST(linear_beams_rest_where_the_beam_does)
 {
   double largest = 0.0;
-  for (int which = 0; which < 4; which++) {
+  for (int which = 0; which < 4; which += FBT_LONG(1, 3)) {
     linear_case(which, 12);
     if (which == 1) { /* a dead load on what spins: as it stands at this instant */
       load_tip(FB_AXES_INERTIAL, 0.0, 0.5, 0.0);

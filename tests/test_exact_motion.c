@@ -210,7 +210,7 @@ TEST(energy_is_kept_whatever_the_step)
     double before, worst = 0.0;
     pluck(0.0);
     before = total_energy();
-    for (int k = 0; k < (FB_SINGLE ? 10 : 100); k++) {
+    for (int k = 0; k < FBT_LONG(FB_SINGLE ? 10 : 100, 10); k++) {
       if (steps(100, fast ? 0.002 : 0.01) != FB_OK) {
         return;
       }

@@ -71,7 +71,7 @@ TEST(lines_reach_where_the_differential_equation_does)
     const double chain = kind == LINE_BENT ? 1e-3 : 0.0; /* ten chords of an arc of 45 degrees are not the arc */
     pose_error e;
     line_make(kind, 20);
-    e = worst_pose(10, 1.0);
+    e = worst_pose(FBT_LONG(10, 3), 1.0);
     FBT_BELOW(e.tip, 1e-4 + chain);
     FBT_BELOW(e.inner, 2e-5 + chain);
     e = worst_pose(2, 1e-8); /* undeformed: exact, of bent lines, too */

@@ -224,7 +224,7 @@ static fb_status use_exact(void)
   return status ? status : use_path();
 }
 
-#define SAMPLE 40000 /* flips of a large struct */
+#define SAMPLE 20000 /* flips of a large struct */
 
 /* Every bit, or one in `stride` (odd, so that it comes by every bit of a word). */
 static int attack(const subject *s)
@@ -265,8 +265,8 @@ int main(void)
 {
   static const subject subjects[] = {
       {"fb_body", &w.body, sizeof w.body, check_body, use_body, body_word},
-      {"fb_body, lines", &large, sizeof large, check_large, use_large, large_word},
-      {"fb_body, rotors", &w.spun, sizeof w.spun, check_spun, use_spun, spun_word},
+      {"fb_body/lines", &large, sizeof large, check_large, use_large, large_word},
+      {"fb_body/rotors", &w.spun, sizeof w.spun, check_spun, use_spun, spun_word},
       {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body, NULL},
       {"fb_state", &w.state, sizeof w.state, check_state, use_body, NULL},
       {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},

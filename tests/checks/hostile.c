@@ -86,16 +86,22 @@ static void judge(const function *f, call *c, int where, size_t word, const char
   }
 }
 
-/* Every word of a struct by every poison. */
+/* Every word of a struct by every poison, of a large one by one of them at least: each poison takes every n-th word, from
+   the next one on. */
+#define MOST_CALLS 5000
 static int spoil_words(const function *f, int where)
 {
   const argument *a = &f->argument[where];
+  const int next = f->has_status == SLOW ? SLOW_STEP : 1;
+  const size_t n_poison = (size_t)((N_POISON - 1) / next + 1),
+               share = n_poison * a->size / sizeof(fb_real) / MOST_CALLS + 1;
+  const size_t every = share < n_poison ? share : n_poison;
   int calls = 0;
-  for (int k = 0; k < N_POISON; k += f->has_status == SLOW ? SLOW_STEP : 1) {
+  for (int k = 0; k < N_POISON; k += next) {
     const fb_real real = poison_real(&poisons[k]);
     const int whole = (int)(poisons[k].is_whole ? poisons[k].value : 0);
     const size_t step = poisons[k].is_whole ? sizeof whole : sizeof real;
-    for (size_t word = 0; word + step <= a->size; word += step) {
+    for (size_t word = (size_t)k % every * step; word + step <= a->size; word += every * step) {
       call c;
       if (!is_touchable((char *)a->at + word) || !is_touchable((char *)a->at + word + step - 1)) {
         continue;

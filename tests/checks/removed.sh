@@ -1,10 +1,12 @@
 #!/bin/sh
-# An effect removed by macro is gone: no warnings, less code or smaller tables, asking for it is refused, and with all of them
-# removed their functions are not there. Bytes, in double precision: text at -Os (32 fewer at least), sizeof fb_body.
+# An effect removed by macro is gone: no warnings, nor where all but what a step of one body runs is removed, too; less code or
+# smaller tables, asking for it is refused, and with all of them removed their functions are not there. Bytes, in double
+# precision: text at -Os (32 fewer at least), sizeof fb_body.
 . tests/checks/common.sh
 need gcc gcc
 need clang clang
 effects="SPIN_COUPLING RESIDUAL_INERTIA SPIN_STIFFENING ACCELERATION_STIFFENING DAMPING GRAVITY NONLINEAR_STRAIN LARGE_DEFLECTION ROTORS"
+step_alone="-DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
 all=$(for e in $effects; do printf -- '-DFB_WITH_%s=0 ' $e; done)
 
 # measure SINGLE OPTIONS...: sets text, body, refused
@@ -12,6 +14,7 @@ measure() {
   single=$1
   shift
   try clang $c99 -fsyntax-only -DFB_SINGLE=$single "$@" "$out/impl.c"
+  try clang $c99 -fsyntax-only $step_alone -DFB_SINGLE=$single "$@" "$out/impl.c"
   [ $single = 1 ] || try gcc $c99 -Os "$@" -c -o "$out/object.o" "$out/impl.c"
   text=$(size "$out/object.o" | awk 'NR == 2 { print $1 }')
   try gcc $c99 -O0 -DFB_SINGLE=$single "$@" -o "$out/program" tests/checks/removed.c -lm
