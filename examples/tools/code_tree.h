@@ -221,12 +221,14 @@ static const char *tree_body_refusal(const fb_body *body)
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
-  int roots = 0;
+  int roots = 0, axes = 0, modes = 0;
   text[0] = '\0';
   for (int k = 0; k < system->n_body && !text[0]; k++) {
     const char *what = tree_body_refusal(&body[system->model[k]]);
     what = what ? what : tree_joint_refusal(system, k);
     roots += system->joint[k].kind == FB_JOINT_FREE;
+    modes += body[system->model[k]].n;
+    axes += system->joint[k].kind == FB_JOINT_FREE ? 0 : system->joint[k].n_axis;
     what = what         ? what
            : roots == 2 ? "a second free body: each tree is a file of its own"
            : system->has_rotors && system->rotor[k] > FB_R(0.0) && !system->allow_long_step
@@ -236,6 +238,12 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
+  }
+  if (!text[0] && axes > CODE_ROWS - 6) {
+    snprintf(text, 200, "%d axes of joints: choose at most %d", axes, CODE_ROWS - 6);
+  }
+  if (!text[0] && roots + axes + modes == 0) {
+    snprintf(text, 200, "nothing can move: choose a joint with an axis, or modes");
   }
   if (!text[0] && (system->n_loop > 0 || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",

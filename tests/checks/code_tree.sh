@@ -126,6 +126,14 @@ effects="large damping" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
+balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 1.1 1.2\nend\njoint ball%s spherical hub ball%s\nend\n' $k $k $k; done)
+refuse "25 axes of joints: choose at most 24" none.h "$balls"
+printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint weld rigid ground hub\nend\n' > "$out/still.txt"
+! "$out/scene" "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move" "$out/log" || fail "a body at rest: $(cat "$out/log")"
+printf 'duration 1\nbody hub beam\n  length 4\n  stations x mass EI_y EI_z\n    0 3 400 3000\n  end\n  modes bend_y 2\nend\njoint weld rigid ground hub\nend\n' > "$out/clamped.txt"
+try "$out/scene" "$out/clamped.txt" --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
 ! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
