@@ -1859,24 +1859,24 @@ static FBI_NOINLINE void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, co
   }
 }
 
-/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even. */
-static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
-                                      fb_real x[3][FB_MAX_POINTS], int m)
+/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even; x of the spare one
+   is zero. */
+static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_real *factor, const fb_real *x, int solid,
+                                      int m)
 {
-  const int p = line->point, count = line->count, solid = line->solid;
-  const fb_real *const factor = fbi_line_factor(all, line);
+  FBI_UNROLL
   for (int j = 0; j < m; j += 2) { /* two points */
-    const int first = solid ? 0 : j;
-    const fb_real *weight = factor + first * m + j;
     fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a;
-    for (int k = p + first; k < p + count; k++, weight += m) {
-      const fb_real s = weight[0], t = weight[1];
-      a += s * x[0][k];
-      b += t * x[0][k];
-      c += s * x[1][k];
-      d += t * x[1][k];
-      e += s * x[2][k];
-      f += t * x[2][k];
+    FBI_UNROLL_2
+    for (int k = solid ? 0 : j; k < m; k++) {
+      const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
+      const fb_real X = x[k], y = x[FB_MAX_POINTS + k], z = x[2 * FB_MAX_POINTS + k];
+      a += s * X;
+      b += t * X;
+      c += s * y;
+      d += t * y;
+      e += s * z;
+      f += t * z;
     }
     Y[j] = a;
     Y[j + 1] = b;
@@ -1888,29 +1888,30 @@ static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *a
 }
 
 /* The same of two fields, one behind the other in memory, by one pass over the factor. */
-static FBI_INLINE void fbi_line_weigh_2_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
-                                            const fb_line *line, fb_real x[2][3][FB_MAX_POINTS], int m)
+static FBI_INLINE void fbi_line_weigh_2_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_real *factor,
+                                            const fb_real *x, int solid, int m)
 {
-  const int p = line->point, count = line->count, solid = line->solid;
-  const fb_real *const factor = fbi_line_factor(all, line);
+  const fb_real *const next = x + 3 * FB_MAX_POINTS;
+  FBI_UNROLL
   for (int j = 0; j < m; j += 2) {
-    const int first = solid ? 0 : j;
-    const fb_real *weight = factor + first * m + j;
     fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a, g = a, h = a, o = a, q = a, r = a, l = a;
-    for (int k = p + first; k < p + count; k++, weight += m) {
-      const fb_real s = weight[0], t = weight[1];
-      a += s * x[0][0][k];
-      b += t * x[0][0][k];
-      c += s * x[0][1][k];
-      d += t * x[0][1][k];
-      e += s * x[0][2][k];
-      f += t * x[0][2][k];
-      g += s * x[1][0][k];
-      h += t * x[1][0][k];
-      o += s * x[1][1][k];
-      q += t * x[1][1][k];
-      r += s * x[1][2][k];
-      l += t * x[1][2][k];
+    FBI_UNROLL_2
+    for (int k = solid ? 0 : j; k < m; k++) {
+      const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
+      const fb_real u = x[k], v = x[FB_MAX_POINTS + k], w = x[2 * FB_MAX_POINTS + k];
+      const fb_real U = next[k], V = next[FB_MAX_POINTS + k], W = next[2 * FB_MAX_POINTS + k];
+      a += s * u;
+      b += t * u;
+      c += s * v;
+      d += t * v;
+      e += s * w;
+      f += t * w;
+      g += s * U;
+      h += t * U;
+      o += s * V;
+      q += t * V;
+      r += s * W;
+      l += t * W;
     }
     Y[j] = a;
     Y[j + 1] = b;
@@ -1939,13 +1940,25 @@ static void fbi_line_offset(fb_real rho[3], fbi_line_work *w, const fb_lines *al
 static FBI_NOINLINE void fbi_line_weighed(fb_real *Y, const fb_lines *all, const fb_line *line,
                                           fb_real x[3][FB_MAX_POINTS])
 {
-  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_weigh(Y, all, line, x, m))
+  const fb_real *const factor = fbi_line_factor(all, line), *const from = x[0] + line->point;
+  const int width = fbi_line_width(line);
+  if (line->solid) {
+    fbi_line_weigh(Y, factor, from, 1, width);
+  } else {
+    FBI_BY_WIDTH(width, fbi_line_weigh(Y, factor, from, 0, m))
+  }
 }
 
 static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_lines *all, const fb_line *line,
                                           fb_real x[2][3][FB_MAX_POINTS])
 {
-  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_weigh_2_sum(Y, Z, all, line, x, m))
+  const fb_real *const factor = fbi_line_factor(all, line), *const from = x[0][0] + line->point;
+  const int width = fbi_line_width(line);
+  if (line->solid) {
+    fbi_line_weigh_2_sum(Y, Z, factor, from, 1, width);
+  } else {
+    FBI_BY_WIDTH(width, fbi_line_weigh_2_sum(Y, Z, factor, from, 0, m))
+  }
 }
 
 /* Positions of the mass centers as E14.17 has them, Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
