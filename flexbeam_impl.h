@@ -2039,10 +2039,19 @@ static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q
   return sound;
 }
 
+/* The same of all lines. */
+static int fbi_lines_are_in_range(const fbi_line_work *w, const fb_lines *all)
+{
+  int sound = 1;
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    sound &= fbi_line_is_in_range(w, line);
+  }
+  return sound;
+}
+
 /* Rotations of all lines at q, x, quat, H, t, and what masses are at; r is left to who asks (fbi_lines_positions). Returns 0 where an interval turns too far (E14.2). */
 static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
-  int sound = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_turns(w, all, line, q);
     fbi_line_quats(w, line);
@@ -2052,9 +2061,8 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
     if (line->carries) {
       fbi_line_positions(w, all, line);
     }
-    sound &= fbi_line_is_in_range(w, line);
   }
-  return sound;
+  return fbi_lines_are_in_range(w, all);
 }
 
 /* Poses of all lines at q, also how they turn with the rotation vectors. Returns 0 where an interval turns too far. */
@@ -2519,6 +2527,28 @@ static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const f
   X[5 * nb] += L[2];
 }
 
+/* Of solid lines: what rotary inertia adds to row k of M and column k of Lambda; Y becomes that of the mass centers. */
+static FBI_NOINLINE void fbi_line_solid_inertia(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                                const fb_line *line, int k, int nb, fb_real rho[3][FB_MAX_POINTS],
+                                                fb_real I[9][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real *const row = M + (line->first + k) * nb + line->first;
+  fb_real h[3 * FB_MAX_POINTS], P[3], L[3];
+  fbi_vec3_zero(P);
+  fbi_vec3_zero(L);
+  fbi_line_solid_rates(h, w, all, line, k, rho, I);
+  for (int i = 0; i < 3; i++) {
+    for (int l = 0; l <= k; l++) {
+      row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
+    }
+    for (int j = 0; j < m; j++) {
+      L[i] += h[i * m + j];
+    }
+  }
+  fbi_line_column_add(X + line->first + k, nb, line, P, L);
+}
+
 /* [E14.6] Inertia of a line: M_ab = sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
    sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers, by E14.17.
    Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
@@ -2527,28 +2557,18 @@ static FBI_INLINE void fbi_line_inertia_sum(fb_real *M, fb_real *X, fbi_line_wor
                                             const fb_line *line, int nb, const fb_real *y,
                                             fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, n = line->n;
+  const int n = line->n;
   const int size = line->plane ? 2 * m : 3 * m, spacing = line->plane ? size : 3 * FB_MAX_POINTS;
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const Y = w->Y[0];
   for (int k = 0; k < n; k++) {
-    fb_real *const row = M + (line->first + k) * nb + line->first;
-    fb_real P[3], L[3], h[3 * FB_MAX_POINTS];
+    fb_real P[3], L[3];
     if (line->solid) {
-      fbi_line_solid_rates(h, w, all, line, k, rho, I);
+      fbi_line_solid_inertia(M, X, w, all, line, k, nb, rho, I);
     }
     if (line->plane) {
       fbi_plane_momenta(P, L, Y + k * spacing, y, u, m, line->plane - 1);
     } else {
       fbi_line_momenta(P, L, Y + k * spacing, y, u, m);
-    }
-    for (int i = 0; i < 3 && line->solid; i++) {
-      for (int l = 0; l <= k; l++) {
-        row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
-      }
-      FBI_UNROLL
-      for (int j = 0; j < m; j++) {
-        L[i] += h[i * m + j];
-      }
     }
     fbi_line_column_add(X + line->first + k, nb, line, P, L);
   }
@@ -2940,47 +2960,44 @@ static FBI_NOINLINE void fbi_line_weighed_momenta(fb_real *z, fbi_line_work *w, 
   }
 }
 
-/* y and s of E14.7 from the moments B and C beyond each interval. */
+/* Moments B and C of E14.7 beyond each interval to what acts on the sections there, y by phi, s by phi_dot. */
 static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_MAX_POINTS],
                                                    fb_real (*FBI_RESTRICT s)[FB_MAX_POINTS], const fbi_line_work *w,
                                                    const fb_line *line, fb_real B[3][FB_MAX_POINTS],
                                                    fb_real C[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real back[3][FB_MAX_POINTS];
-
-  /* N^T (B + C x w), H^T C */
   for (int j = 0; j < m; j++) {
+    /* C in the section's axes */
     const fb_real u = C[0][p + j], v = C[1][p + j], l = C[2][p + j];
-    const fb_real a = w->w[0][p + j], b = w->w[1][p + j], c = w->w[2][p + j];
-    const fb_real X = B[0][p + j] + (v * c - l * b), Y = B[1][p + j] + (l * a - u * c),
-                  Z = B[2][p + j] + (u * b - v * a);
-    y[0][p + j] = w->N[0][p + j] * X + w->N[3][p + j] * Y + w->N[6][p + j] * Z;
-    y[1][p + j] = w->N[1][p + j] * X + w->N[4][p + j] * Y + w->N[7][p + j] * Z;
-    y[2][p + j] = w->N[2][p + j] * X + w->N[5][p + j] * Y + w->N[8][p + j] * Z;
-    back[0][p + j] = w->H[0][p + j] * u + w->H[3][p + j] * v + w->H[6][p + j] * l;
-    back[1][p + j] = w->H[1][p + j] * u + w->H[4][p + j] * v + w->H[7][p + j] * l;
-    back[2][p + j] = w->H[2][p + j] * u + w->H[5][p + j] * v + w->H[8][p + j] * l;
-  }
+    const fb_real c_x = w->H[0][p + j] * u + w->H[3][p + j] * v + w->H[6][p + j] * l;
+    const fb_real c_y = w->H[1][p + j] * u + w->H[4][p + j] * v + w->H[7][p + j] * l;
+    const fb_real c_z = w->H[2][p + j] * u + w->H[5][p + j] * v + w->H[8][p + j] * l;
 
-  /* T^T and (dT/dt)^T of that */
-  for (int j = 0; j < m; j++) {
-    const fb_real x = w->phi[0][p + j], Y = w->phi[1][p + j], z = w->phi[2][p + j];
-    const fb_real X = w->phi_dot[0][p + j], V = w->phi_dot[1][p + j], Z = w->phi_dot[2][p + j];
-    const fb_real u = back[0][p + j], v = back[1][p + j], l = back[2][p + j];
+    /* T^T of that, and (dT/dt)^T */
     const fb_real a = w->a[p + j], b = w->b[p + j], a_dot = w->a_dot[p + j], b_dot = w->b_dot[p + j];
-    const fb_real pc_x = Y * l - z * v, pc_y = z * u - x * l, pc_z = x * v - Y * u;
-    const fb_real rc_x = V * l - Z * v, rc_y = Z * u - X * l, rc_z = X * v - V * u;
+    const fb_real x = w->phi[0][p + j], Y = w->phi[1][p + j], z = w->phi[2][p + j];
+    const fb_real pc_x = Y * c_z - z * c_y, pc_y = z * c_x - x * c_z, pc_z = x * c_y - Y * c_x;
     const fb_real ppc_x = Y * pc_z - z * pc_y, ppc_y = z * pc_x - x * pc_z, ppc_z = x * pc_y - Y * pc_x;
+    const fb_real X = w->phi_dot[0][p + j], V = w->phi_dot[1][p + j], Z = w->phi_dot[2][p + j];
+    const fb_real rc_x = V * c_z - Z * c_y, rc_y = Z * c_x - X * c_z, rc_z = X * c_y - V * c_x;
     const fb_real mixed_x = Y * rc_z - z * rc_y + (V * pc_z - Z * pc_y),
                   mixed_y = z * rc_x - x * rc_z + (Z * pc_x - X * pc_z),
                   mixed_z = x * rc_y - Y * rc_x + (X * pc_y - V * pc_x);
-    s[0][p + j] = u + a * pc_x + b * ppc_x;
-    s[1][p + j] = v + a * pc_y + b * ppc_y;
-    s[2][p + j] = l + a * pc_z + b * ppc_z;
-    y[0][p + j] += a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x;
-    y[1][p + j] += a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y;
-    y[2][p + j] += a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z;
+    s[0][p + j] = c_x + a * pc_x + b * ppc_x;
+    s[1][p + j] = c_y + a * pc_y + b * ppc_y;
+    s[2][p + j] = c_z + a * pc_z + b * ppc_z;
+
+    /* N^T (B + C x w) */
+    const fb_real d = w->w[0][p + j], e = w->w[1][p + j], f = w->w[2][p + j];
+    const fb_real D = B[0][p + j] + (v * f - l * e), E = B[1][p + j] + (l * d - u * f),
+                  F = B[2][p + j] + (u * e - v * d);
+    y[0][p + j] = w->N[0][p + j] * D + w->N[3][p + j] * E + w->N[6][p + j] * F +
+             (a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x);
+    y[1][p + j] = w->N[1][p + j] * D + w->N[4][p + j] * E + w->N[7][p + j] * F +
+                             (a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y);
+    y[2][p + j] = w->N[2][p + j] * D + w->N[5][p + j] * E + w->N[8][p + j] * F +
+                                 (a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z);
   }
 }
 
@@ -4251,12 +4268,13 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #define FBI_WORD_MASS "mass matrix of lines, definite: fewer modes, or more elements, where points do not resolve them"
 #define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
 
-/* Columns of Z = Lambda L^-T to w.column. */
-static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
+/* Columns of Z = Lambda L^-T to w.column, behind each its element of L^-1 pi (NULL: zero). */
+static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, const fb_real *pi, int n)
 {
   for (int a = 0; a < n; a++) {
     const fb_real *const L = w->L + a * n, *const X = w->X + a, by = FB_R(1.0) / L[a];
-    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n];
+    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n], p = pi ? pi[a] : FB_R(0.0),
+            unused = FB_R(0.0);
     for (int b = 0; b < a; b++) {
       s -= L[b] * w->column[b][0];
       t -= L[b] * w->column[b][1];
@@ -4264,6 +4282,8 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
       x -= L[b] * w->column[b][3];
       y -= L[b] * w->column[b][4];
       z -= L[b] * w->column[b][5];
+      p -= L[b] * w->column[b][6];
+      unused -= L[b] * w->column[b][7];
     }
     w->column[a][0] = s * by;
     w->column[a][1] = t * by;
@@ -4271,15 +4291,17 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
     w->column[a][3] = x * by;
     w->column[a][4] = y * by;
     w->column[a][5] = z * by;
+    w->column[a][6] = p * by;
+    w->column[a][7] = unused * by;
   }
 }
 
-/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S. */
-static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body)
+/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S; pi: see above. */
+static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fbi_large_reduce(w, n);
+  fbi_large_reduce(w, pi, n);
   fbi_sym6_copy(k->S, w->M_rr);
   for (int a = 0; a < n; a++) {
     fbi_sym6_rank1_sub(k->S, FB_R(1.0), w->column[a]);
@@ -4400,7 +4422,7 @@ static FBI_INLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb
     fbi_chol_forward(w->e, w->L, w->e, body->n);
   } else {
     for (int a = 0; a < body->n; a++) {
-      w->e[a] = w->p[a] - fbi_vec6_dot(w->column[a], k->V);
+      w->e[a] = w->column[a][6] - fbi_vec6_dot(w->column[a], k->V);
     }
   }
   fbi_chol_back(q_dot, w->L, w->e, body->n);
@@ -4446,14 +4468,13 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
-  fbi_chol_forward(w->p, w->L, state->pi, body->n);
-  fbi_large_S(k, body);
+  fbi_large_S(k, body, state->pi);
   fbi_vec3_zero(k->V);
   fbi_vec3_zero(k->ph);
   fbi_vec3_copy(k->ph + 3, state->h);
   fbi_vec6_copy(y, k->ph);
   for (int a = 0; a < body->n; a++) {
-    fbi_vec6_sub(y, w->p[a], w->column[a]);
+    fbi_vec6_sub(y, w->column[a][6], w->column[a]);
   }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
@@ -6586,8 +6607,8 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
-/* The same of a body with lines or rotors. */
-static fb_status fbi_further_range(const fb_body *body, const fb_state *state)
+/* The same of a body with lines or rotors; line: its lines at this state (NULL: not known). */
+static fb_status fbi_further_range(const fb_body *body, const fb_state *state, const fbi_line_work *line)
 {
   fb_status status = fbi_state_range(body, state);
 #if FB_WITH_ROTORS
@@ -6597,7 +6618,9 @@ static fb_status fbi_further_range(const fb_body *body, const fb_state *state)
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  status = status == FB_OK && fbi_is_large(body) ? fbi_large_range(body, state->q) : status;
+  if (status == FB_OK && fbi_is_large(body) && !(line && fbi_lines_are_in_range(line, &body->lines))) {
+    status = fbi_large_range(body, state->q);
+  }
 #endif
   return status;
 }
@@ -6619,7 +6642,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
-  status = fbi_further(body) ? fbi_further_range(body, state) : fbi_state_range(body, state);
+  status = fbi_further(body) ? fbi_further_range(body, state, NULL) : fbi_state_range(body, state);
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
@@ -6632,7 +6655,7 @@ static void fbi_S_now(fbi_kinetics *k, const fb_body *body)
 {
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    fbi_large_S(k, body);
+    fbi_large_S(k, body, NULL);
     return;
   }
 #endif
@@ -7049,7 +7072,7 @@ static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb
   /* Schur complement */
   fb_chol_solve(x, w->L, e, n);
   fbi_large_lambda_sub(y, k, body, x);
-  fbi_large_S(k, body);
+  fbi_large_S(k, body, NULL);
   status = fbi_base_accelerate(m, V_dot, k, body, y, input);
   if (status != FB_OK) {
     return status;
@@ -15736,9 +15759,9 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
 }
 
 /* Of lines and rotors at the end of a step: range, and the above. */
-static fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
+static fb_status fbi_further_end(fb_state *next, const fbi_line_work *line, const fb_body *body, const fb_input *last)
 {
-  const fb_status status = fbi_further_range(body, next);
+  const fb_status status = fbi_further_range(body, next, fbi_is_flying(body) ? line : NULL);
 #if FB_WITH_ROTORS
   if (status == FB_OK) {
     fbi_rotors_settle(next->q, next->pi, body, fbi_rotors_input(last));
@@ -15788,7 +15811,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   FBI_SUM_KEPT(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : further ? fbi_further_end(next, body, last) : fbi_state_range(body, next);
+  status = status ? status : further ? fbi_further_end(next, line, body, last) : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
@@ -26154,7 +26177,7 @@ static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
   FBI_WITH_LINES(k);
   status = fbi_large_undeformed(&k, work->d, body);
   if (status == FB_OK) {
-    fbi_large_S(&k, body);
+    fbi_large_S(&k, body, NULL);
     status = fbi_large_mobility(G, &k, body) ? FB_OK : FB_ERR_SINGULAR;
   }
   if (status != FB_OK) {
