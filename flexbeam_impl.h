@@ -2110,31 +2110,32 @@ static FBI_INLINE void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[
   }
 }
 
-/* c = NA A + NB B */
-static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by_A[3][FB_MAX_POINTS],
-                                          fb_real by_B[3][FB_MAX_POINTS], const fb_real *A, int m)
+/* c = NA A + NB B, by: NA, behind it NB */
+static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by[6][FB_MAX_POINTS],
+                                          const fb_real *A, int m)
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
   for (int j = 0; j < even; j++) {
-    c[0][j] = by_A[0][j] * A[j] + by_B[0][j] * A[m + j];
-    c[1][j] = by_A[1][j] * A[j] + by_B[1][j] * A[m + j];
-    c[2][j] = by_A[2][j] * A[j] + by_B[2][j] * A[m + j];
+    c[0][j] = by[0][j] * A[j] + by[3][j] * A[m + j];
+    c[1][j] = by[1][j] * A[j] + by[4][j] * A[m + j];
+    c[2][j] = by[2][j] * A[j] + by[5][j] * A[m + j];
   }
 }
 
 /* c += NA A + NB B of the further rows of coordinate k, up to end. Returns the next row. */
-static FBI_NOINLINE const fb_line_row *
-fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS], fb_real NB[3][3][FB_MAX_POINTS],
-                        const fb_lines *all, const fb_line_row *r, const fb_line_row *end, int k, int m)
+static FBI_NOINLINE const fb_line_row *fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS],
+                                                               fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
+                                                               const fb_line_row *r, const fb_line_row *end, int k,
+                                                               int m)
 {
   for (; r < end && r->a == k; r++) {
     const fb_real *const A = all->table + r->at, *const B = A + m;
-    fb_real(*by_A)[FB_MAX_POINTS] = NA[r->axis], (*by_B)[FB_MAX_POINTS] = NB[r->axis];
+    fb_real(*by)[FB_MAX_POINTS] = N[r->axis];
     for (int j = 0; j < m; j++) {
-      c[0][j] += by_A[0][j] * A[j] + by_B[0][j] * B[j];
-      c[1][j] += by_A[1][j] * A[j] + by_B[1][j] * B[j];
-      c[2][j] += by_A[2][j] * A[j] + by_B[2][j] * B[j];
+      c[0][j] += by[0][j] * A[j] + by[3][j] * B[j];
+      c[1][j] += by[1][j] * A[j] + by[4][j] * B[j];
+      c[2][j] += by[2][j] * A[j] + by[5][j] * B[j];
     }
   }
   return r;
@@ -2142,8 +2143,7 @@ fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POI
 
 /* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
 static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS],
-                                                         fb_real NA[3][3][FB_MAX_POINTS],
-                                                         fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all,
+                                                         fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
                                                          const fb_line_row *r, const fb_line_row *end, int k, int m)
 {
   if (r == end || r->a != k) {
@@ -2152,9 +2152,9 @@ static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT 
     }
     return r;
   }
-  fbi_line_turn_rate(c, NA[r->axis], NB[r->axis], all->table + r->at, m);
+  fbi_line_turn_rate(c, N[r->axis], all->table + r->at, m);
   r++;
-  return r < end && r->a == k ? fbi_line_turn_rates_add(c, NA, NB, all, r, end, k, m) : r;
+  return r < end && r->a == k ? fbi_line_turn_rates_add(c, N, all, r, end, k, m) : r;
 }
 
 /* Velocity of the roots of the lines that hang on this one per rate of coordinate k, from that of its tangents. */
@@ -2189,7 +2189,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
   const int p = line->point;
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
-  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
+  fb_real N[3][6][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
   fb_real(*const move)[3] = w->Jr[line - all->line];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
@@ -2197,13 +2197,13 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
   }
   for (int i = 0; i < 3; i++) {
     if (used[i]) {
-      fbi_line_column(NA[i], NB[i], w, line, i, m);
+      fbi_line_column(N[i], N[i] + 3, w, line, i, m);
     }
   }
   for (int k = 0; k < line->n; k++) {
     fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const K)[FB_MAX_POINTS] = rates[k % 2];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    r = fbi_line_turn_rates(c, NA, NB, all, r, last, k, m);
+    r = fbi_line_turn_rates(c, N, all, r, last, k, m);
 
     /* its sum along the line, from where it hangs */
     if (line->hangs) { /* move: set with that line */
