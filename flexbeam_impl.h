@@ -2993,11 +2993,11 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_
     const fb_real D = B[0][p + j] + (v * f - l * e), E = B[1][p + j] + (l * d - u * f),
                   F = B[2][p + j] + (u * e - v * d);
     y[0][p + j] = w->N[0][p + j] * D + w->N[3][p + j] * E + w->N[6][p + j] * F +
-             (a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x);
+                  (a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x);
     y[1][p + j] = w->N[1][p + j] * D + w->N[4][p + j] * E + w->N[7][p + j] * F +
-                             (a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y);
+                  (a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y);
     y[2][p + j] = w->N[2][p + j] * D + w->N[5][p + j] * E + w->N[8][p + j] * F +
-                                 (a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z);
+                  (a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z);
   }
 }
 
