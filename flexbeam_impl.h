@@ -4417,15 +4417,15 @@ static FBI_INLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb
 {
   fbi_line_work *const w = k->line;
   if (body->base == FB_BASE_PRESCRIBED) {
-    fbi_copy(w->e, pi, body->n);
-    fbi_large_lambdaT_sub(w->e, k, body, k->V);
-    fbi_chol_forward(w->e, w->L, w->e, body->n);
+    fbi_copy(q_dot, pi, body->n);
+    fbi_large_lambdaT_sub(q_dot, k, body, k->V);
+    fbi_chol_forward(q_dot, w->L, q_dot, body->n);
   } else {
     for (int a = 0; a < body->n; a++) {
-      w->e[a] = w->column[a][6] - fbi_vec6_dot(w->column[a], k->V);
+      q_dot[a] = w->column[a][6] - fbi_vec6_dot(w->column[a], k->V);
     }
   }
-  fbi_chol_back(q_dot, w->L, w->e, body->n);
+  fbi_chol_back(q_dot, w->L, q_dot, body->n);
   fbi_large_gradient(k, body, q_dot);
 }
 #endif
@@ -5201,7 +5201,7 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
   const int n = body->n;
   const fb_lines *const all = &body->lines;
   fbi_line_work *const w = k->line;
-  fb_real *const q_dot = w->e, origin[3], V[6];
+  fb_real *const q_dot = k->e, origin[3], V[6];
   fb_status status;
   int n_point;
 
