@@ -1949,15 +1949,13 @@ static FBI_NOINLINE void fbi_line_weighed(fb_real *Y, const fb_lines *all, const
   }
 }
 
-static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_lines *all, const fb_line *line,
-                                          fb_real x[2][3][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_real *factor, const fb_real *x, int solid,
+                                          int width)
 {
-  const fb_real *const factor = fbi_line_factor(all, line), *const from = x[0][0] + line->point;
-  const int width = fbi_line_width(line);
-  if (line->solid) {
-    fbi_line_weigh_2_sum(Y, Z, factor, from, 1, width);
+  if (solid) {
+    fbi_line_weigh_2_sum(Y, Z, factor, x, 1, width);
   } else {
-    FBI_BY_WIDTH(width, fbi_line_weigh_2_sum(Y, Z, factor, from, 0, m))
+    FBI_BY_WIDTH(width, fbi_line_weigh_2_sum(Y, Z, factor, x, 0, m))
   }
 }
 
@@ -2190,6 +2188,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
   fb_real N[3][6][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
+  const fb_real *const factor = fbi_line_factor(all, line);
   fb_real(*const move)[3] = w->Jr[line - all->line];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
@@ -2246,7 +2245,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
 
     /* Y of two coordinates together */
     if (k % 2) {
-      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates);
+      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], factor, rates[0][0] + p, line->solid, m);
     } else if (k + 1 == line->n) {
       fbi_line_weighed(w->Y[k], all, line, K);
     }
@@ -2275,6 +2274,7 @@ static FBI_INLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const 
   const int p = line->point, axis = line->plane - 1, y = (axis + 1) % 3, z = (axis + 2) % 3;
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn;
   const fb_real *const t_y = w->t[y] + p, *const t_z = w->t[z] + p;
+  const fb_real *const factor = fbi_line_factor(all, line);
   fb_real rates[2][3][FB_MAX_POINTS], *const Y = w->Y[0];
   for (int k = 0, field = 0; k < line->n; k++, field += 2) {
     fb_real *const Jw = w->Jw[k][axis] + p;
@@ -2290,7 +2290,7 @@ static FBI_INLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const 
     r += r < last && r->a == k;
     fbi_line_plane_rates(K_y, K_z, Jw, t_y, t_z, m);
     if (field % 6 == 4) {
-      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates);
+      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, factor, rates[0][0] + p, 0, m);
     } else if (k + 1 == line->n) {
       fbi_line_weighed(Y + field / 6 * 6 * m, all, line, rates[0]);
       if (field % 6 == 2) {
@@ -2510,7 +2510,7 @@ static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, cons
 }
 
 /* Column of X, 6 x nb, from momenta in a line's axes. */
-static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
+static FBI_INLINE void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
 {
   fb_real momentum[3], moment[3];
   if (line->turned) {
