@@ -6622,6 +6622,7 @@ static fb_status fbi_further_range(const fb_body *body, const fb_state *state, c
     status = fbi_large_range(body, state->q);
   }
 #endif
+  (void)line;
   return status;
 }
 
