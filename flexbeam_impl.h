@@ -2510,7 +2510,8 @@ static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, cons
 }
 
 /* Column of X, 6 x nb, from momenta in a line's axes. */
-static FBI_INLINE void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
+static FBI_INLINE void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3],
+                                           const fb_real L[3])
 {
   fb_real momentum[3], moment[3];
   if (line->turned) {
@@ -2909,11 +2910,26 @@ static void fbi_line_spin(fb_real out[3], fb_real a_dot, fb_real b_dot, fb_real 
   }
 }
 
-/* Of a solid line: momenta z of its points by sqrt(m) become those of the mass centers; what their offsets and rotary
-   inertia add to c and b (E14.7). */
-static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fb_real b[3][FB_MAX_POINTS], fb_real c[3][FB_MAX_POINTS],
+/* Of a solid line: momenta z of its points by sqrt(m) become those of the mass centers. */
+static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  for (int s = 0; s < line->count; s++) {
+    fb_real turn[3], rho[3], more[3];
+    fbi_line_get3(turn, w->w, line->point + s);
+    fbi_line_offset(rho, w, all, line->point + s);
+    fb_vec3_cross(more, turn, rho);
+    for (int i = 0; i < 3; i++) {
+      z[i * m + s] += u[s] * more[i];
+    }
+  }
+}
+
+/* What its offsets and rotary inertia add to b and c (E14.7). */
+static FBI_NOINLINE void fbi_line_solid_moments(fb_real b[3][FB_MAX_POINTS], fb_real c[3][FB_MAX_POINTS],
                                                 fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                                const fb_real o[3])
+                                                const fb_real *z, const fb_real o[3])
 {
   const int m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
@@ -2924,20 +2940,22 @@ static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fb_real b[3][FB_MAX_
     fbi_vec3_advance(whole, o, FB_R(1.0), turn);
     fbi_line_offset(rho, w, all, j);
     fbi_line_spread(I, w, all, j);
-    fb_vec3_cross(more, turn, rho);
     for (int i = 0; i < 3; i++) {
-      z[i * m + s] += u[s] * more[i];
       P[i] = u[s] * z[i * m + s];
     }
     fb_mat33_mul_vec3(L, I, whole);
     fb_vec3_cross(own, rho, P);
     fbi_vec3_add(own, FB_R(1.0), L);
-    fbi_line_set3(c, j, own);
     fb_vec3_cross(more, turn, own);
+    for (int i = 0; i < 3; i++) {
+      c[i][j] += own[i];
+    }
     fb_vec3_cross(own, P, whole);
     fbi_vec3_add_cross(more, rho, own);
     fbi_vec3_add_cross(more, L, whole);
-    fbi_line_set3(b, j, more);
+    for (int i = 0; i < 3; i++) {
+      b[i][j] += more[i];
+    }
   }
 }
 
@@ -3001,19 +3019,14 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_
   }
 }
 
-/* What hangs on the points adds to F, b and c of E14.7. */
-static FBI_NOINLINE void fbi_line_hung_add(fb_real F[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
-                                           fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
+/* What hangs on the points adds to F of E14.7. */
+static FBI_NOINLINE void fbi_line_hung_add(fb_real F[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
                                            const fb_line *line)
 {
   fb_real at[3][FB_MAX_POINTS];
   fbi_line_outboard(at, all, line, w->hung);
   for (int i = 0; i < 3; i++) {
-    for (int j = line->point; j < line->point + line->stride; j++) {
-      F[i][j] += at[i][j];
-      b[i][j] += w->hung[3 + i][j];
-      c[i][j] += w->hung[6 + i][j];
-    }
+    fbi_row_sub(F[i] + line->point, -FB_R(1.0), at[i] + line->point, line->stride);
   }
 }
 
@@ -3035,32 +3048,35 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
       y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS];
   fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
-  /* momenta of the points and what they are at the tangents; what offset masses and lines that hang there add */
+  /* momenta of the points and what they are at the tangents */
   fbi_line_weighed_momenta(z, w, all, line, u, o);
-  for (int i = 0; i < 3; i++) {
-    fbi_zero(b[i] + p, m);
-    fbi_zero(c[i] + p, m);
-  }
   if (line->solid) {
-    fbi_line_solid_momenta(z, b, c, w, all, line, o);
+    fbi_line_solid_momenta(z, w, all, line);
   }
   fbi_line_unweigh(F, all, line, z);
   if (line->carries) {
-    fbi_line_hung_add(F, b, c, w, all, line);
+    fbi_line_hung_add(F, w, all, line);
   }
 
-  /* b, c and their sums from the tip to the root */
+  /* b, c, what offset masses and lines that hang there add, and their sums from the tip to the root */
   for (int j = 0; j < m; j++) {
     const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
     const fb_real a = w->t[0][p + j], d = w->t[1][p + j], e = w->t[2][p + j];
     const fb_real f = w->t_dot[0][p + j], g = w->t_dot[1][p + j], h = w->t_dot[2][p + j];
     const fb_real Q_x = Y * o[2] - Z * o[1], Q_y = Z * o[0] - X * o[2], Q_z = X * o[1] - Y * o[0];
-    c[0][p + j] += d * Z - e * Y;
-    c[1][p + j] += e * X - a * Z;
-    c[2][p + j] += a * Y - d * X;
-    b[0][p + j] += d * Q_z - e * Q_y + (g * Z - h * Y);
-    b[1][p + j] += e * Q_x - a * Q_z + (h * X - f * Z);
-    b[2][p + j] += a * Q_y - d * Q_x + (f * Y - g * X);
+    c[0][p + j] = d * Z - e * Y;
+    c[1][p + j] = e * X - a * Z;
+    c[2][p + j] = a * Y - d * X;
+    b[0][p + j] = d * Q_z - e * Q_y + (g * Z - h * Y);
+    b[1][p + j] = e * Q_x - a * Q_z + (h * X - f * Z);
+    b[2][p + j] = a * Q_y - d * Q_x + (f * Y - g * X);
+  }
+  if (line->solid) {
+    fbi_line_solid_moments(b, c, w, all, line, z, o);
+  }
+  for (int i = 0; i < 3 && line->carries; i++) {
+    fbi_row_sub(b[i] + p, -FB_R(1.0), w->hung[3 + i] + p, m);
+    fbi_row_sub(c[i] + p, -FB_R(1.0), w->hung[6 + i] + p, m);
   }
   for (int j = p + m - 1; j >= p; j--) {
     b[0][j] = B[0] += b[0][j];
