@@ -32550,7 +32550,7 @@ static int fbi_advice_points(const fb_lines *all)
 /* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
    modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
    within 10 %. `sh bench/large_count.sh` counts again. */
-#define FBI_LARGE_POINT FB_R(1306.0)
+#define FBI_LARGE_POINT FB_R(1296.0)
 #define FBI_LARGE_MODE FB_R(199.0)
 #define FBI_LARGE_PAIR FB_R(3.4)
 static fb_real fbi_large_instructions(const fb_body *body)
