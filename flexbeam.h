@@ -808,9 +808,8 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real push[3];                        /* [N] E14.15 */
   fb_real L[FB_MAX_MODES * FB_MAX_MODES]; /* Cholesky factor of M(q) */
   fb_real X[6 * FB_MAX_MODES];            /* Lambda(q), 6 x n, body axes */
-  fb_real column[FB_MAX_MODES][6], p[FB_MAX_MODES]; /* columns of Lambda L^-T, L^-1 pi */
-  fb_real M_rr[21];                                 /* M_rr(q) */
-  fb_real e[FB_MAX_MODES];                          /* L^-1 pi */
+  fb_real column[FB_MAX_MODES][8];        /* columns of Lambda L^-T, element of L^-1 pi, a spare one */
+  fb_real M_rr[21];                       /* M_rr(q) */
   fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
   fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
 } fbi_line_work;

@@ -1859,24 +1859,24 @@ static FBI_NOINLINE void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, co
   }
 }
 
-/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even. */
-static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *all, const fb_line *line,
-                                      fb_real x[3][FB_MAX_POINTS], int m)
+/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even; x of the spare one
+   is zero. */
+static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_real *factor, const fb_real *x, int solid,
+                                      int m)
 {
-  const int p = line->point, count = line->count, solid = line->solid;
-  const fb_real *const factor = fbi_line_factor(all, line);
+  FBI_UNROLL
   for (int j = 0; j < m; j += 2) { /* two points */
-    const int first = solid ? 0 : j;
-    const fb_real *weight = factor + first * m + j;
     fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a;
-    for (int k = p + first; k < p + count; k++, weight += m) {
-      const fb_real s = weight[0], t = weight[1];
-      a += s * x[0][k];
-      b += t * x[0][k];
-      c += s * x[1][k];
-      d += t * x[1][k];
-      e += s * x[2][k];
-      f += t * x[2][k];
+    FBI_UNROLL_2
+    for (int k = solid ? 0 : j; k < m; k++) {
+      const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
+      const fb_real X = x[k], y = x[FB_MAX_POINTS + k], z = x[2 * FB_MAX_POINTS + k];
+      a += s * X;
+      b += t * X;
+      c += s * y;
+      d += t * y;
+      e += s * z;
+      f += t * z;
     }
     Y[j] = a;
     Y[j + 1] = b;
@@ -1888,29 +1888,30 @@ static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_lines *a
 }
 
 /* The same of two fields, one behind the other in memory, by one pass over the factor. */
-static FBI_INLINE void fbi_line_weigh_2_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_lines *all,
-                                            const fb_line *line, fb_real x[2][3][FB_MAX_POINTS], int m)
+static FBI_INLINE void fbi_line_weigh_2_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_real *factor,
+                                            const fb_real *x, int solid, int m)
 {
-  const int p = line->point, count = line->count, solid = line->solid;
-  const fb_real *const factor = fbi_line_factor(all, line);
+  const fb_real *const next = x + 3 * FB_MAX_POINTS;
+  FBI_UNROLL
   for (int j = 0; j < m; j += 2) {
-    const int first = solid ? 0 : j;
-    const fb_real *weight = factor + first * m + j;
     fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a, g = a, h = a, o = a, q = a, r = a, l = a;
-    for (int k = p + first; k < p + count; k++, weight += m) {
-      const fb_real s = weight[0], t = weight[1];
-      a += s * x[0][0][k];
-      b += t * x[0][0][k];
-      c += s * x[0][1][k];
-      d += t * x[0][1][k];
-      e += s * x[0][2][k];
-      f += t * x[0][2][k];
-      g += s * x[1][0][k];
-      h += t * x[1][0][k];
-      o += s * x[1][1][k];
-      q += t * x[1][1][k];
-      r += s * x[1][2][k];
-      l += t * x[1][2][k];
+    FBI_UNROLL_2
+    for (int k = solid ? 0 : j; k < m; k++) {
+      const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
+      const fb_real u = x[k], v = x[FB_MAX_POINTS + k], w = x[2 * FB_MAX_POINTS + k];
+      const fb_real U = next[k], V = next[FB_MAX_POINTS + k], W = next[2 * FB_MAX_POINTS + k];
+      a += s * u;
+      b += t * u;
+      c += s * v;
+      d += t * v;
+      e += s * w;
+      f += t * w;
+      g += s * U;
+      h += t * U;
+      o += s * V;
+      q += t * V;
+      r += s * W;
+      l += t * W;
     }
     Y[j] = a;
     Y[j + 1] = b;
@@ -1939,13 +1940,23 @@ static void fbi_line_offset(fb_real rho[3], fbi_line_work *w, const fb_lines *al
 static FBI_NOINLINE void fbi_line_weighed(fb_real *Y, const fb_lines *all, const fb_line *line,
                                           fb_real x[3][FB_MAX_POINTS])
 {
-  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_weigh(Y, all, line, x, m))
+  const fb_real *const factor = fbi_line_factor(all, line), *const from = x[0] + line->point;
+  const int width = fbi_line_width(line);
+  if (line->solid) {
+    fbi_line_weigh(Y, factor, from, 1, width);
+  } else {
+    FBI_BY_WIDTH(width, fbi_line_weigh(Y, factor, from, 0, m))
+  }
 }
 
-static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_lines *all, const fb_line *line,
-                                          fb_real x[2][3][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_real *factor, const fb_real *x, int solid,
+                                          int width)
 {
-  FBI_BY_WIDTH(fbi_line_width(line), fbi_line_weigh_2_sum(Y, Z, all, line, x, m))
+  if (solid) {
+    fbi_line_weigh_2_sum(Y, Z, factor, x, 1, width);
+  } else {
+    FBI_BY_WIDTH(width, fbi_line_weigh_2_sum(Y, Z, factor, x, 0, m))
+  }
 }
 
 /* Positions of the mass centers as E14.17 has them, Q^T sqrt(m) (start + root) + C t, of solid lines + sqrt(m) rho. */
@@ -2026,10 +2037,19 @@ static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q
   return sound;
 }
 
+/* The same of all lines. */
+static int fbi_lines_are_in_range(const fbi_line_work *w, const fb_lines *all)
+{
+  int sound = 1;
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    sound &= fbi_line_is_in_range(w, line);
+  }
+  return sound;
+}
+
 /* Rotations of all lines at q, x, quat, H, t, and what masses are at; r is left to who asks (fbi_lines_positions). Returns 0 where an interval turns too far (E14.2). */
 static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
-  int sound = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_turns(w, all, line, q);
     fbi_line_quats(w, line);
@@ -2039,9 +2059,8 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
     if (line->carries) {
       fbi_line_positions(w, all, line);
     }
-    sound &= fbi_line_is_in_range(w, line);
   }
-  return sound;
+  return fbi_lines_are_in_range(w, all);
 }
 
 /* Poses of all lines at q, also how they turn with the rotation vectors. Returns 0 where an interval turns too far. */
@@ -2089,31 +2108,32 @@ static FBI_INLINE void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[
   }
 }
 
-/* c = NA A + NB B */
-static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by_A[3][FB_MAX_POINTS],
-                                          fb_real by_B[3][FB_MAX_POINTS], const fb_real *A, int m)
+/* c = NA A + NB B, by: NA, behind it NB */
+static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by[6][FB_MAX_POINTS],
+                                          const fb_real *A, int m)
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
   for (int j = 0; j < even; j++) {
-    c[0][j] = by_A[0][j] * A[j] + by_B[0][j] * A[m + j];
-    c[1][j] = by_A[1][j] * A[j] + by_B[1][j] * A[m + j];
-    c[2][j] = by_A[2][j] * A[j] + by_B[2][j] * A[m + j];
+    c[0][j] = by[0][j] * A[j] + by[3][j] * A[m + j];
+    c[1][j] = by[1][j] * A[j] + by[4][j] * A[m + j];
+    c[2][j] = by[2][j] * A[j] + by[5][j] * A[m + j];
   }
 }
 
 /* c += NA A + NB B of the further rows of coordinate k, up to end. Returns the next row. */
-static FBI_NOINLINE const fb_line_row *
-fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS], fb_real NB[3][3][FB_MAX_POINTS],
-                        const fb_lines *all, const fb_line_row *r, const fb_line_row *end, int k, int m)
+static FBI_NOINLINE const fb_line_row *fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS],
+                                                               fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
+                                                               const fb_line_row *r, const fb_line_row *end, int k,
+                                                               int m)
 {
   for (; r < end && r->a == k; r++) {
     const fb_real *const A = all->table + r->at, *const B = A + m;
-    fb_real(*by_A)[FB_MAX_POINTS] = NA[r->axis], (*by_B)[FB_MAX_POINTS] = NB[r->axis];
+    fb_real(*by)[FB_MAX_POINTS] = N[r->axis];
     for (int j = 0; j < m; j++) {
-      c[0][j] += by_A[0][j] * A[j] + by_B[0][j] * B[j];
-      c[1][j] += by_A[1][j] * A[j] + by_B[1][j] * B[j];
-      c[2][j] += by_A[2][j] * A[j] + by_B[2][j] * B[j];
+      c[0][j] += by[0][j] * A[j] + by[3][j] * B[j];
+      c[1][j] += by[1][j] * A[j] + by[4][j] * B[j];
+      c[2][j] += by[2][j] * A[j] + by[5][j] * B[j];
     }
   }
   return r;
@@ -2121,8 +2141,7 @@ fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POI
 
 /* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
 static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS],
-                                                         fb_real NA[3][3][FB_MAX_POINTS],
-                                                         fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all,
+                                                         fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
                                                          const fb_line_row *r, const fb_line_row *end, int k, int m)
 {
   if (r == end || r->a != k) {
@@ -2131,9 +2150,9 @@ static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT 
     }
     return r;
   }
-  fbi_line_turn_rate(c, NA[r->axis], NB[r->axis], all->table + r->at, m);
+  fbi_line_turn_rate(c, N[r->axis], all->table + r->at, m);
   r++;
-  return r < end && r->a == k ? fbi_line_turn_rates_add(c, NA, NB, all, r, end, k, m) : r;
+  return r < end && r->a == k ? fbi_line_turn_rates_add(c, N, all, r, end, k, m) : r;
 }
 
 /* Velocity of the roots of the lines that hang on this one per rate of coordinate k, from that of its tangents. */
@@ -2168,7 +2187,8 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
   const int p = line->point;
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
-  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
+  fb_real N[3][6][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
+  const fb_real *const factor = fbi_line_factor(all, line);
   fb_real(*const move)[3] = w->Jr[line - all->line];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
@@ -2176,13 +2196,13 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
   }
   for (int i = 0; i < 3; i++) {
     if (used[i]) {
-      fbi_line_column(NA[i], NB[i], w, line, i, m);
+      fbi_line_column(N[i], N[i] + 3, w, line, i, m);
     }
   }
   for (int k = 0; k < line->n; k++) {
     fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const K)[FB_MAX_POINTS] = rates[k % 2];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    r = fbi_line_turn_rates(c, NA, NB, all, r, last, k, m);
+    r = fbi_line_turn_rates(c, N, all, r, last, k, m);
 
     /* its sum along the line, from where it hangs */
     if (line->hangs) { /* move: set with that line */
@@ -2225,7 +2245,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
 
     /* Y of two coordinates together */
     if (k % 2) {
-      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], all, line, rates);
+      fbi_line_weigh_2(w->Y[k - 1], w->Y[k], factor, rates[0][0] + p, line->solid, m);
     } else if (k + 1 == line->n) {
       fbi_line_weighed(w->Y[k], all, line, K);
     }
@@ -2254,6 +2274,7 @@ static FBI_INLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const 
   const int p = line->point, axis = line->plane - 1, y = (axis + 1) % 3, z = (axis + 2) % 3;
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn;
   const fb_real *const t_y = w->t[y] + p, *const t_z = w->t[z] + p;
+  const fb_real *const factor = fbi_line_factor(all, line);
   fb_real rates[2][3][FB_MAX_POINTS], *const Y = w->Y[0];
   for (int k = 0, field = 0; k < line->n; k++, field += 2) {
     fb_real *const Jw = w->Jw[k][axis] + p;
@@ -2269,7 +2290,7 @@ static FBI_INLINE void fbi_plane_jacobians(fbi_line_work *FBI_RESTRICT w, const 
     r += r < last && r->a == k;
     fbi_line_plane_rates(K_y, K_z, Jw, t_y, t_z, m);
     if (field % 6 == 4) {
-      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, all, line, rates);
+      fbi_line_weigh_2(Y + (field - 4) * m, Y + (field - 1) * m, factor, rates[0][0] + p, 0, m);
     } else if (k + 1 == line->n) {
       fbi_line_weighed(Y + field / 6 * 6 * m, all, line, rates[0]);
       if (field % 6 == 2) {
@@ -2489,7 +2510,8 @@ static void fbi_plane_momenta(fb_real P[3], fb_real L[3], const fb_real *Y, cons
 }
 
 /* Column of X, 6 x nb, from momenta in a line's axes. */
-static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3], const fb_real L[3])
+static FBI_INLINE void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const fb_real P[3],
+                                           const fb_real L[3])
 {
   fb_real momentum[3], moment[3];
   if (line->turned) {
@@ -2506,6 +2528,28 @@ static void fbi_line_column_add(fb_real *X, int nb, const fb_line *line, const f
   X[5 * nb] += L[2];
 }
 
+/* Of solid lines: what rotary inertia adds to row k of M and column k of Lambda; Y becomes that of the mass centers. */
+static FBI_NOINLINE void fbi_line_solid_inertia(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                                const fb_line *line, int k, int nb, fb_real rho[3][FB_MAX_POINTS],
+                                                fb_real I[9][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real *const row = M + (line->first + k) * nb + line->first;
+  fb_real h[3 * FB_MAX_POINTS], P[3], L[3];
+  fbi_vec3_zero(P);
+  fbi_vec3_zero(L);
+  fbi_line_solid_rates(h, w, all, line, k, rho, I);
+  for (int i = 0; i < 3; i++) {
+    for (int l = 0; l <= k; l++) {
+      row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
+    }
+    for (int j = 0; j < m; j++) {
+      L[i] += h[i * m + j];
+    }
+  }
+  fbi_line_column_add(X + line->first + k, nb, line, P, L);
+}
+
 /* [E14.6] Inertia of a line: M_ab = sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
    sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers, by E14.17.
    Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
@@ -2514,28 +2558,18 @@ static FBI_INLINE void fbi_line_inertia_sum(fb_real *M, fb_real *X, fbi_line_wor
                                             const fb_line *line, int nb, const fb_real *y,
                                             fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], int m)
 {
-  const int p = line->point, n = line->n;
+  const int n = line->n;
   const int size = line->plane ? 2 * m : 3 * m, spacing = line->plane ? size : 3 * FB_MAX_POINTS;
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m, *const Y = w->Y[0];
   for (int k = 0; k < n; k++) {
-    fb_real *const row = M + (line->first + k) * nb + line->first;
-    fb_real P[3], L[3], h[3 * FB_MAX_POINTS];
+    fb_real P[3], L[3];
     if (line->solid) {
-      fbi_line_solid_rates(h, w, all, line, k, rho, I);
+      fbi_line_solid_inertia(M, X, w, all, line, k, nb, rho, I);
     }
     if (line->plane) {
       fbi_plane_momenta(P, L, Y + k * spacing, y, u, m, line->plane - 1);
     } else {
       fbi_line_momenta(P, L, Y + k * spacing, y, u, m);
-    }
-    for (int i = 0; i < 3 && line->solid; i++) {
-      for (int l = 0; l <= k; l++) {
-        row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
-      }
-      FBI_UNROLL
-      for (int j = 0; j < m; j++) {
-        L[i] += h[i * m + j];
-      }
     }
     fbi_line_column_add(X + line->first + k, nb, line, P, L);
   }
@@ -2876,11 +2910,26 @@ static void fbi_line_spin(fb_real out[3], fb_real a_dot, fb_real b_dot, fb_real 
   }
 }
 
-/* Of a solid line: momenta z of its points by sqrt(m) become those of the mass centers; what their offsets and rotary
-   inertia add to c and b (E14.7). */
-static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fb_real b[3][FB_MAX_POINTS], fb_real c[3][FB_MAX_POINTS],
+/* Of a solid line: momenta z of its points by sqrt(m) become those of the mass centers. */
+static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  const int m = fbi_line_width(line);
+  const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
+  for (int s = 0; s < line->count; s++) {
+    fb_real turn[3], rho[3], more[3];
+    fbi_line_get3(turn, w->w, line->point + s);
+    fbi_line_offset(rho, w, all, line->point + s);
+    fb_vec3_cross(more, turn, rho);
+    for (int i = 0; i < 3; i++) {
+      z[i * m + s] += u[s] * more[i];
+    }
+  }
+}
+
+/* What its offsets and rotary inertia add to b and c (E14.7). */
+static FBI_NOINLINE void fbi_line_solid_moments(fb_real b[3][FB_MAX_POINTS], fb_real c[3][FB_MAX_POINTS],
                                                 fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                                const fb_real o[3])
+                                                const fb_real *z, const fb_real o[3])
 {
   const int m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
@@ -2891,20 +2940,22 @@ static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fb_real b[3][FB_MAX_
     fbi_vec3_advance(whole, o, FB_R(1.0), turn);
     fbi_line_offset(rho, w, all, j);
     fbi_line_spread(I, w, all, j);
-    fb_vec3_cross(more, turn, rho);
     for (int i = 0; i < 3; i++) {
-      z[i * m + s] += u[s] * more[i];
       P[i] = u[s] * z[i * m + s];
     }
     fb_mat33_mul_vec3(L, I, whole);
     fb_vec3_cross(own, rho, P);
     fbi_vec3_add(own, FB_R(1.0), L);
-    fbi_line_set3(c, j, own);
     fb_vec3_cross(more, turn, own);
+    for (int i = 0; i < 3; i++) {
+      c[i][j] += own[i];
+    }
     fb_vec3_cross(own, P, whole);
     fbi_vec3_add_cross(more, rho, own);
     fbi_vec3_add_cross(more, L, whole);
-    fbi_line_set3(b, j, more);
+    for (int i = 0; i < 3; i++) {
+      b[i][j] += more[i];
+    }
   }
 }
 
@@ -2927,63 +2978,55 @@ static FBI_NOINLINE void fbi_line_weighed_momenta(fb_real *z, fbi_line_work *w, 
   }
 }
 
-/* y and s of E14.7 from the moments B and C beyond each interval. */
+/* Moments B and C of E14.7 beyond each interval to what acts on the sections there, y by phi, s by phi_dot. */
 static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_MAX_POINTS],
                                                    fb_real (*FBI_RESTRICT s)[FB_MAX_POINTS], const fbi_line_work *w,
                                                    const fb_line *line, fb_real B[3][FB_MAX_POINTS],
                                                    fb_real C[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
-  fb_real back[3][FB_MAX_POINTS];
-
-  /* N^T (B + C x w), H^T C */
   for (int j = 0; j < m; j++) {
+    /* C in the section's axes */
     const fb_real u = C[0][p + j], v = C[1][p + j], l = C[2][p + j];
-    const fb_real a = w->w[0][p + j], b = w->w[1][p + j], c = w->w[2][p + j];
-    const fb_real X = B[0][p + j] + (v * c - l * b), Y = B[1][p + j] + (l * a - u * c),
-                  Z = B[2][p + j] + (u * b - v * a);
-    y[0][p + j] = w->N[0][p + j] * X + w->N[3][p + j] * Y + w->N[6][p + j] * Z;
-    y[1][p + j] = w->N[1][p + j] * X + w->N[4][p + j] * Y + w->N[7][p + j] * Z;
-    y[2][p + j] = w->N[2][p + j] * X + w->N[5][p + j] * Y + w->N[8][p + j] * Z;
-    back[0][p + j] = w->H[0][p + j] * u + w->H[3][p + j] * v + w->H[6][p + j] * l;
-    back[1][p + j] = w->H[1][p + j] * u + w->H[4][p + j] * v + w->H[7][p + j] * l;
-    back[2][p + j] = w->H[2][p + j] * u + w->H[5][p + j] * v + w->H[8][p + j] * l;
-  }
+    const fb_real c_x = w->H[0][p + j] * u + w->H[3][p + j] * v + w->H[6][p + j] * l;
+    const fb_real c_y = w->H[1][p + j] * u + w->H[4][p + j] * v + w->H[7][p + j] * l;
+    const fb_real c_z = w->H[2][p + j] * u + w->H[5][p + j] * v + w->H[8][p + j] * l;
 
-  /* T^T and (dT/dt)^T of that */
-  for (int j = 0; j < m; j++) {
-    const fb_real x = w->phi[0][p + j], Y = w->phi[1][p + j], z = w->phi[2][p + j];
-    const fb_real X = w->phi_dot[0][p + j], V = w->phi_dot[1][p + j], Z = w->phi_dot[2][p + j];
-    const fb_real u = back[0][p + j], v = back[1][p + j], l = back[2][p + j];
+    /* T^T of that, and (dT/dt)^T */
     const fb_real a = w->a[p + j], b = w->b[p + j], a_dot = w->a_dot[p + j], b_dot = w->b_dot[p + j];
-    const fb_real pc_x = Y * l - z * v, pc_y = z * u - x * l, pc_z = x * v - Y * u;
-    const fb_real rc_x = V * l - Z * v, rc_y = Z * u - X * l, rc_z = X * v - V * u;
+    const fb_real x = w->phi[0][p + j], Y = w->phi[1][p + j], z = w->phi[2][p + j];
+    const fb_real pc_x = Y * c_z - z * c_y, pc_y = z * c_x - x * c_z, pc_z = x * c_y - Y * c_x;
     const fb_real ppc_x = Y * pc_z - z * pc_y, ppc_y = z * pc_x - x * pc_z, ppc_z = x * pc_y - Y * pc_x;
+    const fb_real X = w->phi_dot[0][p + j], V = w->phi_dot[1][p + j], Z = w->phi_dot[2][p + j];
+    const fb_real rc_x = V * c_z - Z * c_y, rc_y = Z * c_x - X * c_z, rc_z = X * c_y - V * c_x;
     const fb_real mixed_x = Y * rc_z - z * rc_y + (V * pc_z - Z * pc_y),
                   mixed_y = z * rc_x - x * rc_z + (Z * pc_x - X * pc_z),
                   mixed_z = x * rc_y - Y * rc_x + (X * pc_y - V * pc_x);
-    s[0][p + j] = u + a * pc_x + b * ppc_x;
-    s[1][p + j] = v + a * pc_y + b * ppc_y;
-    s[2][p + j] = l + a * pc_z + b * ppc_z;
-    y[0][p + j] += a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x;
-    y[1][p + j] += a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y;
-    y[2][p + j] += a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z;
+    s[0][p + j] = c_x + a * pc_x + b * ppc_x;
+    s[1][p + j] = c_y + a * pc_y + b * ppc_y;
+    s[2][p + j] = c_z + a * pc_z + b * ppc_z;
+
+    /* N^T (B + C x w) */
+    const fb_real d = w->w[0][p + j], e = w->w[1][p + j], f = w->w[2][p + j];
+    const fb_real D = B[0][p + j] + (v * f - l * e), E = B[1][p + j] + (l * d - u * f),
+                  F = B[2][p + j] + (u * e - v * d);
+    y[0][p + j] = w->N[0][p + j] * D + w->N[3][p + j] * E + w->N[6][p + j] * F +
+                  (a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x);
+    y[1][p + j] = w->N[1][p + j] * D + w->N[4][p + j] * E + w->N[7][p + j] * F +
+                  (a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y);
+    y[2][p + j] = w->N[2][p + j] * D + w->N[5][p + j] * E + w->N[8][p + j] * F +
+                  (a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z);
   }
 }
 
-/* What hangs on the points adds to F, b and c of E14.7. */
-static FBI_NOINLINE void fbi_line_hung_add(fb_real F[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
-                                           fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
+/* What hangs on the points adds to F of E14.7. */
+static FBI_NOINLINE void fbi_line_hung_add(fb_real F[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
                                            const fb_line *line)
 {
   fb_real at[3][FB_MAX_POINTS];
   fbi_line_outboard(at, all, line, w->hung);
   for (int i = 0; i < 3; i++) {
-    for (int j = line->point; j < line->point + line->stride; j++) {
-      F[i][j] += at[i][j];
-      b[i][j] += w->hung[3 + i][j];
-      c[i][j] += w->hung[6 + i][j];
-    }
+    fbi_row_sub(F[i] + line->point, -FB_R(1.0), at[i] + line->point, line->stride);
   }
 }
 
@@ -3005,32 +3048,35 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
       y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS];
   fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
-  /* momenta of the points and what they are at the tangents; what offset masses and lines that hang there add */
+  /* momenta of the points and what they are at the tangents */
   fbi_line_weighed_momenta(z, w, all, line, u, o);
-  for (int i = 0; i < 3; i++) {
-    fbi_zero(b[i] + p, m);
-    fbi_zero(c[i] + p, m);
-  }
   if (line->solid) {
-    fbi_line_solid_momenta(z, b, c, w, all, line, o);
+    fbi_line_solid_momenta(z, w, all, line);
   }
   fbi_line_unweigh(F, all, line, z);
   if (line->carries) {
-    fbi_line_hung_add(F, b, c, w, all, line);
+    fbi_line_hung_add(F, w, all, line);
   }
 
-  /* b, c and their sums from the tip to the root */
+  /* b, c, what offset masses and lines that hang there add, and their sums from the tip to the root */
   for (int j = 0; j < m; j++) {
     const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
     const fb_real a = w->t[0][p + j], d = w->t[1][p + j], e = w->t[2][p + j];
     const fb_real f = w->t_dot[0][p + j], g = w->t_dot[1][p + j], h = w->t_dot[2][p + j];
     const fb_real Q_x = Y * o[2] - Z * o[1], Q_y = Z * o[0] - X * o[2], Q_z = X * o[1] - Y * o[0];
-    c[0][p + j] += d * Z - e * Y;
-    c[1][p + j] += e * X - a * Z;
-    c[2][p + j] += a * Y - d * X;
-    b[0][p + j] += d * Q_z - e * Q_y + (g * Z - h * Y);
-    b[1][p + j] += e * Q_x - a * Q_z + (h * X - f * Z);
-    b[2][p + j] += a * Q_y - d * Q_x + (f * Y - g * X);
+    c[0][p + j] = d * Z - e * Y;
+    c[1][p + j] = e * X - a * Z;
+    c[2][p + j] = a * Y - d * X;
+    b[0][p + j] = d * Q_z - e * Q_y + (g * Z - h * Y);
+    b[1][p + j] = e * Q_x - a * Q_z + (h * X - f * Z);
+    b[2][p + j] = a * Q_y - d * Q_x + (f * Y - g * X);
+  }
+  if (line->solid) {
+    fbi_line_solid_moments(b, c, w, all, line, z, o);
+  }
+  for (int i = 0; i < 3 && line->carries; i++) {
+    fbi_row_sub(b[i] + p, -FB_R(1.0), w->hung[3 + i] + p, m);
+    fbi_row_sub(c[i] + p, -FB_R(1.0), w->hung[6 + i] + p, m);
   }
   for (int j = p + m - 1; j >= p; j--) {
     b[0][j] = B[0] += b[0][j];
@@ -4240,12 +4286,13 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #define FBI_WORD_MASS "mass matrix of lines, definite: fewer modes, or more elements, where points do not resolve them"
 #define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
 
-/* Columns of Z = Lambda L^-T to w.column. */
-static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
+/* Columns of Z = Lambda L^-T to w.column, behind each its element of L^-1 pi (NULL: zero). */
+static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, const fb_real *pi, int n)
 {
   for (int a = 0; a < n; a++) {
     const fb_real *const L = w->L + a * n, *const X = w->X + a, by = FB_R(1.0) / L[a];
-    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n];
+    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n], p = pi ? pi[a] : FB_R(0.0),
+            unused = FB_R(0.0);
     for (int b = 0; b < a; b++) {
       s -= L[b] * w->column[b][0];
       t -= L[b] * w->column[b][1];
@@ -4253,6 +4300,8 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
       x -= L[b] * w->column[b][3];
       y -= L[b] * w->column[b][4];
       z -= L[b] * w->column[b][5];
+      p -= L[b] * w->column[b][6];
+      unused -= L[b] * w->column[b][7];
     }
     w->column[a][0] = s * by;
     w->column[a][1] = t * by;
@@ -4260,15 +4309,17 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
     w->column[a][3] = x * by;
     w->column[a][4] = y * by;
     w->column[a][5] = z * by;
+    w->column[a][6] = p * by;
+    w->column[a][7] = unused * by;
   }
 }
 
-/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S. */
-static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body)
+/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S; pi: see above. */
+static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fbi_large_reduce(w, n);
+  fbi_large_reduce(w, pi, n);
   fbi_sym6_copy(k->S, w->M_rr);
   for (int a = 0; a < n; a++) {
     fbi_sym6_rank1_sub(k->S, FB_R(1.0), w->column[a]);
@@ -4384,15 +4435,15 @@ static FBI_INLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb
 {
   fbi_line_work *const w = k->line;
   if (body->base == FB_BASE_PRESCRIBED) {
-    fbi_copy(w->e, pi, body->n);
-    fbi_large_lambdaT_sub(w->e, k, body, k->V);
-    fbi_chol_forward(w->e, w->L, w->e, body->n);
+    fbi_copy(q_dot, pi, body->n);
+    fbi_large_lambdaT_sub(q_dot, k, body, k->V);
+    fbi_chol_forward(q_dot, w->L, q_dot, body->n);
   } else {
     for (int a = 0; a < body->n; a++) {
-      w->e[a] = w->p[a] - fbi_vec6_dot(w->column[a], k->V);
+      q_dot[a] = w->column[a][6] - fbi_vec6_dot(w->column[a], k->V);
     }
   }
-  fbi_chol_back(q_dot, w->L, w->e, body->n);
+  fbi_chol_back(q_dot, w->L, q_dot, body->n);
   fbi_large_gradient(k, body, q_dot);
 }
 #endif
@@ -4435,14 +4486,13 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
-  fbi_chol_forward(w->p, w->L, state->pi, body->n);
-  fbi_large_S(k, body);
+  fbi_large_S(k, body, state->pi);
   fbi_vec3_zero(k->V);
   fbi_vec3_zero(k->ph);
   fbi_vec3_copy(k->ph + 3, state->h);
   fbi_vec6_copy(y, k->ph);
   for (int a = 0; a < body->n; a++) {
-    fbi_vec6_sub(y, w->p[a], w->column[a]);
+    fbi_vec6_sub(y, w->column[a][6], w->column[a]);
   }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
@@ -5169,7 +5219,7 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
   const int n = body->n;
   const fb_lines *const all = &body->lines;
   fbi_line_work *const w = k->line;
-  fb_real *const q_dot = w->e, origin[3], V[6];
+  fb_real *const q_dot = k->e, origin[3], V[6];
   fb_status status;
   int n_point;
 
@@ -6575,8 +6625,8 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
-/* The same of a body with lines or rotors. */
-static fb_status fbi_further_range(const fb_body *body, const fb_state *state)
+/* The same of a body with lines or rotors; line: its lines at this state (NULL: not known). */
+static fb_status fbi_further_range(const fb_body *body, const fb_state *state, const fbi_line_work *line)
 {
   fb_status status = fbi_state_range(body, state);
 #if FB_WITH_ROTORS
@@ -6586,8 +6636,11 @@ static fb_status fbi_further_range(const fb_body *body, const fb_state *state)
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  status = status == FB_OK && fbi_is_large(body) ? fbi_large_range(body, state->q) : status;
+  if (status == FB_OK && fbi_is_large(body) && !(line && fbi_lines_are_in_range(line, &body->lines))) {
+    status = fbi_large_range(body, state->q);
+  }
 #endif
+  (void)line;
   return status;
 }
 
@@ -6608,7 +6661,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
-  status = fbi_further(body) ? fbi_further_range(body, state) : fbi_state_range(body, state);
+  status = fbi_further(body) ? fbi_further_range(body, state, NULL) : fbi_state_range(body, state);
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
@@ -6621,7 +6674,7 @@ static void fbi_S_now(fbi_kinetics *k, const fb_body *body)
 {
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    fbi_large_S(k, body);
+    fbi_large_S(k, body, NULL);
     return;
   }
 #endif
@@ -7038,7 +7091,7 @@ static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb
   /* Schur complement */
   fb_chol_solve(x, w->L, e, n);
   fbi_large_lambda_sub(y, k, body, x);
-  fbi_large_S(k, body);
+  fbi_large_S(k, body, NULL);
   status = fbi_base_accelerate(m, V_dot, k, body, y, input);
   if (status != FB_OK) {
     return status;
@@ -15730,9 +15783,9 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
 }
 
 /* Of lines and rotors at the end of a step: range, and the above. */
-static fb_status fbi_further_end(fb_state *next, const fb_body *body, const fb_input *last)
+static fb_status fbi_further_end(fb_state *next, const fbi_line_work *line, const fb_body *body, const fb_input *last)
 {
-  const fb_status status = fbi_further_range(body, next);
+  const fb_status status = fbi_further_range(body, next, fbi_is_flying(body) ? line : NULL);
 #if FB_WITH_ROTORS
   if (status == FB_OK) {
     fbi_rotors_settle(next->q, next->pi, body, fbi_rotors_input(last));
@@ -15782,7 +15835,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   FBI_SUM_KEPT(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : further ? fbi_further_end(next, body, last) : fbi_state_range(body, next);
+  status = status ? status : further ? fbi_further_end(next, line, body, last) : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
@@ -26148,7 +26201,7 @@ static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
   FBI_WITH_LINES(k);
   status = fbi_large_undeformed(&k, work->d, body);
   if (status == FB_OK) {
-    fbi_large_S(&k, body);
+    fbi_large_S(&k, body, NULL);
     status = fbi_large_mobility(G, &k, body) ? FB_OK : FB_ERR_SINGULAR;
   }
   if (status != FB_OK) {
@@ -32504,8 +32557,8 @@ static int fbi_advice_points(const fb_lines *all)
 /* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
    modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
    within 10 %. `sh bench/large_count.sh` counts again. */
-#define FBI_LARGE_POINT FB_R(1339.0)
-#define FBI_LARGE_MODE FB_R(200.0)
+#define FBI_LARGE_POINT FB_R(1296.0)
+#define FBI_LARGE_MODE FB_R(199.0)
 #define FBI_LARGE_PAIR FB_R(3.4)
 static fb_real fbi_large_instructions(const fb_body *body)
 {
