@@ -11,7 +11,7 @@ export WARNINGS WARNINGS_C
 LIBRARY  = flexbeam.h flexbeam_impl.h
 TESTS    = $(wildcard tests/test_*.c)
 EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_flap arm fourbar \
-           elastica follower flap whirl wing_goland ground_resonance leigh hil_plant hil_controller \
+           elastica follower flap whirl wing_goland ground_resonance rotor_flight leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware page
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
@@ -293,7 +293,7 @@ ci:
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
 
-check-aero: build/examples/wing_goland build/examples/ground_resonance
+check-aero: build/examples/wing_goland build/examples/ground_resonance build/examples/rotor_flight
 
 check-fmu: build/flexbeam
 

@@ -91,7 +91,7 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_NOINLINE
 #endif
 
-/* FBI_FLATTEN_SHARED: the same of what the plain step has in line and the step of a body with rotors calls; without
+/* FBI_FLATTEN_SHARED: the same of what the steps have in line and other evaluations of a body with rotors call; without
    rotors it would only be larger. */
 #if FB_WITH_ROTORS
 #define FBI_FLATTEN_SHARED FBI_FLATTEN
@@ -4478,7 +4478,7 @@ static void fbi_modes_enter(fbi_kinetics *k, const fb_real *q, int n)
 
 /* E8.13 for a body with lines whose inertia is known; leaves out k.pb, which no rate asks for. */
 static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                            const fb_input *input)
+                                            const fb_real h[3], const fb_real *pi, const fb_input *input)
 {
   fb_real y[6];
   fbi_line_work *const w = k->line;
@@ -4486,10 +4486,10 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
-  fbi_large_S(k, body, state->pi);
+  fbi_large_S(k, body, pi);
   fbi_vec3_zero(k->V);
   fbi_vec3_zero(k->ph);
-  fbi_vec3_copy(k->ph + 3, state->h);
+  fbi_vec3_copy(k->ph + 3, h);
   fbi_vec6_copy(y, k->ph);
   for (int a = 0; a < body->n; a++) {
     fbi_vec6_sub(y, w->column[a][6], w->column[a]);
@@ -4507,16 +4507,17 @@ static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body 
   fb_status status;
   fbi_modes_enter(k, state->q, body->n);
   status = fbi_large_inertia(k, body, state->q);
-  return status == FB_OK ? fbi_large_solve(k, body, state, input) : status;
+  return status == FB_OK ? fbi_large_solve(k, body, state, state->h, state->pi, input) : status;
 }
 #endif
 
 /* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; the prescribed ones of
-   a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented. Not of a body with lines.
+   a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented; h and pi are those of the state, or
+   without those of rotors. Not of a body with lines.
    Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (deflection beyond the model's range).
    Test: momenta_agree_with_a_particle_model. */
 static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                                 const fb_input *input)
+                                                 const fb_real h[3], const fb_real *pi, const fb_input *input)
 {
   fb_real y[6];
   const int n = body->n;
@@ -4528,9 +4529,9 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
     k->qx[a + 1] = state->q[a];
     k->x[a + 1] = FB_R(0.0);
   }
-  k->pb = state->pi;
+  k->pb = pi;
   if (!body->unit_mass && fbi_form(body) == 0) {
-    fbi_mass_solve(k->Minv_pi, body, state->pi);
+    fbi_mass_solve(k->Minv_pi, body, pi);
     k->pb = k->Minv_pi;
   }
 
@@ -4547,7 +4548,7 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
 
   /* y = (0, h) - Lambda(q) pb */
   fbi_vec3_zero(k->ph);
-  fbi_vec3_copy(k->ph + 3, state->h);
+  fbi_vec3_copy(k->ph + 3, h);
   fbi_vec6_copy(y, k->ph);
   fbi_lambda_sub(y, body, k->qx, k->pb);
 
@@ -4905,6 +4906,22 @@ static int fbi_is_unbalanced(const fb_rotor *rotor)
 {
   return rotor->static_imbalance != FB_R(0.0) || rotor->dynamic_imbalance != FB_R(0.0);
 }
+
+/* Axis of a rotor after velocities, body axes. */
+static const fb_real *fbi_rotor_axis(const fbi_kinetics *k, const fb_body *body, int r)
+{
+  return body->rotor[r].moves ? k->rotor_axis[r] : body->rotor[r].axis;
+}
+
+/* Is any rotor of a body unbalanced? A sum, so that balanced ones cost no branches. */
+static int fbi_has_imbalance(const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  for (int r = 0; r < body->n_rotor; r++) {
+    sum += FB_FABS(body->rotor[r].static_imbalance) + FB_FABS(body->rotor[r].dynamic_imbalance);
+  }
+  return sum > FB_R(0.0);
+}
 #endif
 
 /* 1 if distributed loads act. */
@@ -4945,18 +4962,37 @@ static int fbi_is_flying(const fb_body *body)
   return body->base == FB_BASE_FREE && fbi_form(body) == 0;
 }
 
-/* 1 if loads along lines or of imbalance act, or gravity of a center. */
-static int fbi_further_loads(const fb_body *body, const fb_input *input, int further)
-{
-  int acts =
-      (further & FB_EFFECT_CENTRAL_GRAVITY) || ((further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
+/* Bits of `further` beside those of effects: a rotor has an imbalance; a rotor is on a node that moves, or given. */
+#define FBI_IMBALANCE 0x10000
+#define FBI_APART 0x20000
+
 #if FB_WITH_ROTORS
-  for (int r = 0; (further & FB_EFFECT_ROTORS) && r < body->n_rotor; r++) {
-    acts |= fbi_is_unbalanced(&body->rotor[r]);
+static int fbi_rotors_acting(const fb_body *body)
+{
+  int apart = 0;
+  for (int r = 0; r < body->n_rotor; r++) {
+    apart |= body->rotor[r].moves | body->rotor[r].given;
+  }
+  return (fbi_has_imbalance(body) ? FBI_IMBALANCE : 0) | (apart ? FBI_APART : 0);
+}
+#endif
+
+/* fbi_further of a body that moves. */
+static int fbi_acting(const fb_body *body)
+{
+#if FB_WITH_ROTORS
+  if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
+    return fbi_further(body) | fbi_rotors_acting(body);
   }
 #endif
-  (void)body;
-  return acts;
+  return fbi_further(body);
+}
+
+/* 1 if loads along lines or of imbalance act, or gravity of a center. */
+static int fbi_further_loads(const fb_input *input, int further)
+{
+  return (further & (FB_EFFECT_CENTRAL_GRAVITY | FBI_IMBALANCE)) ||
+         ((further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
 }
 
 /* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
@@ -4964,7 +5000,7 @@ static int fbi_further_loads(const fb_body *body, const fb_input *input, int fur
 static int fbi_is_oriented(const fb_body *body, const fb_input *input, int further)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         (further && fbi_further_loads(body, input, further)) ||
+         (further && fbi_further_loads(input, further)) ||
          (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
@@ -5039,7 +5075,7 @@ static FBI_NOINLINE void fbi_central_rotors(fbi_central *f, const fbi_kinetics *
 {
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real *const axis = k->rotor_axis[r];
+    const fb_real *const axis = fbi_rotor_axis(k, body, r);
     const fb_real own = rotor->inertia * fb_vec3_dot(axis, f->n);
     fbi_vec3_add(f->Jn, own, axis);
     f->nJn += own * fb_vec3_dot(axis, f->n);
@@ -5183,14 +5219,15 @@ static FBI_NOINLINE fb_status fbi_central_energy_add(fb_real *energy, fbi_kineti
 #endif
 
 /* Gravity of a center, where a body has any. */
-static FBI_INLINE fb_status fbi_further_gravity(fbi_kinetics *k, const fb_body *body, const fb_state *state)
+static FBI_INLINE fb_status fbi_further_gravity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                int further)
 {
 #if FB_WITH_GRAVITY
-  if (fbi_is_central(body)) {
+  if (further & FB_EFFECT_CENTRAL_GRAVITY) {
     return fbi_central_add(k, body, state->rho, fbi_is_flying(body));
   }
 #endif
-  (void)k, (void)body, (void)state;
+  (void)k, (void)body, (void)state, (void)further;
   return FB_OK;
 }
 
@@ -5214,7 +5251,7 @@ static void fbi_line_origin(fb_real origin[3], const fbi_kinetics *k, const fb_b
 
 /* Distributed loads: the points with poses and velocities, what acts on them, E14.40. */
 static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                                  const fb_input *input)
+                                                  const fb_real *pi, const fb_input *input)
 {
   const int n = body->n;
   const fb_lines *const all = &body->lines;
@@ -5224,7 +5261,7 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
   int n_point;
 
   /* q_dot = M^-1 (pi - Lambda^T V); velocity of O */
-  fbi_copy(q_dot, state->pi, n);
+  fbi_copy(q_dot, pi, n);
   fbi_large_lambdaT_sub(q_dot, k, body, k->V);
   fb_chol_solve(q_dot, w->L, q_dot, n);
   fb_mat33_mulT_vec3(V, k->R, state->u);
@@ -5270,7 +5307,7 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
 #if FB_WITH_LARGE_DEFLECTION
 /* The same of a body with lines. */
 static FBI_INLINE fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                             const fb_input *input)
+                                             const fb_real *pi, const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
   const int distributed = fbi_is_distributed(input), loaded = n_load > 0 || distributed;
@@ -5286,7 +5323,7 @@ static FBI_INLINE fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *bod
     fbi_load_add(k, body, &input->load[i], state->q);
   }
   if (distributed) {
-    status = fbi_distributed_add(k, body, state, input);
+    status = fbi_distributed_add(k, body, state, pi, input);
   }
   fbi_vec3_zero(k->a);
   if (status == FB_OK && flying && loaded) {
@@ -5331,11 +5368,11 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
    q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
    These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so every choice of terms conserves energy.
    Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
-static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
-                                                 const fb_state *state)
+static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                                                 const fb_real *pi)
 {
   fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
-  fbi_copy(e, state->pi, body->n);
+  fbi_copy(e, pi, body->n);
   fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
@@ -5345,7 +5382,7 @@ static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k
   if (!body->unit_mass) {
     fbi_mass_solve(rate->q, body, k->e);
   }
-  fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
+  fbi_elastic_forces(rate->pi, k, body, q, rate->q);
 }
 
 /* [E8.18] Rigid-body equations: quat_dot = 1/2 quat o (0, w), u_dot = R a + gravity, L_dot = R g in inertial axes, and
@@ -5390,7 +5427,7 @@ static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body
 
 static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
-  fbi_elastic_rates(rate, k, body, state);
+  fbi_elastic_rates(rate, k, body, state->q, state->pi);
   fbi_rigid_rates(rate, k, body, state);
   return FB_OK;
 }
@@ -5719,8 +5756,8 @@ static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics
                                                     const fb_state *state, const fb_input *input)
 {
   fb_status status = fbi_large_velocity(k, body, state, input);
-  status = status == FB_OK ? fbi_large_forces(k, body, state, input) : status;
-  status = status == FB_OK ? fbi_further_gravity(k, body, state) : status;
+  status = status == FB_OK ? fbi_large_forces(k, body, state, state->pi, input) : status;
+  status = status == FB_OK ? fbi_further_gravity(k, body, state, fbi_further(body)) : status;
   if (status == FB_OK) {
     fbi_large_rates(rate->q, k, body, state->pi);
     fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
@@ -5842,16 +5879,18 @@ static int fbi_has_rotors(const fb_body *body)
   return fbi_has(body->effects, FB_EFFECT_ROTORS);
 }
 
-/* What drives the rotors of a body; NULL: nothing. */
+static const fb_rotor_input fbi_no_motors[FB_MAX_ROTORS] = {{FB_R(0.0), FB_R(0.0)}};
+
+/* What drives the rotors of a body. */
 static const fb_rotor_input *fbi_rotors_input(const fb_input *input)
 {
-  return input ? input->rotor : NULL;
+  return input ? input->rotor : fbi_no_motors;
 }
 
 /* Motor of a rotor, or its momentum if it is given: what has no meaning is zero. */
 static fb_status fbi_rotors_check(const fb_body *body, const fb_rotor_input *input)
 {
-  for (int r = 0; input && r < body->n_rotor; r++) {
+  for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor_input *const in = &input[r];
     if (!fbi_is_finite(&in->torque, 1) || !fbi_is_finite(&in->momentum, 1)) {
       return FBI_REFUSE(FB_ERR_NOT_FINITE, "rotor: torque [N m] and momentum [N m s] of the input, finite", r,
@@ -5865,78 +5904,113 @@ static fb_status fbi_rotors_check(const fb_body *body, const fb_rotor_input *inp
   return FB_OK;
 }
 
-/* Axis of a rotor at q, body axes; f: its node, where modes move it; with lines they are posed. */
+/* Axis of a rotor on a node that moves at q, body axes; f: its node. With lines they are posed. */
 static void fbi_rotor_place(fb_real axis[3], fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
                             const fb_rotor *rotor, const fb_real *q)
 {
   fb_real turn[4];
-  if (!rotor->moves) {
-    fbi_vec3_copy(axis, rotor->axis);
-    return;
-  }
   fbi_node_eval(f, k, body, &body->node[rotor->node], q);
   fbi_node_quat(turn, f, body, &body->node[rotor->node]);
   fbi_quat_turn(axis, turn, rotor->axis);
 }
 
+/* E8.41 of rotor r if it is given or on a node that moves; pi = from - h_r J_r^T a_r, returns what of the two is valid. */
+static FBI_NOINLINE const fb_real *fbi_rotor_sub(fb_real *pi, const fb_real *from, fbi_node_field *f, fbi_kinetics *k,
+                                                 const fb_body *body, int r, const fb_real *q,
+                                                 const fb_rotor_input *input)
+{
+  const fb_rotor *const rotor = &body->rotor[r];
+  fb_real *const axis = k->rotor_axis[r];
+  if (rotor->given) {
+    k->rotor_momentum[r] = input[r].momentum;
+  }
+  if (!rotor->moves) {
+    return from;
+  }
+  fbi_rotor_place(axis, &f[r], k, body, rotor, q);
+  for (int a = 0; a < body->n; a++) {
+    pi[a] = from[a] - k->rotor_momentum[r] * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
+  }
+  return pi;
+}
+
 /* [E8.41] Momenta of a body without those of its rotors, h - sum h_r a_r and pi - sum h_r J_r^T a_r, of which E8.13 and
    E8.17 make its velocities: a_r(q) is the axis of rotor r in body axes, J_r the rotation of its node by q_dot (E8.14).
+   pi: room, written where rotors are on nodes that move; returns it, else `from`. apart: 0 if no rotor is on a node that
+   moves, or given.
    Source: E8.13 by Routh's transformation in the rotors' speeds, T = T_body + sum 1/2 I_r (a_r.w_r + speed)^2.
    Shapes: f FB_MAX_ROTORS.  Cost: 10 flops a rotor; where modes move it E8.14.  Fails: never.
    Test: rotors_are_wheels_on_hinges. */
-static void fbi_rotors_sub(fb_real h[3], fb_real *pi, fbi_node_field *f, fbi_kinetics *k, const fb_body *body,
-                           const fb_real *q, const fb_real *momentum, const fb_rotor_input *input)
+static FBI_INLINE const fb_real *fbi_rotors_sub(fb_real h[3], fb_real *pi, const fb_real *from, fbi_node_field *f,
+                                                fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                                                const fb_real *momentum, const fb_rotor_input *input, int apart)
 {
+  fb_real x = h[0], y = h[1], z = h[2];
   for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real own = !rotor->given ? momentum[r] : input ? input[r].momentum : FB_R(0.0);
-    fb_real *const axis = k->rotor_axis[r];
-    k->rotor_momentum[r] = own;
-    if (!rotor->moves) { /* by itself, without a call: most rotors are on the hub */
-      fbi_vec3_copy(axis, rotor->axis);
-      fbi_vec3_add(h, -own, rotor->axis);
-      continue;
+    const fb_real *axis = body->rotor[r].axis;
+    k->rotor_momentum[r] = momentum[r];
+    if (apart) {
+      from = fbi_rotor_sub(pi, from, f, k, body, r, q, input);
+      axis = fbi_rotor_axis(k, body, r);
     }
-    fbi_rotor_place(axis, &f[r], k, body, rotor, q);
-    fbi_vec3_add(h, -own, axis);
-    for (int a = 0; a < body->n; a++) {
-      pi[a] -= own * fb_vec3_dot(f[r].Jphi + 3 * a, axis);
-    }
+    x -= k->rotor_momentum[r] * axis[0];
+    y -= k->rotor_momentum[r] * axis[1];
+    z -= k->rotor_momentum[r] * axis[2];
+  }
+  h[0] = x;
+  h[1] = y;
+  h[2] = z;
+  return from;
+}
+
+/* Momenta of a body without those of its rotors: pi is that of the state, or room. */
+typedef struct fbi_own_momenta {
+  const fb_real *pi;
+  fb_real h[3], room[FB_MAX_MODES];
+} fbi_own_momenta;
+
+/* room: in the kinetics where M = 1, for k.pb is pi then. */
+static FBI_NOINLINE void fbi_rotors_enter_apart(fbi_node_field *f, fbi_own_momenta *own, fbi_kinetics *k,
+                                                const fb_body *body, const fb_state *state, const fb_rotor_input *input)
+{
+  own->pi = fbi_rotors_sub(own->h, body->unit_mass ? k->Minv_pi : own->room, state->pi, f, k, body, state->q,
+                           state->pi + body->n, input, 1);
+}
+
+static void fbi_rotors_enter(fbi_node_field *f, fbi_own_momenta *own, fbi_kinetics *k, const fb_body *body,
+                             const fb_state *state, const fb_rotor_input *input, int further)
+{
+  fbi_vec3_copy(own->h, state->h);
+  if (further & FBI_APART) {
+    fbi_rotors_enter_apart(f, own, k, body, state, input);
+  } else {
+    own->pi = fbi_rotors_sub(own->h, own->room, state->pi, f, k, body, state->q, state->pi + body->n, input, 0);
   }
 }
 
-static void fbi_rotors_enter(fbi_node_field *f, fb_state *own, fbi_kinetics *k, const fb_body *body,
-                             const fb_state *state, const fb_input *input)
+/* E8.13 of a body with rotors. */
+static fb_status fbi_rotor_velocity(fbi_node_field *f, fbi_own_momenta *own, fbi_kinetics *k, const fb_body *body,
+                                    const fb_state *state, const fb_input *input, int further)
 {
-  fbi_frame_copy(own, state);
-  fbi_elastic_copy(own, state, body->n);
-  fbi_rotors_sub(own->h, own->pi, f, k, body, state->q, state->pi + body->n, fbi_rotors_input(input));
-}
-
-/* E8.13 of a body with rotors; own: the state without their momenta. */
-static fb_status fbi_rotor_velocity(fbi_node_field *f, fb_state *own, fbi_kinetics *k, const fb_body *body,
-                                    const fb_state *state, const fb_input *input)
-{
-  fb_status status = fbi_rotors_check(body, fbi_rotors_input(input));
+  const fb_rotor_input *const motors = fbi_rotors_input(input);
+  fb_status status = input ? fbi_rotors_check(body, motors) : FB_OK;
   if (status != FB_OK) {
     return status;
   }
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
+  if (further & FB_EFFECT_LARGE_DEFLECTION) {
     fbi_modes_enter(k, state->q, body->n);
     status = fbi_large_inertia(k, body, state->q);
     if (status == FB_OK) {
-      fbi_rotors_enter(f, own, k, body, state, input);
-      status = fbi_large_solve(k, body, own, input);
+      fbi_rotors_enter(f, own, k, body, state, motors, further);
+      status = fbi_large_solve(k, body, state, own->h, own->pi, input);
     }
     fbi_vec3_copy(k->ph + 3, state->h);
     return status;
   }
 #endif
-  fbi_rotors_enter(f, own, k, body, state, input);
-  status = fbi_velocity(k, body, own, input);
-  fbi_copy(k->Minv_pi, k->pb, body->n); /* own is gone when these are read */
-  k->pb = k->Minv_pi;
+  fbi_rotors_enter(f, own, k, body, state, motors, further);
+  status = fbi_velocity(k, body, state, own->h, own->pi, input);
   fbi_vec3_copy(k->ph + 3, state->h);
   return status;
 }
@@ -5960,22 +6034,9 @@ static void fbi_imbalance_load(fb_load *load, const fb_rotor *rotor, fb_real spi
   fbi_vec3_add(load->torque, torque * FB_SIN(at), y);
 }
 
-/* Is any rotor of a body unbalanced? A sum, so that balanced ones cost no branches. */
-static int fbi_has_imbalance(const fb_body *body)
-{
-  fb_real sum = FB_R(0.0);
-  for (int r = 0; r < body->n_rotor; r++) {
-    sum += FB_FABS(body->rotor[r].static_imbalance) + FB_FABS(body->rotor[r].dynamic_imbalance);
-  }
-  return sum > FB_R(0.0);
-}
-
-static void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, int large)
+static FBI_NOINLINE void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, int large)
 {
   fb_real fg[6], a[3];
-  if (!fbi_has_imbalance(body)) {
-    return;
-  }
   fbi_vec6_copy(fg, k->fg);
   fbi_vec3_copy(a, k->a);
   fbi_vec6_zero(k->fg);
@@ -6002,12 +6063,26 @@ static fb_real fbi_rotor_friction(const fb_rotor *rotor, fb_real speed)
   return -(rotor->damping + fbi_dry_friction(rotor->friction, rotor->friction_speed, speed)) * speed;
 }
 
-/* Torque on rotor r [N m]: the rate of its momentum. */
-static fb_real fbi_rotor_torque(const fb_body *body, const fbi_kinetics *k, const fb_rotor_input *input, int r)
+/* Torque on a rotor [N m]: the rate of its momentum. */
+static fb_real fbi_rotor_torque(const fb_rotor *rotor, const fb_rotor_input *input, fb_real speed)
 {
-  const fb_rotor *const rotor = &body->rotor[r];
-  const fb_real motor = input ? input[r].torque : FB_R(0.0);
-  return rotor->given ? motor : motor + fbi_rotor_friction(rotor, k->rotor_speed[r]);
+  return rotor->given ? input->torque : input->torque + fbi_rotor_friction(rotor, speed);
+}
+
+/* E8.43 of rotor r on a node that moves: what its momentum does to the modes; returns a_r.(w + J_r q_dot). */
+static FBI_NOINLINE fb_real fbi_rotor_turn(fb_real *pi_dot, const fbi_node_field *f, const fbi_kinetics *k,
+                                           const fb_body *body, int r, const fb_real *q_dot)
+{
+  static const fb_real none[6] = {FB_R(0.0)};
+  const fb_real *const axis = k->rotor_axis[r], h = k->rotor_momentum[r];
+  const fb_real G[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), h * axis[0], h * axis[1], h * axis[2]};
+  fb_real w[3];
+  fbi_vec3_copy(w, k->V + 3);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
+  }
+  fbi_node_take(pi_dot, &f[r], k, body, &body->node[body->rotor[r].node], q_dot, k->V, none, G, none);
+  return fb_vec3_dot(axis, w);
 }
 
 /* [E8.43] Rates of the rotors, angle' = speed = h_r/I_r - a_r.(w + J_r q_dot) and h_r' = motor + friction, and what
@@ -6015,68 +6090,70 @@ static fb_real fbi_rotor_torque(const fb_body *body, const fbi_kinetics *k, cons
    momentum h_r a_r and no load. The body feels motor and friction by E8.41: its momenta are those of all of it.
    Source: gradient by q of h_r a_r(q).(w + J_r(q) q_dot); Euler-Poincare equations of rotations.  Fails: never.
    Test: rotors_are_wheels_on_hinges, gyrostats_keep_energy_and_momentum. */
-static void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f, fbi_kinetics *k,
-                            const fb_body *body, const fb_rotor_input *input)
+static FBI_INLINE void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f, fbi_kinetics *k,
+                                       const fb_body *body, const fb_rotor_input *input, int apart)
 {
-  static const fb_real none[6] = {FB_R(0.0)};
   const int n = body->n;
+  const fb_real x = k->V[3], y = k->V[4], z = k->V[5];
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real *const axis = k->rotor_axis[r];
-    fb_real about = axis[0] * k->V[3] + axis[1] * k->V[4] + axis[2] * k->V[5];
-    if (rotor->moves) {
-      fb_real w[3];
-      fbi_vec3_copy(w, k->V + 3);
-      for (int a = 0; a < n; a++) {
-        fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
-      }
-      about = fb_vec3_dot(axis, w);
+    fb_real about = rotor->axis[0] * x + rotor->axis[1] * y + rotor->axis[2] * z;
+    if (apart && rotor->moves) {
+      about = fbi_rotor_turn(pi_dot, f, k, body, r, q_dot);
     }
-    k->rotor_speed[r] = k->rotor_momentum[r] / rotor->inertia - about;
-    q_dot[n + r] = k->rotor_speed[r];
-    pi_dot[n + r] = rotor->given ? FB_R(0.0) : fbi_rotor_torque(body, k, input, r);
-    if (rotor->moves) {
-      const fb_real h = k->rotor_momentum[r],
-                    G[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), h * axis[0], h * axis[1], h * axis[2]};
-      fbi_node_take(pi_dot, &f[r], k, body, &body->node[rotor->node], q_dot, k->V, none, G, none);
-    }
+    k->rotor_speed[r] = q_dot[n + r] = k->rotor_momentum[r] / rotor->inertia - about;
+    pi_dot[n + r] = apart && rotor->given ? FB_R(0.0) : input[r].torque + fbi_rotor_friction(rotor, k->rotor_speed[r]);
   }
 }
 
-/* Rates of a body with rotors. */
-static FBI_NOINLINE fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
-                                                    const fb_state *state, const fb_input *input)
+static FBI_NOINLINE void fbi_rotors_turn_apart(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f,
+                                               fbi_kinetics *k, const fb_body *body, const fb_rotor_input *input)
 {
-  const int large = fbi_is_large(body);
+  fbi_rotors_turn(q_dot, pi_dot, f, k, body, input, 1);
+}
+
+/* Rates of a body with rotors, and with lines, central gravity or an imbalance, further. */
+static fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                       const fb_input *input, int further)
+{
+  const int large = (further & FB_EFFECT_LARGE_DEFLECTION) != 0;
   fbi_node_field f[FB_MAX_ROTORS];
-  fb_state own;
-  fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input);
+  fbi_own_momenta own;
+  fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input, further);
   if (status != FB_OK) {
     return status;
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (large) {
-    status = fbi_large_forces(k, body, &own, input);
-    status = status == FB_OK ? fbi_further_gravity(k, body, state) : status;
+    status = fbi_large_forces(k, body, state, own.pi, input);
+    status = status == FB_OK ? fbi_further_gravity(k, body, state, further) : status;
     if (status != FB_OK) {
       return status;
     }
-    fbi_imbalance_add(k, body, state, large);
+    if (further & FBI_IMBALANCE) {
+      fbi_imbalance_add(k, body, state, large);
+    }
     fbi_large_rates(rate->q, k, body, own.pi);
-    fbi_elastic_forces(rate->pi, k, body, own.q, rate->q);
+    fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
   }
 #endif
   if (!large) {
-    fbi_forces(k, body, &own, input);
-    status = fbi_further_gravity(k, body, state);
+    fbi_forces(k, body, state, input);
+    status = fbi_further_gravity(k, body, state, further);
     if (status != FB_OK) {
       return status;
     }
-    fbi_imbalance_add(k, body, state, large);
-    fbi_elastic_rates(rate, k, body, &own);
+    if (further & FBI_IMBALANCE) {
+      fbi_imbalance_add(k, body, state, large);
+    }
+    fbi_elastic_rates(rate, k, body, state->q, own.pi);
   }
   fbi_rigid_rates(rate, k, body, state);
-  fbi_rotors_turn(rate->q, rate->pi, f, k, body, fbi_rotors_input(input));
+  if (further & FBI_APART) {
+    fbi_rotors_turn_apart(rate->q, rate->pi, f, k, body, fbi_rotors_input(input));
+  } else {
+    fbi_rotors_turn(rate->q, rate->pi, f, k, body, fbi_rotors_input(input), 0);
+  }
   return FB_OK;
 }
 
@@ -6091,8 +6168,8 @@ static void fbi_rotors_push(fb_real torque[3], fb_real *pi, fbi_kinetics *k, con
   const int n = body->n;
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real h = k->rotor_momentum[r], change = fbi_rotor_torque(body, k, input, r);
-    const fb_real *const axis = k->rotor_axis[r];
+    const fb_real h = k->rotor_momentum[r], change = fbi_rotor_torque(rotor, &input[r], k->rotor_speed[r]);
+    const fb_real *const axis = fbi_rotor_axis(k, body, r);
     fbi_node_field f;
     fb_real w[3], T[3], unused[3];
     fbi_vec3_copy(w, k->V + 3);
@@ -6130,9 +6207,13 @@ static void fbi_rotors_sum(fb_real h[3], fb_real *pi, fb_real s, fbi_kinetics *k
     const fb_rotor *const rotor = &body->rotor[r];
     fbi_node_field f;
     fb_real axis[3];
+    if (!rotor->moves) {
+      fbi_vec3_add(h, momentum[r], rotor->axis);
+      continue;
+    }
     fbi_rotor_place(axis, &f, k, body, rotor, q);
     fbi_vec3_add(h, momentum[r], axis);
-    for (int a = 0; a < body->n && rotor->moves; a++) {
+    for (int a = 0; a < body->n; a++) {
       pi[a] += s * momentum[r] * fb_vec3_dot(f.Jphi + 3 * a, axis);
     }
   }
@@ -6159,7 +6240,7 @@ static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_b
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_real own = k->rotor_momentum[r];
     T += FB_R(0.5) * own * own / body->rotor[r].inertia;
-    fbi_vec3_add(h, own, k->rotor_axis[r]);
+    fbi_vec3_add(h, own, fbi_rotor_axis(k, body, r));
   }
   return T;
 }
@@ -6175,7 +6256,7 @@ static void fbi_rotors_settle(fb_real *q, fb_real *pi, const fb_body *body, cons
       *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
     }
     if (body->rotor[r].given) {
-      pi[body->n + r] = last ? last[r].momentum : FB_R(0.0);
+      pi[body->n + r] = last[r].momentum;
     }
   }
 }
@@ -6186,7 +6267,7 @@ static void fbi_rotors_settle(fb_real *q, fb_real *pi, const fb_body *body, cons
 static FBI_NOINLINE fb_status fbi_central_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
                                                       const fb_state *state, const fb_input *input)
 {
-  fb_status status = fbi_velocity(k, body, state, input);
+  fb_status status = fbi_velocity(k, body, state, state->h, state->pi, input);
   if (status == FB_OK) {
     fbi_forces(k, body, state, input);
     status = fbi_central_add(k, body, state->rho, fbi_is_flying(body));
@@ -6215,7 +6296,7 @@ static fb_status fbi_further_rates(fb_state *rate, fbi_kinetics *k, const fb_bod
 #if FB_WITH_ROTORS
   case FB_EFFECT_ROTORS:
   case FB_EFFECT_ROTORS | FB_EFFECT_LARGE_DEFLECTION:
-    status = fbi_rotor_state_rates(rate, k, body, state, input);
+    status = fbi_rotor_state_rates(rate, k, body, state, input, further);
     break;
 #endif
   default:
@@ -6246,15 +6327,18 @@ static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state
 #if FB_WITH_ROTORS
   if (fbi_has_rotors(body)) {
     fbi_node_field f[FB_MAX_ROTORS];
-    fb_state own;
-    const fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input);
+    fbi_own_momenta own;
+    const fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input, fbi_acting(body));
+    if (status != FB_OK) {
+      return status;
+    }
     fbi_copy(state->pi, own.pi, body->n);
 #if FB_WITH_LARGE_DEFLECTION
-    if (status == FB_OK && fbi_is_large(body)) {
+    if (fbi_is_large(body)) {
       return fbi_large_elastic(k, body, state->pi);
     }
 #endif
-    return status;
+    return FB_OK;
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
@@ -6263,14 +6347,14 @@ static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state
     return status == FB_OK ? fbi_large_elastic(k, body, state->pi) : status;
   }
 #endif
-  return fbi_velocity(k, body, state, input);
+  return fbi_velocity(k, body, state, state->h, state->pi, input);
 }
 
 /* Rates of a body without lines and rotors */
 static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                  const fb_input *input)
 {
-  const fb_status status = fbi_velocity(k, body, state, input);
+  const fb_status status = fbi_velocity(k, body, state, state->h, state->pi, input);
   if (status != FB_OK) {
     return status;
   }
@@ -6287,7 +6371,7 @@ static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
 {
 #if FBI_WITH_FURTHER
   if (fbi_further(body)) {
-    return fbi_further_rates(rate, k, body, state, input, fbi_further(body));
+    return fbi_further_rates(rate, k, body, state, input, fbi_acting(body));
   }
 #endif
   return fbi_state_rates(rate, k, body, state, input);
@@ -6630,8 +6714,11 @@ static fb_status fbi_further_range(const fb_body *body, const fb_state *state, c
 {
   fb_status status = fbi_state_range(body, state);
 #if FB_WITH_ROTORS
-  if (status == FB_OK && !(fbi_is_finite(state->q + body->n, body->n_coordinate - body->n) &&
-                           fbi_is_finite(state->pi + body->n, body->n_coordinate - body->n))) {
+  fb_real sum = FB_R(0.0);
+  for (int a = body->n; a < body->n_coordinate; a++) {
+    sum += FB_FABS(state->q[a]) + FB_FABS(state->pi[a]);
+  }
+  if (status == FB_OK && !(sum <= FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_NOT_FINITE, "state: angles and momenta of rotors, finite", -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
@@ -6912,7 +6999,7 @@ static fb_status fbi_rotor_set(const fb_body *body, fb_state *state, int rotor, 
   FBI_WITH_LINES(k);
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
-  status = fbi_rotor_state_rates(&rate, &k, body, &at, input);
+  status = fbi_rotor_state_rates(&rate, &k, body, &at, input, fbi_acting(body));
   if (status != FB_OK) {
     return status;
   }
@@ -10656,10 +10743,10 @@ static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, cons
 #if FB_WITH_ROTORS
 /* ---- rotors inside the bodies of a system */
 
-/* What drives the rotors of body k; NULL: nothing. */
+/* What drives the rotors of body k. */
 static const fb_rotor_input *fbi_link_rotors_input(const fb_system_input *input, int k)
 {
-  return input ? input->rotor[k] : NULL;
+  return input ? input->rotor[k] : fbi_no_motors;
 }
 
 /* [E8.60] Momenta of a system without those of the rotors inside its bodies: p_i = A_i.G and pi contain them, with
@@ -10676,7 +10763,8 @@ static FBI_NOINLINE void fbi_links_rotors_sub(fb_system_work *w, const fb_system
     const fb_link_state *const x = &state->link[k];
     if (fbi_has_rotors(L->model)) {
       fbi_node_field f[FB_MAX_ROTORS];
-      fbi_rotors_sub(L->y + 3, L->pi, f, &L->k, L->model, x->q, x->pi + L->model->n, fbi_link_rotors_input(input, k));
+      (void)fbi_rotors_sub(L->y + 3, L->pi, L->pi, f, &L->k, L->model, x->q, x->pi + L->model->n,
+                           fbi_link_rotors_input(input, k), 1);
     }
   }
 }
@@ -10692,7 +10780,7 @@ static void fbi_link_rotors_turn(fb_real *q_dot, fb_real *pi_dot, fbi_link_work 
       fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
     }
   }
-  fbi_rotors_turn(q_dot, pi_dot, f, &L->k, L->model, input);
+  fbi_rotors_turn_apart(q_dot, pi_dot, f, &L->k, L->model, input);
 }
 
 /* k.rotor_speed alone */
@@ -10708,7 +10796,7 @@ static void fbi_link_rotors_look(fbi_link_work *L, const fb_rotor_input *input)
 static fb_real fbi_link_rotors_power(const fbi_link_work *L, const fb_rotor_input *input, int given)
 {
   fb_real power = FB_R(0.0);
-  for (int r = 0; input && r < L->model->n_rotor; r++) {
+  for (int r = 0; r < L->model->n_rotor; r++) {
     const fb_rotor *const rotor = &L->model->rotor[r];
     const fb_real speed = L->k.rotor_speed[r], brake = given ? fbi_rotor_friction(rotor, speed) : FB_R(0.0);
     power += !rotor->given ? input[r].torque * speed : given ? (input[r].torque - brake) * speed : FB_R(0.0);
@@ -12329,7 +12417,7 @@ static fb_status fbi_links_rotors_set(fb_system_state *state, fb_system_work *w,
     fbi_link_work *const L = &w->link[k];
     fb_link_state *const x = &state->link[k];
     fbi_zero(L->k.rotor_momentum, L->model->n_rotor);
-    fbi_link_rotors_look(L, NULL); /* rotor_speed: less that of the node */
+    fbi_link_rotors_look(L, fbi_no_motors); /* rotor_speed: less that of the node */
     for (int r = 0; r < L->model->n_rotor; r++) {
       const fb_rotor *const rotor = &L->model->rotor[r];
       const fb_real speed = motion && !rotor->given ? motion[k].rotor_speed[r] : FB_R(0.0);
@@ -15317,6 +15405,7 @@ static void fbi_frame_advance(fb_state *out, const fb_state *state, fb_real s, c
 /* The modes of out = state + s rate. */
 static void fbi_modes_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
 {
+  FBI_UNROLL_2
   for (int a = 0; a < n; a++) {
     out->q[a] = state->q[a] + s * rate->q[a];
     out->pi[a] = state->pi[a] + s * rate->pi[a];
@@ -15340,17 +15429,6 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* What stages have beside modes and momenta of the frame: rho, which distributed loads see, and rotors. */
-static void fbi_further_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
-                                const fb_state *rate)
-{
-  fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
-  for (int a = body->n; a < body->n_coordinate; a++) {
-    out->q[a] = state->q[a] + s * rate->q[a];
-    out->pi[a] = state->pi[a] + s * rate->pi[a];
-  }
-}
-
 /* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
                               const fb_state *rate, int further)
@@ -15361,10 +15439,10 @@ static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state
   if (fbi_form(body) != 0) {
     fbi_vec3_advance(out->L, state->L, s, rate->L);
   }
-  if (further) {
-    fbi_further_advance(out, body, state, s, rate);
+  if (further & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) { /* which see rho */
+    fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   }
-  fbi_modes_advance(out, state, s, rate, body->n);
+  fbi_modes_advance(out, state, s, rate, further & FB_EFFECT_ROTORS ? body->n_coordinate : body->n);
 }
 
 /* out = state + s rate; out may be state */
@@ -15872,8 +15950,13 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_central_turn: fbi_lambda_gradients fbi_lambda_sub fbi_S_gradient fbi_lines_gradient_add
      fbi_further_gravity: fbi_central_add
      fbi_rotor_state_rates: fbi_rotor_velocity fbi_forces fbi_imbalance_add fbi_elastic_rates fbi_rigid_rates
-                            fbi_rotors_turn
+                            fbi_rotors_turn fbi_rotors_turn_apart
      fbi_rotor_velocity: fbi_rotors_check fbi_rotors_enter fbi_velocity fbi_large_inertia fbi_large_solve
+     fbi_rotors_enter: fbi_rotors_sub fbi_rotors_enter_apart
+     fbi_rotors_enter_apart: fbi_rotors_sub
+     fbi_rotors_sub: fbi_rotor_sub
+     fbi_rotors_turn_apart: fbi_rotors_turn
+     fbi_rotors_turn: fbi_rotor_turn
      fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_further_gravity fbi_large_rates fbi_elastic_forces fbi_rigid_rates
      fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
      fbi_large_velocity: fbi_large_inertia fbi_large_solve
@@ -15950,16 +16033,17 @@ static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *
                                                  fb_real dt)
 {
   return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
-                                FB_EFFECT_LARGE_DEFLECTION | (fbi_is_central(body) ? FB_EFFECT_CENTRAL_GRAVITY : 0));
+                                FB_EFFECT_LARGE_DEFLECTION | fbi_acting(body));
 }
 #endif
 
 #if FB_WITH_ROTORS
-static FBI_NOINLINE fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                 fb_real dt)
+/* Of bodies with rotors alone, in line as that without them. */
+static FBI_NOINLINE FBI_FLATTEN fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                             const fb_input *start, const fb_input *middle,
+                                                             const fb_input *end, fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_further(body));
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_rotors_acting(body));
 }
 #endif
 
@@ -15968,7 +16052,8 @@ static FBI_NOINLINE fb_status fbi_central_rk4_step(const fb_body *body, fb_state
                                                    const fb_input *start, const fb_input *middle, const fb_input *end,
                                                    fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_CENTRAL_GRAVITY);
+  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
+                                FB_EFFECT_CENTRAL_GRAVITY | fbi_acting(body));
 }
 #endif
 
@@ -15976,7 +16061,7 @@ static fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_r
                                       const fb_input *middle, const fb_input *end, fb_real dt)
 {
 #if FB_WITH_ROTORS
-  if (fbi_has_rotors(body)) {
+  if (fbi_further(body) == FB_EFFECT_ROTORS) {
     return fbi_rotor_rk4_step(body, state, work, start, middle, end, dt);
   }
 #endif
@@ -16723,7 +16808,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
 
     /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_further(body));
-    if (fbi_is_oriented(body, input, fbi_further(body))) {
+    if (fbi_is_oriented(body, input, fbi_acting(body))) {
       fb_quat_to_mat33(here.R, w->stage.quat);
     }
     status = fbi_rates(&w->rate, &here, body, &w->stage, input);
@@ -17080,7 +17165,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
 
   /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
-  if (fbi_is_oriented(body, input, fbi_further(body))) {
+  if (fbi_is_oriented(body, input, fbi_acting(body))) {
     fb_quat_to_mat33(k->R, z->quat);
   }
   status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
@@ -17692,9 +17777,9 @@ static fb_real fbi_link_rotors_spin(fb_system_work *w, const fb_system *system, 
       if (rotor->moves == first->moves && (!first->moves || rotor->node == first->node)) {
         const fb_real slope = rotor->damping + fbi_dry_friction(rotor->friction, rotor->friction_speed, FB_R(0.0));
         fb_real Wa[3];
-        fb_mat33_mul_vec3(Wa, W, own->rotor_axis[i]);
-        fbi_vec3_add(H, own->rotor_momentum[i], own->rotor_axis[i]);
-        spin += slope * (FB_R(1.0) / rotor->inertia + fb_vec3_dot(own->rotor_axis[i], Wa));
+        fb_mat33_mul_vec3(Wa, W, fbi_rotor_axis(own, model, i));
+        fbi_vec3_add(H, own->rotor_momentum[i], fbi_rotor_axis(own, model, i));
+        spin += slope * (FB_R(1.0) / rotor->inertia + fb_vec3_dot(fbi_rotor_axis(own, model, i), Wa));
         spin += fbi_is_unbalanced(rotor) ? FB_FABS(own->rotor_momentum[i]) / rotor->inertia : FB_R(0.0);
       }
     }
@@ -28464,7 +28549,7 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
 static fb_status fbi_rotors_balanced(const fb_body *body, const fb_real *pi, const fb_rotor_input *input)
 {
   for (int r = 0; r < body->n_rotor; r++) {
-    const fb_real h = !body->rotor[r].given ? pi[body->n + r] : input ? input[r].momentum : FB_R(0.0);
+    const fb_real h = !body->rotor[r].given ? pi[body->n + r] : input[r].momentum;
     if (h != FB_R(0.0) && fbi_is_unbalanced(&body->rotor[r])) {
       return FBI_REFUSE(FB_ERR_UNREST, "rotor: momentum [N m s] of one with an imbalance, which turns with it; at rest",
                         r, h, FB_R(0.0));
@@ -28642,7 +28727,7 @@ static fb_status fbi_rotors_rest(const fb_body *body, const fb_real *speed, cons
 {
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real motor = input ? input[r].torque : FB_R(0.0);
+    const fb_real motor = input[r].torque;
     const fb_real brake = rotor->given ? FB_R(0.0) : fbi_rotor_friction(rotor, speed[r]);
     if (!(FB_FABS(motor + brake) <= FBI_UNREST * (FB_FABS(motor) + FB_FABS(brake)))) {
       return FBI_REFUSE(FB_ERR_UNREST, "rotor: torque [N m] of its motor, against its friction", r, motor, -brake);

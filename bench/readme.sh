@@ -295,10 +295,10 @@ compile() {
 }
 
 aero() {
-  make -s build/examples/wing_goland build/examples/ground_resonance
+  make -s build/examples/wing_goland build/examples/ground_resonance build/examples/rotor_flight
   {
     echo '```'
-    for program in wing_goland ground_resonance; do
+    for program in wing_goland ground_resonance rotor_flight; do
       [ $program = wing_goland ] || echo
       build/examples/$program --out "$out/$program.csv" | grep -v -e '^curves' -e '^picture'
     done

@@ -14,10 +14,11 @@ enum { LAG, FLAP };            /* axes of the hinge */
 typedef struct fidelity { /* of a run */
   const char *name;
   int flexible, lag; /* 0: blades rigid, lag hinge locked */
+  double GJ;         /* [N m^2] of blades that also twist, as lines of large deflection; 0: they do not */
 } fidelity;
 
-/* A uniform blade along x, y toward its leading edge: two bending modes of flap, one of lag, clamped to the pitch
-   bearing. The crosses of the hinges have no mass. */
+/* A uniform blade along x, y toward its leading edge: two bending modes of flap, one of lag, perhaps one of torsion,
+   clamped to the pitch bearing. The crosses of the hinges have no mass. */
 static inline void make_bodies(fb_body model[MODELS], const rotor_data *d, const fidelity *f)
 {
   static fb_build_work scratch;
@@ -27,13 +28,15 @@ static inline void make_bodies(fb_body model[MODELS], const rotor_data *d, const
   const fb_section plate = {.mass = (fb_real)d->mass, /* as wide as the chord */
                             .EI_y = (fb_real)d->ei_flap,
                             .EI_z = (fb_real)d->ei_lag,
+                            .GJ = (fb_real)f->GJ,
                             .i_z = (fb_real)(d->mass * d->chord * d->chord / 12)};
   const fb_beam_desc beam = {.length = length, .n_element = 8, .n_station = 1, .station = {plate}};
-  const fb_modes_desc keep = {.count = {1, 2}};
+  const fb_modes_desc keep = {.count = {1, 2, 0, f->GJ > 0}};
+  const unsigned bends = f->GJ > 0 ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL;
   fb_build_desc blade = {
       .n_part = 1,
       .part = {{.n_node = TIP, .node = {[STRIPS] = length}}},
-      .body = {.effects = f->flexible ? FB_EFFECTS_FULL : FB_EFFECTS_RIGID, .base = FB_BASE_PRESCRIBED}};
+      .body = {.effects = f->flexible ? bends : (unsigned)FB_EFFECTS_RIGID, .base = FB_BASE_PRESCRIBED}};
   for (int i = 0; i < STRIPS; i++) {
     blade.part[0].node[i] = (fb_real)(strip_radius(d, i) - d->offset);
   }

@@ -65,7 +65,8 @@ static inline fb_status boom_shape(fb_shape *shape, int *tip, const boom *b)
 }
 
 /* The reference boom on a rigid hub of 500 kg: natural modes along y, z and x, each damped by zeta where damping is
-   among the effects. points: along the boom, for large deflection; 0: as many as the library takes. */
+   among the effects, with three wheels on the hub where rotors are. points: along the boom, for large deflection; 0: as
+   many as the library takes. */
 static inline fb_status boom_craft_points(fb_body *body, fb_base base, int y, int z, int axial, unsigned effects,
                                           fb_real zeta, int points)
 {
@@ -94,6 +95,13 @@ static inline fb_status boom_craft_points(fb_body *body, fb_base base, int y, in
   for (int k = 0; k < FB_MAX_MODES; k++) {
     desc.zeta[k] = effects & FB_EFFECT_DAMPING ? zeta : FB_R(0.0);
   }
+#if FB_WITH_ROTORS
+  for (int r = 0; r < 3 && r < FB_MAX_ROTORS && (effects & FB_EFFECT_ROTORS); r++) {
+    desc.rotor[r].axis[r] = FB_R(1.0);
+    desc.rotor[r].inertia = FB_R(0.1); /* [kg m^2] */
+    desc.n_rotor = r + 1;
+  }
+#endif
   status = fb_beam_init(&beam, &beam_desc);
   status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
   status = status ? status : fb_shape_init(&shape, modes.n);

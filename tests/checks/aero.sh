@@ -5,7 +5,7 @@
 try ${CC:-cc} $c99 -O1 -o "$out/parts" tests/checks/aero.c -lm
 "$out/parts" > "$out/log" || fail "$(grep FAILED "$out/log")"
 count=$(grep -c ' ok$' "$out/log")
-for program in wing_goland ground_resonance; do
+for program in wing_goland ground_resonance rotor_flight; do
   try build/examples/$program --out "$out/$program.csv"
   ! grep -q FAILED "$out/log" || fail "$program ends well although a check of it failed"
   count=$((count + $(grep -c ' ok$' "$out/log")))
