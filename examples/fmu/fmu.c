@@ -216,6 +216,7 @@ static int write_sources(const fmu_export *e, const char *sources)
 {
   static const char *const common[] = {"flexbeam.h",
                                        "flexbeam_impl.h",
+                                       "examples/common/clear.h",
                                        "examples/common/refusal.h",
                                        "examples/fmu/fmu_variables.h",
                                        "examples/fmu/fmu_body.h",
@@ -240,6 +241,7 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                         "sources/examples/fmu"};
   static const char *const all[] = {"flexbeam.h",
                                     "flexbeam_impl.h",
+                                    "examples/common/clear.h",
                                     "examples/common/csv.h",
                                     "examples/common/filter.h",
                                     "examples/common/linear_out.h",
@@ -659,27 +661,29 @@ static int write_resources(const fmu_export *e, const char *file, double step)
   return output_close(list, "flexbeam.txt") != 0;
 }
 
+static fmu_plant staged; /* the scene, as an instance has it */
+
 /* The scene as its FMU has it: that it starts, and its variables. */
 static int open_scene(fmu_export *e)
 {
-  static fmu_plant p;
+  fmu_plant *const p = &staged;
   static fmu_plant_state state;
   static double value[FMU_SCENE_VARIABLES];
   char resources[MAX_PATH];
   fmu_text text = "";
   fmu_answer answer;
   folder_path(resources, "resources");
-  answer = fmu_plant_open(&p, resources, text);
+  answer = fmu_plant_open(p, resources, text);
   if (answer == FMU_OK) {
-    const fmu_values all = {e->list, fmu_plant_variables(&p, e->list), value};
+    const fmu_values all = {e->list, fmu_plant_variables(p, e->list), value};
     e->n = all.n;
     for (int k = 0; k < e->n; k++) {
       value[k] = e->list[k].start;
     }
-    strcpy(e->token, fmu_plant_token(&p));
-    answer = fmu_plant_start(&p, &state, &all, text);
-    answer = answer ? answer : fmu_plant_outputs(&p, &state, &all, text);
-    answer = answer ? answer : fmu_plant_step(&p, &state, &all, 0, timing.interval, text);
+    strcpy(e->token, fmu_plant_token(p));
+    answer = fmu_plant_start(p, &state, &all, text);
+    answer = answer ? answer : fmu_plant_outputs(p, &state, &all, text);
+    answer = answer ? answer : fmu_plant_step(p, &state, &all, 0, timing.interval, text);
   }
   e->title = staged.s.title[0] ? staged.s.title : e->name;
   e->stop = staged.s.duration;
@@ -694,7 +698,7 @@ static int open_scene(fmu_export *e)
 static int check_scene(const char *file)
 {
   fmu_text text = "";
-  const fmu_answer answer = fmu_scene_read(file, NULL, 0, text);
+  const fmu_answer answer = fmu_scene_read(&staged, file, NULL, 0, text);
   if (answer != FMU_OK) {
     fprintf(stderr, "fmu: %s\n", text);
   }

@@ -250,16 +250,16 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
   if (!c || !state || !size) {
     return refused((fmu *)c, "the size of a state wants a state and a place");
   }
-  *size = sizeof(fmu_saved);
+  *size = ((const fmu_saved *)state)->size;
   return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-  if (!c || !state || !bytes || size < sizeof(fmu_saved)) {
+  if (!c || !state || !bytes || size < ((const fmu_saved *)state)->size) {
     return refused((fmu *)c, "a serialized state wants a state and as many bytes as fmi2SerializedFMUstateSize tells");
   }
-  memcpy(bytes, state, sizeof(fmu_saved));
+  memcpy(bytes, state, ((const fmu_saved *)state)->size);
   return fmi2OK;
 }
 

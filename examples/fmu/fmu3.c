@@ -275,17 +275,17 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
   if (!instance || !state || !size) {
     return refused((fmu *)instance, "the size of a state wants a state and a place");
   }
-  *size = sizeof(fmu_saved);
+  *size = ((const fmu_saved *)state)->size;
   return fmi3OK;
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-  if (!instance || !state || !bytes || size < sizeof(fmu_saved)) {
+  if (!instance || !state || !bytes || size < ((const fmu_saved *)state)->size) {
     return refused((fmu *)instance,
                    "a serialized state wants a state and as many bytes as fmi3SerializedFMUStateSize tells");
   }
-  memcpy(bytes, state, sizeof(fmu_saved));
+  memcpy(bytes, state, ((const fmu_saved *)state)->size);
   return fmi3OK;
 }
 

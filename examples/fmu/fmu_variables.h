@@ -84,6 +84,12 @@ typedef char fmu_text[768];
 #define FMU_NAME ((size_t)96)   /* characters of the name of a variable */
 #define FMU_PATH ((size_t)1024) /* of a folder */
 
+typedef struct fmu_span { /* a part of a state */
+  void *at;
+  size_t bytes;
+} fmu_span;
+#define FMU_MAX_SPANS 24
+
 #define FMU_SAME 1e-9 /* relative difference of times that are the same */
 
 typedef struct fmu_values { /* numbers of variables */

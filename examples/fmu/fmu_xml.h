@@ -217,8 +217,7 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
           "  <CoSimulation modelIdentifier=\"%s\" canHandleVariableCommunicationStepSize=\"true\"\n"
           "    canBeInstantiatedOnlyOncePerProcess=\"%s\" canGetAndSetFMU%s=\"true\" canSerializeFMU%s=\"true\"\n"
           "    providesDirectionalDerivative%s=\"true\"",
-          e->name, fmu_true[e->is_static || !e->body], two ? "state" : "State", two ? "state" : "State",
-          two ? "" : "s");
+          e->name, fmu_true[e->is_static], two ? "state" : "State", two ? "state" : "State", two ? "" : "s");
   if (two) {
     fprintf(out,
             " canNotUseMemoryManagementFunctions=\"%s\">\n"

@@ -32,11 +32,12 @@ def want(true, what):
 class Instance:
     """One FMU of FMI 2 or 3 with its variables by name; vectors in both, as lists of value references."""
 
-    def __init__(self, file, initialize=True, stop=None, **settings):
+    def __init__(self, file, initialize=True, stop=None, beside=None, **settings):
+        """beside: an instance whose library it shares."""
         self.file = file
         self.description = fmpy.read_model_description(str(file))
         self.two = self.description.fmiVersion == "2.0"
-        self.folder = fmpy.extract(str(file))
+        self.folder, self.owns = (beside.folder, False) if beside else (fmpy.extract(str(file)), True)
         self.variables, self.role, self.first = {}, {}, {}
         for v in self.description.modelVariables:
             name = v.name.split("[")[0]
@@ -51,7 +52,7 @@ class Instance:
         try:
             self.instantiate()
         except Exception:
-            shutil.rmtree(self.folder)
+            self.clean()
             raise
         if initialize:
             self.initialize(stop=stop, **settings)
@@ -134,9 +135,17 @@ class Instance:
             rows.append(self.outputs())
         return rows
 
+    def clean(self):
+        if self.owns:
+            shutil.rmtree(self.folder)
+
+    def free(self):
+        """The instance goes, its library stays."""
+        (self.fmu.fmi2FreeInstance if self.two else self.fmu.fmi3FreeInstance)(self.fmu.component)
+
     def close(self):
         self.fmu.freeInstance()
-        shutil.rmtree(self.folder)
+        self.clean()
 
 
 def start(file, **settings):

@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import time
 import zipfile
 from pathlib import Path
@@ -284,6 +285,68 @@ def steps(one, begin, length):
     return rows
 
 
+def check_several():
+    """Instances of one library, with other parameters: in turns and in threads of their own they move as each alone, one
+    is built while others move, and a saved state goes from one to the other."""
+    angles = 0.1, 0.2, 0.3, 0.4
+    for version in 2, 3:
+        file = folder / f"satellite_control{version}.fmu"
+        alone = []
+        for angle in angles:
+            one = Instance(file, **{"parameter.angle": angle})
+            alone.append(rows_of(one, 40, 0.1))
+            one.close()
+        first = Instance(file, **{"parameter.angle": angles[0]})
+        ones = [first] + [Instance(file, beside=first, **{"parameter.angle": angle}) for angle in angles[1:]]
+        rows = [[outputs(one)] for one in ones]
+        for k in range(20):
+            for one, of in zip(ones, rows):
+                of += rows_of(one, 1, 0.1, k)[1:]
+        want(rows == [of[:21] for of in alone], f"{file}: instances in turns disturb each other")
+        state = ones[1].fmu.getFMUState()
+        bytes_of = ones[1].fmu.serializeFMUState(state)
+        threads = [threading.Thread(target=lambda one=one, of=of: of.extend(rows_of(one, 20, 0.1, 20)[1:])) for one, of in zip(ones, rows)]
+        for thread in threads:
+            thread.start()
+        late = Instance(file, beside=first, **{"parameter.angle": angles[2]})
+        early = rows_of(late, 5, 0.1)
+        for thread in threads:
+            thread.join()
+        want(rows == alone and early == alone[2][:6], f"{file}: instances in threads disturb each other")
+        back = late.fmu.deserializeFMUState(bytes_of)
+        late.fmu.setFMUState(back)
+        late.time = ones[1].time = 2.0
+        ones[1].fmu.setFMUState(state)
+        for one in late, ones[1]:
+            want(rows_of(one, 20, 0.1, 20) == alone[1][20:], f"{file}: the motion after the state of another instance is another one")
+        for one in [late] + ones[1:]:
+            one.free()
+        first.close()
+
+
+def check_size():
+    """[kB] of a saved state and of an instance: what the process has more after five more, each."""
+    sizes = []
+    for name in "satellite_control", "spacecraft", "whirl":
+        first = Instance(folder / f"{name}3.fmu")
+        state = first.fmu.getFMUState()
+        begin = resident()
+        more = [Instance(folder / f"{name}3.fmu", beside=first) for _ in range(5)]
+        for one in more:
+            rows_of(one, 3, interval(one))
+        sizes.append((name, len(first.fmu.serializeFMUState(state)) / 1000, (resident() - begin) / 5000))
+        want(sizes[-1][1] < 10 and sizes[-1][2] < 12000, f"{name}: a state of {sizes[-1][1]} kB, an instance of {sizes[-1][2]} kB")
+        for one in more:
+            one.free()
+        first.close()
+    return sizes
+
+
+def resident():
+    """Bytes of this process in memory."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+
 def check_derivatives():
     """Directional derivatives are differences of outputs, and the D of --linear; outputs without dependencies do not
     follow inputs."""
@@ -336,8 +399,7 @@ def refuses(what, call, log, *words):
 
 
 def forget(one):
-    """Its instance goes, its library stays."""
-    (one.fmu.fmi2FreeInstance if one.two else one.fmu.fmi3FreeInstance)(one.fmu.component)
+    one.free()
     one.log.clear()
 
 
@@ -351,8 +413,6 @@ def damaged(name, change):
 
 def check_refusals():
     global refusals
-    one = Instance(folder / "driven2.fmu", initialize=False)
-    refuses("a second instance", one.instantiate, one.log, "an instance in this process already")
     for change, words in ((lambda at: (at / "driven.txt").unlink(), ["driven.txt", "No such file"]),
                           (lambda at: (at / "flexbeam.txt").unlink(), ["flexbeam.txt", "No such file"]),
                           (lambda at: (at / "driven.txt").write_text(DRIVEN.replace("900 900", "901 900")), ["token"]),
@@ -458,6 +518,8 @@ timed(check_parameters)
 timed(check_inputs)
 timed(check_odd_steps)
 saved = timed(check_states)
+timed(check_several)
+sizes = timed(check_size)
 slope = timed(check_derivatives)
 timed(check_refusals)
 timed(check_folders)
@@ -465,4 +527,5 @@ speeds = timed(check_speed)
 if "--times" in sys.argv:
     print(" ".join(f"{b - a:.1f}" for a, b in zip(times, times[1:])))
 print(f"{moved} scenes valid in FMI 2.0 and 3.0, {numbers} outputs as their runs have them, {still} without motion refused, states of {saved}, "
+      f"of a state and an instance {', '.join(f'{name} {state:.1f} kB and {whole / 1000:.1f} MB' for name, state, whole in sizes)}, "
       f"derivatives to {slope:.1g}, {refusals} refusals, 1 kHz with {speeds[0]:.0f} and {speeds[1]:.0f} times to spare")
