@@ -301,8 +301,16 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference reference[], size_t n,
                                         const fmi2Integer order[], fmi2Real value[])
 {
-  (void)reference, (void)n, (void)order, (void)value;
-  return refused((fmu *)c, "there are no derivatives of outputs (maxOutputDerivativeOrder is 0)");
+  fmu *const f = (fmu *)c;
+  if (!f || !reference || !order || !value || n > FMU_MAX_VALUES) {
+    return refused(f, "derivatives by time want lists of outputs and orders, and places");
+  }
+  for (size_t k = 0; k < n; k++) {
+    if (order[k] != 1) {
+      return refused(f, "derivatives by time are of order 1 (maxOutputDerivativeOrder)");
+    }
+  }
+  return told(f, fmu_rates(f, value, reference, (int)n));
 }
 
 /* ---- steps */

@@ -346,15 +346,31 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
                                     const fmi3ValueReference known[], size_t n_known, const fmi3Float64 seed[],
                                     size_t n_seed, fmi3Float64 change[], size_t n_change)
 {
-  (void)unknown, (void)n_unknown, (void)known, (void)n_known, (void)seed, (void)n_seed, (void)change, (void)n_change;
-  return refused((fmu *)instance, "there are no adjoint derivatives (providesAdjointDerivatives is false)");
+  fmu *const f = (fmu *)instance;
+  unsigned of[FMU_MAX_VALUES], by[FMU_MAX_VALUES];
+  if (!f || !unknown || !known || !seed || !change || n_change > FMU_MAX_VALUES || n_seed > FMU_MAX_VALUES) {
+    return refused(f, "an adjoint derivative wants lists of outputs, their changes and inputs");
+  }
+  if (!spread(f, of, n_seed, unknown, n_unknown) || !spread(f, by, n_change, known, n_known)) {
+    return told(f, FMU_ERROR);
+  }
+  return told(f, fmu_adjoint(f, change, of, seed, (int)n_seed, by, (int)n_change));
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference reference[], size_t n,
                                     const fmi3Int32 order[], fmi3Float64 value[], size_t n_value)
 {
-  (void)reference, (void)n, (void)order, (void)value, (void)n_value;
-  return refused((fmu *)instance, "there are no derivatives of outputs (maxOutputDerivativeOrder is 0)");
+  fmu *const f = (fmu *)instance;
+  unsigned of[FMU_MAX_VALUES];
+  if (!f || !reference || !order || !value || n_value > FMU_MAX_VALUES) {
+    return refused(f, "derivatives by time want lists of outputs and orders, and places");
+  }
+  for (size_t k = 0; k < n; k++) {
+    if (order[k] != 1) {
+      return refused(f, "derivatives by time are of order 1 (maxOutputDerivativeOrder)");
+    }
+  }
+  return told(f, spread(f, of, n_value, reference, n) ? fmu_rates(f, value, of, (int)n_value) : FMU_ERROR);
 }
 
 /* ---- steps */

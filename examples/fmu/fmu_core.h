@@ -10,6 +10,8 @@
      fmu_plant_start(p, state, values, text)       the state that the parameters describe
      fmu_plant_step(p, state, values, from, length, text)
      fmu_plant_outputs(p, state, values, text)     fills in the outputs
+     fmu_plant_instant(p, h, state, values, text)  [s] short beside all that moves; FMU_ERROR: it has no derivatives
+     fmu_plant_ahead(p, state, values, h, text)    one accurate step of h: nothing that happens at instants happens
      fmu_plant_prepare(p, values, text)            what has to be built for the parameters
      fmu_plant_spans(p, span, state)               the parts of a state that this model has, where it is prepared: how many
 
@@ -389,6 +391,34 @@ static fmu_answer fmu_step(fmu *f, double from, double length)
 
 /* ---- derivatives */
 
+/* Are these numbers of outputs, or inputs? */
+static fmu_answer fmu_are(fmu *f, const unsigned *reference, int n, fmu_role role)
+{
+  for (int k = 0; k < n; k++) {
+    const fmu_variable *const v = fmu_find(f, reference[k], 0);
+    if (!v) {
+      return FMU_ERROR;
+    }
+    if (fmu_rows[v->kind].role != role) {
+      char name[FMU_NAME];
+      fmu_element_name(name, v, (int)reference[k] - v->first);
+      return fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs, by time or inputs: %s is no %s", name,
+                        role == FMU_OUTPUT ? "output" : "input");
+    }
+  }
+  return FMU_OK;
+}
+
+static fmu_answer fmu_are_finite(fmu *f, const double *x, int n)
+{
+  for (int k = 0; k < n; k++) {
+    if (!isfinite(x[k])) {
+      return fmu_refuse(f, FMU_ERROR, "a derivative along what is not finite");
+    }
+  }
+  return FMU_OK;
+}
+
 /* d unknown = (partial derivative of outputs by inputs at the present state) d known, for n_known numbers. Outputs are
    linear in forces and gravity: the difference of two of any distance is exact but for rounding, and less of that the
    larger the distance. */
@@ -396,21 +426,9 @@ static fmu_answer fmu_slope(fmu *f, double *change, const unsigned *unknown, int
                             const double *by, int n_known)
 {
   static const double reach = 1024;
-  fmu_answer answer = FMU_OK;
-  for (int k = 0; k < n_unknown + n_known && answer == FMU_OK; k++) {
-    const unsigned reference = k < n_unknown ? unknown[k] : known[k - n_unknown];
-    const fmu_variable *const v = fmu_find(f, reference, 0);
-    if (!v) {
-      answer = FMU_ERROR;
-    } else if (fmu_rows[v->kind].role != (k < n_unknown ? FMU_OUTPUT : FMU_INPUT)) {
-      char name[FMU_NAME];
-      fmu_element_name(name, v, (int)reference - v->first);
-      answer = fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs by inputs: %s is no %s", name,
-                          k < n_unknown ? "output" : "input");
-    } else if (k >= n_unknown && !isfinite(by[k - n_unknown])) {
-      answer = fmu_refuse(f, FMU_ERROR, "a derivative along what is not finite");
-    }
-  }
+  fmu_answer answer = fmu_are(f, unknown, n_unknown, FMU_OUTPUT);
+  answer = answer ? answer : fmu_are(f, known, n_known, FMU_INPUT);
+  answer = answer ? answer : fmu_are_finite(f, by, n_known);
   answer = answer ? answer : fmu_started(f);
   if (answer != FMU_OK) {
     return answer;
@@ -430,6 +448,55 @@ static fmu_answer fmu_slope(fmu *f, double *change, const unsigned *unknown, int
   }
   memcpy(f->value, f->value_before, sizeof f->value);
   f->now.fresh = 0;
+  return answer;
+}
+
+/* d known = (that derivative, transposed) d unknown: column by column. */
+static inline fmu_answer fmu_adjoint(fmu *f, double *change, const unsigned *unknown, const double *by, int n_unknown,
+                                     const unsigned *known, int n_known)
+{
+  static const double one = 1;
+  double column[FMU_MAX_VALUES];
+  fmu_answer answer = fmu_are_finite(f, by, n_unknown);
+  for (int k = 0; k < n_known && answer == FMU_OK; k++) {
+    double sum = 0;
+    answer = fmu_slope(f, column, unknown, n_unknown, &known[k], &one, 1);
+    for (int i = 0; i < n_unknown && answer == FMU_OK; i++) {
+      sum += column[i] * by[i];
+    }
+    change[k] = sum;
+  }
+  return answer;
+}
+
+/* Derivatives of outputs by time, inputs held: of the polynomial through the outputs now and at four instants ahead,
+   h apart, which a copy of the state goes to. Its error is h^4/5 times the fifth derivative. */
+static fmu_answer fmu_rates(fmu *f, double *rate, const unsigned *reference, int n)
+{
+  static const double weight[] = {0, 48, -36, 16, -3};
+  const fmu_values all = fmu_all(f);
+  double now[FMU_MAX_VALUES], h = 0;
+  fmu_answer answer = fmu_are(f, reference, n, FMU_OUTPUT);
+  answer = answer ? answer : fmu_refresh(f);
+  answer = answer ? answer : fmu_prepare(f);
+  answer = answer ? answer : fmu_plant_instant(&f->plant, &h, &f->state, &all, f->text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  memcpy(f->value_before, f->value, sizeof f->value);
+  fmu_copy_state(f, &f->state_before, &f->state);
+  for (int k = 0; k < n; k++) {
+    now[k] = f->value[reference[k]];
+    rate[k] = 0;
+  }
+  for (int ahead = 1; ahead < 5 && answer == FMU_OK; ahead++) {
+    answer = fmu_plant_ahead(&f->plant, &f->state_before, &all, h, f->text);
+    answer = answer ? answer : fmu_plant_outputs(&f->plant, &f->state_before, &all, f->text);
+    for (int k = 0; k < n && answer == FMU_OK; k++) {
+      rate[k] += weight[ahead] * (f->value[reference[k]] - now[k]) / (12 * h);
+    }
+  }
+  memcpy(f->value, f->value_before, sizeof f->value);
   return answer;
 }
 

@@ -655,6 +655,59 @@ static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu
   return FMU_OK;
 }
 
+/* As that of a body; and the step is short beside springs and functions of time. */
+static inline fmu_answer fmu_plant_instant(fmu_plant *p, double *h, const fmu_plant_state *state, const fmu_values *v,
+                                           fmu_text text)
+{
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_load(p, state, text);
+  if (answer == FMU_OK && p->s.is_exact) {
+    answer = fmu_scene_said(text, FMU_ERROR, "an exact beam has no derivatives of outputs by time");
+  }
+  if (answer == FMU_OK) {
+    const fb_real limit = scene_is_system(&p->s) ? fb_system_rk4_limit(&engine.system, engine.body, 0, 0)
+                                                 : fb_rk4_limit(&engine.body[0], 0, 0);
+    *h = fmin(fmin(FMU_INSTANT, (double)limit / 400), timing.longest / 10);
+  }
+  return answer;
+}
+
+/* Commands stay as they are. */
+static inline fmu_answer fmu_plant_ahead(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, double h,
+                                         fmu_text text)
+{
+  const scene *const s = &p->s;
+  const double t = state->time, side = t + 0.5 * h;
+  fb_status status = FB_OK;
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_load(p, state, text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  for (int k = 0; k < 3; k++) {
+    if (scene_is_system(s)) {
+      system_input(s, &engine.system_at[k], t + 0.5 * k * h, side);
+    } else {
+      single_input(s, &engine.at[k], t + 0.5 * k * h, side);
+    }
+  }
+  if (scene_is_system(s)) {
+    const fb_system_input *const in = engine.system_at;
+    status = fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &in[0], &in[1],
+                                &in[2], (fb_real)h);
+  } else {
+    const fb_input *const in = engine.at;
+    status = fb_rk4_step(&engine.body[0], &engine.state, &engine.by.work.rk4, &in[0], &in[1], &in[2], (fb_real)h);
+  }
+  fmu_scene_store(p, state);
+  state->time = t + h;
+  if (status != FB_OK) {
+    scene_failed(&p->s, "derivatives", status);
+    return fmu_scene_said(text, FMU_ERROR, p->s.message);
+  }
+  return FMU_OK;
+}
+
 static fmu_answer fmu_plant_outputs(fmu_plant *p, const fmu_plant_state *state, const fmu_values *v, fmu_text text)
 {
   scene *const s = &p->s;

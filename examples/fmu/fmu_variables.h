@@ -90,7 +90,8 @@ typedef struct fmu_span { /* a part of a state */
 } fmu_span;
 #define FMU_MAX_SPANS 24
 
-#define FMU_SAME 1e-9 /* relative difference of times that are the same */
+#define FMU_INSTANT 1e-4 /* [s] at most, between the outputs of which derivatives are made */
+#define FMU_SAME 1e-9    /* relative difference of times that are the same */
 
 typedef struct fmu_values { /* numbers of variables */
   const fmu_variable *variable;

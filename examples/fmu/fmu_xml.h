@@ -7,7 +7,7 @@
 
 typedef struct fmu_export {
   int fmi; /* 2, 3 */
-  int is_static;
+  int is_static, is_exact;
   double step;
   const char *name, *platform;
   char token[48];
@@ -216,15 +216,16 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
   fprintf(out,
           "  <CoSimulation modelIdentifier=\"%s\" canHandleVariableCommunicationStepSize=\"true\"\n"
           "    canBeInstantiatedOnlyOncePerProcess=\"%s\" canGetAndSetFMU%s=\"true\" canSerializeFMU%s=\"true\"\n"
-          "    providesDirectionalDerivative%s=\"true\"",
-          e->name, fmu_true[e->is_static], two ? "state" : "State", two ? "state" : "State", two ? "" : "s");
+          "    maxOutputDerivativeOrder=\"%d\" providesDirectionalDerivative%s=\"true\"",
+          e->name, fmu_true[e->is_static], two ? "state" : "State", two ? "state" : "State", !e->is_exact,
+          two ? "" : "s");
   if (two) {
     fprintf(out,
             " canNotUseMemoryManagementFunctions=\"%s\">\n"
             "    <SourceFiles><File name=\"%sfmu2.c\"/></SourceFiles>\n  </CoSimulation>\n",
             fmu_true[e->is_static], e->body ? "" : "examples/fmu/");
   } else {
-    fputs("/>\n", out);
+    fputs(" providesAdjointDerivatives=\"true\"/>\n", out);
   }
 }
 
