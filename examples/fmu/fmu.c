@@ -688,6 +688,7 @@ static int open_scene(fmu_export *e)
   e->title = staged.s.title[0] ? staged.s.title : e->name;
   e->stop = staged.s.duration;
   e->is_exact = staged.s.is_exact;
+  e->has_events = fmu_plant_has_events(&staged);
   e->step = timing.interval;
   if (answer != FMU_OK) {
     fprintf(stderr, "fmu: %s\n", text);

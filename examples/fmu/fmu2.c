@@ -318,8 +318,12 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real from, fmi2Real length, fmi2Boolean no_return)
 {
   fmu *const f = (fmu *)c;
+  fmu_answer answer = f ? fmu_step(f, from, length) : FMU_ERROR;
   (void)no_return;
-  return f ? told(f, fmu_step(f, from, length)) : fmi2Error;
+  if (answer == FMU_OK && f->stopped) {
+    answer = fmu_refuse(f, FMU_DISCARD, "the step ends at an event at %.12g s", f->now.time);
+  }
+  return f ? told(f, answer) : fmi2Error;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
@@ -333,7 +337,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status 
   return refused((fmu *)c, "steps are not asynchronous, none is pending");
 }
 
-/* The time that has been reached, also after a step that could not be made. */
+/* The time that has been reached, also after a step that could not be made, or ended at an event. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
 {
   const fmu *const f = (const fmu *)c;

@@ -85,7 +85,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 #endif
   fmu *const f = fmu_take(&calls);
   fmu_answer answer;
-  (void)name, (void)visible, (void)on, (void)early, (void)between, (void)update;
+  (void)name, (void)visible, (void)on, (void)between, (void)update;
   if (!f) {
     if (logger) {
       logger(environment, fmi3Error, "logStatusError", "there is no memory for one more instance");
@@ -95,9 +95,12 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
   f->host.logger = logger;
   f->host.environment = environment;
   answer = fmu_init(f, token, resources ? resources : "");
-  if (answer == FMU_OK && (events || n_between > 0)) {
-    answer = fmu_refuse(f, FMU_ERROR, "this FMU has no event mode and no intermediate updates");
+  if (answer == FMU_OK && ((events && !fmu_plant_has_events(&f->plant)) || n_between > 0)) {
+    answer =
+        fmu_refuse(f, FMU_ERROR, "this FMU has no %s", events ? "events and no event mode" : "intermediate updates");
   }
+  f->events = events;
+  f->early = early;
   if (told(f, answer) != fmi3OK) {
     fmu_give(f);
     return NULL;
@@ -132,7 +135,8 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
-  return refused((fmu *)instance, "this FMU has no event mode");
+  fmu *const f = (fmu *)instance;
+  return f ? told(f, fmu_change(f, FMU_STEPPING, FMU_EVENT, "event mode")) : fmi3Error;
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance)
@@ -377,7 +381,8 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance)
 {
-  return refused((fmu *)instance, "this FMU has no event mode to leave");
+  fmu *const f = (fmu *)instance;
+  return f ? told(f, fmu_change(f, FMU_EVENT, FMU_STEPPING, "the end of event mode")) : fmi3Error;
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 length, fmi3Boolean no_return,
@@ -390,7 +395,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 lengt
     return refused(f, "a step wants places for what it tells");
   }
   answer = f ? fmu_step(f, from, length) : FMU_ERROR;
-  *event = *terminate = *early = fmi3False;
+  *terminate = fmi3False;
+  *event = answer == FMU_OK && f->events && fmu_plant_is_due(&f->plant, &f->state);
+  *early = answer == FMU_OK && f->stopped;
   *reached = f ? f->now.time : from;
   return f ? told(f, answer) : fmi3Error;
 }
@@ -457,14 +464,21 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance)
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 {
-  return refused((fmu *)instance, "this FMU has no event mode");
+  return refused((fmu *)instance, "there are no discrete states to look at before an event happens");
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update, fmi3Boolean *terminate,
                                     fmi3Boolean *nominals, fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
 {
-  (void)update, (void)terminate, (void)nominals, (void)values, (void)defined, (void)next;
-  return refused((fmu *)instance, "this FMU has no event mode");
+  fmu *const f = (fmu *)instance;
+  fmu_answer answer;
+  if (!f || !update || !terminate || !nominals || !values || !defined || !next) {
+    return refused(f, "an update wants places for what it tells");
+  }
+  answer = fmu_happen(f, next);
+  *update = *terminate = *nominals = *values = fmi3False;
+  *defined = answer == FMU_OK && isfinite(*next);
+  return told(f, answer);
 }
 
 /* ---- functions of model exchange and scheduled execution: importers look for them in any FMU */

@@ -216,6 +216,30 @@ static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu
   return answer;
 }
 
+static inline double fmu_plant_until(const fmu_plant *p, const fmu_plant_state *state)
+{
+  (void)p, (void)state;
+  return HUGE_VAL;
+}
+
+static inline int fmu_plant_is_due(const fmu_plant *p, const fmu_plant_state *state)
+{
+  (void)p, (void)state;
+  return 0;
+}
+
+static inline int fmu_plant_has_events(const fmu_plant *p)
+{
+  (void)p;
+  return 0;
+}
+
+static inline fmu_answer fmu_plant_happen(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, fmu_text text)
+{
+  (void)p, (void)state, (void)v, (void)text;
+  return FMU_OK;
+}
+
 /* A fraction of what rk4 takes: its phase error over a step is beyond the digits. */
 static fmu_answer fmu_plant_instant(fmu_plant *p, double *h, const fmu_plant_state *state, const fmu_values *v,
                                     fmu_text text)

@@ -9,6 +9,10 @@
      fmu_plant_node(v)                             name of the node of a variable that has one
      fmu_plant_start(p, state, values, text)       the state that the parameters describe
      fmu_plant_step(p, state, values, from, length, text)
+     fmu_plant_until(p, state)                     [s] to the next event that is not due yet, HUGE_VAL: there is none
+     fmu_plant_is_due(p, state)                    is an event due?
+     fmu_plant_has_events(p)                       has it any?
+     fmu_plant_happen(p, state, values, text)      what is due happens, which the next step does otherwise
      fmu_plant_outputs(p, state, values, text)     fills in the outputs
      fmu_plant_instant(p, h, state, values, text)  [s] short beside all that moves; FMU_ERROR: it has no derivatives
      fmu_plant_ahead(p, state, values, h, text)    one accurate step of h: nothing that happens at instants happens
@@ -26,7 +30,7 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef enum fmu_mode { FMU_MADE, FMU_INITIALIZING, FMU_STEPPING, FMU_ENDED } fmu_mode;
+typedef enum fmu_mode { FMU_MADE, FMU_INITIALIZING, FMU_STEPPING, FMU_EVENT, FMU_ENDED } fmu_mode;
 
 typedef struct fmu_head {   /* what changes in every instance */
   int mode, started, fresh; /* is the state that of the parameters or later; are the outputs those of the state? */
@@ -56,6 +60,8 @@ typedef struct fmu {
   int n_variable, n_value;
   short owner[FMU_MAX_VALUES]; /* variable of a value reference */
   fmu_text text;
+  int events, early; /* does the importer use event mode; may a step end before its end? */
+  int stopped;       /* the last one did, at an event */
   fmu_plant plant;
 } fmu;
 
@@ -122,7 +128,7 @@ static fmu_answer fmu_init(fmu *f, const char *token, const char *resources)
 static fmu_answer fmu_wants(fmu *f, int mode, const char *call)
 {
   static const char *const when[] = {"before initialization", "in initialization", "after initialization",
-                                     "after the end"};
+                                     "in event mode", "after the end"};
   return f->now.mode == mode
              ? FMU_OK
              : fmu_refuse(f, FMU_ERROR, "%s is called %s; it belongs %s", call, when[f->now.mode], when[mode]);
@@ -167,13 +173,13 @@ static fmu_answer fmu_exit(fmu *f)
 {
   fmu_answer answer = fmu_wants(f, FMU_INITIALIZING, "the end of initialization");
   answer = answer ? answer : fmu_started(f);
-  f->now.mode = answer == FMU_OK ? (int)FMU_STEPPING : f->now.mode;
+  f->now.mode = answer != FMU_OK ? f->now.mode : f->events ? (int)FMU_EVENT : (int)FMU_STEPPING;
   return answer;
 }
 
 static fmu_answer fmu_end(fmu *f)
 {
-  const fmu_answer answer = fmu_wants(f, FMU_STEPPING, "the end");
+  const fmu_answer answer = f->now.mode == FMU_EVENT ? FMU_OK : fmu_wants(f, FMU_STEPPING, "the end");
   f->now.mode = answer == FMU_OK ? (int)FMU_ENDED : f->now.mode;
   return answer;
 }
@@ -215,6 +221,9 @@ static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double
   }
   if ((v->kind == FMU_DAMPING || v->kind == FMU_SCENE_STEP) && !(x >= 0)) {
     return fmu_refuse(f, FMU_ERROR, "%s is at least 0: %g", name, x);
+  }
+  if (v->kind == FMU_SCENE_EARLY && !(fabs(x) <= 0 || fabs(x - 1) <= 0)) {
+    return fmu_refuse(f, FMU_ERROR, "%s is 0 or 1: %g", name, x);
   }
   if (v->kind == FMU_INTEGRATOR && !(x >= 1 && x <= (double)FB_INTEGRATOR_COUNT)) {
     return fmu_refuse(f, FMU_ERROR, "%s is 1 to %d: %g", name, (int)FB_INTEGRATOR_COUNT, x);
@@ -368,16 +377,31 @@ static void fmu_copy_state(fmu *f, fmu_plant_state *to, fmu_plant_state *from)
   }
 }
 
-/* A communication step. FMU_DISCARD: the motion cannot be stepped so; the state is as before. */
+/* May a step end at an event? FMI 2 has a parameter for it. */
+static int fmu_is_early(const fmu *f)
+{
+  int early = f->early;
+  for (int k = 0; k < f->n_variable; k++) {
+    early |= f->variable[k].kind == FMU_SCENE_EARLY && f->value[f->variable[k].first] > 0;
+  }
+  return early;
+}
+
+/* A communication step. FMU_DISCARD: the motion cannot be stepped so; the state is as before. f->stopped: it went up to
+   an event, the time of which it is. */
 static fmu_answer fmu_step(fmu *f, double from, double length)
 {
   const fmu_values all = fmu_all(f);
+  double until;
   fmu_answer answer = fmu_wants(f, FMU_STEPPING, "a step");
   answer = answer ? answer : fmu_step_check(f, from, length);
   answer = answer ? answer : fmu_prepare(f);
   if (answer != FMU_OK) {
     return answer;
   }
+  until = fmu_is_early(f) ? fmu_plant_until(&f->plant, &f->state) : HUGE_VAL;
+  f->stopped = until < length * (1 - FMU_SAME);
+  length = f->stopped ? until : length;
   fmu_copy_state(f, &f->state_before, &f->state);
   answer = fmu_plant_step(&f->plant, &f->state, &all, from, length, f->text);
   if (answer != FMU_OK) {
@@ -386,6 +410,37 @@ static fmu_answer fmu_step(fmu *f, double from, double length)
   }
   f->value[0] = f->now.time = from + length;
   f->now.fresh = 0;
+  return FMU_OK;
+}
+
+/* ---- events */
+
+/* From the mode of steps to that of events, or back. */
+static inline fmu_answer fmu_change(fmu *f, int from, int to, const char *call)
+{
+  const fmu_answer answer =
+      f->events ? fmu_wants(f, from, call) : fmu_refuse(f, FMU_ERROR, "event mode was not asked for, or has no events");
+  f->now.mode = answer == FMU_OK ? to : f->now.mode;
+  return answer;
+}
+
+/* What is due happens; *next: the time of the next event, HUGE_VAL: none. */
+static inline fmu_answer fmu_happen(fmu *f, double *next)
+{
+  const fmu_values all = fmu_all(f);
+  fmu_answer answer = fmu_wants(f, FMU_EVENT, "an event");
+  answer = answer ? answer : fmu_prepare(f);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  fmu_copy_state(f, &f->state_before, &f->state);
+  answer = fmu_plant_happen(&f->plant, &f->state, &all, f->text);
+  if (answer != FMU_OK) {
+    fmu_copy_state(f, &f->state, &f->state_before);
+    return answer;
+  }
+  f->now.fresh = 0;
+  *next = f->now.time + fmu_plant_until(&f->plant, &f->state);
   return FMU_OK;
 }
 

@@ -13,7 +13,7 @@
 #include "fmu_variables.h"
 
 #define FMU_SCENE_INPUTS (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + SCENE_CONTROLS)
-#define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 2)
+#define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 3)
 typedef char
     fmu_scenes_have_room[FMU_SCENE_VARIABLES <= FMU_MAX_VARIABLES && FMU_SCENE_VARIABLES <= FMU_MAX_VALUES ? 1 : -1];
 
@@ -233,6 +233,9 @@ static void fmu_scene_list(fmu_plant *p, scene *s)
     v->direct = fmu_scene_is_direct(s, &s->output[k]);
   }
   fmu_scene_add(p, FMU_SCENE_STEP, "settings.step", "", "s")->start = p->step;
+  if (FMU_INTERFACE == 2 && s->n_event > 0) {
+    fmu_scene_add(p, FMU_SCENE_EARLY, "settings.early_return", "", "");
+  }
   for (int k = 0; k < s->n_parameter; k++) {
     fmu_variable *const v = fmu_scene_add(p, FMU_SCENE_PARAMETER, "parameter.", s->parameter[k].name, "-");
     v->node = k;
@@ -610,6 +613,31 @@ static int fmu_scene_same(double a, double b, double scale)
   return fabs(a - b) <= FMU_SAME * scale;
 }
 
+/* t, or the row that it is but for rounding. */
+static double fmu_scene_row(double t, double row)
+{
+  const double at = floor(t / row + 0.5) * row;
+  return fmu_scene_same(at, t, row) ? at : t;
+}
+
+/* [s] that are nothing */
+static double fmu_scene_slack(const fmu_plant *p)
+{
+  return FMU_SAME * p->s.duration / (double)p->clock.rows;
+}
+
+/* Is an event at *t, but for rounding? Then it is *t. */
+static int fmu_scene_is_event(const fmu_plant *p, double *t)
+{
+  for (int k = 0; k < p->s.n_event; k++) {
+    if (fabs(*t - p->s.event[k].t) <= fmu_scene_slack(p)) {
+      *t = p->s.event[k].t;
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* A communication step. Where it is a number of rows of the scene, those, to the last bit. Else one interval of its
    own, from a multiple of it to the next where the time is one: the same steps in each. */
 static fb_status fmu_scene_advance(fmu_plant *p, fmu_plant_state *state, double length, char when[96])
@@ -624,14 +652,19 @@ static fb_status fmu_scene_advance(fmu_plant *p, fmu_plant_state *state, double 
     }
     return status;
   }
+  last = state->time + length;
+  start = state->time;
+  if (fmu_scene_is_event(p, &last) || fmu_scene_is_event(p, &start)) {
+    last = fmu_scene_row(last, row);
+    return fmu_scene_interval(p, state, start, last, last - start, when);
+  }
   unit = fmu_scene_same(length, state->unit, length) ? state->unit : length;
   state->unit = unit;
   start = floor(state->time / unit + 0.5);
   if (fmu_scene_same(state->time, start * unit, unit)) {
     return fmu_scene_interval(p, state, start * unit, (start + 1) * unit, unit, when);
   }
-  last = floor((state->time + length) / row + 0.5) * row; /* a row, where it is one */
-  last = fmu_scene_same(last, state->time + length, row) ? last : state->time + length;
+  last = fmu_scene_row(state->time + length, row);
   return fmu_scene_interval(p, state, state->time, last, last - state->time, when);
 }
 
@@ -651,6 +684,45 @@ static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu
   if (status != FB_OK) {
     scene_failed(&p->s, when, status);
     return fmu_scene_said(text, FMU_DISCARD, p->s.message);
+  }
+  return FMU_OK;
+}
+
+/* ---- events: latches. They are in the order of time */
+
+static inline double fmu_plant_until(const fmu_plant *p, const fmu_plant_state *state)
+{
+  for (int k = state->event; k < p->s.n_event; k++) {
+    if (p->s.event[k].t - state->time > fmu_scene_slack(p)) {
+      return p->s.event[k].t - state->time;
+    }
+  }
+  return HUGE_VAL;
+}
+
+static inline int fmu_plant_is_due(const fmu_plant *p, const fmu_plant_state *state)
+{
+  return state->event < p->s.n_event && p->s.event[state->event].t - state->time <= fmu_scene_slack(p);
+}
+
+static inline int fmu_plant_has_events(const fmu_plant *p)
+{
+  return p->s.n_event > 0;
+}
+
+static inline fmu_answer fmu_plant_happen(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, fmu_text text)
+{
+  fb_status status;
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_load(p, state, text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  status = scene_happen(&p->s, &p->run.event, state->time);
+  fmu_scene_store(p, state);
+  if (status != FB_OK) {
+    scene_failed(&p->s, "event", status);
+    return fmu_scene_said(text, FMU_ERROR, p->s.message);
   }
   return FMU_OK;
 }

@@ -32,9 +32,9 @@ def want(true, what):
 class Instance:
     """One FMU of FMI 2 or 3 with its variables by name; vectors in both, as lists of value references."""
 
-    def __init__(self, file, initialize=True, stop=None, beside=None, **settings):
-        """beside: an instance whose library it shares."""
-        self.file = file
+    def __init__(self, file, initialize=True, stop=None, beside=None, early=False, events=False, **settings):
+        """beside: an instance whose library it shares. early, events: early return, event mode of FMI 3."""
+        self.file, self.asks = file, {"earlyReturnAllowed": early, "eventModeUsed": events}
         self.description = fmpy.read_model_description(str(file))
         self.two = self.description.fmiVersion == "2.0"
         self.folder, self.owns = (beside.folder, False) if beside else (fmpy.extract(str(file)), True)
@@ -66,7 +66,7 @@ class Instance:
             self.calls.freeMemory = fmi2.defaultCallbacks.freeMemory
             self.fmu.instantiate(callbacks=self.calls)
         else:
-            self.fmu.instantiate(logMessage=lambda e, s, c, message: self.log.append(message.decode()))
+            self.fmu.instantiate(logMessage=lambda e, s, c, message: self.log.append(message.decode()), **self.asks)
 
     def initialize(self, stop=None, integrator=None, **settings):
         if self.two:

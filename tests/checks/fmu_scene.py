@@ -406,6 +406,82 @@ def check_rates():
     return most
 
 
+def check_events():
+    """A step ends at a latch, where the importer allows it, and tells its time; from there the rows are those of the run.
+    In event mode the latch acts when it is told to: what it holds stands still, the momentum stays, the next step is the
+    same. Left alone a step goes through."""
+    latch, early = 7.733, {"settings.early_return": 1.0}
+    expected = run_of(scenes / "deployment.txt", f"latch={latch}")
+    for what, version, asks in (("FMI 2", 2, {}), ("FMI 3", 3, {"early": True}), ("event mode", 3, {"early": True, "events": True})):
+        one = Instance(folder / f"deployment{version}.fmu", **{"parameter.latch": latch}, **(early if version == 2 else {}), **asks)
+        if "events" in asks:
+            want(one.fmu.updateDiscreteStates()[-2:] == (True, 1.0), "the first event is at 1 s")
+            one.fmu.enterStepMode()
+        met, rows, k = [], [outputs(one)], 0
+        while len(rows) < 420:
+            step_early(one, k * 0.02 + 0.02, met)
+            if abs(one.time - (k + 1) * 0.02) < 1e-9:
+                rows.append(outputs(one))
+                k += 1
+            if met and met[-1] == one.time:
+                at_event(one, asks, latch)
+        want(met == ([1.0, latch] if "events" in asks else [latch]), f"{what}: events at {met}")
+        compare(f"{what}, a step ends at the latch", rows, expected)
+        one.close()
+    for name, asks, words in (("deployment3", {}, "not asked for"), ("driven3", {"events": True}, "instantiate")):
+        log = []
+        refuses(f"event mode of {name}", lambda: enter_events(name, asks, log), log, words)
+    through = Instance(folder / "deployment2.fmu", **{"parameter.latch": latch})
+    compare("through the latch", rows_of(through, 420, 0.02), expected)
+    through.close()
+    rows = fmpy.simulate_fmu(str(folder / "deployment3.fmu"), early_return_allowed=True, use_event_mode=True, stop_time=9)
+    compare("event mode of FMPy", [[f"{x:.12g}" for x in list(row)[1:]] for k, row in enumerate(rows[:380]) if k == 0 or row[0] > rows[k - 1][0]],
+            run_of(scenes / "deployment.txt"))
+
+
+def step_early(one, end, met):
+    """To end, or to an event before it, the time of which becomes the last of met."""
+    if one.two:
+        try:
+            one.step_to(end)
+        except fmpy.fmi1.FMICallException as refusal:
+            want(refusal.status == 2 and "event" in one.log[-1], f"FMI 2: {refusal}")
+            one.time = one.fmu.getRealStatus(2)
+            met.append(one.time)
+        return
+    needed, terminate, stopped, one.time = one.fmu.doStep(one.time, end - one.time)
+    want(not terminate and (not needed or one.asks["eventModeUsed"]), "a step tells of what was not asked for")
+    if needed or stopped:
+        met.append(round(one.time, 9))
+        one.time = met[-1] if abs(one.time - met[-1]) < 1e-12 else one.time
+
+
+def at_event(one, asks, latch):
+    if "events" not in asks:
+        return
+    before = dict(zip(one.names("output"), one.outputs()))
+    one.fmu.enterEventMode()
+    told = one.fmu.updateDiscreteStates()
+    after = dict(zip(one.names("output"), one.outputs()))
+    one.fmu.enterStepMode()
+    want(told == ((False, False, False, False, True, latch) if one.time < 2 else (False, False, False, False, False, told[-1])),
+         f"an update tells {told}")
+    want(after["output.angle"] == before["output.angle"] and abs(after["output.momentum"] - before["output.momentum"]) < 1e-9,
+         "an event moves what it should not")
+    if one.time > 2:
+        spin = rates(one, ["output.angle"])[0]
+        want(abs(spin) < 1e-9 and abs(after["output.hub_rate"] - before["output.hub_rate"]) > 1e-4, "the latch does not act")
+
+
+def enter_events(name, asks, log):
+    one = Instance(folder / f"{name}.fmu", **asks)
+    try:
+        one.fmu.enterEventMode()
+    finally:
+        log += one.log
+        one.close()
+
+
 def refuses(what, call, log, *words):
     global refusals
     n = len(log)
@@ -543,6 +619,7 @@ timed(check_several)
 sizes = timed(check_size)
 slope = timed(check_derivatives)
 slower = timed(check_rates)
+timed(check_events)
 timed(check_refusals)
 timed(check_folders)
 speeds = timed(check_speed)
