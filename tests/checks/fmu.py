@@ -9,6 +9,9 @@ import shutil
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree
+import zipfile
+import zlib
 from pathlib import Path
 
 import fmpy
@@ -202,6 +205,28 @@ def check_motion(model):
 
 def worst(a, b):
     return f"{max(abs(x - y) for p, q in zip(a, b) for x, y in zip(p, q)):g} apart"
+
+
+def check_icon(version):
+    """Where the standard has it, a picture with something on it and something left free; a page of documentation."""
+    with zipfile.ZipFile(folder / f"satellite{version}.fmu") as packed:
+        names = packed.namelist()
+        icon = packed.read("model.png" if version == 2 else "terminalsAndIcons/icon.png")
+        want("documentation/index.html" in names and "documentation/licenses/license.txt" in names, f"FMI {version}: documentation: {names}")
+        if version == 3:
+            lines = xml.etree.ElementTree.fromstring(packed.read("terminalsAndIcons/icon.svg"))
+            want(lines.tag.endswith("svg") and len(lines) == 3, "icon.svg")
+    chunks, at = {}, 8
+    want(icon[:8] == b"\x89PNG\r\n\x1a\n", "the icon is no PNG")
+    while at < len(icon):
+        n, kind = int.from_bytes(icon[at:at + 4], "big"), icon[at + 4:at + 8]
+        chunks[kind] = icon[at + 8:at + 8 + n]
+        want(zlib.crc32(kind + chunks[kind]) == int.from_bytes(icon[at + 8 + n:at + 12 + n], "big"), "a check word of the icon")
+        at += 12 + n
+    pixels = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(128, 257)
+    alpha = pixels[:, 2::2]
+    want(chunks[b"IHDR"] == bytes([0, 0, 0, 128, 0, 0, 0, 128, 8, 4, 0, 0, 0]) and not pixels[:, :2].any() and
+         0.05 < np.mean(alpha == 255) < 0.3 and np.mean(alpha == 0) > 0.6 and (alpha == alpha[:, ::-1]).all(), "the icon")
 
 
 def check_integrators():
@@ -486,6 +511,7 @@ def main():
     check_damping(str(folder / "damped.txt"))
     slopes, slower = [], []
     for version in 2, 3:
+        check_icon(version)
         other = start(folder / f"two_booms{version}.fmu")
         foreign = other.fmu.serializeFMUState(other.fmu.getFMUState())
         saved = check_states(version)
