@@ -11,7 +11,7 @@ static int fmu_fmi; /* version of FMI */
 #include "../tools/words.h"
 #include "../common/options.h"
 #include "../common/output.h"
-#include "fmu_xml.h"
+#include "fmu_icon.h"
 #include <sys/stat.h>
 #include <sys/utsname.h>
 #include <sys/wait.h>
@@ -216,6 +216,7 @@ static int write_sources(const fmu_export *e, const char *sources)
 {
   static const char *const common[] = {"flexbeam.h",
                                        "flexbeam_impl.h",
+                                       "examples/common/clear.h",
                                        "examples/common/refusal.h",
                                        "examples/fmu/fmu_variables.h",
                                        "examples/fmu/fmu_body.h",
@@ -240,6 +241,7 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                         "sources/examples/fmu"};
   static const char *const all[] = {"flexbeam.h",
                                     "flexbeam_impl.h",
+                                    "examples/common/clear.h",
                                     "examples/common/csv.h",
                                     "examples/common/filter.h",
                                     "examples/common/linear_out.h",
@@ -283,11 +285,21 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
   return failed || (e->fmi == 3 && folder_write("sources/buildDescription.xml", fmu_write_build, e));
 }
 
+/* The icon: of FMI 2 beside the model description, of FMI 3 in a folder of its own. */
+static int write_icon(const fmu_export *e)
+{
+  if (e->fmi == 2) {
+    return folder_write("model.png", icon_write_png, e);
+  }
+  return folder_make("terminalsAndIcons") || folder_write("terminalsAndIcons/icon.png", icon_write_png, e) ||
+         folder_write("terminalsAndIcons/icon.svg", icon_write_svg, e);
+}
+
 static int write_documents(const fmu_export *e, const char *sources)
 {
   int failed = folder_make("documentation") || folder_make("documentation/licenses");
   failed = failed || folder_copy("documentation/licenses/license.txt", sources, "LICENSE");
-  failed = failed || folder_write("documentation/index.html", fmu_write_page, e);
+  failed = failed || folder_write("documentation/index.html", fmu_write_page, e) || write_icon(e);
   return failed || folder_write("modelDescription.xml", fmu_write_description, e);
 }
 
@@ -375,32 +387,24 @@ static int compile(const fmu_export *e, const char *binary)
   return status != 0;
 }
 
-static int pack(const char *out, int is_scene)
+static int pack(const char *out, const fmu_export *e)
 {
-  char *const zip[] = {(char *)"zip",
-                       (char *)"-q",
-                       (char *)"-X",
-                       (char *)"-r",
-                       (char *)"model.zip",
-                       (char *)"modelDescription.xml",
-                       (char *)"binaries",
-                       (char *)"documentation",
-                       (char *)"sources",
-                       is_scene ? (char *)"resources" : NULL,
-                       NULL};
-  char *const python[] = {(char *)"python3",
-                          (char *)"-m",
-                          (char *)"zipfile",
-                          (char *)"-c",
-                          (char *)"model.zip",
-                          (char *)"modelDescription.xml",
-                          (char *)"binaries",
-                          (char *)"documentation",
-                          (char *)"sources",
-                          is_scene ? (char *)"resources" : NULL,
-                          NULL};
+  char *const parts[] = {(char *)"modelDescription.xml",
+                         (char *)"binaries",
+                         (char *)"documentation",
+                         (char *)"sources",
+                         (char *)(e->fmi == 2 ? "model.png" : "terminalsAndIcons"),
+                         e->body ? NULL : (char *)"resources",
+                         NULL};
+  char *zip[5 + sizeof parts / sizeof parts[0]] = {(char *)"zip", (char *)"-q", (char *)"-X", (char *)"-r",
+                                                   (char *)"model.zip"};
+  char *python[5 + sizeof parts / sizeof parts[0]] = {(char *)"python3", (char *)"-m", (char *)"zipfile", (char *)"-c",
+                                                      (char *)"model.zip"};
   char path[MAX_PATH];
-  int status = folder_run(zip);
+  int status;
+  memcpy(zip + 5, parts, sizeof parts);
+  memcpy(python + 5, parts, sizeof parts);
+  status = folder_run(zip);
   status = status == 127 ? folder_run(python) : status;
   folder_note("model.zip");
   folder_path(path, "model.zip");
@@ -659,30 +663,34 @@ static int write_resources(const fmu_export *e, const char *file, double step)
   return output_close(list, "flexbeam.txt") != 0;
 }
 
+static fmu_plant staged; /* the scene, as an instance has it */
+
 /* The scene as its FMU has it: that it starts, and its variables. */
 static int open_scene(fmu_export *e)
 {
-  static fmu_plant p;
+  fmu_plant *const p = &staged;
   static fmu_plant_state state;
   static double value[FMU_SCENE_VARIABLES];
   char resources[MAX_PATH];
   fmu_text text = "";
   fmu_answer answer;
   folder_path(resources, "resources");
-  answer = fmu_plant_open(&p, resources, text);
+  answer = fmu_plant_open(p, resources, text);
   if (answer == FMU_OK) {
-    const fmu_values all = {e->list, fmu_plant_variables(&p, e->list), value};
+    const fmu_values all = {e->list, fmu_plant_variables(p, e->list), value};
     e->n = all.n;
     for (int k = 0; k < e->n; k++) {
       value[k] = e->list[k].start;
     }
-    strcpy(e->token, fmu_plant_token(&p));
-    answer = fmu_plant_start(&p, &state, &all, text);
-    answer = answer ? answer : fmu_plant_outputs(&p, &state, &all, text);
-    answer = answer ? answer : fmu_plant_step(&p, &state, &all, 0, timing.interval, text);
+    strcpy(e->token, fmu_plant_token(p));
+    answer = fmu_plant_start(p, &state, &all, text);
+    answer = answer ? answer : fmu_plant_outputs(p, &state, &all, text);
+    answer = answer ? answer : fmu_plant_step(p, &state, &all, 0, timing.interval, text);
   }
   e->title = staged.s.title[0] ? staged.s.title : e->name;
   e->stop = staged.s.duration;
+  e->is_exact = staged.s.is_exact;
+  e->has_events = fmu_plant_has_events(&staged);
   e->step = timing.interval;
   if (answer != FMU_OK) {
     fprintf(stderr, "fmu: %s\n", text);
@@ -694,7 +702,7 @@ static int open_scene(fmu_export *e)
 static int check_scene(const char *file)
 {
   fmu_text text = "";
-  const fmu_answer answer = fmu_scene_read(file, NULL, 0, text);
+  const fmu_answer answer = fmu_scene_read(&staged, file, NULL, 0, text);
   if (answer != FMU_OK) {
     fprintf(stderr, "fmu: %s\n", text);
   }
@@ -740,7 +748,7 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
   }
   status = is_scene && (write_resources(e, file, o->step) || open_scene(e));
   status = status || (is_scene ? write_scene_sources : write_sources)(e, o->sources) ||
-           write_documents(e, o->sources) || compile(e, o->binary) || pack(o->out, is_scene);
+           write_documents(e, o->sources) || compile(e, o->binary) || pack(o->out, e);
   folder_remove();
   return status;
 }

@@ -250,16 +250,16 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
   if (!c || !state || !size) {
     return refused((fmu *)c, "the size of a state wants a state and a place");
   }
-  *size = sizeof(fmu_saved);
+  *size = ((const fmu_saved *)state)->size;
   return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-  if (!c || !state || !bytes || size < sizeof(fmu_saved)) {
+  if (!c || !state || !bytes || size < ((const fmu_saved *)state)->size) {
     return refused((fmu *)c, "a serialized state wants a state and as many bytes as fmi2SerializedFMUstateSize tells");
   }
-  memcpy(bytes, state, sizeof(fmu_saved));
+  memcpy(bytes, state, ((const fmu_saved *)state)->size);
   return fmi2OK;
 }
 
@@ -301,8 +301,16 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference reference[], size_t n,
                                         const fmi2Integer order[], fmi2Real value[])
 {
-  (void)reference, (void)n, (void)order, (void)value;
-  return refused((fmu *)c, "there are no derivatives of outputs (maxOutputDerivativeOrder is 0)");
+  fmu *const f = (fmu *)c;
+  if (!f || !reference || !order || !value || n > FMU_MAX_VALUES) {
+    return refused(f, "derivatives by time want lists of outputs and orders, and places");
+  }
+  for (size_t k = 0; k < n; k++) {
+    if (order[k] != 1) {
+      return refused(f, "derivatives by time are of order 1 (maxOutputDerivativeOrder)");
+    }
+  }
+  return told(f, fmu_rates(f, value, reference, (int)n));
 }
 
 /* ---- steps */
@@ -310,8 +318,12 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real from, fmi2Real length, fmi2Boolean no_return)
 {
   fmu *const f = (fmu *)c;
+  fmu_answer answer = f ? fmu_step(f, from, length) : FMU_ERROR;
   (void)no_return;
-  return f ? told(f, fmu_step(f, from, length)) : fmi2Error;
+  if (answer == FMU_OK && f->stopped) {
+    answer = fmu_refuse(f, FMU_DISCARD, "the step ends at an event at %.12g s", f->now.time);
+  }
+  return f ? told(f, answer) : fmi2Error;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
@@ -325,7 +337,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status 
   return refused((fmu *)c, "steps are not asynchronous, none is pending");
 }
 
-/* The time that has been reached, also after a step that could not be made. */
+/* The time that has been reached, also after a step that could not be made, or ended at an event. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
 {
   const fmu *const f = (const fmu *)c;

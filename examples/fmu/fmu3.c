@@ -85,7 +85,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 #endif
   fmu *const f = fmu_take(&calls);
   fmu_answer answer;
-  (void)name, (void)visible, (void)on, (void)early, (void)between, (void)update;
+  (void)name, (void)visible, (void)on, (void)between, (void)update;
   if (!f) {
     if (logger) {
       logger(environment, fmi3Error, "logStatusError", "there is no memory for one more instance");
@@ -95,9 +95,12 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
   f->host.logger = logger;
   f->host.environment = environment;
   answer = fmu_init(f, token, resources ? resources : "");
-  if (answer == FMU_OK && (events || n_between > 0)) {
-    answer = fmu_refuse(f, FMU_ERROR, "this FMU has no event mode and no intermediate updates");
+  if (answer == FMU_OK && ((events && !fmu_plant_has_events(&f->plant)) || n_between > 0)) {
+    answer =
+        fmu_refuse(f, FMU_ERROR, "this FMU has no %s", events ? "events and no event mode" : "intermediate updates");
   }
+  f->events = events;
+  f->early = early;
   if (told(f, answer) != fmi3OK) {
     fmu_give(f);
     return NULL;
@@ -132,7 +135,8 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
-  return refused((fmu *)instance, "this FMU has no event mode");
+  fmu *const f = (fmu *)instance;
+  return f ? told(f, fmu_change(f, FMU_STEPPING, FMU_EVENT, "event mode")) : fmi3Error;
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance)
@@ -275,17 +279,17 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
   if (!instance || !state || !size) {
     return refused((fmu *)instance, "the size of a state wants a state and a place");
   }
-  *size = sizeof(fmu_saved);
+  *size = ((const fmu_saved *)state)->size;
   return fmi3OK;
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-  if (!instance || !state || !bytes || size < sizeof(fmu_saved)) {
+  if (!instance || !state || !bytes || size < ((const fmu_saved *)state)->size) {
     return refused((fmu *)instance,
                    "a serialized state wants a state and as many bytes as fmi3SerializedFMUStateSize tells");
   }
-  memcpy(bytes, state, sizeof(fmu_saved));
+  memcpy(bytes, state, ((const fmu_saved *)state)->size);
   return fmi3OK;
 }
 
@@ -346,22 +350,39 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
                                     const fmi3ValueReference known[], size_t n_known, const fmi3Float64 seed[],
                                     size_t n_seed, fmi3Float64 change[], size_t n_change)
 {
-  (void)unknown, (void)n_unknown, (void)known, (void)n_known, (void)seed, (void)n_seed, (void)change, (void)n_change;
-  return refused((fmu *)instance, "there are no adjoint derivatives (providesAdjointDerivatives is false)");
+  fmu *const f = (fmu *)instance;
+  unsigned of[FMU_MAX_VALUES], by[FMU_MAX_VALUES];
+  if (!f || !unknown || !known || !seed || !change || n_change > FMU_MAX_VALUES || n_seed > FMU_MAX_VALUES) {
+    return refused(f, "an adjoint derivative wants lists of outputs, their changes and inputs");
+  }
+  if (!spread(f, of, n_seed, unknown, n_unknown) || !spread(f, by, n_change, known, n_known)) {
+    return told(f, FMU_ERROR);
+  }
+  return told(f, fmu_adjoint(f, change, of, seed, (int)n_seed, by, (int)n_change));
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference reference[], size_t n,
                                     const fmi3Int32 order[], fmi3Float64 value[], size_t n_value)
 {
-  (void)reference, (void)n, (void)order, (void)value, (void)n_value;
-  return refused((fmu *)instance, "there are no derivatives of outputs (maxOutputDerivativeOrder is 0)");
+  fmu *const f = (fmu *)instance;
+  unsigned of[FMU_MAX_VALUES];
+  if (!f || !reference || !order || !value || n_value > FMU_MAX_VALUES) {
+    return refused(f, "derivatives by time want lists of outputs and orders, and places");
+  }
+  for (size_t k = 0; k < n; k++) {
+    if (order[k] != 1) {
+      return refused(f, "derivatives by time are of order 1 (maxOutputDerivativeOrder)");
+    }
+  }
+  return told(f, spread(f, of, n_value, reference, n) ? fmu_rates(f, value, of, (int)n_value) : FMU_ERROR);
 }
 
 /* ---- steps */
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance)
 {
-  return refused((fmu *)instance, "this FMU has no event mode to leave");
+  fmu *const f = (fmu *)instance;
+  return f ? told(f, fmu_change(f, FMU_EVENT, FMU_STEPPING, "the end of event mode")) : fmi3Error;
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 length, fmi3Boolean no_return,
@@ -374,7 +395,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 lengt
     return refused(f, "a step wants places for what it tells");
   }
   answer = f ? fmu_step(f, from, length) : FMU_ERROR;
-  *event = *terminate = *early = fmi3False;
+  *terminate = fmi3False;
+  *event = answer == FMU_OK && f->events && fmu_plant_is_due(&f->plant, &f->state);
+  *early = answer == FMU_OK && f->stopped;
   *reached = f ? f->now.time : from;
   return f ? told(f, answer) : fmi3Error;
 }
@@ -441,14 +464,21 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance)
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 {
-  return refused((fmu *)instance, "this FMU has no event mode");
+  return refused((fmu *)instance, "there are no discrete states to look at before an event happens");
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update, fmi3Boolean *terminate,
                                     fmi3Boolean *nominals, fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
 {
-  (void)update, (void)terminate, (void)nominals, (void)values, (void)defined, (void)next;
-  return refused((fmu *)instance, "this FMU has no event mode");
+  fmu *const f = (fmu *)instance;
+  fmu_answer answer;
+  if (!f || !update || !terminate || !nominals || !values || !defined || !next) {
+    return refused(f, "an update wants places for what it tells");
+  }
+  answer = fmu_happen(f, next);
+  *update = *terminate = *nominals = *values = fmi3False;
+  *defined = answer == FMU_OK && isfinite(*next);
+  return told(f, answer);
 }
 
 /* ---- functions of model exchange and scheduled execution: importers look for them in any FMU */

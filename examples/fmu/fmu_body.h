@@ -3,6 +3,7 @@
    The model is constant. A copy of it takes what varies: gravity, which is an input, and the scale of the damping. */
 #ifndef FMU_BODY_H
 #define FMU_BODY_H
+#include "clear.h"
 #include "refusal.h"
 #include <math.h>
 #include <string.h>
@@ -31,11 +32,6 @@ static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text t
   return FMU_OK;
 }
 
-static void fmu_plant_close(fmu_plant *p)
-{
-  (void)p;
-}
-
 static const char *fmu_plant_token(const fmu_plant *p)
 {
   (void)p;
@@ -58,9 +54,19 @@ static const char *fmu_plant_node(const fmu_variable *v)
   return fmu_node_name[v->node];
 }
 
-static void fmu_plant_copy(fmu_plant_state *to, const fmu_plant_state *from)
+static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_state *state)
 {
-  *to = *from;
+  const fmu_span whole = {state, sizeof *state};
+  (void)p;
+  span[0] = whole;
+  return 1;
+}
+
+/* There is nothing to build. */
+static fmu_answer fmu_plant_prepare(fmu_plant *p, const fmu_values *v, fmu_text text)
+{
+  (void)p, (void)v, (void)text;
+  return FMU_OK;
 }
 
 /* A status of the library as an answer, with what it tells of the reason. */
@@ -208,6 +214,48 @@ static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu
     snprintf(text + at, sizeof(fmu_text) - at, ", in a step of %g s at %.12g s", dt, from + done * dt);
   }
   return answer;
+}
+
+static inline double fmu_plant_until(const fmu_plant *p, const fmu_plant_state *state)
+{
+  (void)p, (void)state;
+  return HUGE_VAL;
+}
+
+static inline int fmu_plant_is_due(const fmu_plant *p, const fmu_plant_state *state)
+{
+  (void)p, (void)state;
+  return 0;
+}
+
+static inline int fmu_plant_has_events(const fmu_plant *p)
+{
+  (void)p;
+  return 0;
+}
+
+static inline fmu_answer fmu_plant_happen(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, fmu_text text)
+{
+  (void)p, (void)state, (void)v, (void)text;
+  return FMU_OK;
+}
+
+/* A fraction of what rk4 takes: its phase error over a step is beyond the digits. */
+static fmu_answer fmu_plant_instant(fmu_plant *p, double *h, const fmu_plant_state *state, const fmu_values *v,
+                                    fmu_text text)
+{
+  (void)state, (void)text;
+  fmu_plant_set(p, v);
+  *h = fmin(FMU_INSTANT, (double)fb_rk4_limit(&p->body, FB_R(0.0), FB_R(0.0)) / 400);
+  return FMU_OK;
+}
+
+static fmu_answer fmu_plant_ahead(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, double h, fmu_text text)
+{
+  fmu_plant_set(p, v);
+  return fmu_plant_said(
+      text, FMU_ERROR, "derivatives",
+      fb_rk4_step(&p->body, state, &p->stepper.work.rk4, &p->input, &p->input, &p->input, (fb_real)h));
 }
 
 static void fmu_put(const fmu_values *v, fmu_kind kind, int node, const fb_real *x, int n)

@@ -3,15 +3,21 @@
 
      fmu_plant, fmu_plant_state                    the model with its scratch; all that changes
      fmu_plant_open(p, resources, text)            is the model what was exported?
-     fmu_plant_close(p)
      fmu_plant_token(p)                            of the model
      fmu_plant_variables(p, list)                  how many, in the order of their references
      fmu_plant_default(v, element)                 value before anything is set
      fmu_plant_node(v)                             name of the node of a variable that has one
      fmu_plant_start(p, state, values, text)       the state that the parameters describe
      fmu_plant_step(p, state, values, from, length, text)
+     fmu_plant_until(p, state)                     [s] to the next event that is not due yet, HUGE_VAL: there is none
+     fmu_plant_is_due(p, state)                    is an event due?
+     fmu_plant_has_events(p)                       has it any?
+     fmu_plant_happen(p, state, values, text)      what is due happens, which the next step does otherwise
      fmu_plant_outputs(p, state, values, text)     fills in the outputs
-     fmu_plant_copy(to, from)                      states
+     fmu_plant_instant(p, h, state, values, text)  [s] short beside all that moves; FMU_ERROR: it has no derivatives
+     fmu_plant_ahead(p, state, values, h, text)    one accurate step of h: nothing that happens at instants happens
+     fmu_plant_prepare(p, values, text)            what has to be built for the parameters
+     fmu_plant_spans(p, span, state)               the parts of a state that this model has, where it is prepared: how many
 
    and fmu_host, what the interface wants to know of its importer.
 
@@ -20,24 +26,24 @@
 #define FMU_CORE_H
 #include <math.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-typedef enum fmu_mode { FMU_MADE, FMU_INITIALIZING, FMU_STEPPING, FMU_ENDED } fmu_mode;
+typedef enum fmu_mode { FMU_MADE, FMU_INITIALIZING, FMU_STEPPING, FMU_EVENT, FMU_ENDED } fmu_mode;
 
-typedef struct fmu_memory { /* all that changes, without pointers: assignment saves it */
-  int mode, started, fresh; /* is state that of the parameters or later; are the outputs those of state? */
+typedef struct fmu_head {   /* what changes in every instance */
+  int mode, started, fresh; /* is the state that of the parameters or later; are the outputs those of the state? */
   int stop_defined;
   double time, stop;
-  fmu_plant_state state;
-  double value[FMU_MAX_VALUES];
-} fmu_memory;
+} fmu_head;
 
 typedef struct fmu_saved {
-  unsigned size, token, check; /* of this struct; of the FMU; of what follows */
+  unsigned size, token, check; /* [bytes] with what follows; of the FMU; of what stands behind `zero` */
   unsigned zero;
-  fmu_memory memory;
+  fmu_head head; /* then the values and, where it is started, the parts of the state of the plant */
 } fmu_saved;
+#define FMU_SAVED_MOST (sizeof(fmu_saved) + FMU_MAX_VALUES * sizeof(double) + sizeof(fmu_plant_state))
 
 typedef struct fmu_memory_calls { /* as those of FMI 2; not used with FMU_STATIC */
   void *(*take)(size_t n, size_t size);
@@ -47,12 +53,16 @@ typedef struct fmu_memory_calls { /* as those of FMI 2; not used with FMU_STATIC
 typedef struct fmu {
   fmu_memory_calls calls;
   fmu_host host;
-  fmu_memory now, before;
-  fmu_plant plant;
+  fmu_head now;
+  double value[FMU_MAX_VALUES], value_before[FMU_MAX_VALUES];
+  fmu_plant_state state, state_before;
   fmu_variable variable[FMU_MAX_VARIABLES];
   int n_variable, n_value;
   short owner[FMU_MAX_VALUES]; /* variable of a value reference */
   fmu_text text;
+  int events, early; /* does the importer use event mode; may a step end before its end? */
+  int stopped;       /* the last one did, at an event */
+  fmu_plant plant;
 } fmu;
 
 static fmu_answer fmu_refuse(fmu *f, fmu_answer answer, const char *format, ...)
@@ -66,7 +76,7 @@ static fmu_answer fmu_refuse(fmu *f, fmu_answer answer, const char *format, ...)
 
 static fmu_values fmu_all(fmu *f)
 {
-  const fmu_values all = {f->variable, f->n_variable, f->now.value};
+  const fmu_values all = {f->variable, f->n_variable, f->value};
   return all;
 }
 
@@ -83,10 +93,11 @@ static void fmu_element_name(char name[FMU_NAME], const fmu_variable *v, int ele
 static void fmu_reset(fmu *f)
 {
   memset(&f->now, 0, sizeof f->now);
+  memset(f->value, 0, sizeof f->value);
   for (int k = 0; k < f->n_variable; k++) {
     const fmu_variable *const v = &f->variable[k];
     for (int i = 0; i < v->count; i++) {
-      f->now.value[v->first + i] = fmu_plant_default(v, i);
+      f->value[v->first + i] = fmu_plant_default(v, i);
     }
   }
 }
@@ -117,7 +128,7 @@ static fmu_answer fmu_init(fmu *f, const char *token, const char *resources)
 static fmu_answer fmu_wants(fmu *f, int mode, const char *call)
 {
   static const char *const when[] = {"before initialization", "in initialization", "after initialization",
-                                     "after the end"};
+                                     "in event mode", "after the end"};
   return f->now.mode == mode
              ? FMU_OK
              : fmu_refuse(f, FMU_ERROR, "%s is called %s; it belongs %s", call, when[f->now.mode], when[mode]);
@@ -132,7 +143,7 @@ static fmu_answer fmu_begin(fmu *f, double start, int stop_defined, double stop)
   if (!isfinite(start) || (stop_defined && !(isfinite(stop) && stop >= start))) {
     return fmu_refuse(f, FMU_ERROR, "from %g s to %g s: no times of an experiment", start, stop);
   }
-  f->now.value[0] = f->now.time = start;
+  f->value[0] = f->now.time = start;
   f->now.stop_defined = stop_defined;
   f->now.stop = stop_defined ? stop : start;
   return FMU_OK;
@@ -144,7 +155,7 @@ static fmu_answer fmu_started(fmu *f)
   const fmu_values all = fmu_all(f);
   fmu_answer answer = FMU_OK;
   if (!f->now.started) {
-    answer = fmu_plant_start(&f->plant, &f->now.state, &all, f->text);
+    answer = fmu_plant_start(&f->plant, &f->state, &all, f->text);
     f->now.started = answer == FMU_OK;
     f->now.fresh = 0;
   }
@@ -162,13 +173,13 @@ static fmu_answer fmu_exit(fmu *f)
 {
   fmu_answer answer = fmu_wants(f, FMU_INITIALIZING, "the end of initialization");
   answer = answer ? answer : fmu_started(f);
-  f->now.mode = answer == FMU_OK ? (int)FMU_STEPPING : f->now.mode;
+  f->now.mode = answer != FMU_OK ? f->now.mode : f->events ? (int)FMU_EVENT : (int)FMU_STEPPING;
   return answer;
 }
 
 static fmu_answer fmu_end(fmu *f)
 {
-  const fmu_answer answer = fmu_wants(f, FMU_STEPPING, "the end");
+  const fmu_answer answer = f->now.mode == FMU_EVENT ? FMU_OK : fmu_wants(f, FMU_STEPPING, "the end");
   f->now.mode = answer == FMU_OK ? (int)FMU_ENDED : f->now.mode;
   return answer;
 }
@@ -211,6 +222,9 @@ static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double
   if ((v->kind == FMU_DAMPING || v->kind == FMU_SCENE_STEP) && !(x >= 0)) {
     return fmu_refuse(f, FMU_ERROR, "%s is at least 0: %g", name, x);
   }
+  if (v->kind == FMU_SCENE_EARLY && !(fabs(x) <= 0 || fabs(x - 1) <= 0)) {
+    return fmu_refuse(f, FMU_ERROR, "%s is 0 or 1: %g", name, x);
+  }
   if (v->kind == FMU_INTEGRATOR && !(x >= 1 && x <= (double)FB_INTEGRATOR_COUNT)) {
     return fmu_refuse(f, FMU_ERROR, "%s is 1 to %d: %g", name, (int)FB_INTEGRATOR_COUNT, x);
   }
@@ -224,7 +238,7 @@ static fmu_answer fmu_refresh(fmu *f)
   fmu_answer answer = FMU_OK;
   if (!f->now.fresh || !f->now.started) {
     answer = fmu_started(f);
-    answer = answer ? answer : fmu_plant_outputs(&f->plant, &f->now.state, &all, f->text);
+    answer = answer ? answer : fmu_plant_outputs(&f->plant, &f->state, &all, f->text);
     f->now.fresh = answer == FMU_OK;
   }
   return answer;
@@ -280,7 +294,7 @@ static fmu_answer fmu_set(fmu *f, const unsigned *reference, size_t n, const dou
   for (size_t k = 0, at = 0; k < n && answer == FMU_OK; k++) {
     int count;
     const fmu_variable *const v = fmu_named(f, &count, reference[k], shape);
-    memcpy(f->now.value + reference[k], value + at, (size_t)count * sizeof *value);
+    memcpy(f->value + reference[k], value + at, (size_t)count * sizeof *value);
     f->now.fresh = 0;
     f->now.started = f->now.started && v && fmu_rows[v->kind].role != FMU_PARAMETER;
     at += (size_t)count;
@@ -300,7 +314,7 @@ static fmu_answer fmu_get(fmu *f, const unsigned *reference, size_t n, double *v
     const fmu_variable *const v = fmu_named(f, &count, reference[k], shape);
     answer = v && fmu_rows[v->kind].role == FMU_OUTPUT ? fmu_refresh(f) : FMU_OK;
     if (answer == FMU_OK) {
-      memcpy(value + at, f->now.value + reference[k], (size_t)count * sizeof *value);
+      memcpy(value + at, f->value + reference[k], (size_t)count * sizeof *value);
     }
     at += (size_t)count;
   }
@@ -313,7 +327,7 @@ static fmu_answer fmu_set_choice(fmu *f, unsigned reference, double x)
   const fmu_variable *const v = fmu_find(f, reference, 1);
   const fmu_answer answer = v ? fmu_accepts(f, v, 0, x) : FMU_ERROR;
   if (answer == FMU_OK) {
-    f->now.value[reference] = x;
+    f->value[reference] = x;
     f->now.fresh = f->now.started = 0;
   }
   return answer;
@@ -324,7 +338,7 @@ static fmu_answer fmu_get_choice(fmu *f, unsigned reference, int *x)
   if (!fmu_find(f, reference, 1)) {
     return FMU_ERROR;
   }
-  *x = (int)f->now.value[reference];
+  *x = (int)f->value[reference];
   return FMU_OK;
 }
 
@@ -346,27 +360,119 @@ static fmu_answer fmu_step_check(fmu *f, double from, double length)
   return FMU_OK;
 }
 
-/* A communication step. FMU_DISCARD: the motion cannot be stepped so; the state is as before. */
+static fmu_answer fmu_prepare(fmu *f)
+{
+  const fmu_values all = fmu_all(f);
+  return fmu_plant_prepare(&f->plant, &all, f->text);
+}
+
+/* Of states of the plant that is prepared. */
+static void fmu_copy_state(fmu *f, fmu_plant_state *to, fmu_plant_state *from)
+{
+  fmu_span target[FMU_MAX_SPANS], source[FMU_MAX_SPANS];
+  const int n = fmu_plant_spans(&f->plant, target, to);
+  fmu_plant_spans(&f->plant, source, from);
+  for (int k = 0; k < n; k++) {
+    memcpy(target[k].at, source[k].at, source[k].bytes);
+  }
+}
+
+/* May a step end at an event? FMI 2 has a parameter for it. */
+static int fmu_is_early(const fmu *f)
+{
+  int early = f->early;
+  for (int k = 0; k < f->n_variable; k++) {
+    early |= f->variable[k].kind == FMU_SCENE_EARLY && f->value[f->variable[k].first] > 0;
+  }
+  return early;
+}
+
+/* A communication step. FMU_DISCARD: the motion cannot be stepped so; the state is as before. f->stopped: it went up to
+   an event, the time of which it is. */
 static fmu_answer fmu_step(fmu *f, double from, double length)
 {
   const fmu_values all = fmu_all(f);
+  double until;
   fmu_answer answer = fmu_wants(f, FMU_STEPPING, "a step");
   answer = answer ? answer : fmu_step_check(f, from, length);
+  answer = answer ? answer : fmu_prepare(f);
   if (answer != FMU_OK) {
     return answer;
   }
-  fmu_plant_copy(&f->before.state, &f->now.state);
-  answer = fmu_plant_step(&f->plant, &f->now.state, &all, from, length, f->text);
+  until = fmu_is_early(f) ? fmu_plant_until(&f->plant, &f->state) : HUGE_VAL;
+  f->stopped = until < length * (1 - FMU_SAME);
+  length = f->stopped ? until : length;
+  fmu_copy_state(f, &f->state_before, &f->state);
+  answer = fmu_plant_step(&f->plant, &f->state, &all, from, length, f->text);
   if (answer != FMU_OK) {
-    fmu_plant_copy(&f->now.state, &f->before.state);
+    fmu_copy_state(f, &f->state, &f->state_before);
     return answer;
   }
-  f->now.value[0] = f->now.time = from + length;
+  f->value[0] = f->now.time = from + length;
   f->now.fresh = 0;
   return FMU_OK;
 }
 
+/* ---- events */
+
+/* From the mode of steps to that of events, or back. */
+static inline fmu_answer fmu_change(fmu *f, int from, int to, const char *call)
+{
+  const fmu_answer answer =
+      f->events ? fmu_wants(f, from, call) : fmu_refuse(f, FMU_ERROR, "event mode was not asked for, or has no events");
+  f->now.mode = answer == FMU_OK ? to : f->now.mode;
+  return answer;
+}
+
+/* What is due happens; *next: the time of the next event, HUGE_VAL: none. */
+static inline fmu_answer fmu_happen(fmu *f, double *next)
+{
+  const fmu_values all = fmu_all(f);
+  fmu_answer answer = fmu_wants(f, FMU_EVENT, "an event");
+  answer = answer ? answer : fmu_prepare(f);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  fmu_copy_state(f, &f->state_before, &f->state);
+  answer = fmu_plant_happen(&f->plant, &f->state, &all, f->text);
+  if (answer != FMU_OK) {
+    fmu_copy_state(f, &f->state, &f->state_before);
+    return answer;
+  }
+  f->now.fresh = 0;
+  *next = f->now.time + fmu_plant_until(&f->plant, &f->state);
+  return FMU_OK;
+}
+
 /* ---- derivatives */
+
+/* Are these numbers of outputs, or inputs? */
+static fmu_answer fmu_are(fmu *f, const unsigned *reference, int n, fmu_role role)
+{
+  for (int k = 0; k < n; k++) {
+    const fmu_variable *const v = fmu_find(f, reference[k], 0);
+    if (!v) {
+      return FMU_ERROR;
+    }
+    if (fmu_rows[v->kind].role != role) {
+      char name[FMU_NAME];
+      fmu_element_name(name, v, (int)reference[k] - v->first);
+      return fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs, by time or inputs: %s is no %s", name,
+                        role == FMU_OUTPUT ? "output" : "input");
+    }
+  }
+  return FMU_OK;
+}
+
+static fmu_answer fmu_are_finite(fmu *f, const double *x, int n)
+{
+  for (int k = 0; k < n; k++) {
+    if (!isfinite(x[k])) {
+      return fmu_refuse(f, FMU_ERROR, "a derivative along what is not finite");
+    }
+  }
+  return FMU_OK;
+}
 
 /* d unknown = (partial derivative of outputs by inputs at the present state) d known, for n_known numbers. Outputs are
    linear in forces and gravity: the difference of two of any distance is exact but for rounding, and less of that the
@@ -375,39 +481,77 @@ static fmu_answer fmu_slope(fmu *f, double *change, const unsigned *unknown, int
                             const double *by, int n_known)
 {
   static const double reach = 1024;
-  fmu_answer answer = FMU_OK;
-  for (int k = 0; k < n_unknown + n_known && answer == FMU_OK; k++) {
-    const unsigned reference = k < n_unknown ? unknown[k] : known[k - n_unknown];
-    const fmu_variable *const v = fmu_find(f, reference, 0);
-    if (!v) {
-      answer = FMU_ERROR;
-    } else if (fmu_rows[v->kind].role != (k < n_unknown ? FMU_OUTPUT : FMU_INPUT)) {
-      char name[FMU_NAME];
-      fmu_element_name(name, v, (int)reference - v->first);
-      answer = fmu_refuse(f, FMU_ERROR, "derivatives are those of outputs by inputs: %s is no %s", name,
-                          k < n_unknown ? "output" : "input");
-    } else if (k >= n_unknown && !isfinite(by[k - n_unknown])) {
-      answer = fmu_refuse(f, FMU_ERROR, "a derivative along what is not finite");
-    }
-  }
+  fmu_answer answer = fmu_are(f, unknown, n_unknown, FMU_OUTPUT);
+  answer = answer ? answer : fmu_are(f, known, n_known, FMU_INPUT);
+  answer = answer ? answer : fmu_are_finite(f, by, n_known);
   answer = answer ? answer : fmu_started(f);
   if (answer != FMU_OK) {
     return answer;
   }
-  f->before = f->now;
+  memcpy(f->value_before, f->value, sizeof f->value);
   for (int side = -1; side <= 1 && answer == FMU_OK; side += 2) {
-    memcpy(f->now.value, f->before.value, sizeof f->now.value);
+    memcpy(f->value, f->value_before, sizeof f->value);
     for (int k = 0; k < n_known; k++) {
-      f->now.value[known[k]] += side * reach * by[k];
+      f->value[known[k]] += side * reach * by[k];
     }
     f->now.fresh = 0;
     answer = fmu_refresh(f);
     for (int k = 0; k < n_unknown && answer == FMU_OK; k++) {
-      const double x = f->now.value[unknown[k]];
+      const double x = f->value[unknown[k]];
       change[k] = side < 0 ? x : (x - change[k]) / (2 * reach);
     }
   }
-  f->now = f->before;
+  memcpy(f->value, f->value_before, sizeof f->value);
+  f->now.fresh = 0;
+  return answer;
+}
+
+/* d known = (that derivative, transposed) d unknown: column by column. */
+static inline fmu_answer fmu_adjoint(fmu *f, double *change, const unsigned *unknown, const double *by, int n_unknown,
+                                     const unsigned *known, int n_known)
+{
+  static const double one = 1;
+  double column[FMU_MAX_VALUES];
+  fmu_answer answer = fmu_are_finite(f, by, n_unknown);
+  for (int k = 0; k < n_known && answer == FMU_OK; k++) {
+    double sum = 0;
+    answer = fmu_slope(f, column, unknown, n_unknown, &known[k], &one, 1);
+    for (int i = 0; i < n_unknown && answer == FMU_OK; i++) {
+      sum += column[i] * by[i];
+    }
+    change[k] = sum;
+  }
+  return answer;
+}
+
+/* Derivatives of outputs by time, inputs held: of the polynomial through the outputs now and at four instants ahead,
+   h apart, which a copy of the state goes to. Its error is h^4/5 times the fifth derivative. */
+static fmu_answer fmu_rates(fmu *f, double *rate, const unsigned *reference, int n)
+{
+  static const double weight[] = {0, 48, -36, 16, -3};
+  const fmu_values all = fmu_all(f);
+  double now[FMU_MAX_VALUES], h = 0;
+  fmu_answer answer = fmu_are(f, reference, n, FMU_OUTPUT);
+  answer = answer ? answer : fmu_refresh(f);
+  answer = answer ? answer : fmu_prepare(f);
+  answer = answer ? answer : fmu_plant_instant(&f->plant, &h, &f->state, &all, f->text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  memcpy(f->value_before, f->value, sizeof f->value);
+  fmu_copy_state(f, &f->state_before, &f->state);
+  for (int k = 0; k < n; k++) {
+    now[k] = f->value[reference[k]];
+    rate[k] = 0;
+  }
+  for (int ahead = 1; ahead < 5 && answer == FMU_OK; ahead++) {
+    answer = fmu_plant_ahead(&f->plant, &f->state_before, &all, h, f->text);
+    answer = answer ? answer : fmu_plant_outputs(&f->plant, &f->state_before, &all, f->text);
+    for (int k = 0; k < n && answer == FMU_OK; k++) {
+      rate[k] += weight[ahead] * (f->value[reference[k]] - now[k]) / (12 * h);
+    }
+  }
+  memcpy(f->value, f->value_before, sizeof f->value);
   return answer;
 }
 
@@ -432,43 +576,82 @@ static unsigned fmu_token_word(const fmu *f)
   return fmu_word(token, strlen(token));
 }
 
-static void fmu_save(const fmu *f, fmu_saved *to)
+/* Check word of what is saved. */
+static unsigned fmu_saved_word(const fmu_saved *saved)
 {
-  memset(to, 0, sizeof *to);
-  to->size = (unsigned)sizeof *to;
-  to->token = fmu_token_word(f);
-  memcpy(&to->memory, &f->now, sizeof to->memory);
-  to->check = fmu_word(&to->memory, sizeof to->memory);
+  return fmu_word(&saved->head, saved->size - offsetof(fmu_saved, head));
 }
 
-static fmu_answer fmu_load(fmu *f, const fmu_saved *from)
+/* Where values and state go to, or come from, and how many bytes with the head: a state that is saved. */
+static size_t fmu_saved_parts(fmu *f, fmu_span *span, int *n)
 {
-  if (!from || from->size != sizeof *from || from->token != fmu_token_word(f)) {
+  size_t bytes = sizeof(fmu_saved);
+  const fmu_span values = {f->value, (size_t)f->n_value * sizeof(double)};
+  span[0] = values;
+  *n = 1 + (f->now.started ? fmu_plant_spans(&f->plant, span + 1, &f->state) : 0);
+  for (int k = 0; k < *n; k++) {
+    bytes += span[k].bytes;
+  }
+  return bytes;
+}
+
+/* to: of so many bytes as fmu_saved_parts says. */
+static void fmu_save(const fmu *f, fmu_saved *to, const fmu_span *span, int n, size_t bytes)
+{
+  unsigned char *at = (unsigned char *)(to + 1);
+  memset(to, 0, sizeof *to);
+  to->size = (unsigned)bytes;
+  to->token = fmu_token_word(f);
+  to->head = f->now;
+  for (int k = 0; k < n; k++) {
+    memcpy(at, span[k].at, span[k].bytes);
+    at += span[k].bytes;
+  }
+  to->check = fmu_saved_word(to);
+}
+
+/* Is it a state of this FMU, as it was saved? */
+static fmu_answer fmu_saved_check(fmu *f, const fmu_saved *from)
+{
+  if (!from || from->token != fmu_token_word(f) || from->size < sizeof *from || from->size > FMU_SAVED_MOST) {
     return fmu_refuse(f, FMU_ERROR, "this is no state of this FMU, but of another model or nothing");
   }
-  if (from->check != fmu_word(&from->memory, sizeof from->memory)) {
+  if (from->check != fmu_saved_word(from)) {
     return fmu_refuse(f, FMU_ERROR, "the saved state is damaged: its check word differs");
   }
-  memcpy(&f->now, &from->memory, sizeof f->now);
   return FMU_OK;
 }
 
-/* A saved state from bytes. */
-static fmu_answer fmu_unpack(fmu *f, fmu_saved *to, const void *bytes, size_t n)
+/* The plant is built for the parameters of the state, where it is for others. */
+static fmu_answer fmu_load(fmu *f, const fmu_saved *from)
 {
-  fmu_saved saved;
-  fmu_answer answer;
-  if (!bytes || n != sizeof saved) {
-    return fmu_refuse(f, FMU_ERROR, "a serialized state of this FMU has %u bytes, not %u", (unsigned)sizeof saved,
-                      (unsigned)n);
+  const fmu_head was = f->now;
+  const size_t values = (size_t)f->n_value * sizeof(double);
+  fmu_span span[FMU_MAX_SPANS + 1];
+  const unsigned char *at = (const unsigned char *)(from + 1);
+  size_t bytes = 0;
+  int n = 0;
+  fmu_answer answer = fmu_saved_check(f, from);
+  if (answer != FMU_OK) {
+    return answer;
   }
-  memcpy(&saved, bytes, sizeof saved);
-  f->before = f->now;
-  answer = fmu_load(f, &saved);
-  f->now = f->before;
-  if (answer == FMU_OK) {
-    *to = saved;
+  memcpy(f->value_before, f->value, values);
+  memcpy(f->value, at, values);
+  f->now = from->head;
+  answer = f->now.started ? fmu_prepare(f) : FMU_OK;
+  bytes = answer == FMU_OK ? fmu_saved_parts(f, span, &n) : 0;
+  if (answer == FMU_OK && bytes != from->size) {
+    answer = fmu_refuse(f, FMU_ERROR, "a state of these parameters has %u bytes, not %u", (unsigned)bytes, from->size);
   }
-  return answer;
+  if (answer != FMU_OK) {
+    memcpy(f->value, f->value_before, values);
+    f->now = was;
+    return answer;
+  }
+  for (int k = 0; k < n; k++) {
+    memcpy(span[k].at, at, span[k].bytes);
+    at += span[k].bytes;
+  }
+  return FMU_OK;
 }
 #endif

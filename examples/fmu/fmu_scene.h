@@ -1,24 +1,21 @@
 /* fmu_scene.h - a scene behind an FMU: what fmu_core.h asks of a plant. The folder of resources holds the text of the
    scene and the files that it names, as they are; flexbeam.txt there lists them. Everything is read and run by the
-   headers of scenes, which are static: one instance in a process.
+   headers of scenes. What runs is the instance's own; reading and building take turns among the threads.
 
    Inputs: what adds to the scene's own functions of time, one for each load, motor, actuator and rotor that no
    controller commands, and to the references of controllers. All begin at zero: left alone, the FMU moves as the scene.
    Parameters: those of the scene, before the end of initialization, as --set has them, and the longest step. */
 #ifndef FMU_SCENE_H
 #define FMU_SCENE_H
+#define SCENE_SEVERAL
 #include "../scene/scene_run.h"
 #include <stddef.h>
 #include "fmu_variables.h"
 
 #define FMU_SCENE_INPUTS (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + SCENE_CONTROLS)
-#define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 2)
+#define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 3)
 typedef char
     fmu_scenes_have_room[FMU_SCENE_VARIABLES <= FMU_MAX_VARIABLES && FMU_SCENE_VARIABLES <= FMU_MAX_VALUES ? 1 : -1];
-
-typedef struct fmu_plant {
-  int opened;
-} fmu_plant;
 
 typedef struct fmu_plant_state { /* all that changes in a scene that runs */
   double time, interval, unit;   /* [s] of the scene; of timing; the last communication step that is no row of it */
@@ -39,11 +36,10 @@ typedef struct fmu_scene_input {
   double size; /* of the load that it is a part of */
 } fmu_scene_input;
 
-static struct fmu_staged { /* one scene in a process */
-  int taken, made;
+typedef struct fmu_plant { /* large, but for what the scene has not: that stays as it was taken, zeros */
+  int made, begun;         /* is it built for the parameters below, and started since? */
   char token[48], path[FMU_PATH + 200];
   double step; /* the start value of settings.step */
-  scene s;
   scene_run_state run;
   fmu_scene_input input[FMU_SCENE_INPUTS];
   int n_input, n_variable;
@@ -53,7 +49,39 @@ static struct fmu_staged { /* one scene in a process */
   char exported[FMU_SCENE_VARIABLES][FMU_NAME], parameter[SCENE_PARAMETERS][TEXT_NAME];
   double built[SCENE_PARAMETERS]; /* parameters, and.. */
   double built_step;              /* ..the step that the scene was built with */
-} staged;
+  scene s;
+  struct scene_clock clock;
+  struct scene_controlling controller[SCENE_CONTROLS];
+  struct scene_engine moving;
+  struct scene_exact bending;
+} fmu_plant;
+
+/* This thread runs p from here on. */
+static void fmu_scene_here(fmu_plant *p)
+{
+  engine_now = &p->moving;
+  exact_run_now = &p->bending;
+  timing_now = &p->clock;
+  controlling_now = p->controller;
+}
+
+/* Reading and building have static memory of their own: one thread at a time. */
+static int fmu_scene_builds;
+
+static void fmu_scene_wait(void)
+{
+#ifdef __GNUC__
+  while (__sync_lock_test_and_set(&fmu_scene_builds, 1)) {
+  }
+#endif
+}
+
+static void fmu_scene_done(void)
+{
+#ifdef __GNUC__
+  __sync_lock_release(&fmu_scene_builds);
+#endif
+}
 
 static const scene_options fmu_scene_quiet; /* no files, no talk */
 
@@ -80,22 +108,22 @@ static const char *fmu_scene_unit(char to[40], const char *unit)
 }
 
 /* One more variable; the name is a format with one text in it. */
-static fmu_variable *fmu_scene_add(fmu_kind kind, const char *head, const char *name, const char *unit)
+static fmu_variable *fmu_scene_add(fmu_plant *p, fmu_kind kind, const char *head, const char *name, const char *unit)
 {
-  const int k = staged.n_variable++;
-  fmu_variable *const v = &staged.variable[k];
+  const int k = p->n_variable++;
+  fmu_variable *const v = &p->variable[k];
   memset(v, 0, sizeof *v);
   v->kind = kind;
   v->node = v->first = k;
   v->count = 1;
-  snprintf(staged.name[k], sizeof staged.name[k], "%.40s%.40s", head, name);
-  v->name = staged.name[k];
-  v->unit = fmu_scene_unit(staged.unit[k], unit);
+  snprintf(p->name[k], sizeof p->name[k], "%.40s%.40s", head, name);
+  v->name = p->name[k];
+  v->unit = fmu_scene_unit(p->unit[k], unit);
   return v;
 }
 
 /* motor.axle.1 becomes motor.axle[1], torque.hub.0 torque.hub; the second one of a name force_2.boom.tip. */
-static void fmu_scene_name(char name[FMU_NAME], const char *plain)
+static void fmu_scene_name(fmu_plant *p, char name[FMU_NAME], const char *plain)
 {
   const char *const dot = strrchr(plain, '.'), *const first = strchr(plain, '.');
   const int number = dot && dot[1] >= '0' && dot[1] <= '9';
@@ -110,23 +138,23 @@ static void fmu_scene_name(char name[FMU_NAME], const char *plain)
       snprintf(name + strlen(name), FMU_NAME - strlen(name), "[%.8s]", dot + 1);
     }
     taken = 0;
-    for (int k = 0; k < staged.n_variable; k++) {
-      taken |= strcmp(staged.name[k], name) == 0;
+    for (int k = 0; k < p->n_variable; k++) {
+      taken |= strcmp(p->name[k], name) == 0;
     }
   }
 }
 
 /* What adds to a function of the scene; size: of what it drives, 1 for its unit. */
-static void fmu_scene_add_input(function *f, double size, const char *plain, const char *unit)
+static void fmu_scene_add_input(fmu_plant *p, function *f, double size, const char *plain, const char *unit)
 {
   char name[FMU_NAME];
   scene_output as = {0};
-  scene_unit(&staged.s, &as, unit);
-  fmu_scene_name(name, plain);
-  fmu_scene_add(FMU_SCENE_INPUT, "", name, as.unit)->what = "added to what the scene says";
-  strcpy(staged.name[staged.n_variable - 1], name);
-  staged.input[staged.n_input].f = f;
-  staged.input[staged.n_input++].size = size;
+  scene_unit(&p->s, &as, unit);
+  fmu_scene_name(p, name, plain);
+  fmu_scene_add(p, FMU_SCENE_INPUT, "", name, as.unit)->what = "added to what the scene says";
+  strcpy(p->name[p->n_variable - 1], name);
+  p->input[p->n_input].f = f;
+  p->input[p->n_input++].size = size;
 }
 
 /* Has what drives the scene a function that no controller replaces? size: as above. */
@@ -146,9 +174,9 @@ static function *fmu_scene_function(scene *s, scene_actor actor, int at, double 
   return s->load[at].nudge || s->load[at].control >= 0 || !(*size > 0) ? NULL : &s->load[at].f;
 }
 
-static void fmu_scene_add_inputs(scene *s)
+static void fmu_scene_add_inputs(fmu_plant *p, scene *s)
 {
-  staged.n_input = 0;
+  p->n_input = 0;
   for (int actor = SCENE_BY_MOTOR; actor <= SCENE_BY_ROTOR; actor++) {
     const int count[] = {0, s->n_drive, s->n_spring, s->n_load, s->n_rotor};
     for (int k = 0; k < count[actor]; k++) {
@@ -158,14 +186,14 @@ static void fmu_scene_add_inputs(scene *s)
       function *const f = fmu_scene_function(s, in.actor, k, &size);
       const char *const unit = f ? plant_input_name(name, s, &in) : "";
       if (f) {
-        fmu_scene_add_input(f, size, name, unit);
+        fmu_scene_add_input(p, f, size, name, unit);
       }
     }
   }
   for (int k = 0; k < s->n_control; k++) {
     char name[80];
     snprintf(name, sizeof name, "reference.%s", s->control[k].name);
-    fmu_scene_add_input(&s->control[k].reference, 1, name, "-");
+    fmu_scene_add_input(p, &s->control[k].reference, 1, name, "-");
   }
 }
 
@@ -193,20 +221,23 @@ static int fmu_scene_is_direct(const scene *s, const scene_output *o)
 }
 
 /* The variables of the scene that was read. */
-static void fmu_scene_list(scene *s)
+static void fmu_scene_list(fmu_plant *p, scene *s)
 {
-  staged.n_variable = 0;
-  fmu_scene_add(FMU_TIME, "time", "", "s");
-  fmu_scene_add_inputs(s);
+  p->n_variable = 0;
+  fmu_scene_add(p, FMU_TIME, "time", "", "s");
+  fmu_scene_add_inputs(p, s);
   for (int k = 0; k < s->n_output; k++) {
-    fmu_variable *const v = fmu_scene_add(FMU_SCENE_OUTPUT, "output.", s->output[k].label, s->output[k].unit);
+    fmu_variable *const v = fmu_scene_add(p, FMU_SCENE_OUTPUT, "output.", s->output[k].label, s->output[k].unit);
     v->node = k;
     v->what = scene_quantities[s->output[k].quantity].name;
     v->direct = fmu_scene_is_direct(s, &s->output[k]);
   }
-  fmu_scene_add(FMU_SCENE_STEP, "settings.step", "", "s")->start = staged.step;
+  fmu_scene_add(p, FMU_SCENE_STEP, "settings.step", "", "s")->start = p->step;
+  if (FMU_INTERFACE == 2 && s->n_event > 0) {
+    fmu_scene_add(p, FMU_SCENE_EARLY, "settings.early_return", "", "");
+  }
   for (int k = 0; k < s->n_parameter; k++) {
-    fmu_variable *const v = fmu_scene_add(FMU_SCENE_PARAMETER, "parameter.", s->parameter[k].name, "-");
+    fmu_variable *const v = fmu_scene_add(p, FMU_SCENE_PARAMETER, "parameter.", s->parameter[k].name, "-");
     v->node = k;
     v->start = s->parameter[k].value;
   }
@@ -230,18 +261,18 @@ static int fmu_scene_word(unsigned *word, const char *path)
   return 1;
 }
 
-static void fmu_scene_token(unsigned list, unsigned files)
+static void fmu_scene_token(fmu_plant *p, unsigned list, unsigned files)
 {
   unsigned version = fbi_crc_word(~0u, FMU_INTERFACE);
   for (const char *c = FB_VERSION; *c; c++) {
     version = fbi_crc_word(version, (unsigned char)*c);
   }
-  snprintf(staged.token, sizeof staged.token, "{%08x-%04x-%04x-%04x-%04x%08x}", list, files >> 16, files & 0xFFFFu,
+  snprintf(p->token, sizeof p->token, "{%08x-%04x-%04x-%04x-%04x%08x}", list, files >> 16, files & 0xFFFFu,
            version >> 16, version & 0xFFFFu, files ^ version);
 }
 
 /* flexbeam.txt: `scene FILE`, `step SECONDS`, `file FILE` for each other one. Their check words are the token. */
-static fmu_answer fmu_scene_open(const char *resources, fmu_text text)
+static fmu_answer fmu_scene_open(fmu_plant *p, const char *resources, fmu_text text)
 {
   const size_t n = strlen(resources);
   const char *const slash = n > 0 && resources[n - 1] == '/' ? "" : "/";
@@ -256,11 +287,11 @@ static fmu_answer fmu_scene_open(const char *resources, fmu_text text)
     return FMU_ERROR;
   }
   t.message = message;
-  staged.path[0] = 0;
+  p->path[0] = 0;
   while (text_line(&t) && (word = text_word(&t)) != NULL) {
     const int is_scene = strcmp(word, "scene") == 0;
     if (strcmp(word, "step") == 0) {
-      staged.step = text_number(&t, "step");
+      p->step = text_number(&t, "step");
     } else if ((word = text_word(&t)) == NULL) {
       text_fail(&t, "the name of a file is missing");
     } else {
@@ -269,32 +300,33 @@ static fmu_answer fmu_scene_open(const char *resources, fmu_text text)
         text_fail(&t, "%s: %s", path, strerror(errno));
       }
       if (is_scene) {
-        memcpy(staged.path, path, sizeof path);
+        memcpy(p->path, path, sizeof path);
       }
     }
   }
   text_close(&t);
-  if (t.failed || !staged.path[0]) {
+  if (t.failed || !p->path[0]) {
     return fmu_scene_said(text, FMU_ERROR, t.failed ? message : "flexbeam.txt among the resources names no scene");
   }
-  fmu_scene_token(list, files);
+  fmu_scene_token(p, list, files);
   return FMU_OK;
 }
 
 /* ---- the scene */
 
 /* Reads it, with these parameters; NULL: its own. */
-static fmu_answer fmu_scene_read(const char *path, const double *parameter, double step, fmu_text text)
+static fmu_answer fmu_scene_read(fmu_plant *p, const char *path, const double *parameter, double step, fmu_text text)
 {
-  scene *const s = &staged.s;
+  scene *const s = &p->s;
   scene_setting set[SCENE_PARAMETERS];
-  const int n = parameter ? staged.n_parameter : 0;
+  const int n = parameter ? p->n_parameter : 0;
   const char *const slash = strrchr(path, '/');
   for (int k = 0; k < n; k++) {
-    set[k].name = staged.parameter[k];
+    set[k].name = p->parameter[k];
     set[k].value = parameter[k];
   }
-  staged.made = 0;
+  p->made = 0;
+  fmu_scene_here(p);
   if (scene_read(s, path, set, n)) {
     return fmu_scene_said(text, FMU_ERROR, s->message);
   }
@@ -308,15 +340,15 @@ static fmu_answer fmu_scene_read(const char *path, const double *parameter, doub
 }
 
 /* The variables again: a load that a parameter makes zero has no input. */
-static fmu_answer fmu_scene_relist(fmu_text text)
+static fmu_answer fmu_scene_relist(fmu_plant *p, fmu_text text)
 {
-  const int n = staged.n_exported;
-  fmu_scene_list(&staged.s);
-  for (int k = 0; k < n || k < staged.n_variable; k++) {
-    if (k >= n || k >= staged.n_variable || strcmp(staged.exported[k], staged.name[k]) != 0) {
+  const int n = p->n_exported;
+  fmu_scene_list(p, &p->s);
+  for (int k = 0; k < n || k < p->n_variable; k++) {
+    if (k >= n || k >= p->n_variable || strcmp(p->exported[k], p->name[k]) != 0) {
       snprintf(text, sizeof(fmu_text),
                "with these parameters the scene has other variables than the FMU (%s): export it with them",
-               k < n ? staged.exported[k] : staged.name[k]);
+               k < n ? p->exported[k] : p->name[k]);
       return FMU_ERROR;
     }
   }
@@ -324,30 +356,32 @@ static fmu_answer fmu_scene_relist(fmu_text text)
 }
 
 /* Bodies of these parameters. Nothing of the inputs is in what is built. */
-static fmu_answer fmu_scene_make(const double *parameter, double step, fmu_text text)
+static fmu_answer fmu_scene_make(fmu_plant *p, const double *parameter, double step, fmu_text text)
 {
-  fmu_answer answer = fmu_scene_read(staged.path, parameter, step, text);
-  answer = answer ? answer : fmu_scene_relist(text);
+  fmu_answer answer = fmu_scene_read(p, p->path, parameter, step, text);
+  answer = answer ? answer : fmu_scene_relist(p, text);
   if (answer != FMU_OK) {
     return answer;
   }
-  memset(&engine, 0, sizeof engine);
-  if (scene_build(&staged.s, &fmu_scene_quiet)) {
-    return fmu_scene_said(text, FMU_ERROR, staged.s.message);
+  clear_memory(&engine, sizeof engine);
+  if (scene_build(&p->s, &fmu_scene_quiet)) {
+    return fmu_scene_said(text, FMU_ERROR, p->s.message);
   }
-  for (int k = 0; k < staged.s.n_parameter; k++) {
-    staged.built[k] = parameter[k];
+  for (int k = 0; k < p->s.n_parameter; k++) {
+    p->built[k] = parameter[k];
   }
-  staged.built_step = step;
-  staged.made = 1;
+  p->built_step = step;
+  p->made = 1;
+  p->begun = 0;
   return FMU_OK;
 }
 
-/* The scene as the values have it. */
-static fmu_answer fmu_scene_set(const fmu_values *v, fmu_text text)
+/* The scene as the values have it, in this thread. */
+static fmu_answer fmu_plant_prepare(fmu_plant *p, const fmu_values *v, fmu_text text)
 {
   double parameter[SCENE_PARAMETERS] = {0}, step = 0;
-  int same = staged.made, n = 0;
+  int same = p->made, n = 0;
+  fmu_scene_here(p);
   for (int k = 0; k < v->n; k++) {
     const fmu_variable *const one = &v->variable[k];
     if (one->kind == FMU_SCENE_PARAMETER) {
@@ -356,39 +390,116 @@ static fmu_answer fmu_scene_set(const fmu_values *v, fmu_text text)
     step = one->kind == FMU_SCENE_STEP ? v->value[k] : step;
   }
   for (int k = 0; k < n; k++) {
-    same = same && !(parameter[k] < staged.built[k] || parameter[k] > staged.built[k]);
+    same = same && !(parameter[k] < p->built[k] || parameter[k] > p->built[k]);
   }
-  if (!same || step < staged.built_step || step > staged.built_step) {
-    const fmu_answer answer = fmu_scene_make(parameter, step, text);
+  if (!same || step < p->built_step || step > p->built_step) {
+    fmu_answer answer;
+    fmu_scene_wait();
+    answer = fmu_scene_make(p, parameter, step, text);
+    fmu_scene_done();
     if (answer != FMU_OK) {
       return answer;
     }
   }
-  for (int k = 0; k < staged.n_input; k++) { /* behind time */
-    staged.input[k].f->added = v->value[1 + k] / staged.input[k].size;
+  for (int k = 0; k < p->n_input; k++) { /* behind time */
+    p->input[k].f->added = v->value[1 + k] / p->input[k].size;
   }
   return FMU_OK;
 }
 
-/* The part of a state that this scene has. */
-static inline void fmu_plant_copy(fmu_plant_state *to, const fmu_plant_state *from)
+/* The parts of a state that this scene has. */
+static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_state *state)
 {
-  const size_t head =
-      offsetof(fmu_plant_state, controlling) + (size_t)staged.s.n_control * sizeof(struct scene_controlling);
-  memcpy(to, from, head);
-  if (staged.s.is_exact) {
-    to->of.exact = from->of.exact;
-  } else if (scene_is_system(&staged.s)) {
-    to->of.system = from->of.system;
-  } else {
-    to->of.body = from->of.body;
+  const scene *const s = &p->s;
+  fb_system_state *const system = &state->of.system;
+  fb_exact_state *const x = &state->of.exact;
+  const size_t bodies = (size_t)s->n_body, joints = bodies + (size_t)s->n_loop;
+  const size_t cells = (size_t)(s->is_exact ? s->exact.desc.n_element : 0), nodes = cells + 1, real = sizeof(fb_real);
+  const size_t head = offsetof(fmu_plant_state, controlling) + (size_t)s->n_control * sizeof state->controlling[0];
+  const fmu_span first = {state, head}, alone = {&state->of.body, sizeof state->of.body};
+  const fmu_span of_system[] = {{system->link, bodies * sizeof system->link[0]},
+                                {&system->motor_work, real},
+                                {system->mode, joints * sizeof system->mode[0]},
+                                {system->hold, joints * sizeof system->hold[0]},
+                                {system->hold_quat, joints * sizeof system->hold_quat[0]}};
+  const size_t whole = sizeof(fb_exact_state) - offsetof(fb_exact_state, known);
+  const fmu_span of_exact[] = {{x->base_position, 7 * real},
+                               {x->r, 3 * nodes * real},
+                               {x->quat, 4 * nodes * real},
+                               {x->strain, 6 * cells * real},
+                               {x->momentum, 6 * cells * real},
+                               {x->lump, sizeof x->lump},
+                               {x->strain_rate, 6 * cells * real},
+                               {x->momentum_rate, 6 * cells * real},
+                               {x->lump_rate, sizeof x->lump_rate},
+                               {x->V[0], 6 * nodes * real},
+                               {x->V[1], 6 * nodes * real},
+                               {x->V[2], 6 * nodes * real},
+                               {x->stress[0], 6 * cells * real},
+                               {x->stress[1], 6 * cells * real},
+                               {x->stress[2], 6 * cells * real},
+                               {x->force, 6 * nodes * real},
+                               {x->reaction, 6 * nodes * real},
+                               {x->offset, 6 * cells * real},
+                               {&x->known, whole}};
+  const fmu_span *const rest = s->is_exact ? of_exact : scene_is_system(s) ? of_system : &alone;
+  const int n = (int)(s->is_exact          ? sizeof of_exact / sizeof of_exact[0]
+                      : scene_is_system(s) ? sizeof of_system / sizeof of_system[0]
+                                           : 1);
+  span[0] = first;
+  memcpy(span + 1, rest, (size_t)n * sizeof *span);
+  return n + 1;
+}
+
+/* The start, and what is chosen with it. */
+static fmu_answer fmu_scene_begin(fmu_plant *p, fmu_text text)
+{
+  scene *const s = &p->s;
+  fb_status status;
+  fmu_scene_wait();
+  status = scene_start(s);
+  if (status != FB_OK) {
+    scene_no_start(s, status);
   }
+  fmu_scene_done();
+  if (status != FB_OK) {
+    return fmu_scene_said(text, FMU_ERROR, s->message);
+  }
+  scene_clock_init(s, scene_rows(s));
+  scene_choose(s);
+  if (scene_check_steps(s, &fmu_scene_quiet)) {
+    return fmu_scene_said(text, FMU_ERROR, s->message);
+  }
+  engine.by_step = 0;
+  p->run.event = p->run.halved = 0;
+  p->begun = 1;
+  return FMU_OK;
+}
+
+/* What was built anew, for a state that was saved, starts as the scene does by itself; the state takes its place. */
+static fmu_answer fmu_scene_begin_alone(fmu_plant *p, fmu_text text)
+{
+  double added[FMU_SCENE_INPUTS];
+  fmu_answer answer;
+  for (int k = 0; k < p->n_input; k++) {
+    added[k] = p->input[k].f->added;
+    p->input[k].f->added = 0;
+  }
+  answer = fmu_scene_begin(p, text);
+  for (int k = 0; k < p->n_input; k++) {
+    p->input[k].f->added = added[k];
+  }
+  return answer;
 }
 
 /* A state into what runs, and back. */
-static void fmu_scene_load(const fmu_plant_state *state)
+static fmu_answer fmu_scene_load(fmu_plant *p, const fmu_plant_state *state, fmu_text text)
 {
-  const size_t known = (size_t)staged.s.n_control * sizeof(struct scene_controlling);
+  const size_t known = (size_t)p->s.n_control * sizeof(struct scene_controlling);
+  const fmu_answer answer = p->begun ? FMU_OK : fmu_scene_begin_alone(p, text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
   if (engine.integrator != state->integrator) {
     engine.by_step = 0;
   }
@@ -397,33 +508,34 @@ static void fmu_scene_load(const fmu_plant_state *state)
   timing.slack = 1e-9 * timing.interval;
   timing.longest = state->longest;
   timing.part = state->part;
-  staged.run.event = state->event;
-  staged.run.halved = state->halved;
+  p->run.event = state->event;
+  p->run.halved = state->halved;
   memcpy(engine.origin, state->origin, sizeof engine.origin);
   memcpy(controlling, state->controlling, known);
-  if (staged.s.is_exact) {
-    exact.state = state->of.exact;
-  } else if (scene_is_system(&staged.s)) {
+  if (p->s.is_exact) {
+    exact_run.state = state->of.exact;
+  } else if (scene_is_system(&p->s)) {
     engine.system_state = state->of.system;
   } else {
     engine.state = state->of.body;
   }
+  return FMU_OK;
 }
 
-static void fmu_scene_store(fmu_plant_state *state)
+static void fmu_scene_store(fmu_plant *p, fmu_plant_state *state)
 {
-  const size_t known = (size_t)staged.s.n_control * sizeof(struct scene_controlling);
+  const size_t known = (size_t)p->s.n_control * sizeof(struct scene_controlling);
   state->integrator = engine.integrator;
   state->interval = timing.interval;
   state->longest = timing.longest;
   state->part = timing.part;
-  state->event = staged.run.event;
-  state->halved = staged.run.halved;
+  state->event = p->run.event;
+  state->halved = p->run.halved;
   memcpy(state->origin, engine.origin, sizeof engine.origin);
   memcpy(state->controlling, controlling, known);
-  if (staged.s.is_exact) {
-    state->of.exact = exact.state;
-  } else if (scene_is_system(&staged.s)) {
+  if (p->s.is_exact) {
+    state->of.exact = exact_run.state;
+  } else if (scene_is_system(&p->s)) {
     state->of.system = engine.system_state;
   } else {
     state->of.body = engine.state;
@@ -432,30 +544,21 @@ static void fmu_scene_store(fmu_plant_state *state)
 
 /* ---- what the core asks for */
 
-static inline void fmu_plant_close(fmu_plant *p)
-{
-  staged.taken = staged.taken && !p->opened;
-  p->opened = 0;
-}
-
 static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text text)
 {
   fmu_answer answer;
-  if (staged.taken) {
-    return fmu_scene_said(text, FMU_ERROR, "there is an instance in this process already, and a scene takes one");
-  }
-  memset(&staged, 0, sizeof staged);
-  answer = fmu_scene_open(resources, text);
-  answer = answer ? answer : fmu_scene_read(staged.path, NULL, 0, text);
+  fmu_scene_wait();
+  answer = fmu_scene_open(p, resources, text);
+  answer = answer ? answer : fmu_scene_read(p, p->path, NULL, 0, text);
+  fmu_scene_done();
   if (answer == FMU_OK) {
-    fmu_scene_list(&staged.s);
-    memcpy(staged.exported, staged.name, sizeof staged.exported);
-    staged.n_exported = staged.n_variable;
-    staged.n_parameter = staged.s.n_parameter;
-    for (int k = 0; k < staged.n_parameter; k++) {
-      strcpy(staged.parameter[k], staged.s.parameter[k].name);
+    fmu_scene_list(p, &p->s);
+    memcpy(p->exported, p->name, sizeof p->exported);
+    p->n_exported = p->n_variable;
+    p->n_parameter = p->s.n_parameter;
+    for (int k = 0; k < p->n_parameter; k++) {
+      strcpy(p->parameter[k], p->s.parameter[k].name);
     }
-    staged.taken = p->opened = 1;
   }
   (void)scene_run; /* it runs a scene from end to end; here somebody else has the clock */
   return answer;
@@ -463,15 +566,13 @@ static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text t
 
 static const char *fmu_plant_token(const fmu_plant *p)
 {
-  (void)p;
-  return staged.token;
+  return p->token;
 }
 
 static int fmu_plant_variables(const fmu_plant *p, fmu_variable *list)
 {
-  (void)p;
-  memcpy(list, staged.variable, (size_t)staged.n_variable * sizeof *list);
-  return staged.n_variable;
+  memcpy(list, p->variable, (size_t)p->n_variable * sizeof *list);
+  return p->n_variable;
 }
 
 static inline double fmu_plant_default(const fmu_variable *v, int element)
@@ -488,37 +589,23 @@ static inline const char *fmu_plant_node(const fmu_variable *v)
 
 static fmu_answer fmu_plant_start(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, fmu_text text)
 {
-  scene *const s = &staged.s;
-  fmu_answer answer = fmu_scene_set(v, text);
-  fb_status status = FB_OK;
-  (void)p;
-  if (answer != FMU_OK) {
-    return answer;
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_begin(p, text);
+  if (answer == FMU_OK) {
+    clear_memory(state, sizeof *state);
+    fmu_scene_store(p, state);
   }
-  status = scene_start(s);
-  if (status != FB_OK) {
-    scene_no_start(s, status);
-    return fmu_scene_said(text, FMU_ERROR, s->message);
-  }
-  scene_clock_init(s, scene_rows(s));
-  scene_choose(s);
-  if (scene_check_steps(s, &fmu_scene_quiet)) {
-    return fmu_scene_said(text, FMU_ERROR, s->message);
-  }
-  engine.by_step = 0;
-  staged.run.event = staged.run.halved = 0;
-  memset(state, 0, sizeof *state);
-  fmu_scene_store(state);
-  return FMU_OK;
+  return answer;
 }
 
 /* From start to last, which is `interval` away. */
-static fb_status fmu_scene_interval(fmu_plant_state *state, double start, double last, double interval, char when[96])
+static fb_status fmu_scene_interval(fmu_plant *p, fmu_plant_state *state, double start, double last, double interval,
+                                    char when[96])
 {
   timing.interval = interval;
   timing.slack = 1e-9 * interval;
   state->time = last;
-  return scene_interval(&staged.s, &staged.run, start, last, when);
+  return scene_interval(&p->s, &p->run, start, last, when);
 }
 
 static int fmu_scene_same(double a, double b, double scale)
@@ -526,64 +613,185 @@ static int fmu_scene_same(double a, double b, double scale)
   return fabs(a - b) <= FMU_SAME * scale;
 }
 
+/* t, or the row that it is but for rounding. */
+static double fmu_scene_row(double t, double row)
+{
+  const double at = floor(t / row + 0.5) * row;
+  return fmu_scene_same(at, t, row) ? at : t;
+}
+
+/* [s] that are nothing */
+static double fmu_scene_slack(const fmu_plant *p)
+{
+  return FMU_SAME * p->s.duration / (double)p->clock.rows;
+}
+
+/* Is an event at *t, but for rounding? Then it is *t. */
+static int fmu_scene_is_event(const fmu_plant *p, double *t)
+{
+  for (int k = 0; k < p->s.n_event; k++) {
+    if (fabs(*t - p->s.event[k].t) <= fmu_scene_slack(p)) {
+      *t = p->s.event[k].t;
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* A communication step. Where it is a number of rows of the scene, those, to the last bit. Else one interval of its
    own, from a multiple of it to the next where the time is one: the same steps in each. */
-static fb_status fmu_scene_advance(fmu_plant_state *state, double length, char when[96])
+static fb_status fmu_scene_advance(fmu_plant *p, fmu_plant_state *state, double length, char when[96])
 {
-  const double row = staged.s.duration / (double)timing.rows, many = floor(length / row + 0.5);
+  const double row = p->s.duration / (double)timing.rows, many = floor(length / row + 0.5);
   const double at = floor(state->time / row + 0.5);
   double unit, start, last;
   fb_status status = FB_OK;
   if (many >= 1 && fmu_scene_same(length, many * row, length) && fmu_scene_same(state->time, at * row, row)) {
     for (double k = 0; k < many && status == FB_OK; k++) {
-      status = fmu_scene_interval(state, (at + k) * row, (at + k + 1) * row, row, when);
+      status = fmu_scene_interval(p, state, (at + k) * row, (at + k + 1) * row, row, when);
     }
     return status;
+  }
+  last = state->time + length;
+  start = state->time;
+  if (fmu_scene_is_event(p, &last) || fmu_scene_is_event(p, &start)) {
+    last = fmu_scene_row(last, row);
+    return fmu_scene_interval(p, state, start, last, last - start, when);
   }
   unit = fmu_scene_same(length, state->unit, length) ? state->unit : length;
   state->unit = unit;
   start = floor(state->time / unit + 0.5);
   if (fmu_scene_same(state->time, start * unit, unit)) {
-    return fmu_scene_interval(state, start * unit, (start + 1) * unit, unit, when);
+    return fmu_scene_interval(p, state, start * unit, (start + 1) * unit, unit, when);
   }
-  last = floor((state->time + length) / row + 0.5) * row; /* a row, where it is one */
-  last = fmu_scene_same(last, state->time + length, row) ? last : state->time + length;
-  return fmu_scene_interval(state, state->time, last, last - state->time, when);
+  last = fmu_scene_row(state->time + length, row);
+  return fmu_scene_interval(p, state, state->time, last, last - state->time, when);
 }
 
 static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, double from, double length,
                                  fmu_text text)
 {
-  const fmu_answer answer = fmu_scene_set(v, text);
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
   char when[96] = "at the start";
   fb_status status;
-  (void)p, (void)from;
+  (void)from;
+  answer = answer ? answer : fmu_scene_load(p, state, text);
   if (answer != FMU_OK) {
     return answer;
   }
-  fmu_scene_load(state);
-  status = fmu_scene_advance(state, length, when);
-  fmu_scene_store(state);
+  status = fmu_scene_advance(p, state, length, when);
+  fmu_scene_store(p, state);
   if (status != FB_OK) {
-    scene_failed(&staged.s, when, status);
-    return fmu_scene_said(text, FMU_DISCARD, staged.s.message);
+    scene_failed(&p->s, when, status);
+    return fmu_scene_said(text, FMU_DISCARD, p->s.message);
+  }
+  return FMU_OK;
+}
+
+/* ---- events: latches. They are in the order of time */
+
+static inline double fmu_plant_until(const fmu_plant *p, const fmu_plant_state *state)
+{
+  for (int k = state->event; k < p->s.n_event; k++) {
+    if (p->s.event[k].t - state->time > fmu_scene_slack(p)) {
+      return p->s.event[k].t - state->time;
+    }
+  }
+  return HUGE_VAL;
+}
+
+static inline int fmu_plant_is_due(const fmu_plant *p, const fmu_plant_state *state)
+{
+  return state->event < p->s.n_event && p->s.event[state->event].t - state->time <= fmu_scene_slack(p);
+}
+
+static inline int fmu_plant_has_events(const fmu_plant *p)
+{
+  return p->s.n_event > 0;
+}
+
+static inline fmu_answer fmu_plant_happen(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, fmu_text text)
+{
+  fb_status status;
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_load(p, state, text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  status = scene_happen(&p->s, &p->run.event, state->time);
+  fmu_scene_store(p, state);
+  if (status != FB_OK) {
+    scene_failed(&p->s, "event", status);
+    return fmu_scene_said(text, FMU_ERROR, p->s.message);
+  }
+  return FMU_OK;
+}
+
+/* As that of a body; and the step is short beside springs and functions of time. */
+static inline fmu_answer fmu_plant_instant(fmu_plant *p, double *h, const fmu_plant_state *state, const fmu_values *v,
+                                           fmu_text text)
+{
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_load(p, state, text);
+  if (answer == FMU_OK && p->s.is_exact) {
+    answer = fmu_scene_said(text, FMU_ERROR, "an exact beam has no derivatives of outputs by time");
+  }
+  if (answer == FMU_OK) {
+    const fb_real limit = scene_is_system(&p->s) ? fb_system_rk4_limit(&engine.system, engine.body, 0, 0)
+                                                 : fb_rk4_limit(&engine.body[0], 0, 0);
+    *h = fmin(fmin(FMU_INSTANT, (double)limit / 400), timing.longest / 10);
+  }
+  return answer;
+}
+
+/* Commands stay as they are. */
+static inline fmu_answer fmu_plant_ahead(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, double h,
+                                         fmu_text text)
+{
+  const scene *const s = &p->s;
+  const double t = state->time, side = t + 0.5 * h;
+  fb_status status = FB_OK;
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
+  answer = answer ? answer : fmu_scene_load(p, state, text);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  for (int k = 0; k < 3; k++) {
+    if (scene_is_system(s)) {
+      system_input(s, &engine.system_at[k], t + 0.5 * k * h, side);
+    } else {
+      single_input(s, &engine.at[k], t + 0.5 * k * h, side);
+    }
+  }
+  if (scene_is_system(s)) {
+    const fb_system_input *const in = engine.system_at;
+    status = fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &in[0], &in[1],
+                                &in[2], (fb_real)h);
+  } else {
+    const fb_input *const in = engine.at;
+    status = fb_rk4_step(&engine.body[0], &engine.state, &engine.by.work.rk4, &in[0], &in[1], &in[2], (fb_real)h);
+  }
+  fmu_scene_store(p, state);
+  state->time = t + h;
+  if (status != FB_OK) {
+    scene_failed(&p->s, "derivatives", status);
+    return fmu_scene_said(text, FMU_ERROR, p->s.message);
   }
   return FMU_OK;
 }
 
 static fmu_answer fmu_plant_outputs(fmu_plant *p, const fmu_plant_state *state, const fmu_values *v, fmu_text text)
 {
-  scene *const s = &staged.s;
-  const fmu_answer answer = fmu_scene_set(v, text);
+  scene *const s = &p->s;
+  fmu_answer answer = fmu_plant_prepare(p, v, text);
   fb_status status;
-  (void)p;
+  answer = answer ? answer : fmu_scene_load(p, state, text);
   if (answer != FMU_OK) {
     return answer;
   }
-  fmu_scene_load(state);
   status = scene_look(s, state->time);
   for (int k = 0; k < s->n_output && status == FB_OK; k++) { /* behind time and inputs */
-    v->value[1 + staged.n_input + k] = scene_value(s, &s->output[k]);
+    v->value[1 + p->n_input + k] = scene_value(s, &s->output[k]);
   }
   if (status != FB_OK) {
     scene_failed(s, "outputs", status);

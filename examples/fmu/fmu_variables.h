@@ -17,38 +17,39 @@ enum { FMU_MODES = -1 }; /* as many numbers as there are modes */
 
 /* kind, role, place, numbers, name (of nodes behind "hub." or the node's name), unit, does it depend directly on the
    inputs?, meaning */
-#define FMU_KINDS(X)                                                                                                 \
-  X(TIME, INDEPENDENT, BODY, 1, "time", "s", 0, "time")                                                              \
-  X(GRAVITY, INPUT, BODY, 3, "gravity", "m/s2", 0, "uniform gravity, inertial axes")                                 \
-  X(FORCE, INPUT, NODE, 3, "force", "N", 0, "force that acts there, body axes")                                      \
-  X(TORQUE, INPUT, NODE, 3, "torque", "N.m", 0, "torque that acts there, body axes")                                 \
-  X(POSITION, OUTPUT, NODE, 3, "position", "m", 0, "position, inertial axes")                                        \
-  X(ATTITUDE, OUTPUT, NODE, 4, "attitude", NULL, 0, "unit quaternion w x y z, axes of the section to inertial ones") \
-  X(VELOCITY, OUTPUT, NODE, 3, "velocity", "m/s", 0, "velocity, inertial axes")                                      \
-  X(RATE, OUTPUT, NODE, 3, "rate", "rad/s", 0, "angular velocity, axes of the section: a gyro there")                \
-  X(ACCELERATION, OUTPUT, NODE, 3, "acceleration", "m/s2", 1, "acceleration, inertial axes")                         \
-  X(RATE_DOT, OUTPUT, NODE, 3, "angular_acceleration", "rad/s2", 1, "angular acceleration, axes of the section")     \
-  X(DEFLECTION, OUTPUT, TIP, 3, "deflection", "m", 0, "elastic displacement, body axes")                             \
-  X(ROTATION, OUTPUT, TIP, 3, "rotation", "rad", 0, "elastic rotation vector, body axes")                            \
-  X(REACTION_FORCE, OUTPUT, BODY, 3, "hub.reaction_force", "N", 1, "of the support on the hub, body axes")           \
-  X(REACTION_TORQUE, OUTPUT, BODY, 3, "hub.reaction_torque", "N.m", 1, "of the support on the hub, body axes")       \
-  X(Q, OUTPUT, BODY, FMU_MODES, "modes.q", NULL, 0, "modal coordinates")                                             \
-  X(Q_DOT, OUTPUT, BODY, FMU_MODES, "modes.q_dot", NULL, 0, "their rates")                                           \
-  X(KINETIC, OUTPUT, BODY, 1, "energy.kinetic", "J", 0, "kinetic energy")                                            \
-  X(STRAIN, OUTPUT, BODY, 1, "energy.strain", "J", 0, "strain energy")                                               \
-  X(POTENTIAL, OUTPUT, BODY, 1, "energy.gravity", "J", 1, "energy in gravity")                                       \
-  X(STEP, PARAMETER, BODY, 1, "settings.step", "s", 0, "longest step of the integrator")                             \
-  X(INTEGRATOR, PARAMETER, BODY, 1, "settings.integrator", NULL, 0, "rk4, midpoint, sdirk or exponential")           \
-  X(DAMPING, PARAMETER, BODY, 1, "settings.damping_scale", NULL, 0, "factor of the damping of all modes")            \
-  X(START_POSITION, PARAMETER, BODY, 3, "start.position", "m", 0, "of the hub, inertial axes")                       \
-  X(START_ATTITUDE, PARAMETER, BODY, 4, "start.attitude", NULL, 0, "of the hub, quaternion w x y z of any length")   \
-  X(START_VELOCITY, PARAMETER, BODY, 3, "start.velocity", "m/s", 0, "of the hub, inertial axes")                     \
-  X(START_RATE, PARAMETER, BODY, 3, "start.rate", "rad/s", 0, "of the hub, body axes")                               \
-  X(START_Q, PARAMETER, BODY, FMU_MODES, "start.q", NULL, 0, "modal coordinates")                                    \
-  X(START_Q_DOT, PARAMETER, BODY, FMU_MODES, "start.q_dot", NULL, 0, "their rates")                                  \
-  X(SCENE_INPUT, INPUT, SCENE, 1, "", NULL, 0, "added to what the scene says")                                       \
-  X(SCENE_OUTPUT, OUTPUT, SCENE, 1, "", NULL, 0, "")                                                                 \
-  X(SCENE_STEP, PARAMETER, SCENE, 1, "", NULL, 0, "longest step of the integrator; 0: as the scene says")            \
+#define FMU_KINDS(X)                                                                                                  \
+  X(TIME, INDEPENDENT, BODY, 1, "time", "s", 0, "time")                                                               \
+  X(GRAVITY, INPUT, BODY, 3, "gravity", "m/s2", 0, "uniform gravity, inertial axes")                                  \
+  X(FORCE, INPUT, NODE, 3, "force", "N", 0, "force that acts there, body axes")                                       \
+  X(TORQUE, INPUT, NODE, 3, "torque", "N.m", 0, "torque that acts there, body axes")                                  \
+  X(POSITION, OUTPUT, NODE, 3, "position", "m", 0, "position, inertial axes")                                         \
+  X(ATTITUDE, OUTPUT, NODE, 4, "attitude", NULL, 0, "unit quaternion w x y z, axes of the section to inertial ones")  \
+  X(VELOCITY, OUTPUT, NODE, 3, "velocity", "m/s", 0, "velocity, inertial axes")                                       \
+  X(RATE, OUTPUT, NODE, 3, "rate", "rad/s", 0, "angular velocity, axes of the section: a gyro there")                 \
+  X(ACCELERATION, OUTPUT, NODE, 3, "acceleration", "m/s2", 1, "acceleration, inertial axes")                          \
+  X(RATE_DOT, OUTPUT, NODE, 3, "angular_acceleration", "rad/s2", 1, "angular acceleration, axes of the section")      \
+  X(DEFLECTION, OUTPUT, TIP, 3, "deflection", "m", 0, "elastic displacement, body axes")                              \
+  X(ROTATION, OUTPUT, TIP, 3, "rotation", "rad", 0, "elastic rotation vector, body axes")                             \
+  X(REACTION_FORCE, OUTPUT, BODY, 3, "hub.reaction_force", "N", 1, "of the support on the hub, body axes")            \
+  X(REACTION_TORQUE, OUTPUT, BODY, 3, "hub.reaction_torque", "N.m", 1, "of the support on the hub, body axes")        \
+  X(Q, OUTPUT, BODY, FMU_MODES, "modes.q", NULL, 0, "modal coordinates")                                              \
+  X(Q_DOT, OUTPUT, BODY, FMU_MODES, "modes.q_dot", NULL, 0, "their rates")                                            \
+  X(KINETIC, OUTPUT, BODY, 1, "energy.kinetic", "J", 0, "kinetic energy")                                             \
+  X(STRAIN, OUTPUT, BODY, 1, "energy.strain", "J", 0, "strain energy")                                                \
+  X(POTENTIAL, OUTPUT, BODY, 1, "energy.gravity", "J", 1, "energy in gravity")                                        \
+  X(STEP, PARAMETER, BODY, 1, "settings.step", "s", 0, "longest step of the integrator")                              \
+  X(INTEGRATOR, PARAMETER, BODY, 1, "settings.integrator", NULL, 0, "rk4, midpoint, sdirk or exponential")            \
+  X(DAMPING, PARAMETER, BODY, 1, "settings.damping_scale", NULL, 0, "factor of the damping of all modes")             \
+  X(START_POSITION, PARAMETER, BODY, 3, "start.position", "m", 0, "of the hub, inertial axes")                        \
+  X(START_ATTITUDE, PARAMETER, BODY, 4, "start.attitude", NULL, 0, "of the hub, quaternion w x y z of any length")    \
+  X(START_VELOCITY, PARAMETER, BODY, 3, "start.velocity", "m/s", 0, "of the hub, inertial axes")                      \
+  X(START_RATE, PARAMETER, BODY, 3, "start.rate", "rad/s", 0, "of the hub, body axes")                                \
+  X(START_Q, PARAMETER, BODY, FMU_MODES, "start.q", NULL, 0, "modal coordinates")                                     \
+  X(START_Q_DOT, PARAMETER, BODY, FMU_MODES, "start.q_dot", NULL, 0, "their rates")                                   \
+  X(SCENE_INPUT, INPUT, SCENE, 1, "", NULL, 0, "added to what the scene says")                                        \
+  X(SCENE_OUTPUT, OUTPUT, SCENE, 1, "", NULL, 0, "")                                                                  \
+  X(SCENE_STEP, PARAMETER, SCENE, 1, "", NULL, 0, "longest step of the integrator; 0: as the scene says")             \
+  X(SCENE_EARLY, PARAMETER, SCENE, 1, "", NULL, 0, "1: a step ends at an event, with Discard and lastSuccessfulTime") \
   X(SCENE_PARAMETER, PARAMETER, SCENE, 1, "", NULL, 0, "parameter of the scene")
 
 #define FMU_KIND_ENUM(kind, role, place, count, name, unit, direct, what) FMU_##kind,
@@ -84,7 +85,14 @@ typedef char fmu_text[768];
 #define FMU_NAME ((size_t)96)   /* characters of the name of a variable */
 #define FMU_PATH ((size_t)1024) /* of a folder */
 
-#define FMU_SAME 1e-9 /* relative difference of times that are the same */
+typedef struct fmu_span { /* a part of a state */
+  void *at;
+  size_t bytes;
+} fmu_span;
+#define FMU_MAX_SPANS 24
+
+#define FMU_INSTANT 1e-4 /* [s] at most, between the outputs of which derivatives are made */
+#define FMU_SAME 1e-9    /* relative difference of times that are the same */
 
 typedef struct fmu_values { /* numbers of variables */
   const fmu_variable *variable;

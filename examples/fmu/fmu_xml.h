@@ -7,7 +7,7 @@
 
 typedef struct fmu_export {
   int fmi; /* 2, 3 */
-  int is_static;
+  int is_static, is_exact, has_events;
   double step;
   const char *name, *platform;
   char token[48];
@@ -216,8 +216,8 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
   fprintf(out,
           "  <CoSimulation modelIdentifier=\"%s\" canHandleVariableCommunicationStepSize=\"true\"\n"
           "    canBeInstantiatedOnlyOncePerProcess=\"%s\" canGetAndSetFMU%s=\"true\" canSerializeFMU%s=\"true\"\n"
-          "    providesDirectionalDerivative%s=\"true\"",
-          e->name, fmu_true[e->is_static || !e->body], two ? "state" : "State", two ? "state" : "State",
+          "    maxOutputDerivativeOrder=\"%d\" providesDirectionalDerivative%s=\"true\"",
+          e->name, fmu_true[e->is_static], two ? "state" : "State", two ? "state" : "State", !e->is_exact,
           two ? "" : "s");
   if (two) {
     fprintf(out,
@@ -225,7 +225,8 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
             "    <SourceFiles><File name=\"%sfmu2.c\"/></SourceFiles>\n  </CoSimulation>\n",
             fmu_true[e->is_static], e->body ? "" : "examples/fmu/");
   } else {
-    fputs("/>\n", out);
+    fprintf(out, " providesAdjointDerivatives=\"true\"\n    hasEventMode=\"%s\" mightReturnEarlyFromDoStep=\"%s\"/>\n",
+            fmu_true[e->has_events], fmu_true[e->has_events]);
   }
 }
 

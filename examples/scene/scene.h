@@ -402,7 +402,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
 static int scene_read(scene *s, const char *path, const scene_setting *set, int n_set)
 {
   text_file t;
-  memset(s, 0, sizeof *s);
+  clear_memory(s, sizeof *s);
   snprintf(s->path, sizeof s->path, "%s", path);
   s->set = set;
   s->n_set = n_set;

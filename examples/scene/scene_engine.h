@@ -10,7 +10,7 @@ typedef struct scene_instant { /* of a step: what a distributed load needs to kn
   double side;
 } scene_instant;
 
-static struct scene_engine { /* one scene at a time */
+struct scene_engine {
   fb_body body[FB_MAX_BODIES];
   fb_body_work body_work;
   int place[FB_MAX_BODIES][FB_MAX_MODES]; /* in it, of the modes that the file has; -1: left out */
@@ -31,7 +31,8 @@ static struct scene_engine { /* one scene at a time */
   fb_spectrum spectrum;
   scene_instant instant;
   scene_view view;
-} engine;
+};
+SCENE_RUNS(struct scene_engine, engine, );
 
 /* Modal coordinates at the start, of the modes that are kept. */
 static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_body *b)
@@ -415,7 +416,7 @@ static fb_status system_look(const scene *s, double t)
 
 static fb_status scene_start(const scene *s)
 {
-  memset(controlling, 0, sizeof controlling);
+  memset(controlling, 0, SCENE_CONTROLS * sizeof controlling[0]);
   return s->is_exact ? exact_start(s) : scene_is_system(s) ? system_start(s) : single_start(s);
 }
 

@@ -182,7 +182,7 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
 #define EXACT_PARTS 64    /* in which the loads grow beside a nudge, and.. */
 #define EXACT_HALVINGS 24 /* ..of the nudge then */
 
-static struct scene_exact { /* one at a time */
+struct scene_exact {
   fb_exact beam;
   fb_exact_state state;
   fb_exact_work work;
@@ -190,12 +190,13 @@ static struct scene_exact { /* one at a time */
   fb_exact_node node[FB_MAX_EXACT + 1];
   fb_exact_spectrum spectrum;
   fb_exact_spectrum_work spectrum_work;
-} exact;
+};
+SCENE_RUNS(struct scene_exact, exact_run, );
 
 /* Loads, or nudges, at t, of the pieces that hold `side`. */
 static void exact_add_loads(const scene *s, int nudges, double t, double side)
 {
-  fb_exact_input *const input = &exact.input;
+  fb_exact_input *const input = &exact_run.input;
   for (int k = 0; k < s->n_load; k++) {
     if (s->load[k].nudge == nudges) {
       fb_load *const load = &input->load[input->n_load++];
@@ -208,7 +209,7 @@ static void exact_add_loads(const scene *s, int nudges, double t, double side)
 /* What acts at t. */
 static void exact_input(const scene *s, double t, double side)
 {
-  fb_exact_input *const input = &exact.input;
+  fb_exact_input *const input = &exact_run.input;
   *input = s->exact.input;
   exact_add_loads(s, 0, t, side);
   for (int k = 0; k < s->n_motion; k++) {
@@ -225,8 +226,8 @@ static void exact_start_input(const scene *s)
 {
   exact_input(s, 0, 0);
   for (int i = 0; i < 3; i++) {
-    exact.input.v[i] += (fb_real)s->body[0].velocity[i];
-    exact.input.w[i] += (fb_real)s->body[0].spin[i];
+    exact_run.input.v[i] += (fb_real)s->body[0].velocity[i];
+    exact_run.input.w[i] += (fb_real)s->body[0].spin[i];
   }
 }
 
@@ -241,7 +242,7 @@ static void exact_scale(fb_real force[3], fb_real torque[3], double part)
 /* Parts of the loads and of the nudges at the start. */
 static void exact_nudged_input(const scene *s, double part, double nudge)
 {
-  fb_exact_input *const input = &exact.input;
+  fb_exact_input *const input = &exact_run.input;
   int n;
   exact_start_input(s);
   n = input->n_load;
@@ -262,14 +263,14 @@ static fb_status exact_trim(const scene *s)
   fb_status status = FB_OK;
   for (int k = 1; k <= EXACT_PARTS && nudged && status == FB_OK; k++) {
     exact_nudged_input(s, (double)k / EXACT_PARTS, 1);
-    status = fb_exact_trim(&exact.beam, &exact.state, &exact.work, &exact.input);
+    status = fb_exact_trim(&exact_run.beam, &exact_run.state, &exact_run.work, &exact_run.input);
   }
   for (int k = 1; k <= EXACT_HALVINGS && nudged && status == FB_OK; k++) {
     exact_nudged_input(s, 1, ldexp(1, -k));
-    status = fb_exact_trim(&exact.beam, &exact.state, &exact.work, &exact.input);
+    status = fb_exact_trim(&exact_run.beam, &exact_run.state, &exact_run.work, &exact_run.input);
   }
   exact_start_input(s);
-  return status ? status : fb_exact_trim(&exact.beam, &exact.state, &exact.work, &exact.input);
+  return status ? status : fb_exact_trim(&exact_run.beam, &exact_run.state, &exact_run.work, &exact_run.input);
 }
 
 static fb_status exact_start(const scene *s)
@@ -280,13 +281,13 @@ static fb_status exact_start(const scene *s)
   for (int i = 0; i < 3; i++) {
     desc.gravity[i] += (fb_real)s->gravity[i];
   }
-  status = fb_exact_init(&exact.beam, &desc);
+  status = fb_exact_init(&exact_run.beam, &desc);
   exact_start_input(s);
-  status = status ? status : fb_exact_state_init(&exact.beam, &exact.state, &exact.work, &exact.input);
+  status = status ? status : fb_exact_state_init(&exact_run.beam, &exact_run.state, &exact_run.work, &exact_run.input);
   if (status == FB_OK) {
-    scene_reals(exact.state.base_position, b->position, 3);
-    scene_reals(exact.state.base_quat, b->attitude, 4);
-    status = fb_quat_normalize(exact.state.base_quat);
+    scene_reals(exact_run.state.base_position, b->position, 3);
+    scene_reals(exact_run.state.base_quat, b->attitude, 4);
+    status = fb_quat_normalize(exact_run.state.base_quat);
   }
   if (s->trim) {
     return status ? status : exact_trim(s);
@@ -297,30 +298,30 @@ static fb_status exact_start(const scene *s)
 static fb_status exact_step(const scene *s, double t, double dt)
 {
   exact_input(s, t + 0.5 * dt, t + 0.5 * dt);
-  return fb_exact_step(&exact.beam, &exact.state, &exact.work, &exact.input, (fb_real)dt);
+  return fb_exact_step(&exact_run.beam, &exact_run.state, &exact_run.work, &exact_run.input, (fb_real)dt);
 }
 
 /* The frame that the root carries along; the base frame where the root is clamped. */
 static void exact_pose(fb_state *pose)
 {
-  const fb_real *const q = exact.beam.quat;
+  const fb_real *const q = exact_run.beam.quat;
   const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real R[9];
-  fb_quat_mul(pose->quat, exact.node[0].quat, back);
+  fb_quat_mul(pose->quat, exact_run.node[0].quat, back);
   fb_quat_to_mat33(R, pose->quat);
   for (int i = 0; i < 3; i++) {
-    pose->rho[i] = exact.node[0].position[i];
+    pose->rho[i] = exact_run.node[0].position[i];
     for (int j = 0; j < 3; j++) {
-      pose->rho[i] -= R[3 * i + j] * exact.beam.r[j] * exact.beam.length;
+      pose->rho[i] -= R[3 * i + j] * exact_run.beam.r[j] * exact_run.beam.length;
     }
   }
 }
 
 static fb_status exact_look(scene_view *view)
 {
-  fb_status status = fb_exact_nodes_eval(&exact.beam, exact.node, &exact.state);
-  status = status ? status : fb_exact_energy_eval(&exact.beam, &view->energy, &exact.state);
-  status = status ? status : fb_exact_momentum_eval(&exact.beam, &view->momentum, &exact.state);
+  fb_status status = fb_exact_nodes_eval(&exact_run.beam, exact_run.node, &exact_run.state);
+  status = status ? status : fb_exact_energy_eval(&exact_run.beam, &view->energy, &exact_run.state);
+  status = status ? status : fb_exact_momentum_eval(&exact_run.beam, &view->momentum, &exact_run.state);
   exact_pose(&view->motion.pose[0]);
   return status;
 }
@@ -330,9 +331,9 @@ static double exact_displacement(const fb_state *pose, int node, int axis)
 {
   fb_real R[9], d;
   fb_quat_to_mat33(R, pose->quat);
-  d = -exact.beam.r[3 * node + axis] * exact.beam.length;
+  d = -exact_run.beam.r[3 * node + axis] * exact_run.beam.length;
   for (int j = 0; j < 3; j++) {
-    d += R[3 * j + axis] * (exact.node[node].position[j] - pose->rho[j]);
+    d += R[3 * j + axis] * (exact_run.node[node].position[j] - pose->rho[j]);
   }
   return (double)d;
 }
@@ -340,13 +341,13 @@ static double exact_displacement(const fb_state *pose, int node, int axis)
 /* [rad] The elastic part: of a root that turns, without its turn, and then within half a turn. */
 static double exact_rotation(const fb_state *pose, int node, int axis)
 {
-  const fb_real *const p = pose->quat, *const q = exact.beam.quat + 4 * node;
+  const fb_real *const p = pose->quat, *const q = exact_run.beam.quat + 4 * node;
   const fb_real from_pose[4] = {p[0], -p[1], -p[2], -p[3]}, from_section[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real seen[4], turn[4], phi[3];
-  if ((exact.beam.held[0] & (FB_HOLD_RX | FB_HOLD_RY | FB_HOLD_RZ)) == (FB_HOLD_RX | FB_HOLD_RY | FB_HOLD_RZ)) {
-    return (double)exact.node[node].rotation[axis];
+  if ((exact_run.beam.held[0] & (FB_HOLD_RX | FB_HOLD_RY | FB_HOLD_RZ)) == (FB_HOLD_RX | FB_HOLD_RY | FB_HOLD_RZ)) {
+    return (double)exact_run.node[node].rotation[axis];
   }
-  fb_quat_mul(seen, from_pose, exact.node[node].quat);
+  fb_quat_mul(seen, from_pose, exact_run.node[node].quat);
   fb_quat_mul(turn, seen, from_section);
   fb_quat_to_rotvec(phi, turn);
   return (double)phi[axis];
@@ -363,7 +364,7 @@ static double exact_turned(const fb_real quat[4], const fb_real x[3], int axis)
 /* [m/s] of the body's origin, inertial axes: the root carries it along. */
 static double exact_origin_velocity(const fb_state *pose, int axis)
 {
-  const fb_exact_node *const root = &exact.node[0];
+  const fb_exact_node *const root = &exact_run.node[0];
   fb_real d[3], w[3], across[3];
   for (int i = 0; i < 3; i++) {
     d[i] = pose->rho[i] - root->position[i];
@@ -376,20 +377,20 @@ static double exact_origin_velocity(const fb_state *pose, int axis)
 /* [N m] of what holds the root, about the body's origin, body axes. */
 static double exact_origin_torque(int axis)
 {
-  const fb_exact_node *const root = &exact.node[0];
+  const fb_exact_node *const root = &exact_run.node[0];
   fb_real r[3], F[3], across[3];
   for (int i = 0; i < 3; i++) {
-    r[i] = exact.beam.r[i] * exact.beam.length;
-    F[i] = (fb_real)exact_turned(exact.beam.quat, root->reaction_force, i);
+    r[i] = exact_run.beam.r[i] * exact_run.beam.length;
+    F[i] = (fb_real)exact_turned(exact_run.beam.quat, root->reaction_force, i);
   }
   fb_vec3_cross(across, r, F);
-  return exact_turned(exact.beam.quat, root->reaction_moment, axis) + (double)across[axis];
+  return exact_turned(exact_run.beam.quat, root->reaction_moment, axis) + (double)across[axis];
 }
 
 static double exact_value(const scene *s, const scene_view *view, const scene_output *o)
 {
   const int at = scene_quantities[o->quantity].place == SCENE_AT_NODE ? s->body[0].element_node[o->at] : 0;
-  const fb_exact_node *const node = &exact.node[at];
+  const fb_exact_node *const node = &exact_run.node[at];
   const fb_state *const pose = &view->motion.pose[0];
   const int origin = o->at == 0; /* of the body: the beam may begin elsewhere */
   switch (o->quantity) {
@@ -410,11 +411,11 @@ static double exact_value(const scene *s, const scene_view *view, const scene_ou
   case SCENE_INTERNAL_MOMENT:
     return (double)node->moment[o->axis];
   case SCENE_SPIN:
-    return exact_turned(exact.beam.quat, node->angular_rate, o->axis);
+    return exact_turned(exact_run.beam.quat, node->angular_rate, o->axis);
   case SCENE_ATTITUDE:
     return (double)pose->quat[o->axis];
   case SCENE_REACTION_FORCE:
-    return exact_turned(exact.beam.quat, node->reaction_force, o->axis);
+    return exact_turned(exact_run.beam.quat, node->reaction_force, o->axis);
   default:
     return exact_origin_torque(o->axis);
   }
@@ -439,11 +440,12 @@ static fb_status exact_spectrum(const scene *s, int count)
   const int more = count < FB_EXACT_MODES ? count + 1 : count;
   fb_status status;
   exact_input(s, 0, 0);
-  status =
-      fb_exact_spectrum_solve(&exact.beam, &exact.spectrum_work, &exact.spectrum, &exact.state, &exact.input, more);
-  return status == FB_OK || more == count ? status
-                                          : fb_exact_spectrum_solve(&exact.beam, &exact.spectrum_work, &exact.spectrum,
-                                                                    &exact.state, &exact.input, count);
+  status = fb_exact_spectrum_solve(&exact_run.beam, &exact_run.spectrum_work, &exact_run.spectrum, &exact_run.state,
+                                   &exact_run.input, more);
+  return status == FB_OK || more == count
+             ? status
+             : fb_exact_spectrum_solve(&exact_run.beam, &exact_run.spectrum_work, &exact_run.spectrum, &exact_run.state,
+                                       &exact_run.input, count);
 }
 
 /* A step whose error, of order 2, adds up to `accuracy` of the slowest mode at the end: w T (w dt)^2/12. */
@@ -451,7 +453,7 @@ static double exact_choose(const scene *s, double accuracy)
 {
   double dt = s->interval;
   if (exact_spectrum(s, 2) == FB_OK) {
-    const double w = fmax((double)exact.spectrum.im[0], (double)exact.spectrum.im[1]);
+    const double w = fmax((double)exact_run.spectrum.im[0], (double)exact_run.spectrum.im[1]);
     dt = w > 0 ? fmin(dt, sqrt(12 * accuracy / (w * s->duration)) / w) : dt;
   }
   return dt;

@@ -16,6 +16,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include "../tools/model.h"
+#include "../common/clear.h"
 #include "../common/csv.h"
 #include "function.h"
 #include "control.h"
@@ -37,6 +38,18 @@
 #define SCENE_SENSORS 4 /* of a controller */
 #define SCENE_BLOCKS 12 /* of it */
 #define SCENE_LATE 60   /* samples: the longest delay */
+
+/* What runs is static, one scene at a time. With SCENE_SEVERAL each of it is where a pointer of the thread says, which who
+   includes this sets. */
+#ifdef SCENE_SEVERAL
+#define SCENE_RUNS(type, name, dimension) static FBI_THREAD type *name##_now
+#define engine (*engine_now)
+#define exact_run (*exact_run_now)
+#define timing (*timing_now)
+#define controlling controlling_now
+#else
+#define SCENE_RUNS(type, name, dimension) static type name dimension
+#endif
 
 typedef struct scene_setting { /* a parameter that is not to have the file's value */
   const char *name;
@@ -387,13 +400,14 @@ typedef struct scene_order { /* a command, from when on */
   double t, value;
 } scene_order;
 
-static struct scene_controlling { /* what controllers know, of the one scene that runs */
-  double acting;                  /* command */
-  long sampled;                   /* so many times */
+struct scene_controlling { /* what a controller knows */
+  double acting;           /* command */
+  long sampled;            /* so many times */
   control_memory memory[SCENE_BLOCKS];
   int first, n; /* orders that are under way, a ring */
   scene_order order[2 * SCENE_LATE + 8];
-} controlling[SCENE_CONTROLS];
+};
+SCENE_RUNS(struct scene_controlling, controlling, [SCENE_CONTROLS]);
 
 /* A load at t, of the piece that holds `side`. */
 static fb_load scene_load_at(const scene *s, const scene_load *l, double t, double side)

@@ -356,8 +356,8 @@ static void scene_mark_exact(const scene *s, scene_frame *frame)
     const int node = k == 0 ? 0 : k == 1 ? d->n_element : d->support[k - 2].node;
     scene_line next = {1, {{0}}};
     double at[3];
-    scene_seen(s, at, exact.node[node].position);
-    scene_seen(s, next.x[0], exact.node[node > 0 ? node - 1 : 1].position);
+    scene_seen(s, at, exact_run.node[node].position);
+    scene_seen(s, next.x[0], exact_run.node[node > 0 ? node - 1 : 1].position);
     if (held != FB_END_FREE && held != FB_END_DEFAULT) {
       scene_add_mark(frame, at, (held & FB_END_GUIDED) == FB_END_GUIDED && moves == 0 ? &next : NULL);
     }
@@ -423,8 +423,8 @@ static void scene_film_frame(const scene *s, double t)
   frame->t = t;
   film.n_body = s->n_body;
   for (int k = 0; k < SCENE_POINTS && s->is_exact; k++) {
-    const int node = k * exact.beam.n / (SCENE_POINTS - 1);
-    scene_seen(s, frame->line[0].x[frame->line[0].n++], exact.node[node].position);
+    const int node = k * exact_run.beam.n / (SCENE_POINTS - 1);
+    scene_seen(s, frame->line[0].x[frame->line[0].n++], exact_run.node[node].position);
   }
   for (int b = 0; b < s->n_body && !s->is_exact; b++) {
     scene_add_body(s, &frame->line[b], b);
@@ -778,8 +778,8 @@ static double scene_growth(const fb_real *re, const fb_real *im, int n, int all)
 /* Frequencies and growth about the start, where they are to be measured. */
 static int scene_measure_spectrum(scene *s)
 {
-  const fb_real *const re = s->is_exact ? exact.spectrum.re : engine.spectrum.re;
-  const fb_real *const im = s->is_exact ? exact.spectrum.im : engine.spectrum.im;
+  const fb_real *const re = s->is_exact ? exact_run.spectrum.re : engine.spectrum.re;
+  const fb_real *const im = s->is_exact ? exact_run.spectrum.im : engine.spectrum.im;
   int wanted = 0, n;
   fb_status status;
   for (int k = 0; k < s->n_measure; k++) {
@@ -791,7 +791,7 @@ static int scene_measure_spectrum(scene *s)
     return 0;
   }
   status = s->is_exact ? exact_spectrum(s, wanted) : scene_spectrum(s);
-  n = s->is_exact ? exact.spectrum.n : engine.spectrum.n;
+  n = s->is_exact ? exact_run.spectrum.n : engine.spectrum.n;
   if (status != FB_OK || n < wanted) {
     return status ? scene_failed(s, "spectrum at the start", status)
                   : scene_fail(s, "the spectrum has %d modes, mode %d is to be measured", n, wanted);
@@ -857,7 +857,7 @@ static int scene_run(scene *s, const scene_options *o)
   fb_status status;
   int failed;
   memset(&run, 0, sizeof run);
-  memset(&engine, 0, sizeof engine);
+  clear_memory(&engine, sizeof engine);
   film.n = 0;
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);

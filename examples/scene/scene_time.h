@@ -8,13 +8,14 @@
 #define SCENE_INSTANTS (FUNCTION_ROWS + 3 * SCENE_FUNCTIONS + SCENE_EVENTS)
 #define SCENE_STEPS 1e10 /* at most, of a run: hours of the quickest */
 
-static struct scene_clock { /* one at a time */
+struct scene_clock {
   long rows;
   double interval, slack; /* [s]; instants that are nearer than slack are one */
   double longest, part;   /* steps: [s], and [rad] of the fastest that acts, HUGE_VAL: any */
   int n;                  /* instants, ascending */
   double instant[SCENE_INSTANTS];
-} timing;
+};
+SCENE_RUNS(struct scene_clock, timing, );
 
 /* A part of an interval in which nothing jumps or bends. */
 typedef struct scene_piece {

@@ -9,6 +9,9 @@ import shutil
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree
+import zipfile
+import zlib
 from pathlib import Path
 
 import fmpy
@@ -32,11 +35,12 @@ def want(true, what):
 class Instance:
     """One FMU of FMI 2 or 3 with its variables by name; vectors in both, as lists of value references."""
 
-    def __init__(self, file, initialize=True, stop=None, **settings):
-        self.file = file
+    def __init__(self, file, initialize=True, stop=None, beside=None, early=False, events=False, **settings):
+        """beside: an instance whose library it shares. early, events: early return, event mode of FMI 3."""
+        self.file, self.asks = file, {"earlyReturnAllowed": early, "eventModeUsed": events}
         self.description = fmpy.read_model_description(str(file))
         self.two = self.description.fmiVersion == "2.0"
-        self.folder = fmpy.extract(str(file))
+        self.folder, self.owns = (beside.folder, False) if beside else (fmpy.extract(str(file)), True)
         self.variables, self.role, self.first = {}, {}, {}
         for v in self.description.modelVariables:
             name = v.name.split("[")[0]
@@ -51,7 +55,7 @@ class Instance:
         try:
             self.instantiate()
         except Exception:
-            shutil.rmtree(self.folder)
+            self.clean()
             raise
         if initialize:
             self.initialize(stop=stop, **settings)
@@ -65,7 +69,7 @@ class Instance:
             self.calls.freeMemory = fmi2.defaultCallbacks.freeMemory
             self.fmu.instantiate(callbacks=self.calls)
         else:
-            self.fmu.instantiate(logMessage=lambda e, s, c, message: self.log.append(message.decode()))
+            self.fmu.instantiate(logMessage=lambda e, s, c, message: self.log.append(message.decode()), **self.asks)
 
     def initialize(self, stop=None, integrator=None, **settings):
         if self.two:
@@ -134,9 +138,17 @@ class Instance:
             rows.append(self.outputs())
         return rows
 
+    def clean(self):
+        if self.owns:
+            shutil.rmtree(self.folder)
+
+    def free(self):
+        """The instance goes, its library stays."""
+        (self.fmu.fmi2FreeInstance if self.two else self.fmu.fmi3FreeInstance)(self.fmu.component)
+
     def close(self):
         self.fmu.freeInstance()
-        shutil.rmtree(self.folder)
+        self.clean()
 
 
 def start(file, **settings):
@@ -193,6 +205,28 @@ def check_motion(model):
 
 def worst(a, b):
     return f"{max(abs(x - y) for p, q in zip(a, b) for x, y in zip(p, q)):g} apart"
+
+
+def check_icon(version):
+    """Where the standard has it, a picture with something on it and something left free; a page of documentation."""
+    with zipfile.ZipFile(folder / f"satellite{version}.fmu") as packed:
+        names = packed.namelist()
+        icon = packed.read("model.png" if version == 2 else "terminalsAndIcons/icon.png")
+        want("documentation/index.html" in names and "documentation/licenses/license.txt" in names, f"FMI {version}: documentation: {names}")
+        if version == 3:
+            lines = xml.etree.ElementTree.fromstring(packed.read("terminalsAndIcons/icon.svg"))
+            want(lines.tag.endswith("svg") and len(lines) == 3, "icon.svg")
+    chunks, at = {}, 8
+    want(icon[:8] == b"\x89PNG\r\n\x1a\n", "the icon is no PNG")
+    while at < len(icon):
+        n, kind = int.from_bytes(icon[at:at + 4], "big"), icon[at + 4:at + 8]
+        chunks[kind] = icon[at + 8:at + 8 + n]
+        want(zlib.crc32(kind + chunks[kind]) == int.from_bytes(icon[at + 8 + n:at + 12 + n], "big"), "a check word of the icon")
+        at += 12 + n
+    pixels = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(128, 257)
+    alpha = pixels[:, 2::2]
+    want(chunks[b"IHDR"] == bytes([0, 0, 0, 128, 0, 0, 0, 128, 8, 4, 0, 0, 0]) and not pixels[:, :2].any() and
+         0.05 < np.mean(alpha == 255) < 0.3 and np.mean(alpha == 0) > 0.6 and (alpha == alpha[:, ::-1]).all(), "the icon")
 
 
 def check_integrators():
@@ -263,8 +297,93 @@ def check_derivatives(version):
         want(abs(change[direct]).max() > 0, f"FMI {version}: no output follows {name}")
         most = max(most, abs(slope - change).max() / abs(change).max())
     want(most < 1e-9, f"FMI {version}: derivatives are {most:g} off")
+    if not one.two:
+        check_adjoint(one)
     one.close()
     return most
+
+
+def rates(one, names):
+    """Derivatives by time, of all numbers of outputs."""
+    of = [r for name in names for r in one.references(name)]
+    count = sum(one.variables[name] for name in names)
+    value = (ctypes.c_double * count)()
+    order = (ctypes.c_int32 * len(of))(*[1] * len(of))
+    references = (ctypes.c_uint * len(of))(*of)
+    if one.two:
+        one.fmu.fmi2GetRealOutputDerivatives(one.fmu.component, references, len(of), order, value)
+    else:
+        one.fmu.fmi3GetOutputDerivatives(one.fmu.component, references, len(of), order, value, count)
+    return np.array(value)
+
+
+def central(one, h):
+    """Derivatives at a time h ahead, by two steps of h: fourth order from a state that is set again."""
+    state, rows = one.fmu.getFMUState(), [one.outputs()]
+    begin = one.time
+    for _ in range(4):
+        one.step(h)
+        rows.append(one.outputs())
+        if len(rows) == 3:
+            middle = rates(one, one.names("output"))
+            again = one.outputs()
+            want(again == rows[-1], "derivatives by time change the outputs")
+    one.fmu.setFMUState(state)
+    one.fmu.freeFMUState(state)
+    one.time = begin
+    y = np.array(rows)
+    size = 1e-5 + np.abs(middle) + np.max(np.abs(y), axis=0)
+    return middle, (y[0] - 8 * y[1] + 8 * y[3] - y[4]) / (12 * h), size
+
+
+def check_rates(version):
+    """Derivatives of outputs by time: those of the motion around; velocity of position, acceleration of velocity, and so
+    on, to the digits; quaternions by rates."""
+    most = 0.0
+    for model in MODELS:
+        file = folder / f"{model}{version}.fmu"
+        one = start(file)
+        want(one.description.coSimulation.maxOutputDerivativeOrder == 1, f"{file}: no derivatives")
+        one.run(5, 0.05)
+        names = one.names("output")
+        mine, moved, size = central(one, one.get("settings.step")[0] / 8)
+        off = np.max(np.abs(mine - moved) / size)
+        want(off < 1e-5, f"{file}: derivatives by time are {off:g} off")
+        for node in one.nodes():
+            for of, by in ("position", "velocity"), ("velocity", "acceleration"), ("rate", "angular_acceleration"):
+                known = np.array(one.get(f"{node}.{by}"))
+                error = np.max(np.abs(rates(one, [f"{node}.{of}"]) - known)) / (1e-3 + np.max(np.abs(known)))
+                most = max(most, error)
+        if "modes.q" in names:
+            known = np.array(one.get("modes.q_dot"))
+            most = max(most, np.max(np.abs(rates(one, ["modes.q"]) - known)) / np.max(np.abs(known)))
+        refused(one, "a derivative of an input", lambda: rates(one, ["hub.force"]), "hub.force[1] is no output")
+        one.close()
+    want(most < 1e-7, f"FMI {version}: velocities as derivatives are {most:g} off")
+    return most
+
+
+def adjoint(one, outputs, inputs, seed):
+    """J^T seed, FMI 3."""
+    of = [r for name in outputs for r in one.references(name)]
+    by = [r for name in inputs for r in one.references(name)]
+    count = sum(one.variables[name] for name in inputs)
+    change = (ctypes.c_double * count)()
+    one.fmu.fmi3GetAdjointDerivative(one.fmu.component, (ctypes.c_uint * len(of))(*of), len(of), (ctypes.c_uint * len(by))(*by),
+                                     len(by), (ctypes.c_double * len(seed))(*seed), len(seed), change, count)
+    return np.array(change)
+
+
+def check_adjoint(one):
+    """<v, J u> = <J^T v, u> for every input, and all of them at once."""
+    outputs, inputs = one.names("output"), one.names("input")
+    n_out, n_in = (sum(one.variables[name] for name in names) for names in (outputs, inputs))
+    u, v = np.cos(1 + np.arange(n_in)), np.sin(2 + 3 * np.arange(n_out))
+    Ju = np.array(one.fmu.getDirectionalDerivative([r for name in outputs for r in one.references(name)],
+                                                   [r for name in inputs for r in one.references(name)], u, nSensitivity=n_out))
+    off = abs(v @ Ju - adjoint(one, outputs, inputs, v) @ u) / (np.linalg.norm(v) * np.linalg.norm(Ju))
+    want(np.linalg.norm(Ju) > 0 and off < 1e-12, f"{one.file}: the adjoint derivative is {off:g} off")
+    return off
 
 
 def depends(one, name):
@@ -390,17 +509,19 @@ def main():
     numbers = sum(check_motion(model) for model in MODELS)
     check_integrators()
     check_damping(str(folder / "damped.txt"))
-    slopes = []
+    slopes, slower = [], []
     for version in 2, 3:
+        check_icon(version)
         other = start(folder / f"two_booms{version}.fmu")
         foreign = other.fmu.serializeFMUState(other.fmu.getFMUState())
         saved = check_states(version)
         check_refusals(version, saved, foreign)
         slopes.append(check_derivatives(version))
+        slower.append(check_rates(version))
     check_static()
     speed = check_speed()
     print(f"FMPy {fmpy.__version__}: {len(MODELS)} bodies valid in FMI 2.0 and 3.0, {numbers} outputs of each with the library's bits, "
-          f"derivatives to {max(slopes):.1g}, {refusals} refusals, 1 kHz with {speed:.0f} times to spare")
+          f"derivatives by inputs to {max(slopes):.1g}, by time to {max(slower):.1g}, {refusals} refusals, 1 kHz with {speed:.0f} times to spare")
 
 
 if __name__ == "__main__":

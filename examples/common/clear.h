@@ -1,0 +1,18 @@
+/* clear.h - large memory to zeros: what is zero already is not written, so that pages that nobody uses stay the
+   system's. */
+#ifndef CLEAR_H
+#define CLEAR_H
+#include <string.h>
+
+static inline void clear_memory(void *memory, size_t bytes)
+{
+  static const unsigned char zeros[4096];
+  unsigned char *const byte = (unsigned char *)memory;
+  for (size_t at = 0; at < bytes; at += sizeof zeros) {
+    const size_t n = bytes - at < sizeof zeros ? bytes - at : sizeof zeros;
+    if (memcmp(byte + at, zeros, n) != 0) {
+      memset(byte + at, 0, n);
+    }
+  }
+}
+#endif
