@@ -10764,7 +10764,7 @@ static FBI_NOINLINE void fbi_links_rotors_sub(fb_system_work *w, const fb_system
     if (fbi_has_rotors(L->model)) {
       fbi_node_field f[FB_MAX_ROTORS];
       (void)fbi_rotors_sub(L->y + 3, L->pi, L->pi, f, &L->k, L->model, x->q, x->pi + L->model->n,
-                           fbi_link_rotors_input(input, k), 1);
+                           fbi_link_rotors_input(input, k), fbi_rotors_acting(L->model) & FBI_APART);
     }
   }
 }
