@@ -148,7 +148,7 @@ static void code_write_bilinear(const code *w, int k, const int side[FB_MAX_MODE
   const code_poly *const p = &code_model.poly[k];
   code_sum s;
   code_begin(&s);
-  code_add_one(&s, p->constant, code_constant(1.0));
+  code_vary_add(&s, p->constant, p->hub);
   for (int a = 0; a < w->n; a++) {
     if (side[a] == 1) {
       code_add(&s, code_model.scale[k], code_now.slope[k][a], code_q(a));
@@ -185,7 +185,7 @@ static void code_write_value(const code *w, int k)
   }
   half = code_end(w, &s, code_variable("h%s", name));
   code_begin(&s);
-  code_add_one(&s, p->constant, code_constant(1.0));
+  code_vary_add(&s, p->constant, p->hub);
   code_add_one(&s, 0.5 * scale, half);
   for (int a = 0; a < w->n; a++) {
     if (code_is_constant(&code_now.slope[k][a])) {
@@ -217,7 +217,7 @@ static void code_write_S(const code *w, int e)
   }
   code_begin(&s);
   if (linear) {
-    code_add_one(&s, code_model.S[e].constant, code_constant(1.0));
+    code_vary_add(&s, code_model.S[e].constant, code_model.S[e].hub);
   }
   for (int m = 0; m < code_model.n_part[e] && !linear; m++) {
     code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
@@ -241,11 +241,11 @@ static void code_write_inertia(const code *w)
   for (int k = 0; k < code_model.n_poly; k++) {
     code_write_slope(w, k);
   }
-  if (code_model.constant_S || code_model.large) {
+  if ((code_model.constant_S && !(w->vary & CODE_HUB)) || code_model.large) {
     return;
   }
   fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T; c [kg m]: first moment of mass */\n", w->out);
-  for (int i = code_model.first; i < 6; i++) {
+  for (int i = code_model.first; i < 6 && !code_model.constant_S; i++) {
     char name[CODE_NAME];
     snprintf(name, sizeof name, "T_%s", code_rows[i]);
     code_write_solve(w, code_now.turned[i], code_now.lambda[i], name);
@@ -481,7 +481,7 @@ static void code_write_velocities(const code *w)
         "center, body\n"
         "     axes */\n",
         w->out);
-  if (code_model.constant_S) {
+  if (code_model.constant_S && !(w->vary & CODE_HUB)) {
     code_write_constant_velocities(w);
     code_write_names(w);
     return;
@@ -623,10 +623,10 @@ static void code_write_pi_dot(const code *w)
   for (int a = 0; a < w->n; a++) {
     code_begin(&code_force[a]);
     for (int b = 0; b < w->n; b++) {
-      code_add_one(&code_force[a], -K[a][b], code_q(b));
+      code_add(&code_force[a], -K[a][b], code_q(b), code_factor_of(w, CODE_STIFFNESS | CODE_MASS, "stiffness"));
     }
     for (int b = 0; b < w->n; b++) {
-      code_add_one(&code_force[a], -C[a][b], code_now.q_dot[b]);
+      code_add(&code_force[a], -C[a][b], code_now.q_dot[b], code_factor_of(w, CODE_DAMPED, "damping"));
     }
   }
   code_write_gradient(w, code_force);
@@ -728,7 +728,7 @@ static void code_write_pull(const code *w)
   for (int i = 0; i < 3 && code_model.first == 3; i++) {
     const int y = (i + 1) % 3, z = (i + 2) % 3;
     code_begin(&s);
-    code_add_one(&s, 1.0, code_variable("act->torque[%d]", i));
+    code_add(&s, 1.0, code_variable("act->torque[%d]", i), code_factor_of(w, CODE_MASS, "share"));
     code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
     code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
     snprintf(target, sizeof target, "const %s t%c", code_real(w), 'x' + i);
@@ -738,7 +738,7 @@ static void code_write_pull(const code *w)
     snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
     code_begin(&s);
     code_add_one(&s, 1.0, code_variable("%s", target));
-    code_add_one(&s, 1.0, code_variable("act->modal[%d]", a));
+    code_add(&s, 1.0, code_variable("act->modal[%d]", a), code_factor_of(w, CODE_MASS, "share"));
     for (int i = 0; i < 3; i++) {
       code_add(&s, 1.0, code_now.lambda[i][a], code_variable("g%c", 'x' + i));
     }
@@ -751,9 +751,12 @@ static void code_write_pull(const code *w)
 
 static const char code_loads[] =
     "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m; E8.18 */\n"
-    "  if (in) {\n"
-    "    const $ *const F = in->force, *const T = in->torque;\n"
-    "    $ R[9];\n";
+    "  if (in) {\n";
+
+static const char *const code_wrench[2] = {
+    "    const $ *const F = in->force, *const T = in->torque;\n",
+    "    const $ F[3] = {model->share * in->force[0], model->share * in->force[1], model->share * in->force[2]};\n"
+    "    const $ T[3] = {model->share * in->torque[0], model->share * in->torque[1], model->share * in->torque[2]};\n"};
 
 static const char code_inertial[] =
     "    rate[7] += gx;\n    rate[8] += gy;\n    rate[9] += gz;\n"
@@ -786,10 +789,12 @@ static void code_write_loads(const code *w)
   code inner = *w;
   inner.indent = 4;
   code_template(w, code_loads);
+  code_template(w, code_wrench[(w->vary & CODE_MASS) != 0]);
+  code_template(w, "    $ R[9];\n");
   for (int k = 0; k < 3; k++) {
     char number[40], name[4] = {'a', (char)('x' + k), 0};
     code_write_value(&inner, k);
-    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    code_inverse_mass(number, w);
     fprintf(w->out, "    const %s %s = %s * F[%d];\n", code_real(w), name, number, k);
   }
   for (int i = 0; i < 3; i++) {
@@ -801,7 +806,7 @@ static void code_write_loads(const code *w)
     code_begin(&s);
     snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
     code_add_one(&s, 1.0, code_variable("%s", target));
-    code_add_one(&s, 1.0, code_variable("in->modal[%d]", a));
+    code_add(&s, 1.0, code_variable("in->modal[%d]", a), code_factor_of(w, CODE_MASS, "share"));
     for (int i = 0; i < 3; i++) {
       code_add(&s, -1.0, code_now.lambda[i][a], code_variable("a%c", 'x' + i));
     }
@@ -1161,27 +1166,6 @@ static void code_write_large(const code *w)
   }
 }
 
-/* Lower triangle F of A = F F^T, of a matrix without negative eigenvalues. */
-static void code_large_root(double F[FB_MAX_MODES][FB_MAX_MODES], double A[FB_MAX_MODES][FB_MAX_MODES], double unit,
-                            int n)
-{
-  memset(F, 0, sizeof(double) * FB_MAX_MODES * FB_MAX_MODES);
-  for (int j = 0; j < n; j++) {
-    double own = A[j][j] / unit;
-    for (int m = 0; m < j; m++) {
-      own -= F[j][m] * F[j][m];
-    }
-    F[j][j] = own > 1e-14 * fabs(A[j][j]) / unit ? sqrt(own) : 0.0;
-    for (int i = j + 1; i < n && F[j][j] > 0.0; i++) {
-      double sum = A[i][j] / unit;
-      for (int m = 0; m < j; m++) {
-        sum -= F[i][m] * F[j][m];
-      }
-      F[i][j] = sum / F[j][j];
-    }
-  }
-}
-
 static int code_large_is_diagonal(double F[FB_MAX_MODES][FB_MAX_MODES], int a, int n)
 {
   int only = 1;
@@ -1206,7 +1190,7 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
     fprintf(w->out, "    w[%d] = 0;\n", at);
     return;
   }
-  code_large_root(F, A, unit, n);
+  code_root(F, A, unit, n);
   for (int a = 0; a < n; a++) {
     diagonal = diagonal && code_large_is_diagonal(F, a, n);
   }
@@ -1333,10 +1317,11 @@ static void code_write_large_frame(const code *w)
 static void code_write_rates(const code *w, int unused)
 {
   (void)unused;
-  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
-                   "angular velocity; a:\n"
-                   "   acceleration of the mass center by the loads [m/s^2]. */\n"
-                   "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
+  code_template(w,
+                "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
+                "angular velocity; a:\n"
+                "   acceleration of the mass center by the loads [m/s^2]. */\n"
+                "static @_NOINLINE @_status @_rates_at(%M$ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n%V");
   if (code_model.first > 0) {
     code_template(w, "  const @_input *const act = in ? in : &@_nothing;\n  $ R[9];\n");
   }
@@ -1399,13 +1384,15 @@ static const char code_input_of[3][200] = {
 static const char code_input_end[] =
     "  $ gravity[3];          /* [m/s^2] uniform, inertial axes, beside that of the description */\n"
     "  $ modal[%m];            /* generalized forces of the coordinates */\n"
-    "} @_input;\n\n"
+    "} @_input;\n\n";
+
+static const char code_declarations[] =
     "/* At the inertial origin, at rest, undeformed. */\n"
     "void @_start(@_state *state);\n"
     "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
     "stays as\n"
     "   it was. */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
+    "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
 static const char code_helpers[] =
     "/* Short loops are unrolled, which -O2 does not by itself; the rates keep the registers to themselves. */\n"
@@ -1472,9 +1459,9 @@ static void code_write_center(const code *w)
 {
   code_template(w, w->large
                        ? "\n/* E8.16: c(q) [kg m], first moment of mass, body axes; 0 where a line turns too far */\n"
-                         "static int @_center($ *c, const $ *q)\n{\n"
+                         "static int @_center(%M$ *c, const $ *q)\n{\n%V"
                        : "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\n"
-                         "static void @_center($ *c, const $ *q)\n{\n");
+                         "static void @_center(%M$ *c, const $ *q)\n{\n%V");
   if (w->large) {
     code_write_large_poses(w, "q");
   }
@@ -1492,7 +1479,7 @@ static void code_write_center(const code *w)
       slope[b] = code_end(w, &s, code_variable("c_%c_%d", 'x' + i, b));
     }
     code_begin(&s);
-    code_add_one(&s, p->constant, code_constant(1.0));
+    code_vary_add(&s, p->constant, p->hub);
     for (int b = 0; b < w->n; b++) {
       code_add(&s, 1.0, slope[b], code_variable("q[%d]", b));
     }
@@ -1517,36 +1504,50 @@ static void code_write_limit(const code *w)
   const code_value whole = code_variable(w->large ? "whole" : "spin");
   code_sum s;
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
-                   "static $ @_longest(const $ *w, $ a)\n{\n"
+                   "static $ @_longest(%Mconst $ *w, $ a)\n{\n%V"
                    "  const $ spin = @_norm(w);\n");
   code_template(w,
                 w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
   code_begin(&s);
   if (code_model.first == 0) {
-    code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+    if (w->vary & CODE_HUB) {
+      code_template(w, "  const $ fling = model->arm * spin * spin;\n");
+      code_add_one(&s, 1.0, code_variable("fling"));
+    } else {
+      code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+    }
   }
   code_add_one(&s, 1.0, code_variable("a"));
   code_assign(w, &s, w->single ? "const float acceleration" : "const double acceleration");
   code_begin(&s);
   if (w->large) {
-    code_add_one(&s, 0.5, code_variable("w[10]"));
+    code_add(&s, 0.5, code_variable("w[10]"), code_factor_of(w, CODE_DAMPED, "damping"));
   } else {
-    code_add_one(&s, 0.5 * (double)body->limit_damping, code_constant(1.0));
+    code_add(&s, (double)body->limit_damping, code_factor_of(w, CODE_DAMPED, "most_damping"), code_constant(0.5));
   }
   code_add_one(&s, 1.0, whole);
   code_assign(w, &s, w->single ? "const float g" : "const double g");
   code_begin(&s);
   if (w->large) {
-    code_add_one(&s, 1.0, code_variable("w[9]"));
+    code_add(&s, 1.0, code_variable("w[9]"), code_factor_of(w, CODE_STIFFNESS, "stiffness"));
   } else {
-    code_add_one(&s, (double)body->limit_elastic, code_constant(1.0));
+    code_add_one(&s, (double)body->limit_elastic, code_factor_of(w, CODE_STIFFNESS | CODE_HUB, "most_stiffness"));
   }
-  code_add(&s, (double)body->limit_spin, whole, whole);
-  code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
+  if (w->vary & CODE_HUB) {
+    code_template(w, "  const $ spread = model->stiffening * spin * spin, pull = model->stiffening * acceleration;\n");
+    code_add_one(&s, (double)body->limit_spin, code_variable("spread"));
+    code_add_one(&s, (double)body->limit_acceleration, code_variable("pull"));
+  } else {
+    code_add(&s, (double)body->limit_spin, whole, whole);
+    code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
+  }
   code_assign(w, &s, w->single ? "const float k" : "const double k");
   code_template(w, "  const $ bound = g + sqrt~(g * g + k);\n");
   if (!((double)body->limit_acceleration > 0.0)) {
     fputs("  (void)acceleration;\n", w->out);
+  }
+  if (w->vary & CODE_HUB) {
+    fputs("  (void)spread, (void)pull;\n", w->out);
   }
   code_template(w, "  if (!(bound >= `0`)) {\n    return `0`;\n  }\n"
                    "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
@@ -1618,7 +1619,7 @@ static void code_write_range(const code *w)
 }
 
 static const char code_enter[] = "\n/* The vector x of a state, with h = R^T L. */\n"
-                                 "static void @_enter($ *x, const @_state *s)\n{\n"
+                                 "static void @_enter(%M$ *x, const @_state *s)\n{\n%V"
                                  "  memcpy(x, s->quat, sizeof s->quat);\n"
                                  "  memcpy(x + 4, s->u, sizeof s->u);\n"
                                  "  @_turn_back(x + 7, s->quat, s->L);\n"
@@ -1629,6 +1630,10 @@ static const char code_enter_modes[] = "  memcpy(x + 10, s->q, sizeof s->q);\n"
                                        "  memcpy(x + %p, s->pi, sizeof s->pi);\n";
 
 static const char code_enter_single[] = "  for (int i = 0; i < 3; i++) {\n    x[7 + i] += s->lost_h[i];\n  }\n";
+
+static const char code_enter_mass[] = "  for (int i = 0; i < 3; i++) { /* by the factor of the mass */\n"
+                                      "    x[7 + i] *= model->share;\n    x[%l + i] *= model->share;\n  }\n"
+                                      "  for (int a = %p; a < %r; a++) {\n    x[a] *= model->share;\n  }\n";
 
 static const char code_keep_single[] =
     "\n/* What rounding takes from h = R^T L, across it: much spin about an axis of little inertia. more: increment of "
@@ -1656,6 +1661,15 @@ static const char code_end_pin[] =
     "    status = status == @_ok && !(fabs~(state->u[i]) + fabs~(state->lost_u[i]) <= `0`) ? @_value : status;\n"
     "  }\n";
 
+/* Momenta keep their bits: their increments alone are scaled. */
+static const char code_end_mass[] = "  for (int i = 0; i < 3; i++) {\n    d[%l + i] *= model->mass;\n  }\n"
+                                    "  for (int a = %p; a < %r; a++) {\n    d[a] *= model->mass;\n  }\n"
+                                    "  memcpy(x + %l, state->L, sizeof state->L);\n";
+
+static const char code_end_mass_single[] = "  for (int i = 0; i < 3; i++) {\n    d[7 + i] *= model->mass;\n  }\n";
+
+static const char code_end_mass_modes[] = "  memcpy(x + %p, state->pi, sizeof state->pi);\n";
+
 static const char code_end_double[] = "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
                                       "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n"
                                       "    d[a] = fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
@@ -1678,13 +1692,13 @@ static const char code_end_keep_single[] = "  memcpy(next.quat, d, sizeof next.q
                                            "  @_keep(&next, state, d + 7);\n";
 
 static const char code_end_position[] = "\n  /* E11.30: O from the mass center */\n"
-                                        "  @_center(before, x + 10);\n"
-                                        "  @_center(after, d + 10);\n"
+                                        "  @_center(%Abefore, x + 10);\n"
+                                        "  @_center(%Aafter, d + 10);\n"
                                         "  @_turn(old, x, before);\n"
                                         "  @_turn(own, d, after);\n";
 
 static const char code_end_large_position[] = "\n  /* E11.30: O from the mass center; range of the lines */\n"
-                                              "  sound = @_center(after, d + 10);\n"
+                                              "  sound = @_center(%Aafter, d + 10);\n"
                                               "  @_turn(old, x, before);\n"
                                               "  @_turn(own, d, after);\n";
 
@@ -1752,10 +1766,10 @@ static void code_write_end(const code *w)
 {
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
-                   "static @_status @_end(@_state *state, $ *d, const $ *x");
-  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n  @_status status;\n"
-                   : code_model.first == 0 && w->large ? ", const $ *before)\n{\n  @_status status;\n"
-                                                       : ")\n{\n  @_status status;\n");
+                   "static @_status @_end(%M@_state *state, $ *d, %X$ *x");
+  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n%V  @_status status;\n"
+                   : code_model.first == 0 && w->large ? ", const $ *before)\n{\n%V  @_status status;\n"
+                                                       : ")\n{\n%V  @_status status;\n");
   code_template(w, w->large && code_model.first < 6 ? "  $ after[3];\n" : "");
   code_template(w, code_model.first != 0 ? ""
                    : w->large            ? "  $ old[3], own[3];\n"
@@ -1765,17 +1779,20 @@ static void code_write_end(const code *w)
   code_template(w, code_model.first < 6 ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
                    : w->large ? "  status = @_unit(d, x);\n  sound = @_follow(d, x, last ? last->v : @_nothing.v);\n"
                               : "  status = @_unit(d, x);\n  @_follow(d, x, last ? last->v : @_nothing.v);\n");
+  code_template(w, w->vary & CODE_MASS ? code_end_mass : "");
+  code_template(w, w->vary & CODE_MASS && w->n > 0 ? code_end_mass_modes : "");
+  code_template_of(w, 1, w->vary & CODE_MASS ? code_end_mass_single : "");
   code_template(w, w->single ? code_end_single : code_end_double);
   code_template(w, code_end_rest);
   if (code_model.first < 6) {
     code_template_of(w, 1, code_end_keep_single);
   }
   if (code_model.first == 3 && w->large) {
-    code_template(w, "  sound = @_center(after, d + 10);\n");
+    code_template(w, "  sound = @_center(%Aafter, d + 10);\n");
   }
   if (code_model.first == 0) {
     code_template(w, w->large ? code_end_large_position : code_end_position);
-    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    code_inverse_mass(number, w);
     code_template(w, "  for (int i = 0; i < 3; i++) {\n");
     fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
   }
@@ -1793,28 +1810,28 @@ static void code_write_end(const code *w)
 
 static const char code_step_head[] =
     "\n/* E11.3 */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
+    "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
     "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
     "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
     "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[%w], first[3], a;\n";
 
-static const char code_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
+static const char code_step_begin[] = "  if (!state%Q) {\n    return @_null;\n  }\n"
                                       "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
                                       "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
-                                      "  @_enter(x, state);\n"
+                                      "  @_enter(%Ax, state);\n"
                                       "  memcpy(at, x, sizeof at);\n";
 
 static const char code_step_stages[] = "  for (int stage = 0; stage < 4; stage++) {\n"
                                        "    const $ by = dt * weight[stage], to = dt * node[stage];\n";
 
 static const char code_step_call[] =
-    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, w, &a, at, in[stage]) : @_not_finite;\n";
+    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(%Arate, w, &a, at, in[stage]) : @_not_finite;\n";
 
 static const char code_step_limits[] =
     "\n    /* E11.1, E11.26: step limit at the start, rotation at the last stage */\n"
     "    if (status == @_ok && stage == 0) {\n"
-    "      status = dt <= @_longest(w, a) ? @_ok : @_step_length;\n"
+    "      status = dt <= @_longest(%Aw, a) ? @_ok : @_step_length;\n"
     "      memcpy(first, w, sizeof first);\n    }\n"
     "    if (status == @_ok && stage == 3) {\n"
     "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (w[i] - first[i]);\n      }\n"
@@ -1827,7 +1844,7 @@ static const char code_step_rest[] =
     "    if (stage < 3) {\n      @_UNROLL\n"
     "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n    }\n"
     "  }\n"
-    "  return @_end(state, sum, x";
+    "  return @_end(%Astate, sum, x";
 
 static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
                                  "  memset(state, 0, sizeof *state);\n"
@@ -1861,6 +1878,11 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   code_template(w, code_types_end);
   code_template(w, code_input_of[code_model.first / 3]);
   code_template(w, code_input_end);
+  if (w->vary) {
+    code_write_parameters(w);
+    code_template(w, code_vary_types);
+  }
+  code_template(w, code_declarations);
   code_template(w, code_read_types);
   if (code_model.first < 6) {
     code_template(w, code_read_energy_types);
@@ -1870,12 +1892,14 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
 
 /* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
    no temporary file, see errno. */
-static int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
+static int code_write(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
                       void (*coordinate)(FILE *, int))
 {
-  const code w = {out, name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2};
+  const int single = choice->single;
+  const code w = {out, choice->name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0,
+                  2,   choice->vary};
   int good = 1;
-  code_read(body);
+  code_read(body, choice->hub[0]);
   code_write_head(&w, body, source, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
   code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
@@ -1910,12 +1934,14 @@ static int code_write(FILE *out, const fb_body *body, const char *name, const ch
     code_template(&w, code_enter_modes);
   }
   code_template_of(&w, 1, code_enter_single);
+  code_template(&w, w.vary & CODE_MASS ? code_enter_mass : "");
   code_template(&w, "}\n");
   if (code_model.first < 6) {
     code_template_of(&w, 1, code_keep_single);
   }
   code_write_end(&w);
   code_template(&w, code_start);
+  good = (!w.vary || code_write_vary(&w)) && good;
   code_template(&w, code_step_head);
   code_template(&w, w.large && code_model.first == 0 ? "  $ center[3];\n" : "");
   code_template(&w, code_step_begin);

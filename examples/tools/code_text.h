@@ -12,12 +12,24 @@
 
 enum { CODE_NAME = 24, CODE_TERMS = 1200, CODE_WIDTH = 116 };
 
+/* Parameters that stay variable, factors of what the description says: bits of code.vary. */
+enum {
+  CODE_STIFFNESS = 1,
+  CODE_DAMPING = 2,
+  CODE_MASS = 4, /* of all but the hub */
+  CODE_HUB_MASS = 8,
+  CODE_HUB_INERTIA = 16,
+  CODE_DAMPED = 7, /* what changes the damping */
+  CODE_HUB = 28    /* what changes the hub relative to the rest */
+};
+
 typedef struct code {
   FILE *out;
   const char *name; /* prefix of what is written */
   int single, n;    /* precision, modes */
   int large;        /* 1: with lines */
   int indent;
+  int vary;
 } code;
 
 typedef struct code_value { /* c times the variable; without a name the constant c */
@@ -70,6 +82,12 @@ static int code_is_zero(const code_value *v)
 static int code_is_constant(const code_value *v)
 {
   return v->name[0] == '\0';
+}
+
+/* A field of the model where one of these parameters varies, else 1. */
+static code_value code_factor_of(const code *w, int parameters, const char *field)
+{
+  return w->vary & parameters ? code_variable("model->%s", field) : code_constant(1.0);
 }
 
 /* c with all its digits, in the precision of the target. */
@@ -207,8 +225,25 @@ static int code_place(const code *w, char letter)
   }
 }
 
-/* Text in which @ is the prefix, $ the type, ~ the suffix of libm's functions, %letter a number of code_place, and a
-   number between ` is written in the target's precision. */
+/* Where parameters vary a % and M, A, Q, V mean the model as what a function takes, as what it is given, that there is
+   none, that it may be unused; X: const where the mass does not vary. 0: another letter. */
+static int code_model_text(const code *w, char letter)
+{
+  if (!strchr("MAQVX", letter)) {
+    return 0;
+  }
+  if (letter == 'X') {
+    fputs(w->vary & CODE_MASS ? "" : "const ", w->out);
+  } else if (w->vary && letter == 'M') {
+    fprintf(w->out, "const %s_model *model, ", w->name);
+  } else if (w->vary) {
+    fputs(letter == 'A' ? "model, " : letter == 'Q' ? " || !model" : "  (void)model;\n", w->out);
+  }
+  return 1;
+}
+
+/* Text in which @ is the prefix, $ the type, ~ the suffix of libm's functions, %letter a number of code_place or a text
+   of code_model_text, and a number between ` is written in the target's precision. */
 static void code_template(const code *w, const char *text)
 {
   char number[40];
@@ -220,7 +255,12 @@ static void code_template(const code *w, const char *text)
     } else if (*c == '~') {
       fputs(w->single ? "f" : "", w->out);
     } else if (*c == '%') {
-      fprintf(w->out, "%d", code_place(w, *++c));
+      c++;
+      if (*c == '%') {
+        fputc('%', w->out);
+      } else if (!code_model_text(w, *c)) {
+        fprintf(w->out, "%d", code_place(w, *c));
+      }
     } else if (*c == '`') {
       code_number(number, w, strtod(c + 1, NULL));
       fputs(number, w->out);
