@@ -2,6 +2,7 @@
    code_line.h of its lines, in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
 #ifndef CODE_H
 #define CODE_H
+#include "code_lanes.h"
 #include "code_model.h"
 #include "code_read.h"
 #include "code_text.h"
@@ -365,15 +366,18 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
     if (!code_is_constant(&f->raw[k][k])) {
       char number[40];
       code_number(number, w, 8.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
-      fprintf(w->out, "%s%s > %s * ", n++ == 0 ? "  if (!(" : " &&\n        ", f->raw[k][k].name, number);
+      fputs(n++ == 0 ? "  if (!(" : " &&\n        ", w->out);
+      code_template(w, "%(");
+      fprintf(w->out, "%s > %s * ", f->raw[k][k].name, number);
       code_begin(&s);
       code_add_one(&s, 1.0, f->S[k][k]);
       code_expression(w, &s, 60);
+      code_template(w, "%)");
     }
   }
   if (n > 0) {
     fputs(")) {\n    return ", w->out);
-    if (code_model.first == 6) {
+    if (code_model.first == 6 || w->lanes) {
       code_template(w, "@_range;\n  }\n");
       return;
     }
@@ -660,13 +664,13 @@ static const char code_flying[] = "  rate[%r] = ux;\n"
                                   "  rate[%r + 1] = uy;\n"
                                   "  rate[%r + 2] = uz;\n";
 
-static const char code_driven[] = "  rate[7] = rate[8] = rate[9] = `0`;\n"
+static const char code_driven[] = "  rate[7] = rate[8] = rate[9] = %z;\n"
                                   "  rate[%r] = ux + R[0] * vx + R[1] * vy + R[2] * vz;\n"
                                   "  rate[%r + 1] = uy + R[3] * vx + R[4] * vy + R[5] * vz;\n"
                                   "  rate[%r + 2] = uz + R[6] * vx + R[7] * vy + R[8] * vz;\n";
 
-static const char code_spin[] = "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n"
-                                "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = `0`;\n";
+static const char code_spin[] = "  rate[%l] = rate[%l + 1] = rate[%l + 2] = %z;\n"
+                                "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = %z;\n";
 
 static void code_write_frame(const code *w)
 {
@@ -675,13 +679,13 @@ static void code_write_frame(const code *w)
   if (code_model.first == 0) {
     code_template(w, code_flying);
   } else if (code_model.first == 3) {
-    code_template(w, "  rate[%r] = rate[%r + 1] = rate[%r + 2] = `0`;\n");
+    code_template(w, "  rate[%r] = rate[%r + 1] = rate[%r + 2] = %z;\n");
   }
   code_template(w, code_spin);
   for (int i = 0; i < 3; i++) {
     char number[40];
     code_number(number, w, code_model.first == 0 ? code_gravity(i) : 0.0);
-    fprintf(w->out, "  rate[%d] = %s;\n", 4 + i, number);
+    fprintf(w->out, w->lanes ? "  rate[%d] = %s_wide_all(%s);\n" : "  rate[%d] = %.0s%s;\n", 4 + i, w->name, number);
   }
 }
 
@@ -1225,7 +1229,7 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
       code_add(&trace, a == b ? 1.0 : 2.0, square, square);
     }
   }
-  code_assign(w, &trace, w->single ? "const float trace" : "const double trace");
+  code_declare(w, &trace, "trace");
   code_number(number, w, unit);
   fprintf(w->out, "    w[%d] = %s * ", at, number);
   code_template(w, "sqrt~(sqrt~(trace));\n");
@@ -1308,7 +1312,7 @@ static void code_write_large_frame(const code *w)
         code_add(&s, 1.0, code_variable("w_%c", 'x' + i), code_variable("w_%c", 'x' + i));
       }
     }
-    code_assign(&inner, &s, w->single ? "const float square" : "const double square");
+    code_declare(&inner, &s, "square");
     fputs("      w[11] = square <= w[11] ? w[11] : square;\n    }\n", w->out);
   }
   fputs("  }\n", w->out);
@@ -1352,14 +1356,16 @@ static void code_write_rates(const code *w, int unused)
 
 /* ---- the rest of the step */
 
-static const char code_types[] =
+static const char code_status_type[] =
     "typedef enum @_status { /* values of fb_status */\n"
     "  @_ok = 0,\n  @_null = -1,        /* a pointer is NULL */\n"
     "  @_value = -2,       /* dt is not above 0 */\n"
     "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
     "  @_step_length = -9, /* dt is longer than the stability limit, or the frame turns too far in a step */\n"
     "  @_range = -10       /* the deflection has left the range of the model */\n"
-    "} @_status;\n\n"
+    "} @_status;\n\n";
+
+static const char code_state_type[] =
     "/* All that changes; as fb_state. Kahan terms lost_.. are zero when a state is written. */\n"
     "typedef struct @_state {\n"
     "  $ rho[3];  /* [m] position of O, inertial axes */\n"
@@ -1406,9 +1412,9 @@ static const char code_restrict[] =
     "#else\n#define @_RESTRICT\n#define @_ALIGNED\n#endif\n\n";
 
 static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
-                                  "  $ sum = `0`;\n"
+                                  "  $ sum = %z;\n"
                                   "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
-                                  "  return sum <= @_huge;\n}\n\n"
+                                  "  return %(sum <= @_huge%);\n}\n\n"
                                   "static int @_input_is_finite(const @_input *in)\n{\n"
                                   "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
 
@@ -1436,14 +1442,19 @@ static const char code_rotations[] =
     "/* y = R^T x */\n"
     "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
     "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
-    "  @_turn(y, back, x);\n}\n\n"
-    "static $ @_norm(const $ *x)\n{\n"
-    "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
+    "  @_turn(y, back, x);\n}\n";
+
+static const char code_norm[] = "\nstatic $ @_norm(const $ *x)\n{\n"
+                                "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
 
 /* The input that is meant by NULL. */
 static void code_write_nothing(const code *w)
 {
   const int n = (code_model.first == 3 ? 2 : 4); /* vectors */
+  if (w->lanes) {
+    code_template(w, "\nstatic @_input @_nothing;\n");
+    return;
+  }
   code_template(w, "\nstatic const @_input @_nothing = {");
   for (int k = 0; k < n; k++) {
     code_template(w, "{`0`, `0`, `0`}, ");
@@ -1504,7 +1515,7 @@ static void code_write_limit(const code *w)
   const code_value whole = code_variable(w->large ? "whole" : "spin");
   code_sum s;
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
-                   "static $ @_longest(%Mconst $ *w, $ a)\n{\n%V"
+                   "static $ %*@_longest(%Mconst $ *w, $ %*a)\n{\n%V"
                    "  const $ spin = @_norm(w);\n");
   code_template(w,
                 w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
@@ -1517,8 +1528,8 @@ static void code_write_limit(const code *w)
       code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
     }
   }
-  code_add_one(&s, 1.0, code_variable("a"));
-  code_assign(w, &s, w->single ? "const float acceleration" : "const double acceleration");
+  code_add_one(&s, 1.0, code_variable(w->lanes ? "*a" : "a"));
+  code_declare(w, &s, "acceleration");
   code_begin(&s);
   if (w->large) {
     code_add(&s, 0.5, code_variable("w[10]"), code_factor_of(w, CODE_DAMPED, "damping"));
@@ -1526,7 +1537,7 @@ static void code_write_limit(const code *w)
     code_add(&s, (double)body->limit_damping, code_factor_of(w, CODE_DAMPED, "most_damping"), code_constant(0.5));
   }
   code_add_one(&s, 1.0, whole);
-  code_assign(w, &s, w->single ? "const float g" : "const double g");
+  code_declare(w, &s, "g");
   code_begin(&s);
   if (w->large) {
     code_add(&s, 1.0, code_variable("w[9]"), code_factor_of(w, CODE_STIFFNESS, "stiffness"));
@@ -1541,7 +1552,7 @@ static void code_write_limit(const code *w)
     code_add(&s, (double)body->limit_spin, whole, whole);
     code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
   }
-  code_assign(w, &s, w->single ? "const float k" : "const double k");
+  code_declare(w, &s, "k");
   code_template(w, "  const $ bound = g + sqrt~(g * g + k);\n");
   if (!((double)body->limit_acceleration > 0.0)) {
     fputs("  (void)acceleration;\n", w->out);
@@ -1549,8 +1560,9 @@ static void code_write_limit(const code *w)
   if (w->vary & CODE_HUB) {
     fputs("  (void)spread, (void)pull;\n", w->out);
   }
-  code_template(w, "  if (!(bound >= `0`)) {\n    return `0`;\n  }\n"
-                   "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
+  code_template(w, w->lanes ? "  *a = `2.785` / bound;\n  return a;\n}\n"
+                            : "  if (!(bound >= `0`)) {\n    return `0`;\n  }\n"
+                              "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
 }
 
 static const char code_sums[] =
@@ -1562,9 +1574,9 @@ static const char code_sums[] =
     "    lost[i] = more - (d[i] - x[i]);\n  }\n}\n"
     "\n/* The increment d of the attitude so that it has unit length */\n"
     "static @_status @_unit($ *d, const $ *x)\n{\n"
-    "  $ quat[4], norm2 = `0`, norm;\n"
+    "  $ quat[4], norm2 = %z, norm;\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n    norm2 += quat[i] * quat[i];\n  }\n"
-    "  if (!(norm2 > `1e-20` && norm2 < @_huge)) {\n    return @_not_finite;\n  }\n"
+    "  if (!(%(norm2 > `1e-20`%) && %(norm2 < @_huge%))) {\n    return @_not_finite;\n  }\n"
     "  norm = sqrt~(norm2);\n"
     "  for (int i = 0; i < 4; i++) {\n    d[i] += (`1` - norm2) / (norm * (`1` + norm)) * quat[i];\n  }\n"
     "  return @_ok;\n}\n";
@@ -1572,8 +1584,7 @@ static const char code_sums[] =
 static const char code_align[] =
     "\n/* E11.29: the increment d of the attitude so that R h is along L */\n"
     "static void @_align($ *d, const $ *x)\n{\n"
-    "  static const $ known[2] = {`0`, `1`};\n"
-    "  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told;\n"
+    "%K  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told;\n"
     "  const $ change = @_norm(d + %l);\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n    h[i] = x[7 + i] + d[7 + i];\n    b[i] = x[%l + i] + d[%l + i];\n  }\n"
@@ -1582,9 +1593,9 @@ static const char code_align[] =
     "  theta[0] = r[1] * b[2] - r[2] * b[1];\n"
     "  theta[1] = r[2] * b[0] - r[0] * b[2];\n"
     "  theta[2] = r[0] * b[1] - r[1] * b[0];\n"
-    "  told = known[sizes > change * change];\n";
+    "  told = %Tsizes > change * change%t;\n";
 
-static const char code_align_single[] = "  told *= known[@_norm(theta) >= `16` * `1.19209290e-7` * sizes];\n";
+static const char code_align_single[] = "  told *= %T@_norm(theta) >= `16` * `1.19209290e-7` * sizes%t;\n";
 
 static const char code_align_end[] =
     "  for (int i = 0; i < 3; i++) {\n    theta[i] *= `0.5` * told / (sizes + (`1` - told));\n  }\n"
@@ -1601,21 +1612,27 @@ static void code_write_range(const code *w)
   code_sum s;
   code_begin(&s);
   for (int a = 0; a < w->n; a++) {
-    code_add_one(&s, (double)code_model.body->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
+    code_add_one(&s, (double)code_model.body->reach[a],
+                 w->lanes ? code_variable("size_%d", a) : code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
   }
   code_template(w, "\n/* What fb_rk4_step checks of the state d after a step: finite, deflection [m] by bounds of the "
                    "modes, length of the\n"
                    "   quaternion */\n"
                    "static @_status @_check(const $ *d)\n{\n"
                    "  const $ norm2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3];\n"
-                   "  $ sum = `0`;\n  @_UNROLL\n"
+                   "  $ sum = %z;\n  @_UNROLL\n"
                    "  for (int i = 0; i < %N; i++) {\n    sum += fabs~(d[i]);\n  }\n"
-                   "  if (!(sum <= @_huge)) {\n    return @_not_finite;\n  }\n");
-  code_assign(w, &s, w->single ? "const float deflection" : "const double deflection");
+                   "  if (!(%(sum <= @_huge%))) {\n    return @_not_finite;\n  }\n");
+  for (int a = 0; a < w->n && w->lanes; a++) {
+    code_template(w, "  const $ ");
+    fprintf(w->out, "size_%d = %s_wide_abs(d[%d]);\n", a, w->name, 10 + a);
+  }
+  code_declare(w, &s, "deflection");
   code_number(number, w, (double)code_model.body->deflection_limit);
-  fprintf(w->out, "  if (!(deflection <= %s)) {\n", number);
-  code_template(w, "    return @_range;\n  }\n"
-                   "  return fabs~(norm2 - `1`) <= `2e-3` ? @_ok : @_step_length;\n}\n");
+  code_template(w, "  if (!(%(deflection <= ");
+  fputs(number, w->out);
+  code_template(w, "%))) {\n    return @_range;\n  }\n"
+                   "  return %(fabs~(norm2 - `1`) <= `2e-3`%) ? @_ok : @_step_length;\n}\n");
 }
 
 static const char code_enter[] = "\n/* The vector x of a state, with h = R^T L. */\n"
@@ -1639,15 +1656,15 @@ static const char code_keep_single[] =
     "\n/* What rounding takes from h = R^T L, across it: much spin about an axis of little inertia. more: increment of "
     "h */\n"
     "static void @_keep(@_state *next, const @_state *from, const $ *more)\n{\n"
-    "  $ before[3], after[3], size, along = `0`;\n"
+    "  $ before[3], after[3], size, along = %z;\n"
     "  @_turn_back(before, from->quat, from->L);\n"
     "  @_turn_back(after, next->quat, next->L);\n"
     "  size = after[0] * after[0] + after[1] * after[1] + after[2] * after[2];\n"
     "  for (int i = 0; i < 3; i++) {\n"
-    "    next->lost_h[i] = size > `0` ? from->lost_h[i] + ((before[i] - after[i]) + more[i]) : `0`;\n"
+    "    next->lost_h[i] = %Wsize > `0`%,from->lost_h[i] + ((before[i] - after[i]) + more[i])%!;\n"
     "    along += next->lost_h[i] * after[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n"
-    "    next->lost_h[i] -= size > `0` ? along / size * after[i] : `0`;\n  }\n}\n";
+    "    next->lost_h[i] -= %Wsize > `0`%,along / size * after[i]%!;\n  }\n}\n";
 
 static const char code_end_declare[] = "  $ lost_u[3], lost_rho[3];\n"
                                        "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
@@ -1658,7 +1675,7 @@ static const char code_end_declare_single[] = "  @_state next = *state;\n"
 
 static const char code_end_pin[] =
     "  for (int i = 0; i < 3; i++) { /* the pin rests */\n"
-    "    status = status == @_ok && !(fabs~(state->u[i]) + fabs~(state->lost_u[i]) <= `0`) ? @_value : status;\n"
+    "    status = status == @_ok && !(%(fabs~(state->u[i]) + fabs~(state->lost_u[i]) <= `0`%)) ? @_value : status;\n"
     "  }\n";
 
 /* Momenta keep their bits: their increments alone are scaled. */
@@ -1672,7 +1689,7 @@ static const char code_end_mass_modes[] = "  memcpy(x + %p, state->pi, sizeof st
 
 static const char code_end_double[] = "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
                                       "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n"
-                                      "    d[a] = fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
+                                      "    d[a] = %Ffabs~(d[a]) < @_tiny%:d[a]%;;\n  }\n"
                                       "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
 
 static const char code_end_single[] =
@@ -1680,12 +1697,12 @@ static const char code_end_single[] =
     "  @_sum_kept(d + 10, next.lost_q, x + 10, %n);\n"
     "  @_sum_kept(d + %p, next.lost_pi, x + %p, %n);\n"
     "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n"
-    "  for (int a = 10; a < %r; a++) {\n    d[a] = fabsf(d[a]) < @_tiny ? `0` : d[a];\n  }\n";
+    "  for (int a = 10; a < %r; a++) {\n    d[a] = %Ffabs~(d[a]) < @_tiny%:d[a]%;;\n  }\n";
 
 static const char code_end_rest[] = "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
                                     "  for (int i = 0; i < 3; i++) {\n"
-                                    "    d[4 + i] = fabs~(d[4 + i]) < @_faint ? `0` : d[4 + i];\n"
-                                    "    d[%l + i] = fabs~(d[%l + i]) < @_faint ? `0` : d[%l + i];\n  }\n";
+                                    "    d[4 + i] = %Ffabs~(d[4 + i]) < @_faint%:d[4 + i]%;;\n"
+                                    "    d[%l + i] = %Ffabs~(d[%l + i]) < @_faint%:d[%l + i]%;;\n  }\n";
 
 static const char code_end_keep_single[] = "  memcpy(next.quat, d, sizeof next.quat);\n"
                                            "  memcpy(next.L, d + %l, sizeof next.L);\n"
@@ -1810,20 +1827,20 @@ static void code_write_end(const code *w)
 
 static const char code_step_head[] =
     "\n/* E11.3 */\n"
-    "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
-    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
-    "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
+    "%S@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, %s dt)\n{\n"
+    "  static const %s node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
+    "  static const %s weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
-    "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[%w], first[3], a;\n";
+    "  $ x[%N], at[%N], rate[%N], sum[%N]%Z, w[%w], first[3], a;\n";
 
 static const char code_step_begin[] = "  if (!state%Q) {\n    return @_null;\n  }\n"
                                       "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
                                       "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
                                       "  @_enter(%Ax, state);\n"
-                                      "  memcpy(at, x, sizeof at);\n";
+                                      "  memcpy(at, x, sizeof at);\n%0";
 
 static const char code_step_stages[] = "  for (int stage = 0; stage < 4; stage++) {\n"
-                                       "    const $ by = dt * weight[stage], to = dt * node[stage];\n";
+                                       "    const %s by = dt * weight[stage], to = dt * node[stage];\n";
 
 static const char code_step_call[] =
     "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(%Arate, w, &a, at, in[stage]) : @_not_finite;\n";
@@ -1831,11 +1848,11 @@ static const char code_step_call[] =
 static const char code_step_limits[] =
     "\n    /* E11.1, E11.26: step limit at the start, rotation at the last stage */\n"
     "    if (status == @_ok && stage == 0) {\n"
-    "      status = dt <= @_longest(%Aw, a) ? @_ok : @_step_length;\n"
+    "      status = %(dt <= %*@_longest(%Aw, %&a)%) ? @_ok : @_step_length;\n"
     "      memcpy(first, w, sizeof first);\n    }\n"
     "    if (status == @_ok && stage == 3) {\n"
     "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (w[i] - first[i]);\n      }\n"
-    "      status = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25` ? @_ok : "
+    "      status = %(first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25`%) ? @_ok : "
     "@_step_length;\n    }\n";
 
 static const char code_step_rest[] =
@@ -1850,8 +1867,19 @@ static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
                                  "  memset(state, 0, sizeof *state);\n"
                                  "  state->quat[0] = `1`;\n}\n";
 
+/* State and input. */
+static void code_write_types(const code *w)
+{
+  code_template(w, code_state_type);
+  code_template_of(w, 1, code_types_single);
+  code_template(w, code_types_end);
+  code_template(w, code_input_of[code_model.first / 3]);
+  code_template(w, code_input_end);
+}
+
 /* Comment and declarations. */
-static void code_write_head(const code *w, const fb_body *body, const char *source, void (*coordinate)(FILE *, int))
+static void code_write_head(const code *w, const fb_body *body, const char *source, int lanes,
+                            void (*coordinate)(FILE *, int))
 {
   static const char *const bases[3] = {"free", "pinned", "prescribed"};
   const unsigned crc = fbi_body_crc(body, w->single);
@@ -1873,21 +1901,112 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   }
   fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);
   fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", w->out);
-  code_template(w, code_types);
-  code_template_of(w, 1, code_types_single);
-  code_template(w, code_types_end);
-  code_template(w, code_input_of[code_model.first / 3]);
-  code_template(w, code_input_end);
+  code_template(w, code_status_type);
+  code_write_types(w);
   if (w->vary) {
     code_write_parameters(w);
     code_template(w, code_vary_types);
+    code_template(w, code_vary_declaration);
   }
   code_template(w, code_declarations);
   code_template(w, code_read_types);
   if (code_model.first < 6) {
     code_template(w, code_read_energy_types);
   }
+  if (lanes) {
+    code lane = *w;
+    lane.lanes = CODE_LANES;
+    code_lanes_template(w, code_lanes_width);
+    code_write_types(&lane);
+    code_template(&lane, w->vary ? code_vary_types : "");
+    code_lanes_template(w, code_lanes_declarations);
+  }
   fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
+}
+
+/* The functions of a step, of one body or of all lanes. 0: there is no temporary file, see errno. */
+static int code_write_functions(const code *w)
+{
+  int good = 1;
+  code_template(w, code_finite);
+  code_template(w, code_input_finite[code_model.first / 3]);
+  code_template(w, code_rotations);
+  code_template(w, w->lanes ? "" : code_norm);
+  if (code_model.first > 0) {
+    code_write_nothing(w);
+  }
+  if (w->large) {
+    good = code_write_lines(w);
+  }
+  if (code_model.first < 6) {
+    code_write_center(w);
+  }
+  good = code_write_pruned(w, code_write_rates, 0) && good;
+  code_write_limit(w);
+  code_template(w, code_sums);
+  if (code_model.first < 6) {
+    code_template(w, code_align);
+    code_template_of(w, 1, code_align_single);
+    code_template(w, code_align_end);
+  } else {
+    good = code_write_pruned(w, code_write_follow, 0) && good;
+  }
+  code_write_range(w);
+  code_template(w, code_enter);
+  if (w->n > 0) {
+    code_template(w, code_enter_modes);
+  }
+  code_template_of(w, 1, code_enter_single);
+  code_template(w, w->vary & CODE_MASS ? code_enter_mass : "");
+  code_template(w, "}\n");
+  if (code_model.first < 6) {
+    code_template_of(w, 1, code_keep_single);
+  }
+  code_write_end(w);
+  return good;
+}
+
+static void code_write_stages(const code *w)
+{
+  const int limited = !code_model.body->allow_long_step;
+  code_template(w, code_step_head);
+  code_template(w, w->large && code_model.first == 0 ? "  $ center[3];\n" : "");
+  code_template(w, code_step_begin);
+  if (w->large) {
+    code_template(w, code_model.first == 0 ? "  memset(w, 0, sizeof w);\n  memset(center, 0, sizeof center);\n"
+                                           : "  memset(w, 0, sizeof w);\n");
+  }
+  code_template(w, code_step_stages);
+  if (w->large && limited) {
+    code_template(w, "    w[9] = stage == 0 ? `1` : `0`; /* 1: with the step limit */\n");
+  }
+  code_template(w, code_step_call);
+  if (w->large && code_model.first == 0) {
+    code_template(w, "    if (stage == 0) {\n      memcpy(center, w + 6, sizeof center);\n    }\n");
+  }
+  code_template(w, limited ? code_step_limits : "");
+  code_template(w, code_step_rest);
+  code_template(w, code_model.first == 6               ? ", end);\n}\n"
+                   : code_model.first == 0 && w->large ? ", center);\n}\n"
+                                                       : ");\n}\n");
+}
+
+/* All lanes at once, and the step that takes it. */
+static int code_write_lanes(const code *w)
+{
+  code wide = *w;
+  int good;
+  wide.lanes = CODE_WIDE;
+  code_lanes_template(w, code_lanes_vectors);
+  code_write_types(&wide);
+  code_template(&wide, w->vary ? code_vary_types : "");
+  good = code_write_functions(&wide);
+  code_write_stages(&wide);
+  code_lanes_template(w, code_lanes_together);
+  code_lanes_template(w, code_lanes_copies);
+  code_lanes_template(w, w->vary ? code_lanes_put_model : "");
+  code_lanes_template(w, code_lanes_step);
+  return good;
 }
 
 /* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
@@ -1895,76 +2014,23 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
 static int code_write(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
                       void (*coordinate)(FILE *, int))
 {
-  const int single = choice->single;
-  const code w = {out, choice->name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0,
-                  2,   choice->vary};
-  int good = 1;
+  const code w = {
+      out, choice->name, choice->single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2, choice->vary,
+      0};
+  int good;
   code_read(body, choice->hub[0]);
-  code_write_head(&w, body, source, coordinate);
+  code_write_head(&w, body, source, choice->lanes, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
-  code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
-                           : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
+  code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
+                             : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
   code_template(&w, w.large ? code_restrict : "");
-  code_template(&w, code_finite);
-  code_template(&w, code_input_finite[code_model.first / 3]);
-  code_template(&w, code_rotations);
-  if (code_model.first > 0) {
-    code_write_nothing(&w);
-  }
-  if (w.large) {
-    good = code_write_lines(&w);
-  }
-  if (code_model.first < 6) {
-    code_write_center(&w);
-  }
-  good = code_write_pruned(&w, code_write_rates, 0) && good;
-  code_write_limit(&w);
-  code_template(&w, code_sums);
-  if (code_model.first < 6) {
-    code_template(&w, code_align);
-    code_template_of(&w, 1, code_align_single);
-    code_template(&w, code_align_end);
-  } else {
-    good = code_write_pruned(&w, code_write_follow, 0) && good;
-  }
-  code_write_range(&w);
-  code_template(&w, code_enter);
-  if (w.n > 0) {
-    code_template(&w, code_enter_modes);
-  }
-  code_template_of(&w, 1, code_enter_single);
-  code_template(&w, w.vary & CODE_MASS ? code_enter_mass : "");
-  code_template(&w, "}\n");
-  if (code_model.first < 6) {
-    code_template_of(&w, 1, code_keep_single);
-  }
-  code_write_end(&w);
+  good = code_write_functions(&w);
   code_template(&w, code_start);
   good = (!w.vary || code_write_vary(&w)) && good;
-  code_template(&w, code_step_head);
-  code_template(&w, w.large && code_model.first == 0 ? "  $ center[3];\n" : "");
-  code_template(&w, code_step_begin);
-  if (w.large) {
-    code_template(&w, code_model.first == 0 ? "  memset(w, 0, sizeof w);\n  memset(center, 0, sizeof center);\n"
-                                            : "  memset(w, 0, sizeof w);\n");
-  }
-  code_template(&w, code_step_stages);
-  if (w.large) {
-    code_template(&w, body->allow_long_step ? "" : "    w[9] = stage == 0 ? `1` : `0`; /* 1: with the step limit */\n");
-  }
-  code_template(&w, code_step_call);
-  if (w.large && code_model.first == 0) {
-    code_template(&w, "    if (stage == 0) {\n      memcpy(center, w + 6, sizeof center);\n    }\n");
-  }
-  if (!body->allow_long_step) {
-    code_template(&w, code_step_limits);
-  }
-  code_template(&w, code_step_rest);
-  code_template(&w, code_model.first == 6              ? ", end);\n}\n"
-                    : code_model.first == 0 && w.large ? ", center);\n}\n"
-                                                       : ");\n}\n");
+  code_write_stages(&w);
   good = code_write_read(&w) && good;
+  good = (!choice->lanes || code_write_lanes(&w)) && good;
   fputs("#endif\n", out);
   return good;
 }

@@ -212,7 +212,7 @@ static void code_write_line_node(const code *w, int k)
   for (int i = 0; i < 3; i++) {
     code_add(&s, 1.0, phi.x[i], phi.x[i]);
   }
-  code_assign(w, &s, w->single ? "const float x" : "const double x");
+  code_declare(w, &s, "x");
   x = code_variable("x");
   code_line_turn(w);
   code_template(w, "    const $ half = sqrt~(`1` - `0.5` * a * x);\n"

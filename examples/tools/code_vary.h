@@ -11,7 +11,7 @@
 
 typedef struct code_choice { /* what is to be written */
   const char *name;
-  int single, vary;
+  int single, vary, lanes;
   double hub[2][21]; /* M_rr of the hub: by its mass, by its inertia */
 } code_choice;
 
@@ -94,7 +94,9 @@ static const char code_vary_types[] =
     "  $ hub_mass, hub_inertia;      /* factors of the hub's M_rr */\n"
     "  $ body, inverse, arm;         /* [kg] mass, [1/kg] its inverse, [m] distance of the mass center from O */\n"
     "  $ most_stiffness, most_damping, stiffening; /* factors of the bounds of the step limit */\n"
-    "} @_model;\n\n"
+    "} @_model;\n\n";
+
+static const char code_vary_declaration[] =
     "/* NULL: as described. @_value: a factor is not 1e-6 to 1e6 (damping: 0 to 1e6), or less of the hub than there "
     "can\n"
     "   be. */\n"

@@ -24,6 +24,7 @@ static const char help[] =
     "  --code       C of the body's own step of rk4, which needs no library, instead (base free, pinned or "
     "prescribed,\n"
     "               effects up to full, or large)\n"
+    "  --lanes      with --code: also the step of 1, 2, 4 or 8 bodies at once, by vectors of the compiler\n"
     "  --vary LIST  with --code: these stay variable, as factors: stiffness,damping,mass,hub_mass,hub_inertia\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
@@ -127,9 +128,10 @@ static const char *vary_refusal(const code_choice *choice)
 int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
+  const int lanes = take_flag(&argc, argv, "--lanes");
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, {NULL, 0, 0, {{0}}}};
+  options o = {NULL, {NULL, 0, 0, 0, {{0}}}};
   FILE *out = stdout;
   fb_status status;
   output_begin(PROGRAM);
@@ -139,8 +141,8 @@ int reduce_main(int argc, char **argv)
   if (!named) {
     return fail("a description is missing", "");
   }
-  if (o.choice.vary && !steps) {
-    return fail("--vary is an option of --code", "");
+  if ((o.choice.vary || lanes) && !steps) {
+    return fail(lanes ? "--lanes is an option of --code" : "--vary is an option of --code", "");
   }
   if (!model_read(PROGRAM, file)) {
     return 2;
@@ -150,6 +152,7 @@ int reduce_main(int argc, char **argv)
   }
   o.choice.name = model.name;
   o.choice.single = single;
+  o.choice.lanes = lanes;
   if (strncmp(model.name, "fb_", 3) == 0 || strncmp(model.name, "fbi_", 4) == 0 || strncmp(model.name, "FB_", 3) == 0) {
     return fail("names that begin with fb_, fbi_ or FB_ are those of the library: choose another by --name",
                 model.name);
@@ -162,6 +165,10 @@ int reduce_main(int argc, char **argv)
   summarize(file);
   if (steps && code_refusal(&model_body)) {
     fprintf(stderr, "reduce: %s: --code: %s\n", file, code_refusal(&model_body));
+    return 1;
+  }
+  if (lanes && model_body.effects & FB_EFFECT_LARGE_DEFLECTION) {
+    fprintf(stderr, "reduce: %s: --lanes: effects large has none: choose effects up to full\n", file);
     return 1;
   }
   if (vary_refusal(&o.choice)) {

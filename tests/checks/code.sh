@@ -197,6 +197,50 @@ printf 'rigid\nhub 5 0 0 0 1 1 1\nbase free\n' > "$out/other.txt"
 refuse_vary "choose hub_mass" mass "$out/other.txt"
 refuse_vary "has no modes" stiffness "$out/other.txt"
 
+# lanes OPTION...: those of what was generated, bit for bit; on a machine without these vectors they are compiled alone
+lanes() {
+  try gcc $c99 -O1 $given -DPRESCRIBED=$([ $base_is = prescribed ] && echo 1 || echo 0) "$@" -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+  case " $* " in
+  *avx512f*) grep -q avx512f /proc/cpuinfo || return 0 ;;
+  *avx2*) grep -q avx2 /proc/cpuinfo || return 0 ;;
+  esac
+  try "$out/run"
+}
+given=-DNUMBER=double
+awk -v seed=3 -v effects="full damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
+try "$out/reduce" "$out/random.txt" --name generated --code --lanes --out "$out/code.h"
+lanes -mavx2
+given="-DNUMBER=double -DVARY"
+try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
+for width in 1 2 4 8; do
+  lanes -Dgenerated_LANES=$width
+done
+lanes -mavx2 -Dgenerated_LANES=4
+lanes -mavx512f -Dgenerated_LANES=8
+try g++ -x c++ -std=c++11 $base -O1 $given -DPRESCRIBED=0 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+try "$out/run"
+try clang $c99 -O1 -mavx2 $given -DPRESCRIBED=0 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+! grep -q avx2 /proc/cpuinfo || try "$out/run"
+if command -v arm-none-eabi-gcc > /dev/null; then
+  try arm-none-eabi-gcc $c99 -O1 -mcpu=cortex-a9 -mfpu=neon -mfloat-abi=hard $given -DPRESCRIBED=0 -I"$out" -c -o "$out/neon.o" tests/checks/code_lanes.c
+fi
+for base_is in pinned prescribed; do
+  awk -v seed=5 -v effects="full damping gravity" -v base=$base_is -f tests/checks/code.awk > "$out/random.txt"
+  try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
+  lanes -Dgenerated_LANES=4
+done
+base_is=free
+given="-DNUMBER=float -DVARY"
+sed -i 's/^base.*/base free/' "$out/random.txt"
+try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
+lanes -Dgenerated_LANES=4
+given=
+! "$out/reduce" "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
+grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
+sed 's/^effects.*/effects large damping/' "$out/random.txt" > "$out/other.txt"
+! "$out/reduce" "$out/other.txt" --code --lanes > "$out/log" 2>&1 || fail "lanes of lines are taken"
+grep -q -- "choose effects up to full" "$out/log" || fail "lanes of lines: $(tail -n 1 "$out/log")"
+
 # on_board: instructions of a step of what was generated, in single precision; sets count
 precision single
 configuration="-I$out -O2"
