@@ -3317,7 +3317,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.
           build/flexbeam reduce --code: the rk4 step of one body as C of its own, geometrically exact lines included.
-          With --vary factors of stiffness, damping and masses stay variable.
+          With --vary factors of stiffness, damping and masses stay variable, with --lanes several bodies step at once.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

@@ -1938,7 +1938,7 @@ static int code_write_functions(const code *w)
   if (w->large) {
     good = code_write_lines(w);
   }
-  if (code_model.first < 6) {
+  if (code_model.first == 0 || (code_model.first == 3 && !w->lanes)) {
     code_write_center(w);
   }
   good = code_write_pruned(w, code_write_rates, 0) && good;

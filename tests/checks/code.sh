@@ -2,7 +2,7 @@
 # The generated step (reduce --code): twenty random models, every set of effects and geometrically exact lines agree with fb_rk4_step
 # after 1,000 steps, on each base, with loads and without, and refuse what it refuses; the text compiles without warnings as C99 and C++ and is the same each time; its
 # instructions keep their bounds and do not vary; the step with variable parameters agrees with the library and descriptions that have them;
-# what cannot be written is refused by name.
+# lanes have the bits of single steps; what cannot be written is refused by name.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
@@ -237,7 +237,7 @@ lanes -Dgenerated_LANES=4
 given=
 ! "$out/reduce" "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
 grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
-sed 's/^effects.*/effects large damping/' "$out/random.txt" > "$out/other.txt"
+sed 's/^effects.*/effects large damping gravity/' "$out/random.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code --lanes > "$out/log" 2>&1 || fail "lanes of lines are taken"
 grep -q -- "choose effects up to full" "$out/log" || fail "lanes of lines: $(tail -n 1 "$out/log")"
 
