@@ -9,6 +9,8 @@
 #include "rom.h"
 #include "../examples/common/clock.h"
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 enum { REPEATS = 60, STEPS = 400 };
 
