@@ -1534,7 +1534,8 @@ static void code_write_limit(const code *w)
   if (w->large) {
     code_add(&s, 0.5, code_variable("w[10]"), code_factor_of(w, CODE_DAMPED, "damping"));
   } else {
-    code_add(&s, (double)body->limit_damping, code_factor_of(w, CODE_DAMPED, "most_damping"), code_constant(0.5));
+    code_add(&s, (double)body->limit_damping, code_factor_of(w, CODE_DAMPED | CODE_HUB, "most_damping"),
+             code_constant(0.5));
   }
   code_add_one(&s, 1.0, whole);
   code_declare(w, &s, "g");
