@@ -3316,6 +3316,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.
           build/flexbeam reduce --code: the rk4 step of one body as C of its own, geometrically exact lines included.
+          With --vary factors of stiffness, damping and masses stay variable, with --lanes several bodies step at once.
           build/flexbeam scene --code: the same of bodies on joints.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.

@@ -2,6 +2,7 @@
    code_line.h of its lines, in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
 #ifndef CODE_H
 #define CODE_H
+#include "code_lanes.h"
 #include "code_model.h"
 #include "code_read.h"
 #include "code_text.h"
@@ -148,7 +149,7 @@ static void code_write_bilinear(const code *w, int k, const int side[FB_MAX_MODE
   const code_poly *const p = &code_model.poly[k];
   code_sum s;
   code_begin(&s);
-  code_add_one(&s, p->constant, code_constant(1.0));
+  code_vary_add(&s, p->constant, p->hub);
   for (int a = 0; a < w->n; a++) {
     if (side[a] == 1) {
       code_add(&s, code_model.scale[k], code_now.slope[k][a], code_q(a));
@@ -185,7 +186,7 @@ static void code_write_value(const code *w, int k)
   }
   half = code_end(w, &s, code_variable("h%s", name));
   code_begin(&s);
-  code_add_one(&s, p->constant, code_constant(1.0));
+  code_vary_add(&s, p->constant, p->hub);
   code_add_one(&s, 0.5 * scale, half);
   for (int a = 0; a < w->n; a++) {
     if (code_is_constant(&code_now.slope[k][a])) {
@@ -217,7 +218,7 @@ static void code_write_S(const code *w, int e)
   }
   code_begin(&s);
   if (linear) {
-    code_add_one(&s, code_model.S[e].constant, code_constant(1.0));
+    code_vary_add(&s, code_model.S[e].constant, code_model.S[e].hub);
   }
   for (int m = 0; m < code_model.n_part[e] && !linear; m++) {
     code_add_one(&s, code_model.sign[e][m], code_now.value[code_model.part[e][m]]);
@@ -241,11 +242,11 @@ static void code_write_inertia(const code *w)
   for (int k = 0; k < code_model.n_poly; k++) {
     code_write_slope(w, k);
   }
-  if (code_model.constant_S || code_model.large) {
+  if ((code_model.constant_S && !(w->vary & CODE_HUB)) || code_model.large) {
     return;
   }
   fputs("\n  /* E8.11: S(q) = M_rr - Lambda M^-1 Lambda^T; c [kg m]: first moment of mass */\n", w->out);
-  for (int i = code_model.first; i < 6; i++) {
+  for (int i = code_model.first; i < 6 && !code_model.constant_S; i++) {
     char name[CODE_NAME];
     snprintf(name, sizeof name, "T_%s", code_rows[i]);
     code_write_solve(w, code_now.turned[i], code_now.lambda[i], name);
@@ -365,15 +366,18 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
     if (!code_is_constant(&f->raw[k][k])) {
       char number[40];
       code_number(number, w, 8.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
-      fprintf(w->out, "%s%s > %s * ", n++ == 0 ? "  if (!(" : " &&\n        ", f->raw[k][k].name, number);
+      fputs(n++ == 0 ? "  if (!(" : " &&\n        ", w->out);
+      code_template(w, "%(");
+      fprintf(w->out, "%s > %s * ", f->raw[k][k].name, number);
       code_begin(&s);
       code_add_one(&s, 1.0, f->S[k][k]);
       code_expression(w, &s, 60);
+      code_template(w, "%)");
     }
   }
   if (n > 0) {
     fputs(")) {\n    return ", w->out);
-    if (code_model.first == 6) {
+    if (code_model.first == 6 || w->lanes) {
       code_template(w, "@_range;\n  }\n");
       return;
     }
@@ -481,7 +485,7 @@ static void code_write_velocities(const code *w)
         "center, body\n"
         "     axes */\n",
         w->out);
-  if (code_model.constant_S) {
+  if (code_model.constant_S && !(w->vary & CODE_HUB)) {
     code_write_constant_velocities(w);
     code_write_names(w);
     return;
@@ -623,10 +627,10 @@ static void code_write_pi_dot(const code *w)
   for (int a = 0; a < w->n; a++) {
     code_begin(&code_force[a]);
     for (int b = 0; b < w->n; b++) {
-      code_add_one(&code_force[a], -K[a][b], code_q(b));
+      code_add(&code_force[a], -K[a][b], code_q(b), code_factor_of(w, CODE_STIFFNESS | CODE_MASS, "stiffness"));
     }
     for (int b = 0; b < w->n; b++) {
-      code_add_one(&code_force[a], -C[a][b], code_now.q_dot[b]);
+      code_add(&code_force[a], -C[a][b], code_now.q_dot[b], code_factor_of(w, CODE_DAMPED, "damping"));
     }
   }
   code_write_gradient(w, code_force);
@@ -660,13 +664,13 @@ static const char code_flying[] = "  rate[%r] = ux;\n"
                                   "  rate[%r + 1] = uy;\n"
                                   "  rate[%r + 2] = uz;\n";
 
-static const char code_driven[] = "  rate[7] = rate[8] = rate[9] = `0`;\n"
+static const char code_driven[] = "  rate[7] = rate[8] = rate[9] = %z;\n"
                                   "  rate[%r] = ux + R[0] * vx + R[1] * vy + R[2] * vz;\n"
                                   "  rate[%r + 1] = uy + R[3] * vx + R[4] * vy + R[5] * vz;\n"
                                   "  rate[%r + 2] = uz + R[6] * vx + R[7] * vy + R[8] * vz;\n";
 
-static const char code_spin[] = "  rate[%l] = rate[%l + 1] = rate[%l + 2] = `0`;\n"
-                                "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = `0`;\n";
+static const char code_spin[] = "  rate[%l] = rate[%l + 1] = rate[%l + 2] = %z;\n"
+                                "  w[0] = wx;\n  w[1] = wy;\n  w[2] = wz;\n  *a = %z;\n";
 
 static void code_write_frame(const code *w)
 {
@@ -675,13 +679,13 @@ static void code_write_frame(const code *w)
   if (code_model.first == 0) {
     code_template(w, code_flying);
   } else if (code_model.first == 3) {
-    code_template(w, "  rate[%r] = rate[%r + 1] = rate[%r + 2] = `0`;\n");
+    code_template(w, "  rate[%r] = rate[%r + 1] = rate[%r + 2] = %z;\n");
   }
   code_template(w, code_spin);
   for (int i = 0; i < 3; i++) {
     char number[40];
     code_number(number, w, code_model.first == 0 ? code_gravity(i) : 0.0);
-    fprintf(w->out, "  rate[%d] = %s;\n", 4 + i, number);
+    fprintf(w->out, w->lanes ? "  rate[%d] = %s_wide_all(%s);\n" : "  rate[%d] = %.0s%s;\n", 4 + i, w->name, number);
   }
 }
 
@@ -728,7 +732,7 @@ static void code_write_pull(const code *w)
   for (int i = 0; i < 3 && code_model.first == 3; i++) {
     const int y = (i + 1) % 3, z = (i + 2) % 3;
     code_begin(&s);
-    code_add_one(&s, 1.0, code_variable("act->torque[%d]", i));
+    code_add(&s, 1.0, code_variable("act->torque[%d]", i), code_factor_of(w, CODE_MASS, "share"));
     code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
     code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
     snprintf(target, sizeof target, "const %s t%c", code_real(w), 'x' + i);
@@ -738,7 +742,7 @@ static void code_write_pull(const code *w)
     snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
     code_begin(&s);
     code_add_one(&s, 1.0, code_variable("%s", target));
-    code_add_one(&s, 1.0, code_variable("act->modal[%d]", a));
+    code_add(&s, 1.0, code_variable("act->modal[%d]", a), code_factor_of(w, CODE_MASS, "share"));
     for (int i = 0; i < 3; i++) {
       code_add(&s, 1.0, code_now.lambda[i][a], code_variable("g%c", 'x' + i));
     }
@@ -751,9 +755,12 @@ static void code_write_pull(const code *w)
 
 static const char code_loads[] =
     "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m; E8.18 */\n"
-    "  if (in) {\n"
-    "    const $ *const F = in->force, *const T = in->torque;\n"
-    "    $ R[9];\n";
+    "  if (in) {\n";
+
+static const char *const code_wrench[2] = {
+    "    const $ *const F = in->force, *const T = in->torque;\n",
+    "    const $ F[3] = {model->share * in->force[0], model->share * in->force[1], model->share * in->force[2]};\n"
+    "    const $ T[3] = {model->share * in->torque[0], model->share * in->torque[1], model->share * in->torque[2]};\n"};
 
 static const char code_inertial[] =
     "    rate[7] += gx;\n    rate[8] += gy;\n    rate[9] += gz;\n"
@@ -786,10 +793,12 @@ static void code_write_loads(const code *w)
   code inner = *w;
   inner.indent = 4;
   code_template(w, code_loads);
+  code_template(w, code_wrench[(w->vary & CODE_MASS) != 0]);
+  code_template(w, "    $ R[9];\n");
   for (int k = 0; k < 3; k++) {
     char number[40], name[4] = {'a', (char)('x' + k), 0};
     code_write_value(&inner, k);
-    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    code_inverse_mass(number, w);
     fprintf(w->out, "    const %s %s = %s * F[%d];\n", code_real(w), name, number, k);
   }
   for (int i = 0; i < 3; i++) {
@@ -801,7 +810,7 @@ static void code_write_loads(const code *w)
     code_begin(&s);
     snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
     code_add_one(&s, 1.0, code_variable("%s", target));
-    code_add_one(&s, 1.0, code_variable("in->modal[%d]", a));
+    code_add(&s, 1.0, code_variable("in->modal[%d]", a), code_factor_of(w, CODE_MASS, "share"));
     for (int i = 0; i < 3; i++) {
       code_add(&s, -1.0, code_now.lambda[i][a], code_variable("a%c", 'x' + i));
     }
@@ -1161,27 +1170,6 @@ static void code_write_large(const code *w)
   }
 }
 
-/* Lower triangle F of A = F F^T, of a matrix without negative eigenvalues. */
-static void code_large_root(double F[FB_MAX_MODES][FB_MAX_MODES], double A[FB_MAX_MODES][FB_MAX_MODES], double unit,
-                            int n)
-{
-  memset(F, 0, sizeof(double) * FB_MAX_MODES * FB_MAX_MODES);
-  for (int j = 0; j < n; j++) {
-    double own = A[j][j] / unit;
-    for (int m = 0; m < j; m++) {
-      own -= F[j][m] * F[j][m];
-    }
-    F[j][j] = own > 1e-14 * fabs(A[j][j]) / unit ? sqrt(own) : 0.0;
-    for (int i = j + 1; i < n && F[j][j] > 0.0; i++) {
-      double sum = A[i][j] / unit;
-      for (int m = 0; m < j; m++) {
-        sum -= F[i][m] * F[j][m];
-      }
-      F[i][j] = sum / F[j][j];
-    }
-  }
-}
-
 static int code_large_is_diagonal(double F[FB_MAX_MODES][FB_MAX_MODES], int a, int n)
 {
   int only = 1;
@@ -1206,7 +1194,7 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
     fprintf(w->out, "    w[%d] = 0;\n", at);
     return;
   }
-  code_large_root(F, A, unit, n);
+  code_root(F, A, unit, n);
   for (int a = 0; a < n; a++) {
     diagonal = diagonal && code_large_is_diagonal(F, a, n);
   }
@@ -1241,7 +1229,7 @@ static void code_write_large_norm(const code *w, code_value G[FB_MAX_MODES][FB_M
       code_add(&trace, a == b ? 1.0 : 2.0, square, square);
     }
   }
-  code_assign(w, &trace, w->single ? "const float trace" : "const double trace");
+  code_declare(w, &trace, "trace");
   code_number(number, w, unit);
   fprintf(w->out, "    w[%d] = %s * ", at, number);
   code_template(w, "sqrt~(sqrt~(trace));\n");
@@ -1324,7 +1312,7 @@ static void code_write_large_frame(const code *w)
         code_add(&s, 1.0, code_variable("w_%c", 'x' + i), code_variable("w_%c", 'x' + i));
       }
     }
-    code_assign(&inner, &s, w->single ? "const float square" : "const double square");
+    code_declare(&inner, &s, "square");
     fputs("      w[11] = square <= w[11] ? w[11] : square;\n    }\n", w->out);
   }
   fputs("  }\n", w->out);
@@ -1333,10 +1321,11 @@ static void code_write_large_frame(const code *w)
 static void code_write_rates(const code *w, int unused)
 {
   (void)unused;
-  code_template(w, "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
-                   "angular velocity; a:\n"
-                   "   acceleration of the mass center by the loads [m/s^2]. */\n"
-                   "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n");
+  code_template(w,
+                "\n/* Rates of the vector x = (quat, u, h, q, pi | rho, L) under what acts (NULL: nothing); w: "
+                "angular velocity; a:\n"
+                "   acceleration of the mass center by the loads [m/s^2]. */\n"
+                "static @_NOINLINE @_status @_rates_at(%M$ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n%V");
   if (code_model.first > 0) {
     code_template(w, "  const @_input *const act = in ? in : &@_nothing;\n  $ R[9];\n");
   }
@@ -1367,14 +1356,16 @@ static void code_write_rates(const code *w, int unused)
 
 /* ---- the rest of the step */
 
-static const char code_types[] =
+static const char code_status_type[] =
     "typedef enum @_status { /* values of fb_status */\n"
     "  @_ok = 0,\n  @_null = -1,        /* a pointer is NULL */\n"
     "  @_value = -2,       /* dt is not above 0 */\n"
     "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
     "  @_step_length = -9, /* dt is longer than the stability limit, or the frame turns too far in a step */\n"
     "  @_range = -10       /* the deflection has left the range of the model */\n"
-    "} @_status;\n\n"
+    "} @_status;\n\n";
+
+static const char code_state_type[] =
     "/* All that changes; as fb_state. Kahan terms lost_.. are zero when a state is written. */\n"
     "typedef struct @_state {\n"
     "  $ rho[3];  /* [m] position of O, inertial axes */\n"
@@ -1399,13 +1390,15 @@ static const char code_input_of[3][200] = {
 static const char code_input_end[] =
     "  $ gravity[3];          /* [m/s^2] uniform, inertial axes, beside that of the description */\n"
     "  $ modal[%m];            /* generalized forces of the coordinates */\n"
-    "} @_input;\n\n"
+    "} @_input;\n\n";
+
+static const char code_declarations[] =
     "/* At the inertial origin, at rest, undeformed. */\n"
     "void @_start(@_state *state);\n"
     "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
     "stays as\n"
     "   it was. */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
+    "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
 static const char code_helpers[] =
     "/* Short loops are unrolled, which -O2 does not by itself; the rates keep the registers to themselves. */\n"
@@ -1419,9 +1412,9 @@ static const char code_restrict[] =
     "#else\n#define @_RESTRICT\n#define @_ALIGNED\n#endif\n\n";
 
 static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
-                                  "  $ sum = `0`;\n"
+                                  "  $ sum = %z;\n"
                                   "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
-                                  "  return sum <= @_huge;\n}\n\n"
+                                  "  return %(sum <= @_huge%);\n}\n\n"
                                   "static int @_input_is_finite(const @_input *in)\n{\n"
                                   "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
 
@@ -1451,15 +1444,19 @@ static const char code_turns[] =
     "/* y = R^T x */\n"
     "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
     "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
-    "  @_turn(y, back, x);\n}\n\n";
+    "  @_turn(y, back, x);\n}\n";
 
-static const char code_norm[] = "static $ @_norm(const $ *x)\n{\n"
+static const char code_norm[] = "\nstatic $ @_norm(const $ *x)\n{\n"
                                 "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
 
 /* The input that is meant by NULL. */
 static void code_write_nothing(const code *w)
 {
   const int n = (code_model.first == 3 ? 2 : 4); /* vectors */
+  if (w->lanes) {
+    code_template(w, "\nstatic @_input @_nothing;\n");
+    return;
+  }
   code_template(w, "\nstatic const @_input @_nothing = {");
   for (int k = 0; k < n; k++) {
     code_template(w, "{`0`, `0`, `0`}, ");
@@ -1475,9 +1472,9 @@ static void code_write_center(const code *w)
 {
   code_template(w, w->large
                        ? "\n/* E8.16: c(q) [kg m], first moment of mass, body axes; 0 where a line turns too far */\n"
-                         "static int @_center($ *c, const $ *q)\n{\n"
+                         "static int @_center(%M$ *c, const $ *q)\n{\n%V"
                        : "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\n"
-                         "static void @_center($ *c, const $ *q)\n{\n");
+                         "static void @_center(%M$ *c, const $ *q)\n{\n%V");
   if (w->large) {
     code_write_large_poses(w, "q");
   }
@@ -1495,7 +1492,7 @@ static void code_write_center(const code *w)
       slope[b] = code_end(w, &s, code_variable("c_%c_%d", 'x' + i, b));
     }
     code_begin(&s);
-    code_add_one(&s, p->constant, code_constant(1.0));
+    code_vary_add(&s, p->constant, p->hub);
     for (int b = 0; b < w->n; b++) {
       code_add(&s, 1.0, slope[b], code_variable("q[%d]", b));
     }
@@ -1520,39 +1517,55 @@ static void code_write_limit(const code *w)
   const code_value whole = code_variable(w->large ? "whole" : "spin");
   code_sum s;
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
-                   "static $ @_longest(const $ *w, $ a)\n{\n"
+                   "static $ %*@_longest(%Mconst $ *w, $ %*a)\n{\n%V"
                    "  const $ spin = @_norm(w);\n");
   code_template(w,
                 w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
   code_begin(&s);
   if (code_model.first == 0) {
-    code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+    if (w->vary & CODE_HUB) {
+      code_template(w, "  const $ fling = model->arm * spin * spin;\n");
+      code_add_one(&s, 1.0, code_variable("fling"));
+    } else {
+      code_add(&s, c / (double)body->mass, code_variable("spin"), code_variable("spin"));
+    }
   }
-  code_add_one(&s, 1.0, code_variable("a"));
-  code_assign(w, &s, w->single ? "const float acceleration" : "const double acceleration");
+  code_add_one(&s, 1.0, code_variable(w->lanes ? "*a" : "a"));
+  code_declare(w, &s, "acceleration");
   code_begin(&s);
   if (w->large) {
-    code_add_one(&s, 0.5, code_variable("w[10]"));
+    code_add(&s, 0.5, code_variable("w[10]"), code_factor_of(w, CODE_DAMPED, "damping"));
   } else {
-    code_add_one(&s, 0.5 * (double)body->limit_damping, code_constant(1.0));
+    code_add(&s, (double)body->limit_damping, code_factor_of(w, CODE_DAMPED | CODE_HUB, "most_damping"),
+             code_constant(0.5));
   }
   code_add_one(&s, 1.0, whole);
-  code_assign(w, &s, w->single ? "const float g" : "const double g");
+  code_declare(w, &s, "g");
   code_begin(&s);
   if (w->large) {
-    code_add_one(&s, 1.0, code_variable("w[9]"));
+    code_add(&s, 1.0, code_variable("w[9]"), code_factor_of(w, CODE_STIFFNESS, "stiffness"));
   } else {
-    code_add_one(&s, (double)body->limit_elastic, code_constant(1.0));
+    code_add_one(&s, (double)body->limit_elastic, code_factor_of(w, CODE_STIFFNESS | CODE_HUB, "most_stiffness"));
   }
-  code_add(&s, (double)body->limit_spin, whole, whole);
-  code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
-  code_assign(w, &s, w->single ? "const float k" : "const double k");
+  if (w->vary & CODE_HUB) {
+    code_template(w, "  const $ spread = model->stiffening * spin * spin, pull = model->stiffening * acceleration;\n");
+    code_add_one(&s, (double)body->limit_spin, code_variable("spread"));
+    code_add_one(&s, (double)body->limit_acceleration, code_variable("pull"));
+  } else {
+    code_add(&s, (double)body->limit_spin, whole, whole);
+    code_add_one(&s, (double)body->limit_acceleration, code_variable("acceleration"));
+  }
+  code_declare(w, &s, "k");
   code_template(w, "  const $ bound = g + sqrt~(g * g + k);\n");
   if (!((double)body->limit_acceleration > 0.0)) {
     fputs("  (void)acceleration;\n", w->out);
   }
-  code_template(w, "  if (!(bound >= `0`)) {\n    return `0`;\n  }\n"
-                   "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
+  if (w->vary & CODE_HUB) {
+    fputs("  (void)spread, (void)pull;\n", w->out);
+  }
+  code_template(w, w->lanes ? "  *a = `2.785` / bound;\n  return a;\n}\n"
+                            : "  if (!(bound >= `0`)) {\n    return `0`;\n  }\n"
+                              "  return bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n}\n");
 }
 
 static const char code_sums[] = "\n/* E11.22: Kahan sum; d becomes x + d, lost what rounding took */\n"
@@ -1565,9 +1578,9 @@ static const char code_sums[] = "\n/* E11.22: Kahan sum; d becomes x + d, lost w
 static const char code_unit[] =
     "\n/* The increment d of the attitude so that it has unit length */\n"
     "static @_status @_unit($ *d, const $ *x)\n{\n"
-    "  $ quat[4], norm2 = `0`, norm;\n"
+    "  $ quat[4], norm2 = %z, norm;\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n    norm2 += quat[i] * quat[i];\n  }\n"
-    "  if (!(norm2 > `1e-20` && norm2 < @_huge)) {\n    return @_not_finite;\n  }\n"
+    "  if (!(%(norm2 > `1e-20`%) && %(norm2 < @_huge%))) {\n    return @_not_finite;\n  }\n"
     "  norm = sqrt~(norm2);\n"
     "  for (int i = 0; i < 4; i++) {\n    d[i] += (`1` - norm2) / (norm * (`1` + norm)) * quat[i];\n  }\n"
     "  return @_ok;\n}\n";
@@ -1575,8 +1588,7 @@ static const char code_unit[] =
 static const char code_align[] =
     "\n/* E11.29: the increment d of the attitude so that R h is along L */\n"
     "static void @_align($ *d, const $ *x)\n{\n"
-    "  static const $ known[2] = {`0`, `1`};\n"
-    "  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told;\n"
+    "%K  $ quat[4], h[3], b[3], r[3], theta[3], sizes, told;\n"
     "  const $ change = @_norm(d + %l);\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n    h[i] = x[7 + i] + d[7 + i];\n    b[i] = x[%l + i] + d[%l + i];\n  }\n"
@@ -1585,9 +1597,9 @@ static const char code_align[] =
     "  theta[0] = r[1] * b[2] - r[2] * b[1];\n"
     "  theta[1] = r[2] * b[0] - r[0] * b[2];\n"
     "  theta[2] = r[0] * b[1] - r[1] * b[0];\n"
-    "  told = known[sizes > change * change];\n";
+    "  told = %Tsizes > change * change%t;\n";
 
-static const char code_align_single[] = "  told *= known[@_norm(theta) >= `16` * `1.19209290e-7` * sizes];\n";
+static const char code_align_single[] = "  told *= %T@_norm(theta) >= `16` * `1.19209290e-7` * sizes%t;\n";
 
 static const char code_align_end[] =
     "  for (int i = 0; i < 3; i++) {\n    theta[i] *= `0.5` * told / (sizes + (`1` - told));\n  }\n"
@@ -1604,25 +1616,31 @@ static void code_write_range(const code *w)
   code_sum s;
   code_begin(&s);
   for (int a = 0; a < w->n; a++) {
-    code_add_one(&s, (double)code_model.body->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
+    code_add_one(&s, (double)code_model.body->reach[a],
+                 w->lanes ? code_variable("size_%d", a) : code_variable("fabs%s(d[%d])", w->single ? "f" : "", 10 + a));
   }
   code_template(w, "\n/* What fb_rk4_step checks of the state d after a step: finite, deflection [m] by bounds of the "
                    "modes, length of the\n"
                    "   quaternion */\n"
                    "static @_status @_check(const $ *d)\n{\n"
                    "  const $ norm2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3];\n"
-                   "  $ sum = `0`;\n  @_UNROLL\n"
+                   "  $ sum = %z;\n  @_UNROLL\n"
                    "  for (int i = 0; i < %N; i++) {\n    sum += fabs~(d[i]);\n  }\n"
-                   "  if (!(sum <= @_huge)) {\n    return @_not_finite;\n  }\n");
-  code_assign(w, &s, w->single ? "const float deflection" : "const double deflection");
+                   "  if (!(%(sum <= @_huge%))) {\n    return @_not_finite;\n  }\n");
+  for (int a = 0; a < w->n && w->lanes; a++) {
+    code_template(w, "  const $ ");
+    fprintf(w->out, "size_%d = %s_wide_abs(d[%d]);\n", a, w->name, 10 + a);
+  }
+  code_declare(w, &s, "deflection");
   code_number(number, w, (double)code_model.body->deflection_limit);
-  fprintf(w->out, "  if (!(deflection <= %s)) {\n", number);
-  code_template(w, "    return @_range;\n  }\n"
-                   "  return fabs~(norm2 - `1`) <= `2e-3` ? @_ok : @_step_length;\n}\n");
+  code_template(w, "  if (!(%(deflection <= ");
+  fputs(number, w->out);
+  code_template(w, "%))) {\n    return @_range;\n  }\n"
+                   "  return %(fabs~(norm2 - `1`) <= `2e-3`%) ? @_ok : @_step_length;\n}\n");
 }
 
 static const char code_enter[] = "\n/* The vector x of a state, with h = R^T L. */\n"
-                                 "static void @_enter($ *x, const @_state *s)\n{\n"
+                                 "static void @_enter(%M$ *x, const @_state *s)\n{\n%V"
                                  "  memcpy(x, s->quat, sizeof s->quat);\n"
                                  "  memcpy(x + 4, s->u, sizeof s->u);\n"
                                  "  @_turn_back(x + 7, s->quat, s->L);\n"
@@ -1634,19 +1652,23 @@ static const char code_enter_modes[] = "  memcpy(x + 10, s->q, sizeof s->q);\n"
 
 static const char code_enter_single[] = "  for (int i = 0; i < 3; i++) {\n    x[7 + i] += s->lost_h[i];\n  }\n";
 
+static const char code_enter_mass[] = "  for (int i = 0; i < 3; i++) { /* by the factor of the mass */\n"
+                                      "    x[7 + i] *= model->share;\n    x[%l + i] *= model->share;\n  }\n"
+                                      "  for (int a = %p; a < %r; a++) {\n    x[a] *= model->share;\n  }\n";
+
 static const char code_keep_single[] =
     "\n/* What rounding takes from h = R^T L, across it: much spin about an axis of little inertia. more: increment of "
     "h */\n"
     "static void @_keep(@_state *next, const @_state *from, const $ *more)\n{\n"
-    "  $ before[3], after[3], size, along = `0`;\n"
+    "  $ before[3], after[3], size, along = %z;\n"
     "  @_turn_back(before, from->quat, from->L);\n"
     "  @_turn_back(after, next->quat, next->L);\n"
     "  size = after[0] * after[0] + after[1] * after[1] + after[2] * after[2];\n"
     "  for (int i = 0; i < 3; i++) {\n"
-    "    next->lost_h[i] = size > `0` ? from->lost_h[i] + ((before[i] - after[i]) + more[i]) : `0`;\n"
+    "    next->lost_h[i] = %Wsize > `0`%,from->lost_h[i] + ((before[i] - after[i]) + more[i])%!;\n"
     "    along += next->lost_h[i] * after[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n"
-    "    next->lost_h[i] -= size > `0` ? along / size * after[i] : `0`;\n  }\n}\n";
+    "    next->lost_h[i] -= %Wsize > `0`%,along / size * after[i]%!;\n  }\n}\n";
 
 static const char code_end_declare[] = "  $ lost_u[3], lost_rho[3];\n"
                                        "  memcpy(lost_u, state->lost_u, sizeof lost_u);\n"
@@ -1657,12 +1679,21 @@ static const char code_end_declare_single[] = "  @_state next = *state;\n"
 
 static const char code_end_pin[] =
     "  for (int i = 0; i < 3; i++) { /* the pin rests */\n"
-    "    status = status == @_ok && !(fabs~(state->u[i]) + fabs~(state->lost_u[i]) <= `0`) ? @_value : status;\n"
+    "    status = status == @_ok && !(%(fabs~(state->u[i]) + fabs~(state->lost_u[i]) <= `0`%)) ? @_value : status;\n"
     "  }\n";
+
+/* Momenta keep their bits: their increments alone are scaled. */
+static const char code_end_mass[] = "  for (int i = 0; i < 3; i++) {\n    d[%l + i] *= model->mass;\n  }\n"
+                                    "  for (int a = %p; a < %r; a++) {\n    d[a] *= model->mass;\n  }\n"
+                                    "  memcpy(x + %l, state->L, sizeof state->L);\n";
+
+static const char code_end_mass_single[] = "  for (int i = 0; i < 3; i++) {\n    d[7 + i] *= model->mass;\n  }\n";
+
+static const char code_end_mass_modes[] = "  memcpy(x + %p, state->pi, sizeof state->pi);\n";
 
 static const char code_end_double[] = "  for (int i = 0; i < 4; i++) {\n    d[i] += x[i];\n  }\n"
                                       "  @_UNROLL\n  for (int a = 10; a < %r; a++) {\n    d[a] += x[a];\n"
-                                      "    d[a] = fabs(d[a]) < @_tiny ? `0` : d[a];\n  }\n"
+                                      "    d[a] = %Ffabs~(d[a]) < @_tiny%:d[a]%;;\n  }\n"
                                       "  for (int i = %l; i < %N; i++) {\n    d[i] += x[i];\n  }\n";
 
 static const char code_end_single[] =
@@ -1670,25 +1701,25 @@ static const char code_end_single[] =
     "  @_sum_kept(d + 10, next.lost_q, x + 10, %n);\n"
     "  @_sum_kept(d + %p, next.lost_pi, x + %p, %n);\n"
     "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n"
-    "  for (int a = 10; a < %r; a++) {\n    d[a] = fabsf(d[a]) < @_tiny ? `0` : d[a];\n  }\n";
+    "  for (int a = 10; a < %r; a++) {\n    d[a] = %Ffabs~(d[a]) < @_tiny%:d[a]%;;\n  }\n";
 
 static const char code_end_rest[] = "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
                                     "  for (int i = 0; i < 3; i++) {\n"
-                                    "    d[4 + i] = fabs~(d[4 + i]) < @_faint ? `0` : d[4 + i];\n"
-                                    "    d[%l + i] = fabs~(d[%l + i]) < @_faint ? `0` : d[%l + i];\n  }\n";
+                                    "    d[4 + i] = %Ffabs~(d[4 + i]) < @_faint%:d[4 + i]%;;\n"
+                                    "    d[%l + i] = %Ffabs~(d[%l + i]) < @_faint%:d[%l + i]%;;\n  }\n";
 
 static const char code_end_keep_single[] = "  memcpy(next.quat, d, sizeof next.quat);\n"
                                            "  memcpy(next.L, d + %l, sizeof next.L);\n"
                                            "  @_keep(&next, state, d + 7);\n";
 
 static const char code_end_position[] = "\n  /* E11.30: O from the mass center */\n"
-                                        "  @_center(before, x + 10);\n"
-                                        "  @_center(after, d + 10);\n"
+                                        "  @_center(%Abefore, x + 10);\n"
+                                        "  @_center(%Aafter, d + 10);\n"
                                         "  @_turn(old, x, before);\n"
                                         "  @_turn(own, d, after);\n";
 
 static const char code_end_large_position[] = "\n  /* E11.30: O from the mass center; range of the lines */\n"
-                                              "  sound = @_center(after, d + 10);\n"
+                                              "  sound = @_center(%Aafter, d + 10);\n"
                                               "  @_turn(old, x, before);\n"
                                               "  @_turn(own, d, after);\n";
 
@@ -1756,10 +1787,10 @@ static void code_write_end(const code *w)
 {
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
-                   "static @_status @_end(@_state *state, $ *d, const $ *x");
-  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n  @_status status;\n"
-                   : code_model.first == 0 && w->large ? ", const $ *before)\n{\n  @_status status;\n"
-                                                       : ")\n{\n  @_status status;\n");
+                   "static @_status @_end(%M@_state *state, $ *d, %X$ *x");
+  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n%V  @_status status;\n"
+                   : code_model.first == 0 && w->large ? ", const $ *before)\n{\n%V  @_status status;\n"
+                                                       : ")\n{\n%V  @_status status;\n");
   code_template(w, w->large && code_model.first < 6 ? "  $ after[3];\n" : "");
   code_template(w, code_model.first != 0 ? ""
                    : w->large            ? "  $ old[3], own[3];\n"
@@ -1769,17 +1800,20 @@ static void code_write_end(const code *w)
   code_template(w, code_model.first < 6 ? "  @_align(d, x);\n  status = @_unit(d, x);\n"
                    : w->large ? "  status = @_unit(d, x);\n  sound = @_follow(d, x, last ? last->v : @_nothing.v);\n"
                               : "  status = @_unit(d, x);\n  @_follow(d, x, last ? last->v : @_nothing.v);\n");
+  code_template(w, w->vary & CODE_MASS ? code_end_mass : "");
+  code_template(w, w->vary & CODE_MASS && w->n > 0 ? code_end_mass_modes : "");
+  code_template_of(w, 1, w->vary & CODE_MASS ? code_end_mass_single : "");
   code_template(w, w->single ? code_end_single : code_end_double);
   code_template(w, code_end_rest);
   if (code_model.first < 6) {
     code_template_of(w, 1, code_end_keep_single);
   }
   if (code_model.first == 3 && w->large) {
-    code_template(w, "  sound = @_center(after, d + 10);\n");
+    code_template(w, "  sound = @_center(%Aafter, d + 10);\n");
   }
   if (code_model.first == 0) {
     code_template(w, w->large ? code_end_large_position : code_end_position);
-    code_number(number, w, 1.0 / (double)code_model.body->mass);
+    code_inverse_mass(number, w);
     code_template(w, "  for (int i = 0; i < 3; i++) {\n");
     fprintf(w->out, "    d[%d + i] += %s * (old[i] - own[i]);\n  }\n", code_place(w, 'r'), number);
   }
@@ -1797,32 +1831,32 @@ static void code_write_end(const code *w)
 
 static const char code_step_head[] =
     "\n/* E11.3 */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
-    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
-    "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
+    "%S@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, %s dt)\n{\n"
+    "  static const %s node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
+    "  static const %s weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
-    "  $ x[%N], at[%N], rate[%N], sum[%N] = {`0`}, w[%w], first[3], a;\n";
+    "  $ x[%N], at[%N], rate[%N], sum[%N]%Z, w[%w], first[3], a;\n";
 
-static const char code_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
+static const char code_step_begin[] = "  if (!state%Q) {\n    return @_null;\n  }\n"
                                       "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
                                       "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
-                                      "  @_enter(x, state);\n"
-                                      "  memcpy(at, x, sizeof at);\n";
+                                      "  @_enter(%Ax, state);\n"
+                                      "  memcpy(at, x, sizeof at);\n%0";
 
 static const char code_step_stages[] = "  for (int stage = 0; stage < 4; stage++) {\n"
-                                       "    const $ by = dt * weight[stage], to = dt * node[stage];\n";
+                                       "    const %s by = dt * weight[stage], to = dt * node[stage];\n";
 
 static const char code_step_call[] =
-    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(rate, w, &a, at, in[stage]) : @_not_finite;\n";
+    "    @_status status = @_input_is_finite(in[stage]) ? @_rates_at(%Arate, w, &a, at, in[stage]) : @_not_finite;\n";
 
 static const char code_step_limits[] =
     "\n    /* E11.1, E11.26: step limit at the start, rotation at the last stage */\n"
     "    if (status == @_ok && stage == 0) {\n"
-    "      status = dt <= @_longest(w, a) ? @_ok : @_step_length;\n"
+    "      status = %(dt <= %*@_longest(%Aw, %&a)%) ? @_ok : @_step_length;\n"
     "      memcpy(first, w, sizeof first);\n    }\n"
     "    if (status == @_ok && stage == 3) {\n"
     "      for (int i = 0; i < 3; i++) {\n        first[i] = dt * (w[i] - first[i]);\n      }\n"
-    "      status = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25` ? @_ok : "
+    "      status = %(first[0] * first[0] + first[1] * first[1] + first[2] * first[2] <= `0.25`%) ? @_ok : "
     "@_step_length;\n    }\n";
 
 static const char code_step_rest[] =
@@ -1831,14 +1865,25 @@ static const char code_step_rest[] =
     "    if (stage < 3) {\n      @_UNROLL\n"
     "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n    }\n"
     "  }\n"
-    "  return @_end(state, sum, x";
+    "  return @_end(%Astate, sum, x";
 
 static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
                                  "  memset(state, 0, sizeof *state);\n"
                                  "  state->quat[0] = `1`;\n}\n";
 
+/* State and input. */
+static void code_write_types(const code *w)
+{
+  code_template(w, code_state_type);
+  code_template_of(w, 1, code_types_single);
+  code_template(w, code_types_end);
+  code_template(w, code_input_of[code_model.first / 3]);
+  code_template(w, code_input_end);
+}
+
 /* Comment and declarations. */
-static void code_write_head(const code *w, const fb_body *body, const char *source, void (*coordinate)(FILE *, int))
+static void code_write_head(const code *w, const fb_body *body, const char *source, int lanes,
+                            void (*coordinate)(FILE *, int))
 {
   static const char *const bases[3] = {"free", "pinned", "prescribed"};
   const unsigned crc = fbi_body_crc(body, w->single);
@@ -1860,92 +1905,138 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   }
   fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);
   fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", w->out);
-  code_template(w, code_types);
-  code_template_of(w, 1, code_types_single);
-  code_template(w, code_types_end);
-  code_template(w, code_input_of[code_model.first / 3]);
-  code_template(w, code_input_end);
+  code_template(w, code_status_type);
+  code_write_types(w);
+  if (w->vary) {
+    code_write_parameters(w);
+    code_template(w, code_vary_types);
+    code_template(w, code_vary_declaration);
+  }
+  code_template(w, code_declarations);
   code_template(w, code_read_types);
   if (code_model.first < 6) {
     code_template(w, code_read_energy_types);
   }
+  if (lanes) {
+    code lane = *w;
+    lane.lanes = CODE_LANES;
+    code_lanes_template(w, code_lanes_width);
+    code_write_types(&lane);
+    code_template(&lane, w->vary ? code_vary_types : "");
+    code_lanes_template(w, code_lanes_declarations);
+  }
   fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
+}
+
+/* The functions of a step, of one body or of all lanes. 0: there is no temporary file, see errno. */
+static int code_write_functions(const code *w)
+{
+  int good = 1;
+  code_template(w, code_finite);
+  code_template(w, code_input_finite[code_model.first / 3]);
+  code_template(w, code_matrix);
+  code_template(w, code_turns);
+  code_template(w, w->lanes ? "" : code_norm);
+  if (code_model.first > 0) {
+    code_write_nothing(w);
+  }
+  if (w->large) {
+    good = code_write_lines(w);
+  }
+  if (code_model.first == 0 || (code_model.first == 3 && !w->lanes)) {
+    code_write_center(w);
+  }
+  good = code_write_pruned(w, code_write_rates, 0) && good;
+  code_write_limit(w);
+  code_template(w, code_sums);
+  code_template(w, code_unit);
+  if (code_model.first < 6) {
+    code_template(w, code_align);
+    code_template_of(w, 1, code_align_single);
+    code_template(w, code_align_end);
+  } else {
+    good = code_write_pruned(w, code_write_follow, 0) && good;
+  }
+  code_write_range(w);
+  code_template(w, code_enter);
+  if (w->n > 0) {
+    code_template(w, code_enter_modes);
+  }
+  code_template_of(w, 1, code_enter_single);
+  code_template(w, w->vary & CODE_MASS ? code_enter_mass : "");
+  code_template(w, "}\n");
+  if (code_model.first < 6) {
+    code_template_of(w, 1, code_keep_single);
+  }
+  code_write_end(w);
+  return good;
+}
+
+static void code_write_stages(const code *w)
+{
+  const int limited = !code_model.body->allow_long_step;
+  code_template(w, code_step_head);
+  code_template(w, w->large && code_model.first == 0 ? "  $ center[3];\n" : "");
+  code_template(w, code_step_begin);
+  if (w->large) {
+    code_template(w, code_model.first == 0 ? "  memset(w, 0, sizeof w);\n  memset(center, 0, sizeof center);\n"
+                                           : "  memset(w, 0, sizeof w);\n");
+  }
+  code_template(w, code_step_stages);
+  if (w->large && limited) {
+    code_template(w, "    w[9] = stage == 0 ? `1` : `0`; /* 1: with the step limit */\n");
+  }
+  code_template(w, code_step_call);
+  if (w->large && code_model.first == 0) {
+    code_template(w, "    if (stage == 0) {\n      memcpy(center, w + 6, sizeof center);\n    }\n");
+  }
+  code_template(w, limited ? code_step_limits : "");
+  code_template(w, code_step_rest);
+  code_template(w, code_model.first == 6               ? ", end);\n}\n"
+                   : code_model.first == 0 && w->large ? ", center);\n}\n"
+                                                       : ");\n}\n");
+}
+
+/* All lanes at once, and the step that takes it. */
+static int code_write_lanes(const code *w)
+{
+  code wide = *w;
+  int good;
+  wide.lanes = CODE_WIDE;
+  code_lanes_template(w, code_lanes_vectors);
+  code_write_types(&wide);
+  code_template(&wide, w->vary ? code_vary_types : "");
+  good = code_write_functions(&wide);
+  code_write_stages(&wide);
+  code_lanes_template(w, code_lanes_together);
+  code_lanes_template(w, code_lanes_copies);
+  code_lanes_template(w, w->vary ? code_lanes_put_model : "");
+  code_lanes_template(w, code_lanes_step);
+  return good;
 }
 
 /* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
    no temporary file, see errno. */
-static inline int code_write(FILE *out, const fb_body *body, const char *name, const char *source, int single,
+static inline int code_write(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
                              void (*coordinate)(FILE *, int))
 {
-  const code w = {out, name, single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2};
-  int good = 1;
-  code_read(body);
-  code_write_head(&w, body, source, coordinate);
+  const code w = {
+      out, choice->name, choice->single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2, choice->vary,
+      0};
+  int good;
+  code_read(body, choice->hub[0]);
+  code_write_head(&w, body, source, choice->lanes, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
-  code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
-                           : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
+  code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
+                             : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
   code_template(&w, w.large ? code_restrict : "");
-  code_template(&w, code_finite);
-  code_template(&w, code_input_finite[code_model.first / 3]);
-  code_template(&w, code_matrix);
-  code_template(&w, code_turns);
-  code_template(&w, code_norm);
-  if (code_model.first > 0) {
-    code_write_nothing(&w);
-  }
-  if (w.large) {
-    good = code_write_lines(&w);
-  }
-  if (code_model.first < 6) {
-    code_write_center(&w);
-  }
-  good = code_write_pruned(&w, code_write_rates, 0) && good;
-  code_write_limit(&w);
-  code_template(&w, code_sums);
-  code_template(&w, code_unit);
-  if (code_model.first < 6) {
-    code_template(&w, code_align);
-    code_template_of(&w, 1, code_align_single);
-    code_template(&w, code_align_end);
-  } else {
-    good = code_write_pruned(&w, code_write_follow, 0) && good;
-  }
-  code_write_range(&w);
-  code_template(&w, code_enter);
-  if (w.n > 0) {
-    code_template(&w, code_enter_modes);
-  }
-  code_template_of(&w, 1, code_enter_single);
-  code_template(&w, "}\n");
-  if (code_model.first < 6) {
-    code_template_of(&w, 1, code_keep_single);
-  }
-  code_write_end(&w);
+  good = code_write_functions(&w);
   code_template(&w, code_start);
-  code_template(&w, code_step_head);
-  code_template(&w, w.large && code_model.first == 0 ? "  $ center[3];\n" : "");
-  code_template(&w, code_step_begin);
-  if (w.large) {
-    code_template(&w, code_model.first == 0 ? "  memset(w, 0, sizeof w);\n  memset(center, 0, sizeof center);\n"
-                                            : "  memset(w, 0, sizeof w);\n");
-  }
-  code_template(&w, code_step_stages);
-  if (w.large) {
-    code_template(&w, body->allow_long_step ? "" : "    w[9] = stage == 0 ? `1` : `0`; /* 1: with the step limit */\n");
-  }
-  code_template(&w, code_step_call);
-  if (w.large && code_model.first == 0) {
-    code_template(&w, "    if (stage == 0) {\n      memcpy(center, w + 6, sizeof center);\n    }\n");
-  }
-  if (!body->allow_long_step) {
-    code_template(&w, code_step_limits);
-  }
-  code_template(&w, code_step_rest);
-  code_template(&w, code_model.first == 6              ? ", end);\n}\n"
-                    : code_model.first == 0 && w.large ? ", center);\n}\n"
-                                                       : ");\n}\n");
+  good = (!w.vary || code_write_vary(&w)) && good;
+  code_write_stages(&w);
   good = code_write_read(&w) && good;
+  good = (!choice->lanes || code_write_lanes(&w)) && good;
   fputs("#endif\n", out);
   return good;
 }

@@ -11,6 +11,7 @@ typedef struct code_row { /* element b: constant_b + sum of slope_ba q_a */
 } code_row;
 
 typedef struct code_poly { /* constant + linear.q + 1/2 q.square q */
+  double hub[2];           /* by the factors of the hub's mass and inertia, where these vary; not in the constant */
   double constant, linear[FB_MAX_MODES], square[FB_MAX_MODES][FB_MAX_MODES];
 } code_poly;
 
@@ -21,8 +22,10 @@ static const char *const code_rows[6] = {"vx", "vy", "vz", "wx", "wy", "wz"};
 static struct code_model {
   const fb_body *body;
   int n, constant_S;
-  int large; /* 1: with lines; what follows is then of the rest of the body, S its M_rr */
-  int first; /* of the rows (v, w) that the base leaves free: 0 free, 3 pinned, 6 prescribed */
+  double hub[2]
+            [21]; /* M_rr of the hub by its mass and its inertia about its mass center; zero where they do not vary */
+  int large;      /* 1: with lines; what follows is then of the rest of the body, S its M_rr */
+  int first;      /* of the rows (v, w) that the base leaves free: 0 free, 3 pinned, 6 prescribed */
   double W[FB_MAX_MODES][FB_MAX_MODES]; /* M^-1; with lines M of the rest */
   code_row lambda[6];
   code_poly S[21];
@@ -66,12 +69,24 @@ static void code_poly_add(code_poly *p, double c, int a, int b)
   }
 }
 
+/* Takes from the constant of p what the hub gives to element e of M_rr, without round-off. */
+static void code_poly_hub(code_poly *p, int e)
+{
+  const double size = fabs(p->constant);
+  for (int k = 0; k < 2; k++) {
+    p->hub[k] = code_model.hub[k][e];
+    p->constant -= p->hub[k];
+  }
+  p->constant = fabs(p->constant) <= 64.0 * DBL_EPSILON * size ? 0.0 : p->constant;
+}
+
 static void code_read_S(const fb_body *body)
 {
   const fb_real *c = body->S;
   memset(code_model.S, 0, sizeof code_model.S);
   for (int i = 0; i < 21; i++) {
     code_model.S[i].constant = (double)body->S0[i];
+    code_poly_hub(&code_model.S[i], i);
   }
   for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
     for (int k = 0; k < r->n; k++) {
@@ -144,7 +159,7 @@ static void code_products_add(code_poly *p, int i, int j, int magnitude)
 /* p, and the magnitudes of all its coefficients */
 static void code_poly_magnitude(code_poly *out, const code_poly *p)
 {
-  out->constant = fabs(p->constant);
+  out->constant = fabs(p->constant) + fabs(p->hub[0]) + fabs(p->hub[1]);
   for (int a = 0; a < code_model.n; a++) {
     out->linear[a] = fabs(p->linear[a]);
     for (int b = 0; b < code_model.n; b++) {
@@ -186,7 +201,9 @@ static int code_alike(double x, double y, double size)
 /* 1 if p = s o, size: magnitudes of what p is the sum of */
 static int code_poly_alike(const code_poly *p, double s, const code_poly *o, const code_poly *size)
 {
-  int same = code_alike(p->constant, s * o->constant, size->constant);
+  int same = code_alike(p->constant, s * o->constant, size->constant) &&
+             code_alike(p->hub[0], s * o->hub[0], size->constant) &&
+             code_alike(p->hub[1], s * o->hub[1], size->constant);
   for (int a = 0; a < code_model.n; a++) {
     same = same && code_alike(p->linear[a], s * o->linear[a], size->linear[a]);
     for (int b = 0; b < code_model.n; b++) {
@@ -232,6 +249,10 @@ static void code_classify(int element, const code_poly *p, const code_poly *size
 /* p = sum of s_i x_i of three, without their round-off */
 static void code_combine(code_poly *p, const double s[3], const code_poly x[3], const code_poly size[3])
 {
+  for (int k = 0; k < 2; k++) {
+    p->hub[k] = code_chop(s[0] * x[0].hub[k] + s[1] * x[1].hub[k] + s[2] * x[2].hub[k],
+                          size[0].constant + size[1].constant + size[2].constant);
+  }
   p->constant = s[0] * x[0].constant + s[1] * x[1].constant + s[2] * x[2].constant;
   for (int a = 0; a < code_model.n; a++) {
     p->linear[a] = code_chop(s[0] * x[0].linear[a] + s[1] * x[1].linear[a] + s[2] * x[2].linear[a],
@@ -298,6 +319,7 @@ static void code_make_center(const fb_body *body)
   for (int i = 0; i < 3; i++) {
     const char name[4] = {'c', '_', (char)('x' + i), 0};
     p.constant = (double)code_center(body)[i];
+    code_poly_hub(&p, fb_sym6_index((i + 1) % 3, 3 + (i + 2) % 3)); /* row v, column w of M_rr: -c^ */
     for (int b = 0; b < body->n; b++) {
       p.linear[b] = code_model.lambda[i].constant[b];
       for (int a = 0; a < body->n; a++) {
@@ -309,9 +331,10 @@ static void code_make_center(const fb_body *body)
 }
 
 /* The polynomials of a body. */
-static void code_read(const fb_body *body)
+static void code_read(const fb_body *body, const double *hub)
 {
   static code_poly p, size;
+  memcpy(code_model.hub, hub, sizeof code_model.hub);
   code_model.body = body;
   code_model.n = body->n;
   code_model.large = (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;

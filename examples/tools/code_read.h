@@ -5,6 +5,7 @@
 #include "code_model.h"
 #include "code_line.h"
 #include "code_text.h"
+#include "code_vary.h"
 
 static const char code_read_types[] =
     "\ntypedef struct @_motion {\n"
@@ -16,16 +17,16 @@ static const char code_read_types[] =
     "  $ velocity[3], angular_rate[3]; /* [m/s], [rad/s] */\n"
     "} @_node;\n\n"
     "/* Time derivatives of rho, quat, u, L, q, pi; rho_dot is the velocity of O. */\n"
-    "@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in);\n"
-    "@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in);\n"
+    "@_status @_rates_eval(%M@_state *rate, const @_state *state, const @_input *in);\n"
+    "@_status @_motion_eval(%M@_motion *motion, const @_state *state, const @_input *in);\n"
     "/* Node 0 is O, the others are those of the description in its order. @_value: no such node. */\n"
-    "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node);\n";
+    "@_status @_node_eval(%M@_node *out, const @_state *state, const @_motion *motion, int node);\n";
 
 static const char code_read_energy_types[] =
     "\ntypedef struct @_energy {\n"
     "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
     "} @_energy;\n\n"
-    "@_status @_energy_eval(@_energy *energy, const @_state *state);\n";
+    "@_status @_energy_eval(%M@_energy *energy, const @_state *state);\n";
 
 static void code_write_center_rate(const code *w, int unused)
 {
@@ -211,7 +212,7 @@ static void code_write_line_node(const code *w, int k)
   for (int i = 0; i < 3; i++) {
     code_add(&s, 1.0, phi.x[i], phi.x[i]);
   }
-  code_assign(w, &s, w->single ? "const float x" : "const double x");
+  code_declare(w, &s, "x");
   x = code_variable("x");
   code_line_turn(w);
   code_template(w, "    const $ half = sqrt~(`1` - `0.5` * a * x);\n"
@@ -299,13 +300,13 @@ static void code_write_line_node(const code *w, int k)
 }
 
 static const char code_read_motion[] =
-    "\n@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in)\n{\n"
+    "\n@_status @_motion_eval(%M@_motion *motion, const @_state *state, const @_input *in)\n{\n"
     "  $ x[%N], rate[%N], w[%w], a;\n"
     "  @_status status;\n"
-    "  if (!motion || !state) {\n    return @_null;\n  }\n"
+    "  if (!motion || !state%Q) {\n    return @_null;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
-    "  @_enter(x, state);\n"
-    "  status = @_is_finite(x, %N) && @_input_is_finite(in) ? @_rates_at(rate, w, &a, x, in) : @_not_finite;\n"
+    "  @_enter(%Ax, state);\n"
+    "  status = @_is_finite(x, %N) && @_input_is_finite(in) ? @_rates_at(%Arate, w, &a, x, in) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n";
 
 static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof motion->w);\n"
@@ -314,23 +315,23 @@ static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof motion
 
 /* Velocity of O of a free body from that of the mass center. */
 static const char code_read_origin[] = "\n/* v of O, body axes: R^T u - (w x c + c_dot)/m */\n"
-                                       "static void @_origin($ *v, const $ *w, const $ *x, const $ *q_dot)\n{\n"
+                                       "static void @_origin(%M$ *v, const $ *w, const $ *x, const $ *q_dot)\n{\n%V"
                                        "  $ c[3], c_dot[3], u[3];\n"
-                                       "  @_center(c, x + 10);\n"
+                                       "  @_center(%Ac, x + 10);\n"
                                        "  @_center_rate(c_dot, x + 10, q_dot);\n"
                                        "  @_turn_back(u, x, x + 4);\n";
 
 static const char code_read_rates[] =
-    "\n@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in)\n{\n"
+    "\n@_status @_rates_eval(%M@_state *rate, const @_state *state, const @_input *in)\n{\n"
     "  $ x[%N], dot[%N], w[%w], a;\n"
     "  @_motion motion;\n"
     "  @_status status;\n"
-    "  if (!rate || !state) {\n    return @_null;\n  }\n"
-    "  status = @_motion_eval(&motion, state, in);\n"
+    "  if (!rate || !state%Q) {\n    return @_null;\n  }\n"
+    "  status = @_motion_eval(%A&motion, state, in);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
-    "  @_enter(x, state);\n"
-    "  status = @_rates_at(dot, w, &a, x, in);\n"
+    "  @_enter(%Ax, state);\n"
+    "  status = @_rates_at(%Adot, w, &a, x, in);\n"
     "  status = status == @_ok && !@_is_finite(dot, %N) ? @_not_finite : status;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  memset(rate, 0, sizeof *rate);\n"
@@ -339,12 +340,11 @@ static const char code_read_rates[] =
     "  memcpy(rate->u, dot + 4, sizeof rate->u);\n"
     "  memcpy(rate->L, dot + %l, sizeof rate->L);\n"
     "  memcpy(rate->q, dot + 10, %n * sizeof *dot);\n"
-    "  memcpy(rate->pi, dot + %p, %n * sizeof *dot);\n"
-    "  return @_ok;\n}\n";
+    "  memcpy(rate->pi, dot + %p, %n * sizeof *dot);\n";
 
 /* The same with lines, of which the rates tell R^T u less it. */
 static const char code_read_large_origin[] = "\n/* v of O, body axes: R^T u and what it has beside the mass center */\n"
-                                             "static void @_origin($ *v, const $ *w, const $ *x)\n{\n"
+                                             "static void @_origin(%M$ *v, const $ *w, const $ *x)\n{\n%V"
                                              "  @_turn_back(v, x, x + 4);\n"
                                              "  for (int i = 0; i < 3; i++) {\n    v[i] += w[3 + i];\n  }\n}\n";
 
@@ -356,7 +356,7 @@ static void code_write_origin(const code *w)
     return;
   }
   code_template(w, code_read_origin);
-  code_number(number, w, 1.0 / (double)code_model.body->mass);
+  code_inverse_mass(number, w);
   for (int i = 0; i < 3; i++) {
     const int y = (i + 1) % 3, z = (i + 2) % 3;
     fprintf(w->out, "  v[%d] = u[%d] - %s * (w[%d] * c[%d] - w[%d] * c[%d] + c_dot[%d]);\n", i, i, number, y, z, z, y,
@@ -368,25 +368,30 @@ static void code_write_origin(const code *w)
 static void code_write_motion(const code *w)
 {
   code_template(w, code_read_motion);
-  code_template(w, code_model.first == 0 && w->large ? "  @_origin(motion->v, w, x);\n"
-                   : code_model.first == 0           ? "  @_origin(motion->v, w, x, rate + 10);\n"
+  code_template(w, code_model.first == 0 && w->large ? "  @_origin(%Amotion->v, w, x);\n"
+                   : code_model.first == 0           ? "  @_origin(%Amotion->v, w, x, rate + 10);\n"
                    : code_model.first == 3           ? "  memset(motion->v, 0, sizeof motion->v);\n"
                                            : "  memcpy(motion->v, in ? in->v : @_nothing.v, sizeof motion->v);\n");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
+  if (w->vary & CODE_MASS) {
+    code_template(w, "  for (int i = 0; i < 3; i++) {\n    rate->L[i] *= model->mass;\n  }\n"
+                     "  for (int k = 0; k < %n; k++) {\n    rate->pi[k] *= model->mass;\n  }\n");
+  }
+  code_template(w, "  return @_ok;\n}\n");
 }
 
 static const char code_read_energy[] =
     "\n/* T = 1/2 (w.h + q_dot.pi + m u.u), homogeneous of degree 2 in the momenta; gravity as E8.16 */\n"
-    "@_status @_energy_eval(@_energy *energy, const @_state *state)\n{\n"
+    "@_status @_energy_eval(%M@_energy *energy, const @_state *state)\n{\n"
     "  $ x[%N], rate[%N], w[%w], c[3], moment[3], a, kinetic;\n"
     "  @_status status;\n"
-    "  if (!energy || !state) {\n    return @_null;\n  }\n"
+    "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
-    "  @_enter(x, state);\n"
-    "  status = @_is_finite(x, %N) ? @_rates_at(rate, w, &a, x, NULL) : @_not_finite;\n"
+    "  @_enter(%Ax, state);\n"
+    "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, NULL) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
-    "  @_center(c, x + 10);\n"
+    "  @_center(%Ac, x + 10);\n"
     "  @_turn(moment, x, c);\n"
     "  kinetic = w[0] * x[7] + w[1] * x[8] + w[2] * x[9];\n"
     "  for (int k = 0; k < %n; k++) {\n    kinetic += rate[10 + k] * x[%p + k];\n  }\n";
@@ -395,13 +400,19 @@ static void code_write_energy(const code *w)
 {
   static double K[FB_MAX_MODES][FB_MAX_MODES];
   const fb_body *const body = code_model.body;
-  const code_value mass = code_constant((double)body->mass);
+  const double fixed = w->vary & CODE_HUB ? 1.0 : (double)body->mass;
+  const code_value mass = code_factor_of(w, CODE_HUB, "body");
   code_sum s;
   code_template(w, code_read_energy);
   code_begin(&s);
   code_add_one(&s, 0.5, code_variable("kinetic"));
   for (int i = 0; i < 3; i++) {
-    code_add(&s, 0.5 * mass.c, code_variable("x[%d]", 4 + i), code_variable("x[%d]", 4 + i));
+    if (w->vary & CODE_HUB) {
+      fprintf(w->out, "  w[%d] = x[%d] * x[%d];\n", i, 4 + i, 4 + i);
+      code_add(&s, 0.5, mass, code_variable("w[%d]", i));
+    } else {
+      code_add(&s, 0.5 * fixed, code_variable("x[%d]", 4 + i), code_variable("x[%d]", 4 + i));
+    }
   }
   code_assign(w, &s, "energy->kinetic");
   code_read_sparse(K, &body->K, w->n);
@@ -416,9 +427,16 @@ static void code_write_energy(const code *w)
   for (int i = 0; i < 3; i++) {
     const double g = code_gravity(i);
     code_add_one(&s, -g, code_variable("moment[%d]", i));
-    code_add_one(&s, -g * mass.c, code_variable("x[%d]", code_place(w, 'r') + i));
+    code_add(&s, -g * fixed, code_variable("x[%d]", code_place(w, 'r') + i), mass);
   }
   code_assign(w, &s, "energy->gravity");
+  if (w->vary & (CODE_STIFFNESS | CODE_MASS)) {
+    fputs("  energy->strain *= model->stiffness;\n", w->out);
+  }
+  if (w->vary & CODE_MASS) {
+    fputs("  energy->kinetic *= model->mass;\n  energy->strain *= model->mass;\n  energy->gravity *= model->mass;\n",
+          w->out);
+  }
   code_template(w, "  (void)moment;\n  w[0] = energy->kinetic;\n  w[1] = energy->strain;\n  w[2] = energy->gravity;\n"
                    "  return @_is_finite(w, 3) ? @_ok : @_not_finite;\n}\n");
 }
@@ -473,9 +491,8 @@ static int code_write_nodes(const code *w)
     good = good &&
            code_write_pruned(w, w->large && body->node[k].line.line > 0 ? code_write_line_node : code_write_node, k);
   }
-  code_template(
-      w,
-      "\n/* E8.20 */\n@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node)\n{\n");
+  code_template(w, "\n/* E8.20 */\n@_status @_node_eval(%M@_node *out, const @_state *state, const @_motion *motion, "
+                   "int node)\n{\n");
   code_template(w, "  static const $ place[][3] = {");
   for (int k = 0; k < body->n_node; k++) {
     for (int i = 0; i < 3; i++) {
@@ -490,9 +507,9 @@ static int code_write_nodes(const code *w)
           : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
   code_template(w, "  $ x[%N];\n"
                    "  const $ *q;\n"
-                   "  if (!out || !state || !motion) {\n    return @_null;\n  }\n");
+                   "  if (!out || !state || !motion%Q) {\n    return @_null;\n  }\n");
   fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
-  code_template(w, "    return @_value;\n  }\n  @_enter(x, state);\n"
+  code_template(w, "    return @_value;\n  }\n  @_enter(%Ax, state);\n"
                    "  if (!@_is_finite(x, %N)) {\n    return @_not_finite;\n  }\n"
                    "  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
   for (int k = 1; k < body->n_node; k++) {

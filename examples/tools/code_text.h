@@ -10,7 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CODE_NAME = 24, CODE_TERMS = 1200, CODE_WIDTH = 116 };
+enum { CODE_PREFIX = 200, CODE_NAME = 24, CODE_TERMS = 1200, CODE_WIDTH = 116 };
+
+/* Parameters that stay variable, factors of what the description says: bits of code.vary. */
+enum {
+  CODE_STIFFNESS = 1,
+  CODE_DAMPING = 2,
+  CODE_MASS = 4, /* of all but the hub */
+  CODE_HUB_MASS = 8,
+  CODE_HUB_INERTIA = 16,
+  CODE_DAMPED = 7, /* what changes the damping */
+  CODE_HUB = 28    /* what changes the hub relative to the rest */
+};
 
 typedef struct code {
   FILE *out;
@@ -18,7 +29,11 @@ typedef struct code {
   int single, n;    /* precision, modes */
   int large;        /* 1: with lines */
   int indent;
+  int vary;
+  int lanes; /* 0: one body; CODE_LANES: types of several, by lanes; CODE_WIDE: their step by vectors (code_lanes.h) */
 } code;
+
+enum { CODE_LANES = 1, CODE_WIDE = 2 };
 
 typedef struct code_value { /* c times the variable; without a name the constant c */
   double c;
@@ -36,10 +51,18 @@ typedef struct code_sum {
   code_term term[CODE_TERMS];
 } code_sum;
 
+/* Type of a real number of one body. */
+static const char *code_scalar(const code *w)
+{
+  return w->single ? "float" : "double";
+}
+
 /* Type of a real number in what is written. */
 static const char *code_real(const code *w)
 {
-  return w->single ? "float" : "double";
+  static char wide[CODE_PREFIX + 16];
+  snprintf(wide, sizeof wide, "%s%s", w->name, w->lanes == CODE_WIDE ? "_wide" : "_lane");
+  return w->lanes ? wide : code_scalar(w);
 }
 
 static code_value code_constant(double c)
@@ -48,7 +71,7 @@ static code_value code_constant(double c)
   return v;
 }
 
-static const char *code_prefix = ""; /* of the names of variables */
+static const char *code_of_names = ""; /* of the names of variables */
 
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
@@ -58,7 +81,7 @@ code_variable(const char *format, ...)
 {
   code_value v = {1.0, ""};
   va_list list;
-  const int at = snprintf(v.name, sizeof v.name, "%s", code_prefix);
+  const int at = snprintf(v.name, sizeof v.name, "%s", code_of_names);
   va_start(list, format);
   vsnprintf(v.name + at, sizeof v.name - (size_t)at, format, list);
   va_end(list);
@@ -73,6 +96,12 @@ static int code_is_zero(const code_value *v)
 static int code_is_constant(const code_value *v)
 {
   return v->name[0] == '\0';
+}
+
+/* A field of the model where one of these parameters varies, else 1. */
+static code_value code_factor_of(const code *w, int parameters, const char *field)
+{
+  return w->vary & parameters ? code_variable("model->%s", field) : code_constant(1.0);
 }
 
 /* c with all its digits, in the precision of the target. */
@@ -185,8 +214,19 @@ static void code_assign(const code *w, code_sum *s, const char *target)
 {
   code_settle(s);
   fprintf(w->out, "%*s%s = ", w->indent, "", target);
+  if (w->lanes && s->n == 0) {
+    fprintf(w->out, "%s_wide_all(", w->name);
+  }
   code_expression(w, s, w->indent + 4 + (int)strlen(target));
-  fputs(";\n", w->out);
+  fputs(w->lanes && s->n == 0 ? ");\n" : ";\n", w->out);
+}
+
+/* const name = the sum */
+static void code_declare(const code *w, code_sum *s, const char *name)
+{
+  char target[CODE_PREFIX + 64];
+  snprintf(target, sizeof target, "const %s %s", code_real(w), name);
+  code_assign(w, s, target);
 }
 
 /* What a template's % and a letter mean: sizes and places in the vector of the state (quat u h | q | pi | rho L). */
@@ -210,20 +250,115 @@ static int code_place(const code *w, char letter)
   }
 }
 
-/* Text in which @ is the prefix, $ the type, ~ the suffix of libm's functions, %letter a number of code_place, and a
-   number between ` is written in the target's precision. */
+static int code_is_letter(char c)
+{
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/* Where parameters vary a % and M, A, Q, V mean the model as what a function takes, as what it is given, that there is
+   none, that it may be unused; X: const where the mass does not vary. 0: another letter. */
+static int code_model_text(const code *w, char letter)
+{
+  if (!strchr("MAQVX", letter)) {
+    return 0;
+  }
+  if (letter == 'X') {
+    fputs(w->vary & CODE_MASS ? "" : "const ", w->out);
+  } else if (w->vary && letter == 'M') {
+    fprintf(w->out, "const %s%s_model *model, ", w->name, w->lanes == CODE_WIDE ? "_wide" : w->lanes ? "_lanes" : "");
+  } else if (w->vary) {
+    fputs(letter == 'A' ? "model, " : letter == 'Q' ? " || !model" : "  (void)model;\n", w->out);
+  }
+  return 1;
+}
+
+/* A prefix: of what is for lanes, where what follows it is not common to all. */
+static void code_prefix(const code *w, const char *text)
+{
+  static const char *const common[] = {"_status", "_ok",     "_null",     "_value", "_not_finite", "_step_length",
+                                       "_range",  "_UNROLL", "_NOINLINE", "_huge",  "_tiny",       "_faint"};
+  const char *suffix = w->lanes == CODE_WIDE ? "_wide" : w->lanes ? "_lanes" : "";
+  for (size_t k = 0; k < sizeof common / sizeof *common; k++) {
+    const size_t length = strlen(common[k]);
+    if (strncmp(text, common[k], length) == 0 && !code_is_letter(text[length])) {
+      suffix = "";
+    }
+  }
+  fprintf(w->out, "%s%s", w->name, suffix);
+}
+
+/* Functions of libm in a template: those of all lanes at once. How many characters these are; 0: there is none. */
+static int code_libm(const code *w, const char *text)
+{
+  if (w->lanes && (strncmp(text, "sqrt~", 5) == 0 || strncmp(text, "fabs~", 5) == 0)) {
+    fprintf(w->out, "%s_wide_%s", w->name, text[0] == 's' ? "sqrt" : "abs");
+    return 5;
+  }
+  return 0;
+}
+
+/* What % and a letter mean in a template, of one body and with lanes; @ is the prefix, $ the type, ' the suffix of
+   numbers. 0: another letter. */
+static int code_lane_text(const code *w, char letter)
+{
+  static const struct {
+    char letter;
+    const char *one, *wide;
+  } texts[] = {{'s', "#", "#"},                   /* type of one body */
+               {'z', "0.0'", "@_wide_all(0.0')"}, /* zero */
+               {'(', "", "@_wide_every("},        /* a condition.. */
+               {')', "", ")"},                    /* ..that holds for every lane */
+               {'T', "known[", "@_wide_where("},  /* 1 where a condition.. */
+               {'t', "]", ", @_wide_all(1.0'))"}, /* ..holds, else 0 */
+               {'K', "  static const # known[2] = {0.0', 1.0'};\n", ""},
+               {'W', "", "@_wide_where("},   /* where a condition.. */
+               {',', " ? ", ", "},           /* ..holds this value.. */
+               {'!', " : 0.0'", ")"},        /* ..else 0 */
+               {'F', "", "@_wide_where(~("}, /* where a condition.. */
+               {':', " ? 0.0' : ", "), "},   /* ..holds 0, else this value.. */
+               {';', "", ")"},               /* ..and its end */
+               {'Z', " = {0.0'}", ""},       /* an array of zeros.. */
+               {'0', "", "  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n"},
+               {'*', "", "*"}, /* what is passed by a pointer with lanes */
+               {'&', "", "&"},
+               {'S', "", "static "}};
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+    if (texts[k].letter == letter) {
+      for (const char *c = w->lanes ? texts[k].wide : texts[k].one; *c; c++) {
+        if (*c == '@' || *c == '#') {
+          fputs(*c == '@' ? w->name : code_scalar(w), w->out);
+        } else if (*c != '\'' || w->single) {
+          fputc(*c == '\'' ? 'f' : *c, w->out);
+        }
+      }
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* Text in which @ is the prefix, $ the type, ~ the suffix of libm's functions, %letter a number of code_place or a text
+   of code_model_text or code_lane_text, and a number between ` is written in the target's precision. */
 static void code_template(const code *w, const char *text)
 {
   char number[40];
   for (const char *c = text; *c; c++) {
-    if (*c == '@') {
-      fputs(w->name, w->out);
+    const int known = code_libm(w, c);
+    if (known > 0) {
+      c += known - 1;
+    } else if (*c == '@') {
+      code_prefix(w, c + 1);
     } else if (*c == '$') {
       fputs(code_real(w), w->out);
     } else if (*c == '~') {
       fputs(w->single ? "f" : "", w->out);
     } else if (*c == '%') {
-      fprintf(w->out, "%d", code_place(w, *++c));
+      c++;
+      if (*c == '%') {
+        fputc('%', w->out);
+      } else if (!code_model_text(w, *c) && !code_lane_text(w, *c)) {
+        fprintf(w->out, "%d", code_place(w, *c));
+      }
     } else if (*c == '`') {
       code_number(number, w, strtod(c + 1, NULL));
       fputs(number, w->out);
@@ -242,11 +377,6 @@ typedef struct code_seen { /* names that are used */
   int n;
   char name[CODE_SEEN][CODE_NAME];
 } code_seen;
-
-static int code_is_letter(char c)
-{
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
 
 /* Where a name stands, or would stand, in the table. */
 static char *code_find(code_seen *seen, const char *name, int length)
@@ -282,19 +412,20 @@ static void code_see(code_seen *seen, const char *line, const char *from)
   }
 }
 
-/* Name that a line defines as the only one; NULL: none. */
-static const char *code_defined(const char *line)
+/* Name that a line defines as the only one, a constant of that type; NULL: none. */
+static const char *code_defined(const char *line, const char *type)
 {
   const char *c = line + strspn(line, " ");
-  if (strncmp(c, "const double ", 13) != 0 && strncmp(c, "const float ", 12) != 0) {
+  const size_t length = strlen(type);
+  if (strncmp(c, "const ", 6) != 0 || strncmp(c + 6, type, length) != 0 || c[6 + length] != ' ') {
     return NULL;
   }
-  c = strchr(c + 6, ' ') + 1;
+  c += 7 + length;
   return code_is_letter(*c) && strchr(c, '=') && !strchr(strchr(c, '=') + 1, '=') ? c : NULL;
 }
 
 /* Copies `in` to `out`, without definitions of what is used nowhere. 0: too long. */
-static int code_prune(FILE *out, FILE *in)
+static int code_prune(FILE *out, FILE *in, const char *type)
 {
   static char line[CODE_LINES][CODE_LINE];
   static char keep[CODE_LINES];
@@ -310,7 +441,7 @@ static int code_prune(FILE *out, FILE *in)
     int length = 0;
     for (first = end; first > 0 && strncmp(line[first], "      ", 6) == 0 && !strchr(line[first - 1], ';'); first--) {
     }
-    name = code_defined(line[first]);
+    name = code_defined(line[first], type);
     while (name && code_is_letter(name[length])) {
       length++;
     }
@@ -337,7 +468,7 @@ static int code_write_pruned(const code *w, void (*write)(const code *, int), in
     return 0;
   }
   write(&draft, k);
-  good = code_prune(w->out, draft.out);
+  good = code_prune(w->out, draft.out, code_real(w));
   errno = good ? errno : EFBIG;
   return fclose(draft.out) == 0 && good;
 }

@@ -412,13 +412,14 @@ static char tree_prefix[16];
 /* The body of a link becomes that of code.h; `of` its names. */
 static code tree_enter(const code *w, int k)
 {
+  static const double no_hub[2 * 21]; /* none that varies */
   code own = *w;
   own.n = tree.link[k].n;
   own.large = 0;
-  code_read(tree.link[k].model);
+  code_read(tree.link[k].model, no_hub);
   code_model.first = 0;
   snprintf(tree_prefix, sizeof tree_prefix, "b%d_", k);
-  code_prefix = tree_prefix;
+  code_of_names = tree_prefix;
   code_now = tree.link[k].rates;
   return own;
 }
@@ -426,7 +427,7 @@ static code tree_enter(const code *w, int k)
 static void tree_leave(int k)
 {
   tree.link[k].rates = code_now;
-  code_prefix = "";
+  code_of_names = "";
 }
 
 /* S and momentum at rest, Lambda M^-1 pi, of the body of a link. */
@@ -2025,7 +2026,7 @@ static void tree_write_rotations(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const char *name, const char *source, int single, unsigned crc)
 {
-  const code w = {out, name, single, 0, 0, 2};
+  const code w = {out, name, single, 0, 0, 2, 0, 0};
   int good = 1;
   tree_read(system, body, names);
   tree_write_head(&w, source, crc);

@@ -24,6 +24,8 @@ static const char help[] =
     "  --code       C of the body's own step of rk4, which needs no library, instead (base free, pinned or "
     "prescribed,\n"
     "               effects up to full, or large)\n"
+    "  --lanes      with --code: also the step of 1, 2, 4 or 8 bodies at once, by vectors of the compiler\n"
+    "  --vary LIST  with --code: these stay variable, as factors: stiffness,damping,mass,hub_mass,hub_inertia\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
@@ -88,7 +90,8 @@ static void print_coordinate(FILE *out, int coordinate)
 }
 
 typedef struct options {
-  const char *out, *name;
+  const char *out;
+  code_choice choice;
 } options;
 
 static int read_option(void *to, const char *name, const char *text)
@@ -97,19 +100,38 @@ static int read_option(void *to, const char *name, const char *text)
   if (strcmp(name, "--out") == 0) {
     return read_out(&o->out, text);
   }
+  if (strcmp(name, "--vary") == 0) {
+    o->choice.vary = code_vary_read(text);
+    return o->choice.vary ? 0 : fail("--vary wants names out of stiffness,damping,mass,hub_mass,hub_inertia", text);
+  }
   if (strcmp(name, "--name") == 0) {
-    o->name = text;
+    o->choice.name = text;
     return model_is_name(text) ? 0 : fail("not a C identifier", text);
   }
   return NO_SUCH_OPTION;
 }
 
+/* What of the parameters cannot vary, with what would be right; NULL: nothing. */
+static const char *vary_refusal(const code_choice *choice)
+{
+  for (int k = 0; k < model.n_part && choice->vary & (CODE_STIFFNESS | CODE_MASS); k++) {
+    const fb_modes_desc *const modes = &model.part[k].modes;
+    if (model.part[k].kind == MODEL_BEAM &&
+        (fabs((double)modes->spin) > 0 || fabs((double)modes->preload.force) > 0 ||
+         fabs((double)modes->preload.acceleration) > 0 || fabs((double)modes->preload.spin) > 0)) {
+      return "the shapes of modes under spin or preload depend on stiffness and mass: choose modes at rest";
+    }
+  }
+  return code_vary_refusal(choice, &model_body, model.hub ? model.hub_mass : 0.0);
+}
+
 int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
+  const int lanes = take_flag(&argc, argv, "--lanes");
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, NULL};
+  options o = {NULL, {NULL, 0, 0, 0, {{0}}}};
   FILE *out = stdout;
   fb_status status;
   output_begin(PROGRAM);
@@ -119,12 +141,18 @@ int reduce_main(int argc, char **argv)
   if (!named) {
     return fail("a description is missing", "");
   }
+  if ((o.choice.vary || lanes) && !steps) {
+    return fail(lanes ? "--lanes is an option of --code" : "--vary is an option of --code", "");
+  }
   if (!model_read(PROGRAM, file)) {
     return 2;
   }
-  if (o.name) {
-    strcpy(model.name, o.name);
+  if (o.choice.name) {
+    strcpy(model.name, o.choice.name);
   }
+  o.choice.name = model.name;
+  o.choice.single = single;
+  o.choice.lanes = lanes;
   if (strncmp(model.name, "fb_", 3) == 0 || strncmp(model.name, "fbi_", 4) == 0 || strncmp(model.name, "FB_", 3) == 0) {
     return fail("names that begin with fb_, fbi_ or FB_ are those of the library: choose another by --name",
                 model.name);
@@ -139,13 +167,22 @@ int reduce_main(int argc, char **argv)
     fprintf(stderr, "reduce: %s: --code: %s\n", file, code_refusal(&model_body));
     return 1;
   }
+  if (lanes && model_body.effects & FB_EFFECT_LARGE_DEFLECTION) {
+    fprintf(stderr, "reduce: %s: --lanes: effects large has none: choose effects up to full\n", file);
+    return 1;
+  }
+  if (vary_refusal(&o.choice)) {
+    fprintf(stderr, "reduce: %s: --vary: %s\n", file, vary_refusal(&o.choice));
+    return 1;
+  }
+  code_vary_hub(&o.choice, model.hub_mass, model.hub_center, model.hub_inertia);
   if (o.out && !(out = fopen(o.out, "w"))) {
     fprintf(stderr, "reduce: %s: %s\n", o.out, strerror(errno));
     return 2;
   }
   if (!steps) {
     rom_write(out, &model_body, model.name, file, single);
-  } else if (!code_write(out, &model_body, model.name, file, single, print_coordinate)) {
+  } else if (!code_write(out, &model_body, &o.choice, file, print_coordinate)) {
     fprintf(stderr, "reduce: a temporary file: %s\n", strerror(errno));
     return 2;
   }

@@ -1,6 +1,7 @@
 # A random hub with one to three booms at random places and attitudes, together 1 to 12 modes: -v seed, -v effects, -v base.
 # With effects large they are geometrically exact: curved, twisted, tapered, with offset masses, shear centers, lumped bodies, by
-# seed, and there may be a component beside them.
+# seed, and there may be a component beside them. Factors, without which 1: -v stiffness, damping, mass (of all but the hub),
+# hub_mass, hub_inertia.
 function uniform(low, high) {
   state = (16807 * state) % 2147483647
   return low + (high - low) * state / 2147483647
@@ -8,17 +9,22 @@ function uniform(low, high) {
 function whole(low, high) {
   return low + int(uniform(0, 1) * (high - low + 1))
 }
+function factor(x) {
+  return x == "" ? 1 : x
+}
 BEGIN {
+  CONVFMT = OFMT = "%.17g"
+  K = factor(stiffness); m = factor(mass); J = factor(hub_inertia)
   state = 1000 + 7919 * seed
   for (i = 0; i < 10; i++) uniform(0, 1)
   n = whole(1, 3)
   modes = 1 + (seed * 5) % 12
   if (n > modes) n = modes
   print "parts\nname generated\nbase " base "\neffects " effects
-  if (effects ~ /damping/) print "damping " uniform(0.001, 0.05)
+  if (effects ~ /damping/) print "damping " factor(damping) * uniform(0.001, 0.05)
   if (effects ~ /gravity/) print "gravity " uniform(-0.5, 0.5) " " uniform(-0.5, 0.5) " " uniform(-0.5, 0.5)
   a = uniform(50, 200); b = uniform(50, 200)
-  print "hub " uniform(50, 500) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " a " " b " " 0.9 * (a + b) " " uniform(-9, 9) " " uniform(-9, 9) " " uniform(-9, 9)
+  print "hub " factor(hub_mass) * uniform(50, 500) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " J * a " " J * b " " J * 0.9 * (a + b) " " J * uniform(-9, 9) " " J * uniform(-9, 9) " " J * uniform(-9, 9)
   print "node 0.1 0 0.2"
   for (k = 1; k <= n; k++) {
     own = k == n ? modes : 1 + int((modes - (n - k) - 1) * uniform(0, 1))
@@ -46,17 +52,17 @@ BEGIN {
       solid = (seed + k) % 3 == 1 || t ? uniform(0.01, 0.02) : 0
       aside = (seed + k) % 5 == 1 && solid ? uniform(0.01, 0.03) : 0
       print "stations fraction mass EA GJ EI_y EI_z GA_y GA_z i_y i_z twist_deg mass_y shear_z"
-      print "0 2 1e6 2000 " uniform(2000, 9000) " " uniform(2000, 9000) " 1e6 1e6 " solid " " solid " 0 " aside " " aside
-      print "1 " uniform(1, 2) " 1e6 2000 " uniform(1000, 2000) " " uniform(1000, 2000) " 1e6 1e6 " solid " " solid " " turn " " aside " " aside
+      print "0 2 " K * 1e6 " " K * 2000 " " K * uniform(2000, 9000) " " K * uniform(2000, 9000) " " K * 1e6 " " K * 1e6 " " solid " " solid " 0 " aside " " aside
+      print "1 " uniform(1, 2) " " K * 1e6 " " K * 2000 " " K * uniform(1000, 2000) " " K * uniform(1000, 2000) " " K * 1e6 " " K * 1e6 " " solid " " solid " " turn " " aside " " aside
       print "end\nnode tip\n" (n < 3 ? "node " L / 3 "\n" : "") "end"
       continue
     }
     print "stations x mass EA GJ EI_y EI_z i_y i_z"
-    print "0 " uniform(0.5, 2) " 1e6 2000 " uniform(1000, 9000) " " uniform(1000, 9000) " 0.01 0.02"
+    print "0 " m * uniform(0.5, 2) " " K * 1e6 " " K * 2000 " " K * uniform(1000, 9000) " " K * uniform(1000, 9000) " " m * 0.01 " " m * 0.02
     print "end\nnode tip\nend"
   }
   if (large && seed % 4 == 3 && (seed * 5) % 12 < 10) {
-    print "component panel\nmodes 2\nfrequency_hz 0.3 0.5\nposition 0 -0.5 0"
+    print "component panel\nmodes 2\nfrequency_hz " 0.3 * sqrt(K) " " 0.5 * sqrt(K) "\nposition 0 -0.5 0"
     for (j = 1; j <= 4; j++) print "node " j " 0 " (-j) " 0 2 0.1 0.1 0.1"
     for (j = 1; j <= 4; j++) print "shape 1 " j " 0 0 " j * j / 16 " " (-j / 8) " 0 0\nshape 2 " j " " j * j / 16 " 0 0 0 0 " j / 8
     print "line frame 0 0 0 1 2 3 4\nmark 4 edge\nend"

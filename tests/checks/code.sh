@@ -1,7 +1,8 @@
 #!/bin/sh
 # The generated step (reduce --code): twenty random models, every set of effects and geometrically exact lines agree with fb_rk4_step
 # after 1,000 steps, on each base, with loads and without, and refuse what it refuses; the text compiles without warnings as C99 and C++ and is the same each time; its
-# instructions keep their bounds and do not vary; what cannot be written is refused by name.
+# instructions keep their bounds and do not vary; the step with variable parameters agrees with the library and descriptions that have them;
+# lanes have the bits of single steps; what cannot be written is refused by name.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
@@ -19,6 +20,7 @@ try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
 base_is=free
+given= # further options of the compiler
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -f tests/checks/code.awk > "$out/random.txt"
@@ -29,7 +31,7 @@ generate() {
 # agree OPTIMIZATION [--single]: what was generated with the library; sets worst
 agree() {
   precision=${2:+single}
-  try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 -DBASE="$(echo $base_is | tr a-z A-Z)" -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
+  try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 $given -DBASE="$(echo $base_is | tr a-z A-Z)" -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
   "$out/run" > "$out/log" || {
     cat "$out/log" "$out/random.txt"
     fail "the step above"
@@ -121,6 +123,124 @@ cmp -s "$out/first.h" "$out/code.h" || fail "the text of lines differs from one 
 exact=$largest
 largest=$polynomial
 
+# vary SEED EFFECTS LIST FACTORS [--single]: the step with these parameters variable (in the order of the help) against the library and a
+# description that has them
+vary() {
+  options=$(echo "$3 $4" | awk '{ n = split($1, name, ","); split($2, x, ","); for (k = 1; k <= n; k++) printf "-v %s=%s ", name[k], x[k] }')
+  mass=$(echo "$options" | sed -n 's/.*-v mass=\([^ ]*\).*/\1/p')
+  number=$(echo "$3" | tr ',' '\n' | grep -n '^damping$' | cut -d : -f 1)
+  awk -v seed="$1" -v effects="$2" -v base="$base_is" -f tests/checks/code.awk > "$out/random.txt"
+  awk -v seed="$1" -v effects="$2" -v base="$base_is" $options -f tests/checks/code.awk > "$out/changed.txt"
+  try "$out/reduce" "$out/random.txt" --name generated --code --vary "$3" ${5:-} --out "$out/code.h"
+  try "$out/reduce" "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
+  given="${tolerance:+-DTOLERANCE=$tolerance} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"
+  agree -O0 ${5:-}
+  varied=$((varied + 1))
+}
+varied=0
+tolerance=
+all=stiffness,damping,mass,hub_mass,hub_inertia
+undamped=stiffness,mass,hub_mass,hub_inertia
+largest=0
+for seed in 3 12 17; do # powers of 4: modes are the same to the last bit
+  vary $seed "full damping" $all 4.0,0.6,0.25,0.8,1.2
+  note
+done
+for effects in rigid linear spin "spin acceleration_stiffening" "full gravity"; do
+  list=$([ "$effects" = rigid ] && echo mass,hub_mass,hub_inertia || echo $undamped)
+  vary 8 "$effects" $list $([ "$effects" = rigid ] && echo 0.25,0.8,1.2 || echo 0.25,4.0,0.8,1.2)
+  note
+done
+for base_is in pinned prescribed; do
+  vary 10 "full damping gravity" $all 4.0,0.6,0.25,0.8,1.2
+  note
+done
+base_is=free
+vary 14 "large damping" stiffness,damping 4.0,0.6
+note
+vary 7 "full damping" hub_mass 1.3
+note
+exactly=$largest
+largest=0
+# other factors: modes of the two descriptions are solved separately, lowest frequencies to about 1e-11
+tolerance=1e-10
+vary 5 "full damping gravity" $all 1.3,0.6,1.7,0.8,1.2
+note
+vary 7 "full damping" stiffness,damping 0.7,1.5
+note
+apart=$largest
+tolerance=
+vary 12 "full damping" $all 1.3,0.6,1.7,0.8,1.2 --single
+given=
+largest=$polynomial
+
+# refuse_vary WHY LIST [DESCRIPTION]: names that are none, or that the body has not
+refuse_vary() {
+  ! "$out/reduce" "${3:-$out/random.txt}" --code --vary "$2" --out "$out/none.h" 2> "$out/log" || fail "--vary $2 is taken"
+  grep -q -- "$1" "$out/log" || fail "--vary $2: $(tail -n 1 "$out/log")"
+  [ ! -e "$out/none.h" ] || fail "--vary $2: a file is written"
+}
+refuse_vary "wants names" stiffness,weight
+refuse_vary "wants names" mass,mass
+refuse_vary "wants names" ""
+! "$out/reduce" "$out/random.txt" --vary mass > "$out/log" 2>&1 || fail "--vary without --code is taken"
+grep -q -- "an option of --code" "$out/log" || fail "--vary without --code: $(tail -n 1 "$out/log")"
+sed 's/^effects.*/effects large damping/' "$out/random.txt" > "$out/other.txt"
+refuse_vary "stiffness and damping only" stiffness,mass "$out/other.txt"
+sed 's/^hub.*//' "$out/random.txt" > "$out/other.txt"
+refuse_vary "which the description has not" hub_mass "$out/other.txt"
+sed 's/^effects.*/effects full/; s/^damping.*//' "$out/random.txt" > "$out/other.txt"
+refuse_vary "the body has none" damping "$out/other.txt"
+sed 's/^modes/spin 1 0\nmodes/' "$out/random.txt" > "$out/other.txt"
+refuse_vary "modes at rest" stiffness "$out/other.txt"
+printf 'rigid\nhub 5 0 0 0 1 1 1\nbase free\n' > "$out/other.txt"
+refuse_vary "choose hub_mass" mass "$out/other.txt"
+refuse_vary "has no modes" stiffness "$out/other.txt"
+
+# lanes OPTION...: those of what was generated, bit for bit; on a machine without these vectors they are compiled alone
+lanes() {
+  try gcc $c99 -O1 $given -DPRESCRIBED=$([ $base_is = prescribed ] && echo 1 || echo 0) "$@" -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+  case " $* " in
+  *avx512f*) grep -q avx512f /proc/cpuinfo || return 0 ;;
+  *avx2*) grep -q avx2 /proc/cpuinfo || return 0 ;;
+  esac
+  try "$out/run"
+}
+given=-DNUMBER=double
+awk -v seed=3 -v effects="full damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
+try "$out/reduce" "$out/random.txt" --name generated --code --lanes --out "$out/code.h"
+lanes -mavx2
+given="-DNUMBER=double -DVARY"
+try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
+for width in 1 2 4 8; do
+  lanes -Dgenerated_LANES=$width
+done
+lanes -mavx2 -Dgenerated_LANES=4
+lanes -mavx512f -Dgenerated_LANES=8
+try g++ -x c++ -std=c++11 $base -O1 $given -DPRESCRIBED=0 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+try "$out/run"
+try clang $c99 -O1 -mavx2 $given -DPRESCRIBED=0 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+! grep -q avx2 /proc/cpuinfo || try "$out/run"
+if command -v arm-none-eabi-gcc > /dev/null; then
+  try arm-none-eabi-gcc $c99 -O1 -mcpu=cortex-a9 -mfpu=neon -mfloat-abi=hard $given -DPRESCRIBED=0 -I"$out" -c -o "$out/neon.o" tests/checks/code_lanes.c
+fi
+for base_is in pinned prescribed; do
+  awk -v seed=5 -v effects="full damping gravity" -v base=$base_is -f tests/checks/code.awk > "$out/random.txt"
+  try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
+  lanes -Dgenerated_LANES=4
+done
+base_is=free
+given="-DNUMBER=float -DVARY"
+sed -i 's/^base.*/base free/' "$out/random.txt"
+try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
+lanes -Dgenerated_LANES=4
+given=
+! "$out/reduce" "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
+grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
+sed 's/^effects.*/effects large damping gravity/' "$out/random.txt" > "$out/other.txt"
+! "$out/reduce" "$out/other.txt" --code --lanes > "$out/log" 2>&1 || fail "lanes of lines are taken"
+grep -q -- "choose effects up to full" "$out/log" || fail "lanes of lines: $(tail -n 1 "$out/log")"
+
 # on_board: instructions of a step of what was generated, in single precision; sets count
 precision single
 configuration="-I$out -O2"
@@ -150,11 +270,12 @@ END
   [ "$(echo "$count" | wc -l)" = 1 ] || fail "steps on the board differ in their number of instructions: $count"
 }
 
-# boom MODES [EFFECTS POINTS]: of each plane; sets count
+# boom MODES [EFFECTS POINTS]: of each plane, with parameters where `list` has some; sets count
+list=
 boom() {
   printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects %s\nlength 10\nelements 12\nmodes bend_y %s bend_z %s%s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' "${2:-full}" $1 $1 "${3:+ points $3}" > "$out/boom.txt"
-  try "$out/reduce" "$out/boom.txt" --name generated --code --out "$out/code.h"
-  sed 's/return generated_step.*/s.L[2] = s.L[0] = 30; s.q[0] = 0.05; for (int k = 0; k < 50; k++) { if (generated_step(\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/' \
+  try "$out/reduce" "$out/boom.txt" --name generated --code ${list:+--vary "$list"} --out "$out/code.h"
+  sed 's/return generated_step.*/s.L[2] = s.L[0] = 30; s.q[0] = 0.05; for (int k = 0; k < 50; k++) { if (generated_step(\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/'"${list:+;s/generated_step(/&\\&m, /; s/generated_state s;/& generated_model m; generated_model_init(\\&m, 0);/}" \
     "$out/main.c" > "$out/count.c"
   (ulimit -t 5 && try gcc $c99 -O2 -I"$out" -o "$out/count" "$out/count.c" -lm) || fail "$1 + $1 modes: more than 5 s to compile"
   rm -f "$out"/cg*
@@ -173,6 +294,11 @@ on_board
 board_6=$count
 count=$count_6
 [ "$count" -le $bound_6 ] || fail "6 modes: $count instructions, more than $bound_6"
+list=$undamped
+boom 3
+count_varied=$count
+list=
+[ $((10 * count_varied)) -le $((11 * count_6)) ] || fail "6 modes with parameters: $count_varied instructions, more than 1.1 times $count_6"
 boom 6
 count_12=$count
 try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
@@ -196,4 +322,4 @@ refuse "base hinged" "base hinged"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
 grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
-ok "43 models agree with the library to $largest (single $single); a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"
+ok "43 models agree with the library to $largest (single $single); a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

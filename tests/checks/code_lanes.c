@@ -1,0 +1,127 @@
+/* The lanes of a generated step against its single steps, bit for bit: each lane its own state, loads and parameters (code.sh,
+   which generates code.h with --lanes, and with --vary where VARY is defined). A lane that is refused tells the status of the
+   single step and stays as it was, the others go on. Also C++11. */
+#define generated_IMPLEMENTATION
+#include "code.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { STEPS = 300 };
+
+static generated_state single[generated_LANES];
+static generated_lanes_state lanes;
+#ifdef VARY
+static generated_model model[generated_LANES];
+static generated_lanes_model lanes_model;
+#define GIVEN(k) &model[k],
+#define LANES &lanes_model,
+#else
+#define GIVEN(k)
+#define LANES
+#endif
+typedef generated_status status;
+
+/* A number from 0 to 1 by lane, step and place. */
+static double number(int a, int b, int c)
+{
+  const double x = 0.37 * a + 0.71 * b + 0.13 * c;
+  return x - floor(x);
+}
+
+static void begin(void)
+{
+  for (int k = 0; k < generated_LANES; k++) {
+#ifdef VARY
+    generated_parameters own;
+    for (int i = 0; i < (int)(sizeof own / sizeof(NUMBER)); i++) {
+      const NUMBER x = (NUMBER)(0.9 + 0.2 * number(k, i, 1));
+      memcpy((char *)&own + (size_t)i * sizeof x, &x, sizeof x);
+    }
+    if (generated_model_init(&model[k], &own) != generated_ok) {
+      printf("parameters\n");
+    }
+    generated_lanes_put_model(&lanes_model, k, &model[k]);
+#endif
+    generated_start(&single[k]);
+    for (int i = 0; i < 3; i++) {
+      single[k].L[i] = (NUMBER)((PRESCRIBED ? 0 : 9) * number(k, i, 0));
+    }
+    single[k].q[0] = (NUMBER)(1e-3 * number(k, 0, 0));
+    generated_lanes_put(&lanes, k, &single[k]);
+  }
+}
+
+/* What acts on lane k at step i. */
+static void load(generated_input *own, generated_lanes_input *all, int k, int i)
+{
+  memset(own, 0, sizeof *own);
+  for (int a = 0; a < 3; a++) {
+    const NUMBER x = (NUMBER)(0.1 * number(k, i, a) - 0.05);
+    own->gravity[a] = all->gravity[a].lane[k] = x;
+#if PRESCRIBED
+    own->w[a] = all->w[a].lane[k] = x;
+#else
+    own->torque[a] = all->torque[a].lane[k] = x;
+#endif
+  }
+}
+
+static int same(int k)
+{
+  generated_state own;
+  generated_lanes_take(&own, &lanes, k);
+  return memcmp(&own, &single[k], sizeof own) == 0;
+}
+
+/* A step of lanes and of single ones. */
+static int step(int i, NUMBER dt, int refused)
+{
+  generated_lanes_input all;
+  status found[generated_LANES], worst;
+  int good = 1;
+  memset(&all, 0, sizeof all);
+  for (int k = 0; k < generated_LANES; k++) {
+    generated_input own;
+    load(&own, &all, k, i);
+  }
+  worst = generated_lanes_step(LANES & lanes, i % 2 ? &all : NULL, i % 2 ? &all : NULL, &all, dt, found);
+  good &= (worst == generated_ok) == (refused < 0);
+  for (int k = 0; k < generated_LANES; k++) {
+    generated_input own;
+    status one;
+    load(&own, &all, k, i);
+    one = generated_step(GIVEN(k) & single[k], i % 2 ? &own : NULL, i % 2 ? &own : NULL, &own, dt);
+    good &= found[k] == one && (one == generated_ok) == (k != refused) && same(k);
+  }
+  if (!good) {
+    printf("step %d, lane refused %d: status %d or bits\n", i, refused, (int)worst);
+  }
+  return good;
+}
+
+int main(void)
+{
+  const NUMBER dt = (NUMBER)2e-4;
+  int good = 1;
+  begin();
+  for (int i = 0; i < STEPS && good; i++) {
+    good = step(i, dt, -1);
+  }
+  for (int k = 0; k < generated_LANES && good; k++) { /* too far, and not finite */
+    const generated_state before = single[k];
+    single[k].q[0] = k % 2 ? (NUMBER)1e6 : (NUMBER)NAN;
+    generated_lanes_put(&lanes, k, &single[k]);
+    good = step(k, dt, k);
+    single[k] = before;
+    generated_lanes_put(&lanes, k, &single[k]);
+    good = good && step(k, dt, -1);
+  }
+  good = good && generated_lanes_step(LANES NULL, NULL, NULL, NULL, dt, NULL) == generated_null;
+  good = good && generated_lanes_step(LANES & lanes, NULL, NULL, NULL, 0, NULL) == generated_value;
+  good = good && generated_lanes_step(LANES & lanes, NULL, NULL, NULL, 10, NULL) == generated_step_length;
+  for (int k = 0; k < generated_LANES; k++) {
+    good = good && same(k);
+  }
+  return good ? 0 : 1;
+}
