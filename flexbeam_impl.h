@@ -1406,7 +1406,7 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 
 #if FB_WITH_LARGE_DEFLECTION
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient (uses config, status, vec3) */
+   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient (uses config, status, vec3, solve) */
 
 /* Largest squared rotation of an interval [rad^2], and the terms of the series that are then exact to rounding. */
 #define FBI_LINE_TURN FB_R(1.5)

@@ -448,11 +448,9 @@ static void code_write_names(const code *w)
   code_sum s;
   for (int i = 0; i < 6; i++) {
     if (strcmp(code_now.V[i].name, code_rows[i]) != 0) {
-      char target[32];
       code_begin(&s);
       code_add_one(&s, 1.0, code_now.V[i]);
-      snprintf(target, sizeof target, "const %s %s", code_real(w), code_rows[i]);
-      code_assign(w, &s, target);
+      code_declare(w, &s, code_rows[i]);
     }
   }
 }
@@ -735,8 +733,8 @@ static void code_write_pull(const code *w)
     code_add(&s, 1.0, code_variable("act->torque[%d]", i), code_factor_of(w, CODE_MASS, "share"));
     code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
     code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
-    snprintf(target, sizeof target, "const %s t%c", code_real(w), 'x' + i);
-    code_assign(w, &s, target);
+    snprintf(target, sizeof target, "t%c", 'x' + i);
+    code_declare(w, &s, target);
   }
   for (int a = 0; a < w->n; a++) {
     snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
@@ -784,8 +782,8 @@ static void code_write_torque(const code *w, int i)
   code_add_one(&s, 1.0, code_variable("T[%d]", i));
   code_add(&s, -1.0, code_now.value[y], code_variable("a%c", 'x' + z));
   code_add(&s, 1.0, code_now.value[z], code_variable("a%c", 'x' + y));
-  snprintf(target, sizeof target, "const %s g%c", code_real(w), 'x' + i);
-  code_assign(w, &s, target);
+  snprintf(target, sizeof target, "g%c", 'x' + i);
+  code_declare(w, &s, target);
 }
 
 static void code_write_loads(const code *w)

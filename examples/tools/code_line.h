@@ -1232,8 +1232,8 @@ static code_vec code_line_root(const code *w, const char *name, const char *by)
     code_settle(&s);
     if (code_line.line->moves) {
       char target[48];
-      snprintf(target, sizeof target, "const %s %s_%c", code_real(w), name, code_axis[i]);
-      code_assign(w, &s, target);
+      snprintf(target, sizeof target, "%s_%c", name, code_axis[i]);
+      code_declare(w, &s, target);
     }
     root.x[i] = code_line.line->moves ? code_variable("%s_%c", name, code_axis[i]) : code_constant(0.0);
   }
@@ -1653,8 +1653,8 @@ static void code_line_gradient(const code *w, int unused)
     code_add_one(&s, 1.0, code_variable("u[%d]", i));
     code_add_one(&s, 1.0, move.x[i]);
     code_add_one(&s, 1.0, cross.x[i]);
-    snprintf(target, sizeof target, "const %s U_%c", code_real(w), code_axis[i]);
-    code_assign(w, &s, target);
+    snprintf(target, sizeof target, "U_%c", code_axis[i]);
+    code_declare(w, &s, target);
   }
   code_line_outboard_forces(w, &o);
   for (int t = 0; t < CODE_TABLES; t++) {

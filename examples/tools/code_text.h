@@ -224,7 +224,7 @@ static void code_assign(const code *w, code_sum *s, const char *target)
 /* const name = the sum */
 static void code_declare(const code *w, code_sum *s, const char *name)
 {
-  char target[CODE_PREFIX + 64];
+  char target[CODE_PREFIX + 96];
   snprintf(target, sizeof target, "const %s %s", code_real(w), name);
   code_assign(w, s, target);
 }

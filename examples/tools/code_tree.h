@@ -1255,8 +1255,8 @@ static void tree_write_limit(const code *w)
     fprintf(w->out, "    fastest = fastest > spin_%d ? fastest : spin_%d;\n", k, k);
     if (s.n > 0) {
       char target[48];
-      snprintf(target, sizeof target, "const %s stiff_%d", code_real(w), k);
-      code_assign(&inner, &s, target);
+      snprintf(target, sizeof target, "stiff_%d", k);
+      code_declare(&inner, &s, target);
       fprintf(w->out, "    stiffening = stiffening > stiff_%d ? stiffening : stiff_%d;\n", k, k);
     }
   }
@@ -1821,8 +1821,8 @@ static void tree_write_range(const code *w)
       code_add_one(&s, (double)L->model->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", L->q + a));
     }
     if (L->n > 0) {
-      snprintf(target, sizeof target, "const %s bent_%d", code_real(w), k);
-      code_assign(w, &s, target);
+      snprintf(target, sizeof target, "bent_%d", k);
+      code_declare(w, &s, target);
       code_number(number, w, (double)L->model->deflection_limit);
       code_template(w, "  status = status == @_ok && !(");
       fprintf(w->out, "bent_%d <= %s", k, number);

@@ -9,7 +9,7 @@ need gcc gcc
 need g++ g++
 need clang clang
 count=0
-programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c)
+programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e bench/lanes.c)
 inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c"
 try gcc -std=c99 -I. -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"

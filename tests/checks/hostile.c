@@ -93,8 +93,8 @@ static int spoil_words(const function *f, int where)
 {
   const argument *a = &f->argument[where];
   const int next = f->has_status == SLOW ? SLOW_STEP : 1;
-  const size_t n_poison = (size_t)((N_POISON - 1) / next + 1),
-               share = n_poison * a->size / sizeof(fb_real) / MOST_CALLS + 1;
+  const size_t n_poison = f->has_status == SLOW ? (N_POISON - 1) / SLOW_STEP + 1 : N_POISON;
+  const size_t share = n_poison * a->size / sizeof(fb_real) / MOST_CALLS + 1;
   const size_t every = share < n_poison ? share : n_poison;
   int calls = 0;
   for (int k = 0; k < N_POISON; k += next) {

@@ -42,7 +42,7 @@ for single in 0 1; do
 done
 gcc -std=c99 -I. -O0 -c -o "$out/full.o" "$out/impl.c"
 gcc -std=c99 -I. -O0 $all -c -o "$out/none.o" "$out/impl.c"
-for function in fbi_S_gradient fbi_gravity_add fbi_central_add fbi_damping_fill fbi_strain_sub fbi_lines_pose fbi_large_gradient fbi_line_add fbi_rotors_turn fbi_rotor_fill; do
+for function in fbi_S_gradient fbi_gravity_add fbi_central_add fbi_damping_fill fbi_strain_sub fbi_lines_pose fbi_large_gradient fbi_line_add fbi_rotor_sub fbi_rotor_fill; do
   nm "$out/full.o" | grep -q " $function\$" || fail "no function $function: this list is out of date"
   nm "$out/none.o" | grep -q " $function\$" && fail "$function is still there with all effects removed"
 done
