@@ -37,9 +37,9 @@ static struct tree {
   int n, size, root;  /* links; numbers in the vector; the free link, -1: none */
   int always;         /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;   /* where the work of the motors is, number of axes */
-  int stands, pulled; /* its frame stands still (no residual inertia); gravity acts */
+  int stands, pulled; /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;          /* the attitude of the root is needed */
-  double mass;
+  double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
 } tree;
 
@@ -146,6 +146,15 @@ static int tree_has_gravity(const fb_body *body)
 #endif
 }
 
+/* Does link k hang on the free root? */
+static int tree_flies(int k)
+{
+  while (tree.link[k].parent >= 0) {
+    k = tree.link[k].parent;
+  }
+  return k == tree.root;
+}
+
 /* Places of all links in the vector, and what the whole is. */
 static void tree_read(const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -175,8 +184,9 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.size = L->pi + L->n;
     tree.n_axis += L->axes;
     tree.mass += (double)L->model->mass;
+    tree.flying += tree_flies(k) ? (double)L->model->mass : 0.0;
     tree.pulled |= tree_has_gravity(L->model);
-    tree.stands |= L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
+    tree.stands |= tree_flies(k) && L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
     tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
   }
   tree.has_R = (tree.has_R || tree.pulled) && tree.root >= 0;
@@ -215,7 +225,7 @@ static const char *tree_body_refusal(const fb_body *body)
   if (body->effects & FB_EFFECT_NONLINEAR_STRAIN) {
     return "effects strain: choose effects up to full";
   }
-  return body->base == FB_BASE_HINGED ? NULL : one; /* the base of a body in a tree has no influence */
+  return one;
 }
 
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
@@ -1470,11 +1480,7 @@ static void tree_write_drift(const code *w, int unused)
   }
   for (int k = 0; k < tree.n; k++) {
     code_value v[3];
-    int from = k;
-    while (tree.link[from].parent >= 0) {
-      from = tree.link[from].parent;
-    }
-    if (from == tree.root) {
+    if (tree_flies(k)) {
       tree_write_view(w, v, change, "v", k, 1);
       tree_write_drift_of(w, k, v, b[k]);
     } else {
@@ -1698,7 +1704,7 @@ static const char tree_free_state[] =
 
 static const char tree_declarations[] =
     "} @_input;\n\n"
-    "/* At zero coordinates, at rest. */\n"
+    "/* At zero coordinates, at rest: not where the scene starts. */\n"
     "void @_start(@_state *state);\n"
     "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
     "stays as\n"
@@ -1836,7 +1842,7 @@ static void tree_write_reframe(const code *w)
 {
   char root[16], number[40];
   snprintf(root, sizeof root, "body_%d", tree.root);
-  code_number(number, w, 1.0 / tree.mass);
+  code_number(number, w, 1.0 / tree.flying);
   code_template(w, "\n  /* E9.21, E9.23: the frame follows the mass center; momenta relative to it */\n"
                    "  for (int i = 0; i < 3 && pushed; i++) {\n");
   if (tree.stands) {
@@ -1880,7 +1886,7 @@ static void tree_write_flight(const code *w)
     fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += ", tree.root);
     code_template(w, "d[@_PLACE + i];\n  }\n");
   } else {
-    code_number(number, w, 1.0 / tree.mass);
+    code_number(number, w, 1.0 / tree.flying);
     code_template(w, "  @_turn(old, x, before);\n  @_turn(own, d, after);\n");
     fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * ", tree.root, number);
     code_template(w, "(old[i] - own[i] + d[@_PLACE + i]);\n  }\n");
@@ -1915,7 +1921,7 @@ static void tree_write_end(const code *w)
   code_template(w, balls ? "  $ norm2;\n" : "");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
-    code_number(number, w, 1.0 / tree.mass);
+    code_number(number, w, 1.0 / tree.flying);
     code_template(w, "  @_align(d, x, before, ");
     fprintf(w->out, "%s, pushed);\n", number);
   }

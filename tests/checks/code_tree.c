@@ -83,6 +83,20 @@ static const struct {
       {FB_JOINT_REVOLUTE, 1, RIGID},
       {FB_JOINT_REVOLUTE, 2, BOOM},
       {FB_JOINT_UNIVERSAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_REVOLUTE, -1, RIGID},
+      {FB_JOINT_SPHERICAL, 2, PANEL}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL},
+      {FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_UNIVERSAL, 1, RIGID},
+      {FB_JOINT_PRISMATIC, 0, BOOM}}},
 };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -193,7 +207,7 @@ static void build(int which)
   build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4, which < 2);
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2);
   memset(&desc, 0, sizeof desc);
-  for (int k = 0; k < 5 && (k == 0 || trees[which].link[k].kind != FB_JOINT_FREE); k++) {
+  for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
     desc.model[desc.n_body] = trees[which].link[k].model;
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent;
@@ -319,8 +333,10 @@ static void start(double speed)
     }
   }
   need(fb_system_state_init(&mechanism, model, &state, &work, motion, NULL), "state");
-  for (int i = 0; i < 3 && mechanism.joint[0].kind == FB_JOINT_FREE; i++) {
-    state.link[0].u[i] += (fb_real)(0.1 * (i - 1.5)); /* the whole drifts: as of another observer */
+  for (int k = 0; k < desc.n_body; k++) {
+    for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE; i++) {
+      state.link[k].u[i] += (fb_real)(0.1 * (i - 1.5)); /* the whole drifts: as of another observer */
+    }
   }
   generated_start(&own);
   take_state(0);

@@ -137,4 +137,6 @@ compile
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
 ! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
+! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
+[ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
 ok "$trees trees agree with the library to $largest (single $single); a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes; $refused scenes refused"
