@@ -2045,6 +2045,9 @@ static inline const char *code_refusal(const fb_body *body)
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION && code_line_refusal(&body->lines)) {
     return code_line_refusal(&body->lines);
   }
+  if (body->effects & FB_EFFECT_NONLINEAR_STRAIN) {
+    return "effects strain: choose effects up to full";
+  }
   if (body->effects & FB_EFFECT_ROTORS) {
     return "rotors: choose bodies without them";
   }

@@ -34,11 +34,11 @@ static struct tree {
   const fb_system *system;
   const fb_body *body;
   const char *const *names;
-  int n, size, root;  /* links; numbers in the vector; the free link, -1: none */
-  int always;         /* numbers that change whether or not something pushes: P, L, place, work are behind */
-  int work, n_axis;   /* where the work of the motors is, number of axes */
-  int stands, pulled; /* the frame of the free tree stands still (no residual inertia); gravity acts */
-  int has_R;          /* the attitude of the root is needed */
+  int n, size, root;   /* links; numbers in the vector; the free link, -1: none */
+  int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
+  int work, n_axis;    /* where the work of the motors is, number of axes */
+  int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
+  int has_R;           /* the attitude of the root is needed */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
 } tree;
@@ -221,9 +221,6 @@ static const char *tree_body_refusal(const fb_body *body)
   const char *const one = code_refusal(body);
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
     return "effects large: choose effects up to full";
-  }
-  if (body->effects & FB_EFFECT_NONLINEAR_STRAIN) {
-    return "effects strain: choose effects up to full";
   }
   return one;
 }

@@ -1,6 +1,7 @@
 /* reduce - a beam or a finite-element component from a text file becomes one static const body in a C header, for ROM.
    The desktop does the model building; the target includes the header and steps.
    Exit: 0 well, 1 the model cannot be built, 2 bad options or input. */
+#define _POSIX_C_SOURCE 200809L /* stat */
 #define FB_MAX_MODES 24
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
@@ -15,6 +16,7 @@
 #include "words.h"
 #include "../common/options.h"
 #include "../common/output.h"
+#include "../common/same_file.h"
 
 static const char help[] =
     "reduce - a body in ROM: from a description of beams and components to a C header\n"
@@ -100,6 +102,9 @@ static int read_option(void *to, const char *name, const char *text)
   if (strcmp(name, "--out") == 0) {
     return read_out(&o->out, text);
   }
+  if (strcmp(name, "--vary") == 0 && o->choice.vary) {
+    return fail("--vary takes all names at once, with commas", text);
+  }
   if (strcmp(name, "--vary") == 0) {
     o->choice.vary = code_vary_read(text);
     return o->choice.vary ? 0 : fail("--vary wants names out of stiffness,damping,mass,hub_mass,hub_inertia", text);
@@ -174,6 +179,10 @@ int reduce_main(int argc, char **argv)
   if (vary_refusal(&o.choice)) {
     fprintf(stderr, "reduce: %s: --vary: %s\n", file, vary_refusal(&o.choice));
     return 1;
+  }
+  if (o.out && same_file(file, o.out)) {
+    fprintf(stderr, "reduce: %s: --out: that is the description itself\n", o.out);
+    return 2;
   }
   code_vary_hub(&o.choice, model.hub_mass, model.hub_center, model.hub_inertia);
   if (o.out && !(out = fopen(o.out, "w"))) {

@@ -181,6 +181,8 @@ refuse_vary() {
   [ ! -e "$out/none.h" ] || fail "--vary $2: a file is written"
 }
 refuse_vary "wants names" stiffness,weight
+! "$out/reduce" "$out/random.txt" --code --vary stiffness --vary mass --out "$out/none.h" 2> "$out/log" || fail "--vary is taken twice"
+grep -q "all names at once" "$out/log" || fail "--vary twice: $(tail -n 1 "$out/log")"
 refuse_vary "wants names" mass,mass
 refuse_vary "wants names" ""
 ! "$out/reduce" "$out/random.txt" --vary mass > "$out/log" 2>&1 || fail "--vary without --code is taken"

@@ -103,6 +103,7 @@ static int step(int i, NUMBER dt, int refused)
 int main(void)
 {
   const NUMBER dt = (NUMBER)2e-4;
+  status told[generated_LANES];
   int good = 1;
   begin();
   for (int i = 0; i < STEPS && good; i++) {
@@ -118,6 +119,10 @@ int main(void)
     good = good && step(k, dt, -1);
   }
   good = good && generated_lanes_step(LANES NULL, NULL, NULL, NULL, dt, NULL) == generated_null;
+  good = good && generated_lanes_step(LANES NULL, NULL, NULL, NULL, dt, told) == generated_null;
+  for (int k = 0; k < generated_LANES; k++) {
+    good = good && told[k] == generated_null;
+  }
   good = good && generated_lanes_step(LANES & lanes, NULL, NULL, NULL, 0, NULL) == generated_value;
   good = good && generated_lanes_step(LANES & lanes, NULL, NULL, NULL, 10, NULL) == generated_step_length;
   for (int k = 0; k < generated_LANES; k++) {

@@ -23,6 +23,9 @@ for taken in fb_body fbi_dot FB_OK; do # names of the library
   grep -q "those of the library.*$taken" "$out/log" || fail "--name $taken: $(cat "$out/log")"
   [ ! -e "$out/taken.h" ] || fail "--name $taken: a file is written"
 done
+cp examples/satellite.txt "$out/kept.txt"
+! "$out/reduce" "$out/kept.txt" --out "$out/../rom/kept.txt" 2> "$out/log" || fail "a description is written over"
+grep -q "that is the description itself" "$out/log" && cmp -s examples/satellite.txt "$out/kept.txt" || fail "--out FILE: $(cat "$out/log")"
 for single in 0 1; do
   precision=$([ $single = 1 ] && echo --single || true)
   for model in examples/blade examples/panel examples/satellite examples/two_booms examples/satellite_wheels "$out/large"; do
