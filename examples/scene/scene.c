@@ -273,8 +273,9 @@ int scene_main(int argc, char **argv)
   if (!failed && single && !c.code) {
     return fail("--single belongs to --code", "");
   }
-  if (!failed && c.code && (c.options.csv || c.options.margins || c.options.linear || c.options.picture ||
-                            c.options.animation || c.options.frames)) {
+  if (!failed && c.code &&
+      (c.options.csv || c.options.margins || c.options.linear || c.options.picture || c.options.animation ||
+       c.options.frames)) {
     return fail("--code runs nothing: no other file beside it", "");
   }
   if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code) != 0) {
