@@ -94,7 +94,7 @@ static void icon_write_png(FILE *out, const fmu_export *e)
 {
   enum { ROW = 1 + 2 * ICON, ALL = ROW * ICON };
   static const unsigned char start[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  static const unsigned char zlib[] = {0x78, 0x01, 1, ALL & 255, ALL >> 8, ~ALL & 255, ~ALL >> 8 & 255};
+  static const unsigned char zlib[] = {0x78, 0x01, 1, ALL & 255, ALL >> 8, 255 - (ALL & 255), 255 - (ALL >> 8)};
   static unsigned char data[sizeof zlib + ALL + 4];
   unsigned char head[13] = {0, 0, 0, 0, 0, 0, 0, 0, 8, 4, 0, 0, 0}, *const pixel = data + sizeof zlib;
   unsigned a = 1, b = 0;

@@ -757,13 +757,13 @@ static void tree_order(int *order, int n)
     }
   }
   for (int k = 0; k < n; k++) {
-    int best = -1, least = 0;
+    int best = 0, least = 1 << 30;
     for (int i = 0; i < n; i++) {
       int cost = 100 * varies[i][i];
       for (int j = 0; j < n; j++) {
         cost += full[i][j] && !done[j];
       }
-      if (!done[i] && (best < 0 || cost < least)) {
+      if (!done[i] && cost < least) {
         best = i;
         least = cost;
       }
