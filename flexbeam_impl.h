@@ -15405,7 +15405,6 @@ static void fbi_frame_advance(fb_state *out, const fb_state *state, fb_real s, c
 /* The modes of out = state + s rate. */
 static void fbi_modes_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
 {
-  FBI_UNROLL_2
   for (int a = 0; a < n; a++) {
     out->q[a] = state->q[a] + s * rate->q[a];
     out->pi[a] = state->pi[a] + s * rate->pi[a];

@@ -357,15 +357,15 @@ static void code_write_column(const code *w, code_factor *f, int k)
   }
 }
 
-/* Refusal where a pivot is round-off. */
-static void code_write_pivot_check(const code *w, const code_factor *f)
+/* Begins the refusal where a pivot is `most` epsilons of its element or less; 0: none varies. */
+static int code_write_pivots(const code *w, const code_factor *f, double most)
 {
   int n = 0;
   code_sum s;
   for (int k = 0; k < f->n; k++) {
     if (!code_is_constant(&f->raw[k][k])) {
       char number[40];
-      code_number(number, w, 8.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
+      code_number(number, w, most * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
       fputs(n++ == 0 ? "  if (!(" : " &&\n        ", w->out);
       code_template(w, "%(");
       fprintf(w->out, "%s > %s * ", f->raw[k][k].name, number);
@@ -375,8 +375,14 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
       code_template(w, "%)");
     }
   }
-  if (n > 0) {
-    fputs(")) {\n    return ", w->out);
+  fputs(n > 0 ? ")) {\n    return " : "", w->out);
+  return n > 0;
+}
+
+/* Refusal where a pivot is round-off. */
+static void code_write_pivot_check(const code *w, const code_factor *f)
+{
+  if (code_write_pivots(w, f, 8.0)) {
     if (code_model.first == 6 || w->lanes) {
       code_template(w, "@_range;\n  }\n");
       return;

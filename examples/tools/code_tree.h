@@ -784,20 +784,7 @@ static void tree_order(int *order, int n)
 /* Refusal where a pivot is round-off. */
 static void tree_write_pivot_check(const code *w, const code_factor *f)
 {
-  int n = 0;
-  code_sum s;
-  for (int k = 0; k < f->n; k++) {
-    if (!code_is_constant(&f->raw[k][k])) {
-      char number[40];
-      code_number(number, w, 16.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
-      fprintf(w->out, "%s%s > %s * ", n++ == 0 ? "  if (!(" : " &&\n        ", f->raw[k][k].name, number);
-      code_begin(&s);
-      code_add_one(&s, 1.0, f->S[k][k]);
-      code_expression(w, &s, 60);
-    }
-  }
-  if (n > 0) {
-    fputs(")) {\n    return ", w->out);
+  if (code_write_pivots(w, f, 16.0)) {
     code_template(w, "@_is_finite(x, ");
     fprintf(w->out, "%d) ? ", tree.size);
     code_template(w, "@_range : @_not_finite;\n  }\n");

@@ -342,6 +342,22 @@ static void start(double speed)
   take_state(0);
 }
 
+/* What drives the library becomes what drives the step. */
+static void give(generated_input *mine, const fb_system_input *in)
+{
+#define MEMBER(k, member, kind)
+#define LOAD(k)                                                              \
+  memcpy(mine->body_##k.force, in->load[k].load.force, 3 * sizeof(fb_real)); \
+  memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
+#define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
+#define MODAL(k)
+#include "members.h"
+#undef MEMBER
+#undef LOAD
+#undef MOTOR
+#undef MODAL
+}
+
 static void load(fb_system_input *in, generated_input *mine, double t)
 {
   memset(in, 0, sizeof *in);
@@ -358,17 +374,7 @@ static void load(fb_system_input *in, generated_input *mine, double t)
                                    : FB_R(0.0);
     }
   }
-#define MEMBER(k, member, kind)
-#define LOAD(k)                                                              \
-  memcpy(mine->body_##k.force, in->load[k].load.force, 3 * sizeof(fb_real)); \
-  memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
-#define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
-#define MODAL(k)
-#include "members.h"
-#undef MEMBER
-#undef LOAD
-#undef MOTOR
-#undef MODAL
+  give(mine, in);
 }
 
 static double energy(void)
@@ -468,15 +474,7 @@ static int limits(void)
     for (int i = 0; i < 3; i++) {
       in.load[0].load.torque[i] = (fb_real)(pow(3, power) * 20) / (dt * dt);
     }
-#define MEMBER(k, member, kind)
-#define LOAD(k) memcpy(mine.body_##k.torque, in.load[k].load.torque, 3 * sizeof(fb_real));
-#define MOTOR(k)
-#define MODAL(k)
-#include "members.h"
-#undef MEMBER
-#undef LOAD
-#undef MOTOR
-#undef MODAL
+    give(&mine, &in);
     good &= mechanism.joint[0].n_axis == 0 || alike(&in, &mine, dt, "a torque that turns it too far");
   }
   return good;
@@ -537,15 +535,7 @@ static int refusals(void)
   good &= generated_step(NULL, NULL, NULL, NULL, small) == generated_null;
   load(&in, &mine, 0);
   in.load[0].load.torque[1] = (fb_real)NAN;
-#define MEMBER(k, member, kind)
-#define LOAD(k) memcpy(mine.body_##k.torque, in.load[k].load.torque, 3 * sizeof(fb_real));
-#define MOTOR(k)
-#define MODAL(k)
-#include "members.h"
-#undef MEMBER
-#undef LOAD
-#undef MOTOR
-#undef MODAL
+  give(&mine, &in);
   good &= mechanism.joint[0].n_axis == 0 || refused(&in, &mine, small, FB_OK, "a load that is no number");
   for (int k = 0; k < n_piece; k++) {
     for (int i = 0; i < piece[k].n; i++) {

@@ -359,7 +359,7 @@ def check_rates(version):
             most = max(most, np.max(np.abs(rates(one, ["modes.q"]) - known)) / np.max(np.abs(known)))
         refused(one, "a derivative of an input", lambda: rates(one, ["hub.force"]), "hub.force[1] is no output")
         one.close()
-    want(most < 1e-7, f"FMI {version}: velocities as derivatives are {most:g} off")
+    want(most < 1e-8, f"FMI {version}: velocities as derivatives are {most:g} off")
     return most
 
 
