@@ -48,6 +48,15 @@ static const char code_lanes_vectors[] =
     "  %I all = -1;\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    all &= (*mask)[k];\n  }\n  return all != 0;\n}\n\n";
 
+/* Angles of joints, lane by lane. */
+static const char code_lanes_angles[] =
+    "#define @_wide_cos(x) (*@_wide_cosine((@_wide[1]){x}))\n"
+    "#define @_wide_sin(x) (*@_wide_sine((@_wide[1]){x}))\n\n"
+    "static inline @_wide *@_wide_cosine(@_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = cos~((*x)[k]);\n  }\n  return x;\n}\n\n"
+    "static inline @_wide *@_wide_sine(@_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = sin~((*x)[k]);\n  }\n  return x;\n}\n\n";
+
 static const char code_lanes_copies[] =
     "\n/* Structs of numbers alone: those of one body, and of lanes. */\n"
     "static void @_lanes_copy(void *lanes, const void *one, size_t size, int lane)\n{\n"
@@ -139,6 +148,9 @@ static void code_lanes_template(const code *w, const char *text)
                         : NULL;
       for (size_t k = 0; k < sizeof varied / sizeof *varied; k++) {
         own = varied[k].letter == *c ? (w->vary ? varied[k].text : "") : own;
+      }
+      if (w->vary & CODE_TABLE && (*c == 'B' || *c == 'C')) { /* a table is not copied: it is aligned */
+        own = *c == 'B' ? "(const @_wide_model *)(const void *)model, " : "";
       }
     }
     code_template(w, own ? own : piece);
