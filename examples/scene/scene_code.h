@@ -55,7 +55,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
   static const scene_options nothing;
   const char *names[FB_MAX_BODIES];
   char name[64], text[200];
-  const tree_choice choice = {name, single, lanes, 0, 0};
+  const tree_choice choice = {name, single, lanes, 0};
   FILE *out;
   fb_status status;
   int good;

@@ -30,9 +30,10 @@ static const char code_lanes_declarations[] =
     "@_status @_lanes_step(%L@_lanes_state *state, const @_lanes_input *start, const @_lanes_input *middle,\n"
     "                      const @_lanes_input *end, %s dt, @_status status[@_LANES]);\n";
 
+static const char code_lanes_if[] = "\n#if defined(__GNUC__) && !defined(__cplusplus) && @_LANES > 1\n"
+                                    "#define @_WIDE 1\n";
+
 static const char code_lanes_vectors[] =
-    "\n#if defined(__GNUC__) && !defined(__cplusplus) && @_LANES > 1\n"
-    "#define @_WIDE 1\n"
     "typedef %s @_wide __attribute__((vector_size(@_LANES * sizeof(%s))));\n"
     "typedef %I @_wide_mask __attribute__((vector_size(@_LANES * sizeof(%s))));\n"
     "#define @_wide_all(c) ((@_wide){0} + (c))\n"

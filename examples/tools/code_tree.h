@@ -31,11 +31,12 @@ typedef struct tree_link {
   code_rates rates;
 } tree_link;
 
+enum { TREE_LANES_ALONE = 2 };
+
 typedef struct tree_choice { /* what is to be written */
   const char *name;
-  int single, lanes;
-  int table,
-      noted; /* places of a table in which systems of this form differ, 0: none; noted: numbers are (code_numbers) */
+  int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
+  int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
 } tree_choice;
 
 static struct tree {
@@ -47,6 +48,7 @@ static struct tree {
   int work, n_axis;    /* where the work of the motors is, number of axes */
   int n_given;         /* prescribed axes */
   int places;          /* of a table of numbers */
+  int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
   double mass, flying; /* [kg] of all bodies, of the free tree */
@@ -147,8 +149,11 @@ static void tree_write_view(const code *w, code_value y[3], const code_value x[3
 /* A function of libm and its bracket, of one body or of all lanes. */
 static void tree_call(const code *w, const char *name)
 {
-  fprintf(w->out, w->lanes ? "%s_wide_" : "", w->name);
-  fprintf(w->out, "%s%s(", name, w->single && !w->lanes ? "f" : "");
+  if (w->lanes) {
+    fprintf(w->out, "%s_wide_%s(", w->name, name);
+  } else {
+    fprintf(w->out, "%s%s(", name, w->single ? "f" : "");
+  }
 }
 
 /* ---- what the description is */
@@ -1159,7 +1164,8 @@ static void tree_write_loads(const code *w)
   code_begin(&work);
   for (int k = 0; k < tree.n; k++) {
     for (int i = 0; i < 6; i++) {
-      F[k][i] = code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
+      F[k][i] = tree.quiet ? code_constant(0.0)
+                           : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
   }
   for (int k = tree.n - 1; k >= 0; k--) {
@@ -1190,13 +1196,13 @@ static void tree_write_loads(const code *w)
       code_add_one(&s, 1.0, tau[a]);
       code_assign(&inner, &s, target);
     }
-    for (int a = 0; a < L->n; a++) {
+    for (int a = 0; a < L->n && !tree.quiet; a++) {
       fprintf(w->out, "    rate[%d] += in->body_%d.modal[%d];\n", L->pi + a, k, a);
     }
     if (L->parent >= 0) {
       tree_write_to_parent(&inner, F[L->parent], L, F[k], "l", k);
     } else {
-      for (int i = 0; i < 6 && tree_needs_load(k); i++) {
+      for (int i = 0; i < 6 && tree_needs_load(k) && !tree.quiet; i++) {
         code_begin(&s);
         snprintf(target, sizeof target, "load_%d[%d]", k, i);
         code_add_one(&s, 1.0, code_variable("%s", target));
@@ -1355,9 +1361,8 @@ static void tree_write_limit(const code *w)
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
-  code_template(w, w->lanes ? "    *longest = %W(bound >= `0`) & (bound * @_huge > `2.785`), `2.785` / bound%! +\n"
-                              "               %W(bound >= `0`) & ~(bound * @_huge > `2.785`), %z + @_huge%!;\n"
-                              "  }\n"
+  code_template(w, w->lanes ? "    *longest = %Wbound * @_huge > `2.785`%, `2.785` / bound%! +\n"
+                              "               %Fbound * @_huge > `2.785`%:%Wbound >= `0`%, %z + @_huge%!%;;\n  }\n"
                             : "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `2.785` ? `2.785` / bound : "
                               "@_huge;\n  }\n");
 }
@@ -1685,6 +1690,25 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
   }
 }
 
+enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
+
+static const struct {
+  const char *name, *what;
+} tree_inputs[TREE_INPUTS] = {{"force", "[N] at O, body axes"},
+                              {"torque", "[N m]"},
+                              {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
+                              {"value", "[rad], [m] of its axis, which is prescribed"},
+                              {"rate", "[rad/s], [m/s]"},
+                              {"modal", "generalized forces of the modes"}};
+
+/* How many numbers of that kind act on link k. */
+static int tree_input_size(int k, int m)
+{
+  const tree_link *const L = &tree.link[k];
+  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n};
+  return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
+}
+
 static int tree_has_state(int k)
 {
   return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n > 0;
@@ -1796,6 +1820,7 @@ static const char tree_declarations[] =
 
 static void tree_write_types(const code *w)
 {
+  int n;
   code_template(w, "typedef struct @_state {\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
@@ -1809,22 +1834,24 @@ static void tree_write_types(const code *w)
     }
   }
   code_template(w, tree.work >= 0 ? "  $ motor_work; /* [J] */\n} @_state;\n\n" : "} @_state;\n\n");
+  n = 0;
   code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    fprintf(w->out, "  struct {\n    %s force[3], torque[3]; /* [N], [N m] at O, body axes */\n", code_real(w));
-    if (L->axes > 0) {
-      fprintf(w->out, "    %s motor[%d]; /* [N m], [N] of each axis, on the body and back on its parent */\n",
-              code_real(w), L->axes);
+    if (tree.quiet && L->axes + L->given == 0) {
+      continue;
     }
-    if (L->given) {
-      fprintf(w->out, "    %s value[1], rate[1]; /* of its axis, which is prescribed */\n", code_real(w));
-    }
-    if (L->n > 0) {
-      fprintf(w->out, "    %s modal[%d]; /* generalized forces of the modes */\n", code_real(w), L->n);
+    fputs("  struct {\n", w->out);
+    for (int m = 0; m < TREE_INPUTS; m++) {
+      if (tree_input_size(k, m) > 0) {
+        fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_inputs[m].name, tree_input_size(k, m),
+                tree_inputs[m].what);
+      }
     }
     fprintf(w->out, "  } body_%d;\n", k);
+    n++;
   }
+  code_template(w, n > 0 ? "" : "  $ none;\n");
   code_template(w, "} @_input;\n\n");
 }
 
@@ -1859,25 +1886,17 @@ static const char tree_finite[] = "static int @_is_finite(const $ *x, int n)\n{\
 /* Are the numbers of an input finite? */
 static void tree_write_input_check(const code *w)
 {
+  int n = 0;
   code_template(w, "static int @_input_is_finite(const @_input *in)\n{\n  return !in || (");
   for (int k = 0; k < tree.n; k++) {
-    code_template(w, k > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
-    fprintf(w->out, "in->body_%d.force, 3)", k);
-    code_template(w, " && @_is_finite(");
-    fprintf(w->out, "in->body_%d.torque, 3)", k);
-    for (int modal = 0; modal < 2; modal++) {
-      const int n = modal ? tree.link[k].n : tree.link[k].axes;
-      if (n > 0) {
-        code_template(w, " && @_is_finite(");
-        fprintf(w->out, "in->body_%d.%s, %d)", k, modal ? "modal" : "motor", n);
+    for (int m = 0; m < TREE_INPUTS; m++) {
+      if (tree_input_size(k, m) > 0) {
+        code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
+        fprintf(w->out, "in->body_%d.%s, %d)", k, tree_inputs[m].name, tree_input_size(k, m));
       }
     }
-    for (int i = 0; i < 2 && tree.link[k].given; i++) {
-      code_template(w, " && @_is_finite(");
-      fprintf(w->out, "in->body_%d.%s, 1)", k, i ? "rate" : "value");
-    }
   }
-  fputs(");\n}\n\n", w->out);
+  fputs(n > 0 ? ");\n}\n\n" : "1);\n}\n\n", w->out);
 }
 
 static void tree_write_enter(const code *w)
@@ -2133,7 +2152,8 @@ static void tree_write_model_type(const code *w)
 {
   if (w->vary & CODE_TABLE) {
     code_template(w, "typedef struct @_model { /* numbers in which systems of this form differ */\n  $ k[");
-    fprintf(w->out, "%d];\n} @_model;\n\n", tree.places > 0 ? tree.places : 1);
+    fprintf(w->out, "%d];\n", tree.places);
+    code_template(w, "} @_model;\n\n");
   }
 }
 
@@ -2204,6 +2224,7 @@ static int tree_write_lanes(const code *w)
   code wide = *w;
   int good;
   wide.lanes = CODE_WIDE;
+  code_lanes_template(w, code_lanes_if);
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   tree_write_types(&wide);
@@ -2213,6 +2234,39 @@ static int tree_write_lanes(const code *w)
   code_lanes_template(w, code_lanes_copies);
   code_lanes_template(w, w->vary ? code_lanes_put_model : "");
   code_lanes_template(w, code_lanes_step);
+  return good;
+}
+
+static const char tree_steps[] =
+    "\n/* n steps of all lanes under what acts at the beginning, the middle and the end of each; done: before one that "
+    "is refused,\n"
+    "   which changes nothing. All begin where vectors do. */\n"
+    "int @_steps(const void *model, void *state, const void *input, double dt, int n, int *done)\n{\n"
+    "  @_status status = @_ok;\n"
+    "  *done = 0;\n"
+    "  while (*done < n && status == @_ok) {\n"
+    "    const @_wide_input *const in = (const @_wide_input *)input + 2 * *done;\n"
+    "    status = @_wide_step((const @_wide_model *)model, (@_wide_state *)state, in, in + 1, in + 2, dt);\n"
+    "    *done += status == @_ok;\n"
+    "  }\n"
+    "  return status;\n}\n";
+
+/* Lanes, by a table, of LANES systems that are driven by their motors and prescribed axes alone. */
+static int tree_write_alone(const code *w)
+{
+  code wide = *w;
+  int good;
+  wide.lanes = CODE_WIDE;
+  code_template(w, "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n"
+                   "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
+  code_template(w, code_helpers);
+  code_lanes_template(w, code_lanes_vectors);
+  code_lanes_template(w, code_lanes_angles);
+  code_template(w, tree_status);
+  tree_write_types(&wide);
+  tree_write_model_type(&wide);
+  good = tree_write_functions(&wide);
+  code_lanes_template(w, tree_steps);
   return good;
 }
 
@@ -2226,9 +2280,11 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   code_numbers.n = 0;
   tree_read(system, body, names);
   tree.places = choice->table;
-  if (!choice->noted) {
-    tree_write_head(&w, source, crc);
+  tree.quiet = choice->lanes == TREE_LANES_ALONE;
+  if (tree.quiet) {
+    return tree_write_alone(&w);
   }
+  tree_write_head(&w, source, crc);
   tree_write_declarations(&w, choice->lanes);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"

@@ -139,6 +139,39 @@ static int step(int i, NUMBER dt, int refused)
   return good;
 }
 
+/* A step that the first lane alone refuses as too long, just so: the vectors notice, too. */
+static int limit(void)
+{
+  double low = 2e-4, high = 10;
+  int good = 1;
+  for (int i = 0; i < 60 && high > low * (1 + 1e-5); i++) {
+    generated_state copy = single[0];
+    const double middle = sqrt(low * high);
+    if (generated_step(GIVEN(0) & copy, NULL, NULL, NULL, (NUMBER)middle) == generated_ok) {
+      low = middle;
+    } else {
+      high = middle;
+    }
+  }
+  for (int beyond = 0; beyond < 2; beyond++) {
+    generated_lanes_state all = lanes;
+    const NUMBER dt = (NUMBER)(beyond ? high : low);
+    status told[generated_LANES];
+    (void)generated_lanes_step(LANES & all, NULL, NULL, NULL, dt, told);
+    for (int k = 0; k < generated_LANES; k++) {
+      generated_state copy = single[k], own;
+      good &= generated_step(GIVEN(k) & copy, NULL, NULL, NULL, dt) == told[k];
+      generated_lanes_take(&own, &all, k);
+      good &= memcmp(&own, &copy, sizeof own) == 0;
+    }
+    good &= (told[0] == generated_ok) == !beyond;
+  }
+  if (!good) {
+    printf("longest step, %g s\n", high);
+  }
+  return good;
+}
+
 int main(void)
 {
   const NUMBER dt = (NUMBER)2e-4;
@@ -148,6 +181,7 @@ int main(void)
   for (int i = 0; i < STEPS && good; i++) {
     good = step(i, dt, -1);
   }
+  good = good && limit();
   for (int k = 0; k < generated_LANES && good; k++) { /* too far, and not finite */
     const generated_state before = single[k];
     spoil(k);
