@@ -29714,7 +29714,8 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
 }
 
 /* Longest correction of Newton's method, relative to the size of the body or in radians: beams that loads bend far
-   stiffen on the way, and the tangent of the unbent ones leads out of the range of the model. */
+   stiffen on the way, and the tangent of the unbent ones leads out of the range of the model; satellites would come to
+   rest by other axes than the nearest. */
 static fb_real fbi_trim_reach(const fbi_subject *s)
 {
 #if FB_WITH_SYSTEM
@@ -29722,10 +29723,10 @@ static fb_real fbi_trim_reach(const fbi_subject *s)
   for (int k = 0; s->system && k < s->system->n_body; k++) {
     large |= fbi_is_large(fbi_model(s->system, s->body, k));
   }
-  large |= !s->system && fbi_is_large(s->body);
+  large |= !s->system && (fbi_is_large(s->body) || fbi_is_orbit(s->body, s->input));
   return large ? FB_R(0.5) : FB_HUGE;
 #else
-  return fbi_is_large(s->body) ? FB_R(0.5) : FB_HUGE;
+  return fbi_is_large(s->body) || fbi_is_orbit(s->body, s->input) ? FB_R(0.5) : FB_HUGE;
 #endif
 }
 
