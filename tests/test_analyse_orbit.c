@@ -2,7 +2,6 @@
    and vibrations. The judge is closed forms of satellites, Hill's equations, Wright's rotating beams, and motion by the
    integrator. */
 #include "analyse.h"
-#if FB_WITH_GRAVITY
 
 static fb_analyse_work work;
 static fb_state state;
@@ -204,7 +203,6 @@ TEST(loads_in_orbit_are_borne_by_the_gradient)
   FBT_TRUE(fb_body_trim(&body, &state, &work, &input) != FB_OK);
 }
 
-#if FB_WITH_ROTORS
 /* E12.40 of gyrostats: the momentum h of a wheel along the vertical, x, tilts it about the flight, by
    sin a = h/(n (4 (J_z - J_x) - 3 I)), I its inertia about its axis, which J_x is without: the gradient and the orbit against
    the wheel. */
@@ -227,8 +225,6 @@ TEST(gyrostats_in_orbit_tilt)
     FBT_NEAR_ABS(axis(1, 2), 0.0, FBT_TOL(1e-11, 1e-4));
   }
 }
-#endif
-
 /* ---- flexible ones */
 
 /* E12.2: a particle on springs beside a hub too heavy to move, along the vertical (x), the flight (y) or the normal (z):
@@ -305,12 +301,10 @@ static double bent_craft(unsigned effects, fb_base base)
   level.base = base;
   level.mu = (fb_real)(n * n * d * d * d);
   level.center[2] = FB_R(30.0);
-#if FB_WITH_ROTORS
   level.n_rotor = 2;
   level.rotor[0].axis[0] = level.rotor[1].axis[1] = FB_R(1.0);
   level.rotor[0].inertia = level.rotor[1].inertia = FB_R(0.05);
   level.rotor[1].node = 1;
-#endif
   memset(&input, 0, sizeof input);
   beam_body(&body, 20.0, center, J);
   place(d, n, 0.1, -0.05, 0.2);
@@ -333,14 +327,14 @@ TEST(satellites_stay_in_their_steady_state)
   const int steps = FBT_LONG(24000, 12000);
   for (int k = 0; k < (FB_WITH_LARGE_DEFLECTION ? 2 : 1); k++) {
     const double n = bent_craft(set[k], FB_BASE_FREE), dt = 4.0 * pi / n / steps;
-    const fb_state start = state;
-    FBT_TRUE(fbt_largest(start.q, body.n) > 1e-3);
+    const fb_state first = state;
+    FBT_TRUE(fbt_largest(first.q, body.n) > 1e-3);
     for (int i = 0; i < steps; i++) {
       FBT_INT_EQ(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, (fb_real)dt), FB_OK);
     }
-    FBT_BELOW(fbt_difference(state.q, start.q, body.n), FBT_TOL(1e-11, 1e-3));
-    FBT_BELOW(fbt_difference(state.quat, start.quat, 4), FBT_TOL(1e-11, 1e-2));
-    FBT_BELOW(fbt_difference(state.rho, start.rho, 3), FBT_TOL(1e-11, 1e-2) * 400.0);
+    FBT_BELOW(fbt_difference(state.q, first.q, body.n), FBT_TOL(1e-11, 1e-3));
+    FBT_BELOW(fbt_difference(state.quat, first.quat, 4), FBT_TOL(1e-11, 1e-2));
+    FBT_BELOW(fbt_difference(state.rho, first.rho, 3), FBT_TOL(1e-11, 1e-2) * 400.0);
   }
 }
 
@@ -393,10 +387,10 @@ TEST(linear_models_answer_as_the_satellite_does)
   }
   FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &steady, &input, &ports), FB_OK);
   FBT_INT_EQ(linear.n, 2 * (body.n + 6) + linear.n_rotor);
-  for (int part = 0; part < 2; part++) {
-    const double size = FBT_TOL(1e-3, 2e-2) / (1 + part);
+  for (int half = 0; half < 2; half++) {
+    const double size = FBT_TOL(1e-3, 2e-2) / (1 + half);
     double x[FB_MAX_LINEAR] = {0.0}, base[8], y[8];
-    memset(error[part], 0, sizeof error[part]);
+    memset(error[half], 0, sizeof error[half]);
     state = steady;
     read_ports(base, &ports, &state, &input);
     for (int i = 0; i < steps; i++) {
@@ -411,8 +405,8 @@ TEST(linear_models_answer_as_the_satellite_does)
       linear_step(x, &linear, u, dt);
       read_ports(y, &ports, &state, &loads);
       for (int k = 0; k < 8; k++) {
-        error[part][k] = fmax(error[part][k], fabs(y[k] - base[k] - linear_output(&linear, x, u, k)));
-        most[k] = part ? most[k] : fmax(most[k], fabs(y[k] - base[k]));
+        error[half][k] = fmax(error[half][k], fabs(y[k] - base[k] - linear_output(&linear, x, u, k)));
+        most[k] = half ? most[k] : fmax(most[k], fabs(y[k] - base[k]));
       }
     }
   }
@@ -484,7 +478,6 @@ TEST(orbits_that_are_none_are_refused)
   place(low, n, 0, 0, 0);
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_UNREST);
 }
-#endif
 SUITE(analyse_orbit, RUN(rigid_satellites_hang_by_principal_axes), RUN(satellites_librate_as_debra_and_delp_say),
       RUN(loads_in_orbit_are_borne_by_the_gradient), RUN(gyrostats_in_orbit_tilt), RUN(particles_on_springs_obey_hill),
       RUN(booms_along_the_vertical_bend_faster), RUN(satellites_stay_in_their_steady_state),
