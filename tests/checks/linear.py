@@ -71,7 +71,7 @@ def response(m, w):
 
 
 models = {}
-for name in 'spinning', 'system', 'satellite', 'shaft', 'spun', 'exact', 'bent':
+for name in 'spinning', 'system', 'satellite', 'shaft', 'spun', 'exact', 'bent', 'arc':
     models[name] = m = linear.read(folder + name + '.json')
     with np.load(folder + name + '.npz') as file:
         same_bits(name + '.npz', m, file)
@@ -79,7 +79,7 @@ for name in 'spinning', 'system', 'satellite', 'shaft', 'spun', 'exact', 'bent':
     demand(len(set(m['states'])) == len(m['A']) and len(set(m['steady_state'])) == len(m['steady_state']), name + ': a name twice')
 for name in 'spinning', 'satellite', 'spun', 'exact', 'bent':
     same_table(folder + name + '.csv', models[name])
-spinning, system, satellite, shaft, spun, exact, bent = models.values()
+spinning, system, satellite, shaft, spun, exact, bent, arc = models.values()
 
 # names, units and order of states, by what they have to mean
 demand(spinning['model'] == 'spinning "beam", \\ with a rotor', 'quotes and backslashes of a name')
@@ -120,6 +120,12 @@ moved = {x: tips[0]['tip.position_' + x] - tips[1]['tip.position_' + x] for x in
 gain = response(bent, 0.0)[:3, 2].real
 off = float(np.max(np.abs(gain - [moved[x] for x in 'xyz'])) / np.max(np.abs(gain)))
 demand(off < 1e-5, 'the static response is %.3g from the difference of steady states' % off)
+
+# the same arc as a scene, whose load is counted by its vector
+demand(arc['inputs'] == ['force.arc.tip'] and arc['outputs'] == ['move_x', 'move_y', 'move_z', 'turn'] and arc['states'] == bent['states'], 'an arc')
+demand(arc['inputs_units'] == ['600 N'] and arc['outputs_units'] == ['m', 'm', 'm', 'rad/s'] and np.array_equal(arc['A'], bent['A']), 'the arc of the scene')
+for w in 0.0, 0.5, 2.0:
+    meet('an exact beam as a scene', response(arc, w)[:3, 0] / 600, response(bent, w)[:3, 2], np.max(np.abs(response(bent, w)[:3, 2])))
 
 # poles: of the library, of Octave; gains of Octave
 for name in 'spinning', 'system', 'exact':
