@@ -2290,7 +2290,9 @@ typedef struct fb_modes_desc {
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
   /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line). 0: 7 more than the most modes of a kind, at least 3
      for each of the plane with most and 1, and 4.5 for each where the beam bends in both planes or twists, as far as
-     FB_MAX_POINTS holds those of one beam. Shapes of 1 rad in which up to 6 modes a plane have equal shares are then
+     FB_MAX_POINTS holds those of one beam. Where a lumped body, a kink or a step of the sections ends a smooth stretch,
+     they are shared among the stretches, at least 3 each; the steps that matter most count, up to three times this
+     number. Shapes of 1 rad in which up to 6 modes a plane have equal shares are then
      exact to 0.05 % of the length and 0.05 degrees; where higher modes move little, 5 more than modes are enough. */
   int line_points;
   int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
@@ -2420,8 +2422,10 @@ typedef struct fb_shape {
 #if FB_WITH_LARGE_DEFLECTION
   fb_lines lines;         /* of the beams */
   fb_status lines_status; /* why a beam has none: FB_EFFECT_LARGE_DEFLECTION is then refused with it. FB_ERR_CAPACITY:
-                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is; FB_ERR_UNSUPPORTED:
-                             modes under a preload or of buckling, welds that close a loop, two beams in one place */
+                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is; FB_ERR_VALUE: points
+                             that miss 1 % of a beam's first or second moment of mass about its root, more are needed
+                             (line_points); FB_ERR_UNSUPPORTED: modes under a preload or of buckling, welds that close
+                             a loop, two beams in one place */
   fb_second rest;         /* as `second`, of all but the beams */
 #endif
   fb_real size; /* [m] largest distance of a mass from O */
@@ -2481,7 +2485,7 @@ FB_API fb_status fb_shape_add_field_node(fb_shape *shape, int *node, const fb_fi
    motion (fb_modes_join); without such a node joined modes are refused (FB_ERR_VALUE). */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 /* Adds a node on that beam at x [m] from the root; *node is its number. For FB_EFFECT_LARGE_DEFLECTION after the beam:
-   fb_body_init refuses nodes that move with a beam otherwise (FB_ERR_UNSUPPORTED). */
+   fb_body_init refuses nodes that move with a beam otherwise (FB_ERR_EFFECTS). */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
 /* Strain gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the reference line,
@@ -2558,7 +2562,8 @@ typedef struct fb_body_work {
 /* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or
    S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest, in single precision 1e-5),
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL; FB_EFFECT_LARGE_DEFLECTION: lines_status of
-   the shape, FB_ERR_UNSUPPORTED of a node that moves with a beam but was added before it, or by fb_shape_add_node.
+   the shape, FB_ERR_EFFECTS of a node that moves with a beam but was added before it or by fb_shape_add_node, and of a
+   mass that does (fb_shape_add_particle, _lump, _pair).
    mu: FB_ERR_VALUE: negative; FB_ERR_EFFECTS: another form, or modes without inertia that follows the shape.
    Rotors: FB_ERR_CAPACITY: their number or a node; FB_ERR_VALUE: an axis of no length, inertia not above 0, friction
    without friction_speed, what is negative; FB_ERR_EFFECTS: another form than the momentum form, FB_EFFECT_ROTORS

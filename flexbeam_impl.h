@@ -4495,7 +4495,8 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
     fbi_vec6_sub(y, w->column[a][6], w->column[a]);
   }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
-    return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+    return fbi_is_finite(k->S, 21) ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_MASS, -1, FB_R(0.0), FB_R(0.0))
+                                   : FB_ERR_NOT_FINITE;
   }
   return FB_OK;
 }
@@ -23855,6 +23856,7 @@ static fb_status fbi_station_start(fb_fields *st, fbi_cell_fields *scratch, cons
 typedef struct fbi_line_break { /* where a smooth stretch of a beam ends and the next one begins */
   fb_real x, left, right;       /* [m] place; where the sections of either side are taken */
   int kink;                     /* the tangent jumps */
+  fb_real worth;                /* of a step, E14.18; FB_HUGE: ends, kinks, lumped bodies */
 } fbi_line_break;
 
 /* [E14.10] Lobatto quadrature on 0..1, m + 1 nodes with both ends: zeros of (1 - z^2) P_m'(z) by Newton's iteration.
@@ -23964,60 +23966,144 @@ static void fbi_line_interval(fb_real A[3], fb_real B[3], const fb_beam *beam, c
 }
 
 /* Appends a break unless there is one. */
-static void fbi_line_break_add(fbi_line_break *list, int *n, fb_real x, fb_real half, int kink, fb_real gap)
+static void fbi_line_break_add(fbi_line_break *list, int *n, const fbi_line_break *more, fb_real gap)
 {
   int at = *n;
   for (int k = 0; k < *n; k++) {
-    if (FB_FABS(list[k].x - x) < gap) {
-      list[k].kink = list[k].kink || kink;
-      list[k].left = x - half < list[k].left ? x - half : list[k].left;
-      list[k].right = fbi_larger(list[k].right, x + half);
+    if (FB_FABS(list[k].x - more->x) < gap) {
+      list[k].kink = list[k].kink || more->kink;
+      list[k].left = more->left < list[k].left ? more->left : list[k].left;
+      list[k].right = fbi_larger(list[k].right, more->right);
+      list[k].worth = fbi_larger(list[k].worth, more->worth);
       return;
     }
   }
-  for (; at > 0 && list[at - 1].x > x; at--) {
+  for (; at > 0 && list[at - 1].x > more->x; at--) {
     list[at] = list[at - 1];
   }
-  list[at].x = x;
-  list[at].left = x - half;
-  list[at].right = x + half;
-  list[at].kink = kink;
+  list[at] = *more;
   (*n)++;
 }
 
-static int fbi_is_step(fb_real a, fb_real b)
+/* One that stays: an end, a kink, a lumped body. */
+static void fbi_line_end_add(fbi_line_break *list, int *n, fb_real x, int kink, fb_real gap)
 {
-  return FB_FABS(a - b) > FB_R(0.1) * fbi_larger(FB_FABS(a), FB_FABS(b));
+  fbi_line_break end;
+  end.x = end.left = end.right = x;
+  end.kink = kink;
+  end.worth = FB_HUGE;
+  fbi_line_break_add(list, n, &end, gap);
+}
+
+/* Change from a to b, of the larger one. */
+static fb_real fbi_change(fb_real a, fb_real b)
+{
+  const fb_real size = fbi_larger(FB_FABS(a), FB_FABS(b));
+  return size > FB_R(0.0) ? FB_FABS(a - b) / size : FB_R(0.0);
+}
+
+/* Mass or a stiffness changes from a to b by more than a tenth and than ten times the part of the length from a to b. */
+static int fbi_is_step(const fb_section *a, const fb_section *b, fb_real length)
+{
+  const fb_real least = fbi_larger(FB_R(0.1), FB_R(10.0) * (b->x - a->x) / length);
+  return fbi_change(a->mass, b->mass) > least || fbi_change(a->EI_y, b->EI_y) > least ||
+         fbi_change(a->EI_z, b->EI_z) > least || fbi_change(a->GJ, b->GJ) > least || fbi_change(a->EA, b->EA) > least;
+}
+
+/* Mean over x0..x1 of the rates at which a mode turns the sections. */
+static void fbi_line_curvature(fb_real out[3], const fb_beam *beam, const fb_modes *modes, int mode, fb_real x0,
+                               fb_real x1)
+{
+  fb_real u[3], theta[3], stretch[3];
+  fbi_line_field(u, out, stretch, beam, modes, mode, x1, 1);
+  fbi_line_field(u, theta, stretch, beam, modes, mode, x0, 0);
+  fbi_vec3_add(out, -FB_R(1.0), theta);
+  for (int i = 0; i < 3; i++) {
+    out[i] = x1 > x0 ? out[i] / (x1 - x0) : FB_R(0.0);
+  }
+}
+
+/* [E14.18] Worth of a step between two stations: the larger of the jump of the mass per length by its mean and of those
+   of the modes' curvatures from a hundredth of the length before it to one behind it, by the largest one at a station.
+   Source: own.  Fails: never.  Test: tables_of_blades_are_lines. */
+static fb_real fbi_line_worth(const fb_beam *beam, const fb_modes *modes, const fb_section *a, const fb_section *b)
+{
+  const fb_real length = beam->desc.length, h = FB_R(0.01) * length;
+  fb_real worth = beam->mass > FB_R(0.0) ? FB_FABS(a->mass - b->mass) * length / beam->mass : FB_R(0.0);
+  for (int mode = 0; mode < modes->n; mode++) {
+    fb_real before[3], behind[3], largest = FB_R(0.0);
+    for (int k = 0; k < beam->desc.n_station; k++) {
+      const fb_real x = beam->desc.station[k].x;
+      fbi_line_curvature(before, beam, modes, mode, fbi_larger(x - h, FB_R(0.0)), x + h < length ? x + h : length);
+      largest = fbi_larger(largest, fbi_vec3_norm(before));
+    }
+    fbi_line_curvature(before, beam, modes, mode, fbi_larger(a->x - h, FB_R(0.0)), a->x);
+    fbi_line_curvature(behind, beam, modes, mode, b->x, b->x + h < length ? b->x + h : length);
+    fbi_vec3_add(behind, -FB_R(1.0), before);
+    worth = largest > FB_R(0.0) ? fbi_larger(worth, fbi_vec3_norm(behind) / largest) : worth;
+  }
+  return worth;
 }
 
 /* Ends of the smooth stretches of a beam, root and tip included: lumped bodies, kinks above 0.1 rad, and steps of mass
-   or stiffness, where they change by a tenth within a hundredth of the length. */
-static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam)
+   or stiffness. */
+static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam, const fb_modes *modes)
 {
   const fb_real length = beam->start[beam->desc.n_element], gap = FBI_LINE_GAP * length;
   int n = 0;
-  fbi_line_break_add(list, &n, FB_R(0.0), FB_R(0.0), 0, gap);
-  fbi_line_break_add(list, &n, length, FB_R(0.0), 0, gap);
+  fbi_line_end_add(list, &n, FB_R(0.0), 0, gap);
+  fbi_line_end_add(list, &n, length, 0, gap);
   for (int k = 1; k < beam->desc.n_element; k++) {
     const fb_real *const before = beam->frame + 9 * (k - 1), *const behind = beam->frame + 9 * k;
     const fb_real jump[3] = {behind[0] - before[0], behind[3] - before[3], behind[6] - before[6]};
     if (fbi_vec3_norm(jump) > FBI_LINE_KINK) {
-      fbi_line_break_add(list, &n, beam->start[k], FB_R(0.0), 1, gap);
+      fbi_line_end_add(list, &n, beam->start[k], 1, gap);
     }
   }
   for (int k = 0; k < beam->desc.n_lump; k++) {
-    fbi_line_break_add(list, &n, beam->start[beam->desc.lump[k].node], FB_R(0.0), 0, gap);
+    fbi_line_end_add(list, &n, beam->start[beam->desc.lump[k].node], 0, gap);
   }
   for (int k = 1; k < beam->desc.n_station; k++) {
     const fb_section *const a = &beam->desc.station[k - 1], *const b = &beam->desc.station[k];
-    const fb_real half = FB_R(0.5) * (b->x - a->x);
-    if (half < FB_R(0.005) * length &&
-        (fbi_is_step(a->mass, b->mass) || fbi_is_step(a->EI_y, b->EI_y) || fbi_is_step(a->EI_z, b->EI_z) ||
-         fbi_is_step(a->GJ, b->GJ) || fbi_is_step(a->EA, b->EA))) {
-      fbi_line_break_add(list, &n, a->x + half, half, 0, gap);
+    fbi_line_break step;
+    if (fbi_is_step(a, b, length)) {
+      step.x = a->x + FB_R(0.5) * (b->x - a->x);
+      step.left = a->x;
+      step.right = b->x;
+      step.kink = 0;
+      step.worth = fbi_line_worth(beam, modes, a, b);
+      fbi_line_break_add(list, &n, &step, gap);
     }
   }
   return n;
+}
+
+/* Points of stretch k of a list of breaks, its beginning not included. */
+static int fbi_line_share(const fbi_line_break *list, int n_break, int k, int want)
+{
+  const fb_real part = (list[k + 1].x - list[k].x) / list[n_break - 1].x;
+  return n_break == 2 ? want : 3 + (int)(part * (fb_real)(want - 3) + FB_R(0.999));
+}
+
+/* Leaves out the steps of least worth until a line has no more than three times the points wanted, nor than there is
+   room for. Returns how many breaks stay. */
+static int fbi_line_breaks_choose(fbi_line_break *list, int n_break, int want)
+{
+  const int most = 3 * want < FB_MAX_POINTS - 1 ? 3 * want : FB_MAX_POINTS - 1; /* the root may be one */
+  for (;;) {
+    int n = 0, least = 0;
+    for (int k = 0; k + 1 < n_break; k++) {
+      n += fbi_line_share(list, n_break, k, want) + (list[k].kink != 0);
+      least = list[k].worth < list[least].worth ? k : least;
+    }
+    if (n <= most || !(list[least].worth < FB_HUGE)) {
+      return n_break;
+    }
+    n_break--;
+    for (int k = least; k < n_break; k++) {
+      list[k] = list[k + 1];
+    }
+  }
 }
 
 typedef struct fbi_line_slice {      /* mass at a point: of sections and lumped bodies, line axes */
@@ -24114,6 +24200,19 @@ typedef struct fbi_line_plan {     /* points of a beam, from the root on */
   fbi_line_stretch stretch[FBI_MAX_BREAKS];
 } fbi_line_plan;
 
+/* Where the section of node j of a stretch, at x, is taken: beside the ramps at the ends, in the middle where they meet. */
+static fb_real fbi_line_taken_at(const fbi_line_stretch *s, int j, fb_real x)
+{
+  if (j == 0 || j == s->m) {
+    return j == 0 ? s->right : s->left;
+  }
+  if (s->right >= s->left) {
+    return FB_R(0.5) * (s->right + s->left);
+  }
+  x = x < s->right ? s->right : x;
+  return x < s->left ? x : s->left;
+}
+
 /* Does the root move in a mode? Does one of them stretch or shear the line? To rounding. */
 static void fbi_line_plan_kind(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
 {
@@ -24160,32 +24259,56 @@ static void fbi_line_lumps_take(fbi_line_plan *plan, const fb_beam *beam, const 
   }
 }
 
+/* First and second moment of mass about the root of the sections that the points take, to a hundredth of the beam's. */
+static int fbi_line_is_resolved(const fbi_line_plan *plan, const fb_beam *beam)
+{
+  const fb_section *const station = beam->desc.station;
+  fb_real seen[2] = {FB_R(0.0), FB_R(0.0)}, all[2] = {FB_R(0.0), FB_R(0.0)};
+  for (int j = 0; j < plan->n; j++) {
+    seen[0] += plan->slice[j].mass * plan->x[j];
+    seen[1] += plan->slice[j].mass * plan->x[j] * plan->x[j];
+  }
+  for (int k = 0; k < (beam->desc.n_station > 1 ? beam->desc.n_station - 1 : 1); k++) {
+    const fb_real x0 = beam->desc.n_station > 1 ? station[k].x : FB_R(0.0);
+    const fb_real width = (beam->desc.n_station > 1 ? station[k + 1].x : beam->start[beam->desc.n_element]) - x0;
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      const fb_real x = x0 + fbi_gauss_x[g] * width;
+      fb_section section;
+      fb_beam_section_eval(beam, &section, x);
+      all[0] += fbi_gauss_w[g] * width * section.mass * x;
+      all[1] += fbi_gauss_w[g] * width * section.mass * x * x;
+    }
+  }
+  return FB_FABS(seen[0] - all[0]) <= FB_R(0.01) * all[0] && FB_FABS(seen[1] - all[1]) <= FB_R(0.01) * all[1];
+}
+
 /* [E14.11] Points of a beam: Lobatto nodes on each smooth stretch, modes->line_points of them behind the root where it is
    one stretch, of several 3 for each and the rest by their lengths; the mass there by the weights and the sections, and
    the lumped bodies. A root that does not move is no point. FB_ERR_CAPACITY: more than FB_MAX_POINTS; plan.n says how
    many.
-   Source: THEORY.md 14.  Test: lines_have_enough_points, lumped_bodies_near_the_tip_move_with_the_line. */
+   FB_ERR_VALUE: they miss mass.
+   Source: THEORY.md 14.  Test: lines_have_enough_points, lumped_bodies_near_the_tip_move_with_the_line,
+   ramps_of_mass_are_where_they_belong, masses_that_points_miss_are_refused. */
 static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
 {
   fbi_line_break list[FBI_MAX_BREAKS];
   fb_real node[FBI_LINE_NODES], weight[FBI_LINE_NODES];
-  const fb_real length = beam->start[beam->desc.n_element];
-  const int n_break = fbi_line_breaks(list, beam), want = modes->line_points;
-  int point;
+  const int want = modes->line_points;
+  int point, n_break;
   memset(plan, 0, sizeof *plan);
   if (want < 2 || modes->joined == 2) { /* under a preload, of buckling; welds that close a loop */
     return FB_ERR_UNSUPPORTED;
   }
+  n_break = fbi_line_breaks_choose(list, fbi_line_breaks(list, beam, modes), want);
   fbi_line_plan_kind(plan, beam, modes);
   point = plan->moves || plan->flexes ? fbi_line_plan_add(plan, FB_R(0.0), 0) : -1;
   for (int k = 0; k + 1 < n_break; k++) {
     fbi_line_stretch *const s = &plan->stretch[plan->n_stretch++];
-    const fb_real part = (list[k + 1].x - list[k].x) / length;
     s->x0 = list[k].x;
     s->x1 = list[k + 1].x;
     s->right = list[k].right;
     s->left = list[k + 1].left;
-    s->m = n_break == 2 ? want : 3 + (int)(part * (fb_real)(want - 3) + FB_R(0.999));
+    s->m = fbi_line_share(list, n_break, k, want);
     s->start = list[k].kink ? fbi_line_plan_add(plan, s->x0, 0) : point;
     s->next = plan->n;
     if (plan->n + s->m > FB_MAX_POINTS) {
@@ -24195,7 +24318,7 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
     fbi_lobatto_rule(node, weight, s->m);
     for (int j = 0; j <= s->m; j++) {
       const fb_real x = s->x0 + node[j] * (s->x1 - s->x0);
-      const fb_real from = j == 0 ? list[k].right : j == s->m ? list[k + 1].left : x;
+      const fb_real from = fbi_line_taken_at(s, j, x);
       point = j == 0 ? s->start : fbi_line_plan_add(plan, j == s->m ? s->x1 : x, 1);
       if (point >= 0) {
         fbi_line_section_add(&plan->slice[point], beam, modes, x, j > 0, from, weight[j] * (s->x1 - s->x0));
@@ -24204,6 +24327,9 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
   }
   if (plan->n > FB_MAX_POINTS) {
     return FB_ERR_CAPACITY;
+  }
+  if (!fbi_line_is_resolved(plan, beam)) {
+    return FB_ERR_VALUE;
   }
   fbi_line_lumps_take(plan, beam, modes);
   return FB_OK;
@@ -24452,12 +24578,9 @@ static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan
     for (int j = 0; j <= s->m && status == FB_OK; j++) {
       const int at = j == 0 ? s->start : s->next + j - 1;
       const fb_real x = j == s->m ? s->x1 : s->x0 + node[j] * width;
-      status = fbi_line_station_add(all, at < 0 ? &all->root[all->n_line] : &all->station[line->point + at], beam,
-                                    modes, x, j == 0, j == 0 || j == s->m,
-                                    j == 0      ? s->right
-                                    : j == s->m ? s->left
-                                                : x,
-                                    weight[j] * width);
+      status =
+          fbi_line_station_add(all, at < 0 ? &all->root[all->n_line] : &all->station[line->point + at], beam, modes, x,
+                               j == 0, j == 0 || j == s->m, fbi_line_taken_at(s, j, x), weight[j] * width);
     }
   }
   return status;
@@ -24659,7 +24782,7 @@ static void fbi_line_integrals_fill(fb_lines *all, const fb_line *line, const fb
 
 /* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
    a joined beam moves with no point of an earlier one; FB_ERR_UNSUPPORTED: its modes, or another beam in its place with
-   the same coordinates. */
+   the same coordinates; FB_ERR_VALUE: points that miss mass. */
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
 {
   fb_line *const line = &all->line[all->n_line];
@@ -25834,6 +25957,8 @@ static fb_status fbi_shape_check(const fb_shape *shape)
 #define FBI_WORD_LINES                                                                                               \
   "effects: large deflection: points of all beams (line_points), FB_MAX_POINTS, at most; of joined ones, that hang " \
   "on points"
+#define FBI_WORD_MISSED \
+  "effects: large deflection: points of a beam (line_points) that see its mass: its moments about the root to 1 %"
 #define FBI_WORD_UNLINED                                                                                              \
   "effects: large deflection: modes without preload, not of buckling; welds that close no loop; no two beams in one " \
   "place"
@@ -25873,6 +25998,9 @@ static fb_status fbi_body_lines_check(const fb_shape *shape)
   int mass, node;
   if (shape->lines_status == FB_ERR_UNSUPPORTED) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_UNLINED, -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (shape->lines_status == FB_ERR_VALUE) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_MISSED, -1, FB_R(0.0), FB_R(0.0));
   }
   if (shape->lines_status != FB_OK) {
     return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,

@@ -549,6 +549,103 @@ TEST(lines_have_enough_points)
   fbt_figure("frequencies of a large-deflection body at rest", "polynomial body", most);
 }
 
+/* ---- sections that change fast */
+
+/* Station at x of the length: mass and stiffness by those of station 0. */
+static void section_at(int k, double x, double mass, double stiffness)
+{
+  fb_section *const s = &beam_desc.station[k];
+  *s = beam_desc.station[0];
+  s->x = (fb_real)(x * (double)beam_desc.length);
+  s->mass = (fb_real)mass;
+  s->EI_y *= (fb_real)stiffness;
+  s->EI_z *= (fb_real)stiffness;
+  beam_desc.n_station = k + 1;
+}
+
+/* Largest errors of the potential energy in gravity along y, by that of all mass lifted by the length, over shapes of
+   1 rad in which higher modes have less: against Simpson's rule along the fine integration. */
+static double worst_weight(void)
+{
+  static line_pose fine;
+  const double g = 10.0, length = (double)beam.desc.length, h = length / (LINE_STATIONS - 1);
+  double worst = 0.0;
+  line_sample();
+  for (int k = 0; k < 20; k++) {
+    double q[FB_MAX_MODES], judge = 0.0;
+    fb_state state;
+    fb_energy e;
+    line_random(q, 1.0);
+    for (int a = 0; a < modes.n; a++) {
+      q[a] /= (1.0 + a) * (1.0 + a);
+    }
+    line_pose_eval(&fine, q);
+    line_state(&state, &body, q);
+    FBT_INT_EQ(fb_body_energy_eval(&body, &e, &state, NULL), FB_OK);
+    for (int s = 0; s < LINE_STATIONS; s++) {
+      fb_section at;
+      fb_beam_section_eval(&beam, &at, (fb_real)(h * s));
+      judge += (s == 0 || s == LINE_STATIONS - 1 ? 1.0
+                : s % 2                          ? 4.0
+                                                 : 2.0) *
+               h / 3.0 * g * (double)at.mass * fine.r[s][1];
+    }
+    worst = fmax(worst, fabs((double)e.gravity - judge) / (g * (double)beam.mass * length));
+  }
+  return worst;
+}
+
+/* E14.11: mass that changes thirtyfold within a fiftieth of the length or a thirtieth, in the middle, at a heavy head,
+   as a spike; ramps begin and end at even stations. */
+TEST(ramps_of_mass_are_where_they_belong)
+{
+  static const double ramp[4][2] = {{0.48, 0.5}, {0.92, 0.94}, {0.92, 0.98}, {0.5, 0.52}};
+  for (int k = 0; k < 4; k++) {
+    line_beam(2.0, 1.0, 20.0, 30.0, 20);
+    line_count(3, 3, 0, 0);
+    section_at(1, ramp[k][0], 1.0, 1.0);
+    section_at(2, ramp[k][1], 30.0, 1.0);
+    section_at(3, k < 3 ? 1.0 : 0.54, k < 3 ? 30.0 : 1.0, 1.0);
+    if (k == 3) {
+      section_at(4, 1.0, 1.0, 1.0);
+    }
+    body_desc.effects |= (unsigned)FB_EFFECT_GRAVITY;
+    body_desc.gravity[1] = FB_R(-10.0);
+    line_build();
+    FBT_BELOW(worst_weight(), FBT_TOL(1e-4, 2e-4));
+  }
+}
+
+/* E14.18: the table of a blade has more steps than lines have room for: those that matter stay. Eight decades of
+   stiffness, at the tip a quarter less every two hundredths of a radius. */
+TEST(tables_of_blades_are_lines)
+{
+  if (FB_SINGLE) { /* its modes want double precision */
+    return;
+  }
+  for (int points = 0; points <= 4; points += 4) {
+    line_beam(2.0, 1.0, 2000.0, 3000.0, 20);
+    line_count(3, 3, 0, 0);
+    for (int k = 1; k <= 45; k++) {
+      const double x = 0.02 * k;
+      section_at(k, x, exp(-2.0 * x), exp(-6.0 * x));
+    }
+    for (int k = 1; k <= 10; k++) {
+      const double x = 0.9 + 0.01 * k;
+      section_at(45 + k, x, exp(-2.0 * x - 10.0 * (x - 0.9)), exp(-6.0 * x - 28.0 * (x - 0.9)));
+    }
+    for (int k = 46; k < beam_desc.n_station - 1; k += 2) { /* then they are steps, by either rule */
+      beam_desc.station[k].x -= FB_R(1e-3);
+    }
+    body_desc.effects |= (unsigned)FB_EFFECT_GRAVITY;
+    body_desc.gravity[1] = FB_R(-10.0);
+    keep.line_points = points;
+    line_build();
+    FBT_TRUE(body.lines.n_point <= (points ? 3 * points : FB_MAX_POINTS));
+    FBT_BELOW(worst_weight(), points ? 2e-3 : 1e-4);
+  }
+}
+
 /* ---- ties to the polynomial body at small deflection */
 
 /* Momenta about the inertial origin at coordinates h x, with velocities v, w, q_dot. */
@@ -715,5 +812,6 @@ SUITE(line_kinematics, RUN(lines_turn_as_the_differential_equation),
       RUN(lines_reach_where_the_differential_equation_does), RUN(line_velocities_are_derivatives_of_poses),
       RUN(line_inertia_is_that_of_particles), RUN(momenta_of_lines_agree_with_particles),
       RUN(lobatto_rules_integrate_polynomials), RUN(lines_have_enough_points),
-      RUN(default_points_reach_far_shapes_of_many_modes), RUN(lines_begin_as_the_polynomial_body),
+      RUN(default_points_reach_far_shapes_of_many_modes), RUN(ramps_of_mass_are_where_they_belong),
+      RUN(tables_of_blades_are_lines), RUN(lines_begin_as_the_polynomial_body),
       RUN(free_lines_begin_as_the_polynomial_body))

@@ -229,6 +229,24 @@ TEST(lumped_bodies_near_the_tip_move_with_the_line)
   }
 }
 
+/* E14.11: three points do not see where the mass of a long taper is. */
+TEST(masses_that_points_miss_are_refused)
+{
+  for (int points = 2; points <= 8; points += 6) {
+    booms();
+    beam[0].n_station = 3;
+    for (int k = 1; k < 3; k++) {
+      beam[0].station[k] = beam[0].station[0];
+      beam[0].station[k].x = FB_R(1.6) + FB_R(0.4) * (fb_real)(k - 1);
+      beam[0].station[k].mass = k == 1 ? FB_R(1.0) : FB_R(30.0);
+    }
+    keep[0].line_points = points;
+    FBT_INT_EQ(build(), points == 2 ? FB_ERR_VALUE : FB_OK);
+    desc.body.effects = FB_EFFECTS_FULL;
+    FBT_INT_EQ(build(), FB_OK);
+  }
+}
+
 /* E8.40: axes and root of a line are read where its points are looked at. */
 TEST(the_check_word_sees_where_lines_begin)
 {
@@ -250,4 +268,5 @@ TEST(the_check_word_sees_where_lines_begin)
 
 SUITE(line_refusals, RUN(nodes_beside_their_line_are_refused), RUN(welds_that_close_a_loop_are_refused),
       RUN(lines_in_one_place_are_refused), RUN(lines_have_no_preload),
-      RUN(lumped_bodies_near_the_tip_move_with_the_line), RUN(the_check_word_sees_where_lines_begin))
+      RUN(lumped_bodies_near_the_tip_move_with_the_line), RUN(masses_that_points_miss_are_refused),
+      RUN(the_check_word_sees_where_lines_begin))
