@@ -2422,8 +2422,9 @@ typedef struct fb_shape {
 #if FB_WITH_LARGE_DEFLECTION
   fb_lines lines;         /* of the beams */
   fb_status lines_status; /* why a beam has none: FB_EFFECT_LARGE_DEFLECTION is then refused with it. FB_ERR_CAPACITY:
-                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is; FB_ERR_VALUE: points
-                             that miss 1 % of a beam's first or second moment of mass about its root, more are needed
+                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is
+                             (a lumped body there makes one, also of no mass); FB_ERR_VALUE: points
+                             that miss 5 % of a beam's first or second moment of mass about its root, more are needed
                              (line_points); FB_ERR_UNSUPPORTED: modes under a preload or of buckling, welds that close
                              a loop, two beams in one place */
   fb_second rest;         /* as `second`, of all but the beams */

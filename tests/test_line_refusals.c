@@ -141,6 +141,42 @@ TEST(welds_that_close_a_loop_are_refused)
   FBT_INT_EQ(body.lines.line[1].hangs, body.lines.line[2].hangs);
 }
 
+/* In the middle of a smooth line is no point to hang on; a lumped body of no mass makes one. */
+TEST(lines_hang_on_points)
+{
+  for (int lump = 0; lump < 2; lump++) {
+    fb_node_motion on, root;
+    fb_motion rest;
+    fb_state state;
+    booms();
+    memset(&rest, 0, sizeof rest);
+    beam[0].n_lump = lump;
+    beam[0].lump[0].node = 7;
+    desc.part[0].node[0] = FB_R(1.4);
+    bar_add(1, 1.4, 0.0, 1);
+    desc.part[1].node[0] = FB_R(0.0);
+    weld_add(0, 7, 1, 0);
+    desc.join.lowest = 4;
+    FBT_INT_EQ(build(), lump ? FB_OK : FB_ERR_KIND);
+    if (lump) { /* both sides of the weld, where the lines bend far */
+      FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+      for (int a = 0; a < body.n; a++) {
+        const fb_real *const t = body.node[1].theta + 3 * a;
+        state.q[a] = (fb_real)(0.3 / sqrt((double)fb_vec3_dot(t, t)));
+      }
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &on, &state, &rest, 1), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &root, &state, &rest, 2), FB_OK);
+      FBT_TRUE((double)fb_vec3_dot(on.displacement, on.displacement) > 0.01);
+      for (int i = 0; i < 3; i++) {
+        FBT_NEAR_ABS(on.position[i], (double)root.position[i], FBT_TOL(1e-12, 1e-5));
+        FBT_NEAR_ABS(on.rotation[i], (double)root.rotation[i], FBT_TOL(1e-12, 1e-5));
+      }
+    }
+    desc.body.effects = FB_EFFECTS_FULL;
+    FBT_INT_EQ(build(), FB_OK);
+  }
+}
+
 /* A line is found by its place: of two beams in one place with the same coordinates neither is. Bent lines from one
    root are told from each other by their tips. */
 TEST(lines_in_one_place_are_refused)
@@ -267,6 +303,6 @@ TEST(the_check_word_sees_where_lines_begin)
 }
 
 SUITE(line_refusals, RUN(nodes_beside_their_line_are_refused), RUN(welds_that_close_a_loop_are_refused),
-      RUN(lines_in_one_place_are_refused), RUN(lines_have_no_preload),
+      RUN(lines_hang_on_points), RUN(lines_in_one_place_are_refused), RUN(lines_have_no_preload),
       RUN(lumped_bodies_near_the_tip_move_with_the_line), RUN(masses_that_points_miss_are_refused),
       RUN(the_check_word_sees_where_lines_begin))
