@@ -1706,12 +1706,24 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
 #define FB_END_GUIDED 56  /* rotation */
 #define FB_END_SLIDING 62 /* all but its place along x */
 
+/* Hinge in a beam: an element of length zero, whose nodes have one place. The section outboard of it is rotated against
+   the one inboard about an axis fixed in both, by any angle; whole turns count. Several in a row about different axes
+   are a universal or a spherical joint; a lumped body on a node between two of them is a link or a hub. */
+typedef struct fb_exact_joint {
+  int element;                       /* that is the joint */
+  int driven;                        /* nonzero: its motor holds its rate, whatever the load */
+  fb_real axis[3];                   /* unit vector, section axes of both nodes at angle 0 */
+  fb_real angle;                     /* [rad] as built, before anything acts */
+  fb_real rest, stiffness, damping;  /* of a spring and damper: [rad], [N m/rad] >= 0, [N m s/rad] >= 0 */
+} fb_exact_joint;
+
 typedef struct fb_exact { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
   int n, n_lump, iterations, floating;
   fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
   fb_real beta;                /* of dissipation */
   fb_real gravity[3];
   int held[FB_MAX_EXACT + 1], factorizations;
+  int jointed[FB_MAX_EXACT + 1], n_joint; /* 1 + the joint that is an element; 0: none */
   fb_real h[FB_MAX_EXACT];
   fb_real xi[6 * FB_MAX_EXACT]; /* (1, 0, 0, initial curvature) */
   fb_real C[36 * FB_MAX_EXACT]; /* compliance with that by the strain's variation in the element */
@@ -1722,6 +1734,7 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* undeformed nodes in the base frame */
   int lump_node[FB_MAX_LUMPS];
   fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
+  fb_exact_joint joint[FB_MAX_LUMPS];
 } fb_exact;
 
 /* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
@@ -1739,6 +1752,8 @@ typedef struct fb_exact_input { /* all zero: nothing acts, the base rests */
   fb_load load[FB_MAX_LOADS];      /* at nodes */
   fb_line_load line[FB_MAX_EXACT]; /* on elements */
   fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
+  /* Motors of the joints: [N m] about the axis, on what is outboard; of a driven one its rate [rad/s] */
+  fb_real motor[FB_MAX_LUMPS];
 } fb_exact_input;
 
 typedef struct fb_exact_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
@@ -1746,6 +1761,7 @@ typedef struct fb_exact_state {           /* all that changes, in the beam's own
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* nodes in the base frame */
   fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS];
   fb_real strain_rate[6 * FB_MAX_EXACT], momentum_rate[6 * FB_MAX_EXACT], lump_rate[6 * FB_MAX_LUMPS];
+  fb_real angle[FB_MAX_LUMPS], angle_rate[FB_MAX_LUMPS]; /* of the joints, [rad]; the rate in the last step */
   /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
      before it; loads between elements */
   fb_real V[3][6 * (FB_MAX_EXACT + 1)], stress[3][6 * FB_MAX_EXACT], force[6 * (FB_MAX_EXACT + 1)];
@@ -1797,6 +1813,9 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
   fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
   fb_real back[6 * (FB_MAX_EXACT + 1)]; /* way of held nodes back to their place */
+  /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
+     angle to hold in a steady state; motors */
+  fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
   fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
   fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
@@ -1840,6 +1859,13 @@ typedef struct fb_exact_element {
 } fb_exact_element;
 FB_API fb_status fb_exact_element_eval(const fb_exact *exact, fb_exact_element *element, const fb_exact_state *state,
                                        int k);
+/* A joint: after the last step its angle, in the middle of it the rest. */
+typedef struct fb_exact_hinge {
+  fb_real angle, rate; /* [rad], [rad/s] outboard section against inboard one */
+  fb_real moment;      /* [N m] about the axis: of spring, damper and motor on what is outboard */
+} fb_exact_hinge;
+FB_API fb_status fb_exact_joint_eval(const fb_exact *exact, fb_exact_hinge *hinge, const fb_exact_state *state,
+                                     int joint);
 /* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
 FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x);
@@ -2696,13 +2722,16 @@ typedef struct fb_exact_desc {
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes that are supported */
   int n_lump;         /* lumped bodies on nodes, in section axes there */
+  int n_joint;        /* elements that are joints */
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   fb_real place[FB_MAX_EXACT +
-                1]; /* [m] x of the nodes along the line, ascending from 0 to length; all 0: equal elements */
+                1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
+                       joint; all 0: equal elements, joints of length zero between them */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
+  fb_exact_joint joint[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
                                        their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
@@ -2920,7 +2949,7 @@ typedef struct fb_exact_path {           /* position on a path of steady states;
 
 typedef struct fbi_exact_loads {
   fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
-  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
+  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)], motor[FB_MAX_LUMPS];
 } fbi_exact_loads;
 
 typedef struct fb_exact_path_work { /* scratch; large: make it static */
