@@ -1713,7 +1713,7 @@ typedef struct fb_exact_joint {
   int element;                       /* that is the joint */
   int driven;                        /* nonzero: its motor holds its rate, whatever the load */
   fb_real axis[3];                   /* unit vector, section axes of both nodes at angle 0 */
-  fb_real angle;                     /* [rad] as built, before anything acts */
+  fb_real angle, rate;               /* [rad] as built, before anything acts; [rad/s] at the start */
   fb_real rest, stiffness, damping;  /* of a spring and damper: [rad], [N m/rad] >= 0, [N m s/rad] >= 0 */
 } fb_exact_joint;
 

@@ -1,0 +1,322 @@
+/* >>exact: joints within an exact beam: chains of rods and of elastic links against bodies of a system, references of
+   another program, closed forms, and what must be constant. */
+#include "exact.h"
+
+static const double stiff[6] = {0.0, 0.0, 0.0, 2e4, 3e4, 2.5e4}, slim[6] = {0.8, 0.8, 0.8, 3e-3, 1e-3, 2e-3};
+
+/* Hinge at an element, about an axis of any length. */
+static fb_exact_joint *hinge(int element, double x, double y, double z)
+{
+  fb_exact_joint *const joint = &desc.joint[desc.n_joint++];
+  joint->element = element;
+  joint->axis[0] = (fb_real)x;
+  joint->axis[1] = (fb_real)y;
+  joint->axis[2] = (fb_real)z;
+  return joint;
+}
+
+static fb_exact_hinge joint_of(int k)
+{
+  fb_exact_hinge out;
+  FBT_INT_EQ(fb_exact_joint_eval(&exact, &out, &state, k), FB_OK);
+  return out;
+}
+
+/* Two elastic links on hinges with springs about skew axes, a hub on the node between; clamped base. */
+static void elbow(int n)
+{
+  const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0};
+  fb_exact_joint *joint;
+  beam(2.0, 2 * n + 2, stiffness, slim);
+  desc.iterations = 12;
+  joint = hinge(0, 0.0, 1.0, 0.3);
+  joint->angle = FB_R(0.3);
+  joint->stiffness = FB_R(5.0);
+  joint->rest = FB_R(-0.7);
+  joint = hinge(n + 1, 0.2, 0.5, 1.0);
+  joint->angle = FB_R(1.0);
+  joint->rate = FB_R(2.0);
+  joint->stiffness = FB_R(2.0);
+  desc.n_lump = 1;
+  desc.lump[0].node = n + 1;
+  desc.lump[0].mass = FB_R(0.3);
+  desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(1e-3);
+}
+
+/* ---- what must be constant */
+
+/* E10.13, E10.21, E10.22, E11.20: springs drive links to and fro, in steps that resolve bending and in steps that do
+   not. */
+TEST(hinges_keep_energy_whatever_the_step)
+{
+  for (int fast = 0; fast < (FB_SINGLE ? 1 : 2); fast++) {
+    double before, worst = 0.0, swing = 0.0;
+    elbow(4);
+    start();
+    before = total_energy();
+    for (int k = 0; k < FBT_LONG(FB_SINGLE ? 10 : 50, 10); k++) {
+      if (steps(100, fast ? 1e-3 : 4e-3) != FB_OK) {
+        return;
+      }
+      worst = fmax(worst, fabs(total_energy() / before - 1.0));
+      swing = fmax(swing, fabs((double)state.angle[0] - 0.3));
+    }
+    FBT_BELOW(0.4, swing);
+    FBT_BELOW(worst, FBT_TOL(1e-10, 1e-3));
+    if (fast) {
+      fbt_figure("energy over 5000 steps of two elastic links on hinges with springs, relative", "constant", worst);
+    }
+  }
+}
+
+/* E10.14, E10.22: three links fly, the middle one between a hub and hinges about two axes: their momenta change by the
+   step and the mesh alone, order 2. */
+TEST(links_in_flight_keep_momentum)
+{
+  double change[2];
+  for (int run = 0; run < 2; run++) {
+    fb_momentum before, after;
+    const int n = 3;
+    beam(3.0, 3 * n + 2, stiff, slim);
+    desc.root = FB_END_FREE;
+    desc.iterations = 12;
+    hinge(n, 0.0, 1.0, 0.2)->rate = FB_R(1.5);
+    hinge(2 * n + 1, 0.3, 0.0, 1.0)->rate = FB_R(-2.0);
+    desc.joint[0].stiffness = FB_R(0.5);
+    input.w[2] = FB_R(0.7);
+    start();
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &before, &state), FB_OK);
+    if (steps(run ? 400 : 200, run ? 5e-3 : 1e-2) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &after, &state), FB_OK);
+    change[run] = fbt_difference(after.angular, before.angular, 3) / fbt_largest(before.angular, 3) +
+                  fbt_difference(after.linear, before.linear, 3);
+  }
+  FBT_BELOW(change[0], FBT_TOL(1e-3, 1e-2));
+  FBT_TRUE(FB_SINGLE || change[1] < 0.3 * change[0]);
+  fbt_figure("three rods on hinges in flight, change of momenta in 2 s at 5 ms, relative", "constant", change[1]);
+}
+
+/* E10.22: what is lost is what the dampers take at mid-step. */
+TEST(a_damper_takes_what_is_lost)
+{
+  double before, taken = 0.0;
+  elbow(3);
+  desc.joint[0].damping = FB_R(0.3);
+  desc.joint[1].damping = FB_R(0.1);
+  start();
+  before = total_energy();
+  for (int k = 0; k < 500; k++) {
+    if (steps(1, 2e-3) != FB_OK) {
+      return;
+    }
+    for (int j = 0; j < 2; j++) {
+      const fb_exact_hinge h = joint_of(j);
+      taken += 2e-3 * (double)desc.joint[j].damping * (double)h.rate * (double)h.rate;
+    }
+  }
+  FBT_BELOW(0.1 * before, taken);
+  FBT_NEAR_REL(before - total_energy(), taken, FBT_TOL(1e-10, 1e-3));
+}
+
+/* ---- against rigid bodies, another program, and closed forms */
+
+static fb_body rod_body;
+static fb_system rods;
+static fb_system_desc rods_desc;
+static fb_system_state rods_state;
+static fb_system_work rods_work;
+
+/* Two rods of 1 m as bodies on revolute joints about axes a and b, at the angles and rates of the desc. */
+static void rods_start(const fb_real a[3], const fb_real b[3], double mass, const double J_x[3])
+{
+  static fb_shape shape;
+  static fb_body_work body_work;
+  static fb_body_desc body_desc;
+  static fb_link_motion first[FB_MAX_BODIES];
+  const fb_real center[3] = {FB_R(0.5), 0, 0}, tip[3] = {FB_R(1.0), 0, 0};
+  const fb_real J[6] = {(fb_real)J_x[0], (fb_real)(mass / 12.0 + J_x[1]), (fb_real)(mass / 12.0 + J_x[2]), 0, 0, 0};
+  int end;
+  memset(&rods_desc, 0, sizeof rods_desc);
+  memset(&body_desc, 0, sizeof body_desc);
+  body_desc.base = FB_BASE_PRESCRIBED;
+  body_desc.effects = FB_EFFECT_GRAVITY;
+  body_desc.gravity[2] = desc.gravity[2];
+  FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)mass, center, J), FB_OK);
+  FBT_INT_EQ(fb_shape_add_node(&shape, &end, tip, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_init(&rod_body, &body_work, &shape, &body_desc), FB_OK);
+  rods_desc.n_body = 2;
+  for (int k = 0; k < 2; k++) {
+    fb_joint_desc *const joint = &rods_desc.joint[k];
+    joint->kind = FB_JOINT_REVOLUTE;
+    joint->parent = k ? 0 : FB_GROUND;
+    joint->parent_node = k ? end : 0;
+    memcpy(joint->axis, k ? b : a, sizeof joint->axis);
+    joint->stiffness[0] = desc.joint[k].stiffness;
+    joint->rest[0] = desc.joint[k].rest;
+    joint->damping[0] = desc.joint[k].damping;
+    first[k].value[0] = desc.joint[k].angle;
+    first[k].speed[0] = desc.joint[k].rate;
+  }
+  FBT_INT_EQ(fb_system_init(&rods, &rods_work, &rod_body, &rods_desc, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&rods, &rod_body, &rods_state, &rods_work, first, NULL), FB_OK);
+}
+
+/* E10.21 to E10.25, E11.20: two rods on hinges about skew axes with springs and dampers under gravity, against two rigid
+   bodies on revolute joints; the step's error is of order 2. */
+TEST(rods_on_joints_move_as_bodies_of_a_system)
+{
+  static const double rigid[6] = {0};
+  const double dt = FBT_TOL(2e-3, 4e-3);
+  double apart[3];
+  for (int run = 0; run < 3; run++) {
+    const int fine = 1 << run;
+    double worst = 0.0;
+    beam(2.0, 4, rigid, slim);
+    desc.iterations = 10;
+    desc.gravity[2] = FB_R(-9.81);
+    hinge(0, 0.0, 1.0, 0.3)->rate = FB_R(2.0);
+    hinge(2, 0.2, 0.5, 1.0)->rate = FB_R(-1.0);
+    for (int k = 0; k < 2; k++) {
+      desc.joint[k].angle = (fb_real)(0.4 + k);
+      desc.joint[k].stiffness = (fb_real)(2.0 - k);
+      desc.joint[k].rest = FB_R(0.5);
+      desc.joint[k].damping = FB_R(0.05);
+    }
+    start();
+    rods_start(desc.joint[0].axis, desc.joint[1].axis, slim[0], slim + 3);
+    for (int k = 0; k < 500; k++) {
+      if (steps(fine, dt / fine) != FB_OK) {
+        return;
+      }
+      FBT_INT_EQ(fb_system_rk4_step(&rods, &rod_body, &rods_state, &rods_work, NULL, NULL, NULL, (fb_real)dt), FB_OK);
+      for (int j = 0; j < 2; j++) {
+        worst = fmax(worst, fabs((double)(state.angle[j] - rods_state.link[j].x[0])));
+      }
+    }
+    apart[run] = worst;
+  }
+  FBT_BELOW(apart[2], FBT_TOL(1e-5, 1e-2));
+  FBT_TRUE(FB_SINGLE || fabs(log2(apart[0] / apart[1]) - 2.0) < 0.2);
+  fbt_figure("double pendulum of rods about skew axes, 1 s at 0.5 ms [rad]", "two rigid bodies", apart[2]);
+}
+
+/* E10.21, E10.22 on p11: a double pendulum of very flexible links falls from the horizontal. */
+TEST(elastic_links_follow_the_reference)
+{
+  const fbt_table *table = fbt_reference("p11_double_pendulum.csv");
+  const double stiffness[6] = {2e4, 0.0, 0.0, 100.0, 100.0, 2.0}, inertia[6] = {0.5, 0.5, 0.5, 0.0, 0.0, 0.0};
+  double worst = 0.0;
+  beam(2.0, 34, stiffness, inertia);
+  desc.gravity[1] = FB_R(-9.81);
+  hinge(0, 0.0, 0.0, 1.0);
+  hinge(17, 0.0, 0.0, 1.0);
+  start();
+  for (int row = 1; row < table->rows && fbt_value(table, row, "t") < FBT_LONG(1.51, 0.31); row++) {
+    const double T = fbt_value(table, row, "t") - fbt_value(table, row - 1, "t");
+    const int n = (int)ceil(T / FBT_TOL(2e-4, 2e-3));
+    if (steps(n, T / n) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    worst = fmax(worst, hypot((double)node[34].position[0] - fbt_value(table, row, "tip_x"),
+                              (double)node[34].position[1] - fbt_value(table, row, "tip_y")));
+    worst = fmax(worst, hypot((double)node[17].position[0] - fbt_value(table, row, "hinge_x"),
+                              (double)node[17].position[1] - fbt_value(table, row, "hinge_y")));
+  }
+  FBT_BELOW(worst, FBT_TOL(1e-3, 2e-2));
+  fbt_figure("double pendulum of flexible links, tip and hinge to 1.5 s [link lengths]", "p11_double_pendulum.csv",
+             worst);
+}
+
+/* E10.21, E10.22, E10.25 on p11: a driven crank, almost rigid and without mass, a flexible rod, a slider. */
+TEST(a_slider_crank_follows_the_reference)
+{
+  const fbt_table *table = fbt_reference("p11_slider_crank.csv");
+  const double a = 0.15, L = 0.3, spin = 150.0;
+  const double rod[6] = {1.28e7, 0.0, 0.0, 100.0, 100.0, 68.2666666667}, inertia[6] = {0.50368, 0.50368, 0.50368, 0, 0, 0};
+  const int n = 16;
+  double slider = 0.0, middle = 0.0;
+  fb_exact_joint *joint;
+  beam(a + L, n + 3, rod, inertia);
+  desc.n_station = 4;
+  for (int k = 3; k >= 0; k--) {
+    desc.station[k] = desc.station[0];
+    desc.station[k].x = (fb_real)(k == 0 ? 0.0 : k == 1 ? a : k == 2 ? a + 1e-6 : a + L);
+    for (int i = 0; i < 36 && k < 2; i++) {
+      desc.station[k].stiffness[i] *= FB_R(1e4);
+      desc.station[k].inertia[i] *= FB_R(1e-6);
+    }
+  }
+  for (int k = 1; k <= n + 3; k++) {
+    desc.place[k] = (fb_real)(k < 2 ? 0.0 : k < 4 ? a : a + L * (k - 3) / n);
+  }
+  joint = hinge(0, 0.0, 0.0, 1.0);
+  joint->driven = 1;
+  joint->rate = input.motor[0] = (fb_real)spin;
+  hinge(2, 0.0, 0.0, 1.0)->rate = (fb_real)(-spin - a * spin / L);
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  desc.n_lump = 1;
+  desc.lump[0].node = n + 3;
+  desc.lump[0].mass = FB_R(0.075552);
+  start();
+  for (int row = 1; row < table->rows; row++) {
+    const double T = fbt_value(table, row, "t") - fbt_value(table, row - 1, "t");
+    const int parts = (int)ceil(T / FBT_TOL(1e-5, 4e-5));
+    if (steps(parts, T / parts) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    slider = fmax(slider, fabs((double)node[n + 3].position[0] - fbt_value(table, row, "slider_x")));
+    middle = fmax(middle, hypot((double)node[3 + n / 2].position[0] - fbt_value(table, row, "mid_x"),
+                                (double)node[3 + n / 2].position[1] - fbt_value(table, row, "mid_y")));
+  }
+  FBT_BELOW(slider, FBT_TOL(1e-4, 1e-2));
+  FBT_BELOW(middle, FBT_TOL(1e-4, 1e-2));
+  fbt_figure("slider-crank with a flexible rod, its middle [m]", "p11_slider_crank.csv", middle);
+}
+
+/* E10.21, E10.22: a shaft drives another, 40 degrees off, by a universal joint, two hinges without anything between them:
+   tan(out) = tan(in)/cos(40 degrees) over whole turns, once what the start has shaken is gone. */
+TEST(a_universal_joint_turns_as_cardan_says)
+{
+  const double bend = 0.7;
+  double worst = 0.0;
+  beam(2.0, 7, stiff, slim);
+  for (int i = 0; i < 3; i++) {
+    desc.station[0].stiffness[7 * i] = FB_R(1e6);
+  }
+  hinge(0, 1.0, 0.0, 0.0)->driven = 1;
+  input.motor[0] = FB_R(3.0);
+  hinge(3, 0.0, 1.0, 0.0);
+  hinge(4, 0.0, 0.0, 1.0)->angle = (fb_real)bend;
+  desc.n_support = 1;
+  desc.support[0].node = 3;
+  desc.support[0].held = FB_HOLD_Y | FB_HOLD_Z;
+  desc.tip = FB_END_PINNED;
+  desc.iterations = 10;
+  desc.dissipation = FB_R(0.6);
+  start();
+  for (int k = 0; k < 1500; k++) {
+    fb_real R[9];
+    double in, out;
+    if (steps(1, 4e-3) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    in = (double)joint_of(0).angle;
+    FBT_NEAR_REL(in, 0.012 * (k + 1), FBT_TOL(1e-11, 1e-4));
+    fb_quat_to_mat33(R, node[7].quat); /* of its y and z axes that to the normal of the plane of both */
+    out = atan2((double)R[7], (double)R[8]);
+    worst = k > 500 ? fmax(worst, fabs(sin(out - atan2(sin(in), cos(in) * cos(bend))))) : 0.0;
+  }
+  FBT_BELOW(worst, FBT_TOL(1e-3, 1e-2));
+  fbt_figure("universal joint of two hinges, 40 degrees, shaft against shaft [rad]", "Cardan", worst);
+}
+
+SUITE(exact_joints, RUN(hinges_keep_energy_whatever_the_step), RUN(links_in_flight_keep_momentum),
+      RUN(a_damper_takes_what_is_lost), RUN(rods_on_joints_move_as_bodies_of_a_system),
+      RUN(elastic_links_follow_the_reference), RUN(a_slider_crank_follows_the_reference),
+      RUN(a_universal_joint_turns_as_cardan_says))
