@@ -3096,12 +3096,15 @@ typedef enum fb_exact_port_kind {
   FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
   FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
   FB_EXACT_PORT_MOMENT_STRAIN = 11,  /* output [1/m] */
+  FB_EXACT_PORT_MOTOR = 12,          /* input [N m] of a joint that is not driven */
+  FB_EXACT_PORT_ANGLE = 13,          /* output [rad] of a joint */
+  FB_EXACT_PORT_ANGLE_RATE = 14,     /* output [rad/s] */
   FB_EXACT_PORT_COUNT
 } fb_exact_port_kind;
 
 typedef struct fb_exact_port {
   fb_exact_port_kind kind;
-  int at, axis; /* node or element; axis 0..2 */
+  int at, axis; /* node, element or joint; axis 0..2 */
   fb_axes axes; /* of a force or torque, as fb_load; inertial axes at the instant of the steady state */
 } fb_exact_port;
 

@@ -14950,7 +14950,8 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   /* Ranges */
   for (int k = 0; sound && k <= m->n; k++) {
     sound = fbi_is_within(m->held[k], 127) && fbi_is_within(m->jointed[k], m->n_joint) &&
-            (k == m->n || (m->jointed[k] ? m->h[k] == FB_R(0.0) : m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
+            (k == m->n || (m->jointed[k] ? m->h[k] == FB_R(0.0) && m->joint[m->jointed[k] - 1].element == k
+                                         : m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
   }
   for (int j = 0; sound && j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
@@ -14974,10 +14975,10 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
     return 0;
   }
   {
-    const int whole[5] = {m->n, m->n_lump, m->iterations, m->factorizations, m->floating};
+    const int whole[6] = {m->n, m->n_lump, m->n_joint, m->iterations, m->factorizations, m->floating};
     const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
     const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), number, 7, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 6), number, 7, FB_SINGLE);
     for (int k = 0; k < 6; k++) {
       crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
     }
@@ -14987,7 +14988,7 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
   crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
   crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
   crc = fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
-  crc = m->n_joint > 0 ? fbi_crc_ints(crc, m->jointed, m->n + 1) : crc;
+  crc = fbi_crc_ints(crc, m->jointed, m->n + 1);
   for (int j = 0; j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
     const int whole[2] = {joint->element, joint->driven};
@@ -31811,13 +31812,19 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
   for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_in = k < desc->n_in;
     const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const int kind = (int)port->kind, base = kind == 2 || kind == 3;
+    const int kind = (int)port->kind, base = kind == 2 || kind == 3, joint = kind >= (int)FB_EXACT_PORT_MOTOR;
+    const int last = joint ? m->n_joint - 1 : kind >= (int)FB_EXACT_PORT_INTERNAL_FORCE ? m->n - 1 : m->n;
     if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_EXACT_PORT_COUNT - 1) ||
-        !fbi_is_choice((int)port->axes, (int)FB_AXES_COUNT - 1) || (kind <= (int)FB_EXACT_PORT_BASE_RATE) != is_in) {
+        !fbi_is_choice((int)port->axes, (int)FB_AXES_COUNT - 1) ||
+        (kind <= (int)FB_EXACT_PORT_BASE_RATE || kind == (int)FB_EXACT_PORT_MOTOR) != is_in) {
       return FB_ERR_VALUE;
     }
-    if (!base && !fbi_is_choice(port->at, kind >= (int)FB_EXACT_PORT_INTERNAL_FORCE ? m->n - 1 : m->n)) {
+    if (!base && !fbi_is_choice(port->at, last)) {
       return FB_ERR_CAPACITY;
+    }
+    if (kind == (int)FB_EXACT_PORT_MOTOR && m->joint[port->at].driven) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "port: motor of a driven joint, whose rate is no input of a linear model", k,
+                        FB_R(0.0), FB_R(0.0));
     }
   }
   return FB_OK;
@@ -31837,7 +31844,7 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
   fbi_zero(work->motor, m->n_joint);
   unit[port->axis] = FB_R(1.0);
 
-  /* Force or torque on a node, else a velocity of the base */
+  /* Force or torque on a node, motor, else a velocity of the base */
   if (port->kind == FB_EXACT_PORT_FORCE || port->kind == FB_EXACT_PORT_TORQUE) {
     fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->at;
     fbi_vec6_zero(dead);
@@ -31850,6 +31857,8 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
       fbi_vec3_add(B + i, -FB_R(1.0), f);
       fbi_vec3_add(B + i, -FB_R(1.0), follower + i);
     }
+  } else if (port->kind == FB_EXACT_PORT_MOTOR) {
+    work->motor[port->at] = FB_R(1.0) / (m->force * m->length);
   } else {
     fbi_zero(work->twist, 6);
     fbi_vec3_add(work->twist + (port->kind == FB_EXACT_PORT_BASE_VELOCITY ? 0 : 3),
@@ -31881,6 +31890,10 @@ static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m,
     return work->ds[at + i] * m->force;
   case FB_EXACT_PORT_INTERNAL_MOMENT:
     return work->ds[at + 3 + i] * m->force * m->length;
+  case FB_EXACT_PORT_ANGLE:
+    return fbi_exact_joint_rate(&m->joint[port->at], x, m->joint[port->at].element);
+  case FB_EXACT_PORT_ANGLE_RATE:
+    return fbi_exact_joint_rate(&m->joint[port->at], work->dd, m->joint[port->at].element) / m->time;
   case FB_EXACT_PORT_FORCE_STRAIN:
     return fbi_vec6_dot(m->section + 36 * port->at + 6 * i, work->ds + at);
   default:
