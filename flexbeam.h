@@ -1687,7 +1687,10 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    stretch and twist waves). An element that turns, by bending or as built, by 15 degrees is 9e-4 too stiff, by 45
    degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A is to D as
    velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the step.
-   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
+   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root.
+   Elements may be joints, hinges with springs, dampers and motors: links, folded booms, hinged blades, closed chains whose
+   tip is held, are one such beam. A joint keeps energy as the elements do; its outboard side wants inertia, or a spring,
+   about its axis, else steps end in FB_ERR_SINGULAR, as does fb_exact_trim where a joint can turn freely. */
 
 /* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
    them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
@@ -1710,11 +1713,11 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    the one inboard about an axis fixed in both, by any angle; whole turns count. Several in a row about different axes
    are a universal or a spherical joint; a lumped body on a node between two of them is a link or a hub. */
 typedef struct fb_exact_joint {
-  int element;                       /* that is the joint */
-  int driven;                        /* nonzero: its motor holds its rate, whatever the load */
-  fb_real axis[3];                   /* unit vector, section axes of both nodes at angle 0 */
-  fb_real angle, rate;               /* [rad] as built, before anything acts; [rad/s] at the start */
-  fb_real rest, stiffness, damping;  /* of a spring and damper: [rad], [N m/rad] >= 0, [N m s/rad] >= 0 */
+  int element;                      /* that is the joint */
+  int driven;                       /* nonzero: its motor holds its rate, whatever the load */
+  fb_real axis[3];                  /* unit vector, section axes of both nodes at angle 0 */
+  fb_real angle, rate;              /* [rad] as built, before anything acts; [rad/s] at the start */
+  fb_real rest, stiffness, damping; /* of a spring and damper: [rad], [N m/rad] >= 0, [N m s/rad] >= 0 */
 } fb_exact_joint;
 
 typedef struct fb_exact { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
@@ -2725,8 +2728,8 @@ typedef struct fb_exact_desc {
   int n_joint;        /* elements that are joints */
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
-  fb_real place[FB_MAX_EXACT +
-                1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
+  fb_real
+      place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
                        joint; all 0: equal elements, joints of length zero between them */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
@@ -2743,7 +2746,9 @@ typedef struct fb_exact_desc {
 
 /* FB_ERR_VALUE: also a stiffness that is not positive definite in the directions that are not rigid, a direction that
    is rigid at some stations only, an inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE;
-   FB_ERR_NULL. */
+   FB_ERR_NULL. Also joints: FB_ERR_VALUE: an element that is two joints, elements that are all joints, a node held
+   outboard of a joint (the elimination from the tip would find its five rigid directions held at both ends: hold the
+   node inboard of it), an axis too short, places that differ. */
 FB_API fb_status fb_exact_init(fb_exact *exact, const fb_exact_desc *desc);
 #endif
 
@@ -3342,6 +3347,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
           descriptions of bodies have them.
+          Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
+          spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.

@@ -13906,7 +13906,7 @@ static fb_real fbi_exact_joint_angle(const fb_exact_work *work, const fb_exact *
    load of what is outboard on what is inboard, in section axes of the outboard node.
    Source: balance of a body without mass.  Cost: 150 flops.  Fails: never.
    Test: hinges_keep_energy_whatever_the_step. */
-static void fbi_exact_joint_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
+static FBI_NOINLINE void fbi_exact_joint_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
 {
   fb_real quat[4], E[9];
   memset(c, 0, sizeof *c);
@@ -13948,7 +13948,7 @@ static void fbi_exact_joint_apart(fb_real y[6], const fb_exact_work *work, const
    angle being that of the middle, energy is kept as by E10.8.
    Source: own.  Cost: 200 flops.  Fails: never.
    Test: hinges_keep_energy_whatever_the_step, a_damper_takes_what_is_lost, a_driven_joint_turns_as_told. */
-static void fbi_exact_joint_rows(fb_real r[6], const fb_exact_work *work, const fb_exact *m, int k)
+static FBI_NOINLINE void fbi_exact_joint_rows(fb_real r[6], const fb_exact_work *work, const fb_exact *m, int k)
 {
   const int j = m->jointed[k] - 1;
   const fb_exact_joint *const joint = &m->joint[j];
@@ -13984,7 +13984,8 @@ static void fbi_exact_joint_rows(fb_real r[6], const fb_exact_work *work, const 
 /* [E10.23] Jacobian of E10.21 and E10.22: with g = (axis x Ad^T V1), what the carried velocity changes by with the
    angle, and that of the loads, axis x F1.
    Source: derivation.  Cost: 500 flops.  Fails: never.  Test: newton_of_hinges_converges_quadratically. */
-static void fbi_exact_joint_jacobian(fbi_exact_jacobian *jac, const fb_exact_work *work, const fb_exact *m, int k)
+static FBI_NOINLINE void fbi_exact_joint_jacobian(fbi_exact_jacobian *jac, const fb_exact_work *work, const fb_exact *m,
+                                                  int k)
 {
   const fb_exact_joint *const joint = &m->joint[m->jointed[k] - 1];
   const fbi_exact_answer answer = fbi_exact_joint_answer(work, joint);
@@ -14957,7 +14958,8 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
     const fb_exact_joint *const joint = &m->joint[j];
     sound = fbi_is_within(joint->element, m->n - 1) && m->jointed[joint->element] == j + 1 &&
             FB_FABS(fb_vec3_dot(joint->axis, joint->axis) - FB_R(1.0)) < FB_R(1e-5) &&
-            fbi_exact_is_angle(joint->angle) && fbi_is_finite(&joint->rest, 1) && fbi_is_finite(&joint->rate, 1) && joint->stiffness >= FB_R(0.0) && joint->stiffness <= FB_HUGE && joint->damping >= FB_R(0.0) &&
+            fbi_exact_is_angle(joint->angle) && fbi_is_finite(&joint->rest, 1) && fbi_is_finite(&joint->rate, 1) &&
+            joint->stiffness >= FB_R(0.0) && joint->stiffness <= FB_HUGE && joint->damping >= FB_R(0.0) &&
             joint->damping <= FB_HUGE;
   }
   for (int k = 0; sound && k < m->n_lump; k++) {
@@ -27803,7 +27805,8 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
         FBI_CLAIM(fbi_vec3_norm(joint->axis) > FB_TINY, "joint: axis, not so short"),
         FBI_CLAIM(fbi_exact_jointed(desc, joint->element) == k + 1, "joint: element, not that of another joint"),
         FBI_CLAIM(desc->n_joint < desc->n_element, "joint: elements, not all joints"),
-        FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1), "joint: node outboard of it, not held: hold the inboard one")};
+        FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1),
+                  "joint: node outboard of it, not held: hold the inboard one")};
     status = fbi_claims_check(claim, FBI_LENGTH(claim), k);
   }
   return status;
@@ -31823,8 +31826,8 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
       return FB_ERR_CAPACITY;
     }
     if (kind == (int)FB_EXACT_PORT_MOTOR && m->joint[port->at].driven) {
-      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "port: motor of a driven joint, whose rate is no input of a linear model", k,
-                        FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "port: motor of a driven joint, whose rate is no input of a linear model",
+                        k, FB_R(0.0), FB_R(0.0));
     }
   }
   return FB_OK;

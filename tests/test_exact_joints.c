@@ -236,7 +236,8 @@ TEST(a_slider_crank_follows_the_reference)
 {
   const fbt_table *table = fbt_reference("p11_slider_crank.csv");
   const double a = 0.15, L = 0.3, spin = 150.0;
-  const double rod[6] = {1.28e7, 0.0, 0.0, 100.0, 100.0, 68.2666666667}, inertia[6] = {0.50368, 0.50368, 0.50368, 0, 0, 0};
+  const double rod[6] = {1.28e7, 0.0, 0.0, 100.0, 100.0, 68.2666666667},
+               inertia[6] = {0.50368, 0.50368, 0.50368, 0, 0, 0};
   const int n = 16;
   double slider = 0.0, middle = 0.0;
   fb_exact_joint *joint;
@@ -579,8 +580,9 @@ TEST(joints_that_cannot_be_are_refused)
     desc.joint[1].rest = bad == 10 ? (fb_real)NAN : FB_R(0.0);
     desc.joint[1].rate = bad == 11 ? (fb_real)INFINITY : FB_R(0.0);
     desc.n_joint = bad == 12 ? FB_MAX_LUMPS + 1 : 2;
-    FBT_INT_EQ(fb_exact_init(&exact, &desc),
-               bad == 0 || bad == 12 ? FB_ERR_CAPACITY : bad == 10 || bad == 11 ? FB_ERR_NOT_FINITE : FB_ERR_VALUE);
+    FBT_INT_EQ(fb_exact_init(&exact, &desc), bad == 0 || bad == 12    ? FB_ERR_CAPACITY
+                                             : bad == 10 || bad == 11 ? FB_ERR_NOT_FINITE
+                                                                      : FB_ERR_VALUE);
   }
   beam(1.0, 4, stiff, slim);
   hinge(1, 0.0, 1.0, 0.0);
@@ -621,8 +623,9 @@ TEST(points_pass_joints)
     const double x = 0.25 * k, first = x < 1.0 ? x : 1.0, second = x - first;
     fb_real r[3], q[4];
     FBT_INT_EQ(fb_exact_point_eval(&exact, r, q, &state, (fb_real)x), FB_OK);
-    FBT_BELOW(distance(r, first * cos(bend) + second * cos(2.0 * bend), first * sin(bend) + second * sin(2.0 * bend), 0.0),
-              FBT_TOL(1e-12, 1e-5));
+    FBT_BELOW(
+        distance(r, first * cos(bend) + second * cos(2.0 * bend), first * sin(bend) + second * sin(2.0 * bend), 0.0),
+        FBT_TOL(1e-12, 1e-5));
   }
 }
 

@@ -575,7 +575,7 @@ TEST(states_that_are_not_numbers_are_refused)
 TEST(models_with_impossible_counts_are_refused)
 {
   static fb_exact_state before;
-  static const int count[7][3] = {{FB_MAX_EXACT + 1, 0, 0},  {0, 0, 0},  {-1, 0, 0}, {4, FB_MAX_LUMPS + 1, 0}, {4, -1, 0},
+  static const int count[7][3] = {{FB_MAX_EXACT + 1, 0, 0}, {0, 0, 0}, {-1, 0, 0}, {4, FB_MAX_LUMPS + 1, 0}, {4, -1, 0},
                                   {4, 0, FB_MAX_LUMPS + 1}, {4, 0, -1}};
   elastica(4);
   start();
