@@ -13904,7 +13904,7 @@ static fb_real fbi_exact_joint_angle(const fb_exact_work *work, const fb_exact *
 
 /* [E10.21] Loads of a joint on its nodes, F2 = s and F1 = Ad s, Ad = exp(angle axis^) of force and of moment: s is the
    load of what is outboard on what is inboard, in section axes of the outboard node.
-   Source: balance of a body without mass.  Cost: 150 flops.  Fails: never.
+   Source: E10.7 of no length.  Cost: 150 flops.  Fails: never.
    Test: hinges_keep_energy_whatever_the_step. */
 static FBI_NOINLINE void fbi_exact_joint_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
 {
@@ -13947,7 +13947,7 @@ static void fbi_exact_joint_apart(fb_real y[6], const fb_exact_work *work, const
    angle) of a driven one. Power of the loads on both nodes is then the moment of the joint times its rate, and, the
    angle being that of the middle, energy is kept as by E10.8.
    Source: own.  Cost: 200 flops.  Fails: never.
-   Test: hinges_keep_energy_whatever_the_step, a_damper_takes_what_is_lost, a_driven_joint_turns_as_told. */
+   Test: hinges_keep_energy_whatever_the_step, a_damper_takes_what_is_lost, a_universal_joint_turns_as_cardan_says. */
 static FBI_NOINLINE void fbi_exact_joint_rows(fb_real r[6], const fb_exact_work *work, const fb_exact *m, int k)
 {
   const int j = m->jointed[k] - 1;
@@ -14058,15 +14058,11 @@ static void fbi_exact_mean3(fb_real y[3], fb_real d[3], const fb_real theta[6], 
    difference of the dead loads and gravity between its ends.
    Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
-static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
+static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
   fb_real f[6], df[6], y[6], mean_G[3];
-  if (m->jointed[k]) {
-    fbi_exact_joint_cell(c, work, m, k);
-    return;
-  }
 
   /* Strain from the stress, twist over the element */
   c->h = m->h[k];
@@ -14115,6 +14111,15 @@ static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, co
     const fb_real mean = s[i] + (y[i] - c->h * df[i]) / FB_R(12.0);
     c->F1[i] = mean - FB_R(0.5) * c->dF[i];
     c->F2[i] = mean + FB_R(0.5) * c->dF[i];
+  }
+}
+
+static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
+{
+  if (m->jointed[k]) {
+    fbi_exact_joint_cell(c, work, m, k);
+  } else {
+    fbi_exact_beam_cell(c, work, m, k);
   }
 }
 
@@ -28442,7 +28447,7 @@ static void fbi_exact_unfactor(fb_real *A, const fb_real *LU, const int *perm, c
 
 /* [E10.24] Block of a joint in E10.20: the moment about its axis, stiffness times the angle, is put into the balance of
    the node, so that the block is symmetric; what is left of it in its own row is the one of a compliance.
-   Source: elimination.  Cost: 200 flops.  Fails: never.  Test: a_hinged_column_buckles_at_its_load. */
+   Source: own.  Cost: 200 flops.  Fails: never.  Test: a_hinged_column_buckles_at_its_load. */
 static void fbi_exact_joint_fold(fb_real A[144], const fb_exact_work *work, const fb_exact_joint *joint)
 {
   const fb_real *const a = joint->axis;
