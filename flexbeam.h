@@ -2772,6 +2772,7 @@ FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
 /* Steady state under constant loads, gravity and motion of the base (at rest or in steady rotation; loads that do not
    rotate with a spinning base are taken in their present direction). state is the first guess; if Newton's method does
    not converge from it, load increments are applied to the undeformed beam. At most 500 increments of 25 iterations.
+   A driven joint keeps the angle of the state, which may be set; the undeformed beam has its joints at those angles.
    Beyond a buckling load there are several steady states. work->unstable is the number of unstable directions of this
    one, the negative eigenvalues of the tangent stiffness (E10.20): 0 is stable, k > 0 as where k buckling loads are
    exceeded. For dead loads, gravity and loads that rotate with the base this is the criterion of Lagrange and

@@ -120,6 +120,26 @@ TEST(a_damper_takes_what_is_lost)
   FBT_NEAR_REL(before - total_energy(), taken, FBT_TOL(1e-10, 1e-3));
 }
 
+/* E10.13, E11.20: with dissipation the energy of elements and springs never rises, in steps of any length. */
+TEST(dissipation_takes_energy_of_springs_too)
+{
+  double before;
+  elbow(3);
+  desc.dissipation = FB_R(0.4);
+  desc.joint[0].stiffness = FB_R(20.0);
+  start();
+  before = total_energy();
+  for (int k = 0; k < 300; k++) {
+    double now;
+    if (steps(1, k % 2 ? 5e-3 : 1e-3) != FB_OK) {
+      return;
+    }
+    now = total_energy();
+    FBT_TRUE(now <= before * (1.0 + FBT_TOL(1e-12, 1e-4)));
+    before = now;
+  }
+}
+
 /* ---- against rigid bodies, another program, and closed forms */
 
 static fb_body rod_body;
@@ -365,6 +385,26 @@ TEST(a_spring_at_a_hinge_bears_the_load)
       FBT_NEAR_REL(node[0].moment[2], force * ((run / 2 ? 0.75 : 0.0) + arm * cos(angle)), FBT_TOL(1e-8, 1e-4));
       FBT_INT_EQ(work.unstable, 0);
     }
+  }
+}
+
+/* E10.11, E10.22: a driven joint rests at the angle of the state, which may be set; from far away the load comes in
+   increments. */
+TEST(driven_joints_rest_where_they_are_told)
+{
+  for (int run = 0; run < 3; run++) {
+    const double angle = run == 0 ? 0.5 : run == 1 ? -2.5 : 7.0, force = 0.5;
+    beam(2.0, 7, stiff, slim);
+    hinge(3, 0.0, 0.0, 1.0)->driven = 1;
+    load_tip(FB_AXES_INERTIAL, 0.0, force, 0.0);
+    start();
+    state.angle[0] = (fb_real)angle;
+    FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    FBT_NEAR_REL(joint_of(0).angle, angle, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_ABS(node[7].position[1], sin(angle), 1e-3);
+    FBT_NEAR_ABS(joint_of(0).moment, -force * cos(angle), 1e-3);
+    FBT_NEAR_ABS(node[7].rotation[2], angle, 1e-3);
   }
 }
 
@@ -631,7 +671,8 @@ TEST(points_pass_joints)
 }
 
 SUITE(exact_joints, RUN(hinges_keep_energy_whatever_the_step), RUN(links_in_flight_keep_momentum),
-      RUN(a_damper_takes_what_is_lost), RUN(rods_on_joints_move_as_bodies_of_a_system),
+      RUN(a_damper_takes_what_is_lost), RUN(dissipation_takes_energy_of_springs_too),
+      RUN(driven_joints_rest_where_they_are_told), RUN(rods_on_joints_move_as_bodies_of_a_system),
       RUN(elastic_links_follow_the_reference), RUN(a_slider_crank_follows_the_reference),
       RUN(a_universal_joint_turns_as_cardan_says), RUN(a_motor_spins_up_through_whole_turns),
       RUN(a_spring_at_a_hinge_bears_the_load), RUN(a_locked_or_stiff_joint_is_no_joint),
