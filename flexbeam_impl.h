@@ -28020,6 +28020,7 @@ static void fbi_exact_rescale(fb_exact *m, const fb_exact_desc *desc)
   for (int k = 0; k < m->n_joint; k++) {
     const fb_real size = fbi_vec3_norm(desc->joint[k].axis);
     m->joint[k] = desc->joint[k];
+    m->joint[k].driven = desc->joint[k].driven != 0;
     m->joint[k].stiffness /= m->force * L;
     m->joint[k].damping /= m->force * L * m->time;
     m->joint[k].rate *= m->time;

@@ -788,9 +788,9 @@ static void exact_fill(void)
 {
   need(fb_exact_station_init(&w.exact_station, &w.section), "station");
   w.exact_desc.length = FB_R(2.0);
-  w.exact_desc.n_element = 4;
+  w.exact_desc.n_element = 3;
   w.exact_desc.n_joint = 1;
-  w.exact_desc.joint[0].element = 2;
+  w.exact_desc.joint[0].element = 1;
   w.exact_desc.joint[0].axis[2] = FB_R(1.0);
   w.exact_desc.joint[0].stiffness = FB_R(50.0);
   w.exact_desc.n_station = 1;
