@@ -2549,8 +2549,8 @@ typedef struct fb_body_desc {
   /* Gravity of a center, beside that: mu [m^3/s^2] (0: none; G times its mass), the center [m] in inertial axes. Force,
      gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
      deformed body; what is left out is, relative to them, about its size over the distance. Of the momentum form, with
-     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with trim, linear models, spectra and internal loads of
-     lines, and of bodies of systems in double precision alone (FB_ERR_UNSUPPORTED). The mass center must stay farther
+     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines, of bodies of systems
+     in double precision alone and not with trim, linear models and spectra of those (FB_ERR_UNSUPPORTED). The mass center must stay farther
      from the center than twice the root mean square distance of the body's mass from it (FB_ERR_RANGE) */
   fb_real mu, center[3];
   fb_real
@@ -2798,7 +2798,7 @@ typedef enum fb_port_kind {
   FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
                                 state; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion or a given momentum as
+  /* output [m/s^2], an accelerometer at the node: acceleration less gravity there. With base motion or a given momentum as
      input the term in the rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
   /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
@@ -2828,7 +2828,7 @@ typedef struct fb_linear_desc {
 /* Linear model d/dt x = A x + B u, y = C x + D u of perturbations about a steady state.
    One body: x = (q, pi, momenta, pose). pi: with a prescribed base relative to the ground. Momenta p = m u and h in
    body axes (free base: h about the center of mass). Pose: position and attitude relative to a frame that moves on with
-   the steady v, w, body axes. Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
+   the steady v, w, body axes (in orbit on its circle). Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
    (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
    (hinged: the last); a star tracker is a row of C with a 1 there.
    With rotors x = (q, pi, rotors, momenta, pose): rotors are the momenta of those whose momentum is not given. Their
@@ -2885,7 +2885,13 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed. FB_ERR_UNSUPPORTED: a body with central gravity.
+   prescribed.
+   With central gravity a free body turns as one with a circular orbit at the rate |input.w|, about the normal that
+   input.w, without its part along the vertical, has at the attitude of the state: sets attitude, position and velocity,
+   too. The attitude is in balance with the gradient, loads and rotors included; the first guess should be within some
+   30 degrees, and within a factor of 1.5 of the distance, about (mu/w.w)^(1/3). It need not be stable (see the
+   spectrum). Angles about which it is in balance anyhow stay as they are. FB_ERR_VALUE: input.w along the vertical;
+   FB_ERR_UNREST: also input.w 0, since it falls, and a force along the flight. Other bases feel the field where they are.
    Rotors keep the momenta that they have in state, or input. A free or pinned body with turning rotors spins at
    |input.w| such that w and the momentum of all of it are parallel, found from the direction of input.w, not always the
    nearest such axis; input.w 0: at rest, whatever the rotors do. FB_ERR_UNREST: also a motor that does not balance the
@@ -2934,6 +2940,8 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
    too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
    fb_system_rates_eval. Rotors inside bodies keep their momenta, and are refused, as in fb_body_trim.
+   FB_ERR_UNSUPPORTED: also a body with central gravity, here and in linear models and spectra of systems (a satellite of
+   a hub and flexible parts is one body, see fb_body_build).
    For the posture of an arm lock its joints, trim, apply the torques that hold them (fb_joint_motion.drive) as motor
    torques and free the joints. For wheels prescribe their rates, trim and free them. fb_system_axis_set changes the
    mode of an axis and keeps the momenta; the state is then ready for fb_system_linearize. */
@@ -3015,7 +3023,7 @@ typedef struct fb_spectrum {
 #if FB_WITH_SYSTEM
 /* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
    The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
-   on it (gravity, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
+   on it (gravity, loads in inertial axes). In orbit the spectrum contains that of the orbit: 0 twice, +-i w twice. FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
    0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);
@@ -3352,7 +3360,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
-          Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval.
+          Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models
+          and spectra of bodies in circular orbit.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
           fb_shape_add_field_lump, fb_shape_add_field_node.
           build/flexbeam reduce --code: the rk4 step of one body as C of its own, geometrically exact lines included.

@@ -28960,6 +28960,9 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   fb_node_motion node;
   fb_imu imu;
   fb_status status;
+#if FB_WITH_GRAVITY
+  fb_real g[3];
+#endif
 #if FB_WITH_ROTORS
   if (port->kind == FB_PORT_ROTOR_SPEED) {
     *y = motion->rotor_speed[port->axis];
@@ -28968,7 +28971,8 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
 #endif
   status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
-  gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
+  gravity = g;
+  status = status ? status : fb_body_gravity_eval(body, g, node.position);
 #endif
   if (status == FB_OK && port->kind == FB_PORT_ROTATION) {
     fb_node_motion from;
@@ -29012,10 +29016,6 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
   if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
-  }
-  if (fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY)) {
-    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: trim, linear model or spectrum, without central gravity", -1,
-                      FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_ROTORS
   {
@@ -29122,16 +29122,122 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
                 : fbi_free_spin(V, momenta, own + 3, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
 }
 
+/* ---- steady states in orbit */
+
+/* Unknowns of the trim of a body in orbit, behind q: rotation about its axes, distance from the axis of the orbit,
+   shift along that, both in parts of the distance. */
+#define FBI_ORBIT 5
+
+/* Does the trim look for an orbit? */
+static int fbi_is_orbit(const fb_body *body, const fb_input *input)
+{
+  return fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY) && fbi_is_flying(body) && !fbi_is_zero(input->w, 3);
+}
+
+#if FB_WITH_GRAVITY
+/* From the center of the field: position of O, its parts across and along the unit vector e of w. */
+static void fbi_orbit_split(fb_real across[3], fb_real along[3], const fb_body *body, const fb_state *state,
+                            const fb_real w[3])
+{
+  const fb_real spin = fbi_vec3_norm(w);
+  fb_real place[3];
+  fbi_vec3_advance(place, state->rho, -FB_R(1.0), body->center);
+  fbi_vec3_zero(along);
+  fbi_vec3_add(along, fb_vec3_dot(place, w) / spin / spin, w);
+  fbi_vec3_advance(across, place, -FB_R(1.0), along);
+}
+#endif
+
+/* Increases unknown j of the trim by h; in orbit s->input->w is the rate of it, inertial axes. */
+static void fbi_body_unknown_move(fb_state *state, const fbi_subject *s, int j, fb_real h)
+{
+  const int i = j - s->body->n;
+  if (i < 0) {
+    state->q[j] += h;
+    return;
+  }
+#if FB_WITH_GRAVITY
+  if (fbi_is_orbit(s->body, s->input)) {
+    const fb_real *const w = s->input->w;
+    fb_real across[3], along[3];
+    fbi_orbit_split(across, along, s->body, state, w);
+    if (i < 3) {
+      fbi_frame_move(state->rho, state->quat, 3 + i, h);
+    } else if (i == 3) {
+      fbi_vec3_add(state->rho, h, across);
+    } else {
+      fbi_vec3_add(state->rho, h * fbi_vec3_norm(across) / fbi_vec3_norm(w), w);
+    }
+  }
+#endif
+}
+
+/* V = (v, w) of a body that turns as one with its orbit, about the axis w (inertial axes) through the center. */
+static void fbi_orbit_velocity(fb_real V[6], const fb_body *body, const fb_state *state, const fb_real w[3])
+{
+  fbi_vec6_zero(V);
+#if FB_WITH_GRAVITY
+  {
+    fb_real R[9], place[3], velocity[3];
+    fb_quat_to_mat33(R, state->quat);
+    fbi_vec3_advance(place, state->rho, -FB_R(1.0), body->center);
+    fb_vec3_cross(velocity, w, place);
+    fb_mat33_mulT_vec3(V, R, velocity);
+    fb_mat33_mulT_vec3(V + 3, R, w);
+  }
+#endif
+  (void)body, (void)state, (void)w;
+}
+
+/* What is left of a body that angles leave in balance, as one symmetric about the vertical, stays as it is: this part of
+   the torque of the largest inertia makes the angles unique. */
+#define FBI_ORBIT_HOLD FB_R(1e-3)
+/* [E12.40] Relative equilibrium in orbit: all of the body turns at the rate w about an axis through the center of the
+   field, u = w x r of the mass center at r. f = (torque about the mass center R^T (L' - w x L) in parts of m k^2 w^2, k
+   the radius of gyration, force u' - w x u along r and along w, in parts of w^2 r): with pi' = 0 they determine q,
+   attitude, and the place but for its angle about w. The force along the flight is zero with them, since the field
+   exerts no torque about its center: r x m (u' - w x u) + L' - w x L = 0 along w. i: the unknown that has been moved
+   by h.
+   Source: definition; Euler-Poincare.  Shapes: 5.  Fails: never.
+   Test: rigid_satellites_hang_by_principal_axes, booms_along_the_vertical_bend_faster, gyrostats_in_orbit_tilt. */
+static void fbi_orbit_residual(fb_real f[FBI_ORBIT], const fbi_subject *s, int i, fb_real h)
+{
+  const fb_state *const at = &s->work->moved, *const rate = &s->work->rate;
+  const fb_real *const w = s->input->w;
+  const fb_real spin = fbi_vec3_norm(w), gyration = s->body->gyration > FB_R(0.0) ? s->body->gyration : FB_R(1.0);
+  fb_real R[9], miss[3], across[3], along[3], distance;
+  fb_quat_to_mat33(R, at->quat);
+  fb_vec3_cross(miss, at->L, w);
+  fbi_vec3_add(miss, FB_R(1.0), rate->L);
+  fb_mat33_mulT_vec3(f, R, miss);
+  for (int k = 0; k < 3; k++) {
+    f[k] = f[k] / (s->body->mass * gyration * gyration * spin * spin) + (k == i ? FBI_ORBIT_HOLD * h : FB_R(0.0));
+  }
+  fbi_vec3_zero(across);
+  fbi_vec3_zero(along);
+#if FB_WITH_GRAVITY
+  fbi_orbit_split(across, along, s->body, at, w);
+#endif
+  distance = fbi_vec3_norm(across);
+  fb_vec3_cross(miss, at->u, w);
+  fbi_vec3_add(miss, FB_R(1.0), rate->u);
+  f[3] = fb_vec3_dot(miss, across) / (spin * spin * distance * distance);
+  f[4] = fb_vec3_dot(miss, w) / (spin * spin * spin * distance);
+}
+
 /* Residual of the trim: pi_dot at q_dot = 0, with q_j increased by h; the base moves as the input prescribes, or spins
-   freely. */
+   freely. Of an orbit see fbi_orbit_residual. */
 static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_analyse_work *const work = s->work;
+  const int orbit = fbi_is_orbit(s->body, s->input);
   fb_real V[6];
   fb_status status = FB_OK;
   work->moved = *s->state;
-  work->moved.q[j] += h;
-  if (s->body->base == FB_BASE_PRESCRIBED) {
+  fbi_body_unknown_move(&work->moved, s, j, h);
+  if (orbit) {
+    fbi_orbit_velocity(V, s->body, &work->moved, s->input->w);
+  } else if (s->body->base == FB_BASE_PRESCRIBED) {
     fbi_copy(V, s->input->v, 3);
     fbi_copy(V + 3, s->input->w, 3);
   } else {
@@ -29141,6 +29247,9 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
   status = status ? status : fb_body_rates_eval(s->body, &work->rate, &work->moved, s->input);
   if (status == FB_OK) {
     fbi_copy(f, work->rate.pi, s->body->n);
+  }
+  if (status == FB_OK && orbit) {
+    fbi_orbit_residual(f + s->body->n, s, j - s->body->n, h);
   }
   return status;
 }
@@ -29185,6 +29294,26 @@ static fb_status fbi_rotors_rest(const fb_body *body, const fb_real *speed, cons
 }
 #endif
 
+#if FB_WITH_GRAVITY
+/* Adds gravity to the summed magnitudes of fbi_body_rest. It pulls a base in orbit by its gradient alone, beside the
+   rounding of the rest. */
+static fb_status fbi_gravity_size(fb_real *torque, fb_real *across, const fb_body *body, const fb_state *state,
+                                  const fb_real w[3])
+{
+  const fb_real lever = body->mass * body->gyration;
+  fb_real g[3];
+  const fb_status status = fb_body_gravity_eval(body, g, state->rho);
+  if (fbi_is_central(body) && fbi_is_flying(body)) {
+    *torque +=
+        FB_R(64.0) * FB_EPSILON / FBI_UNREST * lever * fbi_vec3_norm(g) + lever * body->gyration * fb_vec3_dot(w, w);
+    fbi_vec3_copy(g, body->gravity);
+  }
+  *torque += lever * fbi_vec3_norm(g);
+  *across += lever * fbi_across(w, g);
+  return status;
+}
+#endif
+
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
@@ -29216,15 +29345,18 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
     across += fbi_across(seen, load->torque) + length * fbi_across(seen, load->force);
   }
 #if FB_WITH_GRAVITY
-  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
-    torque += body->mass * length * fbi_vec3_norm(body->gravity);
-    across += body->mass * length * fbi_across(w, body->gravity);
+  status = fbi_gravity_size(&torque, &across, body, &work->moved, w);
+  if (status != FB_OK) {
+    return status;
   }
 #endif
 
-  /* P' = 0, L' = w x L, now and later */
-  fbi_zero(push, 3);
-  fbi_vec3_add(push, body->mass, work->rate.u);
+  /* P' = w x P, L' = w x L, now and later */
+  fb_vec3_cross(push, work->moved.u, w);
+  fbi_vec3_add(push, FB_R(1.0), work->rate.u);
+  for (int i = 0; i < 3; i++) {
+    push[i] *= body->mass;
+  }
   return fbi_is_balanced(push, work->rate.L, work->moved.L, w, length, torque + noise) && across <= FBI_UNREST * torque
              ? FB_OK
              : FB_ERR_UNREST;
@@ -30008,7 +30140,7 @@ static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
     return fbi_loops_shut(s, &work->state);
   }
 #endif
-  s->work->state.q[j] += h;
+  fbi_body_unknown_move(&s->work->state, s, j, h);
   return FB_OK;
 }
 
@@ -30031,7 +30163,8 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
 }
 
 /* Longest correction of Newton's method, relative to the size of the body or in radians: beams that loads bend far
-   stiffen on the way, and the tangent of the unbent ones leads out of the range of the model. */
+   stiffen on the way, and the tangent of the unbent ones leads out of the range of the model; satellites would come to
+   rest by other axes than the nearest. */
 static fb_real fbi_trim_reach(const fbi_subject *s)
 {
 #if FB_WITH_SYSTEM
@@ -30039,10 +30172,10 @@ static fb_real fbi_trim_reach(const fbi_subject *s)
   for (int k = 0; s->system && k < s->system->n_body; k++) {
     large |= fbi_is_large(fbi_model(s->system, s->body, k));
   }
-  large |= !s->system && fbi_is_large(s->body);
+  large |= !s->system && (fbi_is_large(s->body) || fbi_is_orbit(s->body, s->input));
   return large ? FB_R(0.5) : FB_HUGE;
 #else
-  return fbi_is_large(s->body) ? FB_R(0.5) : FB_HUGE;
+  return fbi_is_large(s->body) || fbi_is_orbit(s->body, s->input) ? FB_R(0.5) : FB_HUGE;
 #endif
 }
 
@@ -30098,6 +30231,34 @@ static fbi_subject fbi_subject_body(const fb_body *body, fb_analyse_work *work, 
   return s;
 }
 
+/* work->input: the input with the rate of the orbit, inertial axes, in place of w: as that, across the vertical. */
+static fb_status fbi_orbit_start(fb_analyse_work *work, const fb_body *body, const fb_input *input)
+{
+  work->input = *input;
+#if FB_WITH_GRAVITY
+  {
+    const fb_real spin = fbi_vec3_norm(input->w);
+    fb_real R[9], w[3], place[3], distance, size;
+    fbi_vec3_advance(place, work->state.rho, -FB_R(1.0), body->center);
+    distance = fbi_vec3_norm(place);
+    fb_quat_to_mat33(R, work->state.quat);
+    fb_mat33_mul_vec3(w, R, input->w);
+    fbi_vec3_add(w, -fb_vec3_dot(w, place) / distance / distance, place);
+    size = fbi_vec3_norm(w);
+    if (!(size > FB_R(0.1) * spin && spin < FB_HUGE)) {
+      return fbi_is_finite(input->w, 3)
+                 ? FBI_REFUSE(FB_ERR_VALUE, "input: rate of an orbit w, normal to the vertical", -1, size, spin)
+                 : FB_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < 3; i++) {
+      work->input.w[i] = spin / size * w[i];
+    }
+  }
+#endif
+  (void)body;
+  return FB_OK;
+}
+
 /* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the Jacobian by differences.
    Source: definition.  Cost: 4 n evaluations and an LU factorization per iteration.  Fails: see the header.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, bases_that_are_pushed_have_no_state_of_rest. */
@@ -30105,6 +30266,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
 {
   fbi_subject s;
   fb_real change;
+  int n;
   fb_status status = fbi_analyse_check(body, state, input);
   FBI_REQUIRE(work, FB_ERR_NULL);
   if (status != FB_OK) {
@@ -30115,10 +30277,15 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   s = fbi_subject_body(body, work, &work->state, input, NULL);
   work->state = *state;
   fbi_rotors_give(&work->state, body, input);
-  for (int a = 0; a < body->n; a++) {
-    work->common.step[a] = fbi_difference_step(body, a);
+  n = body->n + (fbi_is_orbit(body, input) ? FBI_ORBIT : 0);
+  for (int a = 0; a < n; a++) {
+    work->common.step[a] = a < body->n ? fbi_difference_step(body, a) : FBI_DIFFERENCE;
   }
-  status = fbi_trim_newton(&change, &work->common, &s, body->n);
+  if (n > body->n) {
+    s.input = &work->input;
+    status = fbi_orbit_start(work, body, input);
+  }
+  status = status ? status : fbi_trim_newton(&change, &work->common, &s, n);
   status = status ? status : fb_state_check(body, &work->moved);
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
@@ -30460,11 +30627,36 @@ static fb_real fbi_body_size(const fb_body *body)
   return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
 }
 
-/* Rate of rotation and flight of the body frame [1/s]. all: the characteristic rate with the slowest mode or, without
-   rotation and modes, with loads and weight. */
-static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_motion *steady, const fb_input *input)
+/* Distance from the center of gravity [m], the scale of positions in its field, and the rate of a circular orbit there
+   [1/s]; 0 without a center. */
+static fb_real fbi_body_distance(fb_real *rate, const fb_body *body, const fb_state *state)
 {
-  const fb_real size = fbi_body_size(body), rate = fbi_vec3_norm(steady->w) + fbi_vec3_norm(steady->v) / size;
+  fb_real distance = FB_R(0.0);
+  *rate = FB_R(0.0);
+#if FB_WITH_GRAVITY
+  if (fbi_is_central(body)) {
+    fb_real place[3];
+    fbi_vec3_advance(place, state->rho, -FB_R(1.0), body->center);
+    distance = fbi_vec3_norm(place);
+    *rate = FB_SQRT(body->mu / distance) / distance;
+  }
+#endif
+  (void)body;
+  (void)state;
+  return distance;
+}
+
+/* Rate of rotation and flight of the body frame [1/s]; in the field of a center, where flight is an orbit, that of the
+   orbit. all: the characteristic rate with the slowest mode or, without rotation and modes, with loads and weight. */
+static fb_real fbi_body_rates_find(fb_real *all, const fbi_subject *s)
+{
+  const fb_body *const body = s->body;
+  const fb_motion *const steady = &s->work->steady;
+  const fb_input *const input = s->input;
+  const fb_real size = fbi_body_size(body);
+  fb_real fall;
+  const fb_real distance = fbi_body_distance(&fall, body, s->state);
+  const fb_real rate = fbi_vec3_norm(steady->w) + (distance > FB_R(0.0) ? fall : fbi_vec3_norm(steady->v) / size);
   fb_real force = fbi_force_size(body, size, FB_R(0.0)), slow = FB_R(0.0);
   for (int i = 0; i < input->n_load; i++) {
     force += fbi_load_size(&input->load[i], size);
@@ -30485,8 +30677,9 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   int rotor[FB_MAX_ROTORS];
   const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base), free = 6 - first;
   const fb_real size = fbi_body_size(body);
-  fb_real all;
-  const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
+  fb_real all, fall;
+  const fb_real place = fbi_larger(size, fbi_body_distance(&fall, body, s->state));
+  const fb_real rate = fbi_body_rates_find(&all, s);
   const int at = j - 2 * n - m; /* in the momenta, then the pose, of the base */
   int moves;
 
@@ -30510,9 +30703,9 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   /* Momenta and pose of the base */
   moves = (at < free ? at : at - free) + first < 3; /* the others are rotations */
   if (at < free) {
-    return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
+    return FB_R(100.0) * FBI_DIFFERENCE * body->mass * (moves ? place : size * size) * all;
   }
-  return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
+  return FBI_DIFFERENCE * (moves ? place : FB_R(1.0));
 }
 
 static int fbi_ports_fit(const fb_linear_desc *desc)
@@ -30872,12 +31065,13 @@ static void fbi_body_port_steps(const fbi_subject *s, int n)
 {
   const fb_body *const body = s->body;
   const fb_real size = fbi_body_size(body);
-  fb_real all, V[6], force;
-  const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
+  fb_real all, V[6], force, fall;
+  const fb_real rate = fbi_body_rates_find(&all, s), distance = fbi_body_distance(&fall, body, s->state);
   fbi_copy(V, s->work->steady.v, 3);
   fbi_copy(V + 3, s->work->steady.w, 3);
   force = fbi_force_size(body, size, body->limit_elastic + body->limit_damping * rate + rate * rate) +
-          body->mass * (fbi_vec3_norm(s->input->v_dot) + size * fbi_vec3_norm(s->input->w_dot));
+          body->mass * (fbi_vec3_norm(s->input->v_dot) + size * fbi_vec3_norm(s->input->w_dot)) +
+          body->mass * distance * fall * fall;
   for (int i = 0; i < s->input->n_load; i++) {
     force += fbi_load_size(&s->input->load[i], size);
   }
@@ -30947,7 +31141,7 @@ FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, f
 /* Does the motion of a body depend on its position or attitude? */
 static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 {
-  int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
+  int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY);
   acts |= fbi_is_distributed(input);
   for (int k = 0; k < input->n_load; k++) {
     acts |= input->load[k].axes == FB_AXES_INERTIAL;

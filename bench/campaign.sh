@@ -1,6 +1,6 @@
 #!/bin/sh
-# Runs per second of examples/campaigns/slew.txt by number of processes and of MPI ranks, each the median of three rounds that take
-# turns; speed-up against one. The processor time of a run tells what more processes cost (mpirun does not tell that of its ranks).
+# Runs per second of examples/campaigns/slew.txt by number of processes, of MPI ranks, and of lanes of one process, each the median
+# of three rounds that take turns; speed-up against one, of lanes against one process without. The processor time of a run tells what more processes cost (mpirun does not tell that of its ranks).
 set -eu
 out=build/bench_campaign
 mkdir -p "$out"
@@ -28,10 +28,15 @@ for k in 1 2 3; do
     [ ! -x build/examples/campaign_mpi ] || round ranks $n "" mpirun --allow-run-as-root --bind-to none -n $n build/examples/campaign_mpi
     n=$((2 * n))
   done
+  for n in 1 2 4 8; do
+    round with-lanes $n "--jobs 1 --lanes $n" build/flexbeam campaign
+  done
 done
 sort -k1,1 -k2,2n -k3,3n "$out/rounds" | awk -v runs="$runs" '
   BEGIN { printf "%-10s %4s %9s %9s %26s\n", "kind", "n", "runs/s", "speed-up", "processor time of a run" }
   { key = $1 " " $2; if (key != last) { n = 0; last = key }; rate[n] = $3; time[n++] = $4 }
-  n == 3 { if ($2 == 1) one = rate[1]
+  n == 3 { if ($2 == 1 && $1 != "with-lanes") one = rate[1]
+           if ($1 == "processes" && $2 == 1) single = rate[1]
+           if ($1 == "with-lanes") one = single
            printf "%-10s %4d %9.1f %9.2f %26s\n", $1, $2, rate[1], rate[1] / one,
                   $1 == "ranks" ? "-" : sprintf("%.1f ms", 1000 * time[1] / runs) }'

@@ -7,11 +7,15 @@
 #define _POSIX_C_SOURCE 200809L
 #define FLEXBEAM_STATIC
 #define PROGRAM "campaign"
+#define PROGRAM_LANES 1
 #define CAMPAIGN_COMMAND "flexbeam campaign"
-#define CAMPAIGN_HELP                                                \
-  "  --jobs N              runs at a time (as many as processors)\n" \
+#define CAMPAIGN_HELP                                                                                            \
+  "  --jobs N              runs at a time (as many as processors)\n"                                             \
+  "  --lanes N             by equations of their own, compiled with $CC, N = 1, 2, 4 or 8 runs at once on each " \
+  "processor\n"                                                                                                  \
   "  --run K               just run K, in this process; the command for the same scene\n"
 #include "campaign_program.h"
+#include "campaign_lanes.h"
 #include "../tools/words.h"
 #include "../common/output.h"
 #include <poll.h>
@@ -20,6 +24,7 @@
 
 static program prog;
 static campaign_worker worker[JOBS];
+static int by_library; /* rows that did not go by lanes */
 static volatile sig_atomic_t interrupts;
 
 static void interrupt(int signal_number)
@@ -44,12 +49,18 @@ static int give_runs(int jobs, int busy)
 {
   for (int i = 0; i < jobs && !interrupts; i++) {
     if (!worker[i].busy) {
-      const int run = ledger_next(&prog.l);
-      if (run < 0) {
+      const int most = prog.lanes > 0 ? (int)prog.lanes : 1;
+      case_chunk chunk = {0, {0}};
+      for (int run; chunk.n < most && (run = ledger_next(&prog.l)) >= 0;) {
+        chunk.run[chunk.n++] = run;
+      }
+      if (chunk.n == 0) {
         break;
       }
-      if (!worker_give(&prog.c, &worker[i], run)) {
-        ledger_return(&prog.l, run);
+      if (!worker_give(&prog.c, &worker[i], &chunk)) {
+        for (int k = 0; k < chunk.n; k++) {
+          ledger_return(&prog.l, chunk.run[k]);
+        }
         return busy > 0 ? busy : -1; /* those that are there go on */
       }
       busy++;
@@ -74,9 +85,14 @@ static int take_rows(int jobs, int *busy)
   }
   for (int i = 0; i < jobs && !status; i++) {
     if (at[i].revents) {
-      worker_take(&prog.c, &worker[i], &row);
-      status = ledger_add(&prog.l, &row);
-      (*busy)--;
+      if (worker_take(&prog.c, &worker[i], &row)) {
+        status = ledger_add(&prog.l, &row);
+        by_library += row.by_library && row.status == ROW_OK;
+      }
+      for (int k = 0; k < worker[i].left.n && !worker[i].busy; k++) { /* no process can be started for them now */
+        ledger_return(&prog.l, worker[i].left.run[k]);
+      }
+      *busy -= !worker[i].busy;
     }
   }
   return status;
@@ -90,8 +106,12 @@ static int work(int jobs)
       return fail("no process can be started", strerror(errno));
     }
     if (interrupts && !told++) {
-      fprintf(stderr, "\n" PROGRAM ": interrupted; waits for %d run%s in hand (once more: at once)\n", busy,
-              busy > 1 ? "s" : "");
+      int runs = 0;
+      for (int i = 0; i < jobs; i++) {
+        runs += worker[i].busy ? worker[i].left.n : 0;
+      }
+      fprintf(stderr, "\n" PROGRAM ": interrupted; waits for %d run%s in hand (once more: at once)\n", runs,
+              runs > 1 ? "s" : "");
     }
     status = take_rows(jobs, &busy);
   }
@@ -117,7 +137,14 @@ static int run_one(int run)
   }
   printf("\n");
   fflush(stdout);
-  case_run(&prog.c, &row, run);
+  if (prog.lanes > 0) {
+    const case_chunk chunk = {1, {run}};
+    campaign_row rows[CASE_CHUNK];
+    lanes_rows(&prog.c, rows, &chunk);
+    row = rows[0];
+  } else {
+    case_run(&prog.c, &row, run);
+  }
   for (int i = 0; i < prog.l.n_measure && row.status == ROW_OK; i++) {
     printf("%-20s %.17g\n", prog.l.label[i], row.measured[i]);
   }
@@ -132,6 +159,18 @@ static int run_is_there(void)
   return prog.run > prog.c.runs ? fail(what, "") : 0;
 }
 
+/* The equations of the scene for --lanes; a status of main. */
+static int compile_lanes(void)
+{
+  char why[200];
+  const int status = prog.lanes > 0 ? program_scene(&prog) : 0;
+  if (status || !(prog.lanes > 0)) {
+    return status;
+  }
+  case_run_chunk = lanes_rows;
+  return lanes_begin(&prog.c, (int)prog.lanes, why) ? 0 : fail("--lanes", why);
+}
+
 int campaign_main(int argc, char **argv)
 {
   const long processors = sysconf(_SC_NPROCESSORS_ONLN);
@@ -140,14 +179,20 @@ int campaign_main(int argc, char **argv)
   status = program_read(&prog, argc, argv);
   if (!status && prog.run > 0) {
     status = run_is_there();
+    status = status ? status : compile_lanes();
     status = status ? status : program_scene(&prog);
     return status ? status : run_one((int)prog.run - 1);
   }
+  status = status ? status : compile_lanes();
   status = status ? status : program_open(&prog);
   if (status) {
     return status;
   }
   watch_signals();
   status = work(prog.jobs > 0 ? (int)prog.jobs : processors > 0 && processors < JOBS ? (int)processors : 1);
+  if (by_library > 0) {
+    fprintf(stderr, PROGRAM ": %d runs went by the library, not by lanes: more than numbers varies in them\n",
+            by_library);
+  }
   return status ? status : program_close(&prog);
 }

@@ -21,14 +21,23 @@ static const char *const row_words[] = {"none", "ok", "refused", "failed", "cras
 typedef struct campaign_row { /* sent through pipes and by MPI as it is */
   int run;                    /* 0, 1, .. */
   row_status status;
-  uint64_t inputs; /* digest of the scene's files and of the parameters */
+  int by_library, unused; /* by_library: not by lanes (campaign_lanes.h) */
+  uint64_t inputs;        /* digest of the scene's files and of the parameters */
   double measured[SCENE_MEASURES];
   char message[CAMPAIGN_MESSAGE];
 } campaign_row;
 
+enum { CASE_CHUNK = 8 }; /* runs at most that a worker is given at once */
+
+typedef struct case_chunk {
+  int n, run[CASE_CHUNK];
+} case_chunk;
+
 typedef struct campaign_worker {
   pid_t child; /* 0: none yet, or no more */
-  int to, from, busy, run;
+  int to, from, busy;
+  int alone;       /* one run at a time: a worker that had several has died */
+  case_chunk left; /* without a row so far */
 } campaign_worker;
 
 /* The one scene of a process, and its files. */
@@ -145,6 +154,9 @@ static void case_run(const campaign *c, campaign_row *row, int run)
   }
 }
 
+/* What runs a chunk in place of case_run, if anything: campaign_lanes.h. */
+static void (*case_run_chunk)(const campaign *c, campaign_row row[CASE_CHUNK], const case_chunk *chunk);
+
 /* Exactly n bytes; 0 when there are less. */
 static int case_read(int from, void *bytes, size_t n)
 {
@@ -183,19 +195,25 @@ static void worker_limit(double seconds)
    rows in hand are finished, and leaves no core file. */
 static void worker_loop(const campaign *c, int from, int to)
 {
-  static campaign_row row;
+  static campaign_row row[CASE_CHUNK];
   const struct rlimit no_core = {0, 0};
-  int run;
+  case_chunk chunk;
+  int good = 1;
   signal(SIGINT, SIG_IGN);
   signal(SIGTERM, SIG_IGN);
   signal(SIGPIPE, SIG_IGN);
   setrlimit(RLIMIT_CORE, &no_core);
-  while (case_read(from, &run, sizeof run)) {
-    worker_limit(c->cpu_limit);
-    case_run(c, &row, run);
+  while (good && case_read(from, &chunk, sizeof chunk)) {
+    worker_limit(c->cpu_limit * chunk.n);
+    if (case_run_chunk) {
+      case_run_chunk(c, row, &chunk);
+    }
+    for (int k = 0; k < chunk.n && !case_run_chunk; k++) {
+      case_run(c, &row[k], chunk.run[k]);
+    }
     worker_limit(0);
-    if (!case_write(to, &row, sizeof row)) {
-      break;
+    for (int k = 0; k < chunk.n && good; k++) {
+      good = case_write(to, &row[k], sizeof row[k]);
     }
   }
   _exit(0);
@@ -245,16 +263,17 @@ static int worker_begin(const campaign *c, campaign_worker *w)
   return 1;
 }
 
-/* Hands out a run, to a new worker if there is none or it died when it had nothing to do; 0 when none can be
-   started. */
-static int worker_give(const campaign *c, campaign_worker *w, int run)
+/* Hands out the runs that are left, or only the first of them, to a new worker if there is none or it died when it had
+   nothing to do; 0 when none can be started. */
+static int worker_send(const campaign *c, campaign_worker *w)
 {
-  w->run = run;
+  case_chunk chunk = w->left;
+  chunk.n = w->alone ? 1 : chunk.n;
   for (int attempt = 0; attempt < 2; attempt++) {
     if (w->child == 0 && !worker_begin(c, w)) {
       return 0;
     }
-    w->busy = case_write(w->to, &run, sizeof run);
+    w->busy = case_write(w->to, &chunk, sizeof chunk);
     if (w->busy) {
       return 1;
     }
@@ -263,17 +282,52 @@ static int worker_give(const campaign *c, campaign_worker *w, int run)
   return 0;
 }
 
-/* Waits for the row; if the worker dies, the row says how. */
-static void worker_take(const campaign *c, campaign_worker *w, campaign_row *row)
+/* Hands out runs. */
+static int worker_give(const campaign *c, campaign_worker *w, const case_chunk *chunk)
+{
+  w->left = *chunk;
+  w->alone = 0;
+  return worker_send(c, w);
+}
+
+/* The run of the row that has come is no longer left. */
+static void worker_strike(campaign_worker *w, int run)
+{
+  int n = 0;
+  for (int k = 0; k < w->left.n; k++) {
+    if (w->left.run[k] != run) {
+      w->left.run[n++] = w->left.run[k];
+    }
+  }
+  w->left.n = n;
+}
+
+/* Waits for a row, the next of those that were given; if the worker dies, the row of the run that it had says how. Had it
+   several, they are given again one by one, so that none is lost by another: 0, there is no row now. */
+static int worker_take(const campaign *c, campaign_worker *w, campaign_row *row)
 {
   int status;
-  w->busy = 0;
   if (case_read(w->from, row, sizeof *row)) {
-    return;
+    worker_strike(w, row->run);
+    w->busy = w->left.n > 0;
+    if (w->busy && w->alone) {
+      (void)worker_send(c, w);
+    }
+    return 1;
   }
   status = worker_end(w);
+  if (w->left.n > 1 && !w->alone) {
+    w->alone = 1;
+    if (worker_send(c, w)) {
+      return 0;
+    }
+  }
   memset(row, 0, sizeof *row);
-  row->run = w->run;
+  row->run = w->left.run[0];
+  worker_strike(w, row->run);
+  if (w->left.n > 0) {
+    (void)worker_send(c, w);
+  }
   row->status = ROW_CRASHED;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF) {
     row->status = ROW_TIMED_OUT;
@@ -283,5 +337,6 @@ static void worker_take(const campaign *c, campaign_worker *w, campaign_row *row
   } else {
     snprintf(row->message, sizeof row->message, "ended by exit(%d)", WEXITSTATUS(status));
   }
+  return 1;
 }
 #endif

@@ -18,6 +18,7 @@ typedef struct ledger {
   const char *program, *path;
   FILE *journal;
   int n_measure, next, done, failed, found, damaged; /* found: in the journal */
+  int by_lanes;                                      /* rows are those of campaign_lanes.h */
   uint64_t scene;
   char label[SCENE_MEASURES][TEXT_NAME];
   char title[SCENE_MEASURES][2 * TEXT_NAME + 4]; /* with the unit */
@@ -96,7 +97,7 @@ static void ledger_make_head(ledger *l)
     ledger_number(number, c->pair[k].rho);
     ledger_add_head(l, "correlate %s %s %s\n", c->vary[c->pair[k].a].name, c->vary[c->pair[k].b].name, number);
   }
-  ledger_add_head(l, "measures");
+  ledger_add_head(l, l->by_lanes ? "lanes\nmeasures" : "measures");
   for (int k = 0; k < l->n_measure; k++) {
     ledger_add_head(l, " %s", l->label[k]);
   }

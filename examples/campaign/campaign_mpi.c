@@ -8,6 +8,7 @@
    campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
 #define PROGRAM "campaign_mpi"
+#define PROGRAM_LANES 0
 #define CAMPAIGN_COMMAND "campaign_mpi"
 #define CAMPAIGN_HELP "  (mpirun -n N: N runs at a time)\n"
 #include "campaign_program.h"
@@ -36,15 +37,17 @@ static void runner_loop(int argc, char **argv, int from, int to)
 {
   static campaign_row row;
   campaign_worker worker = {0};
+  case_chunk chunk = {1, {0}};
   int run, ready = 0;
   while (case_read(from, &run, sizeof run)) {
     if (!ready++ && program_read(&prog, argc, argv)) {
       break;
     }
-    if (!worker_give(&prog.c, &worker, run)) {
+    chunk.run[0] = run;
+    if (!worker_give(&prog.c, &worker, &chunk)) {
       break;
     }
-    worker_take(&prog.c, &worker, &row);
+    (void)worker_take(&prog.c, &worker, &row);
     if (!case_write(to, &row, sizeof row)) {
       break;
     }

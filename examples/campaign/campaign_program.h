@@ -1,6 +1,6 @@
 /* campaign_program.h - what the campaign on one machine (campaign.c) and that by MPI (campaign_mpi.c) share: their
-   options, their beginning and their end. Define PROGRAM, CAMPAIGN_COMMAND, and CAMPAIGN_HELP, the lines of --help that
-   are its own. */
+   options, their beginning and their end. Define PROGRAM, CAMPAIGN_COMMAND, CAMPAIGN_HELP, the lines of --help that are
+   its own, and PROGRAM_LANES, whether it has --lanes. */
 #ifndef CAMPAIGN_PROGRAM_H
 #define CAMPAIGN_PROGRAM_H
 #include "campaign_report.h"
@@ -12,7 +12,7 @@ typedef struct program {
   ledger l;
   const char *file; /* NULL: all is on the command line */
   char csv[CAMPAIGN_PATH + 16], journal[CAMPAIGN_PATH + 32];
-  double jobs, run, pictures; /* of the command line */
+  double jobs, run, pictures, lanes; /* of the command line */
   int fresh, retry;
 } program;
 
@@ -41,17 +41,21 @@ static const char campaign_help[] =
 static int program_option(void *options, const char *name, const char *text)
 {
   program *p = options;
-  const number_option numbers[] = {
-      {"--jobs", &p->jobs, 1, 1024}, {"--run", &p->run, 1, CAMPAIGN_RUNS}, {"--pictures", &p->pictures, 0, 1}};
+  const number_option numbers[] = {{"--jobs", &p->jobs, 1, 1024},
+                                   {"--run", &p->run, 1, CAMPAIGN_RUNS},
+                                   {"--pictures", &p->pictures, 0, 1},
+                                   {"--lanes", &p->lanes, 1, 8}};
   if (strcmp(name, "--out") == 0) {
     return snprintf(p->csv, sizeof p->csv, "%.*s", CAMPAIGN_PATH, text) < CAMPAIGN_PATH && text[0]
                ? 0
                : fail("--out wants a file name of less than 400 characters", "");
   }
   if (strncmp(name, "--", 2) != 0 || campaign_word(name + 2) == CAMPAIGN_WORDS) {
-    const int status = read_number(numbers, 3, name, text);
-    return status || (p->jobs == floor(p->jobs) && p->run == floor(p->run)) ? status
-                                                                            : fail("a whole number is wanted", name);
+    const int status = read_number(numbers, PROGRAM_LANES ? 4 : 3, name, text);
+    const int lanes = (int)p->lanes, good = (double)lanes >= p->lanes && (lanes & (lanes - 1)) == 0;
+    return status || (p->jobs == floor(p->jobs) && p->run == floor(p->run) && good)
+               ? status
+               : fail(good ? "a whole number is wanted" : "1, 2, 4 or 8 is wanted", name);
   }
   return campaign_option(&p->c, PROGRAM, name, text);
 }
@@ -62,6 +66,7 @@ static int program_read(program *p, int argc, char **argv)
   int status = 0;
   memset(p, 0, sizeof *p);
   campaign_default(&p->c);
+  scene_draws = 0;
   p->pictures = 1;
   p->fresh = take_flag(&argc, argv, "--fresh");
   p->retry = take_flag(&argc, argv, "--retry");
@@ -174,6 +179,7 @@ static int program_open(program *p)
   p->l.c = &p->c;
   p->l.program = PROGRAM;
   p->l.scene = case_digest(&p->c);
+  p->l.by_lanes = p->lanes > 0;
   status = case_files.more ? fail("the scene names more files than 256", p->c.scene) : program_scene(p);
   status = status ? status : program_files(p);
   status = status ? status : ledger_open(&p->l, p->journal, p->fresh);

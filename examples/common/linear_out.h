@@ -15,6 +15,11 @@
 #ifndef LINEAR_OUT_PORTS
 #define LINEAR_OUT_PORTS 64
 #endif
+#if FB_WITH_EXACT
+#define LINEAR_OUT_STATES (FB_MAX_LINEAR > FB_EXACT_STATES ? FB_MAX_LINEAR : FB_EXACT_STATES)
+#else
+#define LINEAR_OUT_STATES FB_MAX_LINEAR
+#endif
 #define LINEAR_OUT_POINT (FB_MAX_BODIES * (13 + 2 * FBI_MAX_COORDINATES))
 
 typedef struct linear_value {
@@ -28,22 +33,25 @@ typedef struct linear_names { /* of a system, by body and by the joint that carr
 
 typedef struct linear_out {
   const char *source; /* what it is of: a file, a name */
-  unsigned crc;       /* fb_body_crc, fb_system_crc */
+  unsigned crc;       /* fb_body_crc, fb_system_crc, fb_exact_crc */
   int n, n_in, n_out, n_point;
   const fb_real *A, *B, *C, *D;
-  double error; /* fb_linear.error */
-  linear_value state[FB_MAX_LINEAR], in[LINEAR_OUT_PORTS], out[LINEAR_OUT_PORTS], point[LINEAR_OUT_POINT];
+  double error; /* fb_linear.error; of an exact beam 0: nobody estimates it */
+  linear_value state[LINEAR_OUT_STATES], in[LINEAR_OUT_PORTS], out[LINEAR_OUT_PORTS], point[LINEAR_OUT_POINT];
 } linear_out;
 
 /* ---- names */
 
 static const char linear_axes[] = "xyz";
-static const struct {
+typedef struct linear_port {
   const char *name, *unit;
-} linear_ports[] = {{"force", "N"},        {"torque", "N m"},     {"base_velocity", "m/s"}, {"base_rate", "rad/s"},
-                    {"displacement", "m"}, {"rotation", "rad"},   {"rate", "rad/s"},        {"acceleration", "m/s^2"},
-                    {"drive", "N m"},      {"coordinate", "rad"}, {"speed", "rad/s"},       {"pull", "N"},
-                    {"length", "m"},       {"motor", "N m"},      {"rotor_speed", "rad/s"}};
+} linear_port;
+
+static const linear_port linear_ports[] = {{"force", "N"},         {"torque", "N m"},         {"base_velocity", "m/s"},
+                                           {"base_rate", "rad/s"}, {"displacement", "m"},     {"rotation", "rad"},
+                                           {"rate", "rad/s"},      {"acceleration", "m/s^2"}, {"drive", "N m"},
+                                           {"coordinate", "rad"},  {"speed", "rad/s"},        {"pull", "N"},
+                                           {"length", "m"},        {"motor", "N m"},          {"rotor_speed", "rad/s"}};
 typedef char linear_ports_are_whole[sizeof linear_ports / sizeof linear_ports[0] == FB_PORT_COUNT ? 1 : -1];
 
 static inline void linear_name(linear_value *v, const char *unit, const char *before, const char *of, const char *what)
@@ -318,6 +326,65 @@ static inline void linear_out_system(linear_out *out, const char *source, const 
     }
   }
 }
+
+#if FB_WITH_EXACT
+static const linear_port linear_exact_ports[] = {
+    {"force", "N"},          {"torque", "N m"},          {"base_velocity", "m/s"}, {"base_rate", "rad/s"},
+    {"displacement", "m"},   {"rotation", "rad"},        {"velocity", "m/s"},      {"rate", "rad/s"},
+    {"internal_force", "N"}, {"internal_moment", "N m"}, {"force_strain", "-"},    {"moment_strain", "1/m"}};
+typedef char
+    linear_exact_ports_are_whole[sizeof linear_exact_ports / sizeof linear_exact_ports[0] == FB_EXACT_PORT_COUNT ? 1
+                                                                                                                 : -1];
+
+static inline void linear_name_exact_port(linear_value *v, const fb_exact_port *port)
+{
+  const int base = port->kind == FB_EXACT_PORT_BASE_VELOCITY || port->kind == FB_EXACT_PORT_BASE_RATE;
+  char place[32];
+  snprintf(place, sizeof place, "%d.%c", port->at, linear_axes[port->axis]);
+  linear_name(v, linear_exact_ports[port->kind].unit, "", linear_exact_ports[port->kind].name,
+              base ? strchr(place, '.') + 1 : place);
+}
+
+/* Of fb_exact_linearize; desc NULL: no ports. node: of fb_exact_nodes_eval at the steady state under `input`; its last
+   one is the tip. States are the modes' own, two of one that oscillates. */
+static inline void linear_out_exact(linear_out *out, const char *source, const fb_exact_linear *linear,
+                                    const fb_exact_linear_desc *desc, const fb_exact *exact, const fb_exact_node *node,
+                                    const fb_exact_input *input)
+{
+  int n = 0;
+  memset(out, 0, sizeof *out);
+  out->source = source;
+  out->crc = fb_exact_crc(exact);
+  out->n = linear->n;
+  out->n_in = linear->n_in;
+  out->n_out = linear->n_out;
+  out->A = linear->A;
+  out->B = linear->B;
+  out->C = linear->C;
+  out->D = linear->D;
+  for (int k = 0; k < linear->n_mode; k++) {
+    const int pair = FB_FABS(linear->im[k]) > FB_R(0.0);
+    for (int part = 0; part <= pair; part++) {
+      char name[32];
+      snprintf(name, sizeof name, "mode%d%s", k + 1, !pair ? "" : part ? "_b" : "_a");
+      linear_name(&out->state[n++], "-", "", "", name);
+    }
+  }
+  for (int k = 0; k < out->n_in; k++) {
+    linear_name_exact_port(&out->in[k], &desc->in[k]);
+  }
+  for (int k = 0; k < out->n_out; k++) {
+    linear_name_exact_port(&out->out[k], &desc->out[k]);
+  }
+  linear_add_vector(out, "m/s", "base", "velocity", input->v, 3);
+  linear_add_vector(out, "rad/s", "base", "spin", input->w, 3);
+  for (int end = 0; end < 2; end++) {
+    const fb_exact_node *const at = &node[end ? exact->n : 0];
+    linear_add_vector(out, "m", end ? "tip" : "root", "position", at->position, 3);
+    linear_add_vector(out, "-", end ? "tip" : "root", "attitude", at->quat, 4);
+  }
+}
+#endif
 
 /* ---- files */
 

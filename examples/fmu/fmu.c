@@ -154,9 +154,12 @@ static void write_scene_config(FILE *out, const fmu_export *e)
           e->is_static);
 }
 
-/* The smallest configuration that the model takes, as a header. */
+/* The smallest configuration that the model takes, as a header; beams of large deflection are built by way of tables
+   of all sizes. */
 static void write_config(FILE *out, const fmu_export *e)
 {
+  static const char *const tables[] = {"FB_MAX_LAMBDA", "FB_MAX_S", "FB_MAX_RUNS"};
+  const int large = (e->body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
   char option[80];
   FILE *const flags = tmpfile();
   fprintf(out, "/* fmu_config.h - configuration of flexbeam for the model of this FMU, made by flexbeam fmu */\n");
@@ -165,10 +168,16 @@ static void write_config(FILE *out, const fmu_export *e)
     rewind(flags);
     while (fscanf(flags, " -D%79s", option) == 1) {
       char *const value = strchr(option, '=');
+      int left_out = 0;
       if (value) {
-        *value = ' ';
+        *value = 0;
       }
-      fprintf(out, "#define %s\n", option);
+      for (int k = 0; k < 3 && large; k++) {
+        left_out |= strcmp(option, tables[k]) == 0;
+      }
+      if (value && !left_out) {
+        fprintf(out, "#define %s %s\n", option, value + 1);
+      }
     }
     fclose(flags);
   }
@@ -184,7 +193,16 @@ static void write_config(FILE *out, const fmu_export *e)
 
 static void write_model(FILE *out, const fmu_export *e)
 {
+  const fmu_parts *const p = e->parts;
+  rom r = {out, 0, 0};
   rom_write(out, e->body, "fmu_model", e->name, 0);
+  fputs("\nstatic const fmu_parts fmu_model_parts = {\n", out);
+  rom_shape(out, "rest", &p->rest, e->body, 0);
+  rom_desc(out, "desc", &p->desc, e->body->n, 0);
+  rom_number(&r, "hub_mass", p->hub_mass);
+  rom_reals(&r, "hub_center", p->hub_center, 3);
+  rom_reals(&r, "hub_inertia", p->hub_inertia, 6);
+  fputs("\n};\n", out);
   fputs("static const char *const fmu_node_name[] = {", out);
   for (int k = 0; k < e->body->n_node; k++) {
     fprintf(out, "%s\"%s\"", k ? ", " : "", e->node[k]);
@@ -218,6 +236,7 @@ static int write_sources(const fmu_export *e, const char *sources)
                                        "flexbeam_impl.h",
                                        "examples/common/clear.h",
                                        "examples/common/refusal.h",
+                                       "examples/common/stepper.h",
                                        "examples/fmu/fmu_variables.h",
                                        "examples/fmu/fmu_body.h",
                                        "examples/fmu/fmu_core.h",
@@ -421,7 +440,7 @@ static int pack(const char *out, const fmu_export *e)
 
 static int name_is_taken(const fmu_export *e, const char *name)
 {
-  static const char *const words[] = {"hub", "modes", "energy", "settings", "start", "time", "gravity"};
+  static const char *const words[] = {"hub", "base", "modes", "energy", "settings", "start", "time", "gravity"};
   int taken = 0;
   for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
     taken |= strcmp(name, words[i]) == 0;
@@ -473,6 +492,9 @@ static void make_token(fmu_export *e)
     name = word_of_text(name, e->node[k]);
   }
   rest = fbi_crc_reals(rest, &step, 1, 0);
+  rest = fbi_crc_reals(rest, &e->parts->hub_mass, 1, 0);
+  rest = fbi_crc_reals(rest, e->parts->hub_center, 3, 0);
+  rest = fbi_crc_reals(rest, e->parts->hub_inertia, 6, 0);
   rest = fbi_crc_word(fbi_crc_word(rest, (unsigned)e->fmi), (unsigned)e->is_static);
   tail = (unsigned long long)fbi_crc_word(name, rest) << 16 ^ rest;
   snprintf(e->token, sizeof e->token, "{%08x-%04x-%04x-%04x-%012llx}", fbi_body_crc(e->body, 0), name >> 16,
@@ -488,20 +510,31 @@ static double make_step(const fb_body *body)
   return (part >= 5 ? 5 : part >= 2 ? 2 : 1) * ten;
 }
 
+/* What the FMU builds it of: the shape without the hub. */
+static fb_status build_parts(fmu_parts *parts, const char **what)
+{
+  const int hub = model.hub;
+  fb_status status;
+  model.hub = 0;
+  status = model_build_shape(what);
+  model.hub = hub;
+  parts->rest = model_shape;
+  parts->desc = model.level;
+  parts->hub_mass = (fb_real)(hub ? model.hub_mass : 0);
+  for (int i = 0; i < 6 && hub; i++) {
+    parts->hub_center[i % 3] = (fb_real)model.hub_center[i % 3];
+    parts->hub_inertia[i] = (fb_real)model.hub_inertia[i];
+  }
+  return status;
+}
+
 /* 0, 1 or 2 as the program. */
-static int build(const char *file)
+static int build(const char *file, fmu_parts *parts)
 {
   const char *what;
   fb_status status;
   if (!model_read(PROGRAM, file)) {
     return 2;
-  }
-  if (model.level.base == FB_BASE_PRESCRIBED) {
-    fprintf(stderr,
-            "fmu: %s: a prescribed base wants its motion within a step, which inputs of an FMU do not give; "
-            "free, pinned or hinged\n",
-            file);
-    return 1;
   }
   if (model.level.n_rotor > 0) {
     fprintf(stderr, "fmu: %s: rotor %s: an FMU has no rotors: a wheel acts on its node by torques of the simulator\n",
@@ -511,7 +544,8 @@ static int build(const char *file)
   if (!(model.level.mu > FB_R(0.0))) {
     model.level.effects |= FB_EFFECT_GRAVITY; /* an input */
   }
-  status = model_build(&what);
+  status = build_parts(parts, &what);
+  status = status ? status : model_build(&what);
   if (status != FB_OK) {
     fprintf(stderr, "fmu: %s: %s: %s\n", file, what, refusal_text(status));
     return 1;
@@ -756,6 +790,7 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
 int fmu_main(int argc, char **argv)
 {
   static fmu_export e;
+  static fmu_parts parts;
   static char platform[64], name[TEXT_NAME];
   const int is_static = take_flag(&argc, argv, "--static"), named = argc > 1 && argv[1][0] != '-';
   const int is_scene = named && file_is_scene(argv[1]);
@@ -776,7 +811,7 @@ int fmu_main(int argc, char **argv)
     return fail("a link, a device, a pipe or a folder, where an FMU becomes a file of its own", o.out);
   }
   fmu_fmi = e.fmi = o.version + 2;
-  status = is_scene ? check_scene(argv[1]) : build(argv[1]);
+  status = is_scene ? check_scene(argv[1]) : build(argv[1], &parts);
   if (status != 0) {
     return status;
   }
@@ -789,7 +824,8 @@ int fmu_main(int argc, char **argv)
     e.name = model.name;
     e.body = &model_body;
     e.step = o.step > 0 ? o.step : make_step(&model_body);
-    e.n = fmu_variables(e.list, &model_body);
+    e.parts = &parts;
+    e.n = fmu_variables(e.list, &model_body, &parts);
     name_nodes(&e);
     make_token(&e);
   }

@@ -7,8 +7,8 @@
 #include "fmu_scene.h"
 #else
 #include "flexbeam.h"
-#include "fmu_model.h"
 #include "fmu_variables.h"
+#include "fmu_model.h"
 #include "fmu_body.h"
 #endif
 #include "fmi3Functions.h"

@@ -186,13 +186,13 @@ static fmu_answer fmu_end(fmu *f)
 
 /* ---- values */
 
-/* The variable of a reference; NULL after a refusal. whole: is the integrator, which is no real number, wanted? */
+/* The variable of a reference; NULL after a refusal. whole: is an enumeration, which is no real number, wanted? */
 static const fmu_variable *fmu_find(fmu *f, unsigned reference, int whole)
 {
   const fmu_variable *v = reference < (unsigned)f->n_value ? &f->variable[f->owner[reference]] : NULL;
   if (!v) {
     fmu_refuse(f, FMU_ERROR, "there is no value reference %u; the last one is %d", reference, f->n_value - 1);
-  } else if ((v->kind == FMU_INTEGRATOR) != whole) {
+  } else if (fmu_is_choice(v->kind) != whole) {
     char name[FMU_NAME];
     fmu_element_name(name, v, 0);
     fmu_refuse(f, FMU_ERROR, "%s is %s", name, whole ? "a real number" : "an enumeration");
@@ -225,8 +225,11 @@ static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double
   if (v->kind == FMU_SCENE_EARLY && !(fabs(x) <= 0 || fabs(x - 1) <= 0)) {
     return fmu_refuse(f, FMU_ERROR, "%s is 0 or 1: %g", name, x);
   }
-  if (v->kind == FMU_INTEGRATOR && !(x >= 1 && x <= (double)FB_INTEGRATOR_COUNT)) {
-    return fmu_refuse(f, FMU_ERROR, "%s is 1 to %d: %g", name, (int)FB_INTEGRATOR_COUNT, x);
+  if (fmu_is_factor(v->kind) && !(x >= FMU_FACTOR_LEAST && x <= FMU_FACTOR_MOST)) {
+    return fmu_refuse(f, FMU_ERROR, "%s is %g to %g: %g", name, FMU_FACTOR_LEAST, FMU_FACTOR_MOST, x);
+  }
+  if (fmu_is_choice(v->kind) && !(x >= 1 && x <= fmu_choices(v->kind))) {
+    return fmu_refuse(f, FMU_ERROR, "%s is 1 to %d: %g", name, fmu_choices(v->kind), x);
   }
   return FMU_OK;
 }
@@ -321,7 +324,7 @@ static fmu_answer fmu_get(fmu *f, const unsigned *reference, size_t n, double *v
   return answer;
 }
 
-/* The integrator, which counts from 1. */
+/* An enumeration */
 static fmu_answer fmu_set_choice(fmu *f, unsigned reference, double x)
 {
   const fmu_variable *const v = fmu_find(f, reference, 1);

@@ -3,7 +3,8 @@
    headers of scenes. What runs is the instance's own; reading and building take turns among the threads.
 
    Inputs: what adds to the scene's own functions of time, one for each load, motor, actuator and rotor that no
-   controller commands, and to the references of controllers. All begin at zero: left alone, the FMU moves as the scene.
+   controller commands, to the references of controllers, and to the motion of a base, two each: a velocity, and its rate,
+   by which it goes on. All begin at zero: left alone, the FMU moves as the scene.
    Parameters: those of the scene, before the end of initialization, as --set has them, and the longest step. */
 #ifndef FMU_SCENE_H
 #define FMU_SCENE_H
@@ -12,7 +13,8 @@
 #include <stddef.h>
 #include "fmu_variables.h"
 
-#define FMU_SCENE_INPUTS (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + SCENE_CONTROLS)
+#define FMU_SCENE_INPUTS \
+  (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + SCENE_CONTROLS + 2 * SCENE_MOTIONS)
 #define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 3)
 typedef char
     fmu_scenes_have_room[FMU_SCENE_VARIABLES <= FMU_MAX_VARIABLES && FMU_SCENE_VARIABLES <= FMU_MAX_VALUES ? 1 : -1];
@@ -34,6 +36,7 @@ typedef struct fmu_plant_state { /* all that changes in a scene that runs */
 typedef struct fmu_scene_input {
   function *f;
   double size; /* of the load that it is a part of */
+  int is_rate; /* it is the rate of the input before it */
 } fmu_scene_input;
 
 typedef struct fmu_plant { /* large, but for what the scene has not: that stays as it was taken, zeros */
@@ -154,7 +157,21 @@ static void fmu_scene_add_input(fmu_plant *p, function *f, double size, const ch
   fmu_scene_add(p, FMU_SCENE_INPUT, "", name, as.unit)->what = "added to what the scene says";
   strcpy(p->name[p->n_variable - 1], name);
   p->input[p->n_input].f = f;
+  p->input[p->n_input].is_rate = 0;
   p->input[p->n_input++].size = size;
+}
+
+/* The motion of the base, and its rate. */
+static void fmu_scene_add_motion(fmu_plant *p, scene_motion *motion)
+{
+  static const char *const name[2][2] = {{"velocity.base", "acceleration.base"},
+                                         {"rate.base", "angular_acceleration.base"}};
+  static const char *const unit[2][2] = {{"m/s", "m/s^2"}, {"rad/s", "rad/s^2"}};
+  const double *const x = motion->vector, size = hypot(hypot(x[0], x[1]), x[2]);
+  for (int rate = 0; rate < 2 && size > 0; rate++) {
+    fmu_scene_add_input(p, &motion->f, size, name[motion->rate][rate], unit[motion->rate][rate]);
+    p->input[p->n_input - 1].is_rate = rate;
+  }
 }
 
 /* Has what drives the scene a function that no controller replaces? size: as above. */
@@ -195,9 +212,12 @@ static void fmu_scene_add_inputs(fmu_plant *p, scene *s)
     snprintf(name, sizeof name, "reference.%s", s->control[k].name);
     fmu_scene_add_input(p, &s->control[k].reference, 1, name, "-");
   }
+  for (int k = 0; k < s->n_motion; k++) {
+    fmu_scene_add_motion(p, &s->motion[k]);
+  }
 }
 
-/* Does it follow loads and motors at once? */
+/* Does it follow loads and motors at once, or the motion of a base? */
 static int fmu_scene_is_direct(const scene *s, const scene_output *o)
 {
   switch (o->quantity) {
@@ -215,6 +235,16 @@ static int fmu_scene_is_direct(const scene *s, const scene_output *o)
   case SCENE_TENSION:
   case SCENE_POWER:
     return !s->is_exact;
+  case SCENE_VELOCITY:
+  case SCENE_RATE:
+  case SCENE_GYRO:
+  case SCENE_SPIN:
+  case SCENE_MODE_RATE:
+  case SCENE_ROTOR_SPEED:
+  case SCENE_ENERGY:
+  case SCENE_MOMENTUM:
+  case SCENE_ANGULAR_MOMENTUM:
+    return s->n_motion > 0 && !s->is_exact;
   default:
     return 0;
   }
@@ -376,6 +406,11 @@ static fmu_answer fmu_scene_make(fmu_plant *p, const double *parameter, double s
   return FMU_OK;
 }
 
+static double *fmu_scene_added(const fmu_scene_input *in)
+{
+  return in->is_rate ? &in->f->added_rate : &in->f->added;
+}
+
 /* The scene as the values have it, in this thread. */
 static fmu_answer fmu_plant_prepare(fmu_plant *p, const fmu_values *v, fmu_text text)
 {
@@ -402,9 +437,19 @@ static fmu_answer fmu_plant_prepare(fmu_plant *p, const fmu_values *v, fmu_text 
     }
   }
   for (int k = 0; k < p->n_input; k++) { /* behind time */
-    p->input[k].f->added = v->value[1 + k] / p->input[k].size;
+    *fmu_scene_added(&p->input[k]) = v->value[1 + k] / p->input[k].size;
   }
   return FMU_OK;
+}
+
+/* What moves the base goes on for so long: what was set is what is there now. */
+static void fmu_scene_moved(const fmu_plant *p, const fmu_values *v, double after)
+{
+  for (int k = 0; k < p->n_input; k++) {
+    if (p->input[k].is_rate) {
+      v->value[k] += after * v->value[1 + k];
+    }
+  }
 }
 
 /* The parts of a state that this scene has. */
@@ -456,6 +501,9 @@ static fmu_answer fmu_scene_begin(fmu_plant *p, fmu_text text)
 {
   scene *const s = &p->s;
   fb_status status;
+  for (int k = 0; k < p->n_input; k++) {
+    p->input[k].f->added_from = 0;
+  }
   fmu_scene_wait();
   status = scene_start(s);
   if (status != FB_OK) {
@@ -482,12 +530,12 @@ static fmu_answer fmu_scene_begin_alone(fmu_plant *p, fmu_text text)
   double added[FMU_SCENE_INPUTS];
   fmu_answer answer;
   for (int k = 0; k < p->n_input; k++) {
-    added[k] = p->input[k].f->added;
-    p->input[k].f->added = 0;
+    added[k] = *fmu_scene_added(&p->input[k]);
+    *fmu_scene_added(&p->input[k]) = 0;
   }
   answer = fmu_scene_begin(p, text);
   for (int k = 0; k < p->n_input; k++) {
-    p->input[k].f->added = added[k];
+    *fmu_scene_added(&p->input[k]) = added[k];
   }
   return answer;
 }
@@ -512,6 +560,9 @@ static fmu_answer fmu_scene_load(fmu_plant *p, const fmu_plant_state *state, fmu
   p->run.halved = state->halved;
   memcpy(engine.origin, state->origin, sizeof engine.origin);
   memcpy(controlling, state->controlling, known);
+  for (int k = 0; k < p->n_input; k++) {
+    p->input[k].f->added_from = state->time;
+  }
   if (p->s.is_exact) {
     exact_run.state = state->of.exact;
   } else if (scene_is_system(&p->s)) {
@@ -685,6 +736,7 @@ static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu
     scene_failed(&p->s, when, status);
     return fmu_scene_said(text, FMU_DISCARD, p->s.message);
   }
+  fmu_scene_moved(p, v, length);
   return FMU_OK;
 }
 
@@ -777,6 +829,7 @@ static inline fmu_answer fmu_plant_ahead(fmu_plant *p, fmu_plant_state *state, c
     scene_failed(&p->s, "derivatives", status);
     return fmu_scene_said(text, FMU_ERROR, p->s.message);
   }
+  fmu_scene_moved(p, v, h);
   return FMU_OK;
 }
 

@@ -15,17 +15,25 @@ typedef enum fmu_place {
 } fmu_place;             /* tip: every node but the hub */
 enum { FMU_MODES = -1 }; /* as many numbers as there are modes */
 
-/* kind, role, place, numbers, name (of nodes behind "hub." or the node's name), unit, does it depend directly on the
-   inputs?, meaning */
+/* On which inputs an output depends directly: forces and gravity move accelerations, the motion of a base velocities,
+   too; 1 of a scene: on all */
+typedef enum fmu_source { FMU_BY_NONE, FMU_BY_ALL, FMU_BY_GRAVITY, FMU_BY_BASE } fmu_source;
+
+/* kind, role, place, numbers, name (of nodes behind "hub." or the node's name), unit, the inputs on which it depends
+   directly, meaning */
 #define FMU_KINDS(X)                                                                                                  \
   X(TIME, INDEPENDENT, BODY, 1, "time", "s", 0, "time")                                                               \
   X(GRAVITY, INPUT, BODY, 3, "gravity", "m/s2", 0, "uniform gravity, inertial axes")                                  \
   X(FORCE, INPUT, NODE, 3, "force", "N", 0, "force that acts there, body axes")                                       \
   X(TORQUE, INPUT, NODE, 3, "torque", "N.m", 0, "torque that acts there, body axes")                                  \
+  X(BASE_VELOCITY, INPUT, BODY, 3, "base.velocity", "m/s", 0, "of the hub, body axes; base.acceleration goes on")     \
+  X(BASE_RATE, INPUT, BODY, 3, "base.rate", "rad/s", 0, "of the hub, body axes; base.angular_acceleration goes on")   \
+  X(BASE_ACCELERATION, INPUT, BODY, 3, "base.acceleration", "m/s2", 0, "rate of base.velocity, body axes")            \
+  X(BASE_RATE_DOT, INPUT, BODY, 3, "base.angular_acceleration", "rad/s2", 0, "rate of base.rate, body axes")          \
   X(POSITION, OUTPUT, NODE, 3, "position", "m", 0, "position, inertial axes")                                         \
   X(ATTITUDE, OUTPUT, NODE, 4, "attitude", NULL, 0, "unit quaternion w x y z, axes of the section to inertial ones")  \
-  X(VELOCITY, OUTPUT, NODE, 3, "velocity", "m/s", 0, "velocity, inertial axes")                                       \
-  X(RATE, OUTPUT, NODE, 3, "rate", "rad/s", 0, "angular velocity, axes of the section: a gyro there")                 \
+  X(VELOCITY, OUTPUT, NODE, 3, "velocity", "m/s", 3, "velocity, inertial axes")                                       \
+  X(RATE, OUTPUT, NODE, 3, "rate", "rad/s", 3, "angular velocity, axes of the section: a gyro there")                 \
   X(ACCELERATION, OUTPUT, NODE, 3, "acceleration", "m/s2", 1, "acceleration, inertial axes")                          \
   X(RATE_DOT, OUTPUT, NODE, 3, "angular_acceleration", "rad/s2", 1, "angular acceleration, axes of the section")      \
   X(DEFLECTION, OUTPUT, TIP, 3, "deflection", "m", 0, "elastic displacement, body axes")                              \
@@ -33,13 +41,18 @@ enum { FMU_MODES = -1 }; /* as many numbers as there are modes */
   X(REACTION_FORCE, OUTPUT, BODY, 3, "hub.reaction_force", "N", 1, "of the support on the hub, body axes")            \
   X(REACTION_TORQUE, OUTPUT, BODY, 3, "hub.reaction_torque", "N.m", 1, "of the support on the hub, body axes")        \
   X(Q, OUTPUT, BODY, FMU_MODES, "modes.q", NULL, 0, "modal coordinates")                                              \
-  X(Q_DOT, OUTPUT, BODY, FMU_MODES, "modes.q_dot", NULL, 0, "their rates")                                            \
-  X(KINETIC, OUTPUT, BODY, 1, "energy.kinetic", "J", 0, "kinetic energy")                                             \
+  X(Q_DOT, OUTPUT, BODY, FMU_MODES, "modes.q_dot", NULL, 3, "their rates")                                            \
+  X(KINETIC, OUTPUT, BODY, 1, "energy.kinetic", "J", 3, "kinetic energy")                                             \
   X(STRAIN, OUTPUT, BODY, 1, "energy.strain", "J", 0, "strain energy")                                                \
-  X(POTENTIAL, OUTPUT, BODY, 1, "energy.gravity", "J", 1, "energy in gravity")                                        \
+  X(POTENTIAL, OUTPUT, BODY, 1, "energy.gravity", "J", 2, "energy in gravity")                                        \
   X(STEP, PARAMETER, BODY, 1, "settings.step", "s", 0, "longest step of the integrator")                              \
   X(INTEGRATOR, PARAMETER, BODY, 1, "settings.integrator", NULL, 0, "rk4, midpoint, sdirk or exponential")            \
   X(DAMPING, PARAMETER, BODY, 1, "settings.damping_scale", NULL, 0, "factor of the damping of all modes")             \
+  X(STIFFNESS, PARAMETER, BODY, 1, "settings.stiffness_scale", NULL, 0, "factor of all stiffness; ratios stay")       \
+  X(MASS, PARAMETER, BODY, 1, "settings.mass_scale", NULL, 0, "factor of all masses but the hub's")                   \
+  X(HUB_MASS, PARAMETER, BODY, 1, "settings.hub_mass_scale", NULL, 0, "factor of the hub's mass; its center stays")   \
+  X(HUB_INERTIA, PARAMETER, BODY, 1, "settings.hub_inertia_scale", NULL, 0, "of the hub, about its mass center")      \
+  X(EFFECTS, PARAMETER, BODY, 1, "settings.effects", NULL, 0, "as described, or fewer: linear, spin, full")           \
   X(START_POSITION, PARAMETER, BODY, 3, "start.position", "m", 0, "of the hub, inertial axes")                        \
   X(START_ATTITUDE, PARAMETER, BODY, 4, "start.attitude", NULL, 0, "of the hub, quaternion w x y z of any length")    \
   X(START_VELOCITY, PARAMETER, BODY, 3, "start.velocity", "m/s", 0, "of the hub, inertial axes")                      \
@@ -112,7 +125,7 @@ static inline double *fmu_of(const fmu_values *v, fmu_kind kind, int node)
 }
 
 #define FMU_MAX_VARIABLES (FMU_KIND_COUNT * (FB_MAX_NODES + 1))
-#define FMU_MAX_VALUES (48 + 34 * FB_MAX_NODES + 4 * FB_MAX_MODES) /* enough for the numbers of all of them */
+#define FMU_MAX_VALUES (64 + 34 * FB_MAX_NODES + 4 * FB_MAX_MODES) /* enough for the numbers of all of them */
 
 /* Its name without the number of an element; node: that of its node. */
 static inline void fmu_name(char name[FMU_NAME], const fmu_variable *v, const char *node)
@@ -132,16 +145,80 @@ static inline const char *fmu_what(const fmu_variable *v)
   return v->what ? v->what : fmu_rows[v->kind].what;
 }
 
-static inline int fmu_direct(const fmu_variable *v)
+/* Does an output depend on an input directly? */
+static inline int fmu_follows(const fmu_variable *output, const fmu_variable *input)
 {
-  return v->name ? v->direct : fmu_rows[v->kind].direct;
+  switch (output->name ? output->direct : fmu_rows[output->kind].direct) {
+  case FMU_BY_ALL:
+    return 1;
+  case FMU_BY_GRAVITY:
+    return input->kind == FMU_GRAVITY;
+  case FMU_BY_BASE:
+    return input->kind == FMU_BASE_VELOCITY || input->kind == FMU_BASE_RATE;
+  default:
+    return 0;
+  }
+}
+
+/* Sets of effects by settings.effects: 1 as described, and these. */
+#define FMU_EFFECTS_CHOICES 4
+static const unsigned fmu_effects[FMU_EFFECTS_CHOICES] = {0, FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_FULL};
+
+/* Is it an enumeration, which counts from 1? */
+static inline int fmu_is_choice(fmu_kind kind)
+{
+  return kind == FMU_INTEGRATOR || kind == FMU_EFFECTS;
+}
+
+static inline int fmu_choices(fmu_kind kind)
+{
+  return kind == FMU_EFFECTS ? FMU_EFFECTS_CHOICES : (int)FB_INTEGRATOR_COUNT;
+}
+
+/* Factors of what is in the description; 1: as it is. */
+#define FMU_FACTOR_LEAST 1e-6
+#define FMU_FACTOR_MOST 1e6
+static inline int fmu_is_factor(fmu_kind kind)
+{
+  return kind == FMU_STIFFNESS || kind == FMU_MASS || kind == FMU_HUB_MASS || kind == FMU_HUB_INERTIA;
+}
+
+/* What a body is built of anew where a parameter is not as described: all but the hub, and the hub. */
+typedef struct fmu_parts {
+  fb_shape rest;
+  fb_body_desc desc;
+  fb_real hub_mass, hub_center[3], hub_inertia[6];
+} fmu_parts;
+
+/* Does it leave a body those effects or fewer? */
+static inline int fmu_has_effects(const fb_body *body, int choice)
+{
+  return (fmu_effects[choice - 1] & ~body->effects) == 0;
 }
 
 /* Does a body have it? Settings and states that a body does not have are left out. */
-static inline int fmu_has(const fb_body *body, fmu_kind kind)
+static inline int fmu_has(const fb_body *body, const fmu_parts *parts, fmu_kind kind)
 {
-  const int held = body->base != FB_BASE_FREE;
+  const int held = body->base != FB_BASE_FREE, moved = body->base == FB_BASE_PRESCRIBED;
+  const int large = (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
   switch (kind) {
+  case FMU_BASE_VELOCITY:
+  case FMU_BASE_RATE:
+  case FMU_BASE_ACCELERATION:
+  case FMU_BASE_RATE_DOT:
+    return moved;
+  case FMU_START_RATE:
+    return !moved;
+  case FMU_STIFFNESS:
+    return body->n > 0;
+  case FMU_EFFECTS:
+    return body->n > 0 && !large;
+  case FMU_MASS:
+    return !large && parts->rest.mass > FB_R(0.0);
+  case FMU_HUB_MASS:
+    return parts->hub_mass > FB_R(0.0);
+  case FMU_HUB_INERTIA:
+    return parts->hub_inertia[0] + parts->hub_inertia[1] + parts->hub_inertia[2] > FB_R(0.0);
   case FMU_GRAVITY:
     return (body->effects & FB_EFFECT_GRAVITY) != 0;
   case FMU_DAMPING:
@@ -157,14 +234,14 @@ static inline int fmu_has(const fb_body *body, fmu_kind kind)
 }
 
 /* The variables of a body in the order of their value references: how many. */
-static inline int fmu_variables(fmu_variable *list, const fb_body *body)
+static inline int fmu_variables(fmu_variable *list, const fb_body *body, const fmu_parts *parts)
 {
   int n = 0, next = 0;
   for (int kind = 0; kind < (int)FMU_KIND_COUNT; kind++) {
     const fmu_row *const row = &fmu_rows[kind];
     const int count = row->count == FMU_MODES ? body->n : row->count;
     const int from = row->place == FMU_OF_TIP, to = row->place == FMU_OF_BODY ? 1 : body->n_node;
-    for (int node = from; node < to && fmu_has(body, (fmu_kind)kind); node++) {
+    for (int node = from; node < to && fmu_has(body, parts, (fmu_kind)kind); node++) {
       const fmu_variable one = {.kind = (fmu_kind)kind, .node = node, .first = next, .count = count};
       list[n++] = one;
       next += count;
@@ -184,7 +261,12 @@ static inline double fmu_start(const fb_body *body, const fmu_variable *v, int e
   case FMU_STEP:
     return step;
   case FMU_INTEGRATOR:
+  case FMU_EFFECTS:
   case FMU_DAMPING:
+  case FMU_STIFFNESS:
+  case FMU_MASS:
+  case FMU_HUB_MASS:
+  case FMU_HUB_INERTIA:
     return 1;
   case FMU_START_ATTITUDE:
     return element == 0;

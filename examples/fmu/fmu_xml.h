@@ -11,9 +11,10 @@ typedef struct fmu_export {
   double step;
   const char *name, *platform;
   char token[48];
-  const fb_body *body; /* NULL: a scene.. */
-  const char *title;   /* ..with this title.. */
-  double stop;         /* ..and duration [s] */
+  const fmu_parts *parts; /* of the body */
+  const fb_body *body;    /* NULL: a scene.. */
+  const char *title;      /* ..with this title.. */
+  double stop;            /* ..and duration [s] */
   char node[FB_MAX_NODES][TEXT_NAME + 8];
   int n;
   fmu_variable list[FMU_MAX_VARIABLES];
@@ -128,6 +129,10 @@ static void fmu_write_type(FILE *out, const fmu_export *e, const fmu_variable *v
   }
   if (v->kind == FMU_INTEGRATOR) {
     fputs(" declaredType=\"Integrator\"", out);
+  } else if (v->kind == FMU_EFFECTS) {
+    fputs(" declaredType=\"Effects\"", out);
+  } else if (fmu_is_factor(v->kind)) {
+    fprintf(out, " min=\"%g\" max=\"%g\"", FMU_FACTOR_LEAST, FMU_FACTOR_MOST);
   }
   if (v->kind == FMU_STEP || v->kind == FMU_DAMPING || v->kind == FMU_SCENE_STEP) {
     fputs(" min=\"0\"", out);
@@ -145,7 +150,7 @@ static void fmu_write_variable2(FILE *out, const fmu_export *e, const fmu_variab
     }
     fputs("\"", out);
     fmu_write_attributes(out, v, v->first + i);
-    fprintf(out, "><%s", v->kind == FMU_INTEGRATOR ? "Enumeration" : "Real");
+    fprintf(out, "><%s", fmu_is_choice(v->kind) ? "Enumeration" : "Real");
     fmu_write_type(out, e, v, i, i + 1);
     fputs("/></ScalarVariable>\n", out);
   }
@@ -153,7 +158,7 @@ static void fmu_write_variable2(FILE *out, const fmu_export *e, const fmu_variab
 
 static void fmu_write_variable3(FILE *out, const fmu_export *e, const fmu_variable *v)
 {
-  const char *const type = v->kind == FMU_INTEGRATOR ? "Enumeration" : "Float64";
+  const char *const type = fmu_is_choice(v->kind) ? "Enumeration" : "Float64";
   fprintf(out, "    <%s name=\"", type);
   fmu_write_name(out, e, v);
   fputs("\"", out);
@@ -171,10 +176,10 @@ static void fmu_write_dependencies(FILE *out, const fmu_export *e, const fmu_var
 {
   const char *between = "";
   fputs(" dependencies=\"", out);
-  for (int k = 0; k < e->n && fmu_direct(v); k++) {
+  for (int k = 0; k < e->n; k++) {
     const fmu_variable *const input = &e->list[k];
-    const int pulls = v->kind != FMU_POTENTIAL || input->kind == FMU_GRAVITY;
-    for (int i = 0; i < (e->fmi == 2 ? input->count : 1) && fmu_rows[input->kind].role == FMU_INPUT && pulls; i++) {
+    const int pulls = fmu_rows[input->kind].role == FMU_INPUT && fmu_follows(v, input);
+    for (int i = 0; i < (e->fmi == 2 ? input->count : 1) && pulls; i++) {
       fprintf(out, "%s%d", between, input->first + i + (e->fmi == 2));
       between = " ";
     }
@@ -230,22 +235,36 @@ static void fmu_write_kind(FILE *out, const fmu_export *e)
   }
 }
 
+/* An enumeration: of settings.effects those that the body has. */
+static void fmu_write_choices(FILE *out, const fmu_export *e, fmu_kind kind)
+{
+  static const char *const name[][FMU_EFFECTS_CHOICES] = {{"rk4", "midpoint", "sdirk", "exponential"},
+                                                          {"as_described", "linear", "spin", "full"}};
+  const int two = e->fmi == 2, effects = kind == FMU_EFFECTS;
+  fprintf(out, two ? "    <SimpleType name=\"%s\"><Enumeration>\n" : "    <EnumerationType name=\"%s\">\n",
+          effects ? "Effects" : "Integrator");
+  for (int k = 1; k <= fmu_choices(kind); k++) {
+    if (!effects || fmu_has_effects(e->body, k)) {
+      fprintf(out, "      <Item name=\"%s\" value=\"%d\"/>\n", name[effects][k - 1], k);
+    }
+  }
+  fputs(two ? "    </Enumeration></SimpleType>\n" : "    </EnumerationType>\n", out);
+}
+
 static void fmu_write_types(FILE *out, const fmu_export *e)
 {
-  static const char *const integrator[] = {"rk4", "midpoint", "sdirk", "exponential"};
-  const int two = e->fmi == 2;
   fputs("  <UnitDefinitions>\n", out);
   fmu_write_units(out, e);
   fputs("  </UnitDefinitions>\n", out);
   if (!e->body) {
     return;
   }
-  fputs("  <TypeDefinitions>\n    ", out);
-  fputs(two ? "<SimpleType name=\"Integrator\"><Enumeration>\n" : "<EnumerationType name=\"Integrator\">\n", out);
-  for (int k = 0; k < FB_INTEGRATOR_COUNT; k++) {
-    fprintf(out, "      <Item name=\"%s\" value=\"%d\"/>\n", integrator[k], k + 1);
+  fputs("  <TypeDefinitions>\n", out);
+  for (int k = 0; k < e->n; k++) {
+    if (fmu_is_choice(e->list[k].kind)) {
+      fmu_write_choices(out, e, e->list[k].kind);
+    }
   }
-  fputs(two ? "    </Enumeration></SimpleType>\n" : "    </EnumerationType>\n", out);
   fputs("  </TypeDefinitions>\n", out);
 }
 
@@ -314,8 +333,8 @@ static void fmu_write_page(FILE *out, const fmu_export *e)
           e->body ? "It is made of internal steps: as many of settings.step as go into it, or, where that is no whole "
                     "number, of equal ones that are not longer."
                   : "They add to what the scene says: left at zero, it moves as the scene does.",
-          e->body ? "Vectors are listed once. Mass, stiffness, effects and number of modes are part of the model: "
-                    "another description is another FMU."
+          e->body ? "Vectors are listed once. The number of modes and their shapes are part of the model: another "
+                    "description is another FMU."
                   : "The scene, with the files that it names, is among the resources.");
   for (int k = 0; k < e->n; k++) {
     const fmu_variable *const v = &e->list[k];

@@ -23,7 +23,8 @@ typedef struct function {
   double a, t0, t1;    /* size; from, to [s] */
   double omega, phase; /* of a sine */
   int first, n;        /* rows of a table */
-  double added;        /* to its value, from outside: an input of an FMU; 0 in a file */
+  /* to its value, from outside: an input of an FMU, and its rate since then; 0 in a file */
+  double added, added_rate, added_from;
 } function;
 
 typedef struct function_row {
@@ -93,15 +94,20 @@ static function_value function_rise(const function *f, double x, double d)
   return out;
 }
 
+static function_value function_add(function_value of, const function *f, double t)
+{
+  of.value += f->added + f->added_rate * (t - f->added_from);
+  of.rate += f->added_rate;
+  return of;
+}
+
 /* At t, of the piece that holds `side`. */
 static function_value function_eval(const function *f, const function_tables *tables, double t, double side)
 {
   const double d = f->t1 - f->t0;
   function_value out = {0, 0, 0, 0};
   if (f->kind == FUNCTION_TABLE) {
-    out = function_table(f, tables, t, side);
-    out.value += f->added;
-    return out;
+    return function_add(function_table(f, tables, t, side), f, t);
   }
   if (f->kind == FUNCTION_SINE) {
     const double s = sin(f->omega * t + f->phase), c = cos(f->omega * t + f->phase);
@@ -120,11 +126,10 @@ static function_value function_eval(const function *f, const function_tables *ta
     out = function_rise(f, (t - f->t0) / d, d);
   }
   out.value *= f->a;
-  out.value += f->added;
   out.rate *= f->a;
   out.acceleration *= f->a;
   out.sum *= f->a;
-  return out;
+  return function_add(out, f, t);
 }
 
 /* [rad/s] of what it drives: 0 steady, HUGE_VAL a jump. */

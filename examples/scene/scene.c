@@ -23,7 +23,8 @@ static const char help[] =
     "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
     "  --code FILE       writes the rk4 step of its bodies on joints as C of its own, FILE.h, and does not run; "
     "functions\n"
-    "                    are called as FILE; with --single for single precision\n"
+    "                    are called as FILE; with --single for single precision, with --lanes for several at once, "
+    "too\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -256,7 +257,8 @@ int scene_main(int argc, char **argv)
 {
   static command c;
   scene *const s = &the_scene;
-  const int quiet = take_flag(&argc, argv, "--quiet"), single = take_flag(&argc, argv, "--single");
+  const int quiet = take_flag(&argc, argv, "--quiet"), single = take_flag(&argc, argv, "--single"),
+            lanes = take_flag(&argc, argv, "--lanes");
   int failed;
   output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
@@ -270,8 +272,8 @@ int scene_main(int argc, char **argv)
   c.options.warn = stderr;
   c.options.progress = quiet || !isatty(2) ? NULL : stderr;
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
-  if (!failed && single && !c.code) {
-    return fail("--single belongs to --code", "");
+  if (!failed && (single || lanes) && !c.code) {
+    return fail(single ? "--single belongs to --code" : "--lanes belongs to --code", "");
   }
   if (!failed && c.code &&
       (c.options.csv || c.options.margins || c.options.linear || c.options.picture || c.options.animation ||
@@ -281,7 +283,7 @@ int scene_main(int argc, char **argv)
   if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code) != 0) {
     return 2;
   }
-  failed = failed ? failed : c.code ? scene_write_code(s, c.code, single) : run_scene(s, &c.options);
+  failed = failed ? failed : c.code ? scene_write_code(s, c.code, single, lanes) : run_scene(s, &c.options);
   if (failed) {
     if (s->message[0]) {
       fprintf(stderr, "scene: %s\n", s->message);

@@ -204,6 +204,8 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
   return 1;
 }
 
+static int scene_draws = 1; /* 0: a program that draws nothing */
+
 /* Nodes along the beams, to draw them by. */
 static fb_status scene_add_drawn(scene_body *body)
 {
@@ -216,7 +218,7 @@ static fb_status scene_add_drawn(scene_body *body)
     const int part = model.node_part[k];
     body->on_beam[k] = part >= 0 && model.part[part].kind == MODEL_BEAM;
   }
-  n = body->n_beam > 0 ? (FB_MAX_NODES - body->n_node) / body->n_beam - 1 : 0;
+  n = scene_draws && body->n_beam > 0 ? (FB_MAX_NODES - body->n_node) / body->n_beam - 1 : 0;
   body->n_drawn = n > 0 ? n + 1 : 0;
   for (int p = 0; p < model.n_part; p++) {
     const fb_beam *const beam = &model_beam[p];

@@ -126,11 +126,11 @@ static void scene_check_exact_body(text_file *t, const scene *s, const scene_bod
   }
 }
 
-/* What chooses steps and steady states knows no gravity of a center. */
+/* What chooses steps and steady states of systems knows no gravity of a center. */
 static void scene_check_center(text_file *t, const scene *s, const scene_body *body)
 {
   if (body->level.mu > FB_R(0.0)) {
-    scene_refuse(t, &s->seen, "trim", "does not know central_gravity");
+    scene_refuse(t, &s->seen, "trim", "of bodies on joints does not know central_gravity");
     if (s->duration > 0 && !(s->step > 0)) {
       t->line = body->line;
       text_fail(t, "central_gravity of body %s wants a step", body->name);
@@ -153,9 +153,6 @@ static void scene_check_single(text_file *t, const scene *s)
     if (s->output[k].quantity == SCENE_POWER) {
       text_fail(t, "output %s: power is that of joints", s->output[k].label);
     }
-  }
-  if (modal) {
-    scene_check_center(t, s, body);
   }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
     t->line = body->line;

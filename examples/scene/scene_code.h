@@ -15,7 +15,9 @@ static int scene_code_refused(scene *s)
   } other[] = {{s->n_load, "load and nudge: the caller gives forces and torques at the origin of each body as input"},
                {s->n_distributed, "distributed: choose a scene without"},
                {s->n_motion, "motion: choose a scene without"},
-               {s->n_drive, "motor, value and rate: the caller gives the torques of motors as input"},
+               {s->n_drive,
+                "motor, value and rate: the caller gives the torques of motors, and value and rate of an axis "
+                "with mode prescribed, as input"},
                {s->n_control, "control: the caller gives the torques of motors as input"},
                {s->n_spring, "spring: choose stiffness and damping of joints"},
                {s->n_loop, "loop: choose a tree"},
@@ -48,11 +50,12 @@ static int scene_code_name(char name[64], const char *file)
 }
 
 /* Writes the step to a file; a status of main, 2 and a message for what cannot be written. */
-static int scene_write_code(scene *s, const char *file, int single)
+static int scene_write_code(scene *s, const char *file, int single, int lanes)
 {
   static const scene_options nothing;
   const char *names[FB_MAX_BODIES];
   char name[64], text[200];
+  const tree_choice choice = {name, single, lanes, 0};
   FILE *out;
   fb_status status;
   int good;
@@ -77,14 +80,14 @@ static int scene_write_code(scene *s, const char *file, int single)
     names[k] = s->body[k].name;
   }
   tree_refusal(text, &engine.system, engine.body, names);
-  if (text[0]) {
-    return 1 + scene_fail(s, "--code: %s", text);
+  if (text[0] || (lanes && tree_lanes_refusal(&engine.system))) {
+    return 1 + scene_fail(s, "--code: %s", text[0] ? text : tree_lanes_refusal(&engine.system));
   }
   out = fopen(file, "w");
   if (!out) {
     return 1 + scene_fail(s, "cannot write %s: %s", file, strerror(errno));
   }
-  good = tree_write(out, &engine.system, engine.body, names, name, s->path, single,
+  good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
                     fb_system_crc(&engine.system, engine.body, s->n_body));
   if (!good) {
     fclose(out);

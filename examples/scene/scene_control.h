@@ -13,7 +13,7 @@ static int scene_read_force_or_torque(text_file *t, double vector[3])
   return torque;
 }
 
-static const function function_of_one = {FUNCTION_CONSTANT, 1, 0, 0, 0, 0, 0, 0, 0};
+static const function function_of_one = {FUNCTION_CONSTANT, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* input OUTPUT [GAIN] [quantize Q] */
 static void scene_read_sensor(text_file *t, const scene *s, scene_control *c)

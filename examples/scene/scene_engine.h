@@ -200,11 +200,11 @@ static fb_status single_look(const scene *s, double t)
 
 /* ---- bodies on joints */
 
-static void system_drive(const scene *s, fb_system_input *input, const scene_drive *d, double t, double side)
+/* Adds what drives an axis of a joint of so many. */
+static void system_drive_add(fb_drive *drive, const scene_drive *d, int axes, const function_tables *tables, double t,
+                             double side)
 {
-  const scene_joint *const joint = &s->joint[d->joint];
-  fb_drive *const drive = &input->drive[joint->at];
-  const function_value f = function_eval(&d->f, &s->tables, t, side);
+  const function_value f = function_eval(&d->f, tables, t, side);
   if (d->kind == SCENE_MOTOR) {
     drive->torque[d->axis] += (fb_real)(d->control < 0 ? f.value : controlling[d->control].acting);
   } else if (d->kind == SCENE_VALUE) {
@@ -214,7 +214,7 @@ static void system_drive(const scene *s, fb_system_input *input, const scene_dri
   } else {
     drive->rate[d->axis] += (fb_real)f.value;
     drive->acceleration[d->axis] += (fb_real)f.rate;
-    if (scene_axes(joint) < 3) {
+    if (axes < 3) {
       drive->value[d->axis] += (fb_real)f.sum;
     }
   }
@@ -237,7 +237,9 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
     }
   }
   for (int k = 0; k < s->n_drive; k++) {
-    system_drive(s, input, &s->drive[k], t, side);
+    const scene_drive *const d = &s->drive[k];
+    const scene_joint *const joint = &s->joint[d->joint];
+    system_drive_add(&input->drive[joint->at], d, scene_axes(joint), &s->tables, t, side);
   }
   for (int k = 0; k < s->n_spring; k++) {
     const scene_spring *const spring = &s->spring[k];

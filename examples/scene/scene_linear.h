@@ -13,6 +13,12 @@ static struct scene_plant {
   linear_out file;
 } plant;
 
+static struct scene_exact_plant {
+  fb_exact_linear_desc desc;
+  fb_exact_linear linear;
+  fb_exact_linear_work work;
+} exact_plant;
+
 /* ---- ports */
 
 /* The port of the model, new or there already; -1: there are too many. */
@@ -186,6 +192,7 @@ static int plant_sensor(const scene *s, const scene_output *o)
 static fb_status plant_begin(const scene *s)
 {
   memset(&plant.desc, 0, sizeof plant.desc);
+  memset(&exact_plant.desc, 0, sizeof exact_plant.desc);
   return scene_look(s, 0);
 }
 
@@ -207,6 +214,67 @@ static fb_status plant_solve(const scene *s)
   scene_put_weight(s, weight);
   return status;
 }
+
+/* ---- of an exact beam: loads on its nodes; deflections of a root that is held, gyros */
+
+/* A load as ports and their weights: how many there are; -1: too many. */
+static int exact_plant_load(const scene *s, const scene_load *load, int port[3], double weight[3])
+{
+  fb_exact_linear_desc *const d = &exact_plant.desc;
+  int n = 0;
+  for (int i = 0; i < 3; i++) {
+    const fb_exact_port wanted = {load->torque ? FB_EXACT_PORT_TORQUE : FB_EXACT_PORT_FORCE,
+                                  s->body[0].element_node[load->node], i, load->axes};
+    if (fabs(load->vector[i]) <= 0) {
+      continue;
+    }
+    if (d->n_in == FB_MAX_PORTS) {
+      return -1;
+    }
+    port[n] = d->n_in;
+    weight[n++] = load->vector[i];
+    d->in[d->n_in++] = wanted;
+  }
+  return n;
+}
+
+/* As plant_sensor. */
+static int exact_plant_sensor(const scene *s, const scene_output *o)
+{
+  fb_exact_linear_desc *const d = &exact_plant.desc;
+  const int held = (exact_run.beam.held[0] & FB_END_CLAMPED) == FB_END_CLAMPED;
+  const fb_exact_port wanted = {o->quantity == SCENE_GYRO ? FB_EXACT_PORT_RATE : FB_EXACT_PORT_DISPLACEMENT,
+                                s->body[0].element_node[o->at], o->axis, FB_AXES_BODY};
+  if (o->quantity != SCENE_GYRO && (o->quantity != SCENE_DISPLACEMENT || !held)) {
+    return -1;
+  }
+  if (d->n_out == FB_MAX_PORTS) {
+    return -2;
+  }
+  d->out[d->n_out] = wanted;
+  return d->n_out++;
+}
+
+/* The modes that the beam's description asks for, in the place of a linear model of bodies. */
+static fb_status exact_plant_solve(const scene *s)
+{
+  const fb_exact_linear *const l = &exact_plant.linear;
+  fb_status status;
+  exact_input(s, 0, 0);
+  status = fb_exact_linearize(&exact_run.beam, &exact_plant.work, &exact_plant.linear, &exact_run.state,
+                              &exact_run.input, &exact_plant.desc, s->exact.modes);
+  if (status == FB_OK) {
+    plant.linear.n = l->n;
+    plant.linear.n_in = l->n_in;
+    plant.linear.n_out = l->n_out;
+    memcpy(plant.linear.A, l->A, (size_t)(l->n * l->n) * sizeof *l->A);
+    memcpy(plant.linear.B, l->B, (size_t)(l->n * l->n_in) * sizeof *l->B);
+    memcpy(plant.linear.C, l->C, (size_t)(l->n_out * l->n) * sizeof *l->C);
+    memcpy(plant.linear.D, l->D, (size_t)(l->n_out * l->n_in) * sizeof *l->D);
+  }
+  return status;
+}
+typedef char scenes_hold_exact_models[FB_MAX_LINEAR >= FB_EXACT_STATES ? 1 : -1];
 
 /* ---- its file */
 
@@ -288,9 +356,10 @@ static int plant_inputs(plant_input in[SCENE_OUTPUTS], const scene *s)
       }
       to->actor = (scene_actor)actor;
       to->at = k;
-      to->n = plant_actor(s, to->actor, k, to->port, to->weight);
-      for (int i = 0; i < to->n; i++) {
-        if (to->port[i] < 0) {
+      to->n = s->is_exact ? exact_plant_load(s, &s->load[k], to->port, to->weight)
+                          : plant_actor(s, to->actor, k, to->port, to->weight);
+      for (int i = 0; i < to->n || to->n < 0; i++) {
+        if (to->n < 0 || to->port[i] < 0) {
           return -1;
         }
       }
@@ -318,7 +387,7 @@ static int plant_fill(const scene *s, const plant_input *in, int n_in, const int
   }
   for (int o = 0; o < s->n_output; o++) {
     memset(row, 0, sizeof row);
-    if (sensor[o] < 0 && !plant_add_state(s, row, &s->output[o], 1)) {
+    if (sensor[o] < 0 && (s->is_exact || !plant_add_state(s, row, &s->output[o], 1))) {
       continue;
     }
     for (int j = 0; j < l->n; j++) {
@@ -351,7 +420,10 @@ static void plant_describe(const scene *s)
       names.joint[s->joint[j].at] = s->joint[j].name;
     }
   }
-  if (scene_is_system(s)) {
+  if (s->is_exact) {
+    linear_out_exact(&plant.file, s->path, &exact_plant.linear, &exact_plant.desc, &exact_run.beam, exact_run.node,
+                     &exact_run.input);
+  } else if (scene_is_system(s)) {
     linear_out_system(&plant.file, s->path, &plant.linear, &plant.desc, &engine.system, engine.body, s->n_body,
                       &engine.system_state, m, &names);
   } else {
@@ -374,9 +446,8 @@ static int scene_write_linear(scene *s, const char *name, FILE *talk)
   if (!name) {
     return 0;
   }
-  if (s->is_exact || s->method == FB_METHOD_MULTIPLIERS) {
-    return scene_fail(s, "--linear: %s no linear model here",
-                      s->is_exact ? "an exact beam has" : "with method multipliers there is");
+  if (s->method == FB_METHOD_MULTIPLIERS) {
+    return scene_fail(s, "--linear: with method multipliers there is no linear model here");
   }
   status = plant_begin(s);
   n_in = status ? 0 : plant_inputs(in, s);
@@ -385,13 +456,13 @@ static int scene_write_linear(scene *s, const char *name, FILE *talk)
                       FB_MAX_PORTS);
   }
   for (int o = 0; o < s->n_output; o++) {
-    sensor[o] = plant_sensor(s, &s->output[o]);
+    sensor[o] = (s->is_exact ? exact_plant_sensor : plant_sensor)(s, &s->output[o]);
     if (sensor[o] == -2) {
       return scene_fail(s, "--linear: output %s and those before it are more than %d sensors", s->output[o].label,
                         FB_MAX_PORTS);
     }
   }
-  status = status ? status : plant_solve(s);
+  status = status ? status : (s->is_exact ? exact_plant_solve : plant_solve)(s);
   if (status != FB_OK) {
     return scene_fail(s, "--linear: no linear model about the start: %s", refusal_text(status));
   }

@@ -14,6 +14,7 @@
 #include "../common/options.h"
 #include "words.h"
 #include "../common/linear_out.h"
+#include "ports.h"
 #include "../common/plot.h"
 
 static const char help[] =
@@ -358,87 +359,55 @@ static int campbell(const options *o, const double axis[3])
 
 /* ---- the linear model */
 
-static int fail_port(const char *option, const char *word, const char *why)
-{
-  fprintf(stderr, PROGRAM ": %s: %s: %s\n", option, word, why);
-  return 2;
-}
-
 /* The node of that name or number; -1: there is none. */
-static int find_node(const char *name, size_t length)
+static int find_node(const char *name)
 {
-  char *end;
-  const long number = strtol(name, &end, 10);
   for (int k = 0; k < model_body.n_node; k++) {
-    if (length > 0 && strlen(model.node_name[k]) == length && strncmp(model.node_name[k], name, length) == 0) {
+    if (name[0] && strcmp(model.node_name[k], name) == 0) {
       return k;
     }
   }
-  return length > 0 && end == name + length && number >= 0 && number < model_body.n_node ? (int)number : -1;
+  return port_number(name, model_body.n_node);
 }
 
 /* The rotor of that name or number; -1: there is none. */
 static int find_rotor(const char *name)
 {
-  char *end;
-  const long number = strtol(name, &end, 10);
   for (int k = 0; k < model_body.n_rotor; k++) {
     if (strcmp(model.rotor[k].text.name, name) == 0) {
       return k;
     }
   }
-  return end != name && !*end && number >= 0 && number < model_body.n_rotor ? (int)number : -1;
+  return port_number(name, model_body.n_rotor);
 }
 
 /* One port, as force.tip.y; where the base moves it there is no node; motor.wheel. 0, or 2 after a message. */
-static int read_port(fb_port *port, const char *option, const char *word)
+static int read_port(void *ports, int k, const char *option, const char *word)
 {
-  const size_t kind = strcspn(word, ".");
-  const char *const last = strrchr(word, '.');
+  fb_port *const port = (fb_port *)ports + k;
+  const char *const dot = strchr(word, '.');
+  port_place place;
   int is_input;
   memset(port, 0, sizeof *port);
-  while (port->kind < FB_PORT_COUNT &&
-         (strlen(linear_ports[port->kind].name) != kind || strncmp(linear_ports[port->kind].name, word, kind) != 0)) {
-    port->kind = (fb_port_kind)(port->kind + 1);
-  }
+  port->kind = (fb_port_kind)port_kind(linear_ports, FB_PORT_COUNT, word);
   is_input = port->kind < FB_PORT_DISPLACEMENT || port->kind == FB_PORT_MOTOR;
   if (port->kind == FB_PORT_COUNT || (port->kind >= FB_PORT_DRIVE && port->kind < FB_PORT_MOTOR) ||
       is_input != (option[2] == 'i')) {
     return fail_port(option, word, "no such kind (see --help)");
   }
   if (port->kind >= FB_PORT_MOTOR) {
-    port->axis = find_rotor(word[kind] ? word + kind + 1 : "");
+    port->axis = find_rotor(dot ? dot + 1 : "");
     return port->axis >= 0 ? 0 : fail_port(option, word, "no such rotor");
   }
-  if (!last || strlen(last) != 2 || !strchr(linear_axes, last[1])) {
-    return fail_port(option, word, "wants .x, .y or .z at its end");
+  if (read_place(&place, option, word)) {
+    return 2;
   }
-  port->axis = (int)(strchr(linear_axes, last[1]) - linear_axes);
+  port->axis = place.axis;
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
-    return last == word + kind ? 0 : fail_port(option, word, "the base has no node");
+    return !place.at[0] ? 0 : fail_port(option, word, "the base has no node");
   }
-  port->node = last > word + kind ? find_node(word + kind + 1, (size_t)(last - word) - kind - 1) : -1;
+  port->node = find_node(place.at);
   return port->node >= 0 ? 0 : fail_port(option, word, "no such node");
-}
-
-/* A list of ports, and their names as they are given. */
-static int read_ports(fb_port *port, int *n, linear_value *names, const char *option, const char *list)
-{
-  for (const char *at = list; *at;) {
-    const size_t length = strcspn(at, ",");
-    char word[80];
-    if (*n == FB_MAX_PORTS || length >= sizeof word) {
-      return fail_port(option, at, *n == FB_MAX_PORTS ? "more than 12 of them" : "is too long");
-    }
-    snprintf(word, sizeof word, "%.*s", (int)length, at);
-    if (read_port(&port[*n], option, word)) {
-      return 2;
-    }
-    memcpy(names[*n].name, word, sizeof word);
-    at += length + (at[length] == ',');
-    (*n)++;
-  }
-  return 0;
 }
 
 /* Writes the linear model about the steady state. */
@@ -456,8 +425,8 @@ static int write_linear(const options *o)
            last);
   snprintf(list[1], sizeof list[1], "displacement.%d.x,displacement.%d.y,displacement.%d.z,rate.0.x,rate.0.y,rate.0.z",
            last, last, last);
-  if (read_ports(desc.in, &desc.n_in, in, "--inputs", o->inputs ? o->inputs : list[0]) ||
-      read_ports(desc.out, &desc.n_out, out, "--outputs", o->outputs ? o->outputs : list[1])) {
+  if (read_ports(desc.in, &desc.n_in, in, "--inputs", o->inputs ? o->inputs : list[0], read_port) ||
+      read_ports(desc.out, &desc.n_out, out, "--outputs", o->outputs ? o->outputs : list[1], read_port)) {
     return 2;
   }
   status = fb_body_motion_eval(&model_body, &motion, &state, &input);
@@ -467,19 +436,12 @@ static int write_linear(const options *o)
     return 1;
   }
   linear_out_body(&file, o->file, &linear, &desc, &model_body, &state, &motion);
-  for (int k = 0; k < FB_MAX_PORTS; k++) {
-    memcpy(file.in[k].name, in[k].name, sizeof in[k].name);
-    memcpy(file.out[k].name, out[k].name, sizeof out[k].name);
+  for (int k = 0; k < desc.n_in; k++) {
     if (desc.in[k].kind == FB_PORT_MOTOR && model_body.rotor[desc.in[k].axis].given) {
       strcpy(file.in[k].unit, "N m s"); /* its momentum */
     }
   }
-  if (linear_out_write(&file, o->linear)) {
-    fprintf(stderr, PROGRAM ": cannot write %s: %s\n", o->linear, strerror(errno));
-    return 2;
-  }
-  printf("linear model: %s, %d states, %d inputs, %d outputs\n", o->linear, linear.n, linear.n_in, linear.n_out);
-  return 0;
+  return write_ports(&file, in, out, o->linear);
 }
 
 int analyse_main(int argc, char **argv)

@@ -2007,6 +2007,7 @@ static int code_write_lanes(const code *w)
   code wide = *w;
   int good;
   wide.lanes = CODE_WIDE;
+  code_lanes_template(w, code_lanes_if);
   code_lanes_template(w, code_lanes_vectors);
   code_write_types(&wide);
   code_template(&wide, w->vary ? code_vary_types : "");

@@ -30,9 +30,10 @@ static const char code_lanes_declarations[] =
     "@_status @_lanes_step(%L@_lanes_state *state, const @_lanes_input *start, const @_lanes_input *middle,\n"
     "                      const @_lanes_input *end, %s dt, @_status status[@_LANES]);\n";
 
+static const char code_lanes_if[] = "\n#if defined(__GNUC__) && !defined(__cplusplus) && @_LANES > 1\n"
+                                    "#define @_WIDE 1\n";
+
 static const char code_lanes_vectors[] =
-    "\n#if defined(__GNUC__) && !defined(__cplusplus) && @_LANES > 1\n"
-    "#define @_WIDE 1\n"
     "typedef %s @_wide __attribute__((vector_size(@_LANES * sizeof(%s))));\n"
     "typedef %I @_wide_mask __attribute__((vector_size(@_LANES * sizeof(%s))));\n"
     "#define @_wide_all(c) ((@_wide){0} + (c))\n"
@@ -47,6 +48,15 @@ static const char code_lanes_vectors[] =
     "static inline int @_wide_hold(const @_wide_mask *mask)\n{\n"
     "  %I all = -1;\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    all &= (*mask)[k];\n  }\n  return all != 0;\n}\n\n";
+
+/* Angles of joints, lane by lane. */
+static const char code_lanes_angles[] =
+    "#define @_wide_cos(x) (*@_wide_cosine((@_wide[1]){x}))\n"
+    "#define @_wide_sin(x) (*@_wide_sine((@_wide[1]){x}))\n\n"
+    "static inline @_wide *@_wide_cosine(@_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = cos~((*x)[k]);\n  }\n  return x;\n}\n\n"
+    "static inline @_wide *@_wide_sine(@_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = sin~((*x)[k]);\n  }\n  return x;\n}\n\n";
 
 static const char code_lanes_copies[] =
     "\n/* Structs of numbers alone: those of one body, and of lanes. */\n"
@@ -139,6 +149,9 @@ static void code_lanes_template(const code *w, const char *text)
                         : NULL;
       for (size_t k = 0; k < sizeof varied / sizeof *varied; k++) {
         own = varied[k].letter == *c ? (w->vary ? varied[k].text : "") : own;
+      }
+      if (w->vary & CODE_TABLE && (*c == 'B' || *c == 'C')) { /* a table is not copied: it is aligned */
+        own = *c == 'B' ? "(const @_wide_model *)(const void *)model, " : "";
       }
     }
     code_template(w, own ? own : piece);

@@ -254,6 +254,9 @@ static void code_combine(code_poly *p, const double s[3], const code_poly x[3], 
                           size[0].constant + size[1].constant + size[2].constant);
   }
   p->constant = s[0] * x[0].constant + s[1] * x[1].constant + s[2] * x[2].constant;
+  p->constant = fabs(p->constant) <= 64.0 * DBL_EPSILON * (size[0].constant + size[1].constant + size[2].constant)
+                    ? 0.0
+                    : p->constant;
   for (int a = 0; a < code_model.n; a++) {
     p->linear[a] = code_chop(s[0] * x[0].linear[a] + s[1] * x[1].linear[a] + s[2] * x[2].linear[a],
                              size[0].linear[a] + size[1].linear[a] + size[2].linear[a]);

@@ -19,6 +19,7 @@ enum {
   CODE_MASS = 4, /* of all but the hub */
   CODE_HUB_MASS = 8,
   CODE_HUB_INERTIA = 16,
+  CODE_TABLE = 32, /* every number that code_numbers tells: a place of model->k */
   CODE_DAMPED = 7, /* what changes the damping */
   CODE_HUB = 28    /* what changes the hub relative to the rest */
 };
@@ -104,9 +105,37 @@ static code_value code_factor_of(const code *w, int parameters, const char *fiel
   return w->vary & parameters ? code_variable("model->%s", field) : code_constant(1.0);
 }
 
+/* The numbers of a text in their order: so that a table of them tells a model from another one of the same form. */
+static struct code_numbers {
+  int n, most;     /* so far; that have room */
+  double *value;   /* where they are noted; NULL: they are written */
+  const int *slot; /* place of each in the table, -1: it is a literal */
+} code_numbers;
+
+/* Is the next number noted, or a place of the table? Else it is a literal. */
+static int code_number_placed(char text[40], double c)
+{
+  const int at = code_numbers.n++;
+  if (code_numbers.value) {
+    if (at < code_numbers.most) {
+      code_numbers.value[at] = c;
+    }
+    strcpy(text, "#");
+    return 1;
+  }
+  if (at < code_numbers.most && code_numbers.slot[at] >= 0) {
+    snprintf(text, 40, "model->k[%d]", code_numbers.slot[at]);
+    return 1;
+  }
+  return 0;
+}
+
 /* c with all its digits, in the precision of the target. */
 static void code_number(char text[40], const code *w, double c)
 {
+  if (w->vary & CODE_TABLE && code_number_placed(text, c)) {
+    return;
+  }
   snprintf(text, 36, w->single ? "%.9g" : "%.17g", w->single ? (double)(float)c : c);
   if (!strpbrk(text, ".en")) {
     strcat(text, ".0");
@@ -463,6 +492,10 @@ static int code_write_pruned(const code *w, void (*write)(const code *, int), in
 {
   code draft = *w;
   int good;
+  if (w->vary & CODE_TABLE && code_numbers.value) { /* nobody reads it */
+    write(w, k);
+    return 1;
+  }
   draft.out = tmpfile();
   if (!draft.out) {
     return 0;

@@ -22,6 +22,7 @@ typedef struct tree_link {
   int parent, n;                 /* link or -1; modes */
   int x, p, q, pi;               /* where its coordinates and momenta are in the vector */
   int axes, row;                 /* scalar or spherical axes; row of the first one in the system of equations */
+  int given;                     /* 1: its axis is prescribed, and not among the others: row behind theirs */
   code_value C[9], J[9], s[3];   /* child's axes to the parent's, joint's to the parent's; O from the parent's O */
   code_value A[3][6], A_dot[6];  /* twists */
   code_value I[21], b[6];        /* of all that hangs on the joint: inertia, momentum at rest */
@@ -30,6 +31,14 @@ typedef struct tree_link {
   code_rates rates;
 } tree_link;
 
+enum { TREE_LANES_ALONE = 2 };
+
+typedef struct tree_choice { /* what is to be written */
+  const char *name;
+  int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
+  int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
+} tree_choice;
+
 static struct tree {
   const fb_system *system;
   const fb_body *body;
@@ -37,6 +46,9 @@ static struct tree {
   int n, size, root;   /* links; numbers in the vector; the free link, -1: none */
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
+  int n_given;         /* prescribed axes */
+  int places;          /* of a table of numbers */
+  int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
   double mass, flying; /* [kg] of all bodies, of the free tree */
@@ -134,6 +146,16 @@ static void tree_write_view(const code *w, code_value y[3], const code_value x[3
   }
 }
 
+/* A function of libm and its bracket, of one body or of all lanes. */
+static void tree_call(const code *w, const char *name)
+{
+  if (w->lanes) {
+    fprintf(w->out, "%s_wide_%s(", w->name, name);
+  } else {
+    fprintf(w->out, "%s%s(", name, w->single ? "f" : "");
+  }
+}
+
 /* ---- what the description is */
 
 static int tree_has_gravity(const fb_body *body)
@@ -144,6 +166,12 @@ static int tree_has_gravity(const fb_body *body)
   (void)body;
   return 0;
 #endif
+}
+
+/* Is the axis of a joint, which has no other, prescribed? */
+static int tree_is_given(const fb_joint *joint)
+{
+  return joint->kind != FB_JOINT_FREE && joint->n_axis == 1 && joint->mode[0] == FB_AXIS_PRESCRIBED;
 }
 
 /* Does link k hang on the free root? */
@@ -174,7 +202,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->model = &body[system->model[k]];
     L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
     L->n = L->model->n;
-    L->axes = L->joint->kind == FB_JOINT_FREE ? 0 : L->joint->n_axis;
+    L->given = tree_is_given(L->joint);
+    L->axes = L->joint->kind == FB_JOINT_FREE || L->given ? 0 : L->joint->n_axis;
     L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
     L->x = k == tree.root ? 0 : tree.size;
     L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes);
@@ -188,6 +217,10 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.pulled |= tree_has_gravity(L->model);
     tree.stands |= tree_flies(k) && L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
     tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree.link[k].row = tree.link[k].given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_given : tree.link[k].row;
+    tree.n_given += tree.link[k].given;
   }
   tree.has_R = (tree.has_R || tree.pulled) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
@@ -209,8 +242,8 @@ static const char *tree_joint_refusal(const fb_system *system, int k)
     return "friction and stops: choose joints without them";
   }
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
-    if (joint->mode[i] != FB_AXIS_FREE) {
-      return "a locked or prescribed axis: choose mode free, or a rigid joint";
+    if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
+      return "a locked axis, or a prescribed one of several: choose mode free, or a rigid joint";
     }
   }
   return NULL;
@@ -238,6 +271,8 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     axes += system->joint[k].kind == FB_JOINT_FREE ? 0 : system->joint[k].n_axis;
     what = what         ? what
            : roots == 2 ? "a second free body: each tree is a file of its own"
+           : roots > 0 && tree_is_given(&system->joint[k])
+               ? "a prescribed axis beside a free body: prescribe axes of what hangs on the ground"
            : system->has_rotors && system->rotor[k] > FB_R(0.0) && !system->allow_long_step
                ? "it looks the same at all angles of its hinge, a wheel, whose step limit is not written: allow long "
                  "steps"
@@ -258,6 +293,20 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
              : system->n_spring > 0 ? "springs between points: choose springs of joints"
                                     : "method multipliers: choose recursive");
   }
+}
+
+/* What cannot be written with lanes, of what can be without; NULL: nothing. */
+static const char *tree_lanes_refusal(const fb_system *system)
+{
+  const char *what = NULL;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *const joint = &system->joint[k];
+    what = joint->kind == FB_JOINT_FREE ? "lanes of a free body: choose what hangs on the ground"
+           : joint->kind == FB_JOINT_SPHERICAL && joint->stiffness[0] > FB_R(0.0)
+               ? "lanes of a spherical joint with a spring: choose joints without"
+               : what;
+  }
+  return what;
 }
 
 /* ---- places */
@@ -281,8 +330,13 @@ static void tree_write_joint_turn(const code *w, code_value T[9], int k)
   }
   for (int i = 0; i < 2; i++) {
     if (i == is->angle || i == is->tilt) {
-      fprintf(w->out, "  const %s b%d_c%d = cos%s(x[%d]);\n", code_real(w), k, i, w->single ? "f" : "", L->x + i);
-      fprintf(w->out, "  const %s b%d_s%d = sin%s(x[%d]);\n", code_real(w), k, i, w->single ? "f" : "", L->x + i);
+      char angle[24];
+      snprintf(angle, sizeof angle, L->given ? "b%d_x_0" : "x[%d]", L->given ? k : L->x + i);
+      fprintf(w->out, "  const %s b%d_c%d = ", code_real(w), k, i);
+      tree_call(w, "cos");
+      fprintf(w->out, "%s);\n  const %s b%d_s%d = ", angle, code_real(w), k, i);
+      tree_call(w, "sin");
+      fprintf(w->out, "%s);\n", angle);
     }
   }
   if (is->angle >= 0) {
@@ -327,7 +381,7 @@ static void tree_write_twists(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const fbi_joint_traits *const is = fbi_traits(L->joint);
-  for (int a = 0; a < L->axes; a++) {
+  for (int a = 0; a < L->axes + L->given; a++) {
     double size = 0;
     for (int i = 0; i < 6; i++) {
       size = fmax(size, fabs((double)L->joint->A[6 * a + i]));
@@ -404,6 +458,11 @@ static void tree_write_names(const code *w)
         fprintf(w->out, "  const %s b%d_x_%d = x[%d];\n", type, k, i, L->x + i);
       }
       fprintf(w->out, "  const %s b%d_m_%d = x[%d];\n", type, k, i, L->p + i);
+    }
+    for (int i = 0; i < 2 && L->given; i++) {
+      fprintf(w->out, "  const %s b%d_%s_0 = in ? in->body_%d.%s[0] : ", type, k, i ? "v" : "x", k,
+              i ? "rate" : "value");
+      code_template(w, "%z;\n");
     }
     for (int a = 0; a < L->n; a++) {
       fprintf(w->out, "  const %s b%d_q_%d = x[%d];\n", type, k, a, L->q + a);
@@ -692,7 +751,7 @@ static void tree_write_column(const code *w, int k, int a)
       tree_write_to_parent(w, up, &tree.link[from], f, word, k);
       memcpy(f, up, sizeof up);
     }
-    for (int i = 0; i < L->axes; i++) {
+    for (int i = 0; i < L->axes + L->given; i++) {
       if (j < k || i <= a) {
         const int row = L->row + i;
         tree_matrix[row][column] = tree_matrix[column][row] =
@@ -741,6 +800,24 @@ static void tree_write_root_right(const code *w)
     tree_right[i] = code_end(w, &s, code_variable("y_%d", i));
     for (int j = 0; j < 6; j++) {
       tree_matrix[i][j] = L->I[fb_sym6_index(i, j)];
+    }
+  }
+}
+
+/* What prescribed speeds take from the momenta of the n axes that are free. */
+static void tree_write_given(const code *w, int n)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int i = 0; i < n && L->given; i++) {
+      code_sum s;
+      code_begin(&s);
+      code_add_one(&s, 1.0, tree_right[i]);
+      code_add(&s, -1.0, tree_matrix[i][L->row], code_variable("b%d_v_0", k));
+      tree_right[i] = code_end(w, &s, code_variable("y_%d_%d", i, k));
+    }
+    if (L->given) {
+      tree_right[L->row] = code_variable("b%d_v_0", k);
     }
   }
 }
@@ -799,11 +876,11 @@ static void tree_write_solve(const code *w)
   code_factor *const f = &code_solver;
   int order[CODE_ROWS];
   fputs("\n  /* E9.6: M u = p of the root and the axes of the joints, by L D L^T */\n", w->out);
-  for (int i = 0; i < n; i++) {
-    tree_nothing(tree_matrix[i], n);
+  for (int i = 0; i < n + tree.n_given; i++) {
+    tree_nothing(tree_matrix[i], n + tree.n_given);
   }
   for (int k = 0; k < tree.n; k++) {
-    for (int a = 0; a < tree.link[k].axes; a++) {
+    for (int a = 0; a < tree.link[k].axes + tree.link[k].given; a++) {
       tree_write_column(w, k, a);
     }
     tree_write_right(w, k);
@@ -811,6 +888,7 @@ static void tree_write_solve(const code *w)
   if (tree.root >= 0) {
     tree_write_root_right(w);
   }
+  tree_write_given(w, n);
   tree_order(order, n);
   f->n = n;
   for (int i = 0; i < n; i++) {
@@ -838,7 +916,7 @@ static void tree_write_velocity(const code *w, int k)
   tree_link *const L = &tree.link[k];
   code_value at[3];
   code_sum s;
-  for (int i = 0; i < L->axes; i++) {
+  for (int i = 0; i < L->axes + L->given; i++) {
     L->u[i] = tree_right[L->row + i];
   }
   if (k == tree.root) {
@@ -858,7 +936,7 @@ static void tree_write_velocity(const code *w, int k)
     if (L->parent >= 0) {
       tree_add_turned(&s, L->C, 1, i < 3 ? at : tree.link[L->parent].V + 3, i % 3);
     }
-    for (int a = 0; a < L->axes; a++) {
+    for (int a = 0; a < L->axes + L->given; a++) {
       code_add(&s, 1.0, L->A[a][i], L->u[a]);
     }
     L->V[i] = code_end(w, &s, code_variable("b%d_%s", k, code_rows[i]));
@@ -1086,7 +1164,8 @@ static void tree_write_loads(const code *w)
   code_begin(&work);
   for (int k = 0; k < tree.n; k++) {
     for (int i = 0; i < 6; i++) {
-      F[k][i] = code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
+      F[k][i] = tree.quiet ? code_constant(0.0)
+                           : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
   }
   for (int k = tree.n - 1; k >= 0; k--) {
@@ -1117,13 +1196,13 @@ static void tree_write_loads(const code *w)
       code_add_one(&s, 1.0, tau[a]);
       code_assign(&inner, &s, target);
     }
-    for (int a = 0; a < L->n; a++) {
+    for (int a = 0; a < L->n && !tree.quiet; a++) {
       fprintf(w->out, "    rate[%d] += in->body_%d.modal[%d];\n", L->pi + a, k, a);
     }
     if (L->parent >= 0) {
       tree_write_to_parent(&inner, F[L->parent], L, F[k], "l", k);
     } else {
-      for (int i = 0; i < 6 && tree_needs_load(k); i++) {
+      for (int i = 0; i < 6 && tree_needs_load(k) && !tree.quiet; i++) {
         code_begin(&s);
         snprintf(target, sizeof target, "load_%d[%d]", k, i);
         code_add_one(&s, 1.0, code_variable("%s", target));
@@ -1136,7 +1215,8 @@ static void tree_write_loads(const code *w)
     char target[32];
     snprintf(target, sizeof target, "rate[%d]", tree.work);
     code_assign(&inner, &work, target);
-    fprintf(w->out, "  } else if (pushed) {\n    rate[%d] = %s;\n", tree.work, w->single ? "0.0f" : "0.0");
+    fprintf(w->out, "  } else if (pushed) {\n    rate[%d] = ", tree.work);
+    code_template(w, "%z;\n");
   }
   fputs("  }\n", w->out);
 }
@@ -1147,7 +1227,7 @@ static void tree_write_root_loads(const code *w)
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     if (tree_needs_load(k)) {
-      fprintf(w->out, "  %s load_%d[6] = {0};\n", code_real(w), k);
+      fprintf(w->out, w->lanes ? "  %s load_%d[6] = {{0}};\n" : "  %s load_%d[6] = {0};\n", code_real(w), k);
     }
     for (int i = 0; i < 6 && tree_needs_load(k); i++) {
       char target[32];
@@ -1212,10 +1292,32 @@ static void tree_write_norm(const code *w, const char *name, int k, const code_v
   for (int i = 0; i < 3; i++) {
     code_add(&s, 1.0, x[i], x[i]);
   }
-  fprintf(w->out, "    const %s %s_%d = sqrt%s(", code_real(w), name, k, w->single ? "f" : "");
+  fprintf(w->out, "    const %s %s_%d = ", code_real(w), name, k);
+  tree_call(w, "sqrt");
   code_settle(&s);
+  if (w->lanes && s.n == 0) {
+    fprintf(w->out, "%s_wide_all(", w->name);
+  }
   code_expression(w, &s, 40);
-  fputs(");\n", w->out);
+  fputs(w->lanes && s.n == 0 ? "));\n" : ");\n", w->out);
+}
+
+/* The larger of two variables, into the first. */
+static void tree_write_larger(const code *w, const char *most, const char *other, int k)
+{
+  if (w->lanes) {
+    code_template(w, "    ");
+    fprintf(w->out, "%s = ", most);
+    code_template(w, "%W");
+    fprintf(w->out, "%s > %s_%d, %s", most, other, k, most);
+    code_template(w, "%! + %F");
+    fprintf(w->out, "%s > %s_%d", most, other, k);
+    code_template(w, "%:");
+    fprintf(w->out, "%s_%d", other, k);
+    code_template(w, "%;;\n");
+  } else {
+    fprintf(w->out, "    %s = %s > %s_%d ? %s : %s_%d;\n", most, most, other, k, most, other, k);
+  }
 }
 
 /* E11.15: the longest stable step at the present motion. */
@@ -1226,7 +1328,7 @@ static void tree_write_limit(const code *w)
   code_sum s;
   inner.indent = 4;
   fputs("\n  /* E8.8, E11.15: longest stable step [s] */\n  if (longest) {\n", w->out);
-  code_template(w, "    $ fastest = `0`, stiffening = `0`, g, bound;\n");
+  code_template(w, "    $ fastest = %z, stiffening = %z, g, bound;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     tree_write_norm(w, "spin", k, L->V + 3);
@@ -1246,12 +1348,12 @@ static void tree_write_limit(const code *w)
     code_begin(&s);
     code_add(&s, (double)L->model->limit_spin, code_variable("spin_%d", k), code_variable("spin_%d", k));
     code_add_one(&s, (double)L->model->limit_acceleration, code_variable("a_%d", k));
-    fprintf(w->out, "    fastest = fastest > spin_%d ? fastest : spin_%d;\n", k, k);
+    tree_write_larger(w, "fastest", "spin", k);
     if (s.n > 0) {
       char target[48];
       snprintf(target, sizeof target, "stiff_%d", k);
       code_declare(&inner, &s, target);
-      fprintf(w->out, "    stiffening = stiffening > stiff_%d ? stiffening : stiff_%d;\n", k, k);
+      tree_write_larger(w, "stiffening", "stiff", k);
     }
   }
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
@@ -1259,8 +1361,10 @@ static void tree_write_limit(const code *w)
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
-  code_template(w,
-                "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `2.785` ? `2.785` / bound : @_huge;\n  }\n");
+  code_template(w, w->lanes ? "    *longest = %Wbound * @_huge > `2.785`%, `2.785` / bound%! +\n"
+                              "               %Fbound * @_huge > `2.785`%:%Wbound >= `0`%, %z + @_huge%!%;;\n  }\n"
+                            : "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `2.785` ? `2.785` / bound : "
+                              "@_huge;\n  }\n");
 }
 
 /* ---- rates */
@@ -1271,7 +1375,8 @@ static const char tree_rates_head[] =
     "   longest (NULL: not asked for): stable step; pushed: the tail of the vector, momenta of the root and work, is "
     "not "
     "constant. */\n"
-    "static @_NOINLINE @_status @_rates_at($ *rate, $ *w, $ *longest, const $ *x, const @_input *in, int pushed)\n{\n";
+    "static @_NOINLINE @_status @_rates_at(%M$ *rate, $ *w, $ *longest, const $ *x, const @_input *in, int "
+    "pushed)\n{\n";
 
 /* P of the root in body axes. */
 static void tree_write_pushed(const code *w)
@@ -1289,6 +1394,7 @@ static void tree_write_rates(const code *w, int unused)
 {
   (void)unused;
   code_template(w, tree_rates_head);
+  code_template(w, "%V");
   tree_write_names(w);
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
@@ -1584,6 +1690,25 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
   }
 }
 
+enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
+
+static const struct {
+  const char *name, *what;
+} tree_inputs[TREE_INPUTS] = {{"force", "[N] at O, body axes"},
+                              {"torque", "[N m]"},
+                              {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
+                              {"value", "[rad], [m] of its axis, which is prescribed"},
+                              {"rate", "[rad/s], [m/s]"},
+                              {"modal", "generalized forces of the modes"}};
+
+/* How many numbers of that kind act on link k. */
+static int tree_input_size(int k, int m)
+{
+  const tree_link *const L = &tree.link[k];
+  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n};
+  return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
+}
+
 static int tree_has_state(int k)
 {
   return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n > 0;
@@ -1614,10 +1739,12 @@ static void tree_give(const code *w, int at, int n, int k, const char *member)
 /* d becomes x + d; small momenta and coordinates of modes become zero. */
 static void tree_sum(const code *w, int at, int n, int k, const char *member)
 {
-  const char *const least = member[0] == 'q' && member[1] != 'u' ? "tiny"
-                            : member[0] != 'p'                   ? ""
-                            : member[1] == 'i'                   ? "tiny"
-                                                                 : "faint";
+  static const char *const small[] = {"", "    d[i] = %Ffabs~(d[i]) < @_tiny%:d[i]%;;\n",
+                                      "    d[i] = %Ffabs~(d[i]) < @_faint%:d[i]%;;\n"};
+  const char *const least = small[member[0] == 'q'   ? member[1] != 'u'
+                                  : member[0] != 'p' ? 0
+                                  : member[1] == 'i' ? 1
+                                                     : 2];
   if (w->single) {
     code_template(w, "  @_sum_kept(");
     fprintf(w->out, "d + %d, next.body_%d.lost_%s, x + %d, %d);\n", at, k, member, at, n);
@@ -1625,9 +1752,7 @@ static void tree_sum(const code *w, int at, int n, int k, const char *member)
   if (!w->single || least[0]) {
     fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n%s", at, at + n, w->single ? "" : "    d[i] += x[i];\n");
     if (least[0]) {
-      code_template(w, "    d[i] = fabs~(d[i]) < @_");
-      fprintf(w->out, "%s ? ", least);
-      code_template(w, "`0` : d[i];\n");
+      code_template(w, least);
     }
     fputs("  }\n", w->out);
   }
@@ -1662,7 +1787,7 @@ static void tree_lengths(const code *w, int at, int n, int k, const char *member
   if (strcmp(member, "quat") == 0) {
     fprintf(w->out, "  norm2 = d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d];\n", at, at, at + 1,
             at + 1, at + 2, at + 2, at + 3, at + 3);
-    code_template(w, "  status = status == @_ok && !(fabs~(norm2 - `1`) <= `2e-3`) ? @_step_length : status;\n");
+    code_template(w, "  status = status == @_ok && !%((fabs~(norm2 - `1`) <= `2e-3`)%) ? @_step_length : status;\n");
   }
 }
 
@@ -1678,8 +1803,7 @@ static const char tree_status[] =
     "  @_range = -10       /* a deflection has left the range of the model */\n"
     "} @_status;\n\n"
     "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
-    "   joint or the body does not use is left out. */\n"
-    "typedef struct @_state {\n";
+    "   joint or the body does not use is left out. */\n";
 
 static const char tree_free_state[] =
     "    $ x[3];                  /* [m] position of O, inertial axes */\n"
@@ -1687,18 +1811,17 @@ static const char tree_free_state[] =
     "    $ lost_x[3], lost_u[3];  /* what x and u have lost by rounding */\n";
 
 static const char tree_declarations[] =
-    "} @_input;\n\n"
     "/* At zero coordinates, at rest: not where the scene starts. */\n"
     "void @_start(@_state *state);\n"
     "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
     "stays as\n"
     "   it was. */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n"
-    "#ifdef __cplusplus\n}\n#endif\n#endif\n";
+    "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
 static void tree_write_types(const code *w)
 {
-  code_template(w, tree_status);
+  int n;
+  code_template(w, "typedef struct @_state {\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     if (tree_has_state(k)) {
@@ -1711,20 +1834,25 @@ static void tree_write_types(const code *w)
     }
   }
   code_template(w, tree.work >= 0 ? "  $ motor_work; /* [J] */\n} @_state;\n\n" : "} @_state;\n\n");
+  n = 0;
   code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    fprintf(w->out, "  struct {\n    %s force[3], torque[3]; /* [N], [N m] at O, body axes */\n", code_real(w));
-    if (L->axes > 0) {
-      fprintf(w->out, "    %s motor[%d]; /* [N m], [N] of each axis, on the body and back on its parent */\n",
-              code_real(w), L->axes);
+    if (tree.quiet && L->axes + L->given == 0) {
+      continue;
     }
-    if (L->n > 0) {
-      fprintf(w->out, "    %s modal[%d]; /* generalized forces of the modes */\n", code_real(w), L->n);
+    fputs("  struct {\n", w->out);
+    for (int m = 0; m < TREE_INPUTS; m++) {
+      if (tree_input_size(k, m) > 0) {
+        fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_inputs[m].name, tree_input_size(k, m),
+                tree_inputs[m].what);
+      }
     }
     fprintf(w->out, "  } body_%d;\n", k);
+    n++;
   }
-  code_template(w, tree_declarations);
+  code_template(w, n > 0 ? "" : "  $ none;\n");
+  code_template(w, "} @_input;\n\n");
 }
 
 /* Comment at the head: what is written, and of what. */
@@ -1751,28 +1879,24 @@ static void tree_write_head(const code *w, const char *source, unsigned crc)
 }
 
 static const char tree_finite[] = "static int @_is_finite(const $ *x, int n)\n{\n"
-                                  "  $ sum = `0`;\n  @_UNROLL\n"
+                                  "  $ sum = %z;\n  @_UNROLL\n"
                                   "  for (int i = 0; i < n; i++) {\n    sum += fabs~(x[i]);\n  }\n"
-                                  "  return sum <= @_huge;\n}\n\n";
+                                  "  return %(sum <= @_huge%);\n}\n\n";
 
 /* Are the numbers of an input finite? */
 static void tree_write_input_check(const code *w)
 {
+  int n = 0;
   code_template(w, "static int @_input_is_finite(const @_input *in)\n{\n  return !in || (");
   for (int k = 0; k < tree.n; k++) {
-    code_template(w, k > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
-    fprintf(w->out, "in->body_%d.force, 3)", k);
-    code_template(w, " && @_is_finite(");
-    fprintf(w->out, "in->body_%d.torque, 3)", k);
-    for (int modal = 0; modal < 2; modal++) {
-      const int n = modal ? tree.link[k].n : tree.link[k].axes;
-      if (n > 0) {
-        code_template(w, " && @_is_finite(");
-        fprintf(w->out, "in->body_%d.%s, %d)", k, modal ? "modal" : "motor", n);
+    for (int m = 0; m < TREE_INPUTS; m++) {
+      if (tree_input_size(k, m) > 0) {
+        code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
+        fprintf(w->out, "in->body_%d.%s, %d)", k, tree_inputs[m].name, tree_input_size(k, m));
       }
     }
   }
-  fputs(");\n}\n\n", w->out);
+  fputs(n > 0 ? ");\n}\n\n" : "1);\n}\n\n", w->out);
 }
 
 static void tree_write_enter(const code *w)
@@ -1789,6 +1913,10 @@ static void tree_write_enter(const code *w)
     code_template(w, "  @_turn_back(x + 4, x, x + @_L);\n");
   }
   fputs("}\n", w->out);
+}
+
+static void tree_write_start(const code *w)
+{
   code_template(w, "\nvoid @_start(@_state *state)\n{\n  memset(state, 0, sizeof *state);\n");
   for (int k = 0; k < tree.n; k++) {
     if (k == tree.root || tree.link[k].joint->kind == FB_JOINT_SPHERICAL) {
@@ -1808,15 +1936,21 @@ static void tree_write_range(const code *w)
     code_sum s;
     code_begin(&s);
     for (int a = 0; a < L->n; a++) {
-      code_add_one(&s, (double)L->model->reach[a], code_variable("fabs%s(d[%d])", w->single ? "f" : "", L->q + a));
+      if (w->lanes) {
+        code_template(w, "  const $ ");
+        fprintf(w->out, "size_%d_%d = %s_wide_abs(d[%d]);\n", k, a, w->name, L->q + a);
+      }
+      code_add_one(&s, (double)L->model->reach[a],
+                   w->lanes ? code_variable("size_%d_%d", k, a)
+                            : code_variable("fabs%s(d[%d])", w->single ? "f" : "", L->q + a));
     }
     if (L->n > 0) {
       snprintf(target, sizeof target, "bent_%d", k);
       code_declare(w, &s, target);
       code_number(number, w, (double)L->model->deflection_limit);
-      code_template(w, "  status = status == @_ok && !(");
+      code_template(w, "  status = status == @_ok && !%((");
       fprintf(w->out, "bent_%d <= %s", k, number);
-      code_template(w, ") ? @_range : status;\n");
+      code_template(w, ")%) ? @_range : status;\n");
     }
   }
 }
@@ -1896,13 +2030,13 @@ static void tree_write_end(const code *w)
   int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
-                   "static @_status @_end(@_state *state, $ *d, const $ *x");
+                   "static @_status @_end(%M@_state *state, $ *d, const $ *x");
   code_template(w,
                 tree.root >= 0
                     ? ", const $ *before, $ dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
                       "  $ change[3] = {`0`, `0`, `0`}, step[3];\n"
                     : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
-  code_template(w, balls ? "  $ norm2;\n" : "");
+  code_template(w, balls ? "%V  $ norm2;\n" : "%V");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
     code_number(number, w, 1.0 / tree.flying);
@@ -1944,13 +2078,13 @@ static void tree_write_end(const code *w)
 
 static const char tree_step_head[] =
     "\n/* E11.12 */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)\n{\n"
-    "  static const $ node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
-    "  static const $ weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
+    "%S@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, %s dt)\n{\n"
+    "  static const %s node[4] = {`0.5`, `0.5`, `1`, `1`};\n"
+    "  static const %s weight[4] = {`1` / `6`, `1` / `3`, `1` / `3`, `1` / `6`};\n"
     "  const @_input *in[4];\n"
-    "  $ x[@_N], at[@_N], rate[@_N] = {`0`}, sum[@_N] = {`0`}, w[3 * @_BODIES]";
+    "  $ x[@_N], at[@_N], rate[@_N]%Z, sum[@_N]%Z, w[3 * @_BODIES]";
 
-static const char tree_step_begin[] = "  if (!state) {\n    return @_null;\n  }\n"
+static const char tree_step_begin[] = "  if (!state%Q) {\n    return @_null;\n  }\n"
                                       "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
                                       "  in[0] = start;\n  in[1] = in[2] = middle;\n  in[3] = end;\n"
                                       "  @_enter(x, state);\n"
@@ -1958,13 +2092,13 @@ static const char tree_step_begin[] = "  if (!state) {\n    return @_null;\n  }\
 
 static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at the start, rotation at every stage */\n"
                                        "    if (status == @_ok && stage == 0) {\n"
-                                       "      status = dt <= longest ? @_ok : @_step_length;\n"
+                                       "      status = %(dt <= longest%) ? @_ok : @_step_length;\n"
                                        "      memcpy(first, w, sizeof first);\n    }\n"
                                        "    if (stage > 0) {\n      int far = 0;\n      @_UNROLL\n"
                                        "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
                                        "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
                                        "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
-                                       "        far |= !(a * a + b * b + c * c <= `0.25`);\n      }\n"
+                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n"
                                        "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
 static const char tree_step_rest[] = "    if (status != @_ok) {\n      return status;\n    }\n"
@@ -1973,15 +2107,17 @@ static const char tree_step_rest[] = "    if (status != @_ok) {\n      return st
                                      "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
                                      "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
                                      "  }\n"
-                                     "  return @_end(state, sum, x";
+                                     "  return @_end(%Astate, sum, x";
 
 static void tree_write_step(const code *w)
 {
   const int limited = !tree.system->allow_long_step;
   code_template(w, tree_step_head);
-  code_template(w, limited ? ", first[3 * @_BODIES], longest = `0`" : "");
+  code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
+  code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
+  code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
   code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n"
                                                                   : "  pushed = start || middle || end;\n");
@@ -1989,9 +2125,9 @@ static void tree_write_step(const code *w)
     code_template(w, "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
   }
   code_template(w, "  for (int stage = 0; stage < 4; stage++) {\n"
-                   "    const $ by = dt * weight[stage], to = dt * node[stage];\n"
+                   "    const %s by = dt * weight[stage], to = dt * node[stage];\n"
                    "    @_status status = @_not_finite;\n    if (@_input_is_finite(in[stage])) {\n"
-                   "      status = @_rates_at(rate, w, ");
+                   "      status = @_rates_at(%Arate, w, ");
   code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage], pushed);\n    }\n"
                            : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
@@ -2011,51 +2147,152 @@ static void tree_write_rotations(const code *w)
   code_template(w, free || ball ? code_unit : "");
 }
 
+/* What a table of numbers tells. */
+static void tree_write_model_type(const code *w)
+{
+  if (w->vary & CODE_TABLE) {
+    code_template(w, "typedef struct @_model { /* numbers in which systems of this form differ */\n  $ k[");
+    fprintf(w->out, "%d];\n", tree.places);
+    code_template(w, "} @_model;\n\n");
+  }
+}
+
+/* Types, of one system and of lanes. */
+static void tree_write_declarations(const code *w, int lanes)
+{
+  code_template(w, tree_status);
+  tree_write_types(w);
+  tree_write_model_type(w);
+  code_template(w, tree_declarations);
+  if (lanes) {
+    code lane = *w;
+    lane.lanes = CODE_LANES;
+    code_lanes_template(w, code_lanes_width);
+    tree_write_types(&lane);
+    tree_write_model_type(&lane);
+    code_lanes_template(w, code_lanes_declarations);
+  }
+  fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
+}
+
+static void tree_write_sizes(const code *w)
+{
+  code_template(w, "enum { @_N = ");
+  fprintf(w->out, "%d, ", tree.size);
+  code_template(w, "@_BODIES = ");
+  fprintf(w->out, "%d, ", tree.n);
+  code_template(w, "@_ALWAYS = ");
+  fprintf(w->out, "%d", tree.always);
+  if (tree.root >= 0) {
+    const int P = tree.link[tree.root].p;
+    code_template(w, ", @_P = ");
+    fprintf(w->out, "%d, ", P);
+    code_template(w, "@_L = ");
+    fprintf(w->out, "%d, ", P + 3);
+    code_template(w, "@_PLACE = ");
+    fprintf(w->out, "%d", P + 6);
+  }
+  fputs(" };\n\n", w->out);
+}
+
+/* The functions of a step, of one system or of all lanes. 0: there is no temporary file, see errno. */
+static int tree_write_functions(const code *w)
+{
+  int good;
+  tree_write_sizes(w);
+  code_template(w, tree_finite);
+  tree_write_input_check(w);
+  tree_write_rotations(w);
+  good = code_write_pruned(w, tree_write_rates, 0);
+  if (tree.root >= 0) {
+    good = code_write_pruned(w, tree_write_center, 0) && good;
+    good = code_write_pruned(w, tree_write_drift, 0) && good;
+    code_template(w, tree_align);
+    code_template_of(w, 1, code_align_single);
+    code_template(w, code_align_end);
+    code_template(w, tree_keep);
+  }
+  tree_write_enter(w);
+  tree_write_end(w);
+  tree_write_step(w);
+  return good;
+}
+
+/* All lanes at once, and the step that takes it. */
+static int tree_write_lanes(const code *w)
+{
+  code wide = *w;
+  int good;
+  wide.lanes = CODE_WIDE;
+  code_lanes_template(w, code_lanes_if);
+  code_lanes_template(w, code_lanes_vectors);
+  code_lanes_template(w, code_lanes_angles);
+  tree_write_types(&wide);
+  tree_write_model_type(&wide);
+  good = tree_write_functions(&wide);
+  code_lanes_template(w, code_lanes_together);
+  code_lanes_template(w, code_lanes_copies);
+  code_lanes_template(w, w->vary ? code_lanes_put_model : "");
+  code_lanes_template(w, code_lanes_step);
+  return good;
+}
+
+static const char tree_steps[] =
+    "\n/* n steps of all lanes under what acts at the beginning, the middle and the end of each; done: before one that "
+    "is refused,\n"
+    "   which changes nothing. All begin where vectors do. */\n"
+    "int @_steps(const void *model, void *state, const void *input, double dt, int n, int *done)\n{\n"
+    "  @_status status = @_ok;\n"
+    "  *done = 0;\n"
+    "  while (*done < n && status == @_ok) {\n"
+    "    const @_wide_input *const in = (const @_wide_input *)input + 2 * *done;\n"
+    "    status = @_wide_step((const @_wide_model *)model, (@_wide_state *)state, in, in + 1, in + 2, dt);\n"
+    "    *done += status == @_ok;\n"
+    "  }\n"
+    "  return status;\n}\n";
+
+/* Lanes, by a table, of LANES systems that are driven by their motors and prescribed axes alone. */
+static int tree_write_alone(const code *w)
+{
+  code wide = *w;
+  int good;
+  wide.lanes = CODE_WIDE;
+  code_template(w, "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n"
+                   "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
+  code_template(w, code_helpers);
+  code_lanes_template(w, code_lanes_vectors);
+  code_lanes_template(w, code_lanes_angles);
+  code_template(w, tree_status);
+  tree_write_types(&wide);
+  tree_write_model_type(&wide);
+  good = tree_write_functions(&wide);
+  code_lanes_template(w, tree_steps);
+  return good;
+}
+
 /* Writes the step of a system that tree_refusal takes; names: of its bodies; crc: the check word of the system. 0: there
    is no temporary file, see errno. */
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
-                      const char *name, const char *source, int single, unsigned crc)
+                      const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, name, single, 0, 0, 2, 0, 0};
-  int good = 1;
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0};
+  int good;
+  code_numbers.n = 0;
   tree_read(system, body, names);
+  tree.places = choice->table;
+  tree.quiet = choice->lanes == TREE_LANES_ALONE;
+  if (tree.quiet) {
+    return tree_write_alone(&w);
+  }
   tree_write_head(&w, source, crc);
-  tree_write_types(&w);
+  tree_write_declarations(&w, choice->lanes);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
-  code_template(&w, single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n"
-                           : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n");
-  code_template(&w, "enum { @_N = ");
-  fprintf(out, "%d, ", tree.size);
-  code_template(&w, "@_BODIES = ");
-  fprintf(out, "%d, ", tree.n);
-  code_template(&w, "@_ALWAYS = ");
-  fprintf(out, "%d", tree.always);
-  if (tree.root >= 0) {
-    const int P = tree.link[tree.root].p;
-    code_template(&w, ", @_P = ");
-    fprintf(out, "%d, ", P);
-    code_template(&w, "@_L = ");
-    fprintf(out, "%d, ", P + 3);
-    code_template(&w, "@_PLACE = ");
-    fprintf(out, "%d", P + 6);
-  }
-  fputs(" };\n\n", out);
+  code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
+                             : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
-  code_template(&w, tree_finite);
-  tree_write_input_check(&w);
-  tree_write_rotations(&w);
-  good = code_write_pruned(&w, tree_write_rates, 0);
-  if (tree.root >= 0) {
-    good = code_write_pruned(&w, tree_write_center, 0) && good;
-    good = code_write_pruned(&w, tree_write_drift, 0) && good;
-    code_template(&w, tree_align);
-    code_template_of(&w, 1, code_align_single);
-    code_template(&w, code_align_end);
-    code_template(&w, tree_keep);
-  }
-  tree_write_enter(&w);
-  tree_write_end(&w);
-  tree_write_step(&w);
+  good = tree_write_functions(&w);
+  tree_write_start(&w);
+  good = (!choice->lanes || tree_write_lanes(&w)) && good;
   fputs("#endif\n", out);
   return good;
 }

@@ -13,11 +13,13 @@
 #include "../common/output.h"
 #include "../common/exact_beam.h"
 #include "../common/plot.h"
+#include "../common/linear_out.h"
 #include "exact_text.h"
+#include "ports.h"
 
 static const char help[] =
     "exact - a geometrically exact beam from a text file: deflection, root loads, frequencies; any consistent units\n"
-    "usage: flexbeam exact FILE [--out SHAPE.csv]\n"
+    "usage: flexbeam exact FILE [options]\n"
     "  the file, one word and its numbers a line, # begins a comment:\n"
     "    length L                      of the line\n"
     "    elements N                    equal ones, 1 to 400 (20)\n"
@@ -42,7 +44,20 @@ static const char help[] =
     "    line A B AXES FX FY FZ [MX MY MZ]      per length, from the node nearest to A to that nearest to B\n"
     "    modes N                       slowest motions to print, 0 to 24 (6)\n"
     "  --out FILE  x, y, z of 201 points along the deformed line; three views beside it as .svg\n"
+    "  --linear FILE   A, B, C, D of those slowest motions about the steady state, with names and units: FILE.json, or "
+    "CSV\n"
+    "  --inputs LIST   of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, base_velocity.AXIS, "
+    "base_rate.AXIS;\n"
+    "                  base axes; NODE a number, root or tip, AXIS x, y or z (force and torque at the tip)\n"
+    "  --outputs LIST  displacement (base axes), rotation, velocity, rate, each .NODE.AXIS; internal_force, "
+    "internal_moment,\n"
+    "                  force_strain, moment_strain, each .ELEMENT.AXIS, a number from 0, root or tip\n"
+    "                  (displacement of the tip, moment at the root)\n"
     "  --help      this text\n";
+
+typedef struct options {
+  const char *out, *linear, *inputs, *outputs;
+} options;
 
 /* The description, to the beam of exact_beam.h; 0, or 2 after a message. */
 static int read_file(const char *name, int *modes)
@@ -123,6 +138,59 @@ static fb_status tell_modes(int count)
   return FB_OK;
 }
 
+/* One port, as force.tip.y; base_rate.z. 0, or 2 after a message. */
+static int read_port(void *ports, int k, const char *option, const char *word)
+{
+  fb_exact_port *const port = (fb_exact_port *)ports + k;
+  const int kind = port_kind(linear_exact_ports, FB_EXACT_PORT_COUNT, word);
+  const int of_element = kind >= FB_EXACT_PORT_INTERNAL_FORCE, count = beam_desc.n_element + !of_element;
+  port_place place;
+  if (kind == FB_EXACT_PORT_COUNT || (kind < FB_EXACT_PORT_DISPLACEMENT) != (option[2] == 'i')) {
+    return fail_port(option, word, "no such kind (see --help)");
+  }
+  if (read_place(&place, option, word)) {
+    return 2;
+  }
+  memset(port, 0, sizeof *port);
+  port->kind = (fb_exact_port_kind)kind;
+  port->axis = place.axis;
+  port->axes = FB_AXES_BODY;
+  if (kind == FB_EXACT_PORT_BASE_VELOCITY || kind == FB_EXACT_PORT_BASE_RATE) {
+    return !place.at[0] ? 0 : fail_port(option, word, "the base has no node");
+  }
+  port->at = strcmp(place.at, "root") == 0  ? 0
+             : strcmp(place.at, "tip") == 0 ? count - 1
+                                            : port_number(place.at, count);
+  return port->at >= 0 ? 0 : fail_port(option, word, of_element ? "no such element" : "no such node");
+}
+
+/* Writes the model of `count` modes about the steady state; a status of main. */
+static int write_linear(const options *o, const char *source, int count)
+{
+  static fb_exact_linear_work work;
+  static fb_exact_linear linear;
+  static fb_exact_linear_desc desc;
+  static linear_value in[FB_MAX_PORTS], out[FB_MAX_PORTS];
+  static linear_out file;
+  const char *const ins =
+      o->inputs ? o->inputs : "force.tip.x,force.tip.y,force.tip.z,torque.tip.x,torque.tip.y,torque.tip.z";
+  const char *const outs = o->outputs ? o->outputs
+                                      : "displacement.tip.x,displacement.tip.y,displacement.tip.z,"
+                                        "internal_moment.root.x,internal_moment.root.y,internal_moment.root.z";
+  fb_status status;
+  if (read_ports(desc.in, &desc.n_in, in, "--inputs", ins, read_port) ||
+      read_ports(desc.out, &desc.n_out, out, "--outputs", outs, read_port)) {
+    return 2;
+  }
+  status = fb_exact_linearize(&beam, &work, &linear, &beam_state, &beam_input, &desc, count);
+  if (status != FB_OK) {
+    fprintf(stderr, "exact: no linear model: %s\n", refusal_text(status));
+    return 1;
+  }
+  linear_out_exact(&file, source, &linear, &desc, &beam, beam_node, &beam_input);
+  return write_ports(&file, in, out, o->linear);
+}
+
 static int draw(const char *out)
 {
   char svg[512];
@@ -145,21 +213,37 @@ static int draw(const char *out)
 
 static int read_option(void *target, const char *name, const char *text)
 {
-  return strcmp(name, "--out") == 0 ? read_out((const char **)target, text) : NO_SUCH_OPTION;
+  options *const o = (options *)target;
+  const struct {
+    const char *name, **text;
+  } texts[] = {{"--linear", &o->linear}, {"--inputs", &o->inputs}, {"--outputs", &o->outputs}};
+  for (int k = 0; k < 3; k++) {
+    if (strcmp(name, texts[k].name) == 0) {
+      *texts[k].text = text;
+      return 0;
+    }
+  }
+  return strcmp(name, "--out") == 0 ? read_out(&o->out, text) : NO_SUCH_OPTION;
 }
 
 int exact_main(int argc, char **argv)
 {
   int modes = 0;
-  const char *out = NULL;
+  options o = {NULL, NULL, NULL, NULL};
   fb_status status;
   output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
     fputs(help, argc < 2 ? stderr : stdout);
     return argc < 2 ? 2 : 0;
   }
-  if (read_all(argc - 1, argv + 1, help, read_option, &out) != 0 || read_file(argv[1], &modes) != 0) {
+  if (read_all(argc - 1, argv + 1, help, read_option, &o) != 0 || read_file(argv[1], &modes) != 0) {
     return 2;
+  }
+  if (!o.linear && (o.inputs || o.outputs)) {
+    return fail("--inputs and --outputs are those of --linear FILE", "");
+  }
+  if (o.linear && modes == 0) {
+    return fail("--linear wants modes: a line modes N", "");
   }
   status = beam_start();
   if (status != FB_OK) {
@@ -182,5 +266,11 @@ int exact_main(int argc, char **argv)
                 : "");
     return 1;
   }
-  return out ? draw(out) : 0;
+  if (o.linear) {
+    const int bad = write_linear(&o, argv[1], modes);
+    if (bad) {
+      return bad;
+    }
+  }
+  return o.out ? draw(o.out) : 0;
 }

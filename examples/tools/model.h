@@ -2,6 +2,7 @@
    Include flexbeam.h first. Everything is static: one model at a time. */
 #ifndef MODEL_H
 #define MODEL_H
+#include "../common/clear.h"
 #include "../common/refusal.h"
 #include "../common/text.h"
 #include "../common/rotor_text.h"
@@ -947,7 +948,7 @@ static model_part *model_begin_part(model_kind kind)
 /* Of a body of that kind nothing is known yet. */
 static void model_begin(model_kind kind)
 {
-  memset(&model, 0, sizeof model);
+  clear_memory(&model, sizeof model);
   fb_shape_init(&model_shape, 0);
   strcpy(model.name, "flexible_body");
   model.kind = kind;
@@ -1363,6 +1364,26 @@ static fb_status model_add_marks(int part, const char **what)
   return status;
 }
 
+/* Modes of a beam; those of the one before are kept, for a part or a body that is the same. */
+static fb_status model_solve_beam(fb_modes *modes, const fb_beam *beam, const fb_modes_desc *desc)
+{
+  static struct {
+    int is_there;
+    fb_beam beam;
+    fb_modes_desc desc;
+    fb_modes modes;
+  } last;
+  fb_status status = FB_OK;
+  if (!last.is_there || memcmp(&last.beam, beam, sizeof *beam) != 0 || memcmp(&last.desc, desc, sizeof *desc) != 0) {
+    last.beam = *beam;
+    last.desc = *desc;
+    status = fb_modes_solve(&last.modes, &model_modes_work, beam, desc);
+    last.is_there = status == FB_OK;
+  }
+  *modes = last.modes;
+  return status;
+}
+
 /* The coordinates of a part: modes of a beam, scales of a component's modes by their modal masses. */
 static fb_status model_solve_part(model_part *part, const char **what)
 {
@@ -1374,7 +1395,7 @@ static fb_status model_solve_part(model_part *part, const char **what)
     status = fb_beam_init(&model_beam[k], &part->beam);
     if (status == FB_OK) {
       *what = "its modes";
-      status = fb_modes_solve(&model_modes[k], &model_modes_work, &model_beam[k], &part->modes);
+      status = model_solve_beam(&model_modes[k], &model_beam[k], &part->modes);
       part->n = model_modes[k].n;
     }
     return status;

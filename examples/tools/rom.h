@@ -228,9 +228,8 @@ static void rom_axes(rom *r, const char *member, const fb_real x[3][FB_MAX_POINT
   rom_close(r);
 }
 
-static void rom_lines(rom *r, const fb_body *body)
+static void rom_lines(rom *r, const fb_lines *all)
 {
-  const fb_lines *const all = &body->lines;
   fprintf(r->out, "\n  .lines = {\n  .n_line = %d, .n_point = %d, .n_row = %d, .n_table = %d, .n_side = %d,",
           all->n_line, all->n_point, all->n_row, all->n_table, all->n_side);
   rom_open(r, "line");
@@ -259,16 +258,15 @@ static void rom_lines(rom *r, const fb_body *body)
   rom_close(r);
   rom_reals(r, "table", all->table, all->n_table);
   rom_close(r);
-  rom_sparse(r, "M_rest", &body->M_rest, body->n);
-  rom_reals(r, "c_rest", body->c_rest, 3);
 }
 #endif
 
-static void rom_nodes(rom *r, const fb_body *body)
+/* list: of the body or of its shape */
+static void rom_nodes(rom *r, const fb_body *body, const fb_node *list)
 {
   rom_open(r, "node");
   for (int k = 0; k < body->n_node; k++) {
-    const fb_node *node = &body->node[k];
+    const fb_node *node = &list[k];
     rom_text(r, "{");
     rom_list(r, node->r, 3);
     rom_list(r, node->psi, 3 * body->n);
@@ -398,7 +396,9 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
   rom_number(&r, "limit_acceleration", body->limit_acceleration);
 #if FB_WITH_LARGE_DEFLECTION
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
-    rom_lines(&r, body);
+    rom_lines(&r, &body->lines);
+    rom_sparse(&r, "M_rest", &body->M_rest, body->n);
+    rom_reals(&r, "c_rest", body->c_rest, 3);
   }
 #endif
   rom_reals(&r, "S0", body->S0, 21);
@@ -424,8 +424,58 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
   rom_rotors(&r, body);
 #endif
   rom_terms(&r, body);
-  rom_nodes(&r, body);
+  rom_nodes(&r, body, body->node);
   fprintf(out, "\n};\n#define %s_crc 0x%08Xu /* fb_body_crc(&%s): compare it before the model is used */\n", name,
           fbi_body_crc(body, single), name);
+}
+
+static void rom_second(rom *r, const char *member, const fb_second *s, int n)
+{
+  rom_open(r, member);
+  rom_reals(r, "ups", s->ups, 3 * n * n);
+  rom_reals(r, "Gam", s->Gam, 9 * n);
+  rom_reals(r, "Pi", s->Pi, 9 * n * n);
+  rom_reals(r, "Gamchi", s->Gamchi, 9 * n * n);
+  rom_reals(r, "pchi", s->pchi, 3 * n * n);
+  rom_reals(r, "hchi", s->hchi, 3 * n * n);
+  rom_reals(r, "reach", s->reach, n);
+  rom_close(r);
+}
+
+/* A shape, of which `body` was made, as a member of that name in an initializer: what fb_body_init needs. */
+static inline void rom_shape(FILE *out, const char *member, const fb_shape *s, const fb_body *body, int single)
+{
+  rom r = {out, single, 0};
+  fprintf(out, "  .%s = {\n  .n = %d, .n_node = %d,", member, s->n, s->n_node);
+  rom_number(&r, "mass", s->mass);
+  rom_reals(&r, "c", s->c, 3);
+  rom_reals(&r, "J", s->J, 9);
+  rom_reals(&r, "P", s->P, 3 * s->n);
+  rom_reals(&r, "H", s->H, 3 * s->n);
+  rom_reals(&r, "M", s->M, s->n * s->n);
+  rom_reals(&r, "K", s->K, s->n * s->n);
+  rom_second(&r, "second", &s->second, s->n);
+#if FB_WITH_LARGE_DEFLECTION
+  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    rom_lines(&r, &s->lines);
+    rom_second(&r, "rest", &s->rest, s->n);
+  }
+#endif
+  rom_number(&r, "size", s->size);
+  rom_nodes(&r, body, s->node);
+  fputs("\n  },", out);
+}
+
+/* What the description of a body that has no rotors says beside its shape. */
+static inline void rom_desc(FILE *out, const char *member, const fb_body_desc *d, int n, int single)
+{
+  rom r = {out, single, 0};
+  fprintf(out, "\n  .%s = {\n  .effects = %uu, .base = (fb_base)%d,", member, d->effects, (int)d->base);
+  rom_reals(&r, "zeta", d->zeta, n);
+  rom_reals(&r, "gravity", d->gravity, 3);
+  rom_number(&r, "mu", d->mu);
+  rom_reals(&r, "center", d->center, 3);
+  rom_number(&r, "deflection_limit", d->deflection_limit);
+  fputs("\n  },", out);
 }
 #endif

@@ -1,5 +1,5 @@
 /* The lanes of a generated step against its single steps, bit for bit: each lane its own state, loads and parameters (code.sh,
-   which generates code.h with --lanes, and with --vary where VARY is defined). A lane that is refused tells the status of the
+   which generates code.h with --lanes, and with --vary where VARY is defined; code_tree.sh: TREE). A lane that is refused tells the status of the
    single step and stays as it was, the others go on. Also C++11. */
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -27,6 +27,44 @@ static double number(int a, int b, int c)
 {
   const double x = 0.37 * a + 0.71 * b + 0.13 * c;
   return x - floor(x);
+}
+
+#ifdef TREE
+/* Place of a number in a struct, which has nothing else. */
+static NUMBER *at(void *numbers, int i)
+{
+  return (NUMBER *)numbers + i;
+}
+
+static void begin(void)
+{
+  for (int k = 0; k < generated_LANES; k++) {
+    generated_start(&single[k]);
+    for (int i = 0; i < (int)(sizeof single[k] / sizeof(NUMBER)); i++) {
+      *at(&single[k], i) += (NUMBER)(1e-3 * number(k, i, 0));
+    }
+    generated_lanes_put(&lanes, k, &single[k]);
+  }
+}
+
+/* What acts on lane k at step i. */
+static void load(generated_input *own, generated_lanes_input *all, int k, int i)
+{
+  for (int a = 0; a < (int)(sizeof *own / sizeof(NUMBER)); a++) {
+    *at(own, a) = *at(all, a * generated_LANES + k) = (NUMBER)(0.1 * number(k, i, a) - 0.05);
+  }
+}
+
+/* A number that is refused, in the state of lane k. */
+static void spoil(int k)
+{
+  *at(&single[k], 0) = (NUMBER)NAN;
+}
+#else
+/* A number that is refused, in the state of lane k. */
+static void spoil(int k)
+{
+  single[k].q[0] = k % 2 ? (NUMBER)1e6 : (NUMBER)NAN;
 }
 
 static void begin(void)
@@ -66,6 +104,7 @@ static void load(generated_input *own, generated_lanes_input *all, int k, int i)
 #endif
   }
 }
+#endif
 
 static int same(int k)
 {
@@ -100,6 +139,39 @@ static int step(int i, NUMBER dt, int refused)
   return good;
 }
 
+/* A step that the first lane alone refuses as too long, just so: the vectors notice, too. */
+static int limit(void)
+{
+  double low = 2e-4, high = 10;
+  int good = 1;
+  for (int i = 0; i < 60 && high > low * (1 + 1e-5); i++) {
+    generated_state copy = single[0];
+    const double middle = sqrt(low * high);
+    if (generated_step(GIVEN(0) & copy, NULL, NULL, NULL, (NUMBER)middle) == generated_ok) {
+      low = middle;
+    } else {
+      high = middle;
+    }
+  }
+  for (int beyond = 0; beyond < 2; beyond++) {
+    generated_lanes_state all = lanes;
+    const NUMBER dt = (NUMBER)(beyond ? high : low);
+    status told[generated_LANES];
+    (void)generated_lanes_step(LANES & all, NULL, NULL, NULL, dt, told);
+    for (int k = 0; k < generated_LANES; k++) {
+      generated_state copy = single[k], own;
+      good &= generated_step(GIVEN(k) & copy, NULL, NULL, NULL, dt) == told[k];
+      generated_lanes_take(&own, &all, k);
+      good &= memcmp(&own, &copy, sizeof own) == 0;
+    }
+    good &= (told[0] == generated_ok) == !beyond;
+  }
+  if (!good) {
+    printf("longest step, %g s\n", high);
+  }
+  return good;
+}
+
 int main(void)
 {
   const NUMBER dt = (NUMBER)2e-4;
@@ -109,9 +181,10 @@ int main(void)
   for (int i = 0; i < STEPS && good; i++) {
     good = step(i, dt, -1);
   }
+  good = good && limit();
   for (int k = 0; k < generated_LANES && good; k++) { /* too far, and not finite */
     const generated_state before = single[k];
-    single[k].q[0] = k % 2 ? (NUMBER)1e6 : (NUMBER)NAN;
+    spoil(k);
     generated_lanes_put(&lanes, k, &single[k]);
     good = step(k, dt, k);
     single[k] = before;

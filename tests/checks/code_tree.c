@@ -14,7 +14,7 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, MODELS = 8 };
+enum { RIGID, BOOM, PANEL, MODELS = 8, GIVEN = 16 }; /* GIVEN: with RIGID..: the axis of its joint is prescribed */
 
 typedef struct hang {
   fb_joint_kind kind;
@@ -97,6 +97,18 @@ static const struct {
       {FB_JOINT_FREE, -1, RIGID},
       {FB_JOINT_UNIVERSAL, 1, RIGID},
       {FB_JOINT_PRISMATIC, 0, BOOM}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_PRISMATIC, 0, PANEL}}},
+    {FB_EFFECTS_FULL,
+     0,
+     0,
+     {{FB_JOINT_REVOLUTE, -1, RIGID},
+      {FB_JOINT_SCREW, 0, PANEL | GIVEN},
+      {FB_JOINT_SPHERICAL, 1, BOOM},
+      {FB_JOINT_PRISMATIC, 1, RIGID | GIVEN},
+      {FB_JOINT_UNIVERSAL, 3, RIGID}}},
 };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -208,9 +220,10 @@ static void build(int which)
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2);
   memset(&desc, 0, sizeof desc);
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
-    desc.model[desc.n_body] = trees[which].link[k].model;
+    desc.model[desc.n_body] = trees[which].link[k].model % GIVEN;
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent;
+    desc.joint[k].mode[0] = trees[which].link[k].model < GIVEN ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
@@ -226,19 +239,20 @@ static void write_members(void)
 {
   for (int k = 0; k < desc.n_body; k++) {
     const int axes = mechanism.joint[k].n_axis, n = model[desc.model[k]].n;
+    const int free = desc.joint[k].mode[0] == FB_AXIS_FREE;
     printf("LOAD(%d)\n", k);
     if (desc.joint[k].kind == FB_JOINT_FREE) {
       printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k,
              k, k);
     } else if (axes > 0) {
-      printf("MOTOR(%d)\n", k);
+      printf(desc.joint[k].mode[0] == FB_AXIS_FREE ? "MOTOR(%d)\n" : "DRIVE(%d)\n", k);
     }
     if (desc.joint[k].kind == FB_JOINT_FREE || desc.joint[k].kind == FB_JOINT_SPHERICAL) {
       printf("MEMBER(%d, quat, ATTITUDE)\n", k);
-    } else if (axes > 0) {
+    } else if (axes > 0 && free) {
       printf("MEMBER(%d, x, PLACE)\n", k);
     }
-    printf(axes > 0 ? "MEMBER(%d, p, MOMENTUM)\n" : "", k);
+    printf(axes > 0 && free ? "MEMBER(%d, p, MOMENTUM)\n" : "", k);
     printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\nMODAL(%d)\n" : "", k, k, k);
   }
 }
@@ -247,6 +261,7 @@ int main(int argc, char **argv)
 {
   static const char *const names[5] = {"first", "second", "third", "fourth", "fifth"};
   const int which = argc > 1 ? atoi(argv[1]) : 0;
+  tree_choice choice = {.name = "generated"};
   char text[200];
   if (which >= TREES) {
     return 3;
@@ -261,8 +276,16 @@ int main(int argc, char **argv)
     fprintf(stderr, "tree %d: %s\n", which, text);
     return 1;
   }
-  return !tree_write(stdout, &mechanism, model, names, "generated", "a random tree",
-                     argc > 2 && strcmp(argv[2], "--single") == 0, fb_system_crc(&mechanism, model, MODELS));
+  for (int k = 2; k < argc; k++) {
+    choice.single |= strcmp(argv[k], "--single") == 0;
+    choice.lanes |= strcmp(argv[k], "--lanes") == 0;
+  }
+  if (choice.lanes && tree_lanes_refusal(&mechanism)) {
+    fprintf(stderr, "tree %d: %s\n", which, tree_lanes_refusal(&mechanism));
+    return 4;
+  }
+  return !tree_write(stdout, &mechanism, model, names, &choice, "a random tree",
+                     fb_system_crc(&mechanism, model, MODELS));
 }
 #else
 /* ---- the generated state and that of the library, member by member */
@@ -351,11 +374,15 @@ static void give(generated_input *mine, const fb_system_input *in)
   memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
 #define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
 #define MODAL(k)
+#define DRIVE(k)                                                                 \
+  memcpy(mine->body_##k.value, in->drive[k].value, sizeof mine->body_##k.value); \
+  memcpy(mine->body_##k.rate, in->drive[k].rate, sizeof mine->body_##k.rate);
 #include "members.h"
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
 #undef MODAL
+#undef DRIVE
 }
 
 static void load(fb_system_input *in, generated_input *mine, double t)
@@ -369,9 +396,15 @@ static void load(fb_system_input *in, generated_input *mine, double t)
     for (int i = 0; i < 3; i++) {
       in->load[k].load.force[i] = (fb_real)(2 * sin(t + i + 2 * k));
       in->load[k].load.torque[i] = (fb_real)(2 * cos(2 * t + i + k));
-      in->drive[k].torque[i] = mechanism.joint[k].kind != FB_JOINT_FREE && i < mechanism.joint[k].n_axis
+      in->drive[k].torque[i] = desc.joint[k].mode[0] == FB_AXIS_FREE && mechanism.joint[k].kind != FB_JOINT_FREE &&
+                                       i < mechanism.joint[k].n_axis
                                    ? (fb_real)(2 * sin(3 * t + i - k))
                                    : FB_R(0.0);
+    }
+    if (desc.joint[k].mode[0] != FB_AXIS_FREE) {
+      in->drive[k].value[0] = (fb_real)(0.3 * t + 0.1 * sin(2 * t));
+      in->drive[k].rate[0] = (fb_real)(0.3 + 0.2 * cos(2 * t));
+      in->drive[k].acceleration[0] = (fb_real)(-0.4 * sin(2 * t));
     }
   }
   give(mine, in);
@@ -493,6 +526,7 @@ static int modal(void)
 #define MEMBER(k, member, kind)
 #define LOAD(k)
 #define MOTOR(k)
+#define DRIVE(k)
 #define MODAL(k)                                                           \
   for (int sign = -1; sign < 2; sign += 2) {                               \
     const double before = (double)own.body_##k.pi[0];                      \
@@ -516,6 +550,7 @@ static int modal(void)
 #undef LOAD
 #undef MOTOR
 #undef MODAL
+#undef DRIVE
   return good;
 }
 
@@ -536,7 +571,8 @@ static int refusals(void)
   load(&in, &mine, 0);
   in.load[0].load.torque[1] = (fb_real)NAN;
   give(&mine, &in);
-  good &= mechanism.joint[0].n_axis == 0 || refused(&in, &mine, small, FB_OK, "a load that is no number");
+  good &= mechanism.joint[0].n_axis == 0 || desc.joint[0].mode[0] != FB_AXIS_FREE ||
+          refused(&in, &mine, small, FB_OK, "a load that is no number");
   for (int k = 0; k < n_piece; k++) {
     for (int i = 0; i < piece[k].n; i++) {
       const fb_real kept = piece[k].own[i];
@@ -561,11 +597,13 @@ int main(int argc, char **argv)
 #define MOTOR(k)
 #define MEMBER(k, member, kind) add(own.body_##k.member, state.link[k].member, sizeof own.body_##k.member, kind);
 #define MODAL(k)
+#define DRIVE(k)
 #include "members.h"
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
 #undef MODAL
+#undef DRIVE
   for (int loaded = 0; loaded < 2; loaded++) {
     start(0.3);
     worst = fmax(worst, fly(loaded));

@@ -1,8 +1,8 @@
 #!/bin/sh
 # The generated step of trees (scene --code): those of code_tree.c, with every kind of joint, agree with fb_system_rk4_step after
 # 1,000 steps, unloaded and loaded, in both precisions, and refuse what it refuses; the text compiles without warnings as C99
-# and C++ and is the same each time; its instructions keep their bounds and do not vary; what cannot be written is refused
-# by name.
+# and C++ and is the same each time; lanes (--lanes) are its single steps to the last bit; its instructions keep their
+# bounds and do not vary; what cannot be written is refused by name.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
@@ -15,10 +15,10 @@ try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/c
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $sizes -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
-# write TREE [--single]
+# write TREE [--single] [--lanes]
 write() {
   "$out/write" "$1" --members > "$out/members.h"
-  "$out/write" "$1" ${2:-} > "$out/code.h" || fail "tree $1 is not written"
+  "$out/write" "$1" ${2:-} ${3:-} > "$out/code.h" || fail "tree $1 is not written"
 }
 
 # agree TREE OPTIMIZATION [--single]: what was written with the library; sets worst
@@ -52,7 +52,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18)
     compile
     write $trees --single
     compile
@@ -62,6 +62,23 @@ while "$out/write" $trees --members > /dev/null; do
   esac
   trees=$((trees + 1))
 done
+
+# lanes: each as its own single steps to the last bit, by vectors of every length, also where a lane is refused
+lanes() {
+  try gcc $c99 $1 -DTREE -Dgenerated_LANES=$2 -DNUMBER=$3 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+  "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
+}
+for tree in 7 10 17 18; do
+  write $tree --lanes
+  compile
+  lanes -O1 1 double
+  lanes -O1 4 double
+  ! grep -q avx2 /proc/cpuinfo || lanes "-O2 -mavx2" 4 double
+  write $tree --single --lanes
+  lanes -O1 8 float
+done
+! "$out/write" 0 --lanes > "$out/log" 2>&1 && grep -q "lanes of a free body" "$out/log" || fail "lanes of a free body: $(cat "$out/log")"
+! "$out/write" 8 --lanes > "$out/log" 2>&1 && grep -q "lanes of a spherical joint with a spring" "$out/log" || fail "lanes of a ball: $(cat "$out/log")"
 
 # steps TREE STATE: sets count
 steps() {
@@ -118,7 +135,7 @@ refuse "C identifier" fb_step.h
 line='  motor 1 constant 2
 ' refuse "--code: motor" none.h
 line='  mode locked
-' refuse "array: a locked or prescribed axis" none.h
+' refuse "array: a locked axis" none.h
 line='  friction 1
   friction_speed 0.1
 ' refuse "array: friction" none.h
@@ -139,4 +156,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single); a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes; $refused scenes refused"

@@ -13,7 +13,8 @@
 #include <stdlib.h>
 
 static fb_state state;
-static fb_input input;
+static fb_input input[3];                            /* at the start, the middle and the end of a step */
+static fb_real base_velocity[2][3], base_rate[2][3]; /* of a prescribed base, and their rates */
 static fb_rk4_work rk4;
 static fb_implicit_work implicit;
 static fb_exponential exponential;
@@ -21,7 +22,8 @@ static fb_exponential_work exponential_work;
 
 static fb_status begin(void)
 {
-  const fb_real velocity[3] = {1, 0, FB_R(-0.5)}, rate[3] = {FB_R(0.01), FB_R(0.02), FB_R(-0.03)};
+  const fb_real held = model_body.base == FB_BASE_PRESCRIBED ? FB_R(0.0) : FB_R(1.0);
+  const fb_real v[3] = {held, 0, FB_R(-0.5) * held}, w[3] = {FB_R(0.01) * held, FB_R(0.02) * held, FB_R(-0.03) * held};
   const fb_real quat[4] = {FB_R(0.8), 0, FB_R(0.6), 0};
   fb_real R[9], own[3];
   fb_status status = fb_state_init(&model_body, &state);
@@ -30,38 +32,56 @@ static fb_status begin(void)
   state.rho[1] = 2;
   state.q[0] = FB_R(0.01);
   fb_quat_to_mat33(R, state.quat);
-  fb_mat33_mulT_vec3(own, R, velocity);
-  return status ? status : fb_state_from_velocity(&model_body, &state, own, rate, NULL);
+  fb_mat33_mulT_vec3(own, R, v);
+  return status ? status : fb_state_from_velocity(&model_body, &state, own, w, NULL);
 }
 
 /* Loads of communication step k: whole multiples of 1/8, no rounding on the way here. */
 static void load(int k)
 {
   const int last = model_body.n_node - 1;
-  input.n_load = model_body.n_node;
-  for (int i = 0; i < input.n_load; i++) {
-    input.load[i].node = i;
-    input.load[i].axes = FB_AXES_BODY;
+  fb_input *const in = input;
+  in->n_load = model_body.n_node;
+  for (int i = 0; i < in->n_load; i++) {
+    in->load[i].node = i;
+    in->load[i].axes = FB_AXES_BODY;
   }
   for (int i = 0; i < 3; i++) {
-    input.load[0].force[i] = FB_R(0.5) * (fb_real)((k + i) % 3 - 1);
-    input.load[0].torque[i] = FB_R(0.25) * (fb_real)((k + 2 * i) % 7 - 3);
-    input.load[last].force[i] = FB_R(0.125) * (fb_real)((k + i) % 5 - 2);
+    in->load[0].force[i] = FB_R(0.5) * (fb_real)((k + i) % 3 - 1);
+    in->load[0].torque[i] = FB_R(0.25) * (fb_real)((k + 2 * i) % 7 - 3);
+    in->load[last].force[i] = FB_R(0.125) * (fb_real)((k + i) % 5 - 2);
     model_body.gravity[i] = FB_R(0.125) * (fb_real)((k + i) % 4 - 1);
+    base_velocity[0][i] = FB_R(0.015625) * (fb_real)((k + i) % 3 - 1);
+    base_rate[0][i] = FB_R(0.015625) * (fb_real)((k + 2 * i) % 5 - 2);
+    base_velocity[1][i] = FB_R(0.25) * (fb_real)((k + i) % 4 - 1);
+    base_rate[1][i] = FB_R(0.125) * (fb_real)((k + i) % 5 - 2);
+  }
+  input[1] = input[2] = *in;
+}
+
+/* The base moves on from where it was set. */
+static void move(fb_input *in, fb_real after)
+{
+  for (int i = 0; i < 3 && model_body.base == FB_BASE_PRESCRIBED; i++) {
+    in->v[i] = base_velocity[0][i] + after * base_velocity[1][i];
+    in->w[i] = base_rate[0][i] + after * base_rate[1][i];
+    in->v_dot[i] = base_velocity[1][i];
+    in->w_dot[i] = base_rate[1][i];
   }
 }
 
 static fb_status step(int integrator, fb_real dt)
 {
+  const fb_input *const in = input;
   switch (integrator) {
   case 1:
-    return fb_rk4_step(&model_body, &state, &rk4, &input, &input, &input, dt);
+    return fb_rk4_step(&model_body, &state, &rk4, in, in + 1, in + 2, dt);
   case 2:
-    return fb_midpoint_step(&model_body, &state, &implicit, &input, dt, 0);
+    return fb_midpoint_step(&model_body, &state, &implicit, in + 1, dt, 0);
   case 3:
-    return fb_sdirk_step(&model_body, &state, &implicit, &input, &input, dt, 0);
+    return fb_sdirk_step(&model_body, &state, &implicit, in, in + 2, dt, 0);
   default:
-    return fb_exponential_step(&model_body, &exponential, &state, &exponential_work, &input, &input, &input);
+    return fb_exponential_step(&model_body, &exponential, &state, &exponential_work, in, in + 1, in + 2);
   }
 }
 
@@ -95,8 +115,8 @@ static fb_status print_outputs(void)
   fb_motion motion;
   fb_node_motion node[FB_MAX_NODES];
   fb_energy energy;
-  fb_status status = fb_body_motion_eval(&model_body, &motion, &state, &input);
-  status = status ? status : fb_body_energy_eval(&model_body, &energy, &state, &input);
+  fb_status status = fb_body_motion_eval(&model_body, &motion, &state, input);
+  status = status ? status : fb_body_energy_eval(&model_body, &energy, &state, input);
   for (int k = 0; k < model_body.n_node && status == FB_OK; k++) {
     status = fb_body_node_motion_eval(&model_body, &node[k], &state, &motion, k);
   }
@@ -134,8 +154,12 @@ int main(int argc, char **argv)
   for (int k = 0; k < count && status == FB_OK; k++) {
     load(k);
     for (int i = 0; i < steps && status == FB_OK; i++) {
+      for (int at = 0; at < 3; at++) {
+        move(&input[at], ((fb_real)i + FB_R(0.5) * (fb_real)at) * (fb_real)dt);
+      }
       status = step(integrator, (fb_real)dt);
     }
+    move(input, (fb_real)steps * (fb_real)dt);
     status = status ? status : print_outputs();
   }
   if (status != FB_OK) {

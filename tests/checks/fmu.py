@@ -71,15 +71,15 @@ class Instance:
         else:
             self.fmu.instantiate(logMessage=lambda e, s, c, message: self.log.append(message.decode()), **self.asks)
 
-    def initialize(self, stop=None, integrator=None, **settings):
+    def initialize(self, stop=None, integrator=None, effects=None, **settings):
         if self.two:
             self.fmu.setupExperiment(startTime=0.0, stopTime=stop)
             self.fmu.enterInitializationMode()
         else:
             self.fmu.enterInitializationMode(startTime=0.0, stopTime=stop)
-        if integrator:
-            reference = [self.first["settings.integrator"]]
-            (self.fmu.setInteger if self.two else self.fmu.setInt64)(reference, [integrator])
+        for name, choice in ("integrator", integrator), ("effects", effects):
+            if choice:
+                (self.fmu.setInteger if self.two else self.fmu.setInt64)([self.first[f"settings.{name}"]], [choice])
         for name, value in settings.items():
             self.set(name, value)
         self.fmu.exitInitializationMode()
@@ -126,6 +126,11 @@ class Instance:
         self.set("hub.torque", [0.25 * ((k + 2 * i) % 7 - 3) for i in range(3)])
         self.set(last + ".force", [0.125 * ((k + i) % 5 - 2) for i in range(3)])
         self.set("gravity", [0.125 * ((k + i) % 4 - 1) for i in range(3)])
+        if "base.rate" in self.variables:
+            self.set("base.velocity", [((k + i) % 3 - 1) / 64 for i in range(3)])
+            self.set("base.rate", [((k + 2 * i) % 5 - 2) / 64 for i in range(3)])
+            self.set("base.acceleration", [0.25 * ((k + i) % 4 - 1) for i in range(3)])
+            self.set("base.angular_acceleration", [0.125 * ((k + i) % 5 - 2) for i in range(3)])
 
     def run(self, count, length, first=0, rounds=True):
         rows = []
@@ -154,7 +159,7 @@ class Instance:
 def start(file, **settings):
     one = Instance(file, initialize=False)
     q = [0.01] + [0.0] * (one.variables["start.q"] - 1)
-    one.initialize(**{**START, "start.q": q, **settings})
+    one.initialize(**{**{name: value for name, value in START.items() if name in one.variables}, "start.q": q, **settings})
     return one
 
 
@@ -185,7 +190,7 @@ def refused(one, what, call, *words):
 
 def check_motion(model):
     """Both versions move as the library does, bit for bit; simulate_fmu, too, whose clock rounds."""
-    text = f"examples/{model}.txt"
+    text = folder / f"{model}.txt"
     rows = {}
     for version in 2, 3:
         file = folder / f"{model}{version}.fmu"
@@ -235,7 +240,7 @@ def check_integrators():
         for integrator in 1, 2, 3, 4:
             one = start(folder / f"satellite{version}.fmu", integrator=integrator, **{"settings.step": 0.002})
             rows = one.run(20, 0.005, rounds=False)
-            want(rows == library("examples/satellite.txt", 0.005 / 3, 3, integrator, 20),
+            want(rows == library(folder / "satellite.txt", 0.005 / 3, 3, integrator, 20),
                  f"satellite, FMI {version}, integrator {integrator}: not the bits of the library")
             one.close()
 
@@ -246,6 +251,110 @@ def check_damping(damped):
     rows, expected = one.run(50, 0.01), library(damped, 0.002, 5, 1, 50)
     want(np.allclose(rows, expected, rtol=1e-10, atol=1e-12), f"damping_scale 2: {worst(rows, expected)}")
     one.close()
+
+
+def scaled(model, mass=1, stiffness=1, hub_mass=1, hub_inertia=1, effects=None):
+    """The description of a model with other numbers."""
+    lines, row = [], False
+    for line in (folder / f"{model}.txt").read_text().splitlines():
+        words = line.split("#")[0].split()
+        numbers = words[1:]
+        if row and words != ["end"]:
+            words = [words[0], float(words[1]) * mass] + [float(x) * stiffness for x in words[2:]]
+        elif words[:1] == ["lump"]:
+            words = ["lump", words[1], float(words[2]) * mass] + words[3:6] + [float(x) * mass for x in words[6:]]
+        elif words[:1] == ["node"] and "component" in lines:
+            words = words[:5] + [float(x) * mass for x in words[5:]]
+        elif words[:1] == ["frequency_hz"]:
+            words = ["frequency_hz"] + [float(x) * math.sqrt(stiffness / mass) for x in numbers]
+        elif words[:1] == ["hub"]:
+            words = ["hub", float(words[1]) * hub_mass] + words[2:5] + [float(x) * hub_inertia for x in words[5:]]
+        elif words[:1] == ["effects"] and effects:
+            words = ["effects", effects, "damping"]
+        row = words[:1] == ["stations"] or row and words != ["end"]
+        lines.append(" ".join(repr(x) if isinstance(x, float) else x for x in words))
+    file = folder / "scaled.txt"
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def check_parameters():
+    """Masses, stiffness and effects as parameters: the motion of the description that has those numbers, whose modes have
+    the same shapes. Factors of 4, and others; each alone changes it. A saved state has them with it."""
+    most, names = 0.0, ("mass", "stiffness", "hub_mass", "hub_inertia")
+    cases = [(4.0, 1.0, 1.0, 1.0), (1.0, 4.0, 1.0, 1.0), (1.0, 1.0, 1.7, 1.0), (1.0, 1.0, 1.0, 0.8), (1.3, 0.6, 0.9, 1.2)]
+    for model in MODELS + ["large"]:
+        plain = library(folder / f"{model}.txt", 0.001, 4, 1, 50)
+        for version in 2, 3:
+            saved = []
+            for case in cases[1:4] if model == "large" else cases:
+                factors = {name: factor for name, factor in zip(names, case) if factor != 1}
+                effects = "spin" if case == cases[-1] else None
+                one = start(folder / f"{model}{version}.fmu", effects=3 if effects else None,
+                            **{"settings.step": 0.001, **{f"settings.{name}_scale": factor for name, factor in factors.items()}})
+                rows = one.run(50, 0.004)
+                expected = library(scaled(model, **factors, effects=effects), 0.001, 4, 1, 50)
+                size = np.max(np.abs(expected), axis=0) + 1e-3
+                off = np.max(np.abs(np.array(rows) - expected) / size)
+                want(off < 1e-9, f"{model}, FMI {version}, {factors}: {off:g} off the description of these numbers")
+                want(np.max(np.abs(np.array(plain) - expected) / size) > 1e-5, f"{model}: {factors} change nothing")
+                most = max(most, off)
+                saved.append((one.fmu.serializeFMUState(one.fmu.getFMUState()), one.run(5, 0.004, 50)))
+                one.close()
+            other = start(folder / f"{model}{version}.fmu")
+            other.run(3, 0.004)
+            for state, rest in saved:  # built anew for each
+                other.fmu.setFMUState(other.fmu.deserializeFMUState(state))
+                other.time = 0.2
+                want(other.run(5, 0.004, 50) == rest, f"{model}: a saved state forgets its parameters")
+            other.close()
+    return most
+
+
+def check_parameter_refusals(version):
+    """What is no factor, and effects that the description has not."""
+    one = Instance(folder / f"linear{version}.fmu", initialize=False)
+    for name in "mass", "stiffness", "hub_mass", "hub_inertia":
+        want(broken_start(one, f"settings.{name}_scale", 0.0, "1e-06 to 1e+06"), f"{name} 0 is taken")
+    for effects, word in (5, "1 to 4"), (4, "fb_body_init: effects"):
+        want(broken_start(one, "effects", effects, word), f"effects {effects}: {one.log[-1:]}")
+    one.initialize(effects=2, **{"settings.stiffness_scale": 1.0})
+    one.close()
+    items = [t for t in one.description.typeDefinitions if t.name == "Effects"][0].items
+    want([i.name for i in items] == ["as_described", "linear"], f"effects of the linear body: {[i.name for i in items]}")
+    names = set(Instance(folder / f"names{version}.fmu", initialize=False).variables)
+    want(not [n for n in names if "effects" in n or "stiffness" in n or "settings.mass" in n] and "settings.hub_mass_scale" in names,
+         f"parameters of a rigid body: {sorted(names)}")
+
+
+def check_base():
+    """A base that inputs move: with a constant acceleration one communication step is many; what is set goes on. With a
+    rate that changes smoothly, linear between communication steps, the error falls with their square."""
+    for version in 2, 3:
+        file = folder / f"held{version}.fmu"
+        ends = []
+        for count in 1, 8:
+            one = start(file, **{"settings.step": 0.0025, "base.acceleration": [0.5, 0, 0], "base.angular_acceleration": [0, 0.1, 0.2]})
+            for _ in range(count):
+                one.step(0.4 / count)
+            want(np.allclose(one.get("base.velocity", "base.rate"), [0.2, 0, 0, 0, 0.04, 0.08], rtol=1e-13, atol=0), "the base does not go on")
+            want(one.get("hub.rate") == one.get("base.rate"), "the rate of the hub is not that of the base")
+            ends.append(one.outputs())
+            one.close()
+        want(np.allclose(ends[0], ends[1], rtol=1e-11, atol=1e-13), f"{file}: {worst(ends[:1], ends[1:])}")
+    errors, rows = [], []
+    for length in 0.04, 0.02, 0.005:
+        one = start(folder / "held2.fmu", **{"settings.step": 0.0025, "start.q": [0.0] * 6})
+        for k in range(round(2 / length)):
+            now, then = (0.5 * (1 - math.cos(math.pi * t * length / 2)) for t in (k, k + 1))
+            one.set("base.rate", [0, 0, now])
+            one.set("base.angular_acceleration", [0, 0, (then - now) / length])
+            one.step(length)
+        rows.append(np.array(one.get("hub.attitude", "node1.deflection", "modes.q")))
+        one.close()
+    errors = [np.max(np.abs(row - rows[-1])) for row in rows[:-1]]
+    want(np.max(np.abs(rows[-1][4:])) > 1e-4 and 3 < errors[0] / errors[1] < 5.5, f"a base of smooth rate: errors {errors}")
+    return errors[1]
 
 
 def check_states(version):
@@ -278,20 +387,22 @@ def check_states(version):
     return saved
 
 
-def check_derivatives(version):
+def check_derivatives(version, model):
     """Directional derivatives are differences of outputs; outputs without dependencies do not follow inputs."""
-    one = start(folder / f"two_booms{version}.fmu")
-    one.run(10, 0.05)
+    one = start(folder / f"{model}{version}.fmu")
+    one.run(10, 0.02)
     outputs, base = one.names("output"), np.array(one.outputs())
-    direct = np.concatenate([[depends(one, name)] * one.variables[name] for name in outputs]).astype(bool)
     most = 0.0
     for name in one.names("input"):
+        direct = np.concatenate([[depends(one, output, name)] * one.variables[output] for output in outputs]).astype(bool)
         of = [r for output in outputs for r in one.references(output)]
         was, by = np.array(one.get(name)), np.array([0.5, -1.0, 2.0])
         slope = np.array(one.fmu.getDirectionalDerivative(of, one.references(name), by, **({} if one.two else {"nSensitivity": len(base)})))
         want(np.array_equal(one.outputs(), base), "a derivative changes the outputs")
         one.set(name, was + by)
-        change = np.array(one.outputs()) - base
+        change = 0.5 * np.array(one.outputs())
+        one.set(name, was - by)
+        change -= 0.5 * np.array(one.outputs())
         one.set(name, was)
         want(not change[~direct].any() and not slope[~direct].any(), f"FMI {version}: an output follows {name} without a dependency")
         want(abs(change[direct]).max() > 0, f"FMI {version}: no output follows {name}")
@@ -340,7 +451,7 @@ def check_rates(version):
     """Derivatives of outputs by time: those of the motion around; velocity of position, acceleration of velocity, and so
     on, to the digits; quaternions by rates."""
     most = 0.0
-    for model in MODELS:
+    for model in MODELS + ["held"]:
         file = folder / f"{model}{version}.fmu"
         one = start(file)
         want(one.description.coSimulation.maxOutputDerivativeOrder == 1, f"{file}: no derivatives")
@@ -386,10 +497,10 @@ def check_adjoint(one):
     return off
 
 
-def depends(one, name):
+def depends(one, name, source):
     for unknown in one.description.outputs:
         if unknown.variable.name.split("[")[0] == name:
-            return bool(unknown.dependencies)
+            return source in [v.name.split("[")[0] for v in unknown.dependencies]
     want(False, f"{name} is not in the ModelStructure")
 
 
@@ -506,8 +617,9 @@ def check_speed():
 
 
 def main():
-    numbers = sum(check_motion(model) for model in MODELS)
+    numbers = sum(check_motion(model) for model in MODELS + ["held"])
     check_integrators()
+    varied, base = check_parameters(), check_base()
     check_damping(str(folder / "damped.txt"))
     slopes, slower = [], []
     for version in 2, 3:
@@ -516,11 +628,13 @@ def main():
         foreign = other.fmu.serializeFMUState(other.fmu.getFMUState())
         saved = check_states(version)
         check_refusals(version, saved, foreign)
-        slopes.append(check_derivatives(version))
+        check_parameter_refusals(version)
+        slopes += [check_derivatives(version, model) for model in ("two_booms", "held")]
         slower.append(check_rates(version))
     check_static()
     speed = check_speed()
-    print(f"FMPy {fmpy.__version__}: {len(MODELS)} bodies valid in FMI 2.0 and 3.0, {numbers} outputs of each with the library's bits, "
+    print(f"FMPy {fmpy.__version__}: {len(MODELS)} bodies, and one on a base that inputs move, valid in FMI 2.0 and 3.0, {numbers} outputs of each with the library's bits, "
+          f"masses, stiffness and effects as parameters to {varied:.1g}, "
           f"derivatives by inputs to {max(slopes):.1g}, by time to {max(slower):.1g}, {refusals} refusals, 1 kHz with {speed:.0f} times to spare")
 
 

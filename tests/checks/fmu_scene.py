@@ -84,6 +84,36 @@ control hold
   output load hub base torque 0 1 0
 end
 """
+MOVED = """
+parameter turn 0.5
+parameter fly 0.25
+parameter rise 0
+duration 2
+interval 0.1
+step 0.005
+body boom beam
+  length 4
+  elements 4
+  stations x mass EI_y EI_z
+    0 1 900 900
+  end
+  modes bend_y 2 bend_z 2
+  effects full
+  base prescribed
+  node tip tip
+end
+motion rate 0 0 2 constant $turn
+motion velocity 1 0 0 constant $fly
+motion rate 0 0 1 ramp $rise 0 2
+output tip position boom.tip
+output swift velocity boom.tip
+output bend displacement boom.tip
+output shake acceleration boom.tip
+output spin spin boom z
+output mode mode_rate boom 1
+output hold reaction_torque boom
+output energy energy
+"""
 numbers = refusals = 0
 
 
@@ -221,6 +251,52 @@ def check_inputs():
     units = {v.name: v.unit for v in Instance(folder / "driven2.fmu", initialize=False).description.modelVariables}
     want(units["motor.root[1]"] == "N.m" and units["pull.cable"] == "N" and units["output.shake_x"] == "m/s2" and
          units["output.power"] == "W" and units["settings.step"] == "s", f"units: {units}")
+
+
+def check_base():
+    """Inputs move a prescribed base: constants as the scene could say them, bit for bit; a rate that its own rate moves on,
+    in one step and in many, as a ramp of the scene; derivatives, by inputs and by time."""
+    file = folder / "moved.txt"
+    file.write_text(MOVED)
+    constant, most = run_of(file, "turn=0.75", "fly=1"), 0.0
+    ramp = [[float(x) for x in row] for row in run_of(file, "rise=0.8")]
+    for version in 2, 3:
+        fmu = export(file, version)
+        want(not validate_fmu(str(fmu)), f"{fmu} is not valid")
+        one = Instance(fmu, **{"rate.base": 0.5, "velocity.base": 0.75})
+        want(sorted(one.names("input")) == ["acceleration.base", "angular_acceleration.base", "angular_acceleration_2.base", "rate.base",
+                                            "rate_2.base", "velocity.base"], f"inputs: {one.names('input')}")
+        compare("inputs of a base", rows_of(one, 20, 0.1), constant)
+        one.close()
+        for count, length in (10, 0.1), (5, 0.2), (16, 0.0625):
+            one = Instance(fmu, **{"angular_acceleration.base": 0.4})
+            for _ in range(count):
+                one.step(length)
+            want(abs(one.get("rate.base")[0] - 0.4) < 1e-12, f"the rate of the base goes on to {one.get('rate.base')}")
+            off = max(abs(a - b) / (1e-3 + abs(b)) for a, b in zip(one.outputs(), ramp[10][1:]) if abs(b) < 1e3)
+            want(off < (1e-9 if length > 0.07 else 2e-5), f"{fmu}: a rate that goes on, {count} steps: {off:g} off the ramp")
+            one.close()
+        one = Instance(fmu, **{"angular_acceleration.base": 0.4})
+        one.step(0.05)
+        state, names, n = one.fmu.getFMUState(), one.names("output"), len(one.outputs())
+        direct = np.array([bool(u.dependencies) for u in one.description.outputs])
+        of = [r for output in names for r in one.references(output)]
+        for name in one.names("input"):
+            was, sides = one.get(name)[0], []
+            slope = np.array(one.fmu.getDirectionalDerivative(of, one.references(name), [1.0], **({} if one.two else {"nSensitivity": n})))
+            for by in -1, 1:
+                one.set(name, was + by)
+                sides.append(np.array(one.outputs()))
+            one.set(name, was)
+            change = (sides[1] - sides[0]) / 2
+            want(abs(change).max() > 0.1 and not slope[~direct].any() and not change[~direct].any(), f"{name}: dependencies")
+            most = max(most, abs(slope - change).max() / abs(change).max())
+        mine, moving, size = central(one, 1e-4)
+        want(np.max(np.abs(mine - moving) / size) < 1e-6, f"{fmu}: derivatives by time")
+        one.fmu.setFMUState(state)
+        want(abs(one.get("rate.base")[0] - 0.02) < 1e-12, "a saved state forgets how the base moves")
+        one.close()
+    want(most < 1e-9, f"derivatives by the motion of a base are {most:g} off")
 
 
 def check_odd_steps():
@@ -616,6 +692,7 @@ moved, still = timed(check_all)
 timed(check_simulate)
 timed(check_parameters)
 timed(check_inputs)
+timed(check_base)
 timed(check_odd_steps)
 saved = timed(check_states)
 timed(check_several)

@@ -46,9 +46,10 @@ static struct world {
   fb_real coordinates[FB_MAX_MODES];
   fb_body_desc body_desc, scene_desc, wheel_desc, bent_desc, spun_desc;
   fb_body body, held, bent, bent_held, spun,
-      calm; /* bent ones with lines, the last with rotors, central gravity; calm: balanced, held */
-  fb_state state, bent_state, spun_state, calm_state;
-  fb_input input, bent_input, spun_input;
+      calm,  /* bent ones with lines, the last with rotors, central gravity; calm: balanced, held */
+      orbit; /* the same in orbit */
+  fb_state state, bent_state, spun_state, calm_state, orbit_state;
+  fb_input input, bent_input, spun_input, orbit_input;
   fb_motion motion, bent_motion;
   fb_node_motion node_motion;
   fb_real v[3], w[3], q_dot[FB_MAX_MODES], gravity[3];
@@ -220,6 +221,12 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     WORK(analyse_work), OUT(fb_linear), IN(calm_state), IN(spun_input), OPTIONAL(motor_desc))                          \
   F(fb_body_spectrum_solve_of_rotors, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(calm),         \
     WORK(analyse_work), OUT(fb_spectrum), IN(calm_state), IN(spun_input))                                              \
+  F(fb_body_trim_of_orbits, fb_body_trim(p[0], p[1], p[2], p[3]), SLOW, MODEL(orbit), STATE(orbit_state),              \
+    WORK(analyse_work), IN(orbit_input))                                                                               \
+  F(fb_body_linearize_of_orbits, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, MODEL(orbit),            \
+    WORK(analyse_work), OUT(fb_linear), IN(orbit_state), IN(orbit_input), OPTIONAL(motor_desc))                        \
+  F(fb_body_spectrum_solve_of_orbits, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(orbit),        \
+    WORK(analyse_work), OUT(fb_spectrum), IN(orbit_state), IN(orbit_input))                                            \
   F(fb_advice_solve_of_rotors, fb_advice_solve(p[0], p[1], p[2], p[3], p[4], x[0]), SLOW, OUT(fb_advice),              \
     WORK(advise_work), MODEL(natural), IN(wheel_desc), IN(envelope), REAL(FB_R(0.1)))                                  \
   F(fb_system_check_of_rotors, fb_system_check(p[0], p[1], i[0]), 1, MODEL(calm_system), MODEL(calm), WHOLE(1))        \
@@ -705,6 +712,15 @@ static void body_fill(void)
   need(fb_body_init(&w.calm, &body_work, &w.natural, &w.scene_desc), "balanced body with rotors");
   w.wheel_desc = w.scene_desc;
   need(fb_state_init(&w.calm, &w.calm_state), "its state");
+  w.scene_desc.base = FB_BASE_FREE;
+  w.scene_desc.mu = FB_R(1e7);
+  memset(w.scene_desc.gravity, 0, sizeof w.scene_desc.gravity);
+  w.scene_desc.rotor[1].friction = w.scene_desc.rotor[1].friction_speed = FB_R(0.0);
+  need(fb_body_init(&w.orbit, &body_work, &w.natural, &w.scene_desc), "body in orbit");
+  need(fb_state_init(&w.orbit, &w.orbit_state), "its state");
+  w.orbit_state.rho[0] = FB_R(1000.0);
+  w.orbit_input.w[2] = FB_R(0.1);
+  need(fb_body_trim(&w.orbit, &w.orbit_state, &analyse_work, &w.orbit_input), "its steady state");
   w.scene_desc = w.bent_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.bent_held, &body_work, &w.natural, &w.scene_desc), "held body with lines");

@@ -13,7 +13,7 @@ for build in "1 0" "0 1"; do # FB_SINGLE, FB_WITH_FORMS
     grep -v '^fb_[a-zA-Z0-9_]* [0-9]*$' "$out/calls" | head -n 40
     fail "FB_SINGLE=$1, FB_WITH_FORMS=$2: the above"
   }
-  cut -d ' ' -f 1 "$out/calls" | sed 's/_of_lines$//; s/_of_rotors$//' | sort -u > "$out/called"
+  cut -d ' ' -f 1 "$out/calls" | sed 's/_of_lines$//; s/_of_rotors$//; s/_of_orbits$//' | sort -u > "$out/called"
   cmp -s "$out/header" "$out/called" || {
     diff "$out/header" "$out/called"
     fail "functions of the header (<) and those called here (>) differ"

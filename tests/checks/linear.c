@@ -1,6 +1,6 @@
-/* linear.c - linear models of C, by examples/common/linear_out.h: a spinning beam with a rotor, and bodies on joints that turn
-   and slide, one of them in a loop. Writes FOLDER/spinning.json and FOLDER/system.json, the first as CSV, too, and prints the
-   complex modes that the library finds: model, re, im. */
+/* linear.c - linear models of C, by examples/common/linear_out.h: a spinning beam with a rotor, bodies on joints that turn
+   and slide, one of them in a loop, and an exact beam that spins and is bent. Writes FOLDER/spinning.json, FOLDER/exact.json
+   and FOLDER/system.json, the first two as CSV, too, and prints the complex modes that the library finds: model, re, im. */
 #define FLEXBEAM_IMPLEMENTATION
 #define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
@@ -17,8 +17,8 @@ static const fb_beam_desc boom = {
     .length = 8, .n_element = 8, .n_station = 1, .station = {{.mass = FB_R(0.5), .EI_y = 2000, .EI_z = 3000}}};
 static const fb_modes_desc keep = {.count = {2, 2}};
 
-/* Writes the model, prints the spectrum. */
-static int finish(const char *folder, const char *name, int csv)
+/* Writes the model, prints the spectrum of n modes. */
+static int finish(const char *folder, const char *name, int csv, const fb_real *re, const fb_real *im, int n)
 {
   char path[512];
   for (int k = 0; k <= csv; k++) {
@@ -28,8 +28,8 @@ static int finish(const char *folder, const char *name, int csv)
       return 1;
     }
   }
-  for (int k = 0; k < spectrum.n; k++) {
-    printf("%s %.17g %.17g\n", name, (double)spectrum.re[k], (double)spectrum.im[k]);
+  for (int k = 0; k < n; k++) {
+    printf("%s %.17g %.17g\n", name, (double)re[k], (double)im[k]);
   }
   return 0;
 }
@@ -125,10 +125,57 @@ static fb_status connect(void)
   return status;
 }
 
+static fb_exact_spectrum modes;
+
+/* A beam of 10 m whose base turns at 0.5 rad/s, bent by a follower force: by a force there and the rate of the base to the
+   deflection and the curvature at the root. */
+static fb_status bend(void)
+{
+  static fb_exact exact;
+  static fb_exact_work exact_work;
+  static fb_exact_state state;
+  static fb_exact_spectrum_work spectrum_work;
+  static fb_exact_linear_work work;
+  static fb_exact_linear of;
+  static fb_exact_node node[13];
+  static fb_exact_desc desc;
+  static const fb_real stiffness[6] = {FB_R(1e6), FB_R(4e5), FB_R(4e5), 900, 2000, 3000};
+  static const fb_real inertia[6] = {2, 2, 2, FB_R(0.02), FB_R(0.01), FB_R(0.01)};
+  const fb_exact_linear_desc ports = {
+      2,
+      2,
+      {{FB_EXACT_PORT_FORCE, 12, 1, FB_AXES_BODY}, {FB_EXACT_PORT_BASE_RATE, 0, 2, FB_AXES_BODY}},
+      {{FB_EXACT_PORT_DISPLACEMENT, 12, 1, FB_AXES_BODY}, {FB_EXACT_PORT_MOMENT_STRAIN, 0, 2, FB_AXES_BODY}}};
+  fb_exact_input input = {.n_load = 1, .load = {{.node = 12, .axes = FB_AXES_NODE, .force = {0, 20, 5}}}};
+  fb_status status;
+  desc.length = 10;
+  desc.n_element = 12;
+  desc.n_station = 1;
+  for (int i = 0; i < 6; i++) {
+    desc.station[0].stiffness[7 * i] = stiffness[i];
+    desc.station[0].inertia[7 * i] = inertia[i];
+  }
+  input.w[2] = FB_R(0.5);
+  status = fb_exact_init(&exact, &desc);
+  status = status ? status : fb_exact_state_init(&exact, &state, &exact_work, &input);
+  status = status ? status : fb_exact_trim(&exact, &state, &exact_work, &input);
+  status = status ? status : fb_exact_nodes_eval(&exact, node, &state);
+  status = status ? status : fb_exact_linearize(&exact, &work, &of, &state, &input, &ports, 6);
+  status = status ? status : fb_exact_spectrum_solve(&exact, &spectrum_work, &modes, &state, &input, 6);
+  if (status == FB_OK) {
+    linear_out_exact(&out, "exact", &of, &ports, &exact, node, &input);
+  }
+  return status;
+}
+
 int main(int argc, char **argv)
 {
   fb_status status = argc == 2 ? spin() : FB_ERR_NULL;
-  if (status == FB_OK && finish(argv[1], "spinning", 1)) {
+  if (status == FB_OK && finish(argv[1], "spinning", 1, spectrum.re, spectrum.im, spectrum.n)) {
+    return 1;
+  }
+  status = status ? status : bend();
+  if (status == FB_OK && finish(argv[1], "exact", 1, modes.re, modes.im, modes.n)) {
     return 1;
   }
   status = status ? status : connect();
@@ -136,5 +183,5 @@ int main(int argc, char **argv)
     printf("%s\n", refusal_text(status));
     return 1;
   }
-  return finish(argv[1], "system", 0);
+  return finish(argv[1], "system", 0, spectrum.re, spectrum.im, spectrum.n);
 }

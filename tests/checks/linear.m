@@ -2,8 +2,8 @@
 % Prints lines of a model, what it is of, and numbers: poles, gains at frequencies; margins of the satellite's loop.
 pkg load control
 folder = argv(){1};
-for k = 1:4
-  model = {'spinning', 'system', 'satellite', 'shaft'}{k};
+for k = 1:6
+  model = {'spinning', 'system', 'satellite', 'shaft', 'exact', 'bent'}{k};
   m = load([folder '/' model '.mat']);
   plant = ss(m.A, m.B, m.C, m.D, 'stname', m.states, 'inname', m.inputs, 'outname', m.outputs);
   for p = pole(plant).'

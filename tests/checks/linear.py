@@ -71,15 +71,15 @@ def response(m, w):
 
 
 models = {}
-for name in 'spinning', 'system', 'satellite', 'shaft', 'spun':
+for name in 'spinning', 'system', 'satellite', 'shaft', 'spun', 'exact', 'bent', 'arc':
     models[name] = m = linear.read(folder + name + '.json')
     with np.load(folder + name + '.npz') as file:
         same_bits(name + '.npz', m, file)
     same_bits(name + '.mat', m, io.loadmat(folder + name + '.mat'))
     demand(len(set(m['states'])) == len(m['A']) and len(set(m['steady_state'])) == len(m['steady_state']), name + ': a name twice')
-for name in 'spinning', 'satellite', 'spun':
+for name in 'spinning', 'satellite', 'spun', 'exact', 'bent':
     same_table(folder + name + '.csv', models[name])
-spinning, system, satellite, shaft, spun = models.values()
+spinning, system, satellite, shaft, spun, exact, bent, arc = models.values()
 
 # names, units and order of states, by what they have to mean
 demand(spinning['model'] == 'spinning "beam", \\ with a rotor', 'quotes and backslashes of a name')
@@ -108,8 +108,27 @@ meet('states', spun['A'][at['attitude_y'], at['attitude_x']], -0.1)  # seen from
 with open('%scrc.txt' % folder) as file:
     demand(spun['crc'] == file.read().split()[-1], 'the check word is not that of the ROM')
 
+demand(exact['states'] == ['mode%d_%s' % (k, part) for k in range(1, 7) for part in 'ab'] and set(exact['states_units']) == {'-'}, 'modes')
+demand(exact['inputs'] == ['force.12.y', 'base_rate.z'] and exact['outputs'] == ['displacement.12.y', 'moment_strain.0.z'], 'ports of C')
+demand(exact['inputs_units'] == ['N', 'rad/s'] and exact['outputs_units'] == ['m', '1/m'], 'units of an exact beam')
+demand(bent['inputs'][2] == 'force.tip.z' and bent['outputs'][3:] == ['internal_moment.root.' + x for x in 'xyz'], 'ports as given')
+
+# static response of the bent arc: by the difference of two steady states; base axes are those of the file
+tips = [linear.read('%sbent_%s.json' % (folder, force)) for force in ('600.5', '599.5')]
+tips = [dict(zip(m['steady_state'], m['steady_state_values'])) for m in tips]
+moved = {x: tips[0]['tip.position_' + x] - tips[1]['tip.position_' + x] for x in 'xyz'}
+gain = response(bent, 0.0)[:3, 2].real
+off = float(np.max(np.abs(gain - [moved[x] for x in 'xyz'])) / np.max(np.abs(gain)))
+demand(off < 1e-5, 'the static response is %.3g from the difference of steady states' % off)
+
+# the same arc as a scene, whose load is counted by its vector
+demand(arc['inputs'] == ['force.arc.tip'] and arc['outputs'] == ['move_x', 'move_y', 'move_z', 'turn'] and arc['states'] == bent['states'], 'an arc')
+demand(arc['inputs_units'] == ['600 N'] and arc['outputs_units'] == ['m', 'm', 'm', 'rad/s'] and np.array_equal(arc['A'], bent['A']), 'the arc of the scene')
+for w in 0.0, 0.5, 2.0:
+    meet('an exact beam as a scene', response(arc, w)[:3, 0] / 600, response(bent, w)[:3, 2], np.max(np.abs(response(bent, w)[:3, 2])))
+
 # poles: of the library, of Octave; gains of Octave
-for name in 'spinning', 'system':
+for name in 'spinning', 'system', 'exact':
     with open(folder + 'modes.txt') as file:
         modes = [complex(float(line[1]), float(line[2])) for line in (text.split() for text in file) if line[0] == name]
     same_poles('poles of the library', modes, linalg.eigvals(models[name]['A']))
@@ -117,7 +136,7 @@ octave = {}
 with open(folder + 'octave.txt') as file:
     for line in (text.split() for text in file):
         octave.setdefault((line[0], ' '.join(line[1:-2])) if line[0] != 'margins' else line[1], []).append(line[-2:])
-for name in 'spinning', 'system', 'satellite', 'shaft':
+for name in 'spinning', 'system', 'satellite', 'shaft', 'exact', 'bent':
     poles = [complex(float(re), float(im)) for re, im in octave[name, 'pole']]
     same_poles('poles of Octave', poles, linalg.eigvals(models[name]['A']))
     for w in '0.3', '2', '7', '40':

@@ -19,6 +19,12 @@ scenes=examples/scenes
 try build/flexbeam scene $scenes/satellite_control.txt --quiet --linear "$out/satellite.json" --margins "$out/satellite_loop.csv"
 try build/flexbeam scene $scenes/satellite_control.txt --quiet --linear "$out/satellite.csv"
 try build/flexbeam scene $scenes/shaft_control.txt --quiet --linear "$out/shaft.json" --margins "$out/shaft_loop.csv"
+sed '/^output/d; /^measure/d; /^expect/d' $scenes/bend45.txt > "$out/arc.txt" # the arc of examples/bend45.txt, by the same beam
+for axis in x y z; do
+  echo "output move_$axis displacement arc.tip $axis" >> "$out/arc.txt"
+done
+echo 'output turn gyro arc.tip y' >> "$out/arc.txt"
+try build/flexbeam scene "$out/arc.txt" --quiet --linear "$out/arc.json"
 spun="build/flexbeam analyse examples/satellite.txt --spin 0.1"
 try $spun --linear "$out/spun.csv"
 try $spun --linear "$out/spun.json"
@@ -26,7 +32,17 @@ grep -q '^linear model: .* 24 states, 6 inputs, 6 outputs$' "$out/log" || fail "
 # of a free body gravity is left out, as analyse does: so is it from the body in ROM
 try build/flexbeam reduce examples/satellite.txt --out "$out/rom.h"
 sed -n 's/^#define .*_crc 0x\([0-9A-F]*\)u .*/\1/p' "$out/rom.h" > "$out/crc.txt"
-for model in spinning system satellite shaft spun; do
+sed 's/^modes 4$/modes 6/' examples/bend45.txt > "$out/bend.txt"
+bent="build/flexbeam exact $out/bend.txt --linear"
+try $bent "$out/bent.json"
+try $bent "$out/bent.csv"
+grep -q '^linear model: .* 12 states, 6 inputs, 6 outputs$' "$out/log" || fail "exact does not tell of the model: $(cat "$out/log")"
+for force in 600.5 599.5; do # what a static response has to be
+  sed "s/dead 0 0 600$/dead 0 0 $force/" examples/bend45.txt > "$out/bend_$force.txt"
+  grep -q "dead 0 0 $force$" "$out/bend_$force.txt" || fail "examples/bend45.txt has no load of 600"
+  try build/flexbeam exact "$out/bend_$force.txt" --linear "$out/bent_$force.json"
+done
+for model in spinning system satellite shaft spun exact bent arc; do
   try "$python" examples/tools/linear.py "$out/$model.json" "$out/$model.mat" "$out/$model.npz"
 done
 octave-cli -q tests/checks/linear.m "$out" > "$out/octave.txt" 2> "$out/log" || {
@@ -62,8 +78,12 @@ refuse 2 "more than 12 of them" $spun --linear "$out/no.json" --inputs "$(echo '
 refuse 1 "no linear model: " $spun --linear "$out/no.json" --inputs base_rate.x
 refuse 2 "--inputs and --outputs are those of --linear" $spun --inputs force.0.x
 refuse 2 "cannot write $out/no/no.json" $spun --linear "$out/no/no.json"
+refuse 2 "--inputs: rate.tip.x: no such kind" $bent "$out/no.json" --inputs rate.tip.x
+refuse 2 "--inputs: force.41.x: no such node" $bent "$out/no.json" --inputs force.41.x
+refuse 2 "--outputs: internal_moment.40.x: no such element" $bent "$out/no.json" --outputs internal_moment.40.x
+refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --inputs base_rate.0.x
+refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
 refuse 2 "that is the scene itself" build/flexbeam scene $scenes/top.txt --linear $scenes/top.txt
-refuse 2 "--linear: an exact beam has no linear model here" build/flexbeam scene $scenes/bend45.txt --quiet --linear "$out/no.json"
 echo "{}" > "$out/rom.json"
 refuse 1 "no linear model of flexbeam" "$python" examples/tools/linear.py "$out/rom.json" "$out/no.mat"
 refuse 1 "wants .mat or .npz" "$python" examples/tools/linear.py "$out/spun.json" "$out/no.csv"

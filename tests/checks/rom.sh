@@ -11,7 +11,7 @@ grep -q 'effects large' "$out/large.txt" || fail "examples/satellite.txt has no 
 # again NAME SOURCE SINGLE: the header is included, written again, and compared
 again() {
   flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/rom.h")
-  try gcc $c99 -I"$out" $flags -DSOURCE="\"$2\"" -o "$out/again" tests/checks/rom.c -lm
+  try gcc $c99 -O0 -I"$out" $flags -DSOURCE="\"$2\"" -o "$out/again" tests/checks/rom.c -lm
   "$out/again" > "$out/again.h"
   try clang $c99 -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
   try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c

@@ -6,6 +6,7 @@
 need gcc gcc
 need g++ g++
 need clang clang
+need clang++ clang
 awk -f tests/checks/rooms.awk flexbeam_impl.h > "$out/arrows"
 [ ! -s "$out/arrows" ] || { cat "$out/arrows"; fail "banners"; }
 sections() { sed -n 's/^   \([A-Z]* >>[a-z0-9]*\).*/\1/p' "$1"; }
@@ -13,23 +14,27 @@ sections() { sed -n 's/^   \([A-Z]* >>[a-z0-9]*\).*/\1/p' "$1"; }
   fail "flexbeam.h and flexbeam_impl.h have other sections, or another order"
 
 count=0
+# look COMPILER OPTIONS...: no warning; clang tells of unused functions from the syntax alone
+look() {
+  try "$@" $options -DFB_SINGLE=$single -fsyntax-only "$out/impl.c"
+  count=$((count + 1))
+}
+
 for system in 0 1; do
   for exact in 0 1; do
     for rooms in 00 10 11; do
       options="-DFB_WITH_SYSTEM=$system -DFB_WITH_EXACT=$exact -DFB_WITH_BUILD=${rooms%?} -DFB_WITH_ANALYSE=${rooms#?}"
       for single in 0 1; do
-        try gcc $c99 -O0 $options -DFB_SINGLE=$single -c -o "$out/$system$exact$rooms.o" "$out/impl.c"
-        try gcc $c99 -O0 $options -DFB_SINGLE=$single -DFLEXBEAM_STATIC -c -o "$out/static.o" "$out/impl.c"
-        try clang $c99 $options -DFB_SINGLE=$single -fsyntax-only "$out/impl.c"
-        try clang $c99 $options -DFB_SINGLE=$single -DFB_WITH_FORMS=1 -fsyntax-only "$out/impl.c"
-        try g++ -std=c++11 $base $options -DFB_SINGLE=$single -O0 -x c++ -c -o "$out/cpp.o" "$out/impl.c"
-        count=$((count + 5))
-        [ $system$exact = 11 ] || continue # the record of refusals, as C, C++ and in both precisions
-        try gcc $c99 -O0 $options -DFB_SINGLE=$single -DFB_WITH_DETAIL=1 -c -o "$out/detail.o" "$out/impl.c"
-        try clang $c99 $options -DFB_SINGLE=$single -DFB_WITH_DETAIL=1 -fsyntax-only "$out/impl.c"
-        try g++ -std=c++11 $base $options -DFB_SINGLE=$single -DFB_WITH_DETAIL=1 -O0 -x c++ -c -o "$out/cpp.o" "$out/impl.c"
-        count=$((count + 3))
+        for variant in FB_WITH_FORMS=0 FLEXBEAM_STATIC FB_WITH_FORMS=1 FB_WITH_DETAIL=1; do
+          look clang $c99 -D$variant
+          look gcc $c99 -D$variant
+        done
+        look clang++ -std=c++11 $base -x c++
+        look g++ -std=c++11 $base -x c++
+        look g++ -std=c++11 $base -x c++ -DFB_WITH_DETAIL=1
       done
+      try gcc $c99 -O0 $options -c -o "$out/$system$exact$rooms.o" "$out/impl.c"
+      count=$((count + 1))
     done
   done
 done
