@@ -165,16 +165,16 @@
      fb_implicit_work            63992
      fb_exponential_work         58824
      fb_system_work             635784
-     fb_exact_work              173336
+     fb_exact_work              173784
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
      fb_system_analyse_work    1967304
-     fb_exact_path_work         202472
-     fb_exact_spectrum_work    1625192
-     fb_exact_linear_work      1998872
+     fb_exact_path_work         203048
+     fb_exact_spectrum_work    1625640
+     fb_exact_linear_work      1999320
      fb_advice_work            1135776
 
    CONVENTIONS
