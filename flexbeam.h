@@ -165,16 +165,16 @@
      fb_implicit_work            63992
      fb_exponential_work         58824
      fb_system_work             635784
-     fb_exact_work              173336
+     fb_exact_work              173784
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
      fb_system_analyse_work    1967304
-     fb_exact_path_work         202472
-     fb_exact_spectrum_work    1625192
-     fb_exact_linear_work      1998872
+     fb_exact_path_work         203048
+     fb_exact_spectrum_work    1625640
+     fb_exact_linear_work      1999320
      fb_advice_work            1135776
 
    CONVENTIONS
@@ -1687,7 +1687,10 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    stretch and twist waves). An element that turns, by bending or as built, by 15 degrees is 9e-4 too stiff, by 45
    degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A is to D as
    velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the step.
-   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
+   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root.
+   Elements may be joints, hinges with springs, dampers and motors: links, folded booms, hinged blades, closed chains whose
+   tip is held, are one such beam. A joint keeps energy as the elements do; its outboard side wants inertia, or a spring,
+   about its axis, else steps end in FB_ERR_SINGULAR, as does fb_exact_trim where a joint can turn freely. */
 
 /* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
    them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
@@ -1706,12 +1709,24 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
 #define FB_END_GUIDED 56  /* rotation */
 #define FB_END_SLIDING 62 /* all but its place along x */
 
+/* Hinge in a beam: an element of length zero, whose nodes have one place. The section outboard of it is rotated against
+   the one inboard about an axis fixed in both, by any angle; whole turns count. Several in a row about different axes
+   are a universal or a spherical joint; a lumped body on a node between two of them is a link or a hub. */
+typedef struct fb_exact_joint {
+  int element;                      /* that is the joint */
+  int driven;                       /* nonzero: its motor holds its rate, whatever the load */
+  fb_real axis[3];                  /* unit vector, section axes of both nodes at angle 0 */
+  fb_real angle, rate;              /* [rad] as built, before anything acts; [rad/s] at the start */
+  fb_real rest, stiffness, damping; /* of a spring and damper: [rad], [N m/rad] >= 0, [N m s/rad] >= 0 */
+} fb_exact_joint;
+
 typedef struct fb_exact { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
   int n, n_lump, iterations, floating;
   fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
   fb_real beta;                /* of dissipation */
   fb_real gravity[3];
   int held[FB_MAX_EXACT + 1], factorizations;
+  int jointed[FB_MAX_EXACT + 1], n_joint; /* 1 + the joint that is an element; 0: none */
   fb_real h[FB_MAX_EXACT];
   fb_real xi[6 * FB_MAX_EXACT]; /* (1, 0, 0, initial curvature) */
   fb_real C[36 * FB_MAX_EXACT]; /* compliance with that by the strain's variation in the element */
@@ -1722,6 +1737,7 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* undeformed nodes in the base frame */
   int lump_node[FB_MAX_LUMPS];
   fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
+  fb_exact_joint joint[FB_MAX_LUMPS];
 } fb_exact;
 
 /* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
@@ -1739,6 +1755,8 @@ typedef struct fb_exact_input { /* all zero: nothing acts, the base rests */
   fb_load load[FB_MAX_LOADS];      /* at nodes */
   fb_line_load line[FB_MAX_EXACT]; /* on elements */
   fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
+  /* Motors of the joints: [N m] about the axis, on what is outboard; of a driven one its rate [rad/s] */
+  fb_real motor[FB_MAX_LUMPS];
 } fb_exact_input;
 
 typedef struct fb_exact_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
@@ -1746,6 +1764,7 @@ typedef struct fb_exact_state {           /* all that changes, in the beam's own
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* nodes in the base frame */
   fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS];
   fb_real strain_rate[6 * FB_MAX_EXACT], momentum_rate[6 * FB_MAX_EXACT], lump_rate[6 * FB_MAX_LUMPS];
+  fb_real angle[FB_MAX_LUMPS], angle_rate[FB_MAX_LUMPS]; /* of the joints, [rad]; the rate in the last step */
   /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
      before it; loads between elements */
   fb_real V[3][6 * (FB_MAX_EXACT + 1)], stress[3][6 * FB_MAX_EXACT], force[6 * (FB_MAX_EXACT + 1)];
@@ -1797,6 +1816,9 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
   fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
   fb_real back[6 * (FB_MAX_EXACT + 1)]; /* way of held nodes back to their place */
+  /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
+     angle to hold in a steady state; motors */
+  fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
   fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
   fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
@@ -1840,6 +1862,13 @@ typedef struct fb_exact_element {
 } fb_exact_element;
 FB_API fb_status fb_exact_element_eval(const fb_exact *exact, fb_exact_element *element, const fb_exact_state *state,
                                        int k);
+/* A joint: after the last step its angle, in the middle of it the rest. */
+typedef struct fb_exact_hinge {
+  fb_real angle, rate; /* [rad], [rad/s] outboard section against inboard one */
+  fb_real moment;      /* [N m] about the axis: of spring, damper and motor on what is outboard */
+} fb_exact_hinge;
+FB_API fb_status fb_exact_joint_eval(const fb_exact *exact, fb_exact_hinge *hinge, const fb_exact_state *state,
+                                     int joint);
 /* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
 FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x);
@@ -2702,13 +2731,16 @@ typedef struct fb_exact_desc {
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes that are supported */
   int n_lump;         /* lumped bodies on nodes, in section axes there */
+  int n_joint;        /* elements that are joints */
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
-  fb_real place[FB_MAX_EXACT +
-                1]; /* [m] x of the nodes along the line, ascending from 0 to length; all 0: equal elements */
+  fb_real
+      place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
+                       joint; all 0: equal elements, joints of length zero between them */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
+  fb_exact_joint joint[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
                                        their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
@@ -2720,7 +2752,9 @@ typedef struct fb_exact_desc {
 
 /* FB_ERR_VALUE: also a stiffness that is not positive definite in the directions that are not rigid, a direction that
    is rigid at some stations only, an inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE;
-   FB_ERR_NULL. */
+   FB_ERR_NULL. Also joints: FB_ERR_VALUE: an element that is two joints, elements that are all joints, a node held
+   outboard of a joint (the elimination from the tip would find its five rigid directions held at both ends: hold the
+   node inboard of it), an axis too short, places that differ. */
 FB_API fb_status fb_exact_init(fb_exact *exact, const fb_exact_desc *desc);
 #endif
 
@@ -2744,6 +2778,7 @@ FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
 /* Steady state under constant loads, gravity and motion of the base (at rest or in steady rotation; loads that do not
    rotate with a spinning base are taken in their present direction). state is the first guess; if Newton's method does
    not converge from it, load increments are applied to the undeformed beam. At most 500 increments of 25 iterations.
+   A driven joint keeps the angle of the state, which may be set; the undeformed beam has its joints at those angles.
    Beyond a buckling load there are several steady states. work->unstable is the number of unstable directions of this
    one, the negative eigenvalues of the tangent stiffness (E10.20): 0 is stable, k > 0 as where k buckling loads are
    exceeded. For dead loads, gravity and loads that rotate with the base this is the criterion of Lagrange and
@@ -2934,7 +2969,7 @@ typedef struct fb_exact_path {           /* position on a path of steady states;
 
 typedef struct fbi_exact_loads {
   fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
-  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
+  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)], motor[FB_MAX_LUMPS];
 } fbi_exact_loads;
 
 typedef struct fb_exact_path_work { /* scratch; large: make it static */
@@ -3081,12 +3116,15 @@ typedef enum fb_exact_port_kind {
   FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
   FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
   FB_EXACT_PORT_MOMENT_STRAIN = 11,  /* output [1/m] */
+  FB_EXACT_PORT_MOTOR = 12,          /* input [N m] of a joint that is not driven */
+  FB_EXACT_PORT_ANGLE = 13,          /* output [rad] of a joint */
+  FB_EXACT_PORT_ANGLE_RATE = 14,     /* output [rad/s] */
   FB_EXACT_PORT_COUNT
 } fb_exact_port_kind;
 
 typedef struct fb_exact_port {
   fb_exact_port_kind kind;
-  int at, axis; /* node or element; axis 0..2 */
+  int at, axis; /* node, element or joint; axis 0..2 */
   fb_axes axes; /* of a force or torque, as fb_load; inertial axes at the instant of the steady state */
 } fb_exact_port;
 
@@ -3324,6 +3362,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
           descriptions of bodies have them.
+          Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
+          spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models

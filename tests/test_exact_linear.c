@@ -575,7 +575,8 @@ TEST(states_that_are_not_numbers_are_refused)
 TEST(models_with_impossible_counts_are_refused)
 {
   static fb_exact_state before;
-  static const int count[5][2] = {{FB_MAX_EXACT + 1, 0}, {0, 0}, {-1, 0}, {4, FB_MAX_LUMPS + 1}, {4, -1}};
+  static const int count[7][3] = {{FB_MAX_EXACT + 1, 0, 0}, {0, 0, 0}, {-1, 0, 0}, {4, FB_MAX_LUMPS + 1, 0}, {4, -1, 0},
+                                  {4, 0, FB_MAX_LUMPS + 1}, {4, 0, -1}};
   elastica(4);
   start();
   before = state;
@@ -586,6 +587,7 @@ TEST(models_with_impossible_counts_are_refused)
     fb_real position[3], quat[4];
     exact.n = count[k][0];
     exact.n_lump = count[k][1];
+    exact.n_joint = count[k][2];
     FBT_INT_EQ(fb_exact_check(&exact), FB_ERR_CAPACITY);
     FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_ERR_CAPACITY);
     FBT_INT_EQ(fb_exact_state_init(&exact, &state, &work, NULL), FB_ERR_CAPACITY);
@@ -613,7 +615,10 @@ static unsigned beam_word(void)
 TEST(the_check_word_of_a_exact_beam_sees_every_byte)
 {
   int unused;
-  elastica(2);
+  elastica(3);
+  desc.n_joint = 1;
+  desc.joint[0].element = 1;
+  desc.joint[0].axis[1] = FB_R(2.0);
   desc.n_lump = 2;
   for (int l = 0; l < 2; l++) {
     desc.lump[l].node = l + 1;
@@ -621,8 +626,9 @@ TEST(the_check_word_of_a_exact_beam_sees_every_byte)
   }
   start();
   FBT_INT_EQ(exact.n_lump, 2);
-  unused = (FB_MAX_EXACT - 2) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + (int)sizeof(int)) +
-           (FB_MAX_LUMPS - 2) * (2 * 36 * (int)sizeof(fb_real) + (int)sizeof(int));
+  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + 2 * (int)sizeof(int)) +
+           (FB_MAX_LUMPS - 2) * (2 * 36 * (int)sizeof(fb_real) + (int)sizeof(int)) +
+           (FB_MAX_LUMPS - 1) * (int)sizeof(fb_exact_joint);
   FBT_TRUE(fbt_unseen(&exact, sizeof exact, beam_word) <= unused + (int)(sizeof(fb_real) - sizeof(int)));
   exact.n_lump = FB_MAX_LUMPS + 1;
   FBT_INT_EQ(beam_word() == 0, 1);

@@ -674,10 +674,10 @@ static int scene_check_steps(scene *s, const scene_options *o)
 
 static void scene_warn_placed(scene *s, const char *what, double x, int node, FILE *warn)
 {
-  const double length = (double)s->exact.desc.length, at = length * node / s->exact.desc.n_element;
+  const double length = (double)s->exact.desc.length, at = exact_node_place(&s->exact, node);
   if (fabs(fmin(x, length) - at) > 1e-6 * length) {
     scene_warn(s, warn, "warning: %s at %.6g is taken at %.6g, the nearest node of %d elements", what, x, at,
-               s->exact.desc.n_element);
+               s->exact.elements);
   }
 }
 

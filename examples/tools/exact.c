@@ -110,6 +110,12 @@ static void tell_state(void)
       row("  inner moment, inboard", beam_node[k].moment, 1);
     }
   }
+  for (int k = 0; k < beam.n_joint; k++) {
+    fb_exact_hinge joint = {0};
+    (void)fb_exact_joint_eval(&beam, &joint, &beam_state, k);
+    printf("joint %d%*s %14.7g degrees, moment %.7g\n", k + 1, k < 9 ? 20 : 19, "", (double)joint.angle * 180 / pi,
+           (double)joint.moment);
+  }
   (void)fb_exact_energy_eval(&beam, &energy, &beam_state);
   printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
 }

@@ -8,8 +8,9 @@ typedef struct exact_text { /* what was read; places want the whole file before 
   fb_exact_desc desc;
   fb_exact_input input;
   int modes, station_open;
-  int n_load, n_line, n_support, n_lump;
-  double load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS];
+  int n_load, n_line, n_support, n_lump, n_joint;
+  double load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS], joint_at[FB_MAX_LUMPS];
+  int elements, joint_node[FB_MAX_LUMPS]; /* without joints */
   struct {
     double a, b;
     fb_line_load load;
@@ -155,7 +156,41 @@ static void exact_lump(text_file *t, exact_text *m)
   }
 }
 
-/* Loads, supports and lumps, which name places; 0 if it is none of them. */
+/* joint X, axis x y z, then what it has. */
+static void exact_joint(text_file *t, exact_text *m)
+{
+  fb_exact_joint *const joint = &m->desc.joint[m->n_joint];
+  if (m->n_joint == FB_MAX_LUMPS) {
+    text_fail(t, "more than %d joints", FB_MAX_LUMPS);
+    return;
+  }
+  m->joint_at[m->n_joint] = text_number(t, "x of the joint");
+  text_reals(t, "axis x y z", joint->axis, 3);
+  while (text_more(t)) {
+    if (text_take(t, "angle")) {
+      joint->angle = (fb_real)text_degrees(t, "angle");
+    } else if (text_take(t, "rate")) {
+      joint->rate = (fb_real)text_number(t, "rate");
+    } else if (text_take(t, "rest")) {
+      joint->rest = (fb_real)text_degrees(t, "rest");
+    } else if (text_take(t, "stiffness")) {
+      joint->stiffness = (fb_real)text_number(t, "stiffness");
+    } else if (text_take(t, "damping")) {
+      joint->damping = (fb_real)text_number(t, "damping");
+    } else if (text_take(t, "motor")) {
+      m->input.motor[m->n_joint] = (fb_real)text_number(t, "torque of the motor");
+    } else if (text_take(t, "driven")) {
+      joint->driven = 1;
+      m->input.motor[m->n_joint] = joint->rate = (fb_real)text_number(t, "rate that is driven");
+    } else {
+      text_fail(t, "a joint has angle, rate, rest, stiffness, damping, motor, driven");
+      return;
+    }
+  }
+  m->n_joint++;
+}
+
+/* Loads, supports, lumps and joints, which name places; 0 if it is none of them. */
 static int exact_place(text_file *t, exact_text *m, const char *word)
 {
   if (strcmp(word, "load") == 0) {
@@ -186,6 +221,8 @@ static int exact_place(text_file *t, exact_text *m, const char *word)
     m->desc.support[m->n_support++].held = exact_end(t);
   } else if (strcmp(word, "lump") == 0) {
     exact_lump(t, m);
+  } else if (strcmp(word, "joint") == 0) {
+    exact_joint(t, m);
   } else {
     return 0;
   }
@@ -237,20 +274,73 @@ static void exact_line(text_file *t, exact_text *m, const char *word)
   text_end_of_line(t);
 }
 
+/* Joints inboard of the beam's own node. */
+static int exact_joints_before(const exact_text *m, int node)
+{
+  int n = 0;
+  for (int k = 0; k < m->desc.n_joint; k++) {
+    n += m->joint_node[k] < node;
+  }
+  return n;
+}
+
+/* Nearest node; where joints are, the one inboard of them. */
 static int exact_nearest(text_file *t, const exact_text *m, double x, const char *what)
 {
   const double L = (double)m->desc.length;
+  int node;
   if (!(x >= -1e-9 * L && x <= L * (1 + 1e-9))) {
     text_fail(t, "%s at %g is not on the beam", what, x);
     return 0;
   }
-  return (int)lround(x / L * m->desc.n_element);
+  node = (int)lround(x / L * m->elements);
+  return node + exact_joints_before(m, node);
+}
+
+/* Place of a node. */
+static inline double exact_node_place(const exact_text *m, int node)
+{
+  int before = 0;
+  for (int k = 0; k < m->desc.n_joint; k++) {
+    before += m->desc.joint[k].element < node;
+  }
+  return (double)m->desc.length * (node - before) / m->elements;
+}
+
+static int exact_is_joint(const exact_text *m, int element)
+{
+  int is = 0;
+  for (int k = 0; k < m->desc.n_joint; k++) {
+    is = is || m->desc.joint[k].element == element;
+  }
+  return is;
+}
+
+/* Joints become elements between those that the file counts. */
+static void exact_joints(text_file *t, exact_text *m)
+{
+  m->elements = m->desc.n_element;
+  for (int k = 0; k < m->n_joint; k++) {
+    m->joint_node[k] = exact_nearest(t, m, m->joint_at[k], "a joint");
+  }
+  if (m->elements + m->n_joint > FB_MAX_EXACT) {
+    text_fail(t, "elements and joints are more than %d", FB_MAX_EXACT);
+    return;
+  }
+  m->desc.n_joint = m->n_joint;
+  m->desc.n_element += m->n_joint;
+  for (int k = 0; k < m->n_joint; k++) {
+    int *const element = &m->desc.joint[k].element;
+    *element = m->joint_node[k];
+    for (int j = 0; j < m->n_joint; j++) {
+      *element += m->joint_node[j] < m->joint_node[k] || (m->joint_node[j] == m->joint_node[k] && j < k);
+    }
+  }
 }
 
 /* Places to nodes, now that length and elements are known. */
 static void exact_places(text_file *t, exact_text *m)
 {
-  const int n = m->desc.n_element;
   if (!(m->desc.length > 0)) {
     text_fail(t, "length is missing, or not positive");
     return;
@@ -259,6 +349,7 @@ static void exact_places(text_file *t, exact_text *m)
     text_fail(t, "no station");
     return;
   }
+  exact_joints(t, m);
   m->input.n_load = m->n_load;
   m->desc.n_support = m->n_support;
   m->desc.n_lump = m->n_lump;
@@ -277,10 +368,13 @@ static void exact_places(text_file *t, exact_text *m)
     if (a >= b) {
       text_fail(t, "a line load from %g to %g covers no element", m->line[l].a, m->line[l].b);
     }
-    for (int k = a; k < b && k < n; k++) {
+    for (int k = a; k < b && k < m->desc.n_element; k++) {
       fb_line_load *const line = &m->input.line[k];
       const fb_real *const f = line->force, *const c = line->torque;
       const int taken = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + c[0] * c[0] + c[1] * c[1] + c[2] * c[2] > 0;
+      if (exact_is_joint(m, k)) {
+        continue;
+      }
       if (taken && line->axes != m->line[l].load.axes) {
         text_fail(t, "line loads of different axes overlap");
       }

@@ -429,6 +429,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_exact_nodes_eval, fb_exact_nodes_eval(p[0], p[1], p[2]), 1, MODEL(exact), OUT(nodes), IN(exact_state))          \
   F(fb_exact_element_eval, fb_exact_element_eval(p[0], p[1], p[2], i[0]), 1, MODEL(exact), OUT(fb_exact_element),      \
     IN(exact_state), WHOLE(1))                                                                                         \
+  F(fb_exact_joint_eval, fb_exact_joint_eval(p[0], p[1], p[2], i[0]), 1, MODEL(exact), OUT(fb_exact_hinge),            \
+    IN(exact_state), WHOLE(0))                                                                                         \
   F(fb_exact_point_eval, fb_exact_point_eval(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(exact), OUT(vec3), OUT(vec4),     \
     IN(exact_state), REAL(FB_R(0.5)))                                                                                  \
   F(fb_exact_energy_eval, fb_exact_energy_eval(p[0], p[1], p[2]), 1, MODEL(exact), OUT(fb_energy), IN(exact_state))    \
@@ -803,6 +805,10 @@ static void exact_fill(void)
   need(fb_exact_station_init(&w.exact_station, &w.section), "station");
   w.exact_desc.length = FB_R(2.0);
   w.exact_desc.n_element = 3;
+  w.exact_desc.n_joint = 1;
+  w.exact_desc.joint[0].element = 1;
+  w.exact_desc.joint[0].axis[2] = FB_R(1.0);
+  w.exact_desc.joint[0].stiffness = FB_R(50.0);
   w.exact_desc.n_station = 1;
   w.exact_desc.station[0] = w.exact_station;
   w.exact_desc.gravity[2] = -FB_R(1.0);

@@ -1,8 +1,8 @@
-/* E10.9, E10.10: the Jacobian of the exact beam against central differences of its residual, and the elimination along
+/* E10.9, E10.10, E10.23: the Jacobian of the exact beam against central differences of its residual, and the elimination along
    the chain against one dense LU: random sections (full 6x6), curvature, poses, stresses and velocities, in every
    combination of what can act. Compatibility by the poses is a series, cut at theta^4/720: left out here, Newton's
    convergence shows it. Double precision. */
-#define FB_MAX_EXACT 4
+#define FB_MAX_EXACT 5
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
 #include <math.h>
@@ -10,7 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRAVITY = 1, DEAD_LINE = 2, FOLLOWER_LINE = 4, LUMPS = 8, SUPPORTS = 16, LOADS = 32, COMBINATIONS = 64 };
+enum {
+  GRAVITY = 1,
+  DEAD_LINE = 2,
+  FOLLOWER_LINE = 4,
+  LUMPS = 8,
+  SUPPORTS = 16,
+  LOADS = 32,
+  JOINT = 64,
+  COMBINATIONS = 128
+};
 enum { REST, SPIN, MARCH, LINEARIZED, WAYS };
 #define UNKNOWNS (12 * FB_MAX_EXACT + 6)
 
@@ -82,6 +91,20 @@ static void build(int what, int n)
     desc.support[0].node = 1;
     desc.support[0].held = FB_HOLD_X | FB_HOLD_Z | FB_HOLD_RZ;
   }
+  if (what & JOINT) { /* its outboard node is no other's */
+    desc.n_joint = 1;
+    desc.n_element++;
+    desc.joint[0].element = 1;
+    fill(desc.joint[0].axis, 3, 1);
+    desc.joint[0].driven = n == 2;
+    desc.joint[0].angle = 0.4;
+    desc.joint[0].rest = -0.6;
+    desc.joint[0].stiffness = 1.7;
+    desc.joint[0].damping = 0.9;
+    if (desc.n_lump) {
+      desc.lump[1].node = n + 1;
+    }
+  }
   desc.dissipation = 0.3;
   require(fb_exact_init(&beam, &desc), "beam");
 }
@@ -115,7 +138,6 @@ static void scatter(int what, int way)
   const double rate = 2 / ((1 + beam.beta) * step);
   const fbi_exact_motion motion = {
       way == MARCH, way != REST, 0, 0, way == MARCH ? step / 2 : 1, way == MARCH ? rate : way == LINEARIZED ? 1.37 : 0};
-  double strain[6 * FB_MAX_EXACT];
   memset(&work, 0, sizeof work);
   require(fb_exact_state_init(&beam, &state, &work, &input), "state");
   fill(state.base_quat, 4, 1);
@@ -127,9 +149,13 @@ static void scatter(int what, int way)
   fill(work.momentum, 6 * beam.n, 1);
   fill(work.lump, 6 * beam.n_lump, 1);
   for (int k = 0; k < beam.n; k++) {
-    fbi_mat66_mul_vec6(strain + 6 * k, beam.C + 36 * k, work.s + 6 * k);
+    fbi_mat66_mul_vec6(state.strain + 6 * k, beam.C + 36 * k, work.s + 6 * k);
   }
-  fbi_exact_poses(work.r, work.quat, &beam, strain, work.offset);
+  memcpy(state.offset, work.offset, sizeof state.offset);
+  fill(state.angle, beam.n_joint, 2);
+  memcpy(work.angle, state.angle, sizeof work.angle);
+  fill(work.angle_base, beam.n_joint, 1);
+  fbi_exact_poses(work.r, work.quat, &beam, &state);
   for (int i = 0; i < 6 * (beam.n + 1) && way == MARCH; i++) {
     work.V[i] = random_number() * (i % 6 < 3 ? 1 : turning);
   }
@@ -159,6 +185,13 @@ static void residual(double *out, int unknown, double change)
     fbi_pose_add(moved.r + 3 * node, moved.quat + 4 * node, x);
     fbi_exact_nodes_eval(&moved, &beam);
     moved.V[unknown - stress] += moved.motion.shift * change;
+    for (int l = 0; l < beam.n_joint; l++) { /* a damper, by the rate that goes with the change */
+      const int k = beam.joint[l].element, outboard = node == k + 1, i = (unknown - stress) % 6 - 3;
+      if (i >= 0 && (outboard || node == k)) {
+        moved.motor[l] -=
+            beam.joint[l].damping * moved.motion.shift * beam.joint[l].axis[i] * (outboard ? x[3 + i] : -x[3 + i]);
+      }
+    }
   }
   fbi_exact_residual(&moved, &beam);
   memcpy(out, moved.c, sizeof *out * (size_t)stress);
@@ -188,7 +221,11 @@ static void assemble(void)
   for (int k = 0; k < beam.n; k++) {
     const int s = 6 * k, a = nodes + 6 * k, b = a + 6;
     fbi_exact_cell_eval(&work.cell, &work, &beam, k);
-    fbi_exact_cell_jacobian(&work.jacobian, &work, &beam, k);
+    if (beam.jointed[k]) {
+      fbi_exact_joint_jacobian(&work.jacobian, &work, &beam, k);
+    } else {
+      fbi_exact_cell_jacobian(&work.jacobian, &work, &beam, k);
+    }
     put(s, s, j->E, 1);
     put(s, a, j->D1, -1);
     put(s, b, j->D2, -1);
@@ -226,7 +263,7 @@ static double compare_differences(void)
   }
   for (int r = 0; r < n; r++) {
     for (int c = 0; c < n; c++) {
-      const int series = r < stress && c >= stress && !work.motion.march;
+      const int series = r < stress && c >= stress && !work.motion.march && !beam.jointed[r / 6];
       size = fmax(size, fabs(numeric[r * n + c]));
       most = fmax(most, series ? 0 : fabs(numeric[r * n + c] - analytic[r * n + c]));
     }

@@ -510,6 +510,16 @@ static int build_exact(bytes *b)
   desc.lump[0].node = 1;
   desc.lump[0].mass = FB_R(2.0);
   desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(1.0);
+  desc.n_joint = take_below(b, 3);
+  for (int k = 0; k < desc.n_joint; k++) {
+    desc.joint[k].element = take_below(b, 4);
+    desc.joint[k].axis[k % 3] = FB_R(1.0);
+    desc.joint[k].axis[2] = take_part(b, 1.0);
+    desc.joint[k].driven = take_byte(b) > 200;
+    desc.joint[k].angle = take_part(b, 4.0);
+    desc.joint[k].stiffness = take_byte(b) & 1 ? FB_R(5.0) : FB_R(0.0);
+    desc.joint[k].damping = take_byte(b) & 1 ? FB_R(0.2) : FB_R(0.0);
+  }
   desc.gravity[2] = take_real(b);
   desc.dissipation = take_byte(b) & 1 ? FB_R(0.3) : FB_R(0.0);
   if (fb_exact_station_init(&desc.station[0], &section) != FB_OK) {
@@ -570,6 +580,7 @@ static void run_exact(bytes *b)
     input.n_load = take_byte(b) & 1;
     take_load(&input.load[0], b);
     input.w[2] = take_part(b, 5.0);
+    input.motor[0] = take_part(b, 3.0);
     if (take_byte(b) > 200) {
       spoil(&input, sizeof input, b);
     }
