@@ -227,8 +227,9 @@
      P, H           element.momentum, .angular_momentum      kg/s, N s [L], per length
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
-   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, friction, stops, warping. Strain is
-   linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
+   NOT INCLUDED (yet): plasticity, contact between bodies, fluids, fracture, warping. Joints have
+   friction and stops, smoothed. Strain is linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial
+   part of second degree.
 
    FROM WHAT YOU HOLD TO A BODY
      a beam by dimensions          fb_section_init, fb_beam_desc_add_taper, fb_beam_init
