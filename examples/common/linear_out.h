@@ -331,7 +331,8 @@ static inline void linear_out_system(linear_out *out, const char *source, const 
 static const linear_port linear_exact_ports[] = {
     {"force", "N"},          {"torque", "N m"},          {"base_velocity", "m/s"}, {"base_rate", "rad/s"},
     {"displacement", "m"},   {"rotation", "rad"},        {"velocity", "m/s"},      {"rate", "rad/s"},
-    {"internal_force", "N"}, {"internal_moment", "N m"}, {"force_strain", "-"},    {"moment_strain", "1/m"}};
+    {"internal_force", "N"}, {"internal_moment", "N m"}, {"force_strain", "-"},    {"moment_strain", "1/m"},
+    {"motor", "N m"},        {"angle", "rad"},           {"angle_rate", "rad/s"}};
 typedef char
     linear_exact_ports_are_whole[sizeof linear_exact_ports / sizeof linear_exact_ports[0] == FB_EXACT_PORT_COUNT ? 1
                                                                                                                  : -1];
@@ -340,7 +341,11 @@ static inline void linear_name_exact_port(linear_value *v, const fb_exact_port *
 {
   const int base = port->kind == FB_EXACT_PORT_BASE_VELOCITY || port->kind == FB_EXACT_PORT_BASE_RATE;
   char place[32];
-  snprintf(place, sizeof place, "%d.%c", port->at, linear_axes[port->axis]);
+  if (port->kind >= FB_EXACT_PORT_MOTOR) {
+    snprintf(place, sizeof place, "%d", port->at);
+  } else {
+    snprintf(place, sizeof place, "%d.%c", port->at, linear_axes[port->axis]);
+  }
   linear_name(v, linear_exact_ports[port->kind].unit, "", linear_exact_ports[port->kind].name,
               base ? strchr(place, '.') + 1 : place);
 }

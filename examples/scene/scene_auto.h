@@ -433,19 +433,23 @@ static double scene_step_of(const scene *s, fb_integrator integrator, int has_sp
   return has_spectrum ? dt : fmin(dt, 0.2 * limit);
 }
 
-/* Does the integrator step the only body at all? Large deflection may be refused: one short step tells. */
+/* Does the integrator step the only body at all? Large deflection may be refused: one short step tells, which leaves the
+   start of the scene as it is. */
 static int scene_takes(const scene *s, fb_integrator integrator)
 {
+  static fb_state start;
   fb_status status;
   if (scene_is_system(s) || !(engine.body[0].effects & FB_EFFECT_LARGE_DEFLECTION)) {
     return 1;
   }
+  start = engine.state;
   status = fb_state_init(&engine.body[0], &engine.state);
   status = status ? status
                   : body_stepper(&engine.by, &engine.exponential, &engine.body_work, &engine.body[0], &engine.state,
                                  engine.at, integrator, 1e-6 * s->interval);
   status = status ? status : fb_stepper_step(&engine.by);
   engine.by_step = 0;
+  engine.state = start;
   return status != FB_ERR_UNSUPPORTED;
 }
 

@@ -48,10 +48,12 @@ static const char help[] =
     "CSV\n"
     "  --inputs LIST   of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, base_velocity.AXIS, "
     "base_rate.AXIS;\n"
-    "                  base axes; NODE a number, root or tip, AXIS x, y or z (force and torque at the tip)\n"
+    "                  base axes; NODE a number, root or tip, AXIS x, y or z (force and torque at the tip);\n"
+    "                  motor.JOINT, a number from 0\n"
     "  --outputs LIST  displacement (base axes), rotation, velocity, rate, each .NODE.AXIS; internal_force, "
     "internal_moment,\n"
-    "                  force_strain, moment_strain, each .ELEMENT.AXIS, a number from 0, root or tip\n"
+    "                  force_strain, moment_strain, each .ELEMENT.AXIS, a number from 0, root or tip;\n"
+    "                  angle.JOINT, angle_rate.JOINT\n"
     "                  (displacement of the tip, moment at the root)\n"
     "  --help      this text\n";
 
@@ -113,7 +115,7 @@ static void tell_state(void)
   for (int k = 0; k < beam.n_joint; k++) {
     fb_exact_hinge joint = {0};
     (void)fb_exact_joint_eval(&beam, &joint, &beam_state, k);
-    printf("joint %d%*s %14.7g degrees, moment %.7g\n", k + 1, k < 9 ? 20 : 19, "", (double)joint.angle * 180 / pi,
+    printf("joint %d%*s %14.7g degrees, moment %.7g\n", k, k < 10 ? 20 : 19, "", (double)joint.angle * 180 / pi,
            (double)joint.moment);
   }
   (void)fb_exact_energy_eval(&beam, &energy, &beam_state);
@@ -145,8 +147,15 @@ static int read_port(void *ports, int k, const char *option, const char *word)
   const int kind = port_kind(linear_exact_ports, FB_EXACT_PORT_COUNT, word);
   const int of_element = kind >= FB_EXACT_PORT_INTERNAL_FORCE, count = beam_desc.n_element + !of_element;
   port_place place;
-  if (kind == FB_EXACT_PORT_COUNT || (kind < FB_EXACT_PORT_DISPLACEMENT) != (option[2] == 'i')) {
+  const int is_input = kind < FB_EXACT_PORT_DISPLACEMENT || kind == FB_EXACT_PORT_MOTOR;
+  if (kind == FB_EXACT_PORT_COUNT || is_input != (option[2] == 'i')) {
     return fail_port(option, word, "no such kind (see --help)");
+  }
+  if (kind >= FB_EXACT_PORT_MOTOR) {
+    memset(port, 0, sizeof *port);
+    port->kind = (fb_exact_port_kind)kind;
+    port->at = port_number(word + strcspn(word, ".") + (strchr(word, '.') != NULL), beam_desc.n_joint);
+    return port->at >= 0 ? 0 : fail_port(option, word, "no such joint: numbers from 0, in the order of their lines");
   }
   if (read_place(&place, option, word)) {
     return 2;

@@ -121,6 +121,12 @@ gain = response(bent, 0.0)[:3, 2].real
 off = float(np.max(np.abs(gain - [moved[x] for x in 'xyz'])) / np.max(np.abs(gain)))
 demand(off < 1e-5, 'the static response is %.3g from the difference of steady states' % off)
 
+# a beam of EI = 10 and length 1, 1e6 in shear, with a hinge of 3 N m/rad in the middle: closed form
+hinged = linear.read(folder + 'hinged.json')
+demand(hinged['inputs'] == ['motor.0', 'force.tip.z'] and hinged['inputs_units'] == ['N m', 'N'], 'motor of a joint')
+demand(hinged['outputs'][:2] == ['angle.0', 'angle_rate.0'] and hinged['outputs_units'] == ['rad', 'rad/s', 'm'], 'angle of a joint')
+meet('a hinge in an exact beam', response(hinged, 0.0).real, np.array([[1 / 3, -1 / 6], [0, 0], [-1 / 6, 1 / 30 + 1 / 12 + 1e-6]]), 1)
+
 # the same arc as a scene, whose load is counted by its vector
 demand(arc['inputs'] == ['force.arc.tip'] and arc['outputs'] == ['move_x', 'move_y', 'move_z', 'turn'] and arc['states'] == bent['states'], 'an arc')
 demand(arc['inputs_units'] == ['600 N'] and arc['outputs_units'] == ['m', 'm', 'm', 'rad/s'] and np.array_equal(arc['A'], bent['A']), 'the arc of the scene')

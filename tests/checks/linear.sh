@@ -42,6 +42,16 @@ for force in 600.5 599.5; do # what a static response has to be
   grep -q "dead 0 0 $force$" "$out/bend_$force.txt" || fail "examples/bend45.txt has no load of 600"
   try build/flexbeam exact "$out/bend_$force.txt" --linear "$out/bent_$force.json"
 done
+cat > "$out/hinged.txt" << END
+length 1
+elements 4
+station 0
+  stiffness 1e6 1e6 1e6 10 10 10
+  mass 1
+joint 0.5 0 1 0 stiffness 3 damping 0.1
+modes 4
+END
+try build/flexbeam exact "$out/hinged.txt" --linear "$out/hinged.json" --inputs motor.0,force.tip.z --outputs angle.0,angle_rate.0,displacement.tip.z
 for model in spinning system satellite shaft spun exact bent arc; do
   try "$python" examples/tools/linear.py "$out/$model.json" "$out/$model.mat" "$out/$model.npz"
 done
@@ -82,6 +92,8 @@ refuse 2 "--inputs: rate.tip.x: no such kind" $bent "$out/no.json" --inputs rate
 refuse 2 "--inputs: force.41.x: no such node" $bent "$out/no.json" --inputs force.41.x
 refuse 2 "--outputs: internal_moment.40.x: no such element" $bent "$out/no.json" --outputs internal_moment.40.x
 refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --inputs base_rate.0.x
+refuse 2 "motor.1: no such joint" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs motor.1
+refuse 2 "angle.0: no such kind" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs angle.0
 refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
 refuse 2 "that is the scene itself" build/flexbeam scene $scenes/top.txt --linear $scenes/top.txt
 echo "{}" > "$out/rom.json"

@@ -16,6 +16,32 @@ measure y final y
 expect vx 0.15 tolerance 1e-12
 expect y 0.1591549431 tolerance 1e-4 relative
 END
+# large deflection, integrator and step chosen: a free body keeps what it starts with
+meets << END
+duration 2
+interval 0.5
+body b beam
+  start_position 1 2 3
+  start_velocity 0.5 0 -1
+  start_attitude z 90
+  hub 10  0 0 0  1 1 1
+  length 4
+  stations x mass EI_y EI_z
+    0 0.5 100 100
+  end
+  effects large
+  modes bend_y 2
+  node tip tip
+end
+output r position b
+output a attitude b
+measure x final r_x
+measure y final r_y
+measure z final r_z
+expect x 1 tolerance 1e-12
+expect y 3 tolerance 1e-12
+expect z 1 tolerance 1e-12
+END
 # a step that is given, each integrator, and an exponential one, whose step is fixed: ends where the pulse, ramp and table bend
 for integrator in rk4 midpoint sdirk exponential; do
   meets << END
