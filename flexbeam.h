@@ -38,7 +38,7 @@
                                     .n_part = 1, // the boom; its tip is node 1
                                     .part = {{.n_node = 1, .node = {10}}},
                                     .body = {.effects = FB_EFFECTS_FULL}};       // FB_EFFECTS_LARGE: bends far
-       const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, the origin
+       const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, inertial axes
        fb_state state;
        fb_rk4_work work;
        fb_motion motion;
@@ -52,7 +52,9 @@
        status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, 1);
        if (status != FB_OK) {
          printf("%s\n", fb_status_string(status));
-         printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
+         if (fb_detail_last()->status == status) { // this refusal has a record
+           printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
+         }
          return 1;
        }
        printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);
