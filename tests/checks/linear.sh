@@ -83,6 +83,13 @@ refuse 2 "--inputs: force.41.x: no such node" $bent "$out/no.json" --inputs forc
 refuse 2 "--outputs: internal_moment.40.x: no such element" $bent "$out/no.json" --outputs internal_moment.40.x
 refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --inputs base_rate.0.x
 refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
+cp "$out/bend.txt" "$out/same.txt" # what is read stays
+refuse 2 "--linear: that is the description itself" build/flexbeam exact "$out/same.txt" --linear "$out/../${out##*/}/same.txt"
+refuse 2 "--out: that is the description itself" build/flexbeam exact "$out/same.txt" --out "$out/same.txt"
+cmp -s "$out/bend.txt" "$out/same.txt" || fail "a description is written over by exact"
+cp examples/satellite.txt "$out/same.txt"
+refuse 2 "--linear: that is the description itself" build/flexbeam analyse "$out/same.txt" --linear "$out/same.txt"
+cmp -s examples/satellite.txt "$out/same.txt" || fail "a description is written over by analyse"
 refuse 2 "that is the scene itself" build/flexbeam scene $scenes/top.txt --linear $scenes/top.txt
 echo "{}" > "$out/rom.json"
 refuse 1 "no linear model of flexbeam" "$python" examples/tools/linear.py "$out/rom.json" "$out/no.mat"
