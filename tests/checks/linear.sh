@@ -83,6 +83,8 @@ refuse 2 "--inputs: force.41.x: no such node" $bent "$out/no.json" --inputs forc
 refuse 2 "--outputs: internal_moment.40.x: no such element" $bent "$out/no.json" --outputs internal_moment.40.x
 refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --inputs base_rate.0.x
 refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
+sed '/^trim/d; s/^body arc/duration 1\ninterval 0.1\nbody arc/' "$out/arc.txt" > "$out/loose.txt"
+refuse 2 "about its steady state alone: add a line trim" build/flexbeam scene "$out/loose.txt" --quiet --linear "$out/no.json"
 cp "$out/bend.txt" "$out/same.txt" # what is read stays
 refuse 2 "--linear: that is the description itself" build/flexbeam exact "$out/same.txt" --linear "$out/../${out##*/}/same.txt"
 refuse 2 "--out: that is the description itself" build/flexbeam exact "$out/same.txt" --out "$out/same.txt"
