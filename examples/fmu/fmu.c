@@ -541,6 +541,10 @@ static int build(const char *file, fmu_parts *parts)
             file, model.rotor[0].text.name);
     return 1;
   }
+  if (model.level.effects & FB_EFFECT_NONLINEAR_STRAIN) {
+    fprintf(stderr, "fmu: %s: effects strain: the FMU of a body has none: make it of a scene with this body\n", file);
+    return 1;
+  }
   if (!(model.level.mu > FB_R(0.0))) {
     model.level.effects |= FB_EFFECT_GRAVITY; /* an input */
   }

@@ -201,6 +201,12 @@ static const fmu_variable *fmu_find(fmu *f, unsigned reference, int whole)
   return v;
 }
 
+/* Has it gone through initialization? */
+static int fmu_is_running(const fmu *f)
+{
+  return f->now.mode != FMU_MADE && f->now.mode != FMU_INITIALIZING;
+}
+
 /* May this number be that of a variable? */
 static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double x)
 {
@@ -210,7 +216,7 @@ static fmu_answer fmu_accepts(fmu *f, const fmu_variable *v, int element, double
   if (role != FMU_INPUT && role != FMU_PARAMETER) {
     return fmu_refuse(f, FMU_ERROR, "%s is computed, it cannot be set", name);
   }
-  if (role == FMU_PARAMETER && f->now.mode != FMU_MADE && f->now.mode != FMU_INITIALIZING) {
+  if (role == FMU_PARAMETER && fmu_is_running(f)) {
     return fmu_refuse(f, FMU_ERROR, "%s is a parameter, it cannot be set after initialization", name);
   }
   if (!(fabs(x) <= FB_HUGE)) {
@@ -296,10 +302,10 @@ static fmu_answer fmu_set(fmu *f, const unsigned *reference, size_t n, const dou
   answer = fmu_list_check(f, reference, n, value, n_value, shape);
   for (size_t k = 0, at = 0; k < n && answer == FMU_OK; k++) {
     int count;
-    const fmu_variable *const v = fmu_named(f, &count, reference[k], shape);
+    (void)fmu_named(f, &count, reference[k], shape);
     memcpy(f->value + reference[k], value + at, (size_t)count * sizeof *value);
     f->now.fresh = 0;
-    f->now.started = f->now.started && v && fmu_rows[v->kind].role != FMU_PARAMETER;
+    f->now.started = f->now.started && fmu_is_running(f); /* before, an input may make the state as parameters do */
     at += (size_t)count;
   }
   return answer;

@@ -260,7 +260,7 @@ static fb_status exact_plant_solve(const scene *s)
 {
   const fb_exact_linear *const l = &exact_plant.linear;
   fb_status status;
-  exact_input(s, 0, 0);
+  exact_start_input(s);
   status = fb_exact_linearize(&exact_run.beam, &exact_plant.work, &exact_plant.linear, &exact_run.state,
                               &exact_run.input, &exact_plant.desc, s->exact.modes);
   if (status == FB_OK) {
@@ -448,6 +448,9 @@ static int scene_write_linear(scene *s, const char *name, FILE *talk)
   }
   if (s->method == FB_METHOD_MULTIPLIERS) {
     return scene_fail(s, "--linear: with method multipliers there is no linear model here");
+  }
+  if (s->is_exact && !s->trim) {
+    return scene_fail(s, "--linear: of an exact beam about its steady state alone: add a line trim");
   }
   status = plant_begin(s);
   n_in = status ? 0 : plant_inputs(in, s);

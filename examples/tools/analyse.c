@@ -14,6 +14,7 @@
 #include "../common/options.h"
 #include "words.h"
 #include "../common/linear_out.h"
+#include "../common/same_file.h"
 #include "ports.h"
 #include "../common/plot.h"
 

@@ -14,6 +14,7 @@
 #include "../common/exact_beam.h"
 #include "../common/plot.h"
 #include "../common/linear_out.h"
+#include "../common/same_file.h"
 #include "exact_text.h"
 #include "ports.h"
 
@@ -250,6 +251,9 @@ int exact_main(int argc, char **argv)
   }
   if (!o.linear && (o.inputs || o.outputs)) {
     return fail("--inputs and --outputs are those of --linear FILE", "");
+  }
+  if (o.out && same_file(argv[1], o.out)) {
+    return fail("--out: that is the description itself", o.out);
   }
   if (o.linear && modes == 0) {
     return fail("--linear wants modes: a line modes N", "");

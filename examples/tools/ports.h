@@ -1,5 +1,5 @@
 /* ports.h - inputs and outputs of a linear model from a command line, as force.tip.y: what the words that write one share.
-   Define PROGRAM and include options.h and linear_out.h first. */
+   Define PROGRAM and include options.h, same_file.h and linear_out.h first. */
 #ifndef PORTS_H
 #define PORTS_H
 
@@ -76,6 +76,9 @@ static int write_ports(linear_out *file, const linear_value *in, const linear_va
   for (int k = 0; k < FB_MAX_PORTS; k++) {
     memcpy(file->in[k].name, in[k].name, sizeof in[k].name);
     memcpy(file->out[k].name, out[k].name, sizeof out[k].name);
+  }
+  if (same_file(file->source, name)) {
+    return fail("--linear: that is the description itself", name);
   }
   if (linear_out_write(file, name)) {
     fprintf(stderr, PROGRAM ": cannot write %s: %s\n", name, strerror(errno));

@@ -73,6 +73,9 @@ for part in modelDescription.xml sources/fmu_model.h; do # the same model: the s
 done
 ! build/flexbeam fmu examples/satellite_wheels.txt --out "$out/wheels.fmu" 2> "$out/log" || fail "rotors are taken"
 grep -q 'rotor pitch: an FMU has no rotors' "$out/log" || fail "rotors: $(cat "$out/log")"
+printf 'beam\nlength 10\nelements 3\nstations x mass EA EI_z\n0 1.2 3e7 14004\nend\nfunctions 3 root_strain\nmodes bend_y 6 axial 6\neffects strain\nbase prescribed\nnode 10 tip\n' > "$out/strain.txt"
+! build/flexbeam fmu "$out/strain.txt" --out "$out/strain.fmu" 2> "$out/log" || fail "effects strain are taken"
+grep -q 'effects strain: the FMU of a body has none' "$out/log" || fail "strain: $(cat "$out/log")"
 ls "$out"/*.fmu.* > /dev/null 2>&1 && fail "folders are left behind"
 try "$python" examples/fmu/attitude.py "$out/satellite2.fmu"
 grep -q '^inertia about z 402' "$out/log" || fail "the inertia that a torque meets: $(cat "$out/log")"

@@ -95,6 +95,15 @@ refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --
 refuse 2 "motor.1: no such joint" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs motor.1
 refuse 2 "angle.0: no such kind" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs angle.0
 refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
+sed '/^trim/d; s/^body arc/duration 1\ninterval 0.1\nbody arc/' "$out/arc.txt" > "$out/loose.txt"
+refuse 2 "about its steady state alone: add a line trim" build/flexbeam scene "$out/loose.txt" --quiet --linear "$out/no.json"
+cp "$out/bend.txt" "$out/same.txt" # what is read stays
+refuse 2 "--linear: that is the description itself" build/flexbeam exact "$out/same.txt" --linear "$out/../${out##*/}/same.txt"
+refuse 2 "--out: that is the description itself" build/flexbeam exact "$out/same.txt" --out "$out/same.txt"
+cmp -s "$out/bend.txt" "$out/same.txt" || fail "a description is written over by exact"
+cp examples/satellite.txt "$out/same.txt"
+refuse 2 "--linear: that is the description itself" build/flexbeam analyse "$out/same.txt" --linear "$out/same.txt"
+cmp -s examples/satellite.txt "$out/same.txt" || fail "a description is written over by analyse"
 refuse 2 "that is the scene itself" build/flexbeam scene $scenes/top.txt --linear $scenes/top.txt
 echo "{}" > "$out/rom.json"
 refuse 1 "no linear model of flexbeam" "$python" examples/tools/linear.py "$out/rom.json" "$out/no.mat"
