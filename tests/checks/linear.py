@@ -127,6 +127,10 @@ demand(hinged['inputs'] == ['motor.0', 'force.tip.z'] and hinged['inputs_units']
 demand(hinged['outputs'][:2] == ['angle.0', 'angle_rate.0'] and hinged['outputs_units'] == ['rad', 'rad/s', 'm'], 'angle of a joint')
 meet('a hinge in an exact beam', response(hinged, 0.0).real, np.array([[1 / 3, -1 / 6], [0, 0], [-1 / 6, 1 / 30 + 1 / 12 + 1e-6]]), 1)
 
+# a blade on a flap hinge, EI = 1, spinning at 6: flap at the rate of the spin, lag of tests/reference/p02_rotating_uniform.csv
+poles = np.linalg.eigvals(linear.read(folder + 'flap.json')['A']).imag
+demand(abs(np.min(abs(poles)) - 4.2632254) < 1e-3 and np.min(abs(poles - 6)) < 1e-6, 'lag and flap of a hinged blade: %r' % sorted(poles))
+
 # the same arc as a scene, whose load is counted by its vector
 demand(arc['inputs'] == ['force.arc.tip'] and arc['outputs'] == ['move_x', 'move_y', 'move_z', 'turn'] and arc['states'] == bent['states'], 'an arc')
 demand(arc['inputs_units'] == ['600 N'] and arc['outputs_units'] == ['m', 'm', 'm', 'rad/s'] and np.array_equal(arc['A'], bent['A']), 'the arc of the scene')

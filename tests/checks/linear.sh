@@ -52,6 +52,22 @@ joint 0.5 0 1 0 stiffness 3 damping 0.1
 modes 4
 END
 try build/flexbeam exact "$out/hinged.txt" --linear "$out/hinged.json" --inputs motor.0,force.tip.z --outputs angle.0,angle_rate.0,displacement.tip.z
+cat > "$out/flap.txt" << END # a blade on a flap hinge, which spins with its base
+trim
+body blade exact
+  length 1
+  elements 20
+  start_spin 0 0 6
+  root x y z rx rz
+  station 0
+    stiffness 1e6 1e6 1e6 10 1 1
+    mass 1
+  node tip tip
+end
+output turn gyro blade.tip y
+load blade.tip follower force 0 0 1 constant 0
+END
+try build/flexbeam scene "$out/flap.txt" --quiet --linear "$out/flap.json"
 for model in spinning system satellite shaft spun exact bent arc; do
   try "$python" examples/tools/linear.py "$out/$model.json" "$out/$model.mat" "$out/$model.npz"
 done
