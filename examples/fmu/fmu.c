@@ -26,8 +26,8 @@ static const char help[] =
     "scene\n"
     "                  as it says itself)\n"
     "  --static        one instance a process, in static memory: no heap\n"
-    "  --binary FILE   of a scene: a binary that another scene's FMU of this version holds, instead of compiling it "
-    "again\n"
+    "  --binary FILE   of a scene: the file in binaries/ of another scene's FMU of this version, instead of compiling "
+    "it again\n"
     "  --sources DIR   where flexbeam.h is (.)\n"
     "  --help          this text\n"
     "The compiler is cc, or $CC. The descriptions of bodies are explained in examples/tools/README.md, scenes in\n"
@@ -358,6 +358,18 @@ static int read_compiler(char *argv[MAX_WORDS], char text[MAX_PATH])
     return 0;
   }
   return n;
+}
+
+/* Does a file begin as an FMU does, a zip archive? */
+static int is_packed(const char *path)
+{
+  char begin[2] = "";
+  FILE *const file = fopen(path, "rb");
+  const int packed = file && fread(begin, 1, 2, file) == 2 && memcmp(begin, "PK", 2) == 0;
+  if (file) {
+    (void)fclose(file);
+  }
+  return packed;
 }
 
 /* Into binaries/, where `binary` may be there already. */
@@ -810,6 +822,9 @@ int fmu_main(int argc, char **argv)
   }
   if (o.binary && !is_scene) {
     return fail("--binary is of scenes: that of a body is its own", o.binary);
+  }
+  if (o.binary && is_packed(o.binary)) {
+    return fail("--binary wants what an FMU holds in binaries/, not the FMU", o.binary);
   }
   if (lstat(o.out, &there) == 0 && !S_ISREG(there.st_mode)) {
     return fail("a link, a device, a pipe or a folder, where an FMU becomes a file of its own", o.out);

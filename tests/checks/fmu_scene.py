@@ -626,6 +626,9 @@ def check_refusals():
         refusals += 1
     made = tool("fmu", "examples/satellite.txt", "--binary", binary(2), "--out", folder / "bad.fmu")
     want(made.returncode == 2 and "--binary" in made.stderr, f"--binary of a body: {made.stderr}")
+    (folder / "packed.fmu").write_bytes(b"PK\3\4")
+    made = tool("fmu", "examples/scenes/top.txt", "--binary", folder / "packed.fmu", "--out", folder / "bad.fmu")
+    want(made.returncode == 2 and "not the FMU" in made.stderr, f"--binary of an FMU: {made.stderr}")
 
 
 def check_folders():
