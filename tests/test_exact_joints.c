@@ -427,7 +427,7 @@ static double locked(int kind, fb_real tip[3])
   if (kind) {
     fb_exact_joint *const joint = hinge(4, 0.3, 0.5, 1.0);
     joint->driven = kind == 1;
-    joint->stiffness = kind == 1 ? FB_R(0.0) : FBT_TOL(1e9, 1e5);
+    joint->stiffness = kind == 1 ? FB_R(0.0) : (fb_real)FBT_TOL(1e9, 1e5);
   }
   desc.iterations = 12;
   load_tip(FB_AXES_INERTIAL, -0.3, 2.0, 1.0);
