@@ -36,7 +36,7 @@ for single in 0 1; do
   grep -q 'n_rotor = 2' "$out/rom.h" || fail "rotors are not written"
   again rotors rotors $single
 done
-for capacity in FB_MAX_POINTS=8 FB_MAX_LINE_ROWS=5 FB_MAX_LINE_TABLE=359; do # 10, 6 and 360 are wanted
+for capacity in FB_MAX_POINTS=8 FB_MAX_LINE_ROWS=5 FB_MAX_LINE_TABLE=935; do # 18, 6 and 936 are wanted
   try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
   ! "$out/small" "$out/large.txt" --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite with lines"
   grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
