@@ -72,17 +72,14 @@ static inline void rotor_block(text_file *t, rotor_text *rotor, fb_rotor *d,
                                int (*other)(text_file *t, void *user, const char *word), void *user)
 {
   const int begin = t->line;
-  int ended = 0, last;
-  while (!ended && text_line(t)) {
+  int last;
+  text_begin(t, "rotor", rotor->name);
+  while (text_within(t)) {
     const char *const word = text_word(t);
-    ended = strcmp(word, "end") == 0;
-    if (!ended && !rotor_line(t, rotor, d, word) && !other(t, user, word)) {
+    if (!rotor_line(t, rotor, d, word) && !other(t, user, word)) {
       text_fail(t, "no such word for a rotor: %s", word);
     }
     text_end_of_line(t);
-  }
-  if (!ended) {
-    text_fail(t, "rotor %s of line %d wants a line `end`", rotor->name, begin);
   }
   last = t->line;
   t->line = begin; /* what is missing has no line of its own */

@@ -1,5 +1,7 @@
-/* text.h - reads text files word by word; every complaint names file and line. Comments run from # to the end of a
-   line, commas count as blanks. Where names are given, $NAME stands for a number, also in products such as -2*$NAME. */
+/* text.h - reads text files word by word; every complaint names file and line, and the blocks around it where one of
+   them is not ended. Comments run from # to the end of a line. Commas count as blanks; between digits, where they may be decimal ones, only in
+   tables that have them (text_file.table). Where names are given, $NAME stands for a number, also in products such as
+   -2*$NAME. */
 #ifndef TEXT_H
 #define TEXT_H
 #include <ctype.h>
@@ -27,15 +29,61 @@ typedef struct text_words { /* words that were there, and the line of the first 
   char word[TEXT_WORDS][TEXT_NAME];
 } text_words;
 
+#define TEXT_BLOCKS 4 /* within each other: body, beam, stations are 3 */
+
 typedef struct text_file {
   FILE *file;
   const char *program, *name;
   int line, failed;
+  int table;           /* 1: 0,1 are two numbers */
+  int begins, n_block; /* 1: the line begins a block, which may be none of these yet */
+  struct {             /* that are not ended yet: kind, name (empty: none) and line of the first line */
+    const char *kind, *name;
+    int line;
+  } block[TEXT_BLOCKS];
   char buffer[2048], *at; /* what is left of the line */
   char *message;          /* TEXT_MESSAGE characters for a complaint; NULL: it goes to stderr */
   text_named *named;
   int n_named;
 } text_file;
+
+/* 1 if a line begins a block (one of these words, and a name or a column), -1 if it ends one. */
+static inline int text_begins(const char *line)
+{
+  static const char *const begin[] = {"body",    "joint", "loop",      "spring",  "rotor",
+                                      "control", "beam",  "component", "stations"};
+  char word[16] = "", name = 0;
+  const int words = sscanf(line, "%15s %c", word, &name);
+  for (int k = 0; k < (int)(sizeof begin / sizeof *begin) && words == 2; k++) {
+    if (strcmp(word, begin[k]) == 0) {
+      return isalpha((unsigned char)name) || name == '_';
+    }
+  }
+  return -(strcmp(word, "end") == 0);
+}
+
+/* Has the rest of the file, which this reads, fewer lines `end` than its blocks and those around it want? */
+static inline int text_lacks_end(const text_file *t)
+{
+  char line[sizeof t->buffer];
+  int open = t->n_block + t->begins;
+  while (t->n_block > 0 && fgets(line, (int)sizeof line, t->file)) {
+    open += text_begins(line);
+  }
+  return t->n_block > 0 && open > 0;
+}
+
+/* Appends the blocks around it, the innermost first, if an `end` is missing: what follows was taken for their lines. */
+static inline void text_tell_blocks(const text_file *t, char message[TEXT_MESSAGE])
+{
+  const int lacks = text_lacks_end(t);
+  for (int k = t->n_block; lacks && k-- > 0;) {
+    const size_t n = strlen(message);
+    snprintf(message + n, TEXT_MESSAGE - n, "%s%s%s%s of line %d%s", k + 1 == t->n_block ? " (inside " : ", ",
+             t->block[k].kind, t->block[k].name[0] ? " " : "", t->block[k].name, t->block[k].line,
+             k == 0 ? ": a line `end` is missing)" : "");
+  }
+}
 
 /* Says what is wrong, once; the reader then finds no more words. */
 static inline void text_fail(text_file *t, const char *format, ...)
@@ -48,6 +96,7 @@ static inline void text_fail(text_file *t, const char *format, ...)
     va_start(list, format);
     vsnprintf(message + n, sizeof message - (size_t)n, format, list);
     va_end(list);
+    text_tell_blocks(t, message);
     if (t->message) {
       memcpy(t->message, message, sizeof message);
     } else {
@@ -123,8 +172,10 @@ static inline int text_line(text_file *t)
     if (comment) {
       *comment = 0;
     }
+    t->begins = text_begins(t->buffer) > 0;
     for (char *c = t->buffer; *c; c++) {
-      *c = *c == ',' || *c == '\t' || *c == '\r' || *c == '\n' ? ' ' : *c;
+      const int within = c > t->buffer && isdigit((unsigned char)c[-1]) && isdigit((unsigned char)c[1]);
+      *c = (*c == ',' && (t->table || !within)) || *c == '\t' || *c == '\r' || *c == '\n' ? ' ' : *c;
     }
     if (t->buffer[strspn(t->buffer, " ")]) {
       return 1;
@@ -189,7 +240,8 @@ static inline double text_number(text_file *t, const char *what)
     }
   }
   if (*at || at == word || !isfinite(x)) {
-    text_fail(t, "%s is not a number: %s", what, word);
+    text_fail(t, "%s is not a number: %s%s", what, word,
+              strchr(word, ',') ? " (a decimal point, or blanks between numbers, not a comma)" : "");
     return 0;
   }
   return x;
@@ -300,6 +352,15 @@ static inline void text_once(text_file *t, text_words *words, const char *word)
   text_note(t, words, word);
 }
 
+/* Begins a block at this line; `name` must last until it ends. */
+static inline void text_begin(text_file *t, const char *kind, const char *name)
+{
+  t->begins = 0; /* it is one of them now */
+  t->block[t->n_block].kind = kind;
+  t->block[t->n_block].name = name;
+  t->block[t->n_block++].line = t->line;
+}
+
 #ifdef FLEXBEAM_H
 static inline void text_reals(text_file *t, const char *what, fb_real *x, int n)
 {
@@ -317,5 +378,21 @@ static inline void text_end_of_line(text_file *t)
   if (word) {
     text_fail(t, "too much on the line: %s", word);
   }
+}
+
+/* The next line of the innermost block: 1; 0 and no more of it: its line `end`, or the file ends without. */
+static inline int text_within(text_file *t)
+{
+  const int more = text_line(t), ended = text_take(t, "end");
+  if (more && !ended) {
+    return 1;
+  }
+  t->n_block--;
+  if (!more) {
+    text_fail(t, "%s%s%s of line %d wants a line `end`", t->block[t->n_block].kind,
+              t->block[t->n_block].name[0] ? " " : "", t->block[t->n_block].name, t->block[t->n_block].line);
+  }
+  text_end_of_line(t);
+  return 0;
 }
 #endif

@@ -125,7 +125,7 @@ static void scene_read_body(text_file *t, scene *s)
   scene_body *const body = &s->body[s->n_body];
   scene_gauge_line gauges = {0};
   const int begin = t->line;
-  int kind, last, ended = 0;
+  int kind, last;
   if (s->n_body == FB_MAX_BODIES) {
     text_fail(t, "more than %d bodies", FB_MAX_BODIES);
     return;
@@ -144,18 +144,15 @@ static void scene_read_body(text_file *t, scene *s)
     model_forget_lines(); /* lines here may change what it says */
   }
   text_end_of_line(t);
-  while (!ended && text_line(t)) {
+  text_begin(t, "body", body->name);
+  while (text_within(t)) {
     const char *const word = text_word(t);
-    ended = strcmp(word, "end") == 0;
     if (strcmp(word, "gauge") == 0) {
       text_note(t, &body->seen, word);
       scene_read_gauge(t, body, &gauges);
-    } else if (!ended && !scene_read_start(t, body, word)) {
+    } else if (!scene_read_start(t, body, word)) {
       (kind == EXACT ? scene_read_exact_line : scene_read_model_line)(t, s, body, word);
     }
-  }
-  if (!ended) {
-    text_fail(t, "body %s of line %d wants a line `end`", body->name, begin);
   }
   last = t->line;
   t->line = begin; /* what is missing has no line of its own */
@@ -349,6 +346,26 @@ static void scene_read_exact(text_file *t, scene *s)
   s->exact_elements = text_whole(t, "elements of the exact beam", 0, FB_MAX_EXACT);
 }
 
+/* No line of a scene begins with that word: perhaps one of a block does. */
+static void scene_no_word(text_file *t, const char *word)
+{
+  static const struct {
+    const char *word, *block;
+  } inside[] = {{"start_position", "body"}, {"start_attitude", "body"}, {"start_velocity", "body"},
+                {"start_spin", "body"},     {"start_mode", "body"},     {"hub", "body"},
+                {"length", "body"},         {"stations", "body"},       {"modes", "body"},
+                {"effects", "body"},        {"base", "body"},           {"node", "body"},
+                {"auto", "body"},           {"gauge", "body"},          {"start", "joint"},
+                {"axis", "joint"},          {"stops", "joint"},         {"motor", "joint"},
+                {"sample", "control"},      {"pid", "control"}};
+  for (int k = 0; k < (int)(sizeof inside / sizeof *inside); k++) {
+    if (strcmp(word, inside[k].word) == 0) {
+      text_fail(t, "no such word: %s; it belongs between `%s` and its `end`", word, inside[k].block);
+    }
+  }
+  text_fail(t, "no such word: %s", word);
+}
+
 static void scene_read_line(text_file *t, scene *s, const char *word)
 {
   static const struct {
@@ -387,7 +404,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
     k++;
   }
   if (k == n) {
-    text_fail(t, "no such word: %s", word);
+    scene_no_word(t, word);
     return;
   }
   if (lines[k].once) {

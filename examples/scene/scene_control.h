@@ -202,7 +202,7 @@ static void scene_read_control(text_file *t, scene *s)
 {
   scene_control *const c = &s->control[s->n_control];
   const int begin = t->line;
-  int ended = 0, last;
+  int last;
   if (s->n_control == SCENE_CONTROLS) {
     text_fail(t, "more than %d controllers", SCENE_CONTROLS);
     return;
@@ -216,15 +216,9 @@ static void scene_read_control(text_file *t, scene *s)
     }
   }
   text_end_of_line(t);
-  while (!ended && text_line(t)) {
-    const char *const word = text_word(t);
-    ended = strcmp(word, "end") == 0;
-    if (!ended) {
-      scene_read_control_line(t, s, c, word);
-    }
-  }
-  if (!ended) {
-    text_fail(t, "controller %s of line %d wants a line `end`", c->name, begin);
+  text_begin(t, "controller", c->name);
+  while (text_within(t)) {
+    scene_read_control_line(t, s, c, text_word(t));
   }
   last = t->line;
   t->line = begin;

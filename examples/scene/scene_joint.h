@@ -310,15 +310,13 @@ static void scene_read_ends(text_file *t, scene *s, scene_joint *joint, int loop
 static void scene_read_any_joint(text_file *t, scene *s, int loop)
 {
   scene_joint *const joint = &s->joint[s->n_joint];
-  const int begin = t->line;
-  int ended = 0;
   if (loop ? s->n_loop == FB_MAX_LOOPS : s->n_joint == SCENE_JOINTS) {
     text_fail(t, "more than %d %s", loop ? FB_MAX_LOOPS : FB_MAX_BODIES, loop ? "loops" : "joints");
     return;
   }
   memset(joint, 0, sizeof *joint);
   joint->loop = loop;
-  joint->line = begin;
+  joint->line = t->line;
   joint->orientation[0] = 1;
   joint->desc.child_attitude[0] = FB_R(1.0);
   text_name(t, "a joint", joint->name);
@@ -330,15 +328,9 @@ static void scene_read_any_joint(text_file *t, scene *s, int loop)
   joint->desc.kind = (fb_joint_kind)text_choice(t, "a joint", scene_joint_words);
   scene_read_ends(t, s, joint, loop);
   text_end_of_line(t);
-  while (!ended && text_line(t)) {
-    const char *const word = text_word(t);
-    ended = strcmp(word, "end") == 0;
-    if (!ended) {
-      scene_read_joint_line(t, s, word);
-    }
-  }
-  if (!ended) {
-    text_fail(t, "joint %s of line %d wants a line `end`", joint->name, begin);
+  text_begin(t, loop ? "loop" : "joint", joint->name);
+  while (text_within(t)) {
+    scene_read_joint_line(t, s, text_word(t));
   }
   { /* orientation = parent's attitude . child's turned back */
     fb_real orientation[4];
@@ -410,14 +402,12 @@ static void scene_read_spring_line(text_file *t, scene *s, scene_spring *spring,
 static void scene_read_spring(text_file *t, scene *s)
 {
   scene_spring *const spring = &s->spring[s->n_spring];
-  const int begin = t->line;
-  int ended = 0;
   if (s->n_spring == FB_MAX_SPRINGS) {
     text_fail(t, "more than %d springs", FB_MAX_SPRINGS);
     return;
   }
   memset(spring, 0, sizeof *spring);
-  spring->line = begin;
+  spring->line = t->line;
   spring->control = -1;
   text_name(t, "a spring", spring->name);
   for (int k = 0; k < s->n_spring; k++) {
@@ -436,15 +426,9 @@ static void scene_read_spring(text_file *t, scene *s)
     text_fail(t, "spring %s connects the ground to itself", spring->name);
   }
   text_end_of_line(t);
-  while (!ended && text_line(t)) {
-    const char *const word = text_word(t);
-    ended = strcmp(word, "end") == 0;
-    if (!ended) {
-      scene_read_spring_line(t, s, spring, word);
-    }
-  }
-  if (!ended) {
-    text_fail(t, "spring %s of line %d wants a line `end`", spring->name, begin);
+  text_begin(t, "spring", spring->name);
+  while (text_within(t)) {
+    scene_read_spring_line(t, s, spring, text_word(t));
   }
   s->n_spring++;
 }

@@ -230,6 +230,24 @@ static void scene_default_outputs(text_file *t, scene *s)
   }
 }
 
+/* No output has that name: perhaps it is a vector, whose components have. */
+static void scene_no_output(text_file *t, const scene *s, const char *word)
+{
+  const size_t n = strlen(word);
+  char components[4 * TEXT_NAME] = "";
+  for (int k = 0; k < s->n_output; k++) {
+    const char *const label = s->output[k].label, *const *axes = scene_quantities[s->output[k].quantity].axes;
+    if (strlen(label) > n && strncmp(label, word, n) == 0 && label[n] == '_') {
+      for (; *axes; axes++) {
+        if (strcmp(label + n + 1, *axes) == 0 && strlen(components) + strlen(label) + 2 < sizeof components) {
+          strcat(strcat(components, " "), label);
+        }
+      }
+    }
+  }
+  text_fail(t, "no output has the name %s%s%s", word, components[0] ? ": of its components take" : "", components);
+}
+
 static int scene_output_of(text_file *t, const scene *s)
 {
   const char *const word = text_word(t);
@@ -238,7 +256,7 @@ static int scene_output_of(text_file *t, const scene *s)
       return k;
     }
   }
-  text_fail(t, "no output has the name %s", word ? word : "(missing)");
+  scene_no_output(t, s, word ? word : "(missing)");
   return 0;
 }
 

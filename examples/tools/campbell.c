@@ -116,6 +116,7 @@ static int read_blade(const options *o)
   if (!text_open(&t, "campbell", o->blade)) {
     return 0;
   }
+  t.table = 1;
   if (!text_line(&t)) {
     text_fail(&t, "holds nothing but comments");
   }

@@ -100,6 +100,7 @@ static int read_blade(const char *file)
   if (!text_open(&t, "elastodyn", file)) {
     return 0;
   }
+  t.table = 1;
   while (!table && text_line(&t)) {
     double value;
     if (take(&t, "NBlInpSt", &value)) {

@@ -353,15 +353,12 @@ static void model_stations(text_file *t, model_part *part)
   if (!there[MASS]) {
     text_fail(t, "the table wants a column mass");
   }
-  while (text_line(t)) {
+  text_begin(t, "table of stations", "");
+  while (text_within(t)) {
     fb_section s;
     fb_real *const place[] = {&s.x,         &s.x,         &s.mass,    &s.EA,      &s.GJ,    &s.EI_y,   &s.EI_z,
                               &s.i_y,       &s.i_z,       &s.GA_y,    &s.GA_z,    &s.twist, &s.mass_y, &s.mass_z,
                               &s.tension_y, &s.tension_z, &s.shear_y, &s.shear_z, &s.twist};
-    const char *const row = t->at + strspn(t->at, " ");
-    if (strncmp(row, "end", 3) == 0 && strspn(row + 3, " ") == strlen(row + 3)) {
-      return;
-    }
     memset(&s, 0, sizeof s);
     for (int k = 0; k < n; k++) {
       const double x = text_number(t, name[column[k]]);
@@ -377,13 +374,11 @@ static void model_stations(text_file *t, model_part *part)
     if (!t->failed) {
       model_section_check(t, beam, &s);
     }
-    if (t->failed) {
-      return;
+    if (!t->failed) {
+      part->is_fraction[beam->n_station] = there[FRACTION];
+      beam->station[beam->n_station++] = s;
     }
-    part->is_fraction[beam->n_station] = there[FRACTION];
-    beam->station[beam->n_station++] = s;
   }
-  text_fail(t, "the table of stations wants a line `end`");
 }
 
 /* taper rectangle|tube X0 A0 B0 X1 A1 B1 N E G DENSITY */
@@ -1004,7 +999,7 @@ static void model_block(text_file *t, model_kind kind)
 {
   model_part *part;
   const int begin = t->line;
-  int last, ended = 0;
+  int last;
   if (model.n_part == FB_MAX_PARTS) {
     text_fail(t, "more than %d parts", FB_MAX_PARTS);
     return;
@@ -1018,23 +1013,17 @@ static void model_block(text_file *t, model_kind kind)
       text_fail(t, "two parts have the name %s", part->name);
     }
   }
-  while (!ended && text_line(t)) {
+  text_begin(t, model_kinds[kind], part->name);
+  while (text_within(t)) {
     const char *const word = text_word(t);
-    ended = strcmp(word, "end") == 0;
-    if (!ended) {
-      model_once(t, &part->seen, word);
-    }
+    model_once(t, &part->seen, word);
     if (strcmp(word, "damping") == 0) {
       part->n_damping = model_damping(t, part->zeta);
       text_end_of_line(t);
-    } else if (!ended) {
+    } else {
       model_part_line(t, part, word);
     }
   }
-  if (!ended) {
-    text_fail(t, "%s %s of line %d wants a line `end`", model_kinds[kind], part->name, begin);
-  }
-  text_end_of_line(t);
   last = t->line;
   t->line = begin; /* what is missing has no line of its own */
   model_part_check(t, part);
