@@ -467,6 +467,9 @@ static void print_description(const fb_advice *a)
           printf(" %s %d", kind_name[kind], count);
         }
       }
+      if (a->line_points > 0) {
+        printf(" points %d", a->line_points);
+      }
       printf("\n");
     }
   }

@@ -42,6 +42,14 @@ esac
 try ${CC:-cc} $c99 -O1 -DLINES="\"$out/lines.h\"" -DWORK=$work -o "$out/lines" tests/checks/advise.c -lm
 try "$out/lines"
 
+# large deflection: the line of modes has the points that they want, and a body takes it
+try "$out/advise" examples/boom.txt --base prescribed --force 1,0,0,200 --frequency 0.05
+sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" > "$out/advice"
+grep -q '^  effects large' "$out/advice" && grep -q '^  modes bend_z [1-9] points [1-9]' "$out/advice" ||
+  fail "no points of large deflection: $(cat "$out/advice")"
+sed -e "s/^modes .*/$(word modes)/" -e "s/^effects .*/$(word effects)/" examples/boom.txt > "$out/body.txt"
+try "$out/reduce" "$out/body.txt" --out "$out/body.h"
+
 refused=0
 sed -e '/^line/d' -e 's/^effects full/effects spin/' examples/panel.txt > "$out/panel.txt"
 while read -r options; do
