@@ -270,7 +270,8 @@ int scene_main(int argc, char **argv)
   }
   c.options.talk = quiet ? NULL : stdout;
   c.options.warn = stderr;
-  c.options.progress = quiet || !isatty(2) ? NULL : stderr;
+  c.options.progress = quiet ? NULL : stderr;
+  c.options.live = isatty(2);
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
   if (!failed && (single || lanes) && !c.code) {
     return fail(single ? "--single belongs to --code" : "--lanes belongs to --code", "");

@@ -6,28 +6,36 @@
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
 
-/* What of a scene is neither body nor joint, and would be missing in the step: refused. */
+/* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. */
 static int scene_code_refused(scene *s)
 {
+  char all[TEXT_MESSAGE] = "";
   const struct {
-    int n;
+    int n, line; /* of the first; 0: none of its own */
     const char *what;
-  } other[] = {{s->n_load, "load and nudge: the caller gives forces and torques at the origin of each body as input"},
-               {s->n_distributed, "distributed: choose a scene without"},
-               {s->n_motion, "motion: choose a scene without"},
-               {s->n_drive,
-                "motor, value and rate: the caller gives the torques of motors, and value and rate of an axis "
-                "with mode prescribed, as input"},
-               {s->n_control, "control: the caller gives the torques of motors as input"},
-               {s->n_spring, "spring: choose stiffness and damping of joints"},
-               {s->n_loop, "loop: choose a tree"},
-               {s->n_event, "event: choose a scene without"},
-               {s->n_rotor, "rotor: choose bodies without"},
-               {s->is_exact, "an exact beam: choose bodies of modes"}};
+  } other[] = {
+      {s->n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"),
+       "load and nudge: the caller gives forces and torques at the origin of each body as input"},
+      {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
+      {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
+      {s->n_drive, s->drive[0].line,
+       "motor, value and rate: the caller gives the torques of motors, and value and rate of an axis "
+       "with mode prescribed, as input"},
+      {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
+      {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
+      {s->n_loop, text_seen(&s->seen, "loop"), "loop: choose a tree"},
+      {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
+      {s->n_rotor, text_seen(&s->seen, "rotor"), "rotor: choose bodies without"},
+      {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {
+    const size_t n = strlen(all);
     if (other[k].n > 0) {
-      return scene_fail(s, "--code: %s", other[k].what);
+      snprintf(all + n, sizeof all - n, other[k].line > 0 ? "%s%s (line %d)" : "%s%s", n > 0 ? "; " : "", other[k].what,
+               other[k].line);
     }
+  }
+  if (all[0]) {
+    return scene_fail(s, "--code: %s", all);
   }
   if (!scene_is_system(s)) {
     return scene_fail(s, "--code: one body without a joint: flexbeam reduce --code writes its step");

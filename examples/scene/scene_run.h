@@ -16,7 +16,8 @@ typedef struct scene_options { /* all zero: no files, no talk */
   int n_frame;                 /* of them and of the animation, 0: 120 */
   FILE *talk;                  /* what was chosen */
   FILE *warn;                  /* what may be wrong */
-  FILE *progress;              /* a line on long runs */
+  FILE *progress;              /* what a long run takes */
+  int live;                    /* 1: it is a terminal, on which a line tells how far the run is */
 } scene_options;
 
 /* ---- outputs */
@@ -474,8 +475,12 @@ static int scene_write_pictures(scene *s, const scene_options *o)
 
 typedef struct scene_run_state {
   FILE *csv;
+  const scene_options *o; /* NULL: no progress */
   scene_tally tally[SCENE_MEASURES];
   time_t begin, told;
+  clock_t clock;             /* at the first step */
+  int foretold;              /* what it takes was told */
+  long long steps;           /* taken */
   int event, halved, broken; /* halved: how often the step was; broken: errno of the file of outputs */
   long row, frames;          /* frames: wanted; 0: no pictures */
 } scene_run_state;
@@ -523,10 +528,55 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   return FB_OK;
 }
 
-/* Once a second rows go to their file, to be there if the run is killed, and a line tells how far it is. */
-static void scene_progress(const scene *s, const scene_options *o, scene_run_state *run, double t)
+/* "; the modes of body NAME want such short steps" where neither rows, nor turns, nor joints want chosen ones of rk4:
+   that of the shortest limit. */
+static void scene_why_short(const scene *s, char why[96])
 {
-  const time_t now = time(NULL);
+  const fb_real w = (fb_real)automatic.spin, a = (fb_real)automatic.acceleration;
+  const int chosen = !s->is_exact && !(s->step > 0) && engine.integrator == FB_INTEGRATOR_RK4;
+  double least =
+      chosen && s->dt < 0.5 * fmin(s->interval, 0.03 / automatic.spin) ? 2 * scene_limit(s, FB_INTEGRATOR_RK4) : 0;
+  why[0] = 0;
+  for (int k = 0; k < s->n_body && least > 0; k++) {
+    const double limit = (double)fb_rk4_limit(&engine.body[k], w, a);
+    if (limit < least) {
+      least = limit;
+      snprintf(why, 96, "; the modes of body %s want such short steps", s->body[k].name);
+    }
+  }
+}
+
+/* Once, after the first second: how long a run of more than 10 s takes, as far as the steps up to t tell. */
+static void scene_foretell(const scene *s, scene_run_state *run, double t)
+{
+  static const struct {
+    double least, unit; /* [s] */
+    const char *name;
+  } units[] = {{18000, 3600, "hours"}, {300, 60, "minutes"}, {0, 1, "s"}};
+  const double spent = (double)(clock() - run->clock) / CLOCKS_PER_SEC, rest = spent * (s->duration / t - 1);
+  char why[96];
+  int k = 0;
+  if (spent < 1 || run->foretold) {
+    return;
+  }
+  run->foretold = 1;
+  while (rest < units[k].least) {
+    k++;
+  }
+  if (rest > 10) {
+    scene_why_short(s, why);
+    fprintf(run->o->progress,
+            "%s%s: %.3g steps; the first %.2g %% of them took %.2g s, the others will take some %.3g %s%s\n",
+            run->o->live ? "\r" : "", s->path, timing.steps, 100 * t / s->duration, spent, rest / units[k].unit,
+            units[k].name, why);
+  }
+}
+
+/* Once a second rows go to their file, to be there if the run is killed, and a line tells how far it is. */
+static void scene_progress(const scene *s, scene_run_state *run, double t)
+{
+  const scene_options *const o = run->o;
+  const time_t now = o ? time(NULL) : 0;
   if (now <= run->told) {
     return;
   }
@@ -534,7 +584,10 @@ static void scene_progress(const scene *s, const scene_options *o, scene_run_sta
   if (run->csv && fflush(run->csv) != 0) {
     run->broken = errno;
   }
-  if (o->progress && now > run->begin + 1) {
+  if (o->progress && t > 0) {
+    scene_foretell(s, run, t);
+  }
+  if (o->progress && o->live && now > run->begin + 1) {
     fprintf(o->progress, "\r%3.0f %%, %.4g of %.4g s", 100 * t / s->duration, t, s->duration);
     fflush(o->progress);
   }
@@ -584,7 +637,7 @@ static int scene_no_start(scene *s, fb_status status)
     return scene_fail_at(s, loose->line, "no steady state: nothing holds %s of joint %s: lock it, or give it a spring",
                          which, loose->name);
   }
-  return scene_failed(s, s->trim ? "no steady state" : "start", status);
+  return scene_failed(s, s->trim ? "trim" : "start", status);
 }
 
 /* What happens at `begin`, which may say when the piece from there ends, and its steps; ends before the one that fails. */
@@ -595,6 +648,9 @@ static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p, doub
   for (long long k = 0; (double)k < p->steps && status == FB_OK; k++) {
     p->begin = begin + (double)k * p->dt;
     status = scene_step(s, p->begin, p->dt);
+    if (run->steps++ % 64 == 0) {
+      scene_progress(s, run, p->begin);
+    }
   }
   p->begin = status == FB_OK ? p->end : p->begin;
   return status;
@@ -625,15 +681,17 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   char when[96] = "at the start";
   fb_status status = FB_OK;
   engine.by_step = 0;
+  run->o = o;
+  run->clock = clock();
   while (run->row < timing.rows && status == FB_OK && !run->broken) {
     status = scene_interval(s, run, (double)run->row * timing.interval, (double)(run->row + 1) * timing.interval, when);
     if (status == FB_OK) {
       run->row++;
       status = scene_row(s, run, (double)run->row * timing.interval);
-      scene_progress(s, o, run, (double)run->row * timing.interval);
+      scene_progress(s, run, (double)run->row * timing.interval);
     }
   }
-  if (run->told > run->begin + 1 && o->progress) {
+  if (run->told > run->begin + 1 && o->progress && o->live) {
     fputs("\r                                        \r", o->progress);
   }
   if (run->halved > 0 && o->talk) {
@@ -653,10 +711,15 @@ static int scene_check_steps(scene *s, const scene_options *o)
   if (s->dt > 0) {
     steps = scene_count_steps(s);
   }
+  timing.steps = steps.count;
   if (!(steps.count <= SCENE_STEPS)) {
     const double dt = fmin(s->dt, timing.part / scene_fastest(s));
-    return scene_fail(s, "steps of %.3g s%s are %.3g or more in %g s; %g at most", dt,
-                      dt < s->dt ? " for the fastest that acts" : "", s->duration / dt, s->duration, SCENE_STEPS);
+    char why[96] = "";
+    if (!(dt < s->dt)) {
+      scene_why_short(s, why);
+    }
+    return scene_fail(s, "steps of %.3g s%s are %.3g or more in %g s; %g at most%s", dt,
+                      dt < s->dt ? " for the fastest that acts" : "", s->duration / dt, s->duration, SCENE_STEPS, why);
   }
   if (s->step > 0 && steps.turn > 1) {
     scene_warn(s, o->warn,
@@ -667,7 +730,8 @@ static int scene_check_steps(scene *s, const scene_options *o)
     if (!s->is_exact) {
       fprintf(o->talk, "integrator %s, ", scene_integrators[engine.integrator]);
     }
-    fprintf(o->talk, "step at most %.3g s\n", steps.longest);
+    fprintf(o->talk, "step at most %.3g s, %.10g steps\n", steps.longest, steps.count);
+    fflush(o->talk);
   }
   return 0;
 }

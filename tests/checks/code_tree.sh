@@ -130,6 +130,8 @@ refuse() {
 refuse "--code: load and nudge" none.h "load hub base force 1 0 0"
 refuse "--code: event" none.h "event 1 lock hinge 1"
 refuse "--code: spring" none.h "spring strut hub array.tip" "stiffness 1" "end"
+refuse "--code: load and nudge: .* (line 24); spring: .* (line 22); event: .* (line 21)" none.h "event 1 lock hinge 1" "spring strut hub array.tip" "end" \
+  "load hub base force 1 0 0"
 refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 line='  motor 1 constant 2

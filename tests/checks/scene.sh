@@ -269,10 +269,33 @@ done
 # the step that is told is the one of a drive that is faster than the modes: 0.3 rad of 100 Hz; one that is given is cut by rows
 printf 'duration 1\ninterval 0.1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 sine 1 100\n' > "$out/sine.txt"
 try "$out/scene" "$out/sine.txt"
-awk '/step at most/ { told = $(NF - 1) } END { exit !(told > 0 && told <= 4.78e-4) }' "$out/log" || fail "another step is told: $(cat "$out/log")"
+awk '/step at most/ { told = $6; steps = $8 } END { exit !(told > 0 && told <= 4.78e-4 && steps >= 2095 && steps < 3000) }' "$out/log" ||
+  fail "another step is told: $(cat "$out/log")"
 sed -i 's/^interval.*/interval 0.001\nstep 0.05/' "$out/sine.txt"
 try "$out/scene" "$out/sine.txt"
 ! grep -q warning "$out/log" || fail "warned of steps that rows shorten: $(cat "$out/log")"
+
+# after a second a long run tells how long it takes, and of which body its steps are so short; with --quiet nothing
+printf 'duration 10\nintegrator rk4\nbody rod beam\n length 1\n hub 1  0 0 0  1 1 1\n start_spin 0 0 1\n modes bend_z 2\n stations x mass EI_y\n  0 1 1e14\n end\nend\n' \
+  > "$out/long.txt"
+"$out/scene" "$out/long.txt" > "$out/log" 2>&1 &
+run=$!
+"$out/scene" "$out/long.txt" --quiet > "$out/quiet" 2>&1 &
+quiet=$!
+for second in $(seq 60); do
+  ! grep -q 'the others will take' "$out/log" || break
+  sleep 1
+done
+sleep 2
+kill $run $quiet
+wait $run $quiet || true
+grep -q '^integrator rk4, step at most .* s, [0-9]* steps$' "$out/log" || fail "a long run does not say its steps: $(cat "$out/log")"
+grep -q 'steps; the first .* will take some [0-9.]* [a-z]*; the modes of body rod want such short steps' "$out/log" ||
+  fail "a long run does not say how long: $(cat "$out/log")"
+[ ! -s "$out/quiet" ] || fail "a long run with --quiet says: $(cat "$out/quiet")"
+sed 's/1e14/1e19/' "$out/long.txt" > "$out/longer.txt"
+! "$out/scene" "$out/longer.txt" --quiet > "$out/log" 2>&1 || fail "1e11 steps are taken"
+grep -q '1e+10 at most; the modes of body rod want such short steps' "$out/log" || fail "the body of short steps is not named: $(cat "$out/log")"
 
 # a disk that is full: told, at the first row that does not fit and at the last one
 for run in '1e7 1 0.1' '1 1 1'; do
