@@ -950,3 +950,27 @@ reference wheel.csv t tip output tip tolerance 1e-7 relative
 END
 } > "$out/rotor.txt"
 meets < "$out/rotor.txt"
+# a bare beam with clamped modes that swings from a hinge and bends far: no rigid body at its root with `effects large`. 6 modes: 2.4778
+meets << END
+duration 1
+interval 0.01
+gravity 0 0 -9.81
+body rod beam
+  length 1
+  elements 8
+  stations x mass EI_y EI_z
+    0 1 0.2 0.2
+  end
+  modes bend_z 3
+  effects large
+end
+joint hinge revolute ground rod
+  axis 0 1 0
+end
+output angle coordinate hinge 1
+output work energy
+measure angle final angle
+measure work final work_total
+expect angle 2.4778 tolerance 1e-3
+expect work 0 tolerance 5e-5
+END
