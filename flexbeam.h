@@ -256,8 +256,9 @@
      contact, airloads, feedback   fb_system_input.forces: loads, motor torques, pulls as a function of the state
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
      a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge
-                                   next to no inertia, but with FB_EFFECTS_LARGE, which needs none. FB_ROOT_PINNED frees the slopes of both planes: for a spherical
-                                   joint, or a beam that bends in the plane of its free hinge alone
+                                   next to no inertia, but with FB_EFFECTS_LARGE, which needs none. FB_ROOT_PINNED
+                                   frees the slopes of both planes: for a spherical joint, or a beam that bends in the
+                                   plane of its free hinge alone
      a beam that carries bodies    fb_modes_desc.load at that node, axes 1, 2, 4, 5: joints load it with force
                                    and moment
      what is locked or latched     fb_system_axis_set
