@@ -576,8 +576,8 @@ static void scene_foretell(const scene *s, scene_run_state *run, double t)
 static void scene_progress(const scene *s, scene_run_state *run, double t)
 {
   const scene_options *const o = run->o;
-  const time_t now = o ? time(NULL) : 0;
-  if (now <= run->told) {
+  const time_t now = time(NULL);
+  if (!o || now <= run->told) {
     return;
   }
   run->told = now;
