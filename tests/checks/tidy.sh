@@ -1,8 +1,9 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks, gcc's analyzer
 # nothing in the library and the tests.
-# clang-tidy sees the library with the programs that use its inside, and once in single precision:
-# FLEXBEAM_IMPL_INCLUDED leaves it out of the others. Those are looked at in double: what differs in single are conversions, of which the compilers warn (compile.sh). cppcheck takes
+# clang-tidy sees the library once in either precision, with the tests, those in single with all forms: FLEXBEAM_IMPL_INCLUDED
+# leaves it out of the programs, unless they use its inside. Programs are looked at in double: what differs in single are
+# conversions, of which the compilers warn (compile.sh). cppcheck takes
 # the library as a file of its own and finds what one file does wrong to another's functions by its analysis of the whole program.
 # cppcheck: uninitvar is off, it takes an array that is handed to the function that fills it for one that is read; gcc, clang
 # and the analyzer of clang-tidy look for the same. gcc's analyzer takes what a loop has filled for such, too; with values
@@ -21,16 +22,18 @@ look() {
   try clang-tidy --quiet $these -- -std=c99 -I. -DFB_SINGLE=$single "$@"
 }
 
-# check FILES: by cppcheck, with the library
+# check FILES FB_SINGLE: by cppcheck, with the library
 check() {
   try cppcheck --quiet --error-exitcode=1 --enable=warning,performance,portability --std=c99 -I. --suppress=uninitvar \
-    --suppress=missingIncludeSystem --inline-suppr -UFLEXBEAM_CONFIG -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED "$out/library.c" $1
+    --suppress=missingIncludeSystem --inline-suppr -UFLEXBEAM_CONFIG -DFB_SINGLE=$2 -DFLEXBEAM_IMPL_INCLUDED "$out/library.c" $1
 }
 
 look "$(echo "$files" | grep -E "$inside")" 0
-look "$(echo "$files" | grep -v -E "$inside")" 0 -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED
+look "$(echo "$files" | grep -v -E "$inside")" 0 -DFLEXBEAM_IMPL_INCLUDED
 look tests/test_main.c 1
-check "$files"
+look "$(ls tests/test_*.c | grep -v test_main.c)" 1 -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED
+check "$files" 0
+check "$(ls tests/test_*.c)" 1
 analyze="gcc -std=c99 -I. -O0 -fanalyzer -fanalyzer-call-summaries --param analyzer-max-svalue-depth=4 -Werror"
 analyze="$analyze -Wno-analyzer-use-of-uninitialized-value -c -o $out/analyzed.o"
 for file in $(ls tests/test_*.c | grep -v test_status_detail.c); do # that one has a copy of the library, which is next
