@@ -145,8 +145,8 @@ figures() {
   build/readme/figures_single --figures > "$out/single"
   awk -F'|' '
     BEGIN { print "| case | against | double | single | test |"; print "|---|---|---|---|---|" }
-    FNR == NR { single[$1] = $3; next }
-    { print "| " $1 " | " $2 " | " $3 " | " ($1 in single ? single[$1] : "") " | " $4 " |"; done[$1] = 1 }' \
+    FNR == NR { single[$1, $2] = $3; next }
+    { print "| " $1 " | " $2 " | " $3 " | " (($1, $2) in single ? single[$1, $2] : "") " | " $4 " |" }' \
     "$out/single" "$out/double" | block figures
   summary
 }

@@ -566,7 +566,9 @@ TEST(lines_have_enough_points)
     }
   }
   fbt_figure("frequencies of a large-deflection body at rest", "polynomial body", most);
-  fbt_figure("the same by the points alone", "polynomial body", points);
+  if (!FB_SINGLE) {
+    fbt_figure("the same by the points alone", "polynomial body", points);
+  }
 }
 
 /* ---- sections that change fast */

@@ -92,7 +92,10 @@ static double shoot(double tip[2], double alpha, double slope)
 TEST(elastica_under_heavy_dead_loads)
 {
   double most = 0.0;
-  for (double alpha = 10.0; alpha <= 20.0 && !FB_SINGLE; alpha += 5.0) {
+  if (FB_SINGLE) { /* they want the load mode */
+    return;
+  }
+  for (double alpha = 10.0; alpha <= 20.0; alpha += 5.0) {
     fb_node_motion end;
     double tip[2], low = 0.1, high = 0.5 * pi;
     for (int k = 0; k < 50; k++) {
