@@ -333,7 +333,7 @@ static void exact_joints(text_file *t, exact_text *m)
     int *const element = &m->desc.joint[k].element;
     *element = m->joint_node[k];
     for (int j = 0; j < m->n_joint; j++) {
-      *element += m->joint_node[j] < m->joint_node[k] || (m->joint_node[j] == m->joint_node[k] && j < k);
+      *element += m->joint_node[j] < m->joint_node[k] || (j < k && m->joint_node[j] == m->joint_node[k]);
     }
   }
 }
