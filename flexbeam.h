@@ -2558,9 +2558,9 @@ typedef struct fb_body_desc {
   /* Gravity of a center, beside that: mu [m^3/s^2] (0: none; G times its mass), the center [m] in inertial axes. Force,
      gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
      deformed body; what is left out is, relative to them, about its size over the distance. Of the momentum form, with
-     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines, of bodies of systems
-     in double precision alone and not with trim, linear models and spectra of those (FB_ERR_UNSUPPORTED). The mass center must stay farther
-     from the center than twice the root mean square distance of the body's mass from it (FB_ERR_RANGE) */
+     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines. Bodies of systems
+     have it in double precision alone, and not in trim, linear models and spectra (FB_ERR_UNSUPPORTED). The mass center
+     must stay farther from the center than twice the root mean square distance of the body's mass from it (FB_ERR_RANGE) */
   fb_real mu, center[3];
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
@@ -2808,8 +2808,8 @@ typedef enum fb_port_kind {
   FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
                                 state; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  /* output [m/s^2], an accelerometer at the node: acceleration less gravity there. With base motion or a given momentum as
-     input the term in the rate of the input is left out (y = C x + D u has no u_dot) */
+  /* output [m/s^2], an accelerometer at the node: acceleration less gravity there. With base motion or a given momentum
+     as input the term in the rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
   /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
   FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
@@ -2838,8 +2838,8 @@ typedef struct fb_linear_desc {
 /* Linear model d/dt x = A x + B u, y = C x + D u of perturbations about a steady state.
    One body: x = (q, pi, momenta, pose). pi: with a prescribed base relative to the ground. Momenta p = m u and h in
    body axes (free base: h about the center of mass). Pose: position and attitude relative to a frame that moves on with
-   the steady v, w, body axes (in orbit on its circle). Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
-   (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
+   the steady v, w, body axes (in orbit on its circle). Of momenta and pose only the free components: 6 for a free
+   base, 3 for a pinned one (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
    (hinged: the last); a star tracker is a row of C with a 1 there.
    With rotors x = (q, pi, rotors, momenta, pose): rotors are the momenta of those whose momentum is not given. Their
    angles act on nothing. Of friction the model has the tangent.
@@ -3033,7 +3033,8 @@ typedef struct fb_spectrum {
 #if FB_WITH_SYSTEM
 /* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
    The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
-   on it (gravity, loads in inertial axes). In orbit the spectrum contains that of the orbit: 0 twice, +-i w twice. FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
+   on it (gravity, loads in inertial axes). In orbit the spectrum contains that of the orbit: 0 twice, +-i w twice.
+   FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
    0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);

@@ -28700,8 +28700,8 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   return status;
 }
 
-/* Load increments from the undeformed beam on, its joints at the given angles: a step that converges quickly doubles the next, one that does not is
-   quartered. */
+/* Load increments from the undeformed beam on, its joints at the given angles: a step that converges quickly doubles the
+   next, one that does not is quartered. */
 static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
                                       const fb_exact_input *input)
 {

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
-# all forms of the equations, double precision, and in their own both boards; without large deflection and rotors, and with both). libc and libm count as nothing. Bounds: what was measured and
+# all forms of the equations in double precision, each board in its own; without large deflection and rotors, and with both). libc and libm count as nothing. Bounds: what was measured and
 # about a quarter more.
 . tests/checks/common.sh
 . tests/checks/board.sh
@@ -19,7 +19,7 @@ usage() {
   (cd "$out" && "$@" -std=c99 -I../../.. -ffp-contract=off -fstack-usage -fcallgraph-info=su -c -o "$object" impl.c)
 }
 
-for opt in -O2 -Os; do # single precision takes less on the same machine
+for opt in -O2 -Os; do # on the desktop numbers of double precision are the larger ones
   for forms in 0 1; do
     usage forms$forms gcc $opt -DFB_WITH_FORMS=$forms -DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0
   done
