@@ -470,9 +470,7 @@ static void fbi_vec3_zero(fb_real y[3])
 #if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_mat33_copy(fb_real C[9], const fb_real A[9])
 {
-  fbi_vec3_copy(C, A);
-  fbi_vec3_copy(C + 3, A + 3);
-  fbi_vec3_copy(C + 6, A + 6);
+  memcpy(C, A, 9 * sizeof *C);
 }
 #endif
 
@@ -589,12 +587,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
 #if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
-  fbi_vec6_copy(T, S);
-  fbi_vec6_copy(T + 6, S + 6);
-  fbi_vec6_copy(T + 12, S + 12);
-  T[18] = S[18];
-  T[19] = S[19];
-  T[20] = S[20];
+  memcpy(T, S, 21 * sizeof *T);
 }
 
 /* S -= s u u^T */
@@ -11719,7 +11712,9 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
-  fbi_rows_loads(w, system, body);
+  if (w->n_row > 0) {
+    fbi_rows_loads(w, system, body);
+  }
 
   /* from the tips: rates of joint and modes, loads to the parent */
   for (int k = system->n_body - 1; k >= 0; k--) {
