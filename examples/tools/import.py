@@ -131,9 +131,11 @@ def rigid(x):
 
 def held_check(K, R):
     """K lets the structure move as a rigid body?"""
-    size = np.sqrt(np.maximum(np.einsum('ik,ik->k', abs(R), abs(K) @ abs(R)), 1e-300))
-    energy = linalg.eigvalsh((R / size).T @ (K @ (R / size)))
-    free = int(np.sum(energy < SMALL))
+    norm = np.linalg.norm(R, axis=0)
+    U, size, _ = np.linalg.svd(R / np.where(norm > 0, norm, 1), full_matrices=False)
+    U = U[:, size > 1e-6]  # motions that the degrees of freedom have
+    most = np.sqrt(np.einsum('ik,ik->k', abs(U), abs(K) @ abs(U)))
+    free = int(np.sum(linalg.eigvalsh((U / most).T @ (K @ (U / most))) < SMALL))
     if free:
         raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped' % free)
 
@@ -153,14 +155,14 @@ def solve(model, K, M, place, clamped, n_mode):
     held_check(K, R)
     try:
         if n <= 300 or n_mode > n // 3:
-            inverse, phi = linalg.eigh(M.toarray(), K.toarray(), subset_by_index=[n - n_mode, n - 1])
-            value, phi = 1 / inverse[::-1], phi[:, ::-1]
+            phi = linalg.eigh(M.toarray(), K.toarray(), subset_by_index=[n - n_mode, n - 1])[1]  # M may be singular
         else:
-            value, phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, v0=np.cos(np.arange(n)), tol=0)
+            phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, v0=np.cos(np.arange(n)), tol=0)[1]
+        phi /= np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
+        value, turn = linalg.eigh(phi.T @ (K @ phi), phi.T @ (M @ phi))  # orthogonal to rounding
     except (linalg.LinAlgError, ArpackError, RuntimeError) as error:
         raise Refused('K and M have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % error)
-    order = np.argsort(value)
-    value, phi = value[order], phi[:, order]
+    phi = phi @ turn
     off = np.max(abs(K @ phi - M @ phi * value), axis=0) / np.max(abs(K) @ abs(phi), axis=0)
     if not value[0] > 0 or np.max(off) > 1e-7:
         raise Refused('the modes of K and M miss their equation by %.1g: K is close to singular (a mechanism?)' % np.max(off))
@@ -497,14 +499,14 @@ def listed(text, what, sets=None):
 
 def scaled(model, M, length, mass):
     """To SI; K_G, by accelerations, angular ones and spins, too."""
-    unit = np.tile([length] * 3 + [1.0] * 3, len(model.ids))
+    n = len(model.ids)
     model.x *= length
-    model.phi *= unit[:, None]
+    model.phi *= np.tile([length] * 3 + [1.0] * 3, n)[:, None]
     if model.modal_mass is not None:
         model.modal_mass *= mass * length**2
-    turn = sparse.diags_array(unit) * np.sqrt(mass)
-    model.K_G = [turn @ A @ turn / (length if k < 3 else 1) for k, A in enumerate(model.K_G)]
-    return sparse.csr_array(turn @ M @ turn)
+    unit = sparse.diags_array(np.tile([1.0] * 3 + [length] * 3, n)) * np.sqrt(mass)
+    model.K_G = [unit @ A @ unit / (length if k < 3 else 1) for k, A in enumerate(model.K_G)]
+    return sparse.csr_array(unit @ M @ unit)
 
 
 def still_check(model, frame):
@@ -620,7 +622,8 @@ def convert(options):
     S = np.hstack([rigid(model.x), model.phi])
     want = S.T @ (M @ S)
     if not want[0, 0] > 0 or abs(want[:3, :3] - want[0, 0] * AXES).max() > 1e-6 * want[0, 0]:
-        raise Refused('the mass is not positive and the same in all directions: %s' % np.diag(want)[:3])
+        raise Refused('the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
+                      % tuple(np.diag(want)[:3]))
     modal = np.diag(want)[6:]
     if model.modal_mass is not None and abs(modal / model.modal_mass - 1).max() > options.tolerance:
         k = int(abs(modal / model.modal_mass - 1).argmax())
