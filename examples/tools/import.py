@@ -52,24 +52,32 @@ def nastran(package):
         raise Refused('%s: files of Nastran want it: python3 -m pip install pyNastran' % missing)
 
 
-def matrix(text):
-    """A square sparse matrix from FILE or FILE:NAME: MatrixMarket, .npz, .mat, .op4."""
-    path, colon, name = (text, '', '') if os.path.exists(text) else text.rpartition(':')
-    path = path if colon or not name else text
-    kind = os.path.splitext(path)[1].lower()
+def opened(path, how, **more):
+    """What a library reads from a file."""
     if not os.path.exists(path):
-        raise Refused('%s: no such file' % text)
+        raise Refused('%s: no such file' % path)
+    try:
+        return how(path, **more)
+    except Exception as error:  # each library has its own
+        raise Refused('%s: cannot be read: %s' % (path, error or type(error).__name__))
+
+
+def arrays(path):
+    """Matrices of a file by name."""
+    kind = os.path.splitext(path)[1].lower()
     if kind == '.mat':
-        found = {key: value for key, value in scipy.io.loadmat(path).items() if not key.startswith('__')}
-    elif kind == '.op4':
-        found = nastran('op4.op4').read_op4(path, debug=None)
-        found = {key: getattr(value, 'data', value[1] if isinstance(value, (tuple, list)) else value) for key, value in found.items()}
-    elif kind in ('.mtx', '.mm'):
-        found = {'': scipy.io.mmread(path)}
-    elif kind == '.npz':
-        found = {'': sparse.load_npz(path)}
-    else:
+        return {key: value for key, value in opened(path, scipy.io.loadmat).items() if not key.startswith('__')}
+    if kind == '.op4':
+        return {key: value.data for key, value in opened(path, nastran('op4.op4').read_op4, debug=None).items()}
+    if kind not in ('.mtx', '.npz'):
         raise Refused('%s: no matrix: wants .mtx (MatrixMarket), .npz (SciPy), .mat or .op4 at its end' % path)
+    return {'': opened(path, scipy.io.mmread if kind == '.mtx' else sparse.load_npz)}
+
+
+def matrix(text):
+    """A square sparse matrix from FILE or FILE:NAME."""
+    path, name = (text, '') if os.path.exists(text) or ':' not in text else text.rsplit(':', 1)
+    found = arrays(path)
     if name not in found and (name or len(found) != 1):
         raise Refused('%s: has the matrices %s: name one of them, %s:NAME' % (text, ', '.join(found), path))
     A = sparse.csr_array(found[name] if name in found else next(iter(found.values())))
@@ -113,9 +121,16 @@ def nodes_of(path, rows):
     return Model(ids, x), np.array(place, dtype=int)
 
 
-def spread(place, n):
-    """Puts rows of a matrix where six rows per node have them."""
-    return sparse.csr_array((np.ones(len(place)), (place, np.arange(len(place)))), shape=(n, len(place)))
+def basic_by(place, axes):
+    """Makes of a matrix of the model one of six rows per node, in basic axes; place: of each row, -1: it has none."""
+    rows = np.flatnonzero(place >= 0)
+    move = axes @ sparse.csr_array((np.ones(len(rows)), (place[rows], rows)), shape=(axes.shape[1], len(place)))
+
+    def basic(A, name):
+        if A.shape[0] != len(place):
+            raise Refused('%s has %d rows, the model %d' % (name, A.shape[0], len(place)))
+        return sparse.csr_array(move @ A @ move.T)
+    return basic
 
 
 # ---- modes from matrices
@@ -173,14 +188,14 @@ def solve(model, K, M, place, clamped, n_mode):
 
 def from_matrices(options):
     K, M = matrix(options.matrices[0]), matrix(options.matrices[1])
-    if K.shape != M.shape:
-        raise Refused('%s has %d rows, %s has %d' % (options.matrices[0], K.shape[0], options.matrices[1], M.shape[0]))
     model, place = nodes_of(options.nodes, K.shape[0])
+    basic = basic_by(place, sparse.eye_array(6 * len(model.ids), format='csr'))
+    M_basic = basic(M, options.matrices[1])
     clamped = np.zeros(len(model.ids), dtype=bool)
     for node in options.frame:
         clamped[model.find(node, '--frame')] = True
     solve(model, K, M, place, clamped, options.modes or min(6, K.shape[0]))
-    return model, spread(place, 6 * len(model.ids)), M
+    return model, M_basic, basic
 
 
 # ---- Nastran
@@ -244,10 +259,11 @@ def masses_of(bdf, model):
                 blocks[model.at[node], 3:, 3:] += beam.Rho() * (beam.I11() + beam.I22()) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
     if bdf.nsms:
         raise Refused('NSM cards: their mass is not in that of the elements: export the mass matrix (--mass)')
-    return sparse.csr_array(sparse.block_diag(list(blocks), format='csr')) * bdf.get_param('WTMASS', 1.0)
+    unit = bdf.params['WTMASS'].values[0] if 'WTMASS' in bdf.params else 1.0
+    return sparse.csr_array(sparse.block_diag(list(unit * blocks), format='csr'))
 
 
-def shapes_of(op2, path, subcase, model, basic):
+def shapes_of(op2, path, subcase, model, axes):
     """Frequencies and shapes of SOL 103, in basic axes."""
     tables = [table for table in op2.eigenvectors.values() if subcase is None or table.isubcase == subcase]
     if len(tables) != 1:
@@ -264,7 +280,7 @@ def shapes_of(op2, path, subcase, model, basic):
             seen[at] = True
             model.phi[6 * at:6 * at + 6] = table.data[:, k, :].T
     if not table.table_name.startswith('BOUG'):  # those of PARAM,OUGCORD,BASIC are in basic axes
-        model.phi = basic @ model.phi
+        model.phi = axes @ model.phi
     model.hz = np.sqrt(np.maximum(value, 0)) / (2 * np.pi)
     for head in op2.eigenvalues.values():
         mass = getattr(head, 'generalized_mass', None)
@@ -275,29 +291,26 @@ def shapes_of(op2, path, subcase, model, basic):
 
 def from_nastran(options):
     path, modes = options.files
-    from cpylog import SimpleLogger  # of pyNastran
-    log = SimpleLogger('error')
-    bdf = nastran('bdf.bdf').read_bdf(path, log=log)
-    op2 = nastran('op2.op2').read_op2(modes, log=log, build_dataframe=False)
+    nastran('version')
+    log = __import__('cpylog').SimpleLogger('error')  # of pyNastran
+    bdf = opened(path, nastran('bdf.bdf').read_bdf, log=log)
+    op2 = opened(modes, nastran('op2.op2').read_op2, log=log, build_dataframe=False)
     ids = sorted(bdf.nodes)
     model = Model(ids, [bdf.nodes[node].get_position() for node in ids])
     model.sets = {key: card.ids for key, card in bdf.sets.items() if card.type == 'SET1'}
-    basic = sparse.csr_array(sparse.block_diag(
+    axes = sparse.csr_array(sparse.block_diag(
         [np.kron(np.eye(2), axes_at(bdf.nodes[node].cd_ref, model.x[k])) for k, node in enumerate(ids)], format='csr'))
-    seen = shapes_of(op2, modes, options.subcase, model, basic)
+    seen = shapes_of(op2, modes, options.subcase, model, axes)
     if options.mass is None and 'MGG' in op2.matrices:
         M = sparse.csr_array(op2.matrices['MGG'].data)
     else:
         M = matrix(options.mass) if options.mass else None
-    rows = grid_rows(bdf, ids)
-    if M is not None and M.shape[0] != len(rows):
-        raise Refused('the mass matrix has %d rows; those of all grids (MGG, six each) and scalar points are %d' % (M.shape[0], len(rows)))
-    place = basic @ spread(rows[rows >= 0], 6 * len(ids))
-    M = masses_of(bdf, model) if M is None else place @ M[rows >= 0][:, rows >= 0] @ place.T
+    basic = basic_by(grid_rows(bdf, ids), axes)
+    M = masses_of(bdf, model) if M is None else basic(M, options.mass or 'MGG')
     heavy = np.array(abs(M).max(axis=1).toarray()).reshape(-1, 6).max(axis=1) > 0
     for at in np.flatnonzero(heavy & ~seen):
         raise Refused('%s: no displacement of grid %d, which has mass: DISP(PLOT) = ALL in the case control' % (modes, ids[at]))
-    return model, place, M
+    return model, M, basic
 
 
 def grid_rows(bdf, ids):
@@ -606,7 +619,7 @@ def masses_for(options, model, M, want):
 
 def convert(options):
     """Text of the description, and what is told about it."""
-    model, place, M = from_matrices(options) if options.matrices else from_nastran(options)
+    model, M, basic = from_matrices(options) if options.matrices else from_nastran(options)
     if options.modes and options.modes > len(model.hz):
         raise Refused('--modes: %d wanted, %s has %d' % (options.modes, options.files[1], len(model.hz)))
     keep = options.modes or len(model.hz)
@@ -614,8 +627,8 @@ def convert(options):
         raise Refused('%d modes, a description holds %d: --modes %d takes the lowest' % (keep, MODES, MODES))
     model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]
     model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
-    model.K_G = [place @ matrix(name) @ place.T for name in options.geometric or []]
-    M = scaled(model, M if not options.matrices else place @ M @ place.T, *options.scale)
+    model.K_G = [basic(matrix(name), name) for name in options.geometric or []]
+    M = scaled(model, M, *options.scale)
     origin = options.origin.split(',')
     model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
     still_check(model, options.frame)

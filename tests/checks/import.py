@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 import scipy.io
-from pyNastran.bdf.bdf import BDF
+from pyNastran.bdf.bdf import BDF, CaseControlDeck
 from pyNastran.op2.op2 import OP2
 from pyNastran.op2.tables.lama_eigenvalues.lama_objects import RealEigenvalues
 from pyNastran.op2.tables.oug.oug_eigenvectors import RealEigenvectorArray
@@ -334,4 +334,115 @@ if not frequencies(folder + 'beam.txt', '--spin', '40')[0] > 1.5 * still[0]:
     sys.exit('the spin stiffens too little to tell')
 for key in 'pchi', 'Gamchi':
     meet('line and matrices', by_matrices[key], by_line[key], 0.02)
+
+# ---- Nastran: millimetres and tonnes, PARAM,WTMASS, coordinate systems of all kinds, masses at offsets, a scalar point
+
+x, K, _ = boom(q)
+x += [0.1, 0.2, -0.3]
+origin, z_axis, x_axis = np.array([-400.0, 150, 90]), q @ [0.6, 0, 0.8], q @ [0.8, 0, -0.6]
+systems = {7: 'R', 8: 'C', 9: 'S'}
+of = [0] * 5 + [8] * 5 + [9] * 5 + [7] * 5 + [0] * 5  # CD of each grid
+
+
+def axes(kind, r):
+    """Of such a system at a place, from their definition."""
+    s, along = r - origin, (r - origin) @ z_axis
+    across = s - along * z_axis
+    if kind == 'C':
+        e = across / np.linalg.norm(across)
+        return np.array([e, np.cross(z_axis, e), z_axis]).T
+    if kind == 'S':
+        e, round_ = s / np.linalg.norm(s), np.cross(z_axis, across) / np.linalg.norm(across)
+        return np.array([e, np.cross(round_, e), round_]).T
+    return np.array([x_axis, np.cross(z_axis, x_axis), z_axis]).T if kind else np.eye(3)
+
+
+turn = linalg.block_diag(*[np.kron(np.eye(2), axes(systems.get(cd), 1000 * r)) for cd, r in zip(of, x)])
+
+
+def offset_mass(m, c, J):
+    C = np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
+    return np.block([[m * np.eye(3), -m * C], [m * C, J - m * C @ C]])
+
+
+mass = rho * A * l * np.array([0.5] + [1.0] * (n - 1) + [0.5])
+M = np.kron(np.diag(mass), np.diag([1.0, 1, 1, 0, 0, 0]))
+J = np.array([[0.02, 0.003, -0.001], [0.003, 0.03, 0.002], [-0.001, 0.002, 0.025]])  # in the axes of 7
+c, there = np.array([0.05, -0.02, 0.04]), np.array([1.6, 0.4, 0.1])
+local = axes('R', origin)
+put(M, range(6 * n, 6 * n + 6), offset_mass(0.5, local @ c, local @ J @ local.T))
+put(M, range(6 * 12, 6 * 12 + 6), offset_mass(0.3, there - x[12], 0 * J))
+
+
+def nastran(name, K, M, size, moves=0.0, without=()):
+    """NAME.bdf and NAME.op2 of its modes, the scalar point 1000 too; frequencies and shapes in SI."""
+    free = np.arange(6, len(K))
+    inverse, phi = linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)], subset_by_index=[len(free) - size, len(free) - 1])
+    full = np.zeros((len(K), size))
+    full[free] = phi[:, ::-1] / np.sqrt(inverse[::-1])
+    w = 1 / np.sqrt(inverse[::-1])
+    shape = (turn.T @ full).reshape(n + 1, 6, size).transpose(2, 0, 1) * [1000, 1000, 1000, 1, 1, 1] + moves
+    grids = np.array([[k + 1, 1] for k in range(n + 1)] + [[1000, 2]], dtype='int32')
+    shape = np.concatenate([shape, np.ones((size, 1, 6))], axis=1)
+    keep = [k for k in range(n + 2) if k + 1 not in without]
+    op2 = OP2(debug=None)
+    op2.set_as_msc()
+    table = RealEigenvectorArray.add_modal_case('OUGV1', grids[keep], shape[:, keep].astype('float32'), 1, np.arange(1, size + 1, dtype='int32'), w**2, w / (2 * np.pi))
+    for data in table.__dict__, table.data_code:  # eigenvectors, not displacements
+        data['table_code'] = data['tCode'] = 7
+    op2.eigenvectors[1] = table
+    op2.write_op2(folder + name + '.op2', nastran_format='msc')
+    return w, full
+
+
+def deck(name, **more):
+    bdf = BDF(debug=None)
+    bdf.sol, bdf.case_control_deck = 103, CaseControlDeck(['DISP = ALL', 'METHOD = 1'])
+    bdf.add_param('WTMASS', 0.5)
+    for cid, kind in systems.items():
+        getattr(bdf, 'add_cord2' + kind.lower())(cid, origin, origin + z_axis, origin + x_axis)
+    for k, r in enumerate(1000 * x):
+        s = axes('R', r).T @ (r - origin)
+        cylinder = [np.hypot(s[0], s[1]), np.degrees(np.arctan2(s[1], s[0])), s[2]]
+        bdf.add_grid(k + 1, cylinder if k % 3 else r, cp=8 if k % 3 else 0, cd=of[k])
+    bdf.add_mat1(1, E / 1e6, G / 1e6, None, rho=2 * rho * 1e-12)
+    bdf.add_pbar(1, 1, A * 1e6, Iz * 1e12, Iy * 1e12, 0.0, Jt * 1e12)
+    for k in range(n):
+        bdf.add_cbar(k + 1, 1, [k + 1, k + 2], list(q[:, 2]), None)
+    bdf.add_conm2(100, 25, 2 * 0.5e-3, cid=7, X=list(1000 * c), I=[2e3 * J[0, 0], -2e3 * J[1, 0], 2e3 * J[1, 1], -2e3 * J[2, 0], -2e3 * J[2, 1], 2e3 * J[2, 2]])
+    bdf.add_conm2(101, 13, 2 * 0.3e-3, cid=-1, X=list(1000 * there))
+    bdf.add_spoint([1000])
+    bdf.add_set1(5, [13, 20])
+    bdf.write_bdf(folder + name, size=16, is_double=True)
+    return folder + name
+
+
+w, phi = nastran('boom', K, M, 8)
+files = [deck('boom.bdf'), folder + 'boom.op2']
+base = ['--scale', '0.001,1000', '--frame', 1, '--mark', '25:tip,SET5']
+text = run(*files, *base)
+if re.findall('^mark .*', text, re.M) != ['mark 25 tip', 'mark 13', 'mark 20']:
+    sys.exit('marks: %s' % re.findall('^mark .*', text, re.M))
+plain = integrals()
+sign = compare('Nastran, lumped', plain, x, M, w, phi, 1e-6)
+meet('Nastran, lumped', plain['psi'].reshape(8, 3) * sign[:, None], phi[-6:-3].T, 1e-6)
+meet('Nastran, lumped', plain['theta'].reshape(8, 3) * sign[:, None], phi[-3:].T, 1e-6)
+run(*files, *base, '--condense')
+have = integrals()
+for key in 'mass', 'c', 'J', 'P', 'H', 'ups', 'Gam', 'Pi':
+    meet('Nastran, condensed', have[key], plain[key], 1e-9)
+run(*files, *base, '--line', '1-25')
+have = integrals()
+for key in 'mass', 'c', 'J', 'P', 'H', 'ups', 'Gam', 'Pi':
+    meet('Nastran, line', have[key], plain[key], 1e-9)
+
+consistent = beam(x, q, same(rho * A * l * half), same(bending_mass(l, rho * A)), same(bending_mass(l, rho * A)), same(rho * (Iy + Iz) * l * half))
+w2, phi2 = nastran('full', K, consistent, 8)
+unit = np.tile([1, 1, 1, 1000, 1000, 1000], n + 1)
+MGG = np.zeros((6 * n + 7, 6 * n + 7))
+MGG[:-1, :-1] = turn.T @ consistent @ turn * np.outer(unit, unit) / 1000
+write_op4(folder + 'MGG.op4', {'MGG': (6, MGG)}, precision='double', is_binary=False)
+run(files[0], folder + 'full.op2', *base, '--mass', folder + 'MGG.op4')
+compare('Nastran, mass matrix', integrals(), x, consistent, w2, phi2, 1e-6)
+
 print(json.dumps({key: float('%.2g' % value) for key, value in worst.items()}))
