@@ -150,9 +150,9 @@ def held_check(K, R):
     U, size, _ = np.linalg.svd(R / np.where(norm > 0, norm, 1), full_matrices=False)
     U = U[:, size > 1e-6]  # motions that the degrees of freedom have
     most = np.sqrt(np.einsum('ik,ik->k', abs(U), abs(K) @ abs(U)))
-    free = int(np.sum(linalg.eigvalsh((U / most).T @ (K @ (U / most))) < SMALL))
+    free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < SMALL))
     if free:
-        raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped' % free)
+        raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped (or the structure hangs on a mechanism)' % free)
 
 
 def solve(model, K, M, place, clamped, n_mode):
@@ -178,9 +178,11 @@ def solve(model, K, M, place, clamped, n_mode):
     except (linalg.LinAlgError, ArpackError, RuntimeError) as error:
         raise Refused('K and M have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % error)
     phi = phi @ turn
+    share = value / np.einsum('ik,ik->k', abs(phi), abs(K) @ abs(phi))
     off = np.max(abs(K @ phi - M @ phi * value), axis=0) / np.max(abs(K) @ abs(phi), axis=0)
-    if not value[0] > 0 or np.max(off) > 1e-7:
-        raise Refused('the modes of K and M miss their equation by %.1g: K is close to singular (a mechanism?)' % np.max(off))
+    if share[0] < 1e-14 or np.max(off) > 1e-7:
+        at = abs(phi[:, 0]).argmax()
+        raise Refused('K is singular: a mechanism moves %s the most' % names[keep[at]])
     model.hz = np.sqrt(value) / (2 * np.pi)
     model.phi = np.zeros((6 * len(model.ids), n_mode))
     model.phi[place[keep]] = phi
@@ -202,9 +204,9 @@ def from_matrices(options):
 
 
 def axes_at(coord, x):
-    """Axes, as columns, of a coordinate system of Nastran at a place."""
-    beta = coord.beta().T
-    if coord.type[-1] not in 'CS':
+    """Axes, as columns, of a coordinate system of Nastran at a place; None: a point of a fluid has none."""
+    beta = coord.beta().T if coord else AXES
+    if not coord or coord.type[-1] not in 'CS':
         return beta
     local = beta.T @ (x - coord.origin)
     phi, theta = np.arctan2(local[1], local[0]), np.arctan2(np.hypot(local[0], local[1]), local[2])
@@ -617,6 +619,21 @@ def masses_for(options, model, M, want):
     return masses, 'lumped' if exact else 'lumped here, for --line'
 
 
+def modal_check(model, have, tolerance):
+    """Shapes are orthogonal with the mass matrix, and have the modal masses of the run that they are of?"""
+    own = np.sqrt(np.diag(have))
+    cross = abs(have / np.outer(own, own) - np.eye(len(have)))
+    a, b = np.unravel_index(cross.argmax(), cross.shape)
+    off = 0 * own if model.modal_mass is None else abs(own**2 / model.modal_mass - 1)
+    why = ('the masses are not those of the run (elements without mass here, PARAM,COUPMASS, a coarse mesh?): export its mass matrix '
+           '(--mass), or --tolerance %.2g' % (1.1 * max(off.max(), cross.max())))
+    if off.max() > tolerance:
+        raise Refused('mode %d has the modal mass %.6g here, %.6g in the .op2: %s'
+                      % (off.argmax() + 1, own[off.argmax()]**2, model.modal_mass[off.argmax()], why))
+    if cross.max() > tolerance:
+        raise Refused('modes %d and %d are orthogonal to %.2g only: %s' % (a + 1, b + 1, cross.max(), why))
+
+
 def convert(options):
     """Text of the description, and what is told about it."""
     model, M, basic = from_matrices(options) if options.matrices else from_nastran(options)
@@ -637,12 +654,7 @@ def convert(options):
     if not want[0, 0] > 0 or abs(want[:3, :3] - want[0, 0] * AXES).max() > 1e-6 * want[0, 0]:
         raise Refused('the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
                       % tuple(np.diag(want)[:3]))
-    modal = np.diag(want)[6:]
-    if model.modal_mass is not None and abs(modal / model.modal_mass - 1).max() > options.tolerance:
-        k = int(abs(modal / model.modal_mass - 1).argmax())
-        raise Refused('mode %d has the modal mass %.6g by the masses found, %.6g by Nastran: they are not those of its run (elements without '
-                      'mass here, PARAM,COUPMASS, a coarse mesh?); export its matrix (--mass), or --tolerance %.2g'
-                      % (k + 1, modal[k], model.modal_mass[k], 1.1 * abs(modal / model.modal_mass - 1).max()))
+    modal_check(model, want[6:, 6:], options.tolerance)
     masses, how = masses_for(options, model, M, want)
     off = differences(integrals(masses, keep), want, np.ptp(model.x, axis=0).max())
     worst = max(off, key=off.get)
@@ -669,7 +681,7 @@ def options_of(arguments):
     parser.add_argument('--out', required=True, metavar='FILE', help='the description')
     parser.add_argument('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6)')
     parser.add_argument('--frame', default='', metavar='NODES', help='those of the interface: clamped; of an .op2, checked to stand still')
-    parser.add_argument('--origin', default='0,0,0', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0)')
+    parser.add_argument('--origin', default='0,0,0', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0); --origin=-1,0,0')
     parser.add_argument('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
     parser.add_argument('--line', action='append', default=[], metavar='NODES', help='follow each other along a line, which gives the stiffening; straight:NODES from displacements alone')
     parser.add_argument('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz')

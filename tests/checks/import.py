@@ -81,10 +81,6 @@ def frequencies(name, *options):
 # ---- finite elements
 
 
-def chain(n):
-    return [(k, k + 1) for k in range(n)]
-
-
 def put(A, rows, block):
     A[np.ix_(rows, rows)] += block
 
@@ -445,4 +441,115 @@ write_op4(folder + 'MGG.op4', {'MGG': (6, MGG)}, precision='double', is_binary=F
 run(files[0], folder + 'full.op2', *base, '--mass', folder + 'MGG.op4')
 compare('Nastran, mass matrix', integrals(), x, consistent, w2, phi2, 1e-6)
 
+# modal masses of the run, where the .op2 has them (pyNastran does not write that table)
+real = tool.opened
+
+
+def with_masses(path, how, **more):
+    out = real(path, how, **more)
+    if path.endswith('.op2'):
+        out.eigenvalues['modes'] = RealEigenvalues('modes', 'LAMA', 8)
+        out.eigenvalues['modes'].generalized_mass[:] = [1e3] * 6 + [1e3 * off, 1e3]  # t mm^2
+    return out
+
+
+tool.opened, off = with_masses, 1.0
+run(*files, *base)
+off = 1.1
+refuse('mode 7 has the modal mass 1 here, 1.1 in the .op2: .*--mass.*--tolerance 0.1', *files, *base)
+tool.opened = real
+
+# ---- what is wrong is told
+
+x, bars, EA, rhoA = mast(2, 0.5, 0.6, 0.4, 2e-4, 1e-4)
+K, M = truss(x, bars, EA, rhoA)
+pair = ['--matrices', save('K.mtx', K), save('M.mtx', M)]
+table = ['--nodes', csv('mast.csv', x, '')]
+good = [*pair, *table, '--frame', '1-4']
+run(*good, '--modes', 6)
+refuse('wants MODEL.bdf MODES.op2, or', folder + 'boom.bdf')
+refuse('wants MODEL.bdf MODES.op2, or', *pair)
+refuse('none.mtx: no such file', '--matrices', 'none.mtx', pair[2], *table)
+refuse('mast.csv: no matrix: wants .mtx', '--matrices', table[1], pair[2], *table)
+refuse('KM.mat: has the matrices K, M: name one of them, .*KM.mat:NAME', '--matrices', folder + 'KM.mat', pair[2], *table)
+refuse('12 nodes with 0 degrees of freedom, the matrices have 156 rows: a column dofs', '--matrices', folder + 'KM.mat:K', folder + 'KM.mat:M', *table)
+refuse('lumped.mtx has 156 rows, the model 36', '--matrices', pair[1], folder + 'lumped.mtx', *table)
+refuse('skew.mtx: not symmetric', '--matrices', save('skew.mtx', K + np.triu(np.abs(K))), pair[2], *table)
+refuse('wide.mtx: 3 rows, 36 columns', '--matrices', save('wide.mtx', K[:3]), pair[2], *table)
+with open(folder + 'bad.mtx', 'w') as file:
+    file.write('%%MatrixMarket matrix coordinate real general\n2 2 1\n1 x 3\n')
+refuse('bad.mtx: cannot be read: .', '--matrices', folder + 'bad.mtx', pair[2], *table)
+refuse('6 rigid-body motions are free: --frame', *pair, *table)
+refuse('3 rigid-body motions are free: --frame', *pair, *table, '--frame', 1)
+refuse('--frame: the model has no node 99', *pair, *table, '--frame', '1-4,99')
+refuse('--frame: node numbers .* are wanted .*not .a-b', *pair, *table, '--frame', 'a-b')
+refuse('--modes: 30 wanted, there are 24 degrees of freedom with mass', *good, '--modes', 30)
+refuse('--modes wants a number from 1', *good, '--modes', 0)
+refuse('--mark: the model has no node 99', *good, '--mark', 99)
+refuse('--mark: node 12 is there twice', *good, '--mark', '12,12:tip')
+refuse('--mark: 8 nodes, a body holds 7', *good, '--mark', '5-12')
+refuse('--mark: node numbers', *good, '--mark', 'SET5')
+refuse('--scale wants two numbers', *good, '--scale', '0.001')
+refuse('--scale wants two numbers', *good, '--scale', '0,1')
+refuse('--origin: the model has no node 99', *good, '--origin', 99)
+refuse('--line: node 12 has mass, moves, and is on no line', *good, *(x for c in range(1, 4) for x in ('--line', '%d,%d,%d' % (c, c + 4, c + 8))), '--line', '4,8', '--tolerance', 9)
+refuse('lumped here, for --line masses: the modal masses would be off by .*: a finer mesh, no --line, or', *good, '--line', '1,5,9')
+refuse('--condense: masses on lines stay', *good, '--line', '1,5', '--condense')
+refuse('K_G0.mtx has 150 rows, the model 36', *good, '--geometric', *names)
+for text, why in (('id,x,y,z\n', r'bad.csv:1: its first line has to name the columns: node,x,y,z,dofs'),
+                  ('node,x,y,z\n1,0,zero,0\n', r"bad.csv:2: y: a number is wanted, not 'zero'"),
+                  ('node,x,y,z\n1,0,0,0\n1,0,0,0\n', 'bad.csv:3: node 1 is there twice'),
+                  ('node,x,y,z,dofs\n1,0,0,0,321\n', "bad.csv:2: dofs: some of 123456 in this order .*not '321'"),
+                  ('node,x,y,z,dofs\n1,0,0,0,123\n', 'bad.csv: 1 nodes with 3 degrees of freedom, the matrices have 36 rows')):
+    with open(folder + 'bad.csv', 'w') as file:
+        file.write(text)
+    refuse(why, *pair, '--nodes', folder + 'bad.csv')
+loose = K.copy()
+loose[35], loose[:, 35] = 0, 0
+refuse('node 12, degree of freedom 3 has mass and no stiffness', '--matrices', save('loose.mtx', loose), pair[2], *table, '--frame', '1-4')
+refuse('K is to be positive definite', '--matrices', save('weak.mtx', -K), pair[2], *table, '--frame', '1-4')
+square = [k for k, (a, b) in enumerate(bars) if b == a + 4 or b // 4 == a // 4 or a < 4]
+hinged, _ = truss(x, [bars[k] for k in square], EA[square], rhoA[square])
+refuse('K is singular: a mechanism moves node|K is to be positive definite', '--matrices', save('hinged.mtx', hinged), pair[2], *table, '--frame', '1-4')
+one_way = M.copy()
+one_way[33, 33] += 1
+refuse('the mass is .* along x, y and z', pair[0], pair[1], save('one_way.mtx', one_way), *table, '--frame', '1-4')
+
+# 24 modes and 4096 nodes; many nodes are condensed
+many = 4100
+r = np.array([[0.01 * k, 0.02 * k, 1e-6 * k * k] for k in range(many)])
+grounded = ['--matrices', folder + 'many_K.npz', folder + 'many_M.npz', '--nodes', csv('many.csv', r, '123')]
+spring = 100.0 + np.arange(3 * many)
+sparse.save_npz(folder + 'many_K.npz', sparse.diags_array(spring, format='csr'))
+sparse.save_npz(folder + 'many_M.npz', sparse.diags_array(np.ones(3 * many), format='csr'))
+refuse('25 modes, a description holds 24: --modes 24', *grounded, '--modes', 25)
+refuse('4100 nodes, a description holds 4096: --condense puts at most 10 points', *grounded, '--modes', 2)
+text = run(*grounded, '--modes', 2, '--condense')
+have = integrals()
+meet('many nodes', have['mass'], many, 1e-12)
+meet('many nodes', have['J'].reshape(3, 3), np.sum(r * r) * np.eye(3) - r.T @ r, 1e-12)
+if len(re.findall('^node ', text, re.M)) > 13:
+    sys.exit('not condensed')
+
+refuse('cannot be read', table[1], files[1])
+refuse('cannot be read', files[0], table[1])
+refuse('--modes: 9 wanted, .*boom.op2 has 8', *files, *base, '--modes', 9)
+refuse('lumped.mtx has 156 rows, the model 151', *files, *base, '--mass', folder + 'lumped.mtx')
+refuse('0 tables of real modes .*--subcase', *files, *base, '--subcase', 3)
+x, K, _ = boom(q)
+x += [0.1, 0.2, -0.3]
+M = np.kron(np.diag(mass), np.diag([1.0, 1, 1, 0, 0, 0]))
+put(M, range(6 * n, 6 * n + 6), offset_mass(0.5, local @ c, local @ J @ local.T))
+put(M, range(6 * 12, 6 * 12 + 6), offset_mass(0.3, there - x[12], 0 * J))
+nastran('moves', K, M, 8, moves=0.01)
+refuse(r'mode 1 \(.* Hz\) moves node 1 of the frame: hold it there', files[0], folder + 'moves.op2', *base)
+nastran('hole', K, M, 8, without=(7,))
+refuse('hole.op2: no displacement of grid 7, which has mass: DISP', files[0], folder + 'hole.op2', *base)
+refuse('are orthogonal to .* only: .*--mass', files[0], folder + 'full.op2', *base, '--tolerance', '0.001')
+held = {name: sys.modules[name] for name in list(sys.modules) if name.startswith('pyNastran')}
+for name in held:
+    sys.modules[name] = None
+refuse('files of Nastran want it: python3 -m pip install pyNastran', *files, *base)
+sys.modules.update(held)
+worst['refusals'] = refusals
 print(json.dumps({key: float('%.2g' % value) for key, value in worst.items()}))
