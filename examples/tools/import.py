@@ -18,7 +18,7 @@ except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
 MODES, NODES = 24, 4096  # what a description holds
-MARKS = 7  # nodes of a body beside its frame; scenes hold 11
+MARKS = 11  # nodes of a body of a scene beside its frame; reduce and analyse hold 7
 SMALL = 1e-9  # what counts as zero beside the largest
 AXES = np.eye(3)
 
@@ -105,16 +105,17 @@ def nodes_of(path, rows):
             raise Refused('%s:1: its first line has to name the columns: node,x,y,z,dofs' % path)
         lines = [('%s:%d' % (path, table.line_num), row) for row in table]
     usual = {6 * len(lines): '123456', 3 * len(lines): '123'}.get(rows, '')
-    ids, x, place = [], [], []
+    ids, x, place, seen = [], [], [], set()
     for where, row in lines:
         dofs = usual if row.get('dofs') is None else row['dofs'].strip()
         if list(dofs) != sorted(set(dofs) & set('123456')) and dofs != '0':
-            raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them) or 0 are wanted, not %r' % (where, dofs))
+            raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them) are wanted, or 0, not %r' % (where, dofs))
         place += [6 * len(ids) + int(dof) - 1 for dof in dofs if dof != '0']
         ids.append(number_of(int, row, 'node', where))
         x.append([number_of(float, row, key, where) for key in 'xyz'])
-        if ids[-1] in ids[:-1]:
+        if ids[-1] in seen:
             raise Refused('%s: node %d is there twice' % (where, ids[-1]))
+        seen.add(ids[-1])
     if len(place) != rows:
         raise Refused('%s: %d nodes with %d degrees of freedom, the matrices have %d rows: a column dofs says which each node has'
                       % (path, len(ids), len(place), rows))
@@ -152,7 +153,8 @@ def held_check(K, R):
     most = np.sqrt(np.einsum('ik,ik->k', abs(U), abs(K) @ abs(U)))
     free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < SMALL))
     if free:
-        raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped (or the structure hangs on a mechanism)' % free)
+        raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped '
+                      '(or the structure hangs on a mechanism)' % free)
 
 
 def solve(model, K, M, place, clamped, n_mode):
@@ -175,9 +177,10 @@ def solve(model, K, M, place, clamped, n_mode):
             phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, v0=np.cos(np.arange(n)), tol=0)[1]
         phi /= np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
         value, turn = linalg.eigh(phi.T @ (K @ phi), phi.T @ (M @ phi))  # orthogonal to rounding
-    except (linalg.LinAlgError, ArpackError, RuntimeError) as error:
+    except (linalg.LinAlgError, ArpackError, RuntimeError, ValueError) as error:
         raise Refused('K and M have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % error)
     phi = phi @ turn
+    phi *= np.sign(phi[abs(phi).argmax(axis=0), np.arange(n_mode)])
     share = value / np.einsum('ik,ik->k', abs(phi), abs(K) @ abs(phi))
     off = np.max(abs(K @ phi - M @ phi * value), axis=0) / np.max(abs(K) @ abs(phi), axis=0)
     if share[0] < 1e-14 or np.max(off) > 1e-7:
@@ -238,6 +241,16 @@ def point_mass(card, x):
     return body_block(card.mass, center, turn @ np.array([[I11, -I21, -I31], [-I21, I22, -I32], [-I31, -I32, I33]]) @ turn.T)
 
 
+def offsets_of(card, where, model, grids):
+    """From the grids to the ends of a bar, basic axes; of other elements zero."""
+    ends = [np.array(end) for end in (getattr(card, 'wa', None), getattr(card, 'wb', None)) if end is not None]
+    if not np.any(ends):
+        return np.zeros((len(grids), 3))
+    if getattr(card, 'offt', 'GGG')[1:] != 'GG':
+        raise Refused('%s: offsets in its own axes (%s): export the mass matrix (--mass)' % (where, card.offt))
+    return [axes_at(node.cd_ref, model.x[model.at[node.nid]]) @ end for node, end in zip(card.nodes_ref, ends)]
+
+
 def masses_of(bdf, model):
     """The mass of each element in equal parts at its grids, and what is lumped there; basic axes, PARAM,WTMASS included."""
     blocks = np.zeros((len(model.ids), 6, 6))
@@ -248,16 +261,18 @@ def masses_of(bdf, model):
             blocks[at] += point_mass(card, model.x[at])
             continue
         mass = card.Mass() if hasattr(card, 'Mass') else 0.0
-        if card.type.startswith('CMASS'):
-            if mass:
-                raise Refused('%s: mass in one direction: export the mass matrix (--mass)' % where)
+        if not mass:
             continue
-        grids = sorted({node for node in card.node_ids if node}) if mass else []
-        for node in grids:
-            blocks[model.find(node, where), :3, :3] += mass / len(grids) * AXES
-            if card.type == 'CBEAM':  # turns about its axis, too
-                axis = np.diff(model.x[[model.at[node] for node in grids]], axis=0)[0]
-                beam = card.pid_ref
+        if card.type.startswith('CMASS'):
+            raise Refused('%s: mass in one direction: export the mass matrix (--mass)' % where)
+        grids = [node for node in dict.fromkeys(card.node_ids) if node]
+        offsets = offsets_of(card, where, model, grids)
+        for node, offset in zip(grids, offsets):
+            blocks[model.find(node, where)] += body_block(mass / len(grids), offset, np.zeros((3, 3)))
+        if card.type == 'CBEAM':  # turns about its axis, too
+            axis = model.x[model.at[grids[1]]] + offsets[1] - model.x[model.at[grids[0]]] - offsets[0]
+            beam = card.pid_ref
+            for node in grids[:2]:
                 blocks[model.at[node], 3:, 3:] += beam.Rho() * (beam.I11() + beam.I22()) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
     if bdf.nsms:
         raise Refused('NSM cards: their mass is not in that of the elements: export the mass matrix (--mass)')
@@ -265,7 +280,7 @@ def masses_of(bdf, model):
     return sparse.csr_array(sparse.block_diag(list(unit * blocks), format='csr'))
 
 
-def shapes_of(op2, path, subcase, model, axes):
+def shapes_of(op2, path, subcase, norms, model, axes):
     """Frequencies and shapes of SOL 103, in basic axes."""
     tables = [table for table in op2.eigenvectors.values() if subcase is None or table.isubcase == subcase]
     if len(tables) != 1:
@@ -288,21 +303,24 @@ def shapes_of(op2, path, subcase, model, axes):
         mass = getattr(head, 'generalized_mass', None)
         if len(op2.eigenvalues) == 1 and mass is not None and len(mass) == len(value):
             model.modal_mass = np.array(mass, dtype=float)
+    if model.modal_mass is None and norms == {'MASS'}:
+        model.modal_mass = np.ones(len(value))
     return seen
 
 
 def from_nastran(options):
     path, modes = options.files
-    nastran('version')
-    log = __import__('cpylog').SimpleLogger('error')  # of pyNastran
-    bdf = opened(path, nastran('bdf.bdf').read_bdf, log=log)
-    op2 = opened(modes, nastran('op2.op2').read_op2, log=log, build_dataframe=False)
+    read_bdf, read_op2 = nastran('bdf.bdf').read_bdf, nastran('op2.op2').read_op2
+    from cpylog import SimpleLogger  # comes with pyNastran
+    bdf = opened(path, read_bdf, log=SimpleLogger('error'))
+    op2 = opened(modes, read_op2, log=SimpleLogger('error'), build_dataframe=False)
     ids = sorted(bdf.nodes)
     model = Model(ids, [bdf.nodes[node].get_position() for node in ids])
     model.sets = {key: card.ids for key, card in bdf.sets.items() if card.type == 'SET1'}
     axes = sparse.csr_array(sparse.block_diag(
         [np.kron(np.eye(2), axes_at(bdf.nodes[node].cd_ref, model.x[k])) for k, node in enumerate(ids)], format='csr'))
-    seen = shapes_of(op2, modes, options.subcase, model, axes)
+    norms = {getattr(card, 'norm', None) or 'MASS' for card in bdf.methods.values()}  # of EIGRL
+    seen = shapes_of(op2, modes, options.subcase, norms, model, axes)
     if options.mass is None and 'MGG' in op2.matrices:
         M = sparse.csr_array(op2.matrices['MGG'].data)
     else:
@@ -348,36 +366,50 @@ def lumps(model, M):
     """Masses of a matrix by nodes, at offsets where it says so; does it consist of them?"""
     n = len(model.ids)
     shape = model.phi.reshape(n, 6, -1)
-    coo = M.tocoo()
+    coo, extent = M.tocoo(), np.ptp(model.x, axis=0).max()
     blocks = np.zeros((n, 6, 6))
     own = coo.row // 6 == coo.col // 6
     np.add.at(blocks, (coo.row[own] // 6, coo.row[own] % 6, coo.col[own] % 6), coo.data[own])
-    out, rest, free = [], abs(coo.data[~own]).max(initial=0), max(model.ids) + 1
+    size = np.sqrt(np.maximum(M.diagonal(), 1e-300))
+    rest = (abs(coo.data) / size[coo.row] / size[coo.col])[~own].max(initial=0)
+    out, free = [], max(model.ids) + 1
     for k in np.flatnonzero(abs(blocks).max(axis=(1, 2)) > 0):
         B = blocks[k]
         mass = np.trace(B[:3, :3]) / 3
         cross = B[3:, :3] / mass if mass > 0 else np.zeros((3, 3))
         center = np.array([cross[2, 1] - cross[1, 2], cross[0, 2] - cross[2, 0], cross[1, 0] - cross[0, 1]]) / 2
         J = B[3:, 3:] + mass * skew(center) @ skew(center)
-        rest = max(rest, abs(body_block(mass, center, J) - B).max())
+        own = size[6 * k:6 * k + 6]
+        rest = max(rest, (abs(body_block(mass, center, J) - B) / np.outer(own, own)).max())
         at = Mass(model.ids[k], model.x[k], mass, J, shape[k])
-        if np.linalg.norm(center) > SMALL * np.ptp(model.x, axis=0).max():
+        if np.linalg.norm(center) > SMALL * extent:
             at = Mass(free, model.x[k] + center, mass, J, np.vstack([shape[k, :3] - skew(center) @ shape[k, 3:], shape[k, 3:]]))
             at.grid, free = model.ids[k], free + 1
         out.append(at)
-    return out, rest <= SMALL * abs(coo.data).max(initial=0)
+    return out, rest <= SMALL
+
+
+def straight(M):
+    """Masses of displacements, by nodes: the mean of the three directions."""
+    return sum(M[i::6, i::6] for i in range(3)) / 3
+
+
+def turning(M):
+    """Inertia at each node: sums of the rows of rotations."""
+    J = np.array([[M[3 + i::6, 3 + j::6].sum(axis=1) for j in range(3)] for i in range(3)])
+    return (J + J.transpose(1, 0, 2)).transpose(2, 0, 1) / 2
 
 
 def row_sums(model, M):
     """Masses of a consistent matrix at its own nodes, for lines."""
     n = len(model.ids)
     shape = model.phi.reshape(n, 6, -1)
-    mass = sum(M[i::6, i::6] for i in range(3)).sum(axis=1) / 3
+    mass = straight(M).sum(axis=1)
     if np.min(mass) < -SMALL * np.max(mass):
         raise Refused('--line: node %d has a negative lumped mass (elements of higher degree): mesh lines by linear ones'
                       % model.ids[int(np.argmin(mass))])
-    J = np.array([[M[3 + i::6, 3 + j::6].sum(axis=1) for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
-    return [Mass(model.ids[k], model.x[k], mass[k], (J[k] + J[k].T) / 2, shape[k])
+    J = turning(M)
+    return [Mass(model.ids[k], model.x[k], mass[k], J[k], shape[k])
             for k in range(n) if mass[k] > 0 or abs(J[k]).max() > 0]
 
 
@@ -451,7 +483,9 @@ def fitted(S, want):
         field[i, 1:4, 3:6] = skew(AXES[i])  # (e_k x r)_i, by r and k
         field[i, 4 + i::3, 6:] = np.eye(n)
     have = sum(f.T @ S @ f for f in field)
-    back = np.linalg.pinv(want[:6, :6], rcond=1e-12, hermitian=True)
+    unit = np.sqrt(np.diag(want)[:6])
+    unit = np.outer(unit, unit) + (np.outer(unit, unit) == 0)
+    back = np.linalg.pinv(want[:6, :6] / unit, rcond=1e-12, hermitian=True) / unit
     part, whole = back @ have[:6, 6:], back @ want[:6, 6:]
     C = change(have[6:, 6:] - have[:6, 6:].T @ part, want[6:, 6:] - want[:6, 6:].T @ whole)
     motion = np.vstack([whole - part @ C, C])
@@ -488,9 +522,8 @@ def condensed(model, M, lumped, want):
         m, J = sparse.diags_array([at.mass for at in lumped]), np.array([at.J for at in lumped])
     else:
         x, shape = model.x, model.phi.reshape(len(model.ids), 6, n)
-        m = sum(M[i::6, i::6] for i in range(3)) / 3
-        J = np.array([[M[3 + i::6, 3 + j::6].sum(axis=1) for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
-    S = gram(m, fields(x, shape), (J + J.transpose(0, 2, 1)) / 2, shape[:, 3:])
+        m, J = straight(M), turning(M)
+    S = gram(m, fields(x, shape), J, shape[:, 3:])
     return points(fitted(S, want), max(model.ids) + 1)
 
 
@@ -505,7 +538,7 @@ def listed(text, what, sets=None):
         first, _, last = item.partition('-')
         if item.upper().startswith('SET') and sets is not None and item[3:].isdigit() and int(item[3:]) in sets:
             out += [(node, '') for node in sets[int(item[3:])]]
-        elif first.isdigit() and (not last or last.isdigit()):
+        elif first.isdigit() and (not last or last.isdigit() and int(last) >= int(first)) and (not name or name.isidentifier() and name.isascii()):
             out += [(node, name) for node in range(int(first), int(last or first) + 1)]
         else:
             raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; SET5 of a SET1 card), not %r' % (what, item))
@@ -517,8 +550,6 @@ def scaled(model, M, length, mass):
     n = len(model.ids)
     model.x *= length
     model.phi *= np.tile([length] * 3 + [1.0] * 3, n)[:, None]
-    if model.modal_mass is not None:
-        model.modal_mass *= mass * length**2
     unit = sparse.diags_array(np.tile([1.0] * 3 + [length] * 3, n)) * np.sqrt(mass)
     model.K_G = [unit @ A @ unit / (length if k < 3 else 1) for k, A in enumerate(model.K_G)]
     return sparse.csr_array(unit @ M @ unit)
@@ -552,6 +583,8 @@ def lines_of(model, texts, masses):
     for text in texts:
         straight = text.startswith('straight:')
         chain = [model.find(node, '--line') for node, _ in listed(text.removeprefix('straight:'), '--line')]
+        if len(chain) < 2:
+            raise Refused('--line %s: a line has two nodes at least' % text)
         word = 'line straight' if straight or not abs(shape[chain, 3:]).max() > 0 else 'line'
         root = ''
         if model.ids[chain[0]] not in used and not abs(shape[chain[0]]).max() > 0:
@@ -579,7 +612,7 @@ def extremes(model):
 
 def geometric_words(model):
     by = np.array([model.phi.T @ (A @ model.phi) for A in model.K_G])
-    return ['geometric %d %d %s' % (a + 1, b + 1, numbers(by[:, a, b], model.digits)) for a in range(len(model.hz)) for b in range(a + 1)]
+    return ['geometric %d %d %s' % (a + 1, b + 1, numbers(by[:, a, b])) for a in range(len(model.hz)) for b in range(a + 1)]
 
 
 def written(options, model, masses, lines, extra, marks, figures):
@@ -654,12 +687,14 @@ def convert(options):
     if not want[0, 0] > 0 or abs(want[:3, :3] - want[0, 0] * AXES).max() > 1e-6 * want[0, 0]:
         raise Refused('the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
                       % tuple(np.diag(want)[:3]))
-    modal_check(model, want[6:, 6:], options.tolerance)
+    modal_check(model, want[6:, 6:] / options.scale[1] / options.scale[0]**2, options.tolerance)  # in the units of the run
+    unit = np.concatenate([np.ones(6), 1 / np.sqrt(np.diag(want)[6:])])  # shapes of modal mass 1
+    model.phi, want = model.phi * unit[6:], want * np.outer(unit, unit)
     masses, how = masses_for(options, model, M, want)
     off = differences(integrals(masses, keep), want, np.ptp(model.x, axis=0).max())
     worst = max(off, key=off.get)
-    if off[worst] > options.tolerance:
-        raise Refused('%s masses: the %s would be off by %.2g: a finer mesh%s, or --tolerance %.2g'
+    if off[worst] > (1e-6 if how == 'condensed' else options.tolerance):
+        raise Refused('masses %s: the %s would be off by %.2g: a finer mesh%s, or --tolerance %.2g'
                       % (how, worst, off[worst], ', no --line' if options.line else '', 1.1 * off[worst]))
     marks = [mark for text in options.mark for mark in listed(text, '--mark', getattr(model, 'sets', None))]
     for k, (node, _) in enumerate(marks):
@@ -667,7 +702,7 @@ def convert(options):
         if node in [other for other, _ in marks[:k]]:
             raise Refused('--mark: node %d is there twice' % node)
     if len(marks) > MARKS:
-        raise Refused('--mark: %d nodes, a body holds %d' % (len(marks), MARKS))
+        raise Refused('--mark: %d nodes, a body of a scene holds %d, one of reduce and analyse 7' % (len(marks), MARKS))
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
     figures = 'mass %.9g kg, masses %s (%s off by %.1g)' % (want[0, 0], how, worst, off[worst])
     return written(options, model, masses, lines, extra, marks, figures), figures, model
@@ -697,12 +732,16 @@ def options_of(arguments):
     options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []
     try:
         options.scale = [float(x) for x in options.scale.split(',')]
-        if len(options.scale) != 2 or not min(options.scale) > 0 or [float(x) for x in options.origin.split(',')] == [] or len(options.origin.split(',')) not in (1, 3):
+        origin = [float(x) for x in options.origin.split(',')]
+        if len(options.scale) != 2 or not min(options.scale) > 0 or len(origin) not in (1, 3):
             raise ValueError
     except ValueError:
         parser.error('--scale wants two numbers above 0, --origin three numbers or a node')
-    if options.condense and options.line:
-        parser.error('--condense: masses on lines stay where they are')
+    if options.line and (options.condense or options.geometric):
+        parser.error('--line goes neither with --condense, as masses on lines stay where they are, nor with --geometric')
+    if os.path.exists(options.out) and any(os.path.samefile(options.out, name) for name in (*options.files, *(options.matrices or []), options.nodes or '')
+                                           if os.path.exists(name)):
+        parser.error('--out: that is what is read')
     if options.modes is not None and options.modes < 1:
         parser.error('--modes wants a number from 1')
     return options
@@ -712,7 +751,7 @@ def main(arguments):
     try:
         options = options_of(arguments)
         text, figures, model = convert(options)
-        with open(options.out, 'w', encoding='ascii') as file:
+        with open(options.out, 'w', encoding='utf-8') as file:
             file.write(text)
     except (OSError, Refused) as error:
         print('import.py:', error, file=sys.stderr)

@@ -49,7 +49,7 @@ def refuse(why, *arguments):
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said):
-            status = tool.main([*map(str, arguments), '--out', folder + 'no.txt'])
+            status = tool.main(['--out', folder + 'no.txt', *map(str, arguments)])
     except SystemExit as end:
         status = end.code
     refusals += 1
@@ -322,6 +322,15 @@ by_matrices = integrals()
 still = frequencies(folder + 'beam.txt')[:6]
 for spin in '0', '10', '40':
     meet('beam stiffened by matrices', frequencies(folder + 'out.txt', '--spin', spin)[:6], frequencies(folder + 'beam.txt', '--spin', spin)[:6], 1e-3)
+unit = np.tile([1, 1, 1, 1000, 1000, 1000], n + 1) / np.sqrt(1000)
+shrunk = [save('mm_%d.mtx' % k, A_ * np.outer(unit, unit) / (1000 if k < 3 else 1)) for k, A_ in enumerate([*spins, K, M])]
+run('--matrices', *shrunk[12:], '--nodes', csv('mm.csv', 1000 * x, ''), *base[5:], '--scale', '0.001,1000', '--geometric', *shrunk[:12])
+have = integrals()
+sign = np.sign(np.sum((have['P'] * by_matrices['P'] + have['H'] * by_matrices['H']).reshape(8, 3), axis=1))
+for key in 'mass', 'J', 'K':
+    meet('units of matrices', have[key], by_matrices[key], 1e-9)
+for key in 'pchi', 'Gamchi':
+    meet('units of matrices', have[key].reshape(8, 8, -1) * np.multiply.outer(sign, sign)[:, :, None], by_matrices[key].reshape(8, 8, -1), 1e-9)
 run(*base, '--line', '1-25')
 by_line = integrals()
 for spin in '0', '10', '40':
@@ -368,16 +377,19 @@ c, there = np.array([0.05, -0.02, 0.04]), np.array([1.6, 0.4, 0.1])
 local = axes('R', origin)
 put(M, range(6 * n, 6 * n + 6), offset_mass(0.5, local @ c, local @ J @ local.T))
 put(M, range(6 * 12, 6 * 12 + 6), offset_mass(0.3, there - x[12], 0 * J))
+ends = {19: local @ [0.01, 0.02, 0.005], 20: np.array([-0.01, 0.0, 0.03])}  # a bar beside its grids
+for k, end in ends.items():
+    put(M, range(6 * k, 6 * k + 6), offset_mass(rho * A * np.linalg.norm(x[20] - x[19]) / 2, end, 0 * J) - np.diag([rho * A * l / 2] * 3 + [0] * 3))
 
 
-def nastran(name, K, M, size, moves=0.0, without=()):
-    """NAME.bdf and NAME.op2 of its modes, the scalar point 1000 too; frequencies and shapes in SI."""
+def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0):
+    """NAME.op2 of the modes, of these modal masses, the scalar point 1000 too; frequencies and shapes in SI."""
     free = np.arange(6, len(K))
     inverse, phi = linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)], subset_by_index=[len(free) - size, len(free) - 1])
     full = np.zeros((len(K), size))
-    full[free] = phi[:, ::-1] / np.sqrt(inverse[::-1])
+    full[free] = phi[:, ::-1] / np.sqrt(inverse[::-1]) * np.sqrt(masses)
     w = 1 / np.sqrt(inverse[::-1])
-    shape = (turn.T @ full).reshape(n + 1, 6, size).transpose(2, 0, 1) * [1000, 1000, 1000, 1, 1, 1] + moves
+    shape = (turn.T @ full).reshape(n + 1, 6, size).transpose(2, 0, 1) * [1000, 1000, 1000, 1, 1, 1] / np.sqrt(1000) + moves
     grids = np.array([[k + 1, 1] for k in range(n + 1)] + [[1000, 2]], dtype='int32')
     shape = np.concatenate([shape, np.ones((size, 1, 6))], axis=1)
     keep = [k for k in range(n + 2) if k + 1 not in without]
@@ -391,7 +403,7 @@ def nastran(name, K, M, size, moves=0.0, without=()):
     return w, full
 
 
-def deck(name, **more):
+def deck(name, norm='MASS'):
     bdf = BDF(debug=None)
     bdf.sol, bdf.case_control_deck = 103, CaseControlDeck(['DISP = ALL', 'METHOD = 1'])
     bdf.add_param('WTMASS', 0.5)
@@ -401,10 +413,12 @@ def deck(name, **more):
         s = axes('R', r).T @ (r - origin)
         cylinder = [np.hypot(s[0], s[1]), np.degrees(np.arctan2(s[1], s[0])), s[2]]
         bdf.add_grid(k + 1, cylinder if k % 3 else r, cp=8 if k % 3 else 0, cd=of[k])
+    bdf.add_eigrl(1, nd=8, norm=norm)
     bdf.add_mat1(1, E / 1e6, G / 1e6, None, rho=2 * rho * 1e-12)
     bdf.add_pbar(1, 1, A * 1e6, Iz * 1e12, Iy * 1e12, 0.0, Jt * 1e12)
     for k in range(n):
-        bdf.add_cbar(k + 1, 1, [k + 1, k + 2], list(q[:, 2]), None)
+        beside = [1000 * (local.T @ ends[19]), 1000 * ends[20]] if k == 19 else [None, None]
+        bdf.add_cbar(k + 1, 1, [k + 1, k + 2], list(q[:, 2]), None, wa=beside[0], wb=beside[1])
     bdf.add_conm2(100, 25, 2 * 0.5e-3, cid=7, X=list(1000 * c), I=[2e3 * J[0, 0], -2e3 * J[1, 0], 2e3 * J[1, 1], -2e3 * J[2, 0], -2e3 * J[2, 1], 2e3 * J[2, 2]])
     bdf.add_conm2(101, 13, 2 * 0.3e-3, cid=-1, X=list(1000 * there))
     bdf.add_spoint([1000])
@@ -413,6 +427,7 @@ def deck(name, **more):
     return folder + name
 
 
+of_boom = x, K, M
 w, phi = nastran('boom', K, M, 8)
 files = [deck('boom.bdf'), folder + 'boom.op2']
 base = ['--scale', '0.001,1000', '--frame', 1, '--mark', '25:tip,SET5']
@@ -449,7 +464,7 @@ def with_masses(path, how, **more):
     out = real(path, how, **more)
     if path.endswith('.op2'):
         out.eigenvalues['modes'] = RealEigenvalues('modes', 'LAMA', 8)
-        out.eigenvalues['modes'].generalized_mass[:] = [1e3] * 6 + [1e3 * off, 1e3]  # t mm^2
+        out.eigenvalues['modes'].generalized_mass[:] = [1.0] * 6 + [off, 1.0]
     return out
 
 
@@ -487,14 +502,18 @@ refuse('--modes: 30 wanted, there are 24 degrees of freedom with mass', *good, '
 refuse('--modes wants a number from 1', *good, '--modes', 0)
 refuse('--mark: the model has no node 99', *good, '--mark', 99)
 refuse('--mark: node 12 is there twice', *good, '--mark', '12,12:tip')
-refuse('--mark: 8 nodes, a body holds 7', *good, '--mark', '5-12')
+refuse('--mark: 12 nodes, a body of a scene holds 11, one of reduce and analyse 7', *good, '--mark', '1-12')
+refuse('--mark: node numbers', *good, '--mark', '12-5')
+refuse('--mark: node numbers', *good, '--mark', '12:a-b')
 refuse('--mark: node numbers', *good, '--mark', 'SET5')
 refuse('--scale wants two numbers', *good, '--scale', '0.001')
 refuse('--scale wants two numbers', *good, '--scale', '0,1')
 refuse('--origin: the model has no node 99', *good, '--origin', 99)
 refuse('--line: node 12 has mass, moves, and is on no line', *good, *(x for c in range(1, 4) for x in ('--line', '%d,%d,%d' % (c, c + 4, c + 8))), '--line', '4,8', '--tolerance', 9)
-refuse('lumped here, for --line masses: the modal masses would be off by .*: a finer mesh, no --line, or', *good, '--line', '1,5,9')
-refuse('--condense: masses on lines stay', *good, '--line', '1,5', '--condense')
+refuse('masses lumped here, for --line: the modal masses would be off by .*: a finer mesh, no --line, or', *good, '--line', '1,5,9')
+refuse('--line goes neither with --condense', *good, '--line', '1,5', '--condense')
+refuse('--line 12: a line has two nodes', *good, '--line', '12', '--tolerance', 9)
+refuse('--out: that is what is read', *good, '--out', pair[1])
 refuse('K_G0.mtx has 150 rows, the model 36', *good, '--geometric', *names)
 for text, why in (('id,x,y,z\n', r'bad.csv:1: its first line has to name the columns: node,x,y,z,dofs'),
                   ('node,x,y,z\n1,0,zero,0\n', r"bad.csv:2: y: a number is wanted, not 'zero'"),
@@ -536,16 +555,14 @@ refuse('cannot be read', files[0], table[1])
 refuse('--modes: 9 wanted, .*boom.op2 has 8', *files, *base, '--modes', 9)
 refuse('lumped.mtx has 156 rows, the model 151', *files, *base, '--mass', folder + 'lumped.mtx')
 refuse('0 tables of real modes .*--subcase', *files, *base, '--subcase', 3)
-x, K, _ = boom(q)
-x += [0.1, 0.2, -0.3]
-M = np.kron(np.diag(mass), np.diag([1.0, 1, 1, 0, 0, 0]))
-put(M, range(6 * n, 6 * n + 6), offset_mass(0.5, local @ c, local @ J @ local.T))
-put(M, range(6 * 12, 6 * 12 + 6), offset_mass(0.3, there - x[12], 0 * J))
+x, K, M = of_boom
 nastran('moves', K, M, 8, moves=0.01)
 refuse(r'mode 1 \(.* Hz\) moves node 1 of the frame: hold it there', files[0], folder + 'moves.op2', *base)
 nastran('hole', K, M, 8, without=(7,))
+nastran('off', K, M, 8, masses=[1] * 6 + [1.1, 1])
+refuse('mode 7 has the modal mass 1.1 here, 1 in the .op2', files[0], folder + 'off.op2', *base)
 refuse('hole.op2: no displacement of grid 7, which has mass: DISP', files[0], folder + 'hole.op2', *base)
-refuse('are orthogonal to .* only: .*--mass', files[0], folder + 'full.op2', *base, '--tolerance', '0.001')
+refuse('are orthogonal to .* only: .*--mass', deck('max.bdf', 'MAX'), folder + 'full.op2', *base, '--tolerance', '0.001')
 held = {name: sys.modules[name] for name in list(sys.modules) if name.startswith('pyNastran')}
 for name in held:
     sys.modules[name] = None
