@@ -6,6 +6,7 @@
 import argparse
 import csv
 import os
+import re
 import sys
 
 try:
@@ -531,17 +532,17 @@ def condensed(model, M, lumped, want):
 
 
 def listed(text, what, sets=None):
-    """12, 3-7, SET5 (of sets) with commas between; 12:tip has a name: pairs of number and name."""
+    """12, 3-7, 1-33/4 (each fourth), SET5 (of sets) with commas between; 12:tip has a name: pairs of number and name."""
     out = []
     for item in text.split(','):
         item, _, name = item.strip().partition(':')
-        first, _, last = item.partition('-')
-        if item.upper().startswith('SET') and sets is not None and item[3:].isdigit() and int(item[3:]) in sets:
+        found = re.fullmatch(r'(\d+)(?:-(\d+)(?:/([1-9]\d*))?)?', item)
+        if re.fullmatch(r'SET\d+', item) and sets is not None and int(item[3:]) in sets:
             out += [(node, '') for node in sets[int(item[3:])]]
-        elif first.isdigit() and (not last or last.isdigit() and int(last) >= int(first)) and (not name or name.isidentifier() and name.isascii()):
-            out += [(node, name) for node in range(int(first), int(last or first) + 1)]
+        elif found and int(found[2] or found[1]) >= int(found[1]) and re.fullmatch(r'([A-Za-z_]\w*)?', name, re.ASCII):
+            out += [(node, name) for node in range(int(found[1]), int(found[2] or found[1]) + 1, int(found[3] or 1))]
         else:
-            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; SET5 of a SET1 card), not %r' % (what, item))
+            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; 1-33/4; SET5 of a SET1 card), not %r' % (what, item))
     return out
 
 
@@ -709,23 +710,26 @@ def convert(options):
 
 
 def options_of(arguments):
-    parser = argparse.ArgumentParser(prog='import.py', description='a finite-element model as a component of flexbeam', epilog='examples/tools/README.md, Import')
-    parser.add_argument('files', nargs='*', metavar='MODEL.bdf MODES.op2', help='grids and masses; normal modes (SOL 103)')
-    parser.add_argument('--matrices', nargs=2, metavar=('K', 'M'), help='.mtx, .npz, .mat or .op4; FILE:NAME where it has several')
-    parser.add_argument('--nodes', metavar='FILE.csv', help='node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456')
-    parser.add_argument('--out', required=True, metavar='FILE', help='the description')
-    parser.add_argument('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6)')
-    parser.add_argument('--frame', default='', metavar='NODES', help='those of the interface: clamped; of an .op2, checked to stand still')
-    parser.add_argument('--origin', default='0,0,0', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0); --origin=-1,0,0')
-    parser.add_argument('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
-    parser.add_argument('--line', action='append', default=[], metavar='NODES', help='follow each other along a line, which gives the stiffening; straight:NODES from displacements alone')
-    parser.add_argument('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz')
-    parser.add_argument('--mass', metavar='FILE', help='mass matrix of all grids (MGG) beside a .bdf (that of the .op2, or lumped elements)')
-    parser.add_argument('--subcase', type=int, metavar='N', help='of the .op2, where it has several')
-    parser.add_argument('--scale', default='1,1', metavar='LENGTH,MASS', help='units of the model in m and kg: 0.001,1000 of mm and t (1,1)')
-    parser.add_argument('--condense', action='store_true', help='a few points in place of all masses, with the same integrals')
-    parser.add_argument('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
-    parser.add_argument('--word', action='append', default=[], metavar='LINE', help="a line of the description: 'damping 0.005'")
+    parser = argparse.ArgumentParser(prog='import.py', description='a finite-element model as a component of flexbeam',
+                                     epilog='examples/tools/README.md, Import')
+    add = parser.add_argument
+    add('files', nargs='*', metavar='MODEL.bdf MODES.op2', help='grids and masses; normal modes (SOL 103)')
+    add('--matrices', nargs=2, metavar=('K', 'M'), help='.mtx, .npz, .mat or .op4; FILE:NAME where it has several')
+    add('--nodes', metavar='FILE.csv', help='node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456')
+    add('--out', required=True, metavar='FILE', help='the description')
+    add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6)')
+    add('--frame', default='', metavar='NODES', help='those of the interface: clamped; of an .op2, checked to stand still')
+    add('--origin', default='0,0,0', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0); --origin=-1,0,0')
+    add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
+    add('--line', action='append', default=[], metavar='NODES',
+        help='follow each other along a line, which gives the stiffening: 1-33/4; straight:NODES from displacements alone')
+    add('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz')
+    add('--mass', metavar='FILE', help='mass matrix of all grids (MGG) beside a .bdf (that of the .op2, or lumped elements)')
+    add('--subcase', type=int, metavar='N', help='of the .op2, where it has several')
+    add('--scale', default='1,1', metavar='LENGTH,MASS', help='units of the model in m and kg: 0.001,1000 of mm and t (1,1)')
+    add('--condense', action='store_true', help='a few points in place of all masses, with the same integrals')
+    add('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
+    add('--word', action='append', default=[], metavar='LINE', help="a line of the description: 'damping 0.005'")
     options = parser.parse_args(arguments)
     if bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
         parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE.csv')
@@ -739,8 +743,8 @@ def options_of(arguments):
         parser.error('--scale wants two numbers above 0, --origin three numbers or a node')
     if options.line and (options.condense or options.geometric):
         parser.error('--line goes neither with --condense, as masses on lines stay where they are, nor with --geometric')
-    if os.path.exists(options.out) and any(os.path.samefile(options.out, name) for name in (*options.files, *(options.matrices or []), options.nodes or '')
-                                           if os.path.exists(name)):
+    read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
+    if os.path.exists(options.out) and any(os.path.exists(name) and os.path.samefile(options.out, name) for name in read):
         parser.error('--out: that is what is read')
     if options.modes is not None and options.modes < 1:
         parser.error('--modes wants a number from 1')

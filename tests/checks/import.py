@@ -6,6 +6,7 @@ import importlib
 import io
 import json
 import re
+import shlex
 import subprocess
 import sys
 
@@ -568,5 +569,17 @@ for name in held:
     sys.modules[name] = None
 refuse('files of Nastran want it: python3 -m pip install pyNastran', *files, *base)
 sys.modules.update(held)
+
+# the example of examples/tools/README.md
+with open('examples/tools/README.md') as file:
+    lines = re.search(r'    (python3 examples/tools/import.py --matrices .*\n(?:      .*\n)*)', file.read())[1]
+command = shlex.split(lines.replace('\\\n', ' '))[2:]
+at = command.index('--out')
+text = run(*command[:at], *command[at + 2:])
+have = integrals()
+held = frequencies(folder + 'out.txt')
+meet('the example', have['M'], np.eye(6).ravel(), 1e-9)
+if len(re.findall('^line ', text, re.M)) != 4 or not min(held[held > 1]) > 2 * np.pi * float(re.search('frequency_hz (\\S+)', text)[1]):
+    sys.exit('the example: %s %s' % (held, text))
 worst['refusals'] = refusals
 print(json.dumps({key: float('%.2g' % value) for key, value in worst.items()}))
