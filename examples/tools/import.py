@@ -592,8 +592,8 @@ def lines_of(model, texts, masses):
             root = ' frame ' + numbers(model.x[chain[0]])
             chain = chain[1:]
         chain = [model.ids[k] for k in chain]
-        for part in range(0, len(chain), 100):  # a line of text holds no more; the next goes on from its last node
-            words.append(word + root + ''.join(' %d' % node for node in chain[max(part - 1, 0):part + 100]))
+        for part in range(0, len(chain), 50):  # a line of text holds no more; the next goes on from its last node
+            words.append(word + root + ''.join(' %d' % node for node in chain[max(part - 1, 0):part + 50]))
             root = ''
         used += chain
     for at in masses:

@@ -1,6 +1,6 @@
 /* import.c - integrals of a component: import FILE. Prints a line of a name and its numbers each, of modes with unit modal mass:
-   mass, c, J, frequency, scale (of the shapes of the file), P, H, M, node (displacement and rotation by mode), second: of second
-   degree, limit. */
+   mass, c (first moment), J, scale (of the shapes of the file), P, H, M, K; of second degree ups, Gam, Pi, pchi, hchi, Gamchi; reach and
+   limit of deflections; r, psi, theta of nodes. */
 #define FB_MAX_MODES 24
 #define FB_MAX_ELEMENTS 1
 #define FLEXBEAM_STATIC
@@ -49,6 +49,7 @@ int main(int argc, char **argv)
   print("pchi", s->second.pchi, 3 * s->n * s->n);
   print("hchi", s->second.hchi, 3 * s->n * s->n);
   print("Gamchi", s->second.Gamchi, 9 * s->n * s->n);
+  print("reach", s->second.reach, s->n);
   print("limit", &model_body.deflection_limit, 1);
   for (int k = 1; k < s->n_node; k++) {
     print("r", s->node[k].r, 3);

@@ -210,6 +210,8 @@ text = run('--matrices', save('K.mtx', K), save('M.mtx', M), *base)
 have = integrals()
 sign = compare('truss, consistent masses', have, x, M, w, phi, 1e-9)
 meet('truss, consistent masses', have['psi'].reshape(9, 3) * sign[:, None], phi[3 * 51:].T, 1e-9)
+if not np.all(have['reach'] >= np.linalg.norm(phi.reshape(-1, 3, 9), axis=1).max(axis=0) * (1 - 1e-9)):
+    sys.exit('a mode reaches farther')
 meet('limit of deflection', have['limit'], np.max(np.linalg.norm(x, axis=1)) / 2, 1e-12)
 
 # rods: their masses by Simpson's rule, which is exact; closed form of mass and inertia
@@ -404,7 +406,7 @@ def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0):
     return w, full
 
 
-def deck(name, norm='MASS'):
+def deck(name, norm='MASS', cbeam=None):
     bdf = BDF(debug=None)
     bdf.sol, bdf.case_control_deck = 103, CaseControlDeck(['DISP = ALL', 'METHOD = 1'])
     bdf.add_param('WTMASS', 0.5)
@@ -417,8 +419,12 @@ def deck(name, norm='MASS'):
     bdf.add_eigrl(1, nd=8, norm=norm)
     bdf.add_mat1(1, E / 1e6, G / 1e6, None, rho=2 * rho * 1e-12)
     bdf.add_pbar(1, 1, A * 1e6, Iz * 1e12, Iy * 1e12, 0.0, Jt * 1e12)
+    bdf.add_pbeam(2, 1, [0.0], ['C'], [A * 1e6], [Iz * 1e12], [Iy * 1e12], [0.0], [Jt * 1e12])
     for k in range(n):
         beside = [1000 * (local.T @ ends[19]), 1000 * ends[20]] if k == 19 else [None, None]
+        if k == cbeam:
+            bdf.add_cbeam(k + 1, 2, [k + 1, k + 2], list(q[:, 2]), None)
+            continue
         bdf.add_cbar(k + 1, 1, [k + 1, k + 2], list(q[:, 2]), None, wa=beside[0], wb=beside[1])
     bdf.add_conm2(100, 25, 2 * 0.5e-3, cid=7, X=list(1000 * c), I=[2e3 * J[0, 0], -2e3 * J[1, 0], 2e3 * J[1, 1], -2e3 * J[2, 0], -2e3 * J[2, 1], 2e3 * J[2, 2]])
     bdf.add_conm2(101, 13, 2 * 0.3e-3, cid=-1, X=list(1000 * there))
@@ -447,6 +453,13 @@ run(*files, *base, '--line', '1-25')
 have = integrals()
 for key in 'mass', 'c', 'J', 'P', 'H', 'ups', 'Gam', 'Pi':
     meet('Nastran, line', have[key], plain[key], 1e-9)
+
+turns = M.copy()  # a CBEAM, which has inertia about its axis
+for k in 7, 8:
+    put(turns, range(6 * k + 3, 6 * k + 6), rho * (Iy + Iz) * l / 2 * np.outer(q[:, 0], q[:, 0]))
+w, phi = nastran('turns', K, turns, 8)
+run(deck('turns.bdf', cbeam=7), folder + 'turns.op2', *base)
+compare('Nastran, CBEAM', integrals(), x, turns, w, phi, 1e-6)
 
 consistent = beam(x, q, same(rho * A * l * half), same(bending_mass(l, rho * A)), same(bending_mass(l, rho * A)), same(rho * (Iy + Iz) * l * half))
 w2, phi2 = nastran('full', K, consistent, 8)
@@ -531,6 +544,9 @@ refuse('K is to be positive definite', '--matrices', save('weak.mtx', -K), pair[
 square = [k for k, (a, b) in enumerate(bars) if b == a + 4 or b // 4 == a // 4 or a < 4]
 hinged, _ = truss(x, [bars[k] for k in square], EA[square], rhoA[square])
 refuse('K is singular: a mechanism moves node|K is to be positive definite', '--matrices', save('hinged.mtx', hinged), pair[2], *table, '--frame', '1-4')
+far, bars, EA, rhoA = mast(60, 0.5, 0.6, 0.4, 2e-4, 1e-4)
+hinged, heavy = truss(far, *zip(*[bar for bar in zip(bars, EA, rhoA) if not (116 <= bar[0][0] < 120 <= bar[0][1] and bar[0][1] - bar[0][0] != 4)]))
+refuse('K is singular: a mechanism moves node', '--matrices', save('hinged.mtx', hinged), save('heavy.mtx', heavy), '--nodes', csv('far.csv', far, ''), '--frame', '1-4')
 one_way = M.copy()
 one_way[33, 33] += 1
 refuse('the mass is .* along x, y and z', pair[0], pair[1], save('one_way.mtx', one_way), *table, '--frame', '1-4')
