@@ -195,7 +195,7 @@ def solve(model, K, M, place, clamped, n_mode):
 def from_matrices(options):
     K, M = matrix(options.matrices[0]), matrix(options.matrices[1])
     model, place = nodes_of(options.nodes, K.shape[0])
-    basic = basic_by(place, sparse.eye_array(6 * len(model.ids), format='csr'))
+    basic = basic_by(place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
     M_basic = basic(M, options.matrices[1])
     clamped = np.zeros(len(model.ids), dtype=bool)
     for node in options.frame:
@@ -520,7 +520,7 @@ def condensed(model, M, lumped, want):
     n = len(model.hz)
     if lumped:
         x, shape = np.array([at.x for at in lumped]), np.array([at.shape for at in lumped])
-        m, J = sparse.diags_array([at.mass for at in lumped]), np.array([at.J for at in lumped])
+        m, J = sparse.csr_array(sparse.diags([at.mass for at in lumped])), np.array([at.J for at in lumped])
     else:
         x, shape = model.x, model.phi.reshape(len(model.ids), 6, n)
         m, J = straight(M), turning(M)
@@ -551,7 +551,7 @@ def scaled(model, M, length, mass):
     n = len(model.ids)
     model.x *= length
     model.phi *= np.tile([length] * 3 + [1.0] * 3, n)[:, None]
-    unit = sparse.diags_array(np.tile([1.0] * 3 + [length] * 3, n)) * np.sqrt(mass)
+    unit = sparse.csr_array(sparse.diags(np.tile([1.0] * 3 + [length] * 3, n) * np.sqrt(mass)))
     model.K_G = [unit @ A @ unit / (length if k < 3 else 1) for k, A in enumerate(model.K_G)]
     return sparse.csr_array(unit @ M @ unit)
 

@@ -556,8 +556,8 @@ many = 4100
 r = np.array([[0.01 * k, 0.02 * k, 1e-6 * k * k] for k in range(many)])
 grounded = ['--matrices', folder + 'many_K.npz', folder + 'many_M.npz', '--nodes', csv('many.csv', r, '123')]
 spring = 100.0 + np.arange(3 * many)
-sparse.save_npz(folder + 'many_K.npz', sparse.diags_array(spring, format='csr'))
-sparse.save_npz(folder + 'many_M.npz', sparse.diags_array(np.ones(3 * many), format='csr'))
+sparse.save_npz(folder + 'many_K.npz', sparse.csr_matrix(sparse.diags(spring)))
+sparse.save_npz(folder + 'many_M.npz', sparse.csr_matrix(sparse.eye(3 * many)))
 refuse('25 modes, a description holds 24: --modes 24', *grounded, '--modes', 25)
 refuse('4100 nodes, a description holds 4096: --condense puts at most 10 points', *grounded, '--modes', 2)
 text = run(*grounded, '--modes', 2, '--condense')
