@@ -19,7 +19,7 @@ PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code code_tree parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu packages page hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear import fmu packages page hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
@@ -301,7 +301,7 @@ check-page: build/examples/page
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-check-linear check-packages: build/flexbeam
+check-linear check-import check-packages: build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 
