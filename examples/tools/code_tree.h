@@ -2065,6 +2065,7 @@ static void tree_write_end(const code *w)
   }
   if (tree.work >= 0) {
     fprintf(w->out, "  next.motor_work += d[%d];\n", tree.work);
+    code_template(w, "  status = status == @_ok && !@_is_finite(&next.motor_work, 1) ? @_not_finite : status;\n");
   }
   code_template(w, "\n  /* what fb_system_rk4_step checks after a step */\n"
                    "  status = status == @_ok && !@_is_finite(d, @_N) ? @_not_finite : status;\n");
