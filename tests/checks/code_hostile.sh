@@ -44,7 +44,7 @@ all=stiffness,damping,mass,hub_mass,hub_inertia
 body 3 "full damping" free "" -DNUMBER=double
 body 3 "full damping" free --single -DNUMBER=float
 body 8 "rigid gravity" free "" -DNUMBER=double
-body 5 "full damping gravity" free "--lanes --vary $all" -DNUMBER=double -DVARY -Dgenerated_LANES=4
+body 5 "full damping gravity" free "--lanes --vary $all --loads 1,2" -DNUMBER=double -DVARY -Dgenerated_LANES=4
 body 5 "full damping gravity" pinned "--vary $all" -DNUMBER=double -DVARY
 body 5 "full damping gravity" prescribed "--single --lanes --vary $all" -DNUMBER=float -DVARY -DPRESCRIBED=1 -Dgenerated_LANES=2
 body 4 "large damping" free "--vary stiffness,damping" -DNUMBER=double -DVARY -DSAMPLE=200
@@ -52,7 +52,7 @@ body 5 "large damping" free --single -DNUMBER=float -DSAMPLE=800
 
 tree 0 "" -DNUMBER=double
 tree 5 --single -DNUMBER=float
-tree 6 "" -DNUMBER=double
+tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
