@@ -18,7 +18,7 @@ WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code code_tree parts mismatch stack symbols threads \
+CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code code_tree code_hostile parts mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear import fmu packages page hard
 
 .DELETE_ON_ERROR:
@@ -88,6 +88,7 @@ firmware:
 	@$(MAKE) -s --no-print-directory check-firmware
 	@echo && echo "Cortex-M4F, single precision, -O2:" && cat build/checks/firmware/board_single-O2.txt
 	@echo && echo "Cortex-M7, double precision, -O2:" && cat build/checks/firmware/board_double-O2.txt
+	@echo && echo "Cortex-M4F, single precision, -O2, the step by reduce --code:" && cat build/checks/firmware/board_generated_single-O2.txt
 
 page: build/page/flexbeam.html
 
@@ -211,7 +212,7 @@ build/tool/%.o: %.c $(HEADERS) $(LIBRARY) build/flags | build/tool
 build/examples/satellite_rom.h: examples/satellite.txt build/flexbeam | build/examples
 	build/flexbeam reduce $< --single --out $@
 
-build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h
+build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h examples/firmware/craft.h
 build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
 	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/firmware/board/%.c,$^) -lm
