@@ -20805,6 +20805,14 @@ static fb_status fbi_line_fill(fb_beam *beam)
   return FB_OK;
 }
 
+/* Descriptions with a count beside an array: is the first entry filled? A count of 0 is then forgotten, and refused. */
+#define FBI_COUNTED(count, filled, what) FBI_AT_LEAST(count, (filled) ? 1 : 0, what)
+
+static int fbi_lump_is_filled(const fb_lump *lump)
+{
+  return !fbi_is_zero(&lump->mass, 1) || !fbi_is_zero(lump->inertia, 6);
+}
+
 static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 {
   for (int k = 0; k < n; k++) {
@@ -20832,19 +20840,19 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 /* Counts, finite values and ranges of a desc; its line and stations are checked later. */
 static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
 {
-  const int straight = desc->n_point == 0;
+  const int straight = desc->n_point == 0 && fbi_is_zero(desc->point[1], 3);
   const fbi_count most[] = {FBI_AT_MOST(desc->n_element, FB_MAX_ELEMENTS, "n_element, FB_MAX_ELEMENTS"),
                             FBI_AT_MOST(desc->n_station, FB_MAX_STATIONS, "n_station, FB_MAX_STATIONS"),
                             FBI_AT_MOST(desc->n_lump, FB_MAX_LUMPS, "n_lump, FB_MAX_LUMPS"),
                             FBI_AT_MOST(desc->n_point, FB_MAX_ELEMENTS + 1, "n_point, FB_MAX_ELEMENTS + 1")};
   const fbi_number field[] = {FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
                               FBI_ANY(desc->attitude, 4, "attitude")};
-  const fbi_count least[] = {FBI_AT_LEAST(desc->n_element, 1, "n_element"),
-                             FBI_AT_LEAST(desc->n_station, 1, "n_station"), FBI_AT_LEAST(desc->n_lump, 0, "n_lump"),
-                             FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
-                             FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1,
-                                       straight ? 0 : desc->n_element + 1,
-                                       "n_point, one more than n_element, equal to")};
+  const fbi_count least[] = {
+      FBI_AT_LEAST(desc->n_element, 1, "n_element"), FBI_AT_LEAST(desc->n_station, 1, "n_station"),
+      FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
+      FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
+      FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1, straight ? 0 : desc->n_element + 1,
+                "n_point, n_element + 1 where point[1] is filled, equal to")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
   for (int k = 0; k < desc->n_point && status == FB_OK; k++) {
@@ -22545,10 +22553,6 @@ static const char *fbi_kind_word(const fb_beam *beam, int k)
 static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const fb_beam *beam,
                                        const int group[FB_KIND_COUNT])
 {
-  if (n < 0 || n > FB_MAX_COORDINATES) {
-    return FBI_REFUSE(n < 0 ? FB_ERR_VALUE : FB_ERR_CAPACITY, "n_load or n_boundary, 0 to FB_MAX_COORDINATES, beyond",
-                      -1, (fb_real)n, n < 0 ? FB_R(0.0) : FB_R(1.0) * FB_MAX_COORDINATES);
-  }
   for (int k = 0; k < n; k++) {
     const fbi_count there[] = {FBI_COUNT(list[k].node, 0, beam->desc.n_element, "coordinate: node, beyond"),
                                FBI_COUNT(list[k].axis, 0, 5, "coordinate: axis, beyond")};
@@ -22571,6 +22575,11 @@ static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const f
   return FB_OK;
 }
 
+static int fbi_coordinate_is_filled(const fb_coordinate *at)
+{
+  return at->node != 0 || at->axis != 0;
+}
+
 static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *beam, int hold_boundary)
 {
   const fb_preload *load = &desc->preload;
@@ -22589,13 +22598,19 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
                               FBI_ANY(&load->acceleration, 1, "preload.acceleration [m/s^2]"),
                               FBI_ANY(&load->spin, 1, "preload.spin [rad/s]"),
                               FBI_ANY(&load->spin_radius, 1, "preload.spin_radius [m]")};
-  const fbi_count count[] = {FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
-                             FBI_AT_LEAST(desc->lowest, 0, "lowest"),
-                             FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
-                             FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
+  const fbi_count count[] = {
+      FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
+      FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
+      FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
+      FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
+      FBI_AT_LEAST(desc->lowest, 0, "lowest"),
+      FBI_COUNTED(desc->n_load, fbi_coordinate_is_filled(&desc->load[0]), "n_load, 1 where load[0] is filled"),
+      FBI_COUNTED(desc->n_boundary, fbi_coordinate_is_filled(&desc->boundary[0]),
+                  "n_boundary, 1 where boundary[0] is filled"),
+      FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
+      FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
+  const fbi_count most[] = {FBI_AT_MOST(desc->n_load, FB_MAX_COORDINATES, "n_load, FB_MAX_COORDINATES"),
+                            FBI_AT_MOST(desc->n_boundary, FB_MAX_COORDINATES, "n_boundary, FB_MAX_COORDINATES")};
 
   /* Options that need a clamped root (a preload acts on rigid-body motion, too) or natural modes, or that exclude each
      other */
@@ -22604,6 +22619,8 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
       FBI_CLAIM(!(spinning || by_mass) || modes, "spin or mass_fraction, with FB_BASIS_MODES only"),
       FBI_CLAIM(!loaded || !modes || clamped || hold_boundary, "preload of natural modes, with FB_ROOT_CLAMPED only"),
       FBI_CLAIM(desc->line_points != 1, "line_points, 0 or at least 2"),
+      FBI_CLAIM(desc->n_load == 0 || modes, "load, with FB_BASIS_MODES only"),
+      FBI_CLAIM(desc->n_boundary == 0 || hold_boundary, "boundary, with FB_BASIS_COMPONENT or buckling only"),
       FBI_CLAIM(!spinning || desc->lowest <= 0, "spin, not with lowest"),
       FBI_CLAIM(!(spinning || loaded) || beam->desc.n_point <= 0, "spin or preload, not of a beam by points"),
       FBI_CLAIM(!spinning || !loaded, "spin, not with preload"),
@@ -22612,6 +22629,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
   status = fbi_is_finite(all, 8) ? status : FB_ERR_NOT_FINITE;
   status = status ? status : fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   return status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
 }
 
@@ -22826,12 +22844,18 @@ static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
   fbi_vec3_add(place, FB_R(1.0), beam->desc.position);
 }
 
+static int fbi_weld_is_filled(const fb_weld *weld)
+{
+  return weld->component[0] != 0 || weld->component[1] != 0 || weld->node[0] != 0 || weld->node[1] != 0;
+}
+
 static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, const fb_join_desc *desc,
                                 int n_component)
 {
   const fbi_number field[] = {FBI_NOT_NEGATIVE(&desc->omega_limit, 1, "omega_limit [rad/s]")};
-  const fbi_count least[] = {FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
-                             FBI_AT_LEAST(desc->n_weld, 0, "n_weld")};
+  const fbi_count least[] = {
+      FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
+      FBI_COUNTED(desc->n_weld, fbi_weld_is_filled(&desc->weld[0]), "n_weld, 1 where weld[0] is filled")};
   const fbi_count most[] = {FBI_AT_MOST(n_component, FB_MAX_COMPONENTS, "n_component, FB_MAX_COMPONENTS"),
                             FBI_AT_MOST(desc->n_weld, FB_MAX_WELDS, "n_weld, FB_MAX_WELDS")};
   fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
@@ -26413,11 +26437,16 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #if FB_WITH_ROTORS
 static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
-  fb_status status = FB_OK;
-  FBI_REQUIRE(desc->n_rotor >= 0 && desc->n_rotor <= FB_MAX_ROTORS, FB_ERR_CAPACITY);
+  const fbi_count count[] = {FBI_COUNT(desc->n_rotor, 0, FB_MAX_ROTORS, "n_rotor, 0 to FB_MAX_ROTORS, beyond")};
+  const fbi_count filled[] = {
+      FBI_COUNTED(desc->n_rotor, !fbi_is_zero(&desc->rotor[0].inertia, 1) || !fbi_is_zero(desc->rotor[0].axis, 3),
+                  "n_rotor, 1 where rotor[0] is filled")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), -1);
   for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
     const fb_rotor *const rotor = &desc->rotor[r];
     const fb_real length = fbi_vec3_norm(rotor->axis);
+    const fbi_count node[] = {FBI_COUNT(rotor->node, 0, shape->n_node - 1, "rotor: node, beyond")};
     const fbi_number field[] = {FBI_ANY(rotor->axis, 3, "rotor: axis"),
                                 FBI_NOT_NEGATIVE(&rotor->inertia, 1, "rotor: inertia [kg m^2]"),
                                 FBI_NOT_NEGATIVE(&rotor->damping, 1, "rotor: damping [N m s]"),
@@ -26426,8 +26455,8 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
                                 FBI_NOT_NEGATIVE(&rotor->static_imbalance, 1, "rotor: static_imbalance [kg m]"),
                                 FBI_NOT_NEGATIVE(&rotor->dynamic_imbalance, 1, "rotor: dynamic_imbalance [kg m^2]"),
                                 FBI_ANY(&rotor->dynamic_phase, 1, "rotor: dynamic_phase [rad]")};
-    FBI_REQUIRE(rotor->node >= 0 && rotor->node < shape->n_node, FB_ERR_CAPACITY);
-    status = fbi_numbers_check(field, FBI_LENGTH(field), r);
+    status = fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), r);
+    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), r);
     if (status == FB_OK && !(length > FB_R(0.0))) {
       status = FBI_REFUSE(FB_ERR_VALUE, "rotor: length of its axis, above", r, length, FB_R(0.0));
     }
@@ -26992,17 +27021,16 @@ static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, 
 
 /* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
 static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
-                                 const fb_modes_desc *modes, int n_beam)
+                                 const fb_modes_desc *modes)
 {
   const fb_join_desc *const join = &desc->join;
-  const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
+  const int joined = join->n_weld != 0 || fbi_weld_is_filled(&join->weld[0]) || join->lowest != 0 ||
+                     !fbi_is_zero(&join->omega_limit, 1);
   fb_status status = FB_OK;
   work->n = 0;
   for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
     const fb_part *const part = &desc->part[k];
     work->part = k;
-    FBI_REQUIRE(part->beam >= 0 && part->beam < n_beam, FB_ERR_CAPACITY);
-    FBI_REQUIRE(part->n_node >= 0 && part->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
     status = fbi_part_place(&work->placed, part, &beam[part->beam]);
     status = status ? status : fb_beam_init(&work->beam[k], &work->placed);
     status =
@@ -27049,17 +27077,45 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
   return status;
 }
 
+/* Counts of parts and of their nodes, and the beams that they name. */
+static fb_status fbi_build_counts_check(fb_build_work *work, const fb_build_desc *desc, int n_beam)
+{
+  const fb_part *const first = &desc->part[0];
+  const int given = first->beam != 0 || first->n_node != 0 || !fbi_is_zero(first->position, 3) ||
+                    !fbi_is_zero(first->attitude, 4) || !fbi_is_zero(first->node, 1);
+  const fbi_count most[] = {FBI_COUNT(desc->n_part, 0, FB_MAX_PARTS, "n_part, 0 to FB_MAX_PARTS, beyond")};
+  const fbi_count least[] = {FBI_COUNTED(desc->n_part, given, "n_part, 1 where part[0] is filled")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
+  work->part = -1;
+  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
+    const fb_part *const part = &desc->part[k];
+    const fbi_count count[] = {FBI_COUNT(part->beam, 0, n_beam - 1, "part: beam, beyond"),
+                               FBI_COUNT(part->n_node, 0, FB_MAX_NODES, "part: n_node, 0 to FB_MAX_NODES, beyond")};
+    const fbi_count filled[] = {
+        FBI_COUNTED(part->n_node, !fbi_is_zero(part->node, 1), "part: n_node, 1 where node[0] is filled")};
+    work->part = k;
+    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), k);
+    status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), k);
+  }
+  return status;
+}
+
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
   int first = 0, hub, fault;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
-  FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
+  status = fbi_build_counts_check(work, desc, n_beam);
+  if (status != FB_OK) {
+    FBI_DETAIL_PART(work->part);
+    return status;
+  }
 
   /* beams, and the coordinates that there are */
   hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
-  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  status = fbi_parts_solve(work, desc, beam, modes);
   fault = status == FB_OK ? fbi_part_at_fault(work, desc, modes, hub) : -1;
   if (fault >= 0) {
     work->part = fault;
@@ -27456,16 +27512,28 @@ static fb_status fbi_spring_check(const fb_system_desc *desc, const fb_body *bod
 
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
 {
+  const fb_joint_desc *const loop = &desc->loop[0];
+  const fb_spring *const spring = &desc->spring[0];
+  const int looped = loop->kind != FB_JOINT_FREE || loop->parent != 0 || loop->child != 0;
+  const int sprung = !fbi_is_zero(&spring->stiffness, 1) || spring->body[0] != 0 || spring->body[1] != 0;
+  const fbi_count count[] = {FBI_COUNT(desc->n_body, 1, FB_MAX_BODIES, "n_body, 1 to FB_MAX_BODIES, beyond"),
+                             FBI_COUNT(desc->n_loop, 0, FB_MAX_LOOPS, "n_loop, 0 to FB_MAX_LOOPS, beyond"),
+                             FBI_COUNT(desc->n_spring, 0, FB_MAX_SPRINGS, "n_spring, 0 to FB_MAX_SPRINGS, beyond")};
+  const fbi_count choice[] = {FBI_COUNT((int)desc->method, 0, (int)FB_METHOD_COUNT - 1, "method, an fb_method, beyond"),
+                              FBI_COUNTED(desc->n_loop, looped, "n_loop, 1 where loop[0] is filled"),
+                              FBI_COUNTED(desc->n_spring, sprung, "n_spring, 1 where spring[0] is filled")};
   int used = 0;
-  FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
-  FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
-  FBI_REQUIRE(desc->n_spring >= 0 && desc->n_spring <= FB_MAX_SPRINGS, FB_ERR_CAPACITY);
-  if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_COUNT - 1)) {
-    return FBI_REFUSE(FB_ERR_VALUE, "method, an fb_method, beyond", -1, (fb_real)(int)desc->method,
-                      (fb_real)(int)FB_METHOD_COUNT - 1);
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
+  if (status != FB_OK) {
+    return status;
   }
   for (int k = 0; k < desc->n_body; k++) {
-    FBI_REQUIRE(desc->model[k] >= 0 && desc->model[k] < n_model, FB_ERR_CAPACITY);
+    const fbi_count model[] = {FBI_COUNT(desc->model[k], 0, n_model - 1, "body: model, of n_model, beyond")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, model, FBI_LENGTH(model), k);
+    if (status != FB_OK) {
+      return status;
+    }
     used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
@@ -27960,8 +28028,14 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
       FBI_ANY(desc->attitude, 4, "attitude"),
       FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
       FBI_NUMBER(&desc->dissipation, 1, FB_R(0.0), FB_R(2.0) / FB_R(3.0), "dissipation, 0 to 2/3, beyond")};
-  const fbi_count choice[] = {FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
-                              FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
+  const int jointed = desc->joint[0].element != 0 || !fbi_is_zero(desc->joint[0].axis, 3);
+  const int supported = desc->support[0].node != 0 || desc->support[0].held != 0;
+  const fbi_count choice[] = {
+      FBI_COUNTED(desc->n_support, supported, "n_support, 1 where support[0] is filled"),
+      FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
+      FBI_COUNTED(desc->n_joint, jointed, "n_joint, 1 where joint[0] is filled"),
+      FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
+      FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
   const fbi_claim claim[] = {FBI_CLAIM(desc->length > FB_R(1.0) / FB_HUGE, "length [m], above 0"),
                              FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
                              FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
@@ -30836,18 +30910,19 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   return FBI_DIFFERENCE * (moves ? place : FB_R(1.0));
 }
 
-static int fbi_ports_fit(const fb_linear_desc *desc)
+static fb_status fbi_ports_check(const fb_linear_desc *desc)
 {
-  return desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS;
+  const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
+                            FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
+  return fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
 }
 
 static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
 {
-  FBI_REQUIRE(fbi_ports_fit(desc), FB_ERR_CAPACITY);
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+  fb_status status = fbi_ports_check(desc);
+  for (int k = 0; status == FB_OK && k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    fb_status status = FB_OK;
 #if FB_WITH_ROTORS
     if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
       FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
@@ -30857,11 +30932,11 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
 #endif
     status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
                             input->n_load < FB_MAX_LOADS);
-    if (status != FB_OK || port->body != 0) {
-      return status ? status : FB_ERR_CAPACITY;
+    if (status == FB_OK && port->body != 0) {
+      return FB_ERR_CAPACITY;
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* ---- finite-difference steps and channels of a system */
@@ -30899,8 +30974,7 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
 
 static fb_status fbi_system_ports_check(const fbi_subject *s)
 {
-  fb_status status = FB_OK;
-  FBI_REQUIRE(fbi_ports_fit(s->desc), FB_ERR_CAPACITY);
+  fb_status status = fbi_ports_check(s->desc);
   for (int k = 0; k < s->desc->n_in && status == FB_OK; k++) {
     status = fbi_system_port_check(s, &s->desc->in[k], 1);
   }
@@ -31229,7 +31303,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   work->state = *state;
   fbi_rotors_give(&work->state, body, input);
   s = fbi_subject_body(body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
-  status = fbi_linear_desc_check(body, input, s.desc);
+  status = FBI_ENTERED(fbi_linear_desc_check(body, input, s.desc));
   status = status ? status : fb_body_motion_eval(body, &work->steady, state, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
@@ -31449,7 +31523,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
     fbi_frames_ground(&work->state, &work->system, system, body);
   }
   work->n_rotor = 0;
-  status = status ? status : fbi_system_ports_check(&s);
+  status = status ? status : FBI_ENTERED(fbi_system_ports_check(&s));
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);
   status = status ? status : fbi_system_steady(&rate, &s);
@@ -32137,10 +32211,10 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 
 static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
 {
-  if (!fbi_is_choice(desc->n_in, FB_MAX_PORTS) || !fbi_is_choice(desc->n_out, FB_MAX_PORTS)) {
-    return FB_ERR_CAPACITY;
-  }
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+  const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
+                            FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  for (int k = 0; k < desc->n_in + desc->n_out && status == FB_OK; k++) {
     const int is_in = k < desc->n_in;
     const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
     const int kind = (int)port->kind, base = kind == 2 || kind == 3, joint = kind >= (int)FB_EXACT_PORT_MOTOR;
@@ -32158,7 +32232,7 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
                         k, FB_R(0.0), FB_R(0.0));
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is

@@ -473,7 +473,9 @@ static void free_body(fb_body *body, fb_state *at_rest, double length, int modes
   keep.count[FB_KIND_BEND_Y] = modes_y;
   level.effects = FB_EFFECTS_FULL;
   line.n_lump = 3 * elsewhere;
-  three_lumps(line.lump, line.n_element);
+  if (elsewhere) {
+    three_lumps(line.lump, line.n_element);
+  }
   for (int i = 0; i < 3; i++) {
     turn[i] = (fb_real)(elsewhere * askew[i]);
     line.position[i] = (fb_real)(elsewhere * off[i]);

@@ -349,7 +349,7 @@ TEST(columns_buckle_under_the_published_loads)
     keep->lowest = k == 0 ? 4 : 2;
     keep->preload.force = -FB_R(3.0);
     keep->n_boundary = k == 0 ? 0 : k == 3 ? 4 : 2;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < keep->n_boundary; i++) {
       keep->boundary[i].node = (int)ELEMENTS;
       keep->boundary[i].axis = i < 2 ? 1 + i : 2 + i;
     }
@@ -515,8 +515,9 @@ static fb_status modes_in_units(fb_modes *out, int component, double l, double m
   keep->preload.force = (fb_real)((component ? -16.0 : 0.0) * m * l / (t * t));
   for (int k = 0; k < 4; k++) {
     static const int axis[4] = {2, 4, 5, 1};
-    keep->load[k].node = keep->boundary[k].node = 2;
-    keep->load[k].axis = keep->boundary[k].axis = axis[k];
+    fb_coordinate *const at = component ? &keep->boundary[k] : &keep->load[k];
+    at->node = 2;
+    at->axis = axis[k];
   }
   return fb_modes_solve(out, &work, &beam, keep);
 }
@@ -539,7 +540,10 @@ TEST(frequencies_do_not_depend_on_the_units)
       const double t = i < 0 ? 1.0 : ldexp(1.0, unit[i][2]);
       fbt_seed(1);
       coupled_desc(2, (fb_root)root);
-      desc.n_lump = run < 3 ? desc.n_lump : 0;
+      if (run >= 3) {
+        desc.n_lump = 0;
+        memset(desc.lump, 0, sizeof desc.lump);
+      }
       FBT_INT_EQ(modes_in_units(&modes, component, l, m, t), FB_OK);
       other = i < 0 ? modes : other;
       FBT_INT_EQ(modes.n, other.n);

@@ -235,12 +235,77 @@ TEST(a_refused_part_is_named_with_what_it_lacks)
   keep.rigid = 0;
   whole.n_part = 2;
   whole.part[1].n_node = 0;
+  whole.part[1].node[0] = 0;
   whole.part[1].position[0] = boom.length;
   whole.join.n_weld = 1;
   whole.join.weld[0].component[1] = 1;
   whole.join.weld[0].node[0] = boom.n_element;
   (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
              "part: clamped root with a weld there", 1, 0.0, 0.0);
+}
+
+/* >>status: an array whose count was forgotten is not taken for none: every pair of a description that is read once. */
+TEST(filled_arrays_without_their_count_are_refused)
+{
+  static fb_build_work build;
+  static fb_build_desc whole;
+  fresh();
+  boom.lump[0].mass = 3;
+  (void)told(fb_beam_init(&beam, &boom), FB_ERR_VALUE, "fb_beam_init", "n_lump, 1 where lump[0]", -1, 0.0, 1.0);
+  boom.lump[0].mass = 0;
+  boom.point[1][0] = FB_R(2.5);
+  (void)told(fb_beam_init(&beam, &boom), FB_ERR_VALUE, "fb_beam_init", "n_point, n_element + 1 where", -1, 0.0, 5.0);
+  boom.point[1][0] = 0;
+  keep.load[0].node = 4;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, "fb_modes_solve",
+             "n_load, 1 where load[0]", -1, 0.0, 1.0);
+  keep.load[0].node = 0;
+  keep.boundary[0].axis = 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, "fb_modes_solve",
+             "n_boundary, 1 where boundary[0]", -1, 0.0, 1.0);
+  keep.n_boundary = 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, "fb_modes_solve",
+             "boundary, with FB_BASIS_COMPONENT", -1, 0.0, 0.0);
+  keep.n_boundary = keep.boundary[0].axis = 0;
+
+  /* Parts, their nodes, what joins them; rotors */
+  memset(&whole, 0, sizeof whole);
+  whole.mass = 500;
+  whole.inertia[0] = whole.inertia[1] = whole.inertia[2] = 80;
+  whole.part[0].position[0] = 1;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "n_part, 1 where part[0]", -1, 0.0, 1.0);
+  whole.n_part = 2;
+  whole.part[1].node[0] = 10;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: n_node, 1 where node[0]", 1, 0.0, 1.0);
+  whole.part[1].n_node = 1;
+  whole.join.weld[0].component[1] = 1;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_modes_join",
+             "n_weld, 1 where weld[0]", -1, 0.0, 1.0);
+  whole.join.weld[0].component[1] = 0;
+  whole.body.rotor[0].inertia = FB_R(0.1);
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_init",
+             "n_rotor, 1 where rotor[0]", -1, 0.0, 1.0);
+  whole.body.rotor[0].inertia = 0;
+  FBT_INT_EQ(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_OK);
+
+  /* Systems and exact beams */
+  arm.loop[0].kind = FB_JOINT_REVOLUTE;
+  (void)told(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_ERR_VALUE, "fb_system_init",
+             "n_loop, 1 where loop[0]", -1, 0.0, 1.0);
+  arm.loop[0].kind = FB_JOINT_FREE;
+  arm.spring[0].stiffness = 5;
+  (void)told(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_ERR_VALUE, "fb_system_init",
+             "n_spring, 1 where spring[0]", -1, 0.0, 1.0);
+  rod.lump[0].mass = 3;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_lump, 1 where lump[0]", -1, 0.0, 1.0);
+  rod.lump[0].mass = 0;
+  rod.support[0].held = FB_END_PINNED;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_support, 1 where support[0]", -1, 0.0, 1.0);
+  rod.support[0].held = 0;
+  rod.joint[0].element = 1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_joint, 1 where joint[0]", -1, 0.0, 1.0);
 }
 
 /* >>status: steps of one body name the step, its limit and the spin; loads and ranges their number. */
@@ -397,5 +462,6 @@ TEST(refused_exact_beams_name_the_station)
 SUITE(status_detail, RUN(a_success_leaves_the_record_of_the_last_refusal),
       RUN(refused_beams_name_the_station_and_the_field), RUN(refused_modes_name_what_the_beam_lacks),
       RUN(refused_bodies_name_the_field_and_the_mode), RUN(a_refused_part_is_named_with_what_it_lacks),
-      RUN(refused_steps_name_the_limit), RUN(refused_steppers_name_the_field),
-      RUN(refused_systems_name_the_joint_and_what_bounds_a_step), RUN(refused_exact_beams_name_the_station))
+      RUN(filled_arrays_without_their_count_are_refused), RUN(refused_steps_name_the_limit),
+      RUN(refused_steppers_name_the_field), RUN(refused_systems_name_the_joint_and_what_bounds_a_step),
+      RUN(refused_exact_beams_name_the_station))
