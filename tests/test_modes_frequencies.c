@@ -716,12 +716,32 @@ TEST(free_beams_keep_the_digits_of_their_low_modes)
   }
 }
 
-SUITE(modes_frequencies, RUN(columns_buckle_under_the_published_loads),
-      RUN(preload_changes_the_frequencies_as_in_a_stiff_string), RUN(timoshenko_beams_have_the_published_frequencies),
-      RUN(beam_frequencies_match_the_closed_form), RUN(frequencies_converge_with_order_eight_and_six),
-      RUN(element_coordinates_converge_with_order_four_and_two), RUN(tip_mass_lowers_the_frequencies_as_published),
-      RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found), RUN(tapered_beam_has_the_published_frequencies),
-      RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
-      RUN(frequencies_do_not_depend_on_the_units), RUN(preloads_add_up_to_the_tension),
-      RUN(columns_buckle_below_the_body_that_they_carry), RUN(free_beams_keep_the_digits_of_their_low_modes),
-      RUN(modes_for_a_spin_hold_the_modes_under_tension))
+/* E7.1: a beam flexible in torsion without polar inertia, its hub a lump at the free root: torsion has no modes, and
+   bending those of the same beam that is rigid in torsion. */
+TEST(torsion_without_polar_inertia_leaves_the_rest)
+{
+  static fb_modes stiff;
+  for (int soft = 0; soft < 2; soft++) {
+    uniform_desc(4, FB_ROOT_FREE);
+    desc.station[0].GJ = soft ? FB_R(13.0) : FB_R(0.0);
+    desc.n_lump = 1;
+    desc.lump[0].mass = FB_R(6.0);
+    desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(2.0);
+    FBT_INT_EQ(solve(soft ? &modes : &stiff, 3, 2, 1, 0), FB_OK);
+  }
+  FBT_INT_EQ(modes.n, 6);
+  for (int k = 0; k < 6; k++) {
+    FBT_NEAR_REL(modes.omega[k], stiff.omega[k], FBT_TOL(1e-12, 1e-5));
+  }
+  FBT_INT_EQ(solve(&modes, 3, 2, 1, 1), FB_ERR_KIND);
+}
+
+SUITE(modes_frequencies, RUN(torsion_without_polar_inertia_leaves_the_rest),
+      RUN(columns_buckle_under_the_published_loads), RUN(preload_changes_the_frequencies_as_in_a_stiff_string),
+      RUN(timoshenko_beams_have_the_published_frequencies), RUN(beam_frequencies_match_the_closed_form),
+      RUN(frequencies_converge_with_order_eight_and_six), RUN(element_coordinates_converge_with_order_four_and_two),
+      RUN(tip_mass_lowers_the_frequencies_as_published), RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found),
+      RUN(tapered_beam_has_the_published_frequencies), RUN(a_body_beside_the_axis_couples_bending_and_torsion),
+      RUN(a_beam_without_mass_has_the_modes_of_its_tip_body), RUN(frequencies_do_not_depend_on_the_units),
+      RUN(preloads_add_up_to_the_tension), RUN(columns_buckle_below_the_body_that_they_carry),
+      RUN(free_beams_keep_the_digits_of_their_low_modes), RUN(modes_for_a_spin_hold_the_modes_under_tension))
