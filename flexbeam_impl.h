@@ -20190,7 +20190,7 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve) */
+   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve, eigen) */
 
 /* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
    node; cell, an integration interval; chain, a beam along a polygon of points. */
