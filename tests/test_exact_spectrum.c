@@ -496,7 +496,9 @@ static void free_body(fb_body *body, fb_state *at_rest, double length, int modes
   keep.count[FB_KIND_BEND_Y] = modes_y;
   level.effects = FB_EFFECTS_FULL;
   line.n_lump = 3 * elsewhere;
-  three_lumps(line.lump, line.n_element);
+  if (elsewhere) {
+    three_lumps(line.lump, line.n_element);
+  }
   for (int i = 0; i < 3; i++) {
     turn[i] = (fb_real)(elsewhere * askew[i]);
     line.position[i] = (fb_real)(elsewhere * off[i]);
@@ -535,7 +537,9 @@ static double free_beam_apart(int elsewhere)
   beam(L, 20, stiffness, inertia);
   desc.root = FB_END_FREE;
   desc.n_lump = 3 * elsewhere;
-  three_lumps(desc.lump, desc.n_element);
+  if (elsewhere) {
+    three_lumps(desc.lump, desc.n_element);
+  }
   load_tip(FB_AXES_INERTIAL, 0.0, 3.0, 0.0);
   start();
   memset(&push, 0, sizeof push);
