@@ -1730,7 +1730,8 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
   fb_real beta;                /* of dissipation */
   fb_real gravity[3];
   int held[FB_MAX_EXACT + 1], factorizations;
-  int jointed[FB_MAX_EXACT + 1], n_joint; /* 1 + the joint that is an element; 0: none */
+  int jointed[FB_MAX_EXACT + 1], n_joint;  /* 1 + the joint that is an element; 0: none */
+  int inboard[FB_MAX_EXACT + 1], n_branch; /* inboard node of element k: k, or the one that a branch begins at */
   fb_real h[FB_MAX_EXACT];
   fb_real xi[6 * FB_MAX_EXACT]; /* (1, 0, 0, initial curvature) */
   fb_real C[36 * FB_MAX_EXACT]; /* compliance with that by the strain's variation in the element */
@@ -1739,6 +1740,7 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
       taper[36 * FB_MAX_EXACT]; /* the section's own compliance, its change over the element */
   fb_real M[36 * FB_MAX_EXACT], M_inverse[36 * FB_MAX_EXACT];
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* undeformed nodes in the base frame */
+  int branch[FB_MAX_LUMPS]; /* elements whose inboard node is another, ascending */
   int lump_node[FB_MAX_LUMPS];
   fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
   fb_exact_joint joint[FB_MAX_LUMPS];
@@ -1827,6 +1829,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
   fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
   fb_real y[12 * (FB_MAX_EXACT + 1)];
+  fb_real aside[36 * FB_MAX_LUMPS]; /* what eliminated branches leave to the nodes they begin at */
   int perm[12 * FB_MAX_EXACT + 6];
   fbi_exact_cell cell;
   fbi_exact_jacobian jacobian;
@@ -1873,7 +1876,8 @@ typedef struct fb_exact_hinge {
 } fb_exact_hinge;
 FB_API fb_status fb_exact_joint_eval(const fb_exact *exact, fb_exact_hinge *hinge, const fb_exact_state *state,
                                      int joint);
-/* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
+/* Point of the deformed line that was x [m] along it, and its section: inertial axes. The lines of branches follow that
+   of the chain in their order, end to end: x beyond its length is on the first branch. FB_ERR_VALUE: not on the beam. */
 FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x);
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
@@ -2728,23 +2732,40 @@ typedef struct fb_support {
   int node, held; /* node and its constrained components: FB_HOLD_... or-ed, or FB_END_... */
 } fb_support;
 
+/* Further chain of elements, which begins at a node: a hub with several booms, a T, a frame, rotor blades. Its elements and
+   nodes are numbered on from those before it: its element k has the nodes k + 1 outboard and, inboard, k or for its first
+   element `node`. Its line begins there with the section axes of the node; with an attitude it stands at an angle: its
+   first element is then a joint of no length, driven and at rest, numbered after the joints of the desc in the order of the
+   branches, and its sections have the twist of its stations relative to that attitude. Its tip is free; supports hold
+   it. */
+typedef struct fb_exact_branch {
+  int node;               /* of the chain, or of an earlier branch */
+  int n_element;          /* with that joint */
+  int station, n_station; /* its own among desc.station, x from its begin; n_station 0: those of the chain */
+  fb_real length;         /* [m]; 0: that of the chain */
+  fb_real attitude[4];    /* its root's section axes before twist to those of the node; all zero: no joint */
+} fb_exact_branch;
+
 typedef struct fb_exact_desc {
   fb_real length;     /* [m] along the line > 0 */
-  int n_element;      /* 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
+  int n_element;      /* of the chain; with those of all branches 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes that are supported */
   int n_lump;         /* lumped bodies on nodes, in section axes there */
   int n_joint;        /* elements that are joints */
+  int n_branch;       /* further chains */
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   fb_real
       place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
-                       joint; all 0: equal elements, joints of length zero between them */
+                       joint; all 0: equal elements, joints of length zero between them. The same of each branch, the
+                       nodes beyond the one that it begins at */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
   fb_exact_joint joint[FB_MAX_LUMPS];
+  fb_exact_branch branch[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
                                        their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
