@@ -123,7 +123,7 @@
      FB_MAX_SPRINGS                   4        1..99   its springs, dampers and actuators between points
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
-     FB_MAX_EXACT                     40       1..999  elements of an exact beam
+     FB_MAX_EXACT                     40       1..999  elements of an exact beam, of all its branches
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
      FB_WITH_SPIN_STIFFENING          1        0, 1    "
@@ -167,16 +167,16 @@
      fb_implicit_work            63992
      fb_exponential_work         58824
      fb_system_work             635784
-     fb_exact_work              173784
+     fb_exact_work              176088
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
      fb_system_analyse_work    1967304
-     fb_exact_path_work         203048
-     fb_exact_spectrum_work    1625640
-     fb_exact_linear_work      1999320
+     fb_exact_path_work         205352
+     fb_exact_spectrum_work    1627944
+     fb_exact_linear_work      2001624
      fb_advice_work            1135776
 
    CONVENTIONS
@@ -1694,7 +1694,9 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root.
    Elements may be joints, hinges with springs, dampers and motors: links, folded booms, hinged blades, closed chains whose
    tip is held, are one such beam. A joint keeps energy as the elements do; its outboard side wants inertia, or a spring,
-   about its axis, else steps end in FB_ERR_SINGULAR, as does fb_exact_trim where a joint can turn freely. */
+   about its axis, else steps end in FB_ERR_SINGULAR, as does fb_exact_trim where a joint can turn freely.
+   Elements form a tree: fb_exact_desc.branch begins further chains at any node, at any angle (hubs with several booms,
+   frames, rotors). A branch costs its elements, and one more where it stands at an angle. */
 
 /* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
    them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
@@ -3390,6 +3392,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           descriptions of bodies have them.
           Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
           spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
+          They have branches: fb_exact_desc.branch, at any node and angle.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models

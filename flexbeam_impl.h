@@ -14545,7 +14545,8 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
    Elements have greater numbers than those they hang on: backward order needs no fill-in. What a branch leaves (x, n
    numbers: K or right-hand side) is put aside when its first element is eliminated, and added when its node is reached.
    Source: own; elimination of a tree from its leaves ([GV] 4.5).  Cost: 36 flops a branch.  Fails: never.
-   Test: a_beam_of_two_branches_moves_as_the_chain, a_cross_spins_up_as_a_body_of_two_lines. */
+   Test: a_beam_of_two_branches_moves_as_the_chain, a_beam_of_two_branches_rests_as_the_chain,
+   booms_on_a_free_hub_move_as_a_body_of_two_lines. */
 static void fbi_exact_branch_leave(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
 {
   if (m->inboard[k] == k) {
