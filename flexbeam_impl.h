@@ -13858,24 +13858,26 @@ static void fbi_exact_joint_quat(fb_real quat[4], const fb_exact_joint *joint, f
   fb_quat_from_rotvec(quat, turn);
 }
 
-/* Poses of the nodes by integrating the strains from the root, and the angles of joints; state NULL: undeformed. */
+/* Poses of the nodes by integrating the strains from the root outward, and the angles of joints; state NULL:
+   undeformed. */
 static void fbi_exact_poses(fb_real *r, fb_real *quat, const fb_exact *m, const fb_exact_state *state)
 {
   for (int k = 0; k < m->n; k++) {
+    const int root = m->inboard[k];
     fb_real x[6];
     if (m->jointed[k]) {
       const int j = m->jointed[k] - 1;
       fbi_exact_joint_quat(x, &m->joint[j], state ? state->angle[j] : m->joint[j].angle);
-      fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
-      fb_quat_mul(quat + 4 * k + 4, quat + 4 * k, x);
+      fbi_copy(r + 3 * k + 3, r + 3 * root, 3);
+      fb_quat_mul(quat + 4 * k + 4, quat + 4 * root, x);
       (void)fb_quat_normalize(quat + 4 * k + 4);
       continue;
     }
     for (int i = 0; i < 6; i++) {
       x[i] = m->h[k] * (m->xi[6 * k + i] + (state ? state->strain[6 * k + i] + state->offset[6 * k + i] : FB_R(0.0)));
     }
-    fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
-    fbi_copy(quat + 4 * k + 4, quat + 4 * k, 4);
+    fbi_copy(r + 3 * k + 3, r + 3 * root, 3);
+    fbi_copy(quat + 4 * k + 4, quat + 4 * root, 4);
     fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
   }
 }
@@ -13900,12 +13902,12 @@ static fbi_exact_answer fbi_exact_joint_answer(const fb_exact_work *work, const 
   return a;
 }
 
-/* Rate of a joint about its axis for the angular velocities of its nodes k and k + 1, or other unknowns of them. */
-static fb_real fbi_exact_joint_rate(const fb_exact_joint *joint, const fb_real *d, int k)
+/* Rate of the joint that is element k about its axis for the angular velocities of its nodes, or other unknowns. */
+static fb_real fbi_exact_joint_rate(const fb_exact *m, const fb_real *d, int k)
 {
-  const fb_real *const a = d + 6 * k + 3, *const b = a + 6;
+  const fb_real *const a = d + 6 * m->inboard[k] + 3, *const b = d + 6 * k + 9;
   const fb_real apart[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  return fb_vec3_dot(joint->axis, apart);
+  return fb_vec3_dot(m->joint[m->jointed[k] - 1].axis, apart);
 }
 
 /* Angle of a joint: marching, in the middle of the step; steady, that of the poses of its nodes about the axis, in the
@@ -13913,12 +13915,13 @@ static fb_real fbi_exact_joint_rate(const fb_exact_joint *joint, const fb_real *
 static fb_real fbi_exact_joint_angle(const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fb_real turn = FB_R(6.283185307179586), near_to = work->angle[m->jointed[k] - 1];
+  const int root = m->inboard[k];
   const fb_exact_joint *const joint = &m->joint[m->jointed[k] - 1];
   fb_real r[3], q[4], angle;
   if (work->motion.march) {
-    return near_to + work->motion.pose * fbi_exact_joint_rate(joint, work->V, k);
+    return near_to + work->motion.pose * fbi_exact_joint_rate(m, work->V, k);
   }
-  fbi_pose_relative(r, q, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+  fbi_pose_relative(r, q, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
   angle = FB_R(2.0) * FB_ATAN2(fb_vec3_dot(joint->axis, q + 1), q[0]);
   return angle + turn * fbi_round((near_to - angle) / turn);
 }
@@ -13944,15 +13947,16 @@ static void fbi_exact_joint_carried(fb_real y[6], fb_real E[9], const fb_exact_w
   fb_real quat[4];
   fbi_exact_joint_quat(quat, &m->joint[m->jointed[k] - 1], fbi_exact_joint_angle(work, m, k));
   fb_quat_to_mat33(E, quat);
-  fb_mat33_mulT_vec3(y, E, work->V + 6 * k);
-  fb_mat33_mulT_vec3(y + 3, E, work->V + 6 * k + 3);
+  fb_mat33_mulT_vec3(y, E, work->V + 6 * m->inboard[k]);
+  fb_mat33_mulT_vec3(y + 3, E, work->V + 6 * m->inboard[k] + 3);
 }
 
 /* Relative pose of the nodes of a joint apart from its angle: E^T x, and the rotation vector of E^T R. */
 static void fbi_exact_joint_apart(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int k)
 {
+  const int root = m->inboard[k];
   fb_real r[3], q[4], turn[4], E[9], rest[4];
-  fbi_pose_relative(r, q, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+  fbi_pose_relative(r, q, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
   fbi_exact_joint_quat(turn, &m->joint[m->jointed[k] - 1], fbi_exact_joint_angle(work, m, k));
   fb_quat_to_mat33(E, turn);
   fb_mat33_mulT_vec3(y, E, r);
@@ -13979,7 +13983,7 @@ static FBI_NOINLINE void fbi_exact_joint_rows(fb_real r[6], const fb_exact_work 
   /* What is apart, without what is along the axis */
   if (work->motion.march) {
     fbi_exact_joint_carried(y, E, work, m, k);
-    rate = fbi_exact_joint_rate(joint, work->V, k);
+    rate = fbi_exact_joint_rate(m, work->V, k);
     angle = work->angle_base[j] + rate / work->motion.shift;
     for (int i = 0; i < 6; i++) {
       r[i] = y[i] - work->V[6 * k + 6 + i];
@@ -14083,6 +14087,7 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
+  const int root = m->inboard[k];
   fb_real f[6], df[6], y[6], mean_G[3];
 
   /* Strain from the stress, twist over the element */
@@ -14097,7 +14102,7 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
   /* Line loads: follower loads, then dead loads turned to section axes */
   fbi_vec6_copy(f, work->line + 6 * k);
   if (motion->dead) {
-    const fb_real *const a = work->R + 9 * k, *const b = a + 9, *const n = work->line_dead + 6 * k;
+    const fb_real *const a = work->R + 9 * root, *const b = work->R + 9 * k + 9, *const n = work->line_dead + 6 * k;
     for (int i = 0; i < 6; i += 3) {
       fb_real p[3], q[3], mean[3];
       fb_mat33_mulT_vec3(p, a, n + i);
@@ -14109,14 +14114,14 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
 
   /* Gravity and inertia */
   if (motion->gravity) {
-    fbi_exact_mean3(mean_G, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
+    fbi_exact_mean3(mean_G, c->dG, c->theta, work->G + 6 * root, work->G + 6 * k + 6);
     for (int i = 0; i < 6; i++) {
       f[i] += fb_vec3_dot(M + 6 * i, mean_G);
       df[i] += fb_vec3_dot(M + 6 * i, c->dG);
     }
   }
   if (motion->inertia) {
-    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * root, work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(c->P, M, c->V);
     fbi_adT(y, c->V, c->P);
     for (int i = 0; i < 6; i++) {
@@ -14148,11 +14153,13 @@ static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, co
    the twist between the poses of its ends. r: residual.
    Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
-static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const fb_exact_work *work, int k)
+static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m,
+                                    int k)
 {
   fb_real y[6];
   if (!work->motion.march) {
-    fbi_pose_difference(y, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+    const int root = m->inboard[k];
+    fbi_pose_difference(y, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
     for (int i = 0; i < 6; i++) {
       r[i] = c->theta[i] - y[i];
     }
@@ -14255,7 +14262,7 @@ static void fbi_exact_loads_by_node(fb_real F1d[36], fb_real F2d[36], const fb_r
                                     const fb_exact_work *work, const fb_exact *m, int k, int node)
 {
   const fbi_exact_motion *motion = &work->motion;
-  const fb_real sign = node == k ? -FB_R(1.0) : FB_R(1.0);
+  const fb_real sign = node == k + 1 ? FB_R(1.0) : -FB_R(1.0);
   fb_real Q[36], D[36], Y[36];
   fbi_zero(Q, 36);
   fbi_zero(D, 36);
@@ -14308,7 +14315,7 @@ static void fbi_exact_load_matrices(fb_real N[36], fb_real G[36], const fbi_exac
   if (motion->dead) { /* -h (rotation x d)/12, d the difference of the dead loads between the ends */
     for (int i = 0; i < 6; i += 3) {
       fb_real p[3], q[3], d[3];
-      fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
+      fb_mat33_mulT_vec3(p, work->R + 9 * m->inboard[k], work->line_dead + 6 * k + i);
       fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, work->line_dead + 6 * k + i);
       for (int a = 0; a < 3; a++) {
         d[a] = c->h / FB_R(12.0) * (q[a] - p[a]);
@@ -14355,7 +14362,7 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
   fbi_exact_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
     fbi_mul_ad(Y, N, c->theta);
-    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, k);
+    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, m->inboard[k]);
     fbi_exact_loads_by_node(j->F1d2, j->F2d2, N, Y, work, m, k, k + 1);
   } else {
     fbi_zero(j->F1d1, 36);
@@ -14378,7 +14385,7 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
   fbi_exact_compliance_rate(j->E, c, work, hC);
 }
 
-/* ---- the chain */
+/* ---- the tree of elements */
 
 /* [E10.18] Load on a node, section axes: applied loads and, for each lumped body, M g - momentum_t + ad(V)^T P as for
    an element.
@@ -14558,6 +14565,35 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
   return FB_OK;
 }
 
+/* [E10.26] A branch in E10.10: with the balance of its first node taken as that of the node it begins at, its elements are
+   eliminated like those beyond any node, and the Schur complements of all elements that begin at a node add up there.
+   Elements have greater numbers than those they hang on: backward order needs no fill-in. What a branch leaves (x, n
+   numbers: K or right-hand side) is put aside when its first element is eliminated, and added when its node is reached.
+   Source: own; elimination of a tree from its leaves ([GV] 4.5).  Cost: 36 flops a branch.  Fails: never.
+   Test: a_beam_of_two_branches_moves_as_the_chain, a_beam_of_two_branches_rests_as_the_chain,
+   booms_on_a_free_hub_move_as_a_body_of_two_lines. */
+static void fbi_exact_branch_leave(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
+{
+  if (m->inboard[k] == k) {
+    return;
+  }
+  for (int b = 0; b < m->n_branch; b++) {
+    if (m->branch[b] == k) {
+      fbi_copy(work->aside + 36 * b, x, n);
+    }
+  }
+  fbi_zero(x, n);
+}
+
+static void fbi_exact_branch_join(fb_real *x, const fb_exact_work *work, const fb_exact *m, int node, int n)
+{
+  for (int b = 0; b < m->n_branch; b++) {
+    if (m->inboard[m->branch[b]] == node) {
+      fbi_row_sub(x, -FB_R(1.0), work->aside + 36 * b, n);
+    }
+  }
+}
+
 /* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
    the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
    of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
@@ -14575,15 +14611,18 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
     } else {
       fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     }
+    fbi_exact_branch_join(K, work, m, k + 1, 36);
     fbi_exact_node_jacobian(K, work, m, k + 1);
     fbi_exact_rows_fill(work, m, K, k);
     status = fbi_exact_eliminate(K, work, k);
     if (status != FB_OK) {
       return status;
     }
+    fbi_exact_branch_leave(K, work, m, k, 36);
   }
 
   /* the 6x6 block of the root remains */
+  fbi_exact_branch_join(K, work, m, 0, 36);
   fbi_exact_node_jacobian(K, work, m, 0);
   fbi_exact_hold(K, work, m, 0, 6, 0);
   fbi_copy(work->root, K, 36);
@@ -14599,6 +14638,7 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
+    fbi_exact_branch_join(z, work, m, k, 6);
     for (int i = 0; i < 6; i++) {
       b[6 + i] = z[i] - work->B[6 * k + i];
     }
@@ -14615,12 +14655,13 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
     for (int i = 0; i < 12; i++) {
       fbi_vec6_add(z, y[i], work->L + 72 * (k - 1) + 6 * i);
     }
+    fbi_exact_branch_leave(z, work, m, k - 1, 6);
   }
 
   /* Back-substitution from the root: (ds, dd2) = y - W dd1 */
   fbi_vec6_copy(work->dd, x);
   for (int k = 0; k < m->n; k++) {
-    const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * k;
+    const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * m->inboard[k];
     for (int i = 0; i < 6; i++) {
       work->ds[6 * k + i] = y[i] - fbi_vec6_dot(work->W + 72 * k + 6 * i, d);
       work->dd[6 * k + 6 + i] = y[6 + i] - fbi_vec6_dot(work->W + 72 * k + 36 + 6 * i, d);
@@ -14647,13 +14688,15 @@ static void fbi_exact_residual(fb_exact_work *work, const fb_exact *m)
     if (m->jointed[k]) {
       fbi_exact_joint_rows(work->c + 6 * k, work, m, k);
     } else {
-      fbi_exact_compatibility(work->c + 6 * k, c, work, k);
+      fbi_exact_compatibility(work->c + 6 * k, c, work, m, k);
     }
     fbi_vec6_copy(work->P + 6 * k, c->P);
-    fbi_vec6_add(work->B + 6 * k, -FB_R(1.0), c->F1);
+    fbi_vec6_add(work->B + 6 * m->inboard[k], -FB_R(1.0), c->F1);
     fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
     if (k == 0) {
       fbi_vec6_copy(work->F, c->F1);
+    } else if (m->inboard[k] == 0) {
+      fbi_vec6_add(work->F, FB_R(1.0), c->F1);
     }
     fbi_vec6_copy(work->F + 6 * k + 6, c->F2);
   }
@@ -14944,7 +14987,7 @@ static void fbi_exact_pose_take(fb_exact_work *work, const fb_exact_state *from,
 static int fbi_exact_is_sized(const fb_exact *m)
 {
   return m->n >= 1 && m->n <= FB_MAX_EXACT && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS && m->n_joint >= 0 &&
-         m->n_joint <= FB_MAX_LUMPS;
+         m->n_joint <= FB_MAX_LUMPS && m->n_branch >= 0 && m->n_branch <= FB_MAX_LUMPS;
 }
 
 /* Is an angle such that its whole turns can be counted? */
@@ -14991,6 +15034,14 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   for (int k = 0; sound && k < m->n_lump; k++) {
     sound = fbi_is_within(m->lump_node[k], m->n);
   }
+
+  /* Elements hang on earlier nodes, those of the list of branches alone not on the node before */
+  for (int k = 0, b = 0; sound && k < m->n; k++) {
+    const int listed = b < m->n_branch && m->branch[b] == k;
+    sound = fbi_is_within(m->inboard[k], k) && listed == (m->inboard[k] != k) &&
+            (k + 1 < m->n || b + listed == m->n_branch);
+    b += listed;
+  }
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
@@ -15003,10 +15054,10 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
     return 0;
   }
   {
-    const int whole[6] = {m->n, m->n_lump, m->n_joint, m->iterations, m->factorizations, m->floating};
+    const int whole[7] = {m->n, m->n_lump, m->n_joint, m->n_branch, m->iterations, m->factorizations, m->floating};
     const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
     const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 6), number, 7, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), number, 7, FB_SINGLE);
     for (int k = 0; k < 6; k++) {
       crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
     }
@@ -15016,7 +15067,8 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
   crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
   crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
   crc = fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
-  crc = fbi_crc_ints(crc, m->jointed, m->n + 1);
+  crc = fbi_crc_ints(fbi_crc_ints(crc, m->jointed, m->n + 1), m->inboard, m->n);
+  crc = fbi_crc_ints(crc, m->branch, m->n_branch);
   for (int j = 0; j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
     const int whole[2] = {joint->element, joint->driven};
@@ -15134,7 +15186,7 @@ static void fbi_exact_state_take(fb_exact_state *state, fb_exact_work *work, con
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * m->inboard[k], work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
   }
   for (int l = 0; l < m->n_lump; l++) {
@@ -15146,7 +15198,7 @@ static void fbi_exact_state_take(fb_exact_state *state, fb_exact_work *work, con
     if (m->jointed[k]) {
       const int j = m->jointed[k] - 1;
       state->angle[j] = fbi_exact_joint_angle(work, m, k);
-      state->angle_rate[j] = fbi_exact_joint_rate(&m->joint[j], work->V, k);
+      state->angle_rate[j] = fbi_exact_joint_rate(m, work->V, k);
     }
   }
 
@@ -15197,7 +15249,7 @@ static void fbi_exact_seen_mean(fb_real V[6], const fb_exact *m, const fb_exact_
   for (int i = 0; i < 6; i++) {
     theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
   }
-  fbi_exact_seen(a, state, k, u);
+  fbi_exact_seen(a, state, m->inboard[k], u);
   fbi_exact_seen(b, state, k + 1, u);
   fbi_exact_mean(V, d, theta, a, b);
 }
@@ -15239,7 +15291,7 @@ static void fbi_exact_momenta(fb_real p[3], fb_real h[3], const fb_exact *m, con
       first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
       second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
     }
-    fbi_exact_wrench_add(p, h, state, k, first);
+    fbi_exact_wrench_add(p, h, state, m->inboard[k], first);
     fbi_exact_wrench_add(p, h, state, k + 1, second);
   }
 
@@ -15285,13 +15337,14 @@ static void fbi_exact_reframe(fb_exact_state *state, const fb_exact *m, const fb
 
   /* Momenta of the elements, and their rates as the sections rotate */
   for (int k = 0; k < m->n; k++) {
-    const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
+    const fb_real *const a = state->V[0] + 6 * m->inboard[k], *const b = state->V[0] + 6 * k + 6,
+                         *const M = m->M + 36 * k;
     fb_real turn[3], rate[6];
     fbi_exact_seen_mean(V, m, state, k, du);
     fbi_mat66_mul_vec6(P, M, V);
     fbi_vec6_add(state->momentum + 6 * k, -FB_R(1.0), P);
     for (int i = 0; i < 3; i++) {
-      turn[i] = FB_R(0.5) * (a[i + 3] + a[i + 9]);
+      turn[i] = FB_R(0.5) * (a[i + 3] + b[i + 3]);
     }
     fbi_vec6_zero(rate);
     fb_vec3_cross(rate, V, turn);
@@ -15331,16 +15384,21 @@ static void fbi_exact_reframe(fb_exact_state *state, const fb_exact *m, const fb
 static void fbi_exact_rates_add(fb_exact_work *work, const fb_exact *m)
 {
   for (int l = 0; l < m->n_joint; l++) {
-    const int k = m->joint[l].element;
+    const int k = m->joint[l].element, root = m->inboard[k];
+    int beyond[FB_MAX_EXACT + 1] = {0}; /* nodes outboard of the joint */
     fb_real w[3];
-    fb_mat33_mul_vec3(w, work->R + 9 * k, m->joint[l].axis);
+    fb_mat33_mul_vec3(w, work->R + 9 * root, m->joint[l].axis);
     for (int i = 0; i < 3; i++) {
       w[i] *= m->joint[l].rate;
     }
     for (int j = k + 1; j <= m->n; j++) {
-      const fb_real *const R = work->R + 9 * j, *const a = work->r + 3 * k, *const b = work->r + 3 * j;
+      const fb_real *const R = work->R + 9 * j, *const a = work->r + 3 * root, *const b = work->r + 3 * j;
       const fb_real arm[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
       fb_real v[3], y[3];
+      beyond[j] = j == k + 1 || beyond[m->inboard[j - 1]];
+      if (!beyond[j]) {
+        continue;
+      }
       fb_vec3_cross(v, w, arm);
       fb_mat33_mulT_vec3(y, R, v);
       fbi_vec3_add(work->V + 6 * j, FB_R(1.0), y);
@@ -15428,8 +15486,16 @@ FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, con
     fb_mat33_mul_vec3(r, base, state->r + 3 * j);
     fb_quat_mul(out->quat, state->base_quat, state->quat + 4 * j);
     fb_quat_mul(turn, back, state->quat + 4 * j);
+    if (j > 0) {
+      fbi_copy(phi, node[m->inboard[j - 1]].rotation, 3);
+    }
     if (j > 0 && m->jointed[j - 1]) {
       const int l = m->jointed[j - 1] - 1;
+      fb_real built[4], E[9], before[3];
+      fbi_exact_joint_quat(built, &m->joint[l], m->joint[l].angle);
+      fb_quat_to_mat33(E, built);
+      fbi_copy(before, phi, 3);
+      fb_mat33_mulT_vec3(phi, E, before); /* in the axes of the outboard section as built */
       fbi_vec3_add(phi, state->angle[l] - m->joint[l].angle, m->joint[l].axis);
     }
     fbi_rotvec_near(phi, turn);
@@ -15510,18 +15576,28 @@ FB_DEF fb_status fb_exact_joint_eval(const fb_exact *m, fb_exact_hinge *out, con
 static void fbi_exact_point(fb_real r[3], fb_real quat[4], const fb_exact *m, const fb_exact_state *state, int k,
                             fb_real s)
 {
+  const int root = m->inboard[k];
   fb_real x[6], dF[6], bend[6], taper[6];
   for (int i = 0; i < 6; i++) {
     x[i] = s * m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * k + i];
+    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * root + i];
+  }
+  if (m->n_branch > 0) { /* a node has loads of other elements, too: by E10.7 */
+    fb_real theta[6], y[6];
+    for (int i = 0; i < 6; i++) {
+      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+      dF[i] = FB_R(2.0) * (state->force[6 * k + 6 + i] - state->stress[0][6 * k + i]);
+    }
+    fbi_adT(y, theta, dF);
+    fbi_vec6_add(dF, -FB_R(1.0) / FB_R(6.0), y);
   }
   fbi_mat66_mul_vec6(bend, m->section + 36 * k, dF);
   fbi_mat66_mul_vec6(taper, m->taper + 36 * k, state->stress[0] + 6 * k);
   for (int i = 0; i < 6; i++) {
     bend[i] = FB_R(0.5) * s * (s - FB_R(1.0)) * m->h[k] * (bend[i] + taper[i]);
   }
-  fbi_copy(r, state->r + 3 * k, 3);
-  fbi_copy(quat, state->quat + 4 * k, 4);
+  fbi_copy(r, state->r + 3 * root, 3);
+  fbi_copy(quat, state->quat + 4 * root, 4);
   fbi_pose_add(r, quat, x);
   fbi_pose_add(r, quat, bend);
 }
@@ -15530,15 +15606,18 @@ FB_DEF fb_status fb_exact_point_eval(const fb_exact *m, fb_real position[3], fb_
                                      const fb_exact_state *state, fb_real x)
 {
   fb_status status;
-  fb_real r[3], turn[4], R[9], place = FB_R(0.0);
+  fb_real r[3], turn[4], R[9], place = FB_R(0.0), end = FB_R(0.0);
   int k = 0;
   FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
-  if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
-    return FB_ERR_VALUE;
-  }
   status = fb_exact_state_check(m, state);
   if (status != FB_OK) {
     return status;
+  }
+  for (int i = 0; i < m->n; i++) {
+    end += m->h[i];
+  }
+  if (!(x >= FB_R(0.0) && x <= m->length * end * (FB_R(1.0) + FB_R(1e-5)))) {
+    return FB_ERR_VALUE;
   }
 
   /* Element that contains x, of two at a joint the inboard one */
@@ -15607,7 +15686,8 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
 
   /* Elements */
   for (int k = 0; k < m->n; k++) {
-    const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
+    const fb_real h = m->h[k], *const M = m->M + 36 * k;
+    const fb_real *const r = state->r + 3 * m->inboard[k], *const quat = state->quat + 4 * m->inboard[k];
     fb_real middle[3], turn[4];
     fbi_exact_point(middle, turn, m, state, k, FB_R(0.5));
     out.strain +=
@@ -15616,7 +15696,8 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
         h * unit *
         fbi_exact_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
     out.gravity -= h * unit / FB_R(6.0) *
-                   (fbi_exact_weight(M, g, origin, r, quat) + fbi_exact_weight(M, g, origin, r + 3, quat + 4) +
+                   (fbi_exact_weight(M, g, origin, r, quat) +
+                    fbi_exact_weight(M, g, origin, state->r + 3 * k + 3, state->quat + 4 * k + 4) +
                     FB_R(4.0) * fbi_exact_weight(M, g, origin, middle, turn));
   }
 
@@ -19352,7 +19433,7 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
 
   /* Joints */
   for (int j = 0; j < m->n_joint; j++) {
-    next->angle_rate[j] = fbi_exact_joint_rate(&m->joint[j], work->V, m->joint[j].element);
+    next->angle_rate[j] = fbi_exact_joint_rate(m, work->V, m->joint[j].element);
     next->angle[j] += dt * next->angle_rate[j];
   }
 
@@ -28003,7 +28084,57 @@ static int fbi_is_inertia(const fb_real M[36])
   return fb_eig_sym_solve(d, V, A, 6) == FB_OK && d[0] >= -FB_R(1e-5) * fbi_larger(d[5], FB_R(0.0));
 }
 
-static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
+/* One line of a desc: the chain, or a branch. */
+typedef struct fbi_exact_line {
+  int first, n, node; /* first element, number of elements, node it begins at */
+  int joint;          /* that its attitude makes of its first element; -1: none */
+  int station, n_station;
+  fb_real length, attitude[4];
+} fbi_exact_line;
+
+/* Line `index` of a desc: 0 the chain, 1.. the branches. */
+static fbi_exact_line fbi_exact_line_of(const fb_exact_desc *desc, int index)
+{
+  fbi_exact_line line;
+  memset(&line, 0, sizeof line);
+  line.n = desc->n_element;
+  line.n_station = desc->n_station;
+  line.length = desc->length;
+  line.joint = -1;
+  for (int b = 0, joint = desc->n_joint; b < index && b < desc->n_branch; b++) {
+    const fb_exact_branch *const branch = &desc->branch[b];
+    const int seated = !fbi_is_zero(branch->attitude, 4);
+    line.first += line.n;
+    line.n = branch->n_element;
+    line.node = branch->node;
+    line.station = branch->n_station > 0 ? branch->station : 0;
+    line.n_station = branch->n_station > 0 ? branch->n_station : desc->n_station;
+    line.length = branch->length != FB_R(0.0) ? branch->length : desc->length;
+    line.joint = seated ? joint : -1;
+    fbi_copy(line.attitude, branch->attitude, 4);
+    joint += seated;
+  }
+  return line;
+}
+
+/* Number of all elements, and of all joints with those that attitudes of branches make. */
+static int fbi_exact_elements(const fb_exact_desc *desc)
+{
+  const fbi_exact_line last = fbi_exact_line_of(desc, desc->n_branch);
+  return last.first + last.n;
+}
+
+static int fbi_exact_joints(const fb_exact_desc *desc)
+{
+  int joints = desc->n_joint;
+  for (int b = 0; b < desc->n_branch; b++) {
+    joints += !fbi_is_zero(desc->branch[b].attitude, 4);
+  }
+  return joints;
+}
+
+/* Station k of the desc, on a line. */
+static fb_status fbi_exact_station_check(const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
   const fb_exact_station *s = &desc->station[k];
   const fbi_number field[] = {FBI_ANY(s->stiffness, 36, "station: stiffness"),
@@ -28015,7 +28146,7 @@ static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 
   /* Stiffness zero (rigid) in the same directions at all stations */
   for (int i = 0; i < 6 && status == FB_OK; i++) {
-    const fb_real stiff = s->stiffness[7 * i], first = desc->station[0].stiffness[7 * i];
+    const fb_real stiff = s->stiffness[7 * i], first = desc->station[line->station].stiffness[7 * i];
     if (stiff < FB_R(0.0) || (stiff > FB_R(0.0) && stiff < FB_R(1.0) / FB_HUGE)) {
       return FBI_REFUSE_AT(FB_ERR_VALUE, "station: stiffness on the diagonal, at least", k, stiff, FB_R(0.0),
                            (fb_real)i);
@@ -28035,7 +28166,7 @@ static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 
   /* Matrices, order of the stations */
   {
-    const int ordered = desc->n_station < 2 || (k == 0 ? s->x == FB_R(0.0) : s->x > desc->station[k - 1].x);
+    const int ordered = line->n_station < 2 || (k == line->station ? s->x == FB_R(0.0) : s->x > desc->station[k - 1].x);
     const fbi_claim claim[] = {FBI_CLAIM(fbi_is_symmetric6(s->stiffness), "station: stiffness, symmetric"),
                                FBI_CLAIM(fbi_is_symmetric6(s->inertia), "station: inertia, symmetric"),
                                FBI_CLAIM(fbi_is_inertia(s->inertia), "station: inertia, positive semidefinite"),
@@ -28052,12 +28183,13 @@ static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 }
 
 /* Linear interpolation between the stations around x. */
-static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *desc, fb_real x)
+static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *desc, const fbi_exact_line *line,
+                                   fb_real x)
 {
-  const fb_exact_station *a = desc->station, *b = a;
+  const fb_exact_station *const first = desc->station + line->station, *a = first, *b = a;
   fb_real s = FB_R(0.0);
-  if (desc->n_station > 1) {
-    while (a + 2 < desc->station + desc->n_station && a[1].x < x) {
+  if (line->n_station > 1) {
+    while (a + 2 < first + line->n_station && a[1].x < x) {
       a++;
     }
     b = a + 1;
@@ -28079,19 +28211,6 @@ static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *d
   }
 }
 
-/* Position of a node along the line: as given, or of equal elements. */
-static fb_real fbi_exact_place(const fb_exact_desc *desc, int node)
-{
-  const int n = desc->n_element;
-  int joints = 0, before = 0;
-  for (int j = 0; j < desc->n_joint; j++) {
-    joints++;
-    before += desc->joint[j].element < node;
-  }
-  return desc->place[n] != FB_R(0.0) ? desc->place[node]
-                                     : desc->length * (fb_real)(node - before) / (fb_real)(n - joints);
-}
-
 /* 1 + the joint that is element k; 0: none. */
 static int fbi_exact_jointed(const fb_exact_desc *desc, int k)
 {
@@ -28099,22 +28218,47 @@ static int fbi_exact_jointed(const fb_exact_desc *desc, int k)
   for (int j = 0; j < desc->n_joint; j++) {
     joint = desc->joint[j].element == k ? j + 1 : joint;
   }
+  for (int b = 0; b < desc->n_branch; b++) {
+    const fbi_exact_line line = fbi_exact_line_of(desc, b + 1);
+    joint = line.first == k && line.joint >= 0 ? line.joint + 1 : joint;
+  }
   return joint;
+}
+
+/* Number of the first n elements of a line that are joints. */
+static int fbi_exact_joints_within(const fb_exact_desc *desc, const fbi_exact_line *line, int n)
+{
+  int joints = 0;
+  for (int k = 0; k < n; k++) {
+    joints += fbi_exact_jointed(desc, line->first + k) > 0;
+  }
+  return joints;
+}
+
+/* Position along its line of the end of its first n elements: as given, or of equal elements. */
+static fb_real fbi_exact_place(const fb_exact_desc *desc, const fbi_exact_line *line, int n)
+{
+  const int joints = fbi_exact_joints_within(desc, line, line->n), before = fbi_exact_joints_within(desc, line, n);
+  if (desc->place[line->first + line->n] != FB_R(0.0)) {
+    return n > 0 ? desc->place[line->first + n] : FB_R(0.0);
+  }
+  return line->length * (fb_real)(n - before) / (fb_real)(line->n - joints);
 }
 
 /* The ends of element k must be rotated against each other by less than 3 rad (pi is the limit) before anything acts:
    integral of the initial curvature from station to station, and the twist. */
-static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, int k)
+static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
-  const fb_real end = fbi_exact_place(desc, k + 1);
-  fb_real at = fbi_exact_place(desc, k), turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  const fb_exact_station *const station = desc->station + line->station;
+  const fb_real end = fbi_exact_place(desc, line, k + 1);
+  fb_real at = fbi_exact_place(desc, line, k), turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_exact_station a, b;
-  fbi_exact_station_eval(&a, desc, at);
+  fbi_exact_station_eval(&a, desc, line, at);
   turn[0] = -a.twist;
-  for (int s = 0; s < desc->n_station && at < end; s++) {
-    const fb_real x = s + 1 < desc->n_station ? desc->station[s].x : end, next = x < end ? x : end;
+  for (int s = 0; s < line->n_station && at < end; s++) {
+    const fb_real x = s + 1 < line->n_station ? station[s].x : end, next = x < end ? x : end;
     if (next > at) {
-      fbi_exact_station_eval(&b, desc, next);
+      fbi_exact_station_eval(&b, desc, line, next);
       for (int i = 0; i < 3; i++) {
         turn[i] += FB_R(0.5) * (a.curvature[i] + b.curvature[i]) * (next - at);
       }
@@ -28125,8 +28269,8 @@ static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, int k)
   turn[0] += a.twist;
   return fb_vec3_dot(turn, turn) < FB_R(9.0)
              ? FB_OK
-             : FBI_REFUSE(FB_ERR_VALUE, "element: rotation of its ends against each other [rad], below", k,
-                          fbi_vec3_norm(turn), FB_R(3.0));
+             : FBI_REFUSE(FB_ERR_VALUE, "element: rotation of its ends against each other [rad], below",
+                          line->first + k, fbi_vec3_norm(turn), FB_R(3.0));
 }
 
 static int fbi_is_end(int held)
@@ -28134,26 +28278,31 @@ static int fbi_is_end(int held)
   return held == FB_END_FREE || (held >= 0 && held <= FB_END_CLAMPED);
 }
 
-/* Places of the nodes ascend to the length. */
-static fb_status fbi_exact_places_check(const fb_exact_desc *desc)
+/* Places of the nodes of a line ascend to its length. */
+static fb_status fbi_exact_places_check(const fb_exact_desc *desc, const fbi_exact_line *line)
 {
-  const int n = desc->n_element;
-  for (int k = 0; k <= n && !fbi_is_zero(desc->place, n + 1); k++) {
-    if (k > 0 && fbi_exact_jointed(desc, k - 1)) {
-      if (desc->place[k] != desc->place[k - 1]) {
-        return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of both ends of a joint, equal to", k, desc->place[k],
-                          desc->place[k - 1]);
-      }
-      continue;
-    }
-    if (k == 0 ? desc->place[0] != FB_R(0.0) : !(desc->place[k] > desc->place[k - 1])) {
-      return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", k,
-                        desc->place[k], k == 0 ? FB_R(0.0) : desc->place[k - 1]);
-    }
+  const int n = line->first + line->n;
+  const fb_real *const place = desc->place + line->first + 1;
+  fb_real before = line->first == 0 ? desc->place[0] : FB_R(0.0);
+  if (before != FB_R(0.0)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", 0, before,
+                      FB_R(0.0));
   }
-  if (desc->place[n] != FB_R(0.0) && FB_FABS(desc->place[n] - desc->length) > FB_R(1e-5) * desc->length) {
+  for (int k = 0; k < line->n && !fbi_is_zero(place, line->n); k++) {
+    const int node = line->first + k + 1;
+    if (fbi_exact_jointed(desc, node - 1)) {
+      if (place[k] != before) {
+        return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of both ends of a joint, equal to", node, place[k], before);
+      }
+    } else if (!(place[k] > before)) {
+      return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", node, place[k],
+                        before);
+    }
+    before = place[k];
+  }
+  if (desc->place[n] != FB_R(0.0) && FB_FABS(desc->place[n] - line->length) > FB_R(1e-5) * line->length) {
     return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of the last, the length, equal to", n, desc->place[n],
-                      desc->length);
+                      line->length);
   }
   return FB_OK;
 }
@@ -28172,7 +28321,7 @@ static int fbi_exact_holds(const fb_exact_desc *desc, int node)
 static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
 {
   const fb_exact_joint *const joint = &desc->joint[k];
-  const fbi_count element[] = {FBI_COUNT(joint->element, 0, desc->n_element - 1, "joint: element, beyond")};
+  const fbi_count element[] = {FBI_COUNT(joint->element, 0, fbi_exact_elements(desc) - 1, "joint: element, beyond")};
   const fbi_number field[] = {
       FBI_ANY(joint->axis, 3, "joint: axis"),
       FBI_ANY(&joint->rest, 1, "joint: rest [rad]"),
@@ -28187,8 +28336,6 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
         FBI_CLAIM_OF(fbi_vec3_norm(joint->axis) > FB_TINY, fbi_vec3_norm(joint->axis), FB_TINY,
                      "joint: length of its axis, above"),
         FBI_CLAIM(fbi_exact_jointed(desc, joint->element) == k + 1, "joint: element, not that of another joint"),
-        FBI_CLAIM_OF(desc->n_joint < desc->n_element, (fb_real)desc->n_joint, (fb_real)desc->n_element,
-                     "joint: n_joint, elements, not all joints: below"),
         FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1),
                   "joint: node outboard of it, not held: hold the inboard one")};
     status = fbi_claims_check(claim, FBI_LENGTH(claim), k);
@@ -28196,20 +28343,72 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
   return status;
 }
 
+/* Branches, before anything else reads a line: their numbers and attitudes. */
+static fb_status fbi_exact_branches_check(const fb_exact_desc *desc)
+{
+  fb_status status = FB_OK;
+  for (int b = 0, first = desc->n_element; b < desc->n_branch && status == FB_OK; b++) {
+    const fb_exact_branch *const branch = &desc->branch[b];
+    const fbi_count count[] = {
+        FBI_COUNT(branch->n_element, 1, FB_MAX_EXACT - first,
+                  "branch: n_element, 1 to what is left of FB_MAX_EXACT, beyond"),
+        FBI_COUNT(branch->node, 0, first, "branch: node, of the chain or of an earlier branch, beyond"),
+        FBI_COUNT(branch->n_station, 0, FB_MAX_STATIONS, "branch: n_station, 0 to FB_MAX_STATIONS, beyond"),
+        FBI_COUNT(branch->station, 0, FB_MAX_STATIONS - (branch->n_station > 0 ? branch->n_station : 1),
+                  "branch: station, with n_station beyond FB_MAX_STATIONS")};
+    const fbi_number field[] = {FBI_NOT_NEGATIVE(&branch->length, 1, "branch: length [m]"),
+                                FBI_ANY(branch->attitude, 4, "branch: attitude")};
+    fb_real attitude[4];
+    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), b);
+    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), b);
+    status = status ? status : fbi_quat_from_attitude(attitude, branch->attitude);
+    first += branch->n_element;
+  }
+  if (status == FB_OK) {
+    const fbi_count joints[] = {FBI_COUNT(fbi_exact_joints(desc), 0, FB_MAX_LUMPS,
+                                          "n_joint and branches with an attitude, 0 to FB_MAX_LUMPS, beyond")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, joints, 1, -1);
+  }
+  return status;
+}
+
+/* The chain or a branch: places, stations to its length, initial rotations. */
+static fb_status fbi_exact_line_check(const fb_exact_desc *desc, int index)
+{
+  const fbi_exact_line line = fbi_exact_line_of(desc, index);
+  const fbi_claim claim[] = {
+      FBI_CLAIM_OF(line.length > FB_R(1.0) / FB_HUGE, line.length, FB_R(0.0), "length [m], above"),
+      FBI_CLAIM(fbi_exact_joints_within(desc, &line, line.n) < line.n, "joint: elements, not all joints"),
+      FBI_CLAIM(line.joint < 0 || !fbi_exact_holds(desc, line.first + 1),
+                "branch: node outboard of its attitude, not held: hold the inboard one")};
+  const int last = line.station + line.n_station - 1;
+  fb_status status = fbi_claims_check(claim, FBI_LENGTH(claim), index - 1);
+  status = status ? status : fbi_exact_places_check(desc, &line);
+  for (int k = line.station; k <= last && status == FB_OK; k++) {
+    status = fbi_exact_station_check(desc, &line, k);
+  }
+  if (status == FB_OK && line.n_station > 1 &&
+      FB_FABS(desc->station[last].x - line.length) > FB_R(1e-5) * line.length) {
+    status = FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", last, desc->station[last].x,
+                        line.length);
+  }
+  for (int k = 0; k < line.n && status == FB_OK; k++) {
+    status = fbi_exact_turn_check(desc, &line, k);
+  }
+  return status;
+}
+
 static fb_status fbi_exact_check(const fb_exact_desc *desc)
 {
-  const int n = desc->n_element, places = n >= 1 && n <= FB_MAX_EXACT ? n + 1 : 0;
-  const fbi_count count[] = {FBI_COUNT(n, 1, FB_MAX_EXACT, "n_element, 1 to FB_MAX_EXACT, beyond"),
+  const fbi_count count[] = {FBI_COUNT(desc->n_element, 1, FB_MAX_EXACT, "n_element, 1 to FB_MAX_EXACT, beyond"),
                              FBI_COUNT(desc->n_station, 1, FB_MAX_STATIONS, "n_station, 1 to FB_MAX_STATIONS, beyond"),
                              FBI_COUNT(desc->n_support, 0, FB_MAX_LUMPS, "n_support, 0 to FB_MAX_LUMPS, beyond"),
                              FBI_COUNT(desc->n_lump, 0, FB_MAX_LUMPS, "n_lump, 0 to FB_MAX_LUMPS, beyond"),
-                             FBI_COUNT(desc->n_joint, 0, FB_MAX_LUMPS, "n_joint, 0 to FB_MAX_LUMPS, beyond")};
+                             FBI_COUNT(desc->n_joint, 0, FB_MAX_LUMPS, "n_joint, 0 to FB_MAX_LUMPS, beyond"),
+                             FBI_COUNT(desc->n_branch, 0, FB_MAX_LUMPS, "n_branch, 0 to FB_MAX_LUMPS, beyond")};
   const fbi_number field[] = {
-      FBI_ANY(&desc->length, 1, "length [m]"),
-      FBI_ANY(desc->place, places, "place [m]"),
-      FBI_ANY(desc->position, 3, "position [m]"),
-      FBI_ANY(desc->attitude, 4, "attitude"),
-      FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
+      FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
+      FBI_ANY(desc->attitude, 4, "attitude"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
       FBI_NUMBER(&desc->dissipation, 1, FB_R(0.0), FB_R(2.0) / FB_R(3.0), "dissipation, 0 to 2/3, beyond")};
   const int jointed = desc->joint[0].element != 0 || !fbi_is_zero(desc->joint[0].axis, 3);
   const int supported = desc->support[0].node != 0 || desc->support[0].held != 0;
@@ -28217,43 +28416,36 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
       FBI_COUNTED(desc->n_support, supported, "n_support, 1 where support[0] is filled"),
       FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
       FBI_COUNTED(desc->n_joint, jointed, "n_joint, 1 where joint[0] is filled"),
+      FBI_COUNTED(desc->n_branch, desc->branch[0].n_element != 0, "n_branch, 1 where branch[0] is filled"),
       FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
       FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
-  const fbi_claim claim[] = {
-      FBI_CLAIM_OF(desc->length > FB_R(1.0) / FB_HUGE, desc->length, FB_R(0.0), "length [m], above"),
-      FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."), FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
+  const fbi_claim claim[] = {FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
+                             FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
   status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
   status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+  status = status ? status : fbi_exact_branches_check(desc);
+  if (status == FB_OK) {
+    const fbi_number place[] = {FBI_ANY(desc->place, fbi_exact_elements(desc) + 1, "place [m]")};
+    status = fbi_numbers_check(place, 1, -1);
+  }
   for (int k = 0; k < desc->n_joint && status == FB_OK; k++) {
     status = fbi_exact_joint_check(desc, k);
   }
-  status = status ? status : fbi_exact_places_check(desc);
-
-  /* Stations to the length */
-  for (int k = 0; k < desc->n_station && status == FB_OK; k++) {
-    status = fbi_exact_station_check(desc, k);
-  }
-  if (status == FB_OK && desc->n_station > 1 &&
-      FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > FB_R(1e-5) * desc->length) {
-    status = FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", desc->n_station - 1,
-                        desc->station[desc->n_station - 1].x, desc->length);
+  for (int k = 0; k <= desc->n_branch && status == FB_OK; k++) {
+    status = fbi_exact_line_check(desc, k);
   }
 
-  /* Supports, lumped bodies, initial rotations */
+  /* Supports, lumped bodies */
   for (int k = 0; k < desc->n_support && status == FB_OK; k++) {
     const fb_support *s = &desc->support[k];
-    const fbi_count node[] = {FBI_COUNT(s->node, 0, n, "support: node, beyond")};
+    const fbi_count node[] = {FBI_COUNT(s->node, 0, fbi_exact_elements(desc), "support: node, beyond")};
     const fbi_claim held[] = {FBI_CLAIM(fbi_is_end(s->held), "support: held, an FB_END_..")};
     status = fbi_counts_check(FB_ERR_CAPACITY, node, 1, k);
     status = status ? status : fbi_claims_check(held, 1, k);
   }
-  status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
-    status = fbi_exact_turn_check(desc, k);
-  }
-  return status;
+  return status ? status : fbi_lumps_check(desc->lump, desc->n_lump, fbi_exact_elements(desc));
 }
 
 /* [E10.6] Compliance and inertia of an element, X = h ad(1, 0, 0, curvature):
@@ -28299,26 +28491,28 @@ static void fbi_exact_refine(fb_exact *m, int k, const fb_real M1[36])
    change of the first two over it (taper, M1: 12 times their first moments about the middle). Stations lie anywhere;
    each stretch between them has its own Gauss quadrature.
    Source: definition.  Cost: init only.  Fails: never on a checked desc.  Test: tapered_rods_are_exact_at_the_nodes. */
-static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, int k)
+static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
+  const fb_exact_station *const station = desc->station + line->station;
   fb_real *const C1 = m->taper + 36 * k;
-  const fb_real start = fbi_exact_place(desc, k), end = fbi_exact_place(desc, k + 1), h = end - start;
+  const fb_real start = fbi_exact_place(desc, line, k - line->first);
+  const fb_real end = fbi_exact_place(desc, line, k - line->first + 1), h = end - start;
   fb_exact_station at, last;
   fb_real C[36], M1[36], a = start;
   m->h[k] = h;
   fbi_zero(M1, 36);
 
   /* Stretches a..b between stations */
-  for (int s = 0; s < desc->n_station && a < end; s++) {
-    const fb_real x = desc->n_station == 1 ? end : desc->station[s].x;
-    const fb_real b = x < end && s + 1 < desc->n_station ? x : end;
+  for (int s = 0; s < line->n_station && a < end; s++) {
+    const fb_real x = line->n_station == 1 ? end : station[s].x;
+    const fb_real b = x < end && s + 1 < line->n_station ? x : end;
 
     /* Means and 12 times the first moments */
     for (int g = 0; g < FBI_GAUSS && b > a; g++) {
       const fb_real weight = fbi_gauss_w[g] * (b - a) / h;
       const fb_real place = a + fbi_gauss_x[g] * (b - a);
       const fb_real slope = FB_R(12.0) * weight * ((place - start) / h - FB_R(0.5));
-      fbi_exact_station_eval(&at, desc, place);
+      fbi_exact_station_eval(&at, desc, line, place);
       (void)fbi_compliance(C, at.stiffness);
       for (int i = 0; i < 36; i++) {
         m->section[36 * k + i] += weight * C[i];
@@ -28332,29 +28526,68 @@ static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, int k
   }
 
   /* xi = (1, 0, 0, curvature with the rate of twist) */
-  fbi_exact_station_eval(&at, desc, start);
-  fbi_exact_station_eval(&last, desc, end);
+  fbi_exact_station_eval(&at, desc, line, start);
+  fbi_exact_station_eval(&last, desc, line, end);
   m->xi[6 * k] = FB_R(1.0);
   m->xi[6 * k + 3] += (last.twist - at.twist) / h;
   fbi_exact_refine(m, k, M1);
 }
 
-/* The beam's own units: its length, the force that bends it by about its length, the time in which that force moves
+/* [E10.27] A branch at an angle: its first element is a driven joint at rest, which turns the section axes of its node by
+   the attitude of the branch and the twist of its first station, exp(angle axis^).
+   Source: E10.21 to E10.23.  Cost: an element.  Fails: never.  Test: branches_stand_at_their_angle_and_twist. */
+static void fbi_exact_seat_fill(fb_exact_joint *joint, const fb_exact_desc *desc, const fbi_exact_line *line)
+{
+  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, attitude[4], twist[4], quat[4], x[3];
+  turn[0] = desc->station[line->station].twist;
+  fb_quat_from_rotvec(twist, turn);
+  (void)fbi_quat_from_attitude(attitude, line->attitude);
+  fb_quat_mul(quat, attitude, twist);
+  fb_quat_to_rotvec(x, quat);
+  joint->element = line->first;
+  joint->driven = 1;
+  joint->angle = joint->rest = fbi_vec3_norm(x);
+  fbi_copy(joint->axis, x, 3);
+  joint->axis[0] += joint->angle > FB_R(0.0) ? FB_R(0.0) : FB_R(1.0);
+}
+
+/* Elements of a line, and the nodes they hang on. */
+static void fbi_exact_line_fill(fb_exact *m, const fb_exact_desc *desc, int index)
+{
+  const fbi_exact_line line = fbi_exact_line_of(desc, index);
+  if (line.joint >= 0) {
+    fbi_exact_seat_fill(&m->joint[line.joint], desc, &line);
+  }
+  if (line.node != line.first) {
+    m->branch[m->n_branch++] = line.first;
+  }
+  for (int k = line.first; k < line.first + line.n; k++) {
+    m->inboard[k] = k == line.first ? line.node : k;
+    m->jointed[k] = fbi_exact_jointed(desc, k);
+    if (!m->jointed[k]) {
+      fbi_exact_element_fill(m, desc, &line, k);
+    }
+  }
+}
+
+/* The beam's own units: the length of its longest line, the force that bends it by about its length, the time in which that force moves
    its mass by about its length. Slenderness is then the only scale left. */
 static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
+  for (int index = 0; index <= desc->n_branch; index++) {
+    m->length = fbi_larger(m->length, fbi_exact_line_of(desc, index).length);
+  }
   for (int k = 0; k < m->n; k++) {
     const fb_real *C = m->section + 36 * k;
     bend += m->h[k] * fbi_larger(C[28], C[35]);
     twist += m->h[k] * C[21];
     stretch += m->h[k] * fbi_larger(C[0], fbi_larger(C[7], C[14]));
-    mass += m->h[k] * fbi_larger(m->M[36 * k], m->M[36 * k + 21] / (desc->length * desc->length));
+    mass += m->h[k] * fbi_larger(m->M[36 * k], m->M[36 * k + 21] / (m->length * m->length));
   }
   for (int k = 0; k < desc->n_lump; k++) {
     mass += desc->lump[k].mass;
   }
-  m->length = desc->length;
   if (bend > FB_R(0.0) || twist > FB_R(0.0)) {
     m->force = FB_R(1.0) / (m->length * (bend > FB_R(0.0) ? bend : twist));
   } else {
@@ -28403,9 +28636,7 @@ static void fbi_exact_rescale(fb_exact *m, const fb_exact_desc *desc)
 
   /* Joints */
   for (int k = 0; k < m->n_joint; k++) {
-    const fb_real size = fbi_vec3_norm(desc->joint[k].axis);
-    m->joint[k] = desc->joint[k];
-    m->joint[k].driven = desc->joint[k].driven != 0;
+    const fb_real size = fbi_vec3_norm(m->joint[k].axis);
     m->joint[k].stiffness /= m->force * L;
     m->joint[k].damping /= m->force * L * m->time;
     m->joint[k].rate *= m->time;
@@ -28433,7 +28664,7 @@ static void fbi_exact_nodes_fill(fb_exact *m, const fb_exact_desc *desc, const f
 
   /* Constraints; floating: no node has any */
   m->held[0] = desc->root == FB_END_DEFAULT ? FB_END_CLAMPED : desc->root % FB_END_FREE;
-  m->held[m->n] = desc->tip % FB_END_FREE;
+  m->held[desc->n_element] = desc->tip % FB_END_FREE;
   for (int k = 0; k < desc->n_support; k++) {
     m->held[desc->support[k].node] |= desc->support[k].held % FB_END_FREE;
   }
@@ -28457,7 +28688,8 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
 
   /* Sizes and options */
   memset(m, 0, sizeof *m);
-  m->n = desc->n_element;
+  m->n = fbi_exact_elements(desc);
+  m->n_joint = fbi_exact_joints(desc);
   m->n_lump = desc->n_lump;
   m->iterations = desc->iterations > 0 ? desc->iterations : 6;
   m->factorizations = desc->factorizations > 0 ? desc->factorizations : 1;
@@ -28465,12 +28697,12 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
   m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
 
   /* Elements, units, nodes */
-  m->n_joint = desc->n_joint;
-  for (int k = 0; k < m->n; k++) {
-    m->jointed[k] = fbi_exact_jointed(desc, k);
-    if (!m->jointed[k]) {
-      fbi_exact_element_fill(m, desc, k);
-    }
+  for (int j = 0; j < desc->n_joint; j++) {
+    m->joint[j] = desc->joint[j];
+    m->joint[j].driven = desc->joint[j].driven != 0;
+  }
+  for (int k = 0; k <= desc->n_branch; k++) {
+    fbi_exact_line_fill(m, desc, k);
   }
   fbi_exact_units(m, desc);
   fbi_exact_rescale(m, desc);
@@ -28888,7 +29120,7 @@ static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_r
   fb_status status = change < FB_R(100.0) ? FB_OK : FB_ERR_CONVERGENCE;
   for (int k = 0; k < m->n; k++) {
     for (int i = 3; i < 6; i++) {
-      const fb_real turn = work->dd[6 * k + 6 + i] - work->dd[6 * k + i];
+      const fb_real turn = work->dd[6 * k + 6 + i] - work->dd[6 * m->inboard[k] + i];
       status = turn * turn < FB_R(1.0) ? status : FB_ERR_CONVERGENCE;
     }
   }
@@ -28896,7 +29128,7 @@ static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_r
     fbi_pose_add(work->r + 3 * j, work->quat + 4 * j, work->dd + 6 * j);
   }
   for (int j = 0; j < m->n_joint && status == FB_OK; j++) {
-    work->angle[j] += fbi_exact_joint_rate(&m->joint[j], work->dd, m->joint[j].element);
+    work->angle[j] += fbi_exact_joint_rate(m, work->dd, m->joint[j].element);
   }
   for (int i = 0; i < 6 * m->n && status == FB_OK; i++) {
     work->s[i] += work->ds[i];
@@ -32082,14 +32314,14 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   /* Right-hand side: b of the elements, shared between their nodes */
   for (int k = 0; k < n; k++) {
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(v, d, c->theta, b + 6 * k, b + 6 * k + 6);
+    fbi_exact_mean(v, d, c->theta, b + 6 * m->inboard[k], b + 6 * k + 6);
     fbi_exact_load_rate(f, m->M + 36 * k, c->V, c->P, shift, v);
     for (int i = 0; i < 6; i++) {
       f[i] = -c->h * (b_P[6 * k + i] - f[i]);
     }
     fbi_adT(y, c->theta, f);
     for (int i = 0; i < 6; i++) {
-      work->B[6 * k + i] -= y[i] / FB_R(12.0) - FB_R(0.5) * f[i];
+      work->B[6 * m->inboard[k] + i] -= y[i] / FB_R(12.0) - FB_R(0.5) * f[i];
       work->B[6 * k + 6 + i] += y[i] / FB_R(12.0) + FB_R(0.5) * f[i];
     }
   }
@@ -32097,7 +32329,7 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   /* b of the joints: their dampers; motors */
   for (int j = 0; j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
-    const fb_real rate = fbi_exact_joint_rate(joint, b, joint->element);
+    const fb_real rate = fbi_exact_joint_rate(m, b, joint->element);
     fbi_vec3_add(work->c + 6 * joint->element + 3,
                  fbi_exact_joint_answer(work, joint).weight * (joint->damping * rate + work->motor[j]), joint->axis);
   }
@@ -32127,7 +32359,7 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   for (int k = 0; k < n; k++) {
     fb_real turn[6];
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(v, d, c->theta, work->dd + 6 * k, work->dd + 6 * k + 6);
+    fbi_exact_mean(v, d, c->theta, work->dd + 6 * m->inboard[k], work->dd + 6 * k + 6);
     fbi_mat66_mul_vec6(turn, m->C + 36 * k, work->ds + 6 * k);
     fbi_ad(y, turn, c->dV);
     fbi_vec6_add(v, c->h / FB_R(12.0), y);
@@ -32479,9 +32711,9 @@ static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m,
   case FB_EXACT_PORT_INTERNAL_MOMENT:
     return work->ds[at + 3 + i] * m->force * m->length;
   case FB_EXACT_PORT_ANGLE:
-    return fbi_exact_joint_rate(&m->joint[port->at], x, m->joint[port->at].element);
+    return fbi_exact_joint_rate(m, x, m->joint[port->at].element);
   case FB_EXACT_PORT_ANGLE_RATE:
-    return fbi_exact_joint_rate(&m->joint[port->at], work->dd, m->joint[port->at].element) / m->time;
+    return fbi_exact_joint_rate(m, work->dd, m->joint[port->at].element) / m->time;
   case FB_EXACT_PORT_FORCE_STRAIN:
     return fbi_vec6_dot(m->section + 36 * port->at + 6 * i, work->ds + at);
   default:
