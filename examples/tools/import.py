@@ -152,7 +152,7 @@ def held_check(K, R):
     U, size, _ = np.linalg.svd(R / np.where(norm > 0, norm, 1), full_matrices=False)
     U = U[:, size > 1e-6]  # motions that the degrees of freedom have
     most = np.sqrt(np.einsum('ik,ik->k', abs(U), abs(K) @ abs(U)))
-    free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < SMALL))
+    free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < 1e-12))
     if free:
         raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped '
                       '(or the structure hangs on a mechanism)' % free)
@@ -275,8 +275,8 @@ def masses_of(bdf, model):
             beam = card.pid_ref
             for node in grids[:2]:
                 blocks[model.at[node], 3:, 3:] += beam.Rho() * (beam.I11() + beam.I22()) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
-    if bdf.nsms:
-        raise Refused('NSM cards: their mass is not in that of the elements: export the mass matrix (--mass)')
+    for card in [name for name, is_there in (('NSM', bdf.nsms), ('M2GG', 'M2GG' in ' '.join(bdf.case_control_lines).upper())) if is_there]:
+        raise Refused('%s: its mass is not that of elements: export the mass matrix (--mass)' % card)
     unit = bdf.params['WTMASS'].values[0] if 'WTMASS' in bdf.params else 1.0
     return sparse.csr_array(sparse.block_diag(list(unit * blocks), format='csr'))
 
@@ -563,10 +563,12 @@ def still_check(model, frame):
     R = rigid(model.x)
     rows = np.flatnonzero(np.tile([1, 1, 1, 0, 0, 0], len(model.ids)))
     rest = model.phi[rows] - R[rows] @ np.linalg.lstsq(R[rows], model.phi[rows], rcond=None)[0]
+    bends = abs(rest).max(axis=0) > 1e-4 * most
+    soft = 1e-3 * model.hz[bends].min(initial=np.inf)  # on a hinge with a spring a body turns as a rigid one, but faster than that
     for k in range(len(model.hz)):
         where = 'mode %d (%.4g Hz)' % (k + 1, model.hz[k])
-        if model.hz[k] <= 0 or abs(rest[:, k]).max() < 1e-4 * most[k]:
-            raise Refused('%s is a rigid-body motion: hold the interface (SPC, --frame); its motion is that of the frame' % where)
+        if model.hz[k] <= 0 or not bends[k] and (not frame or model.hz[k] < soft):
+            raise Refused('%s is a rigid-body motion: hold the interface (SPC) and name its nodes (--frame); such motion is that of the frame' % where)
         for node in frame:
             if abs(shape[model.find(node, '--frame'), :3, k]).max() > 1e-5 * most[k]:
                 raise Refused('%s moves node %d of the frame: hold it there (SPC)' % (where, node))
