@@ -542,7 +542,8 @@ def listed(text, what, sets=None):
         elif found and int(found[2] or found[1]) >= int(found[1]) and re.fullmatch(r'([A-Za-z_]\w*)?', name, re.ASCII):
             out += [(node, name) for node in range(int(found[1]), int(found[2] or found[1]) + 1, int(found[3] or 1))]
         else:
-            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; 1-33/4; SET5 of a SET1 card), not %r' % (what, item))
+            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; 1-33/4; SET5 of a SET1 card), not %r'
+                          % (what, item))
     return out
 
 
@@ -623,8 +624,8 @@ def written(options, model, masses, lines, extra, marks, figures):
     shape = model.phi.reshape(len(model.ids), 6, -1)
     none = np.zeros((3, 3))
     ids = {at.node for at in masses}
-    masses = masses + [Mass(node, model.x[model.at[node]], 0.0, none, shape[model.at[node]])
-                       for node in sorted(({node for node, _ in marks} | extra) - ids)]
+    masses = masses + [Mass(node, model.x[model.at[node]], 0.0, none, shape[model.at[node]]) for node in ({node for node, _ in marks} | extra) - ids]
+    masses.sort(key=lambda at: at.node)
     if len(masses) > NODES:
         raise Refused('%d nodes, a description holds %d: --condense puts at most %d points in place of all masses%s'
                       % (len(masses), NODES, 4 + 3 * len(model.hz), ' (not with --line: mesh it more coarsely)' if lines else ''))

@@ -392,13 +392,15 @@ for k, end in ends.items():
     put(M, range(6 * k, 6 * k + 6), offset_mass(rho * A * np.linalg.norm(x[20] - x[19]) / 2, end, 0 * J) - np.diag([rho * A * l / 2] * 3 + [0] * 3))
 
 
-def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0):
+def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0, first=None):
     """NAME.op2 of the modes, of these modal masses, the scalar point 1000 too; frequencies and shapes in SI."""
     free = np.arange(6, len(K))
     inverse, phi = linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)], subset_by_index=[len(free) - size, len(free) - 1])
     full = np.zeros((len(K), size))
     full[free] = phi[:, ::-1] / np.sqrt(inverse[::-1]) * np.sqrt(masses)
     w = 1 / np.sqrt(inverse[::-1])
+    if first is not None:
+        full[:, 0] = first
     shape = (turn.T @ full).reshape(n + 1, 6, size).transpose(2, 0, 1) * [1000, 1000, 1000, 1, 1, 1] / np.sqrt(1000) + moves
     grids = np.array([[k + 1, 1] for k in range(n + 1)] + [[1000, 2]], dtype='int32')
     shape = np.concatenate([shape, np.ones((size, 1, 6))], axis=1)
@@ -583,7 +585,7 @@ x, K, M = of_boom
 refuse('M2GG: its mass is not that of elements', deck('m2gg.bdf', also='M2GG = MORE'), files[1], *base)
 nastran('moves', K, M, 8, moves=0.01)
 refuse(r'mode 1 \(.* Hz\) moves node 1 of the frame: hold it there', files[0], folder + 'moves.op2', *base)
-nastran('rigid', K, M, 8, moves=1e6)
+nastran('rigid', K, M, 8, first=rigid(x, 6) @ [1, 2, 3, 0.4, 0.5, 0.6])
 refuse(r'mode 1 \(.* Hz\) is a rigid-body motion: hold the interface \(SPC\) and name', files[0], folder + 'rigid.op2', '--scale', '0.001,1000')
 nastran('hole', K, M, 8, without=(7,))
 nastran('off', K, M, 8, masses=[1] * 6 + [1.1, 1])
