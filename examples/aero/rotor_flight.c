@@ -52,10 +52,10 @@ static int read_option(void *target, const char *name, const char *text)
   options *const o = target;
   const number_option numbers[] = {{"--advance", &o->advance, 0.02, 0.25},
                                    {"--thrust", &o->thrust, 1000, 10000},
-                                   {"--tilt-cos", &o->tilt[0], -4, 4},
-                                   {"--tilt-sin", &o->tilt[1], -4, 4},
-                                   {"--offset", &o->offset, 0.05, 0.5},
-                                   {"--lag-damper", &o->lag_damper, 100, 3000},
+                                   {"--tilt-cos", &o->tilt[0], -2, 2},
+                                   {"--tilt-sin", &o->tilt[1], -2, 2},
+                                   {"--offset", &o->offset, 0.1, 0.5},
+                                   {"--lag-damper", &o->lag_damper, 100, 2000},
                                    {"--gj", &o->gj, 1000, 1e5}};
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text) : read_number(numbers, 7, name, text);
 }
