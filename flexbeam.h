@@ -1412,10 +1412,11 @@ typedef struct fb_link_motion {
 #endif
 } fb_link_motion;
 
-/* Let the value of a prescribed axis go as its rate says. A jump, in a step or between two, turns what hangs on the axis
-   and keeps its momenta, of joints and modes, in axes that turn, too. At rest that is nothing; where the frame of the
-   joint spins, as that of the pitch bearing of a rotor's blade, the joints and modes further out get speeds that no
-   jump of the bearing would give them, and they grow with the number of modes. */
+/* The value of a prescribed axis goes as its rate says. A jump would turn what hangs on the axis and keep its momenta, of
+   joints and modes, in axes that turn, too; where the frame of the joint spins, as that of the pitch bearing of a rotor's
+   blade, the joints and modes further out would get speeds that no jump of the bearing gives them. A step is refused
+   (FB_ERR_CONTRADICTION) where a value changes by more than twice its largest rate makes of the step, from the state to
+   the start or in it. With one input for all of a step it is not known how the value came there, nor refused. */
 typedef struct fb_drive { /* of a joint, by axis */
   /* [N m], [N] of the motor on the child (and back on the parent), of free axes; [0] is the first axis of the joint. An
      axis that the joint does not have has no motor, nor has a free joint: FB_ERR_VALUE unless zero (load a node) */

@@ -18811,27 +18811,61 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
                                         : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
 }
 
-/* Does a prescribed value stay as it is over a step while its rates at both ends go the same way, and by more than the
-   value is rounded to? One input that is held over the step does not tell. */
-static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
-                                               const fb_system_input *start, const fb_system_input *end, fb_real dt)
+/* By how much a prescribed value changes; an angle that is counted anew from one turn on does not. */
+static fb_real fbi_drive_change(const fb_joint *joint, int i, fb_real from, fb_real to)
 {
-  for (int j = 0; j < system->n_body + system->n_loop && start && end && start != end; j++) {
-    const fb_drive *const a = &start->drive[j], *const b = &end->drive[j];
-    const int axes = fbi_is_ball(system->joint[j].kind) ? 0 : system->joint[j].n_axis;
-    for (int i = 0; i < axes; i++) {
-      const fb_real rounding = FB_EPSILON * FB_FABS(b->value[i]);
-      if (state->mode[j][i] == FB_AXIS_PRESCRIBED && a->value[i] == b->value[i] &&
-          (a->rate[i] > FB_R(0.0)) == (b->rate[i] > FB_R(0.0)) && dt * FB_FABS(a->rate[i]) > rounding &&
-          dt * FB_FABS(b->rate[i]) > rounding) {
-        w->joint = j;
-        return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
-                             "joint: rate of a prescribed axis whose value does not change in the step, equal to", j,
-                             b->rate[i], FB_R(0.0), (fb_real)i);
+  const fbi_joint_traits *const is = fbi_traits(joint);
+  const fb_real change = FB_FABS(to - from), turn = FB_R(6.283185307179586477);
+  return (i == is->angle || i == is->tilt) && !is->pitched ? fbi_smaller(change, FB_FABS(change - turn)) : change;
+}
+
+/* Does a prescribed value stay as it is over a step while its rates at both ends go the same way, and by more than the
+   value is rounded to? Or does it jump, from where the state has it (x, NULL: not known) or in the step, by more than
+   twice what the largest of its rates makes of the step? at: start, middle (NULL: interpolated), end. */
+static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i, const fb_drive *const at[3],
+                                 fb_real dt)
+{
+  const fb_drive *const a = at[0], *const b = at[2], *const middle = at[1] ? at[1] : a;
+  const fb_real from = a->value[i], to = b->value[i], ra = a->rate[i], rb = b->rate[i];
+  const fb_real rounding = FB_EPSILON * FB_FABS(to);
+  const fb_real fastest = fbi_larger(FB_FABS(middle->rate[i]), fbi_larger(FB_FABS(ra), FB_FABS(rb)));
+  const fb_real most = FB_R(2.0) * dt * fastest + FB_R(8.0) * (FB_EPSILON + rounding);
+  fb_real jump = x ? fbi_drive_change(joint, i, x[i], from) : FB_R(0.0);
+  if (from == to && (ra > FB_R(0.0)) == (rb > FB_R(0.0)) && dt * FB_FABS(ra) > rounding &&
+      dt * FB_FABS(rb) > rounding) {
+    return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
+                         "joint: rate of a prescribed axis whose value does not change in the step, equal to",
+                         joint->child, rb, FB_R(0.0), (fb_real)i);
+  }
+  if (at[1]) {
+    jump = fbi_larger(jump, FB_R(2.0) * fbi_drive_change(joint, i, from, middle->value[i])); /* in half a step */
+    jump = fbi_larger(jump, FB_R(2.0) * fbi_drive_change(joint, i, middle->value[i], to));
+  } else {
+    jump = fbi_larger(jump, FB_FABS(to - from));
+  }
+  return jump <= most ? FB_OK
+                      : FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
+                                      "joint: jump of a prescribed value, twice its rate by the step at most",
+                                      joint->child, jump, most, (fb_real)i);
+}
+
+/* The same of all joints. */
+static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                                               const fb_system_input *start, const fb_system_input *middle,
+                                               const fb_system_input *end, fb_real dt)
+{
+  fb_status status = FB_OK;
+  for (int j = 0; j < system->n_body + system->n_loop && start && end && start != end && status == FB_OK; j++) {
+    const fb_joint *const joint = &system->joint[j];
+    const fb_drive *const at[3] = {&start->drive[j], middle ? &middle->drive[j] : NULL, &end->drive[j]};
+    for (int i = 0; i < (fbi_is_ball(joint->kind) ? 0 : joint->n_axis) && status == FB_OK; i++) {
+      if (state->mode[j][i] == FB_AXIS_PRESCRIBED) {
+        status = fbi_drive_check(joint, fbi_is_kept(system, w, j) ? NULL : state->link[j].x, i, at, dt);
+        w->joint = status ? j : w->joint;
       }
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
@@ -18859,7 +18893,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   owns = flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
-  status = fbi_drives_check(work, system, state, start, end, dt);
+  status = fbi_drives_check(work, system, state, start, middle, end, dt);
   fbi_system_clear(&work->sum, system, body);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
@@ -19221,7 +19255,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
-    status = fbi_drives_check(work, system, state, start, end, dt);
+    status = fbi_drives_check(work, system, state, start, NULL, end, dt);
     status = status ? status : fbi_system_between(&work->between, system, start, end, c);
     first = &work->between;
   }

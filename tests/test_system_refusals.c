@@ -457,7 +457,8 @@ static fb_status step_prescribed(double value, double first, double middle, doub
 }
 
 /* A prescribed value that stays while its rate says that it moves is refused and named, by all methods and both
-   integrators; one that moves by less than its rounding, comes back to where it was, jumps, follows in part, or is held
+   integrators, and one that jumps, in the step or from where the state has it, by more than its rates say; one that
+   moves by less than its rounding, comes back to where it was, follows in part, is counted anew after a turn, or is held
    over the step, is not. */
 TEST(a_prescribed_value_that_denies_its_rate_is_refused)
 {
@@ -477,10 +478,31 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
       FBT_INT_EQ(step_prescribed(0.3, 0, 0, 0, dt), FB_OK);
       FBT_INT_EQ(step_prescribed(0.3, 1e-18, 1e-18, 1e-18, dt), FB_OK);
       FBT_INT_EQ(step_prescribed(0.3, 1, 0, -1, dt), FB_OK);
-      if (method != FB_METHOD_MULTIPLIERS) { /* which jump within their tolerance alone */
-        FBT_INT_EQ(step_prescribed(0.4, 0, 0, 0, dt), FB_OK);
-      }
+      FBT_INT_EQ(step_prescribed(0.4, 0, 0, 0, dt), FB_ERR_CONTRADICTION);
+      FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
+      FBT_INT_EQ(step_prescribed(0.3 + 5 * dt, 2, 2, 2, dt), FB_ERR_CONTRADICTION);
       FBT_INT_EQ(step_prescribed(0.3 + 1 * dt, 2, 2, 2, dt), FB_OK);
+    }
+    if (method != FB_METHOD_MULTIPLIERS) { /* whose state has poses; values counted anew, a jump between steps */
+      static fb_system_input in[3];
+      const double values[3] = {1.0, 1.0 + dt, 1.0 + 2 * dt - 8 * atan(1.0)};
+      memset(in, 0, sizeof in);
+      for (int k = 0; k < 3; k++) {
+        in[k].drive[1].value[0] = (fb_real)values[k];
+        in[k].drive[1].rate[0] = FB_R(2.0);
+      }
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, &in[0]), FB_OK);
+      kept = state;
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &in[0], &in[1], &in[2], (fb_real)dt), FB_OK);
+      state = kept;
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &in[0], &in[2], (fb_real)dt, 3),
+                 FB_ERR_CONTRADICTION); /* which goes straight from the one to the other */
+      for (int k = 0; k < 3; k++) {
+        in[k].drive[1].value[0] += k < 2 ? FB_R(0.1) : FB_R(0.1) + (fb_real)(8 * atan(1.0));
+      }
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &in[0], &in[1], &in[2], (fb_real)dt),
+                 FB_ERR_CONTRADICTION);
+      FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
     }
     memset(&input, 0, sizeof input); /* a ramp, each step with the input of its start */
     input.drive[1].rate[0] = FB_R(1.0);
