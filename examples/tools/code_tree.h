@@ -238,9 +238,6 @@ static const char *tree_joint_refusal(const fb_system *system, int k)
   if (joint->moves) {
     return "a joint on a node that modes move: hang it on the frame or on a rigid body";
   }
-  if (joint->rubs) {
-    return "friction and stops: choose joints without them";
-  }
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
     if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
       return "a locked axis, or a prescribed one of several: choose mode free, or a rigid joint";
@@ -1052,6 +1049,58 @@ static void tree_add_effort(code_sum *s, const tree_link *L, int k, int a)
   code_add_one(s, -(double)joint->damping[a], L->u[a]);
 }
 
+/* A template of axis a of link k: # begins its names, of its coordinate #x and speed #u. */
+static void tree_template(const code *w, const char *text, int k, int a)
+{
+  char all[600];
+  size_t n = 0;
+  for (const char *c = text; *c && n < sizeof all - 24; c++) {
+    if (*c == '#') {
+      n += (size_t)snprintf(all + n, sizeof all - n, "b%d_x_%d%s", k, a, c[1] == 'x' ? "" : "_");
+      c += c[1] == 'x';
+    } else {
+      all[n++] = *c;
+    }
+  }
+  all[n] = '\0';
+  code_template(w, all);
+}
+
+/* s += friction (E9.28) and stops (E9.29) of an axis. */
+static void tree_add_rubbing(const code *w, code_sum *s, int k, int a)
+{
+  const fb_joint *const joint = tree.link[k].joint;
+  const double friction = (double)joint->friction[a], slow = (double)joint->friction_speed[a];
+  const double stiffness = (double)joint->stop_stiffness[a], loss = (double)joint->stop_loss[a];
+  char text[400];
+  code_sum u;
+  if (!(friction > 0.0 || stiffness > 0.0)) {
+    return;
+  }
+  code_begin(&u);
+  code_add_one(&u, 1.0, tree.link[k].u[a]);
+  code_declare(w, &u, code_variable("b%d_x_%d_u", k, a).name);
+  if (friction > 0.0) {
+    snprintf(text, sizeof text, "  const $ #rub = `%.17g` / sqrt~(#u * #u + `%.17g`);\n", friction, slow * slow);
+    tree_template(w, text, k, a);
+    code_add(s, -1.0, code_variable("b%d_x_%d_rub", k, a), code_variable("b%d_x_%d_u", k, a));
+  }
+  if (stiffness > 0.0) {
+    snprintf(text, sizeof text,
+             "  const $ #low = #x - `%.17g`;\n  const $ #high = #x - `%.17g`;\n"
+             "  const $ #deep = (%%W#low < `0`%%,#low%%!) + (%%W#high > `0`%%,#high%%!);\n",
+             (double)joint->stop[a][0], (double)joint->stop[a][1]);
+    tree_template(w, text, k, a);
+    snprintf(text, sizeof text,
+             "  const $ #in = (%%W#low < `0`%%,-#u%%!) + (%%W#high > `0`%%,#u%%!);\n"
+             "  const $ #hold = `1` + `%.17g` * #in;\n  const $ #stop = %%W#hold > `0`%%,#hold%%!;\n",
+             loss);
+    tree_template(w, loss > 0.0 ? text : "", k, a);
+    code_add(s, -stiffness, code_variable("b%d_x_%d_deep", k, a),
+             loss > 0.0 ? code_variable("b%d_x_%d_stop", k, a) : code_constant(1.0));
+  }
+}
+
 static void tree_assign_one(const code *w, code_value x, int at)
 {
   char target[32];
@@ -1134,6 +1183,7 @@ static void tree_write_axes(const code *w, int k)
     code_sum s;
     code_begin(&s);
     tree_add_effort(&s, L, k, a);
+    tree_add_rubbing(w, &s, k, a);
     tree_add_axis(w, &s, k, a);
     snprintf(target, sizeof target, "rate[%d]", L->p + a);
     code_assign(w, &s, target);
@@ -1320,6 +1370,32 @@ static void tree_write_larger(const code *w, const char *most, const char *other
   }
 }
 
+/* E11.43: stops of all joints at their present speeds. */
+static void tree_write_impacts(const code *w)
+{
+  char number[40], name[24];
+  int n = 0;
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int a = 0; a < L->axes + L->given; a++) {
+      if (L->joint->rubs && L->joint->stop_loss[a] > FB_R(0.0)) {
+        code_template(w, n++ == 0 ? "    $ hit = %z;\n    const $ " : "    const $ ");
+        code_number(number, w, (double)L->joint->stop_loss[a]);
+        snprintf(name, sizeof name, "hit_%d", 8 * k + a);
+        fprintf(w->out, "%s = %s * ", name, number);
+        code_template(w, "fabs~(");
+        fprintf(w->out, "%s);\n", L->u[a].name);
+        tree_write_larger(w, "hit", "hit", 8 * k + a);
+      }
+    }
+  }
+  if (n > 0) {
+    code_number(number, w, (double)tree.system->limit_elastic);
+    fprintf(w->out, "    stiffening += %s * hit", number);
+    code_template(w, " * (`2` + hit);\n");
+  }
+}
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1356,6 +1432,7 @@ static void tree_write_limit(const code *w)
       tree_write_larger(w, "stiffening", "stiff", k);
     }
   }
+  tree_write_impacts(w);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest + %s;\n", number);
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);

@@ -14,7 +14,8 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, MODELS = 8, GIVEN = 16 }; /* GIVEN: with RIGID..: the axis of its joint is prescribed */
+enum { RIGID, BOOM, PANEL, MODELS = 8, GIVEN = 16, RUBS = 32 };
+/* With RIGID..: GIVEN: the axis of its joint is prescribed; RUBS: it has friction and stops, which it reaches */
 
 typedef struct hang {
   fb_joint_kind kind;
@@ -109,6 +110,20 @@ static const struct {
       {FB_JOINT_SPHERICAL, 1, BOOM},
       {FB_JOINT_PRISMATIC, 1, RIGID | GIVEN},
       {FB_JOINT_UNIVERSAL, 3, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM | RUBS},
+      {FB_JOINT_UNIVERSAL, 0, RIGID | RUBS},
+      {FB_JOINT_PRISMATIC, 2, RIGID | RUBS}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     0,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | RUBS},
+      {FB_JOINT_SCREW, 0, PANEL | RUBS},
+      {FB_JOINT_CYLINDRICAL, -1, RIGID | RUBS},
+      {FB_JOINT_REVOLUTE, -1, RIGID | RUBS | GIVEN}}},
 };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -189,6 +204,20 @@ static void build_plain_joint(fb_joint_desc *joint, int k)
   fb_quat_from_rotvec(joint->attitude, turn);
 }
 
+/* Friction, and stops within the reach of motion, of every axis of a joint. */
+static void build_rubbing(fb_joint_desc *joint)
+{
+  const int axes = joint->kind == FB_JOINT_UNIVERSAL || joint->kind == FB_JOINT_CYLINDRICAL ? 2 : 1;
+  for (int i = 0; i < axes; i++) {
+    joint->friction[i] = FB_R(0.5);
+    joint->friction_speed[i] = FB_R(0.1);
+    joint->stop[i][0] = FB_R(-0.1);
+    joint->stop[i][1] = FB_R(0.2);
+    joint->stop_stiffness[i] = FB_R(400.0);
+    joint->stop_loss[i] = i == 0 ? FB_R(0.5) : FB_R(0.0);
+  }
+}
+
 static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
 {
   fb_real turn[3], child[3];
@@ -220,14 +249,19 @@ static void build(int which)
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2);
   memset(&desc, 0, sizeof desc);
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
-    desc.model[desc.n_body] = trees[which].link[k].model % GIVEN;
+    const int flags = trees[which].link[k].model;
+    desc.model[desc.n_body] = flags % GIVEN;
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent;
-    desc.joint[k].mode[0] = trees[which].link[k].model < GIVEN ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
+    desc.joint[k].mode[0] = !(flags & GIVEN) ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
-      build_joint(&desc.joint[desc.n_body++], &trees[which].link[k], trees[which].turned);
+      build_joint(&desc.joint[k], &trees[which].link[k], trees[which].turned);
+      if (flags & RUBS) {
+        build_rubbing(&desc.joint[k]);
+      }
+      desc.n_body++;
     }
   }
   need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system");

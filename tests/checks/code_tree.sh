@@ -52,7 +52,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20)
     compile
     write $trees --single
     compile
@@ -68,7 +68,7 @@ lanes() {
   try gcc $c99 $1 -DTREE -Dgenerated_LANES=$2 -DNUMBER=$3 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 7 10 17 18; do
+for tree in 7 10 17 18 20; do
   write $tree --lanes
   compile
   lanes -O1 1 double
@@ -138,9 +138,6 @@ line='  motor 1 constant 2
 ' refuse "--code: motor" none.h
 line='  mode locked
 ' refuse "array: a locked axis" none.h
-line='  friction 1
-  friction_speed 0.1
-' refuse "array: friction" none.h
 effects="large damping" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
