@@ -23,7 +23,6 @@ static int scene_code_refused(scene *s)
        "with mode prescribed, as input"},
       {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
       {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
-      {s->n_loop, text_seen(&s->seen, "loop"), "loop: choose a tree"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->n_rotor, text_seen(&s->seen, "rotor"), "rotor: choose bodies without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
