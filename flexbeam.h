@@ -123,7 +123,7 @@
      FB_MAX_SPRINGS                   4        1..99   its springs, dampers and actuators between points
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
-     FB_MAX_EXACT                     40       1..999  elements of an exact beam
+     FB_MAX_EXACT                     40       1..999  elements of an exact beam, of all its branches
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
      FB_WITH_SPIN_STIFFENING          1        0, 1    "
@@ -167,16 +167,16 @@
      fb_implicit_work            63992
      fb_exponential_work         58824
      fb_system_work             635784
-     fb_exact_work              173784
+     fb_exact_work              176088
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
      fb_system_analyse_work    1967304
-     fb_exact_path_work         203048
-     fb_exact_spectrum_work    1625640
-     fb_exact_linear_work      1999320
+     fb_exact_path_work         205352
+     fb_exact_spectrum_work    1627944
+     fb_exact_linear_work      2001624
      fb_advice_work            1135776
 
    CONVENTIONS
@@ -1694,7 +1694,9 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root.
    Elements may be joints, hinges with springs, dampers and motors: links, folded booms, hinged blades, closed chains whose
    tip is held, are one such beam. A joint keeps energy as the elements do; its outboard side wants inertia, or a spring,
-   about its axis, else steps end in FB_ERR_SINGULAR, as does fb_exact_trim where a joint can turn freely. */
+   about its axis, else steps end in FB_ERR_SINGULAR, as does fb_exact_trim where a joint can turn freely.
+   Elements form a tree: fb_exact_desc.branch begins further chains at any node, at any angle (hubs with several booms,
+   frames, rotors). A branch costs its elements, and one more where it stands at an angle. */
 
 /* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
    them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
@@ -1730,7 +1732,8 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
   fb_real beta;                /* of dissipation */
   fb_real gravity[3];
   int held[FB_MAX_EXACT + 1], factorizations;
-  int jointed[FB_MAX_EXACT + 1], n_joint; /* 1 + the joint that is an element; 0: none */
+  int jointed[FB_MAX_EXACT + 1], n_joint;  /* 1 + the joint that is an element; 0: none */
+  int inboard[FB_MAX_EXACT + 1], n_branch; /* inboard node of element k: k, or the one that a branch begins at */
   fb_real h[FB_MAX_EXACT];
   fb_real xi[6 * FB_MAX_EXACT]; /* (1, 0, 0, initial curvature) */
   fb_real C[36 * FB_MAX_EXACT]; /* compliance with that by the strain's variation in the element */
@@ -1739,6 +1742,7 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
       taper[36 * FB_MAX_EXACT]; /* the section's own compliance, its change over the element */
   fb_real M[36 * FB_MAX_EXACT], M_inverse[36 * FB_MAX_EXACT];
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* undeformed nodes in the base frame */
+  int branch[FB_MAX_LUMPS]; /* elements whose inboard node is another, ascending */
   int lump_node[FB_MAX_LUMPS];
   fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
   fb_exact_joint joint[FB_MAX_LUMPS];
@@ -1827,6 +1831,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
   fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
   fb_real y[12 * (FB_MAX_EXACT + 1)];
+  fb_real aside[36 * FB_MAX_LUMPS]; /* what eliminated branches leave to the nodes they begin at */
   int perm[12 * FB_MAX_EXACT + 6];
   fbi_exact_cell cell;
   fbi_exact_jacobian jacobian;
@@ -1873,7 +1878,8 @@ typedef struct fb_exact_hinge {
 } fb_exact_hinge;
 FB_API fb_status fb_exact_joint_eval(const fb_exact *exact, fb_exact_hinge *hinge, const fb_exact_state *state,
                                      int joint);
-/* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
+/* Point of the deformed line that was x [m] along it, and its section: inertial axes. The lines of branches follow that
+   of the chain in their order, end to end: x beyond its length is on the first branch. FB_ERR_VALUE: not on the beam. */
 FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x);
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
@@ -2239,7 +2245,9 @@ typedef struct fb_beam { /* a checked desc */
   fb_real frame[9 * FB_MAX_ELEMENTS];      /* element axes to beam axes */
 } fb_beam;
 
-/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
+/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. An array of a desc
+   whose count is 0 holds nothing: FB_ERR_VALUE, here and in every _init, _solve, _join and _build, if its first entry
+   (of points the second) is filled, for the count was forgotten. To drop the entries, zero them, too. */
 FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
 /* Section properties at x: linear between stations, constant beyond the first and the last. */
 FB_API void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x);
@@ -2365,7 +2373,7 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
    FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
    mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
    axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
-   mass_fraction without a clamped root, a preload on a curved line or on natural modes of a root that is not clamped, a
+   mass_fraction without a clamped root, load and boundary of another basis than theirs, a preload on a curved line or on natural modes of a root that is not clamped, a
    coordinate that the root constrains or that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load,
    or the boundary permits rigid-body motion; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
@@ -2728,23 +2736,40 @@ typedef struct fb_support {
   int node, held; /* node and its constrained components: FB_HOLD_... or-ed, or FB_END_... */
 } fb_support;
 
+/* Further chain of elements, which begins at a node: a hub with several booms, a T, a frame, rotor blades. Its elements and
+   nodes are numbered on from those before it: its element k has the nodes k + 1 outboard and, inboard, k or for its first
+   element `node`. Its line begins there with the section axes of the node; with an attitude it stands at an angle: its
+   first element is then a joint of no length, driven and at rest, numbered after the joints of the desc in the order of the
+   branches, and its sections have the twist of its stations relative to that attitude. Its tip is free; supports hold
+   it. */
+typedef struct fb_exact_branch {
+  int node;               /* of the chain, or of an earlier branch */
+  int n_element;          /* with that joint */
+  int station, n_station; /* its own among desc.station, x from its begin; n_station 0: those of the chain */
+  fb_real length;         /* [m]; 0: that of the chain */
+  fb_real attitude[4];    /* its root's section axes before twist to those of the node; all zero: no joint */
+} fb_exact_branch;
+
 typedef struct fb_exact_desc {
   fb_real length;     /* [m] along the line > 0 */
-  int n_element;      /* 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
+  int n_element;      /* of the chain; with those of all branches 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes that are supported */
   int n_lump;         /* lumped bodies on nodes, in section axes there */
   int n_joint;        /* elements that are joints */
+  int n_branch;       /* further chains */
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   fb_real
       place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
-                       joint; all 0: equal elements, joints of length zero between them */
+                       joint; all 0: equal elements, joints of length zero between them. The same of each branch, the
+                       nodes beyond the one that it begins at */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
   fb_exact_joint joint[FB_MAX_LUMPS];
+  fb_exact_branch branch[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
                                        their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
@@ -3336,7 +3361,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
 /* HISTORY
    0.2.0  one grammar: arguments are context (models, the state that changes, work), outputs, inputs, sizes; a function
           that fills a struct ends with a verb, one that returns its number is named by it. RUN, BUILD and ANALYSE with
-          switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. Old names:
+          switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. A desc with a filled array
+          and a count of 0 is refused. Old names:
             fb_mixed..., FB_MAX_MIXED, FB_MIXED_...       fb_exact..., FB_MAX_EXACT, FB_EXACT_...
             fb_mixed_steady_solve                         fb_exact_trim
             fb_body_motion, _node_motion, _rates,         the same with _eval: fb_body_motion_eval, ...
@@ -3369,6 +3395,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           descriptions of bodies have them.
           Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
           spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
+          They have branches: fb_exact_desc.branch, at any node and angle.
           Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models

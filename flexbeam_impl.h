@@ -274,10 +274,11 @@ static int fbi_is_exact(void)
   {                                        \
     have, least, most, what                \
   }
-#define FBI_CLAIM(holds, what) \
-  {                            \
-    holds, what                \
+#define FBI_CLAIM_OF(holds, have, need, what) \
+  {                                           \
+    holds, have, need, what                   \
   }
+#define FBI_NUMBERS fb_real have, need;
 #else
 #define FBI_WHAT
 #define FBI_NUMBER(x, n, least, most, what) \
@@ -288,11 +289,13 @@ static int fbi_is_exact(void)
   {                                        \
     have, least, most                      \
   }
-#define FBI_CLAIM(holds, what) \
-  {                            \
-    holds                      \
+#define FBI_CLAIM_OF(holds, have, need, what) \
+  {                                           \
+    holds                                     \
   }
+#define FBI_NUMBERS
 #endif
+#define FBI_CLAIM(holds, what) FBI_CLAIM_OF(holds, FB_R(0.0), FB_R(0.0), what)
 #define FBI_ANY(x, n, what) FBI_NUMBER(x, n, -FB_HUGE, FB_HUGE, what ", finite")
 #define FBI_NOT_NEGATIVE(x, n, what) FBI_NUMBER(x, n, FB_R(0.0), FB_HUGE, what ", at least")
 #define FBI_AT_LEAST(have, least, what) FBI_COUNT(have, least, have, what ", at least")
@@ -313,6 +316,7 @@ typedef struct fbi_count {
 
 typedef struct fbi_claim {
   int holds;
+  FBI_NUMBERS
   FBI_WHAT
 } fbi_claim;
 
@@ -354,13 +358,23 @@ static fb_status fbi_counts_check(fb_status status, const fbi_count *count, int 
   return FB_OK;
 }
 
+/* Of arguments, not of data: as FBI_REQUIRE, with the count that is out of its range. */
+#define FBI_REQUIRE_COUNT(count, status, index)                                              \
+  do {                                                                                       \
+    const fb_status fbi_counted = fbi_counts_check(status, count, FBI_LENGTH(count), index); \
+    FB_ASSERT(fbi_counted == FB_OK);                                                         \
+    if (fbi_counted != FB_OK) {                                                              \
+      return fbi_counted;                                                                    \
+    }                                                                                        \
+  } while (0)
+
 /* FB_ERR_VALUE: a claim does not hold. */
 static fb_status fbi_claims_check(const fbi_claim *claim, int n, int index)
 {
   (void)index;
   for (int k = 0; k < n; k++) {
     if (!claim[k].holds) {
-      return FBI_REFUSE(FB_ERR_VALUE, claim[k].what, index, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_VALUE, claim[k].what, index, claim[k].have, claim[k].need);
     }
   }
   return FB_OK;
@@ -470,9 +484,7 @@ static void fbi_vec3_zero(fb_real y[3])
 #if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_mat33_copy(fb_real C[9], const fb_real A[9])
 {
-  fbi_vec3_copy(C, A);
-  fbi_vec3_copy(C + 3, A + 3);
-  fbi_vec3_copy(C + 6, A + 6);
+  memcpy(C, A, 9 * sizeof *C);
 }
 #endif
 
@@ -589,12 +601,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
 #if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
-  fbi_vec6_copy(T, S);
-  fbi_vec6_copy(T + 6, S + 6);
-  fbi_vec6_copy(T + 12, S + 12);
-  T[18] = S[18];
-  T[19] = S[19];
-  T[20] = S[20];
+  memcpy(T, S, 21 * sizeof *T);
 }
 
 /* S -= s u u^T */
@@ -756,10 +763,10 @@ static void fbi_sym6_reference(fb_real reference[6], const fb_real S[21], fb_rea
 
 /* [E3.2] Is S positive definite beyond round-off in its rows first..5? Gaussian elimination with diagonal pivoting, the
    pivots relative to their reference. Without pivoting a small pivot amplifies the round-off of the others, and an axis
-   without inertia passes in some attitudes.
+   without inertia passes in some attitudes. Returns the first row that does not stand out, with its pivot, or -1.
    Source: [GV] 4.2.  Shapes: S packed 21.  Cost: 100 flops.  Fails: never.
    Test: rods_without_thickness_are_refused_in_every_attitude. */
-static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
+static int fbi_sym6_weak(fb_real *pivot, const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
 {
   fb_real A[36];
   int done[6] = {0};
@@ -776,7 +783,8 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
       }
     }
     if (!(A[7 * at] > tol * reference[at])) {
-      return 0;
+      *pivot = A[7 * at];
+      return at;
     }
 
     /* A_ij -= A_ip A_pj / A_pp in the remaining rows */
@@ -787,7 +795,13 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
       }
     }
   }
-  return 1;
+  return -1;
+}
+
+static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
+{
+  fb_real pivot;
+  return fbi_sym6_weak(&pivot, S, first, reference, tol) < 0;
 }
 #endif
 
@@ -6698,7 +6712,8 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
   if (!fbi_vec3_is_finite(state->rho) || !fbi_vec3_is_finite(state->quat) || !fbi_vec3_is_finite(state->quat + 1) ||
       !fbi_vec3_is_finite(state->u) || !fbi_vec3_is_finite(state->L) || !fbi_vec3_is_finite(state->lost_rho) ||
       !(momenta <= FB_HUGE)) {
-    return FB_ERR_NOT_FINITE;
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "state: place, quaternion, velocity and momenta, finite", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   if (!(deflection <= body->deflection_limit)) {
     return fbi_is_finite(state->q, body->n)
@@ -6754,7 +6769,10 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
   status = status ? status : fbi_lost_check(body, state);
 #endif
   status = status ? status : fbi_pin_check(body, state);
-  return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
+  return status == FB_OK && !fbi_quat_is_unit(state->quat)
+             ? FBI_REFUSE(FB_ERR_VALUE, "state: length squared of its quaternion (fb_state_init), equal to", -1,
+                          fb_vec3_dot(state->quat + 1, state->quat + 1) + state->quat[0] * state->quat[0], FB_R(1.0))
+             : status;
 }
 
 /* k.S = S(q) */
@@ -11719,7 +11737,9 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
-  fbi_rows_loads(w, system, body);
+  if (w->n_row > 0) {
+    fbi_rows_loads(w, system, body);
+  }
 
   /* from the tips: rates of joint and modes, loads to the parent */
   for (int k = system->n_body - 1; k >= 0; k--) {
@@ -13838,24 +13858,26 @@ static void fbi_exact_joint_quat(fb_real quat[4], const fb_exact_joint *joint, f
   fb_quat_from_rotvec(quat, turn);
 }
 
-/* Poses of the nodes by integrating the strains from the root, and the angles of joints; state NULL: undeformed. */
+/* Poses of the nodes by integrating the strains from the root outward, and the angles of joints; state NULL:
+   undeformed. */
 static void fbi_exact_poses(fb_real *r, fb_real *quat, const fb_exact *m, const fb_exact_state *state)
 {
   for (int k = 0; k < m->n; k++) {
+    const int root = m->inboard[k];
     fb_real x[6];
     if (m->jointed[k]) {
       const int j = m->jointed[k] - 1;
       fbi_exact_joint_quat(x, &m->joint[j], state ? state->angle[j] : m->joint[j].angle);
-      fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
-      fb_quat_mul(quat + 4 * k + 4, quat + 4 * k, x);
+      fbi_copy(r + 3 * k + 3, r + 3 * root, 3);
+      fb_quat_mul(quat + 4 * k + 4, quat + 4 * root, x);
       (void)fb_quat_normalize(quat + 4 * k + 4);
       continue;
     }
     for (int i = 0; i < 6; i++) {
       x[i] = m->h[k] * (m->xi[6 * k + i] + (state ? state->strain[6 * k + i] + state->offset[6 * k + i] : FB_R(0.0)));
     }
-    fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
-    fbi_copy(quat + 4 * k + 4, quat + 4 * k, 4);
+    fbi_copy(r + 3 * k + 3, r + 3 * root, 3);
+    fbi_copy(quat + 4 * k + 4, quat + 4 * root, 4);
     fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
   }
 }
@@ -13880,12 +13902,12 @@ static fbi_exact_answer fbi_exact_joint_answer(const fb_exact_work *work, const 
   return a;
 }
 
-/* Rate of a joint about its axis for the angular velocities of its nodes k and k + 1, or other unknowns of them. */
-static fb_real fbi_exact_joint_rate(const fb_exact_joint *joint, const fb_real *d, int k)
+/* Rate of the joint that is element k about its axis for the angular velocities of its nodes, or other unknowns. */
+static fb_real fbi_exact_joint_rate(const fb_exact *m, const fb_real *d, int k)
 {
-  const fb_real *const a = d + 6 * k + 3, *const b = a + 6;
+  const fb_real *const a = d + 6 * m->inboard[k] + 3, *const b = d + 6 * k + 9;
   const fb_real apart[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  return fb_vec3_dot(joint->axis, apart);
+  return fb_vec3_dot(m->joint[m->jointed[k] - 1].axis, apart);
 }
 
 /* Angle of a joint: marching, in the middle of the step; steady, that of the poses of its nodes about the axis, in the
@@ -13893,12 +13915,13 @@ static fb_real fbi_exact_joint_rate(const fb_exact_joint *joint, const fb_real *
 static fb_real fbi_exact_joint_angle(const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fb_real turn = FB_R(6.283185307179586), near_to = work->angle[m->jointed[k] - 1];
+  const int root = m->inboard[k];
   const fb_exact_joint *const joint = &m->joint[m->jointed[k] - 1];
   fb_real r[3], q[4], angle;
   if (work->motion.march) {
-    return near_to + work->motion.pose * fbi_exact_joint_rate(joint, work->V, k);
+    return near_to + work->motion.pose * fbi_exact_joint_rate(m, work->V, k);
   }
-  fbi_pose_relative(r, q, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+  fbi_pose_relative(r, q, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
   angle = FB_R(2.0) * FB_ATAN2(fb_vec3_dot(joint->axis, q + 1), q[0]);
   return angle + turn * fbi_round((near_to - angle) / turn);
 }
@@ -13924,15 +13947,16 @@ static void fbi_exact_joint_carried(fb_real y[6], fb_real E[9], const fb_exact_w
   fb_real quat[4];
   fbi_exact_joint_quat(quat, &m->joint[m->jointed[k] - 1], fbi_exact_joint_angle(work, m, k));
   fb_quat_to_mat33(E, quat);
-  fb_mat33_mulT_vec3(y, E, work->V + 6 * k);
-  fb_mat33_mulT_vec3(y + 3, E, work->V + 6 * k + 3);
+  fb_mat33_mulT_vec3(y, E, work->V + 6 * m->inboard[k]);
+  fb_mat33_mulT_vec3(y + 3, E, work->V + 6 * m->inboard[k] + 3);
 }
 
 /* Relative pose of the nodes of a joint apart from its angle: E^T x, and the rotation vector of E^T R. */
 static void fbi_exact_joint_apart(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int k)
 {
+  const int root = m->inboard[k];
   fb_real r[3], q[4], turn[4], E[9], rest[4];
-  fbi_pose_relative(r, q, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+  fbi_pose_relative(r, q, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
   fbi_exact_joint_quat(turn, &m->joint[m->jointed[k] - 1], fbi_exact_joint_angle(work, m, k));
   fb_quat_to_mat33(E, turn);
   fb_mat33_mulT_vec3(y, E, r);
@@ -13959,7 +13983,7 @@ static FBI_NOINLINE void fbi_exact_joint_rows(fb_real r[6], const fb_exact_work 
   /* What is apart, without what is along the axis */
   if (work->motion.march) {
     fbi_exact_joint_carried(y, E, work, m, k);
-    rate = fbi_exact_joint_rate(joint, work->V, k);
+    rate = fbi_exact_joint_rate(m, work->V, k);
     angle = work->angle_base[j] + rate / work->motion.shift;
     for (int i = 0; i < 6; i++) {
       r[i] = y[i] - work->V[6 * k + 6 + i];
@@ -14063,6 +14087,7 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
+  const int root = m->inboard[k];
   fb_real f[6], df[6], y[6], mean_G[3];
 
   /* Strain from the stress, twist over the element */
@@ -14077,7 +14102,7 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
   /* Line loads: follower loads, then dead loads turned to section axes */
   fbi_vec6_copy(f, work->line + 6 * k);
   if (motion->dead) {
-    const fb_real *const a = work->R + 9 * k, *const b = a + 9, *const n = work->line_dead + 6 * k;
+    const fb_real *const a = work->R + 9 * root, *const b = work->R + 9 * k + 9, *const n = work->line_dead + 6 * k;
     for (int i = 0; i < 6; i += 3) {
       fb_real p[3], q[3], mean[3];
       fb_mat33_mulT_vec3(p, a, n + i);
@@ -14089,14 +14114,14 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
 
   /* Gravity and inertia */
   if (motion->gravity) {
-    fbi_exact_mean3(mean_G, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
+    fbi_exact_mean3(mean_G, c->dG, c->theta, work->G + 6 * root, work->G + 6 * k + 6);
     for (int i = 0; i < 6; i++) {
       f[i] += fb_vec3_dot(M + 6 * i, mean_G);
       df[i] += fb_vec3_dot(M + 6 * i, c->dG);
     }
   }
   if (motion->inertia) {
-    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * root, work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(c->P, M, c->V);
     fbi_adT(y, c->V, c->P);
     for (int i = 0; i < 6; i++) {
@@ -14128,11 +14153,13 @@ static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, co
    the twist between the poses of its ends. r: residual.
    Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
-static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const fb_exact_work *work, int k)
+static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m,
+                                    int k)
 {
   fb_real y[6];
   if (!work->motion.march) {
-    fbi_pose_difference(y, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+    const int root = m->inboard[k];
+    fbi_pose_difference(y, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
     for (int i = 0; i < 6; i++) {
       r[i] = c->theta[i] - y[i];
     }
@@ -14235,7 +14262,7 @@ static void fbi_exact_loads_by_node(fb_real F1d[36], fb_real F2d[36], const fb_r
                                     const fb_exact_work *work, const fb_exact *m, int k, int node)
 {
   const fbi_exact_motion *motion = &work->motion;
-  const fb_real sign = node == k ? -FB_R(1.0) : FB_R(1.0);
+  const fb_real sign = node == k + 1 ? FB_R(1.0) : -FB_R(1.0);
   fb_real Q[36], D[36], Y[36];
   fbi_zero(Q, 36);
   fbi_zero(D, 36);
@@ -14288,7 +14315,7 @@ static void fbi_exact_load_matrices(fb_real N[36], fb_real G[36], const fbi_exac
   if (motion->dead) { /* -h (rotation x d)/12, d the difference of the dead loads between the ends */
     for (int i = 0; i < 6; i += 3) {
       fb_real p[3], q[3], d[3];
-      fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
+      fb_mat33_mulT_vec3(p, work->R + 9 * m->inboard[k], work->line_dead + 6 * k + i);
       fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, work->line_dead + 6 * k + i);
       for (int a = 0; a < 3; a++) {
         d[a] = c->h / FB_R(12.0) * (q[a] - p[a]);
@@ -14335,7 +14362,7 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
   fbi_exact_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
     fbi_mul_ad(Y, N, c->theta);
-    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, k);
+    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, m->inboard[k]);
     fbi_exact_loads_by_node(j->F1d2, j->F2d2, N, Y, work, m, k, k + 1);
   } else {
     fbi_zero(j->F1d1, 36);
@@ -14358,7 +14385,7 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
   fbi_exact_compliance_rate(j->E, c, work, hC);
 }
 
-/* ---- the chain */
+/* ---- the tree of elements */
 
 /* [E10.18] Load on a node, section axes: applied loads and, for each lumped body, M g - momentum_t + ad(V)^T P as for
    an element.
@@ -14538,6 +14565,35 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
   return FB_OK;
 }
 
+/* [E10.26] A branch in E10.10: with the balance of its first node taken as that of the node it begins at, its elements are
+   eliminated like those beyond any node, and the Schur complements of all elements that begin at a node add up there.
+   Elements have greater numbers than those they hang on: backward order needs no fill-in. What a branch leaves (x, n
+   numbers: K or right-hand side) is put aside when its first element is eliminated, and added when its node is reached.
+   Source: own; elimination of a tree from its leaves ([GV] 4.5).  Cost: 36 flops a branch.  Fails: never.
+   Test: a_beam_of_two_branches_moves_as_the_chain, a_beam_of_two_branches_rests_as_the_chain,
+   booms_on_a_free_hub_move_as_a_body_of_two_lines. */
+static void fbi_exact_branch_leave(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
+{
+  if (m->inboard[k] == k) {
+    return;
+  }
+  for (int b = 0; b < m->n_branch; b++) {
+    if (m->branch[b] == k) {
+      fbi_copy(work->aside + 36 * b, x, n);
+    }
+  }
+  fbi_zero(x, n);
+}
+
+static void fbi_exact_branch_join(fb_real *x, const fb_exact_work *work, const fb_exact *m, int node, int n)
+{
+  for (int b = 0; b < m->n_branch; b++) {
+    if (m->inboard[m->branch[b]] == node) {
+      fbi_row_sub(x, -FB_R(1.0), work->aside + 36 * b, n);
+    }
+  }
+}
+
 /* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
    the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
    of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
@@ -14555,15 +14611,18 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
     } else {
       fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     }
+    fbi_exact_branch_join(K, work, m, k + 1, 36);
     fbi_exact_node_jacobian(K, work, m, k + 1);
     fbi_exact_rows_fill(work, m, K, k);
     status = fbi_exact_eliminate(K, work, k);
     if (status != FB_OK) {
       return status;
     }
+    fbi_exact_branch_leave(K, work, m, k, 36);
   }
 
   /* the 6x6 block of the root remains */
+  fbi_exact_branch_join(K, work, m, 0, 36);
   fbi_exact_node_jacobian(K, work, m, 0);
   fbi_exact_hold(K, work, m, 0, 6, 0);
   fbi_copy(work->root, K, 36);
@@ -14579,6 +14638,7 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
+    fbi_exact_branch_join(z, work, m, k, 6);
     for (int i = 0; i < 6; i++) {
       b[6 + i] = z[i] - work->B[6 * k + i];
     }
@@ -14595,12 +14655,13 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
     for (int i = 0; i < 12; i++) {
       fbi_vec6_add(z, y[i], work->L + 72 * (k - 1) + 6 * i);
     }
+    fbi_exact_branch_leave(z, work, m, k - 1, 6);
   }
 
   /* Back-substitution from the root: (ds, dd2) = y - W dd1 */
   fbi_vec6_copy(work->dd, x);
   for (int k = 0; k < m->n; k++) {
-    const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * k;
+    const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * m->inboard[k];
     for (int i = 0; i < 6; i++) {
       work->ds[6 * k + i] = y[i] - fbi_vec6_dot(work->W + 72 * k + 6 * i, d);
       work->dd[6 * k + 6 + i] = y[6 + i] - fbi_vec6_dot(work->W + 72 * k + 36 + 6 * i, d);
@@ -14627,13 +14688,15 @@ static void fbi_exact_residual(fb_exact_work *work, const fb_exact *m)
     if (m->jointed[k]) {
       fbi_exact_joint_rows(work->c + 6 * k, work, m, k);
     } else {
-      fbi_exact_compatibility(work->c + 6 * k, c, work, k);
+      fbi_exact_compatibility(work->c + 6 * k, c, work, m, k);
     }
     fbi_vec6_copy(work->P + 6 * k, c->P);
-    fbi_vec6_add(work->B + 6 * k, -FB_R(1.0), c->F1);
+    fbi_vec6_add(work->B + 6 * m->inboard[k], -FB_R(1.0), c->F1);
     fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
     if (k == 0) {
       fbi_vec6_copy(work->F, c->F1);
+    } else if (m->inboard[k] == 0) {
+      fbi_vec6_add(work->F, FB_R(1.0), c->F1);
     }
     fbi_vec6_copy(work->F + 6 * k + 6, c->F2);
   }
@@ -14924,7 +14987,7 @@ static void fbi_exact_pose_take(fb_exact_work *work, const fb_exact_state *from,
 static int fbi_exact_is_sized(const fb_exact *m)
 {
   return m->n >= 1 && m->n <= FB_MAX_EXACT && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS && m->n_joint >= 0 &&
-         m->n_joint <= FB_MAX_LUMPS;
+         m->n_joint <= FB_MAX_LUMPS && m->n_branch >= 0 && m->n_branch <= FB_MAX_LUMPS;
 }
 
 /* Is an angle such that its whole turns can be counted? */
@@ -14971,6 +15034,14 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   for (int k = 0; sound && k < m->n_lump; k++) {
     sound = fbi_is_within(m->lump_node[k], m->n);
   }
+
+  /* Elements hang on earlier nodes, those of the list of branches alone not on the node before */
+  for (int k = 0, b = 0; sound && k < m->n; k++) {
+    const int listed = b < m->n_branch && m->branch[b] == k;
+    sound = fbi_is_within(m->inboard[k], k) && listed == (m->inboard[k] != k) &&
+            (k + 1 < m->n || b + listed == m->n_branch);
+    b += listed;
+  }
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
@@ -14983,10 +15054,10 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
     return 0;
   }
   {
-    const int whole[6] = {m->n, m->n_lump, m->n_joint, m->iterations, m->factorizations, m->floating};
+    const int whole[7] = {m->n, m->n_lump, m->n_joint, m->n_branch, m->iterations, m->factorizations, m->floating};
     const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
     const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 6), number, 7, FB_SINGLE);
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), number, 7, FB_SINGLE);
     for (int k = 0; k < 6; k++) {
       crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
     }
@@ -14996,7 +15067,8 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
   crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
   crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
   crc = fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
-  crc = fbi_crc_ints(crc, m->jointed, m->n + 1);
+  crc = fbi_crc_ints(fbi_crc_ints(crc, m->jointed, m->n + 1), m->inboard, m->n);
+  crc = fbi_crc_ints(crc, m->branch, m->n_branch);
   for (int j = 0; j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
     const int whole[2] = {joint->element, joint->driven};
@@ -15114,7 +15186,7 @@ static void fbi_exact_state_take(fb_exact_state *state, fb_exact_work *work, con
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * m->inboard[k], work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
   }
   for (int l = 0; l < m->n_lump; l++) {
@@ -15126,7 +15198,7 @@ static void fbi_exact_state_take(fb_exact_state *state, fb_exact_work *work, con
     if (m->jointed[k]) {
       const int j = m->jointed[k] - 1;
       state->angle[j] = fbi_exact_joint_angle(work, m, k);
-      state->angle_rate[j] = fbi_exact_joint_rate(&m->joint[j], work->V, k);
+      state->angle_rate[j] = fbi_exact_joint_rate(m, work->V, k);
     }
   }
 
@@ -15177,7 +15249,7 @@ static void fbi_exact_seen_mean(fb_real V[6], const fb_exact *m, const fb_exact_
   for (int i = 0; i < 6; i++) {
     theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
   }
-  fbi_exact_seen(a, state, k, u);
+  fbi_exact_seen(a, state, m->inboard[k], u);
   fbi_exact_seen(b, state, k + 1, u);
   fbi_exact_mean(V, d, theta, a, b);
 }
@@ -15219,7 +15291,7 @@ static void fbi_exact_momenta(fb_real p[3], fb_real h[3], const fb_exact *m, con
       first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
       second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
     }
-    fbi_exact_wrench_add(p, h, state, k, first);
+    fbi_exact_wrench_add(p, h, state, m->inboard[k], first);
     fbi_exact_wrench_add(p, h, state, k + 1, second);
   }
 
@@ -15265,13 +15337,14 @@ static void fbi_exact_reframe(fb_exact_state *state, const fb_exact *m, const fb
 
   /* Momenta of the elements, and their rates as the sections rotate */
   for (int k = 0; k < m->n; k++) {
-    const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
+    const fb_real *const a = state->V[0] + 6 * m->inboard[k], *const b = state->V[0] + 6 * k + 6,
+                         *const M = m->M + 36 * k;
     fb_real turn[3], rate[6];
     fbi_exact_seen_mean(V, m, state, k, du);
     fbi_mat66_mul_vec6(P, M, V);
     fbi_vec6_add(state->momentum + 6 * k, -FB_R(1.0), P);
     for (int i = 0; i < 3; i++) {
-      turn[i] = FB_R(0.5) * (a[i + 3] + a[i + 9]);
+      turn[i] = FB_R(0.5) * (a[i + 3] + b[i + 3]);
     }
     fbi_vec6_zero(rate);
     fb_vec3_cross(rate, V, turn);
@@ -15311,16 +15384,21 @@ static void fbi_exact_reframe(fb_exact_state *state, const fb_exact *m, const fb
 static void fbi_exact_rates_add(fb_exact_work *work, const fb_exact *m)
 {
   for (int l = 0; l < m->n_joint; l++) {
-    const int k = m->joint[l].element;
+    const int k = m->joint[l].element, root = m->inboard[k];
+    int beyond[FB_MAX_EXACT + 1] = {0}; /* nodes outboard of the joint */
     fb_real w[3];
-    fb_mat33_mul_vec3(w, work->R + 9 * k, m->joint[l].axis);
+    fb_mat33_mul_vec3(w, work->R + 9 * root, m->joint[l].axis);
     for (int i = 0; i < 3; i++) {
       w[i] *= m->joint[l].rate;
     }
     for (int j = k + 1; j <= m->n; j++) {
-      const fb_real *const R = work->R + 9 * j, *const a = work->r + 3 * k, *const b = work->r + 3 * j;
+      const fb_real *const R = work->R + 9 * j, *const a = work->r + 3 * root, *const b = work->r + 3 * j;
       const fb_real arm[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
       fb_real v[3], y[3];
+      beyond[j] = j == k + 1 || beyond[m->inboard[j - 1]];
+      if (!beyond[j]) {
+        continue;
+      }
       fb_vec3_cross(v, w, arm);
       fb_mat33_mulT_vec3(y, R, v);
       fbi_vec3_add(work->V + 6 * j, FB_R(1.0), y);
@@ -15408,8 +15486,16 @@ FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, con
     fb_mat33_mul_vec3(r, base, state->r + 3 * j);
     fb_quat_mul(out->quat, state->base_quat, state->quat + 4 * j);
     fb_quat_mul(turn, back, state->quat + 4 * j);
+    if (j > 0) {
+      fbi_copy(phi, node[m->inboard[j - 1]].rotation, 3);
+    }
     if (j > 0 && m->jointed[j - 1]) {
       const int l = m->jointed[j - 1] - 1;
+      fb_real built[4], E[9], before[3];
+      fbi_exact_joint_quat(built, &m->joint[l], m->joint[l].angle);
+      fb_quat_to_mat33(E, built);
+      fbi_copy(before, phi, 3);
+      fb_mat33_mulT_vec3(phi, E, before); /* in the axes of the outboard section as built */
       fbi_vec3_add(phi, state->angle[l] - m->joint[l].angle, m->joint[l].axis);
     }
     fbi_rotvec_near(phi, turn);
@@ -15490,18 +15576,28 @@ FB_DEF fb_status fb_exact_joint_eval(const fb_exact *m, fb_exact_hinge *out, con
 static void fbi_exact_point(fb_real r[3], fb_real quat[4], const fb_exact *m, const fb_exact_state *state, int k,
                             fb_real s)
 {
+  const int root = m->inboard[k];
   fb_real x[6], dF[6], bend[6], taper[6];
   for (int i = 0; i < 6; i++) {
     x[i] = s * m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * k + i];
+    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * root + i];
+  }
+  if (m->n_branch > 0) { /* a node has loads of other elements, too: by E10.7 */
+    fb_real theta[6], y[6];
+    for (int i = 0; i < 6; i++) {
+      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+      dF[i] = FB_R(2.0) * (state->force[6 * k + 6 + i] - state->stress[0][6 * k + i]);
+    }
+    fbi_adT(y, theta, dF);
+    fbi_vec6_add(dF, -FB_R(1.0) / FB_R(6.0), y);
   }
   fbi_mat66_mul_vec6(bend, m->section + 36 * k, dF);
   fbi_mat66_mul_vec6(taper, m->taper + 36 * k, state->stress[0] + 6 * k);
   for (int i = 0; i < 6; i++) {
     bend[i] = FB_R(0.5) * s * (s - FB_R(1.0)) * m->h[k] * (bend[i] + taper[i]);
   }
-  fbi_copy(r, state->r + 3 * k, 3);
-  fbi_copy(quat, state->quat + 4 * k, 4);
+  fbi_copy(r, state->r + 3 * root, 3);
+  fbi_copy(quat, state->quat + 4 * root, 4);
   fbi_pose_add(r, quat, x);
   fbi_pose_add(r, quat, bend);
 }
@@ -15510,15 +15606,18 @@ FB_DEF fb_status fb_exact_point_eval(const fb_exact *m, fb_real position[3], fb_
                                      const fb_exact_state *state, fb_real x)
 {
   fb_status status;
-  fb_real r[3], turn[4], R[9], place = FB_R(0.0);
+  fb_real r[3], turn[4], R[9], place = FB_R(0.0), end = FB_R(0.0);
   int k = 0;
   FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
-  if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
-    return FB_ERR_VALUE;
-  }
   status = fb_exact_state_check(m, state);
   if (status != FB_OK) {
     return status;
+  }
+  for (int i = 0; i < m->n; i++) {
+    end += m->h[i];
+  }
+  if (!(x >= FB_R(0.0) && x <= m->length * end * (FB_R(1.0) + FB_R(1e-5)))) {
+    return FB_ERR_VALUE;
   }
 
   /* Element that contains x, of two at a joint the inboard one */
@@ -15587,7 +15686,8 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
 
   /* Elements */
   for (int k = 0; k < m->n; k++) {
-    const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
+    const fb_real h = m->h[k], *const M = m->M + 36 * k;
+    const fb_real *const r = state->r + 3 * m->inboard[k], *const quat = state->quat + 4 * m->inboard[k];
     fb_real middle[3], turn[4];
     fbi_exact_point(middle, turn, m, state, k, FB_R(0.5));
     out.strain +=
@@ -15596,7 +15696,8 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
         h * unit *
         fbi_exact_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
     out.gravity -= h * unit / FB_R(6.0) *
-                   (fbi_exact_weight(M, g, origin, r, quat) + fbi_exact_weight(M, g, origin, r + 3, quat + 4) +
+                   (fbi_exact_weight(M, g, origin, r, quat) +
+                    fbi_exact_weight(M, g, origin, state->r + 3 * k + 3, state->quat + 4 * k + 4) +
                     FB_R(4.0) * fbi_exact_weight(M, g, origin, middle, turn));
   }
 
@@ -15792,6 +15893,19 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 
 #define FBI_WORD_DT "dt [s], finite and above"
 #define FBI_WORD_SPIN "dt [s] at this spin [rad/s], at most"
+/* A step beyond the limit, or from a state that has no spin: NaN. */
+#if FB_WITH_DETAIL
+static fb_status fbi_refuse_spin(const char *what, fb_real dt, fb_real limit, fb_real spin)
+{
+  return spin <= FB_HUGE
+             ? FBI_REFUSE_AT(FB_ERR_STEP, what, -1, dt, limit, spin)
+             : FBI_REFUSE(FB_ERR_STEP, "state: finite numbers and a quaternion of length 1, as from fb_state_init", -1,
+                          FB_R(0.0), FB_R(0.0));
+}
+#define FBI_REFUSE_SPIN(what, dt, limit, spin) fbi_refuse_spin(what, dt, limit, spin)
+#else
+#define FBI_REFUSE_SPIN(what, dt, limit, spin) (FB_ERR_STEP)
+#endif
 #define FBI_WORD_NEWTON "last Newton correction of a stage [rad], at most"
 #define FBI_WORD_LOST "body: rotates so far in a step that its attitude is lost to round-off"
 #define FBI_WORD_TURN "body: change of the angular velocity, times this dt [s], at most"
@@ -15997,9 +16111,8 @@ static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetic
 {
   fb_real spin, acceleration;
   const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, further);
-  return dt <= longest
-             ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt, longest, spin);
+  return dt <= longest ? FB_OK
+                       : FBI_REFUSE_SPIN("dt [s] for the modes at this spin [rad/s], at most", dt, longest, spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -17013,7 +17126,7 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
   fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
   return dt <= fb_implicit_limit(body, spin, acceleration)
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, dt, fb_implicit_limit(body, spin, acceleration), spin);
+             : FBI_REFUSE_SPIN(FBI_WORD_SPIN, dt, fb_implicit_limit(body, spin, acceleration), spin);
 }
 
 /* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
@@ -17646,7 +17759,7 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
   return h <= fb_exponential_limit(body, spin, acceleration)
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, h, fb_exponential_limit(body, spin, acceleration), spin);
+             : FBI_REFUSE_SPIN(FBI_WORD_SPIN, h, fb_exponential_limit(body, spin, acceleration), spin);
 }
 
 #if FB_WITH_ROTORS
@@ -19320,7 +19433,7 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
 
   /* Joints */
   for (int j = 0; j < m->n_joint; j++) {
-    next->angle_rate[j] = fbi_exact_joint_rate(&m->joint[j], work->V, m->joint[j].element);
+    next->angle_rate[j] = fbi_exact_joint_rate(m, work->V, m->joint[j].element);
     next->angle[j] += dt * next->angle_rate[j];
   }
 
@@ -20153,7 +20266,7 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve) */
+   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve, eigen) */
 
 /* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
    node; cell, an integration interval; chain, a beam along a polygon of points. */
@@ -20466,12 +20579,12 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
         FBI_NOT_NEGATIVE(&material->density, 1, "material.density [kg/m^3]"), FBI_ANY(&profile->x, 1, "profile.x [m]"),
         FBI_NOT_NEGATIVE(size, 2, "profile.size [m]")};
     const fbi_claim claim[] = {
-        FBI_CLAIM(material->E > FB_R(0.0), "material.E [Pa], not 0"),
-        FBI_CLAIM(material->G > FB_R(0.0), "material.G [Pa], not 0"),
-        FBI_CLAIM(size[0] > FB_R(0.0), "profile.size[0] [m], not 0"),
+        FBI_CLAIM_OF(material->E > FB_R(0.0), material->E, FB_R(0.0), "material.E [Pa], above"),
+        FBI_CLAIM_OF(material->G > FB_R(0.0), material->G, FB_R(0.0), "material.G [Pa], above"),
+        FBI_CLAIM_OF(size[0] > FB_R(0.0), size[0], FB_R(0.0), "profile.size[0] [m], above"),
         FBI_CLAIM(tube || profile->kind == FB_PROFILE_RECTANGLE, "profile.kind, an fb_profile_kind"),
-        FBI_CLAIM(!tube || size[1] < size[0], "profile.size[1] [m] of a tube, below size[0]"),
-        FBI_CLAIM(tube || size[1] > FB_R(0.0), "profile.size[1] [m] of a rectangle, not 0")};
+        FBI_CLAIM_OF(!tube || size[1] < size[0], size[1], size[0], "profile.size[1] [m] of a tube, below size[0]"),
+        FBI_CLAIM_OF(tube || size[1] > FB_R(0.0), size[1], FB_R(0.0), "profile.size[1] [m] of a rectangle, above")};
     fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
     status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
     if (status != FB_OK || !fbi_is_finite(given, 6)) {
@@ -20540,10 +20653,11 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
     return status;
   }
   {
-    const fbi_claim claim[] = {FBI_CLAIM(n >= 2, "n, at least 2"),
-                               FBI_CLAIM(from->kind == to->kind, "profile.kind, the same at both ends"),
-                               FBI_CLAIM(to->x > from->x, "to.x [m], above from.x"),
-                               FBI_CLAIM(desc->n_station >= 0, "desc.n_station, not negative")};
+    const fbi_claim claim[] = {
+        FBI_CLAIM_OF(n >= 2, (fb_real)n, FB_R(2.0), "n, at least"),
+        FBI_CLAIM(from->kind == to->kind, "profile.kind, the same at both ends"),
+        FBI_CLAIM_OF(to->x > from->x, to->x, from->x, "to.x [m], above from.x"),
+        FBI_CLAIM_OF(desc->n_station >= 0, (fb_real)desc->n_station, FB_R(0.0), "desc.n_station, at least")};
     status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
     if (status != FB_OK) {
       return status;
@@ -20637,7 +20751,7 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
-#define FBI_WORD_INERTIA "inertia [kg m^2], that of a body of positive mass (no moment above the sum of the others)"
+#define FBI_WORD_INERTIA "inertia [kg m^2], its largest principal moment at most the sum of the others"
 
 /* [E6.2] Directions of spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite
    Cholesky, the largest diagonal element first), so that integrals of degree 2 over the body become sums. Rods and
@@ -20671,6 +20785,21 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   }
   return FB_OK;
 }
+
+/* FB_ERR_VALUE of an inertia that no body has, with its largest principal moment and the sum of the others. */
+#if FB_WITH_DETAIL
+static fb_status fbi_refuse_moments(const fb_real inertia[6], const char *what, int index, const char *function)
+{
+  fb_real d[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, V[9];
+  fb_real A[9] = {inertia[0], inertia[3], inertia[4], inertia[3], inertia[1],
+                  inertia[5], inertia[4], inertia[5], inertia[2]};
+  (void)fb_eig_sym_solve(d, V, A, 3);
+  return fbi_refuse(FB_ERR_VALUE, function, what, index, d[2], d[0] + d[1], FB_R(0.0));
+}
+#define FBI_REFUSE_MOMENTS(inertia, what, index) fbi_refuse_moments(inertia, what, index, __func__)
+#else
+#define FBI_REFUSE_MOMENTS(inertia, what, index) (FB_ERR_VALUE)
+#endif
 
 /* Values of a section: finite, not negative, consistent. bent: the beam is a chain of points. k: number of the
    station. */
@@ -20805,6 +20934,14 @@ static fb_status fbi_line_fill(fb_beam *beam)
   return FB_OK;
 }
 
+/* Descriptions with a count beside an array: is the first entry filled? A count of 0 is then forgotten, and refused. */
+#define FBI_COUNTED(count, filled, what) FBI_AT_LEAST(count, (filled) ? 1 : 0, what)
+
+static int fbi_lump_is_filled(const fb_lump *lump)
+{
+  return !fbi_is_zero(&lump->mass, 1) || !fbi_is_zero(lump->inertia, 6);
+}
+
 static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 {
   for (int k = 0; k < n; k++) {
@@ -20823,7 +20960,7 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
       return FBI_REFUSE(FB_ERR_VALUE, "lump: mass [kg], at least", k, lump->mass, FB_R(0.0));
     }
     if (fbi_spread(spread, lump->inertia) != FB_OK) {
-      return FBI_REFUSE(FB_ERR_VALUE, "lump: " FBI_WORD_INERTIA, k, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE_MOMENTS(lump->inertia, "lump: " FBI_WORD_INERTIA, k);
     }
   }
   return FB_OK;
@@ -20832,19 +20969,19 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 /* Counts, finite values and ranges of a desc; its line and stations are checked later. */
 static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
 {
-  const int straight = desc->n_point == 0;
+  const int straight = desc->n_point == 0 && fbi_is_zero(desc->point[1], 3);
   const fbi_count most[] = {FBI_AT_MOST(desc->n_element, FB_MAX_ELEMENTS, "n_element, FB_MAX_ELEMENTS"),
                             FBI_AT_MOST(desc->n_station, FB_MAX_STATIONS, "n_station, FB_MAX_STATIONS"),
                             FBI_AT_MOST(desc->n_lump, FB_MAX_LUMPS, "n_lump, FB_MAX_LUMPS"),
                             FBI_AT_MOST(desc->n_point, FB_MAX_ELEMENTS + 1, "n_point, FB_MAX_ELEMENTS + 1")};
   const fbi_number field[] = {FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
                               FBI_ANY(desc->attitude, 4, "attitude")};
-  const fbi_count least[] = {FBI_AT_LEAST(desc->n_element, 1, "n_element"),
-                             FBI_AT_LEAST(desc->n_station, 1, "n_station"), FBI_AT_LEAST(desc->n_lump, 0, "n_lump"),
-                             FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
-                             FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1,
-                                       straight ? 0 : desc->n_element + 1,
-                                       "n_point, one more than n_element, equal to")};
+  const fbi_count least[] = {
+      FBI_AT_LEAST(desc->n_element, 1, "n_element"), FBI_AT_LEAST(desc->n_station, 1, "n_station"),
+      FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
+      FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
+      FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1, straight ? 0 : desc->n_element + 1,
+                "n_point, n_element + 1 where point[1] is filled, equal to")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
   for (int k = 0; k < desc->n_point && status == FB_OK; k++) {
@@ -21333,6 +21470,10 @@ FB_DEF void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M)
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>modes: natural modes, components, buckling, synthesis (uses config, status, vec3, solve, eigen, beam) */
 
+/* More modes than there is room for: the number wanted. */
+#define FBI_WORD_ROOM "count of modes, FB_MAX_MODES, at most"
+#define FBI_REFUSE_ROOM(n) FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(n), FB_R(1.0) * FB_MAX_MODES)
+
 /* The coordinates of a beam are those of an assumed-modes (Ritz) basis: natural and attachment modes, Craig-Bampton
    component modes, finite-element coordinates or scalar functions. Names: kind, bending in a plane, axial or torsion;
    group, kinds that are coupled; held, constrained; work.found, the basis so far; weld, a rigid connection. */
@@ -21469,12 +21610,14 @@ static int fbi_rigid_motions(fb_real motion[36], const fb_modes_work *work, cons
 }
 
 /* [E7.1] Shift of an eigenproblem with rigid-body modes: the Rayleigh quotient of the displacement (x/L)^2 in all kinds
-   of the group, a fraction of the lowest elastic eigenvalue.
-   Source: own.  Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots). */
+   of the group, a fraction of the lowest elastic eigenvalue; where all inertia is at the root, which that does not
+   move, by the inertia of the root: there are no elastic modes.
+   Source: own.  Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots),
+   torsion_without_polar_inertia_leaves_the_rest. */
 static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *Mc, const int *dof, int n)
 {
   const fb_real L = beam->desc.length;
-  fb_real k = FB_R(0.0), m = FB_R(0.0);
+  fb_real k = FB_R(0.0), m = FB_R(0.0), whole = FB_R(0.0);
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++) {
       fb_real y[2];
@@ -21486,8 +21629,9 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
       k += y[0] * Kc[i * n + j] * y[1];
       m += y[0] * Mc[i * n + j] * y[1];
     }
+    whole += dof[i] % 6 < 4 ? L * L * Mc[i * n + i] : FB_R(0.0);
   }
-  return k / m;
+  return k / (m > FB_R(0.0) ? m : whole);
 }
 
 /* Reverses the order of n eigenvalues and rows of eigenvectors. */
@@ -21622,6 +21766,18 @@ static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int
   }
 }
 
+#if FB_WITH_DETAIL
+/* How many modes the counts ask for; one more than there is room for where they do not say. */
+static int fbi_modes_wanted(const fb_modes_desc *desc)
+{
+  int n = 0;
+  for (int k = 0; k < (int)FB_KIND_COUNT; k++) {
+    n += desc->count[k] < FB_ALL_MODES ? desc->count[k] : 0;
+  }
+  return n > FB_MAX_MODES ? n : FB_MAX_MODES + 1;
+}
+#endif
+
 /* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): those of all modes
    of a clamped beam add up to its mass but for that at the root ([DB] (43)). Returns whether the modes found reach the
    fraction asked for along each motion that the group's free coordinates take part in and whose kind is asked for.
@@ -21696,7 +21852,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
 
     /* Taken unless it depends linearly on the others */
     if (out->n == FB_MAX_MODES) {
-      return FB_ERR_CAPACITY;
+      return FBI_REFUSE_ROOM(fbi_modes_wanted(desc));
     }
     fbi_copy(out->shape + out->n * out->ndof, spare, out->ndof);
     out->kind[out->n] = kind;
@@ -21706,7 +21862,10 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
       out->n++;
     }
   }
-  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n) ? FB_ERR_MODES : FB_OK;
+  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n)
+             ? FBI_REFUSE(FB_ERR_MODES, "mass_fraction: more modes than count, or than there are; modes found", -1,
+                          (fb_real)out->n, desc->mass_fraction)
+             : FB_OK;
 }
 
 /* Sorts modes by frequency, equal ones by kind. */
@@ -21745,7 +21904,7 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
     const fb_kind kind = fbi_dof_kind(beam, i);
     if (desc->count[kind] > 0 && group[kind] >= 0 && !work->held[i]) {
       if (out->n == FB_MAX_MODES) {
-        return FB_ERR_CAPACITY;
+        return FBI_REFUSE_ROOM(out->n + 1);
       }
       fbi_zero(out->shape + out->n * out->ndof, out->ndof);
       out->shape[out->n * out->ndof + i] = FB_R(1.0);
@@ -21780,13 +21939,21 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
                                 const int group[FB_KIND_COUNT], int id)
 {
   fb_real motion[36];
+  fb_status status;
   *n = group[id] == id ? fbi_group_dofs(dof, beam, work->held, group, id) : 0;
   *rigid = *found = 0;
   if (*n == 0) {
     return FB_OK;
   }
   *rigid = fbi_rigid_motions(motion, work, beam, group, id);
-  return fbi_group_solve(beam, work, dof, *n, *rigid, found);
+  status = fbi_group_solve(beam, work, dof, *n, *rigid, found);
+  return status == FB_ERR_SINGULAR
+             ? FBI_REFUSE(
+                   status,
+                   "kind: stiffness of its modes, positive definite (a preload beyond buckling, or a boundary that "
+                   "permits rigid-body motion)",
+                   id, FB_R(0.0), FB_R(0.0))
+             : status;
 }
 
 /* How many of the n lowest elastic modes each group has; equal ones at the end of the list go to the first group.
@@ -21845,7 +22012,7 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
   if (desc->lowest > 0) {
     fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
-      return FB_ERR_CAPACITY;
+      return FBI_REFUSE_ROOM(work->found.n + desc->lowest);
     }
     status = fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest);
     if (status != FB_OK) {
@@ -22009,14 +22176,12 @@ static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
   return n;
 }
 
-#define FBI_WORD_ROOM "count of modes, FB_MAX_MODES, at most"
-
 /* Puts the n rigid-body modes of work.free in front of the modes found. */
 static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
 {
   fb_modes *out = &work->found;
   if (out->n > FB_MAX_MODES - n) {
-    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(out->n + n), FB_R(1.0) * FB_MAX_MODES);
+    return FBI_REFUSE_ROOM(out->n + n);
   }
   for (int k = out->n - 1; k >= 0; k--) {
     fbi_shape_move(out, k + n, k);
@@ -22068,7 +22233,7 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
 
     /* Taken unless the modes span it */
     if (out->n == FB_MAX_MODES) {
-      status = FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, FB_R(1.0) + (fb_real)out->n, FB_R(1.0) * FB_MAX_MODES);
+      status = FBI_REFUSE_ROOM(out->n + 1);
     } else {
       (void)fbi_shape_take(work, beam, x, FB_R(0.0));
     }
@@ -22257,8 +22422,7 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
 
   /* Constraint modes, for now at the end of the table */
   if (out->n > FB_MAX_MODES - (desc->boundary_inertia ? 2 : 1) * m) {
-    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(out->n + (desc->boundary_inertia ? 2 : 1) * m),
-                      FB_R(1.0) * FB_MAX_MODES);
+    return FBI_REFUSE_ROOM(out->n + (desc->boundary_inertia ? 2 : 1) * m);
   }
   constraint = out->shape + (FB_MAX_MODES - m) * out->ndof;
   n = fbi_static_factor(&status, dof, work, beam, group);
@@ -22427,21 +22591,31 @@ static fb_status fbi_functions_check(int count[3], const fb_modes_desc *desc, co
                                      const int group[FB_KIND_COUNT], int degree)
 {
   const int m = fbi_function_ndof(beam->desc.n_element, degree) - 2;
-  if (beam->desc.root != FB_ROOT_CLAMPED || beam->desc.n_point > 0 || desc->degree < 0 || degree < 3 ||
-      degree > FBI_DEGREE) {
-    return FB_ERR_VALUE;
+  int all;
+  const fbi_count range[] = {FBI_COUNT(desc->degree < 0 ? desc->degree : degree, 3, FBI_DEGREE, "degree, beyond")};
+  const fbi_claim claim[] = {
+      FBI_CLAIM(beam->desc.root == FB_ROOT_CLAMPED, "FB_BASIS_FUNCTIONS, with FB_ROOT_CLAMPED only"),
+      FBI_CLAIM(beam->desc.n_point == 0, "FB_BASIS_FUNCTIONS, not of a beam by points")};
+  fb_status status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, range, FBI_LENGTH(range), -1);
+  if (status != FB_OK) {
+    return status;
   }
   if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
-    return FB_ERR_UNSUPPORTED;
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED,
+                      "FB_BASIS_FUNCTIONS: neither GA_y, GA_z nor torsion; root_strain with axial functions", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
   for (int d = 0; d < 3; d++) {
     const fb_kind kind = fbi_function_kind[d];
     count[d] = desc->count[kind] < FB_ALL_MODES ? desc->count[kind] : group[kind] >= 0 ? m : 0;
     if (count[d] > m) {
-      return FB_ERR_MODES;
+      return FBI_REFUSE(FB_ERR_MODES, "kind: count of functions that its elements have, at least", (int)kind,
+                        (fb_real)m, (fb_real)count[d]);
     }
   }
-  return count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_OK;
+  all = count[0] + count[1] + count[2] + (desc->root_strain != 0);
+  return all > FB_MAX_MODES ? FBI_REFUSE_ROOM(all) : FB_OK;
 }
 
 /* Clamped bending modes of the scalar element functions, K x = omega^2 M x without the first two of those, value and
@@ -22545,10 +22719,6 @@ static const char *fbi_kind_word(const fb_beam *beam, int k)
 static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const fb_beam *beam,
                                        const int group[FB_KIND_COUNT])
 {
-  if (n < 0 || n > FB_MAX_COORDINATES) {
-    return FBI_REFUSE(n < 0 ? FB_ERR_VALUE : FB_ERR_CAPACITY, "n_load or n_boundary, 0 to FB_MAX_COORDINATES, beyond",
-                      -1, (fb_real)n, n < 0 ? FB_R(0.0) : FB_R(1.0) * FB_MAX_COORDINATES);
-  }
   for (int k = 0; k < n; k++) {
     const fbi_count there[] = {FBI_COUNT(list[k].node, 0, beam->desc.n_element, "coordinate: node, beyond"),
                                FBI_COUNT(list[k].axis, 0, 5, "coordinate: axis, beyond")};
@@ -22571,6 +22741,11 @@ static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const f
   return FB_OK;
 }
 
+static int fbi_coordinate_is_filled(const fb_coordinate *at)
+{
+  return at->node != 0 || at->axis != 0;
+}
+
 static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *beam, int hold_boundary)
 {
   const fb_preload *load = &desc->preload;
@@ -22589,13 +22764,19 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
                               FBI_ANY(&load->acceleration, 1, "preload.acceleration [m/s^2]"),
                               FBI_ANY(&load->spin, 1, "preload.spin [rad/s]"),
                               FBI_ANY(&load->spin_radius, 1, "preload.spin_radius [m]")};
-  const fbi_count count[] = {FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
-                             FBI_AT_LEAST(desc->lowest, 0, "lowest"),
-                             FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
-                             FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
+  const fbi_count count[] = {
+      FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
+      FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
+      FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
+      FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
+      FBI_AT_LEAST(desc->lowest, 0, "lowest"),
+      FBI_COUNTED(desc->n_load, fbi_coordinate_is_filled(&desc->load[0]), "n_load, 1 where load[0] is filled"),
+      FBI_COUNTED(desc->n_boundary, fbi_coordinate_is_filled(&desc->boundary[0]),
+                  "n_boundary, 1 where boundary[0] is filled"),
+      FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
+      FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
+  const fbi_count most[] = {FBI_AT_MOST(desc->n_load, FB_MAX_COORDINATES, "n_load, FB_MAX_COORDINATES"),
+                            FBI_AT_MOST(desc->n_boundary, FB_MAX_COORDINATES, "n_boundary, FB_MAX_COORDINATES")};
 
   /* Options that need a clamped root (a preload acts on rigid-body motion, too) or natural modes, or that exclude each
      other */
@@ -22603,7 +22784,11 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
       FBI_CLAIM(!(spinning || by_mass) || clamped, "spin or mass_fraction, with FB_ROOT_CLAMPED only"),
       FBI_CLAIM(!(spinning || by_mass) || modes, "spin or mass_fraction, with FB_BASIS_MODES only"),
       FBI_CLAIM(!loaded || !modes || clamped || hold_boundary, "preload of natural modes, with FB_ROOT_CLAMPED only"),
-      FBI_CLAIM(desc->line_points != 1, "line_points, 0 or at least 2"),
+      FBI_CLAIM_OF(desc->line_points != 1, FB_R(1.0), FB_R(2.0), "line_points, 0 or at least"),
+      FBI_CLAIM_OF(desc->n_load == 0 || modes, (fb_real)desc->n_load, FB_R(0.0),
+                   "n_load, without FB_BASIS_MODES equal to"),
+      FBI_CLAIM_OF(desc->n_boundary == 0 || hold_boundary, (fb_real)desc->n_boundary, FB_R(0.0),
+                   "n_boundary, without FB_BASIS_COMPONENT or buckling equal to"),
       FBI_CLAIM(!spinning || desc->lowest <= 0, "spin, not with lowest"),
       FBI_CLAIM(!(spinning || loaded) || beam->desc.n_point <= 0, "spin or preload, not of a beam by points"),
       FBI_CLAIM(!spinning || !loaded, "spin, not with preload"),
@@ -22612,6 +22797,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
   status = fbi_is_finite(all, 8) ? status : FB_ERR_NOT_FINITE;
   status = status ? status : fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   return status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
 }
 
@@ -22826,12 +23012,18 @@ static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
   fbi_vec3_add(place, FB_R(1.0), beam->desc.position);
 }
 
+static int fbi_weld_is_filled(const fb_weld *weld)
+{
+  return weld->component[0] != 0 || weld->component[1] != 0 || weld->node[0] != 0 || weld->node[1] != 0;
+}
+
 static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, const fb_join_desc *desc,
                                 int n_component)
 {
   const fbi_number field[] = {FBI_NOT_NEGATIVE(&desc->omega_limit, 1, "omega_limit [rad/s]")};
-  const fbi_count least[] = {FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
-                             FBI_AT_LEAST(desc->n_weld, 0, "n_weld")};
+  const fbi_count least[] = {
+      FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
+      FBI_COUNTED(desc->n_weld, fbi_weld_is_filled(&desc->weld[0]), "n_weld, 1 where weld[0] is filled")};
   const fbi_count most[] = {FBI_AT_MOST(n_component, FB_MAX_COMPONENTS, "n_component, FB_MAX_COMPONENTS"),
                             FBI_AT_MOST(desc->n_weld, FB_MAX_WELDS, "n_weld, FB_MAX_WELDS")};
   fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
@@ -22843,7 +23035,9 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
     const fbi_count count[] = {FBI_COUNT(component[c].n, 0, FB_MAX_MODES, "component: count of modes, beyond")};
     const fbi_claim claim[] = {
         FBI_CLAIM(component[c].degree <= 0, "component: modes of another basis than FB_BASIS_FUNCTIONS"),
-        FBI_CLAIM(component[c].ndof == fbi_beam_ndof(&beam[c]), "component: modes of the beam of the same number")};
+        FBI_CLAIM_OF(component[c].ndof == fbi_beam_ndof(&beam[c]), (fb_real)component[c].ndof,
+                     (fb_real)fbi_beam_ndof(&beam[c]),
+                     "component: modes of the beam of the same number, ndof equal to")};
     status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), c);
     status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), c);
   }
@@ -23074,7 +23268,11 @@ static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, 
 
   /* The lowest elastic mode must stand out of the round-off */
   if (*rigid > 6 || (*rigid < m && work->d[*rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
-    return FB_ERR_CONVERGENCE;
+    return FBI_REFUSE(
+        FB_ERR_CONVERGENCE,
+        "coordinates: slow elastic modes that differ from rigid-body modes in this precision (fewer modes); "
+        "rigid ones, at most",
+        -1, (fb_real)*rigid, FB_R(6.0));
   }
   *shift = *rigid < m ? work->d[*rigid] : FB_R(0.0);
   return FB_OK;
@@ -23290,7 +23488,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
     n++;
   }
   if (n > FB_MAX_MODES || (n < desc->lowest && !(desc->omega_limit > FB_R(0.0)))) {
-    return n > FB_MAX_MODES ? FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)n, FB_R(1.0) * FB_MAX_MODES)
+    return n > FB_MAX_MODES ? FBI_REFUSE_ROOM(n)
                             : FBI_REFUSE(FB_ERR_MODES, "lowest: count of modes that there are, at least", -1,
                                          (fb_real)n, (fb_real)desc->lowest);
   }
@@ -23322,8 +23520,11 @@ FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
 {
   FBI_REQUIRE(shape, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
-  FBI_REQUIRE(n <= FB_MAX_MODES, FB_ERR_CAPACITY);
+  {
+    const fbi_count least[] = {FBI_AT_LEAST(n, 0, "n")}, most[] = {FBI_AT_MOST(n, FB_MAX_MODES, "n, FB_MAX_MODES")};
+    FBI_REQUIRE_COUNT(least, FB_ERR_VALUE, -1);
+    FBI_REQUIRE_COUNT(most, FB_ERR_CAPACITY, -1);
+  }
   memset(shape, 0, sizeof *shape);
   shape->n = n;
   shape->n_node = 1;
@@ -23448,7 +23649,7 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
     }
   }
   if (fbi_spread(spread, inertia) != FB_OK) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE_MOMENTS(inertia, FBI_WORD_INERTIA, -1);
   }
   fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0, 0);
   for (int k = 0; k < 3; k++) {
@@ -23686,7 +23887,7 @@ static fb_status fbi_field_lump_add(fb_shape *shape, const fb_fields *at, fb_rea
     return status;
   }
   if (fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE_MOMENTS(inertia ? inertia : none, FBI_WORD_INERTIA, -1);
   }
   fbi_slice_add(shape, at, 0, shape->n, mass, none, spread, unit, 0);
   return FB_OK;
@@ -23959,10 +24160,16 @@ static void fbi_lines_select(fb_lines *out, const fb_lines *in, const int *coord
 FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n)
 {
   FBI_REQUIRE(selected && shape && (coordinate || n == 0) && selected != shape, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0 && n <= shape->n, FB_ERR_CAPACITY);
+  {
+    const fbi_count count[] = {FBI_COUNT(n, 0, shape->n, "n, 0 to that of the shape, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
   for (int k = 0; k < n; k++) {
-    FBI_REQUIRE(coordinate[k] >= 0 && coordinate[k] < shape->n, FB_ERR_CAPACITY);
-    FBI_REQUIRE(k == 0 || coordinate[k] > coordinate[k - 1], FB_ERR_VALUE);
+    const fbi_count there[] = {FBI_COUNT(coordinate[k], 0, shape->n - 1, "coordinate: of the shape, beyond")};
+    const fbi_count ascending[] = {
+        FBI_AT_LEAST(coordinate[k], k == 0 ? 0 : coordinate[k - 1] + 1, "coordinate: ascending")};
+    FBI_REQUIRE_COUNT(there, FB_ERR_CAPACITY, k);
+    FBI_REQUIRE_COUNT(ascending, FB_ERR_VALUE, k);
   }
 
   /* Tables of one coordinate and of pairs; the rest belongs to no coordinate */
@@ -24012,7 +24219,11 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   const fb_real none[9] = {FB_R(0.0)};
   const fb_real *const p = pchi ? pchi : none, *const h = hchi ? hchi : none, *const G = Gamchi ? Gamchi : none;
   FBI_REQUIRE(shape, FB_ERR_NULL);
-  FBI_REQUIRE(a >= 0 && a < shape->n && b >= 0 && b < shape->n, FB_ERR_CAPACITY);
+  {
+    const fbi_count count[] = {FBI_COUNT(a, 0, shape->n - 1, "a, a coordinate, beyond"),
+                               FBI_COUNT(b, 0, shape->n - 1, "b, a coordinate, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
   {
     const fbi_number field[] = {FBI_ANY(p, 3, "pchi"), FBI_ANY(h, 3, "hchi"), FBI_ANY(G, 9, "Gamchi")};
     const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
@@ -24068,10 +24279,15 @@ FB_DEF fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(first >= 0 && modes->n >= 0 && modes->n <= shape->n && first <= shape->n - modes->n, FB_ERR_CAPACITY);
-  FBI_REQUIRE(modes->ndof ==
-                  (modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam)),
-              FB_ERR_VALUE);
+  {
+    const int ndof = modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam);
+    const fbi_count room[] = {
+        FBI_COUNT(modes->n, 0, shape->n, "count of modes, 0 to coordinates of the shape, beyond"),
+        FBI_COUNT(first, 0, shape->n - modes->n, "first, 0 to n of the shape less modes, beyond")};
+    const fbi_count alike[] = {FBI_COUNT(modes->ndof, ndof, ndof, "modes, of this beam: ndof, equal to")};
+    FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
+    FBI_REQUIRE_COUNT(alike, FB_ERR_VALUE, -1);
+  }
   return FB_OK;
 }
 
@@ -24156,7 +24372,8 @@ static fb_status fbi_station_start(fb_fields *st, fbi_cell_fields *scratch, cons
     }
   }
   if (modes->joined && size > FB_R(0.0) && !hangs) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "beam of joined ones: a node at its root, of a beam added before it", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   if (beam->desc.root == FB_ROOT_FREE && !hangs) {
     fbi_station_center(st, scratch, beam, modes);
@@ -25295,8 +25512,12 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 {
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(gauge && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(modes->n >= 0 && modes->n <= FB_MAX_MODES && first >= 0 && first <= FB_MAX_MODES - modes->n,
-              FB_ERR_CAPACITY);
+  {
+    const fbi_count room[] = {
+        FBI_COUNT(modes->n, 0, FB_MAX_MODES, "count of modes, 0 to FB_MAX_MODES, beyond"),
+        FBI_COUNT(first, 0, FB_MAX_MODES - modes->n, "first, 0 to FB_MAX_MODES less modes, beyond")};
+    FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
+  }
   if (!fbi_is_finite(&x, 1) || !fbi_is_finite(&y, 1) || !fbi_is_finite(&z, 1)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -25386,7 +25607,8 @@ static fb_status fbi_strain_intervals(int *intervals, const fb_beam *beam)
     fb_beam_section_eval(beam, &ends[0], cell.x0);
     fb_beam_section_eval(beam, &ends[1], cell.x1);
     if (!(ends[0].EA > FB_R(0.0) && ends[1].EA > FB_R(0.0))) {
-      return FB_ERR_KIND;
+      return FBI_REFUSE(FB_ERR_KIND, "EA [N] of all stations of a beam with nonlinear strain, above", -1,
+                        ends[0].EA < ends[1].EA ? ends[0].EA : ends[1].EA, FB_R(0.0));
     }
     (*intervals)++;
   }
@@ -25433,7 +25655,9 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
     return status;
   }
   if (shape->n_strain + (intervals * points + 3) / 4 * 4 > FBI_MAX_STRAINS) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY,
+                      "points of the axial strain (of n_element and stations), FB_MAX_STRAINS, at most", -1,
+                      (fb_real)(shape->n_strain + (intervals * points + 3) / 4 * 4), FB_R(1.0) * FBI_MAX_STRAINS);
   }
 
   /* Quadrature points of every interval: weight EA dx; int mass |r| dx and the least EA */
@@ -25979,6 +26203,25 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 }
 #endif
 
+/* FB_ERR_SINGULAR of a free or pinned body, with the row of S that does not stand out. */
+#if FB_WITH_DETAIL
+static fb_status fbi_refuse_inertia(const fb_real S[21], fb_base base)
+{
+  fb_real reference[6], pivot = FB_R(0.0);
+  int row;
+  fbi_sym6_reference(reference, S, FB_R(0.0), FB_R(0.0));
+  row = fbi_sym6_weak(&pivot, S, fbi_first_free(base), reference, FBI_ROUNDING);
+  return FBI_REFUSE(
+      FB_ERR_SINGULAR,
+      "axis: mass [kg] along it (0 to 2), inertia [kg m^2] about it (3 to 5) of hub, lumps and i_y, i_z of "
+      "stations, above",
+      row, pivot, row < 0 ? FB_R(0.0) : FBI_ROUNDING * reference[row]);
+}
+#define FBI_REFUSE_INERTIA(S, base) fbi_refuse_inertia(S, base)
+#else
+#define FBI_REFUSE_INERTIA(S, base) (FB_ERR_SINGULAR)
+#endif
+
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening
    against the elastic mass of the free body, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q|
@@ -26001,7 +26244,7 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
       fb_real column[6];
       fbi_copy(column, shape->P + 3 * b, 3);
       fbi_copy(column + 3, shape->H + 3 * b, 3);
-      status = fbi_base_solve(column, body->base, S, column);
+      status = fbi_base_solve(column, body->base, S, column) ? FBI_REFUSE_INERTIA(S, body->base) : FB_OK;
       for (int a = 0; a < n; a++) {
         reduced[a * n + b] -= fb_vec3_dot(column, shape->P + 3 * a) + fb_vec3_dot(column + 3, shape->H + 3 * a);
       }
@@ -26094,13 +26337,13 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
   /* S_0^-1 over the free rows, if S_0 is not singular to round-off */
   fbi_sym6_reference(reference, body->S0, FB_R(0.0), FB_R(0.0));
   if (!fbi_sym6_stands_out(body->S0, fbi_first_free(body->base), reference, FBI_ROUNDING)) {
-    return FB_ERR_SINGULAR;
+    return FBI_REFUSE_INERTIA(body->S0, body->base);
   }
   for (int j = 0; j < 6; j++) {
     fb_real unit[6] = {0};
     unit[j] = FB_R(1.0);
     if (fbi_base_solve(body->S0_inverse + 6 * j, body->base, body->S0, unit) != FB_OK) {
-      return FB_ERR_SINGULAR;
+      return FBI_REFUSE_INERTIA(body->S0, body->base);
     }
   }
   return FB_OK;
@@ -26123,25 +26366,31 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
   const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
   if (!fbi_is_choice((int)desc->form, (int)FB_FORM_COUNT - 1) ||
       !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_COUNT - 1)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "form, an fb_form; stiffness_torque, an fb_stiffness_torque", -1,
+                      (fb_real)(int)desc->form, (fb_real)(int)FB_FORM_COUNT - 1);
   }
 
   /* Effects */
   if (desc->form == FB_FORM_SECOND && !desc->allow_split_effects &&
       spin != fbi_has(desc->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the second-order form, spin coupling and residual inertia together",
+                      -1, FB_R(0.0), FB_R(0.0));
   }
   if (desc->form == FB_FORM_FIRST && fbi_has(desc->effects, FBI_QUADRATIC_EFFECTS)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the first-order form, without stiffening", -1, FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_NONLINEAR_STRAIN
   if (desc->form == FB_FORM_FIRST && desc->stiffness_torque != FB_TORQUE_IDENTITY &&
       (shape->n_strain == 0 || shape->torque_unknown)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(
+        FB_ERR_EFFECTS,
+        "stiffness_torque of the first-order form, as printed only with fb_shape_add_beam_strain of one basis", -1,
+        FB_R(0.0), FB_R(0.0));
   }
 #else
   if (desc->stiffness_torque != FB_TORQUE_IDENTITY) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "stiffness_torque, FB_TORQUE_IDENTITY without FB_WITH_NONLINEAR_STRAIN", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
 #endif
   (void)shape;
@@ -26244,7 +26493,11 @@ static fb_status fbi_shape_check(const fb_shape *shape)
 #endif
   };
   fb_status status;
-  FBI_REQUIRE(shape->n == n && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+  {
+    const fbi_count count[] = {FBI_COUNT(shape->n, n, n, "shape.n, 0 to FB_MAX_MODES, beyond"),
+                               FBI_COUNT(shape->n_node, 1, FB_MAX_NODES, "shape.n_node, 1 to FB_MAX_NODES, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
 #if FB_WITH_NONLINEAR_STRAIN
   FBI_REQUIRE(shape->n_strain >= 0 && shape->n_strain <= FBI_MAX_STRAINS && shape->n_strain % 4 == 0, FB_ERR_CAPACITY);
 #endif
@@ -26323,6 +26576,12 @@ static fb_status fbi_body_lines_check(const fb_shape *shape)
   if (shape->lines_status == FB_ERR_VALUE) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_MISSED, -1, FB_R(0.0), FB_R(0.0));
   }
+  if (shape->lines_status == FB_ERR_CAPACITY && shape->lines.n_point <= FB_MAX_POINTS) {
+    return FBI_REFUSE(FB_ERR_CAPACITY,
+                      "effects: large deflection: beams, FB_MAX_LINES, at most; FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE",
+                      -1, (fb_real)shape->lines.n_line + (shape->lines.n_line >= FB_MAX_LINES ? FB_R(1.0) : FB_R(0.0)),
+                      FB_R(1.0) * FB_MAX_LINES);
+  }
   if (shape->lines_status != FB_OK) {
     return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,
                       FB_R(1.0) * FB_MAX_POINTS);
@@ -26355,11 +26614,15 @@ static int fbi_center_is_sound(const fb_shape *shape, const fb_body_desc *desc)
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
-  if (!fbi_has(desc->effects, FB_EFFECT_DAMPING) && !fbi_is_zero(desc->zeta, shape->n)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "zeta, 0 without FB_EFFECT_DAMPING", -1, FB_R(0.0), FB_R(0.0));
+  for (int k = 0; k < shape->n && !fbi_has(desc->effects, FB_EFFECT_DAMPING); k++) {
+    if (!fbi_is_zero(&desc->zeta[k], 1)) {
+      return FBI_REFUSE(FB_ERR_EFFECTS, "mode: damping ratio zeta, without FB_EFFECT_DAMPING equal to", k,
+                        desc->zeta[k], FB_R(0.0));
+    }
   }
   if (!fbi_has(desc->effects, FB_EFFECT_GRAVITY) && !fbi_is_zero(desc->gravity, 3)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "gravity [m/s^2], 0 without FB_EFFECT_GRAVITY", -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS, "gravity, its size [m/s^2], without FB_EFFECT_GRAVITY equal to", -1,
+                      fbi_vec3_norm(desc->gravity), FB_R(0.0));
   }
   if (fbi_is_excluded(desc->effects)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
@@ -26413,11 +26676,16 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #if FB_WITH_ROTORS
 static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
-  fb_status status = FB_OK;
-  FBI_REQUIRE(desc->n_rotor >= 0 && desc->n_rotor <= FB_MAX_ROTORS, FB_ERR_CAPACITY);
+  const fbi_count count[] = {FBI_COUNT(desc->n_rotor, 0, FB_MAX_ROTORS, "n_rotor, 0 to FB_MAX_ROTORS, beyond")};
+  const fbi_count filled[] = {
+      FBI_COUNTED(desc->n_rotor, !fbi_is_zero(&desc->rotor[0].inertia, 1) || !fbi_is_zero(desc->rotor[0].axis, 3),
+                  "n_rotor, 1 where rotor[0] is filled")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), -1);
   for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
     const fb_rotor *const rotor = &desc->rotor[r];
     const fb_real length = fbi_vec3_norm(rotor->axis);
+    const fbi_count node[] = {FBI_COUNT(rotor->node, 0, shape->n_node - 1, "rotor: node, beyond")};
     const fbi_number field[] = {FBI_ANY(rotor->axis, 3, "rotor: axis"),
                                 FBI_NOT_NEGATIVE(&rotor->inertia, 1, "rotor: inertia [kg m^2]"),
                                 FBI_NOT_NEGATIVE(&rotor->damping, 1, "rotor: damping [N m s]"),
@@ -26426,8 +26694,8 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
                                 FBI_NOT_NEGATIVE(&rotor->static_imbalance, 1, "rotor: static_imbalance [kg m]"),
                                 FBI_NOT_NEGATIVE(&rotor->dynamic_imbalance, 1, "rotor: dynamic_imbalance [kg m^2]"),
                                 FBI_ANY(&rotor->dynamic_phase, 1, "rotor: dynamic_phase [rad]")};
-    FBI_REQUIRE(rotor->node >= 0 && rotor->node < shape->n_node, FB_ERR_CAPACITY);
-    status = fbi_numbers_check(field, FBI_LENGTH(field), r);
+    status = fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), r);
+    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), r);
     if (status == FB_OK && !(length > FB_R(0.0))) {
       status = FBI_REFUSE(FB_ERR_VALUE, "rotor: length of its axis, above", r, length, FB_R(0.0));
     }
@@ -26629,6 +26897,18 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
 }
 #endif
 
+#define FBI_REFUSE_LAMBDA(body)                                                                                  \
+  FBI_REFUSE(FB_ERR_CAPACITY, "count of terms of Lambda, FB_MAX_LAMBDA, at most", -1, (fb_real)(body)->n_lambda, \
+             FB_R(1.0) * FBI_MAX_LAMBDA)
+
+/* Is there room for the terms of S(q)? */
+static fb_status fbi_S_room(const fb_body *body)
+{
+  const fbi_count count[] = {FBI_AT_MOST(body->n_S, FBI_MAX_S, "count of terms of S, FB_MAX_S"),
+                             FBI_AT_MOST(body->n_run, FBI_MAX_RUNS, "count of runs of terms of S, FB_MAX_RUNS")};
+  return fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+}
+
 /* Terms of Lambda(q) and S(q) for the effects that are on. Without residual inertia ups is in Lambda, not in S. */
 static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
@@ -26641,14 +26921,15 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
   fbi_lambda_list(body, shape, work->Lambda);
   if (body->n_lambda > FBI_MAX_LAMBDA) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE_LAMBDA(body);
   }
 
   /* S from Z = Lambda L^-T, row by row, M = L L^T */
   fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
-  if (n > 0) {
-    status = fb_chol_factor(work->L, n);
+  if (n > 0 && fb_chol_factor(work->L, n) != FB_OK) {
+    status = FBI_REFUSE(FB_ERR_SINGULAR, "shape.M, positive definite: a coordinate without mass, or two that are one",
+                        -1, FB_R(0.0), FB_R(0.0));
   }
   if (status != FB_OK) {
     return status;
@@ -26661,7 +26942,7 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
 #else
   (void)fbi_S_list(body, work, shape);
 #endif
-  return body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY : FB_OK;
+  return fbi_S_room(body);
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -26787,6 +27068,7 @@ static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
 static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   const int n = body->n;
+  fb_status status;
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
   fbi_lines_copy(&body->lines, &shape->lines);
   fbi_rest_fill(work, body, shape);
@@ -26804,9 +27086,8 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
   }
-  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS
-             ? FB_ERR_CAPACITY
-             : fbi_large_limits_fill(body, work);
+  status = body->n_lambda > FBI_MAX_LAMBDA ? FBI_REFUSE_LAMBDA(body) : fbi_S_room(body);
+  return status ? status : fbi_large_limits_fill(body, work);
 }
 #endif
 
@@ -26992,23 +27273,24 @@ static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, 
 
 /* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
 static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
-                                 const fb_modes_desc *modes, int n_beam)
+                                 const fb_modes_desc *modes)
 {
   const fb_join_desc *const join = &desc->join;
-  const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
+  const int joined = join->n_weld != 0 || fbi_weld_is_filled(&join->weld[0]) || join->lowest != 0 ||
+                     !fbi_is_zero(&join->omega_limit, 1);
   fb_status status = FB_OK;
   work->n = 0;
   for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
     const fb_part *const part = &desc->part[k];
     work->part = k;
-    FBI_REQUIRE(part->beam >= 0 && part->beam < n_beam, FB_ERR_CAPACITY);
-    FBI_REQUIRE(part->n_node >= 0 && part->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
     status = fbi_part_place(&work->placed, part, &beam[part->beam]);
     status = status ? status : fb_beam_init(&work->beam[k], &work->placed);
     status =
         status ? status : fb_modes_solve(&work->modes[k], &work->scratch.modes, &work->beam[k], &modes[part->beam]);
     work->n += status == FB_OK ? work->modes[k].n : 0;
-    status = status == FB_OK && work->n > FB_MAX_MODES && !joined ? FB_ERR_CAPACITY : status;
+    if (status == FB_OK && work->n > FB_MAX_MODES && !joined) {
+      status = FBI_REFUSE_ROOM(work->n);
+    }
   }
   if (status == FB_OK && joined) {
     work->part = desc->n_part;
@@ -27049,17 +27331,45 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
   return status;
 }
 
+/* Counts of parts and of their nodes, and the beams that they name. */
+static fb_status fbi_build_counts_check(fb_build_work *work, const fb_build_desc *desc, int n_beam)
+{
+  const fb_part *const first = &desc->part[0];
+  const int given = first->beam != 0 || first->n_node != 0 || !fbi_is_zero(first->position, 3) ||
+                    !fbi_is_zero(first->attitude, 4) || !fbi_is_zero(first->node, 1);
+  const fbi_count most[] = {FBI_COUNT(desc->n_part, 0, FB_MAX_PARTS, "n_part, 0 to FB_MAX_PARTS, beyond")};
+  const fbi_count least[] = {FBI_COUNTED(desc->n_part, given, "n_part, 1 where part[0] is filled")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
+  work->part = -1;
+  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
+    const fb_part *const part = &desc->part[k];
+    const fbi_count count[] = {FBI_COUNT(part->beam, 0, n_beam - 1, "part: beam, beyond"),
+                               FBI_COUNT(part->n_node, 0, FB_MAX_NODES, "part: n_node, 0 to FB_MAX_NODES, beyond")};
+    const fbi_count filled[] = {
+        FBI_COUNTED(part->n_node, !fbi_is_zero(part->node, 1), "part: n_node, 1 where node[0] is filled")};
+    work->part = k;
+    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), k);
+    status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), k);
+  }
+  return status;
+}
+
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
   int first = 0, hub, fault;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
-  FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
+  status = fbi_build_counts_check(work, desc, n_beam);
+  if (status != FB_OK) {
+    FBI_DETAIL_PART(work->part);
+    return status;
+  }
 
   /* beams, and the coordinates that there are */
   hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
-  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  status = fbi_parts_solve(work, desc, beam, modes);
   fault = status == FB_OK ? fbi_part_at_fault(work, desc, modes, hub) : -1;
   if (fault >= 0) {
     work->part = fault;
@@ -27456,16 +27766,28 @@ static fb_status fbi_spring_check(const fb_system_desc *desc, const fb_body *bod
 
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
 {
+  const fb_joint_desc *const loop = &desc->loop[0];
+  const fb_spring *const spring = &desc->spring[0];
+  const int looped = loop->kind != FB_JOINT_FREE || loop->parent != 0 || loop->child != 0;
+  const int sprung = !fbi_is_zero(&spring->stiffness, 1) || spring->body[0] != 0 || spring->body[1] != 0;
+  const fbi_count count[] = {FBI_COUNT(desc->n_body, 1, FB_MAX_BODIES, "n_body, 1 to FB_MAX_BODIES, beyond"),
+                             FBI_COUNT(desc->n_loop, 0, FB_MAX_LOOPS, "n_loop, 0 to FB_MAX_LOOPS, beyond"),
+                             FBI_COUNT(desc->n_spring, 0, FB_MAX_SPRINGS, "n_spring, 0 to FB_MAX_SPRINGS, beyond")};
+  const fbi_count choice[] = {FBI_COUNT((int)desc->method, 0, (int)FB_METHOD_COUNT - 1, "method, an fb_method, beyond"),
+                              FBI_COUNTED(desc->n_loop, looped, "n_loop, 1 where loop[0] is filled"),
+                              FBI_COUNTED(desc->n_spring, sprung, "n_spring, 1 where spring[0] is filled")};
   int used = 0;
-  FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
-  FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
-  FBI_REQUIRE(desc->n_spring >= 0 && desc->n_spring <= FB_MAX_SPRINGS, FB_ERR_CAPACITY);
-  if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_COUNT - 1)) {
-    return FBI_REFUSE(FB_ERR_VALUE, "method, an fb_method, beyond", -1, (fb_real)(int)desc->method,
-                      (fb_real)(int)FB_METHOD_COUNT - 1);
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
+  if (status != FB_OK) {
+    return status;
   }
   for (int k = 0; k < desc->n_body; k++) {
-    FBI_REQUIRE(desc->model[k] >= 0 && desc->model[k] < n_model, FB_ERR_CAPACITY);
+    const fbi_count model[] = {FBI_COUNT(desc->model[k], 0, n_model - 1, "body: model, of n_model, beyond")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, model, FBI_LENGTH(model), k);
+    if (status != FB_OK) {
+      return status;
+    }
     used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
@@ -27577,8 +27899,11 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   out = &work->system;
   fbi_system_fill(out, body, desc);
   fbi_system_enter(work, out);
-  FBI_REQUIRE(out->method != FB_METHOD_DENSE || fbi_speed_offset(out, work, body, out->n_body) <= FB_MAX_SPEEDS,
-              FB_ERR_CAPACITY);
+  if (out->method == FB_METHOD_DENSE) {
+    const fbi_count count[] = {FBI_AT_MOST(fbi_speed_offset(out, work, body, out->n_body), FB_MAX_SPEEDS,
+                                           "method: speeds of FB_METHOD_DENSE, FB_MAX_SPEEDS")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
 
   /* State of zero coordinates at rest, locked axes freed */
   zero = &work->stage;
@@ -27603,9 +27928,14 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
     status = fbi_mass_factor(work, out, body, FB_R(0.0));
   }
 
-  /* Limits of the step */
   fbi_rhs_clear(work, out, body);
   status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* checks free bodies, too */
+  if (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE || status == FB_ERR_SINGULAR) {
+    return FBI_REFUSE(FB_ERR_SINGULAR, "joint: mass or inertia that its free axes move at zero coordinates, above 0",
+                      work->joint, FB_R(0.0), FB_R(0.0));
+  }
+
+  /* Limits of the step */
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
@@ -27754,7 +28084,57 @@ static int fbi_is_inertia(const fb_real M[36])
   return fb_eig_sym_solve(d, V, A, 6) == FB_OK && d[0] >= -FB_R(1e-5) * fbi_larger(d[5], FB_R(0.0));
 }
 
-static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
+/* One line of a desc: the chain, or a branch. */
+typedef struct fbi_exact_line {
+  int first, n, node; /* first element, number of elements, node it begins at */
+  int joint;          /* that its attitude makes of its first element; -1: none */
+  int station, n_station;
+  fb_real length, attitude[4];
+} fbi_exact_line;
+
+/* Line `index` of a desc: 0 the chain, 1.. the branches. */
+static fbi_exact_line fbi_exact_line_of(const fb_exact_desc *desc, int index)
+{
+  fbi_exact_line line;
+  memset(&line, 0, sizeof line);
+  line.n = desc->n_element;
+  line.n_station = desc->n_station;
+  line.length = desc->length;
+  line.joint = -1;
+  for (int b = 0, joint = desc->n_joint; b < index && b < desc->n_branch; b++) {
+    const fb_exact_branch *const branch = &desc->branch[b];
+    const int seated = !fbi_is_zero(branch->attitude, 4);
+    line.first += line.n;
+    line.n = branch->n_element;
+    line.node = branch->node;
+    line.station = branch->n_station > 0 ? branch->station : 0;
+    line.n_station = branch->n_station > 0 ? branch->n_station : desc->n_station;
+    line.length = branch->length != FB_R(0.0) ? branch->length : desc->length;
+    line.joint = seated ? joint : -1;
+    fbi_copy(line.attitude, branch->attitude, 4);
+    joint += seated;
+  }
+  return line;
+}
+
+/* Number of all elements, and of all joints with those that attitudes of branches make. */
+static int fbi_exact_elements(const fb_exact_desc *desc)
+{
+  const fbi_exact_line last = fbi_exact_line_of(desc, desc->n_branch);
+  return last.first + last.n;
+}
+
+static int fbi_exact_joints(const fb_exact_desc *desc)
+{
+  int joints = desc->n_joint;
+  for (int b = 0; b < desc->n_branch; b++) {
+    joints += !fbi_is_zero(desc->branch[b].attitude, 4);
+  }
+  return joints;
+}
+
+/* Station k of the desc, on a line. */
+static fb_status fbi_exact_station_check(const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
   const fb_exact_station *s = &desc->station[k];
   const fbi_number field[] = {FBI_ANY(s->stiffness, 36, "station: stiffness"),
@@ -27766,7 +28146,7 @@ static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 
   /* Stiffness zero (rigid) in the same directions at all stations */
   for (int i = 0; i < 6 && status == FB_OK; i++) {
-    const fb_real stiff = s->stiffness[7 * i], first = desc->station[0].stiffness[7 * i];
+    const fb_real stiff = s->stiffness[7 * i], first = desc->station[line->station].stiffness[7 * i];
     if (stiff < FB_R(0.0) || (stiff > FB_R(0.0) && stiff < FB_R(1.0) / FB_HUGE)) {
       return FBI_REFUSE_AT(FB_ERR_VALUE, "station: stiffness on the diagonal, at least", k, stiff, FB_R(0.0),
                            (fb_real)i);
@@ -27786,7 +28166,7 @@ static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 
   /* Matrices, order of the stations */
   {
-    const int ordered = desc->n_station < 2 || (k == 0 ? s->x == FB_R(0.0) : s->x > desc->station[k - 1].x);
+    const int ordered = line->n_station < 2 || (k == line->station ? s->x == FB_R(0.0) : s->x > desc->station[k - 1].x);
     const fbi_claim claim[] = {FBI_CLAIM(fbi_is_symmetric6(s->stiffness), "station: stiffness, symmetric"),
                                FBI_CLAIM(fbi_is_symmetric6(s->inertia), "station: inertia, symmetric"),
                                FBI_CLAIM(fbi_is_inertia(s->inertia), "station: inertia, positive semidefinite"),
@@ -27803,12 +28183,13 @@ static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 }
 
 /* Linear interpolation between the stations around x. */
-static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *desc, fb_real x)
+static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *desc, const fbi_exact_line *line,
+                                   fb_real x)
 {
-  const fb_exact_station *a = desc->station, *b = a;
+  const fb_exact_station *const first = desc->station + line->station, *a = first, *b = a;
   fb_real s = FB_R(0.0);
-  if (desc->n_station > 1) {
-    while (a + 2 < desc->station + desc->n_station && a[1].x < x) {
+  if (line->n_station > 1) {
+    while (a + 2 < first + line->n_station && a[1].x < x) {
       a++;
     }
     b = a + 1;
@@ -27830,19 +28211,6 @@ static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *d
   }
 }
 
-/* Position of a node along the line: as given, or of equal elements. */
-static fb_real fbi_exact_place(const fb_exact_desc *desc, int node)
-{
-  const int n = desc->n_element;
-  int joints = 0, before = 0;
-  for (int j = 0; j < desc->n_joint; j++) {
-    joints++;
-    before += desc->joint[j].element < node;
-  }
-  return desc->place[n] != FB_R(0.0) ? desc->place[node]
-                                     : desc->length * (fb_real)(node - before) / (fb_real)(n - joints);
-}
-
 /* 1 + the joint that is element k; 0: none. */
 static int fbi_exact_jointed(const fb_exact_desc *desc, int k)
 {
@@ -27850,22 +28218,47 @@ static int fbi_exact_jointed(const fb_exact_desc *desc, int k)
   for (int j = 0; j < desc->n_joint; j++) {
     joint = desc->joint[j].element == k ? j + 1 : joint;
   }
+  for (int b = 0; b < desc->n_branch; b++) {
+    const fbi_exact_line line = fbi_exact_line_of(desc, b + 1);
+    joint = line.first == k && line.joint >= 0 ? line.joint + 1 : joint;
+  }
   return joint;
+}
+
+/* Number of the first n elements of a line that are joints. */
+static int fbi_exact_joints_within(const fb_exact_desc *desc, const fbi_exact_line *line, int n)
+{
+  int joints = 0;
+  for (int k = 0; k < n; k++) {
+    joints += fbi_exact_jointed(desc, line->first + k) > 0;
+  }
+  return joints;
+}
+
+/* Position along its line of the end of its first n elements: as given, or of equal elements. */
+static fb_real fbi_exact_place(const fb_exact_desc *desc, const fbi_exact_line *line, int n)
+{
+  const int joints = fbi_exact_joints_within(desc, line, line->n), before = fbi_exact_joints_within(desc, line, n);
+  if (desc->place[line->first + line->n] != FB_R(0.0)) {
+    return n > 0 ? desc->place[line->first + n] : FB_R(0.0);
+  }
+  return line->length * (fb_real)(n - before) / (fb_real)(line->n - joints);
 }
 
 /* The ends of element k must be rotated against each other by less than 3 rad (pi is the limit) before anything acts:
    integral of the initial curvature from station to station, and the twist. */
-static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, int k)
+static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
-  const fb_real end = fbi_exact_place(desc, k + 1);
-  fb_real at = fbi_exact_place(desc, k), turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  const fb_exact_station *const station = desc->station + line->station;
+  const fb_real end = fbi_exact_place(desc, line, k + 1);
+  fb_real at = fbi_exact_place(desc, line, k), turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_exact_station a, b;
-  fbi_exact_station_eval(&a, desc, at);
+  fbi_exact_station_eval(&a, desc, line, at);
   turn[0] = -a.twist;
-  for (int s = 0; s < desc->n_station && at < end; s++) {
-    const fb_real x = s + 1 < desc->n_station ? desc->station[s].x : end, next = x < end ? x : end;
+  for (int s = 0; s < line->n_station && at < end; s++) {
+    const fb_real x = s + 1 < line->n_station ? station[s].x : end, next = x < end ? x : end;
     if (next > at) {
-      fbi_exact_station_eval(&b, desc, next);
+      fbi_exact_station_eval(&b, desc, line, next);
       for (int i = 0; i < 3; i++) {
         turn[i] += FB_R(0.5) * (a.curvature[i] + b.curvature[i]) * (next - at);
       }
@@ -27876,8 +28269,8 @@ static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, int k)
   turn[0] += a.twist;
   return fb_vec3_dot(turn, turn) < FB_R(9.0)
              ? FB_OK
-             : FBI_REFUSE(FB_ERR_VALUE, "element: rotation of its ends against each other [rad], below", k,
-                          fbi_vec3_norm(turn), FB_R(3.0));
+             : FBI_REFUSE(FB_ERR_VALUE, "element: rotation of its ends against each other [rad], below",
+                          line->first + k, fbi_vec3_norm(turn), FB_R(3.0));
 }
 
 static int fbi_is_end(int held)
@@ -27885,26 +28278,31 @@ static int fbi_is_end(int held)
   return held == FB_END_FREE || (held >= 0 && held <= FB_END_CLAMPED);
 }
 
-/* Places of the nodes ascend to the length. */
-static fb_status fbi_exact_places_check(const fb_exact_desc *desc)
+/* Places of the nodes of a line ascend to its length. */
+static fb_status fbi_exact_places_check(const fb_exact_desc *desc, const fbi_exact_line *line)
 {
-  const int n = desc->n_element;
-  for (int k = 0; k <= n && !fbi_is_zero(desc->place, n + 1); k++) {
-    if (k > 0 && fbi_exact_jointed(desc, k - 1)) {
-      if (desc->place[k] != desc->place[k - 1]) {
-        return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of both ends of a joint, equal to", k, desc->place[k],
-                          desc->place[k - 1]);
-      }
-      continue;
-    }
-    if (k == 0 ? desc->place[0] != FB_R(0.0) : !(desc->place[k] > desc->place[k - 1])) {
-      return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", k,
-                        desc->place[k], k == 0 ? FB_R(0.0) : desc->place[k - 1]);
-    }
+  const int n = line->first + line->n;
+  const fb_real *const place = desc->place + line->first + 1;
+  fb_real before = line->first == 0 ? desc->place[0] : FB_R(0.0);
+  if (before != FB_R(0.0)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", 0, before,
+                      FB_R(0.0));
   }
-  if (desc->place[n] != FB_R(0.0) && FB_FABS(desc->place[n] - desc->length) > FB_R(1e-5) * desc->length) {
+  for (int k = 0; k < line->n && !fbi_is_zero(place, line->n); k++) {
+    const int node = line->first + k + 1;
+    if (fbi_exact_jointed(desc, node - 1)) {
+      if (place[k] != before) {
+        return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of both ends of a joint, equal to", node, place[k], before);
+      }
+    } else if (!(place[k] > before)) {
+      return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", node, place[k],
+                        before);
+    }
+    before = place[k];
+  }
+  if (desc->place[n] != FB_R(0.0) && FB_FABS(desc->place[n] - line->length) > FB_R(1e-5) * line->length) {
     return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of the last, the length, equal to", n, desc->place[n],
-                      desc->length);
+                      line->length);
   }
   return FB_OK;
 }
@@ -27923,7 +28321,7 @@ static int fbi_exact_holds(const fb_exact_desc *desc, int node)
 static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
 {
   const fb_exact_joint *const joint = &desc->joint[k];
-  const fbi_count element[] = {FBI_COUNT(joint->element, 0, desc->n_element - 1, "joint: element, beyond")};
+  const fbi_count element[] = {FBI_COUNT(joint->element, 0, fbi_exact_elements(desc) - 1, "joint: element, beyond")};
   const fbi_number field[] = {
       FBI_ANY(joint->axis, 3, "joint: axis"),
       FBI_ANY(&joint->rest, 1, "joint: rest [rad]"),
@@ -27935,9 +28333,9 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), k);
   if (status == FB_OK) {
     const fbi_claim claim[] = {
-        FBI_CLAIM(fbi_vec3_norm(joint->axis) > FB_TINY, "joint: axis, not so short"),
+        FBI_CLAIM_OF(fbi_vec3_norm(joint->axis) > FB_TINY, fbi_vec3_norm(joint->axis), FB_TINY,
+                     "joint: length of its axis, above"),
         FBI_CLAIM(fbi_exact_jointed(desc, joint->element) == k + 1, "joint: element, not that of another joint"),
-        FBI_CLAIM(desc->n_joint < desc->n_element, "joint: elements, not all joints"),
         FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1),
                   "joint: node outboard of it, not held: hold the inboard one")};
     status = fbi_claims_check(claim, FBI_LENGTH(claim), k);
@@ -27945,58 +28343,109 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
   return status;
 }
 
+/* Branches, before anything else reads a line: their numbers and attitudes. */
+static fb_status fbi_exact_branches_check(const fb_exact_desc *desc)
+{
+  fb_status status = FB_OK;
+  for (int b = 0, first = desc->n_element; b < desc->n_branch && status == FB_OK; b++) {
+    const fb_exact_branch *const branch = &desc->branch[b];
+    const fbi_count count[] = {
+        FBI_COUNT(branch->n_element, 1, FB_MAX_EXACT - first,
+                  "branch: n_element, 1 to what is left of FB_MAX_EXACT, beyond"),
+        FBI_COUNT(branch->node, 0, first, "branch: node, of the chain or of an earlier branch, beyond"),
+        FBI_COUNT(branch->n_station, 0, FB_MAX_STATIONS, "branch: n_station, 0 to FB_MAX_STATIONS, beyond"),
+        FBI_COUNT(branch->station, 0, FB_MAX_STATIONS - (branch->n_station > 0 ? branch->n_station : 1),
+                  "branch: station, with n_station beyond FB_MAX_STATIONS")};
+    const fbi_number field[] = {FBI_NOT_NEGATIVE(&branch->length, 1, "branch: length [m]"),
+                                FBI_ANY(branch->attitude, 4, "branch: attitude")};
+    fb_real attitude[4];
+    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), b);
+    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), b);
+    status = status ? status : fbi_quat_from_attitude(attitude, branch->attitude);
+    first += branch->n_element;
+  }
+  if (status == FB_OK) {
+    const fbi_count joints[] = {FBI_COUNT(fbi_exact_joints(desc), 0, FB_MAX_LUMPS,
+                                          "n_joint and branches with an attitude, 0 to FB_MAX_LUMPS, beyond")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, joints, 1, -1);
+  }
+  return status;
+}
+
+/* The chain or a branch: places, stations to its length, initial rotations. */
+static fb_status fbi_exact_line_check(const fb_exact_desc *desc, int index)
+{
+  const fbi_exact_line line = fbi_exact_line_of(desc, index);
+  const fbi_claim claim[] = {
+      FBI_CLAIM_OF(line.length > FB_R(1.0) / FB_HUGE, line.length, FB_R(0.0), "length [m], above"),
+      FBI_CLAIM(fbi_exact_joints_within(desc, &line, line.n) < line.n, "joint: elements, not all joints"),
+      FBI_CLAIM(line.joint < 0 || !fbi_exact_holds(desc, line.first + 1),
+                "branch: node outboard of its attitude, not held: hold the inboard one")};
+  const int last = line.station + line.n_station - 1;
+  fb_status status = fbi_claims_check(claim, FBI_LENGTH(claim), index - 1);
+  status = status ? status : fbi_exact_places_check(desc, &line);
+  for (int k = line.station; k <= last && status == FB_OK; k++) {
+    status = fbi_exact_station_check(desc, &line, k);
+  }
+  if (status == FB_OK && line.n_station > 1 &&
+      FB_FABS(desc->station[last].x - line.length) > FB_R(1e-5) * line.length) {
+    status = FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", last, desc->station[last].x,
+                        line.length);
+  }
+  for (int k = 0; k < line.n && status == FB_OK; k++) {
+    status = fbi_exact_turn_check(desc, &line, k);
+  }
+  return status;
+}
+
 static fb_status fbi_exact_check(const fb_exact_desc *desc)
 {
-  const int n = desc->n_element, places = n >= 1 && n <= FB_MAX_EXACT ? n + 1 : 0;
-  const fbi_count count[] = {FBI_COUNT(n, 1, FB_MAX_EXACT, "n_element, 1 to FB_MAX_EXACT, beyond"),
+  const fbi_count count[] = {FBI_COUNT(desc->n_element, 1, FB_MAX_EXACT, "n_element, 1 to FB_MAX_EXACT, beyond"),
                              FBI_COUNT(desc->n_station, 1, FB_MAX_STATIONS, "n_station, 1 to FB_MAX_STATIONS, beyond"),
                              FBI_COUNT(desc->n_support, 0, FB_MAX_LUMPS, "n_support, 0 to FB_MAX_LUMPS, beyond"),
                              FBI_COUNT(desc->n_lump, 0, FB_MAX_LUMPS, "n_lump, 0 to FB_MAX_LUMPS, beyond"),
-                             FBI_COUNT(desc->n_joint, 0, FB_MAX_LUMPS, "n_joint, 0 to FB_MAX_LUMPS, beyond")};
+                             FBI_COUNT(desc->n_joint, 0, FB_MAX_LUMPS, "n_joint, 0 to FB_MAX_LUMPS, beyond"),
+                             FBI_COUNT(desc->n_branch, 0, FB_MAX_LUMPS, "n_branch, 0 to FB_MAX_LUMPS, beyond")};
   const fbi_number field[] = {
-      FBI_ANY(&desc->length, 1, "length [m]"),
-      FBI_ANY(desc->place, places, "place [m]"),
-      FBI_ANY(desc->position, 3, "position [m]"),
-      FBI_ANY(desc->attitude, 4, "attitude"),
-      FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
+      FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
+      FBI_ANY(desc->attitude, 4, "attitude"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
       FBI_NUMBER(&desc->dissipation, 1, FB_R(0.0), FB_R(2.0) / FB_R(3.0), "dissipation, 0 to 2/3, beyond")};
-  const fbi_count choice[] = {FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
-                              FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
-  const fbi_claim claim[] = {FBI_CLAIM(desc->length > FB_R(1.0) / FB_HUGE, "length [m], above 0"),
-                             FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
+  const int jointed = desc->joint[0].element != 0 || !fbi_is_zero(desc->joint[0].axis, 3);
+  const int supported = desc->support[0].node != 0 || desc->support[0].held != 0;
+  const fbi_count choice[] = {
+      FBI_COUNTED(desc->n_support, supported, "n_support, 1 where support[0] is filled"),
+      FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
+      FBI_COUNTED(desc->n_joint, jointed, "n_joint, 1 where joint[0] is filled"),
+      FBI_COUNTED(desc->n_branch, desc->branch[0].n_element != 0, "n_branch, 1 where branch[0] is filled"),
+      FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
+      FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
+  const fbi_claim claim[] = {FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
                              FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
   status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
   status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+  status = status ? status : fbi_exact_branches_check(desc);
+  if (status == FB_OK) {
+    const fbi_number place[] = {FBI_ANY(desc->place, fbi_exact_elements(desc) + 1, "place [m]")};
+    status = fbi_numbers_check(place, 1, -1);
+  }
   for (int k = 0; k < desc->n_joint && status == FB_OK; k++) {
     status = fbi_exact_joint_check(desc, k);
   }
-  status = status ? status : fbi_exact_places_check(desc);
-
-  /* Stations to the length */
-  for (int k = 0; k < desc->n_station && status == FB_OK; k++) {
-    status = fbi_exact_station_check(desc, k);
-  }
-  if (status == FB_OK && desc->n_station > 1 &&
-      FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > FB_R(1e-5) * desc->length) {
-    status = FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", desc->n_station - 1,
-                        desc->station[desc->n_station - 1].x, desc->length);
+  for (int k = 0; k <= desc->n_branch && status == FB_OK; k++) {
+    status = fbi_exact_line_check(desc, k);
   }
 
-  /* Supports, lumped bodies, initial rotations */
+  /* Supports, lumped bodies */
   for (int k = 0; k < desc->n_support && status == FB_OK; k++) {
     const fb_support *s = &desc->support[k];
-    const fbi_count node[] = {FBI_COUNT(s->node, 0, n, "support: node, beyond")};
+    const fbi_count node[] = {FBI_COUNT(s->node, 0, fbi_exact_elements(desc), "support: node, beyond")};
     const fbi_claim held[] = {FBI_CLAIM(fbi_is_end(s->held), "support: held, an FB_END_..")};
     status = fbi_counts_check(FB_ERR_CAPACITY, node, 1, k);
     status = status ? status : fbi_claims_check(held, 1, k);
   }
-  status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
-    status = fbi_exact_turn_check(desc, k);
-  }
-  return status;
+  return status ? status : fbi_lumps_check(desc->lump, desc->n_lump, fbi_exact_elements(desc));
 }
 
 /* [E10.6] Compliance and inertia of an element, X = h ad(1, 0, 0, curvature):
@@ -28042,26 +28491,28 @@ static void fbi_exact_refine(fb_exact *m, int k, const fb_real M1[36])
    change of the first two over it (taper, M1: 12 times their first moments about the middle). Stations lie anywhere;
    each stretch between them has its own Gauss quadrature.
    Source: definition.  Cost: init only.  Fails: never on a checked desc.  Test: tapered_rods_are_exact_at_the_nodes. */
-static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, int k)
+static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
+  const fb_exact_station *const station = desc->station + line->station;
   fb_real *const C1 = m->taper + 36 * k;
-  const fb_real start = fbi_exact_place(desc, k), end = fbi_exact_place(desc, k + 1), h = end - start;
+  const fb_real start = fbi_exact_place(desc, line, k - line->first);
+  const fb_real end = fbi_exact_place(desc, line, k - line->first + 1), h = end - start;
   fb_exact_station at, last;
   fb_real C[36], M1[36], a = start;
   m->h[k] = h;
   fbi_zero(M1, 36);
 
   /* Stretches a..b between stations */
-  for (int s = 0; s < desc->n_station && a < end; s++) {
-    const fb_real x = desc->n_station == 1 ? end : desc->station[s].x;
-    const fb_real b = x < end && s + 1 < desc->n_station ? x : end;
+  for (int s = 0; s < line->n_station && a < end; s++) {
+    const fb_real x = line->n_station == 1 ? end : station[s].x;
+    const fb_real b = x < end && s + 1 < line->n_station ? x : end;
 
     /* Means and 12 times the first moments */
     for (int g = 0; g < FBI_GAUSS && b > a; g++) {
       const fb_real weight = fbi_gauss_w[g] * (b - a) / h;
       const fb_real place = a + fbi_gauss_x[g] * (b - a);
       const fb_real slope = FB_R(12.0) * weight * ((place - start) / h - FB_R(0.5));
-      fbi_exact_station_eval(&at, desc, place);
+      fbi_exact_station_eval(&at, desc, line, place);
       (void)fbi_compliance(C, at.stiffness);
       for (int i = 0; i < 36; i++) {
         m->section[36 * k + i] += weight * C[i];
@@ -28075,29 +28526,68 @@ static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, int k
   }
 
   /* xi = (1, 0, 0, curvature with the rate of twist) */
-  fbi_exact_station_eval(&at, desc, start);
-  fbi_exact_station_eval(&last, desc, end);
+  fbi_exact_station_eval(&at, desc, line, start);
+  fbi_exact_station_eval(&last, desc, line, end);
   m->xi[6 * k] = FB_R(1.0);
   m->xi[6 * k + 3] += (last.twist - at.twist) / h;
   fbi_exact_refine(m, k, M1);
 }
 
-/* The beam's own units: its length, the force that bends it by about its length, the time in which that force moves
+/* [E10.27] A branch at an angle: its first element is a driven joint at rest, which turns the section axes of its node by
+   the attitude of the branch and the twist of its first station, exp(angle axis^).
+   Source: E10.21 to E10.23.  Cost: an element.  Fails: never.  Test: branches_stand_at_their_angle_and_twist. */
+static void fbi_exact_seat_fill(fb_exact_joint *joint, const fb_exact_desc *desc, const fbi_exact_line *line)
+{
+  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, attitude[4], twist[4], quat[4], x[3];
+  turn[0] = desc->station[line->station].twist;
+  fb_quat_from_rotvec(twist, turn);
+  (void)fbi_quat_from_attitude(attitude, line->attitude);
+  fb_quat_mul(quat, attitude, twist);
+  fb_quat_to_rotvec(x, quat);
+  joint->element = line->first;
+  joint->driven = 1;
+  joint->angle = joint->rest = fbi_vec3_norm(x);
+  fbi_copy(joint->axis, x, 3);
+  joint->axis[0] += joint->angle > FB_R(0.0) ? FB_R(0.0) : FB_R(1.0);
+}
+
+/* Elements of a line, and the nodes they hang on. */
+static void fbi_exact_line_fill(fb_exact *m, const fb_exact_desc *desc, int index)
+{
+  const fbi_exact_line line = fbi_exact_line_of(desc, index);
+  if (line.joint >= 0) {
+    fbi_exact_seat_fill(&m->joint[line.joint], desc, &line);
+  }
+  if (line.node != line.first) {
+    m->branch[m->n_branch++] = line.first;
+  }
+  for (int k = line.first; k < line.first + line.n; k++) {
+    m->inboard[k] = k == line.first ? line.node : k;
+    m->jointed[k] = fbi_exact_jointed(desc, k);
+    if (!m->jointed[k]) {
+      fbi_exact_element_fill(m, desc, &line, k);
+    }
+  }
+}
+
+/* The beam's own units: the length of its longest line, the force that bends it by about its length, the time in which that force moves
    its mass by about its length. Slenderness is then the only scale left. */
 static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
+  for (int index = 0; index <= desc->n_branch; index++) {
+    m->length = fbi_larger(m->length, fbi_exact_line_of(desc, index).length);
+  }
   for (int k = 0; k < m->n; k++) {
     const fb_real *C = m->section + 36 * k;
     bend += m->h[k] * fbi_larger(C[28], C[35]);
     twist += m->h[k] * C[21];
     stretch += m->h[k] * fbi_larger(C[0], fbi_larger(C[7], C[14]));
-    mass += m->h[k] * fbi_larger(m->M[36 * k], m->M[36 * k + 21] / (desc->length * desc->length));
+    mass += m->h[k] * fbi_larger(m->M[36 * k], m->M[36 * k + 21] / (m->length * m->length));
   }
   for (int k = 0; k < desc->n_lump; k++) {
     mass += desc->lump[k].mass;
   }
-  m->length = desc->length;
   if (bend > FB_R(0.0) || twist > FB_R(0.0)) {
     m->force = FB_R(1.0) / (m->length * (bend > FB_R(0.0) ? bend : twist));
   } else {
@@ -28146,9 +28636,7 @@ static void fbi_exact_rescale(fb_exact *m, const fb_exact_desc *desc)
 
   /* Joints */
   for (int k = 0; k < m->n_joint; k++) {
-    const fb_real size = fbi_vec3_norm(desc->joint[k].axis);
-    m->joint[k] = desc->joint[k];
-    m->joint[k].driven = desc->joint[k].driven != 0;
+    const fb_real size = fbi_vec3_norm(m->joint[k].axis);
     m->joint[k].stiffness /= m->force * L;
     m->joint[k].damping /= m->force * L * m->time;
     m->joint[k].rate *= m->time;
@@ -28176,7 +28664,7 @@ static void fbi_exact_nodes_fill(fb_exact *m, const fb_exact_desc *desc, const f
 
   /* Constraints; floating: no node has any */
   m->held[0] = desc->root == FB_END_DEFAULT ? FB_END_CLAMPED : desc->root % FB_END_FREE;
-  m->held[m->n] = desc->tip % FB_END_FREE;
+  m->held[desc->n_element] = desc->tip % FB_END_FREE;
   for (int k = 0; k < desc->n_support; k++) {
     m->held[desc->support[k].node] |= desc->support[k].held % FB_END_FREE;
   }
@@ -28200,7 +28688,8 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
 
   /* Sizes and options */
   memset(m, 0, sizeof *m);
-  m->n = desc->n_element;
+  m->n = fbi_exact_elements(desc);
+  m->n_joint = fbi_exact_joints(desc);
   m->n_lump = desc->n_lump;
   m->iterations = desc->iterations > 0 ? desc->iterations : 6;
   m->factorizations = desc->factorizations > 0 ? desc->factorizations : 1;
@@ -28208,12 +28697,12 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
   m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
 
   /* Elements, units, nodes */
-  m->n_joint = desc->n_joint;
-  for (int k = 0; k < m->n; k++) {
-    m->jointed[k] = fbi_exact_jointed(desc, k);
-    if (!m->jointed[k]) {
-      fbi_exact_element_fill(m, desc, k);
-    }
+  for (int j = 0; j < desc->n_joint; j++) {
+    m->joint[j] = desc->joint[j];
+    m->joint[j].driven = desc->joint[j].driven != 0;
+  }
+  for (int k = 0; k <= desc->n_branch; k++) {
+    fbi_exact_line_fill(m, desc, k);
   }
   fbi_exact_units(m, desc);
   fbi_exact_rescale(m, desc);
@@ -28631,7 +29120,7 @@ static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_r
   fb_status status = change < FB_R(100.0) ? FB_OK : FB_ERR_CONVERGENCE;
   for (int k = 0; k < m->n; k++) {
     for (int i = 3; i < 6; i++) {
-      const fb_real turn = work->dd[6 * k + 6 + i] - work->dd[6 * k + i];
+      const fb_real turn = work->dd[6 * k + 6 + i] - work->dd[6 * m->inboard[k] + i];
       status = turn * turn < FB_R(1.0) ? status : FB_ERR_CONVERGENCE;
     }
   }
@@ -28639,7 +29128,7 @@ static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_r
     fbi_pose_add(work->r + 3 * j, work->quat + 4 * j, work->dd + 6 * j);
   }
   for (int j = 0; j < m->n_joint && status == FB_OK; j++) {
-    work->angle[j] += fbi_exact_joint_rate(&m->joint[j], work->dd, m->joint[j].element);
+    work->angle[j] += fbi_exact_joint_rate(m, work->dd, m->joint[j].element);
   }
   for (int i = 0; i < 6 * m->n && status == FB_OK; i++) {
     work->s[i] += work->ds[i];
@@ -30836,18 +31325,19 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   return FBI_DIFFERENCE * (moves ? place : FB_R(1.0));
 }
 
-static int fbi_ports_fit(const fb_linear_desc *desc)
+static fb_status fbi_ports_check(const fb_linear_desc *desc)
 {
-  return desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS;
+  const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
+                            FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
+  return fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
 }
 
 static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
 {
-  FBI_REQUIRE(fbi_ports_fit(desc), FB_ERR_CAPACITY);
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+  fb_status status = fbi_ports_check(desc);
+  for (int k = 0; status == FB_OK && k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    fb_status status = FB_OK;
 #if FB_WITH_ROTORS
     if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
       FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
@@ -30857,11 +31347,11 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
 #endif
     status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
                             input->n_load < FB_MAX_LOADS);
-    if (status != FB_OK || port->body != 0) {
-      return status ? status : FB_ERR_CAPACITY;
+    if (status == FB_OK && port->body != 0) {
+      return FB_ERR_CAPACITY;
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* ---- finite-difference steps and channels of a system */
@@ -30899,8 +31389,7 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
 
 static fb_status fbi_system_ports_check(const fbi_subject *s)
 {
-  fb_status status = FB_OK;
-  FBI_REQUIRE(fbi_ports_fit(s->desc), FB_ERR_CAPACITY);
+  fb_status status = fbi_ports_check(s->desc);
   for (int k = 0; k < s->desc->n_in && status == FB_OK; k++) {
     status = fbi_system_port_check(s, &s->desc->in[k], 1);
   }
@@ -31229,7 +31718,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   work->state = *state;
   fbi_rotors_give(&work->state, body, input);
   s = fbi_subject_body(body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
-  status = fbi_linear_desc_check(body, input, s.desc);
+  status = FBI_ENTERED(fbi_linear_desc_check(body, input, s.desc));
   status = status ? status : fb_body_motion_eval(body, &work->steady, state, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
@@ -31449,7 +31938,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
     fbi_frames_ground(&work->state, &work->system, system, body);
   }
   work->n_rotor = 0;
-  status = status ? status : fbi_system_ports_check(&s);
+  status = status ? status : FBI_ENTERED(fbi_system_ports_check(&s));
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);
   status = status ? status : fbi_system_steady(&rate, &s);
@@ -31825,14 +32314,14 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   /* Right-hand side: b of the elements, shared between their nodes */
   for (int k = 0; k < n; k++) {
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(v, d, c->theta, b + 6 * k, b + 6 * k + 6);
+    fbi_exact_mean(v, d, c->theta, b + 6 * m->inboard[k], b + 6 * k + 6);
     fbi_exact_load_rate(f, m->M + 36 * k, c->V, c->P, shift, v);
     for (int i = 0; i < 6; i++) {
       f[i] = -c->h * (b_P[6 * k + i] - f[i]);
     }
     fbi_adT(y, c->theta, f);
     for (int i = 0; i < 6; i++) {
-      work->B[6 * k + i] -= y[i] / FB_R(12.0) - FB_R(0.5) * f[i];
+      work->B[6 * m->inboard[k] + i] -= y[i] / FB_R(12.0) - FB_R(0.5) * f[i];
       work->B[6 * k + 6 + i] += y[i] / FB_R(12.0) + FB_R(0.5) * f[i];
     }
   }
@@ -31840,7 +32329,7 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   /* b of the joints: their dampers; motors */
   for (int j = 0; j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
-    const fb_real rate = fbi_exact_joint_rate(joint, b, joint->element);
+    const fb_real rate = fbi_exact_joint_rate(m, b, joint->element);
     fbi_vec3_add(work->c + 6 * joint->element + 3,
                  fbi_exact_joint_answer(work, joint).weight * (joint->damping * rate + work->motor[j]), joint->axis);
   }
@@ -31870,7 +32359,7 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   for (int k = 0; k < n; k++) {
     fb_real turn[6];
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(v, d, c->theta, work->dd + 6 * k, work->dd + 6 * k + 6);
+    fbi_exact_mean(v, d, c->theta, work->dd + 6 * m->inboard[k], work->dd + 6 * k + 6);
     fbi_mat66_mul_vec6(turn, m->C + 36 * k, work->ds + 6 * k);
     fbi_ad(y, turn, c->dV);
     fbi_vec6_add(v, c->h / FB_R(12.0), y);
@@ -32137,10 +32626,10 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 
 static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
 {
-  if (!fbi_is_choice(desc->n_in, FB_MAX_PORTS) || !fbi_is_choice(desc->n_out, FB_MAX_PORTS)) {
-    return FB_ERR_CAPACITY;
-  }
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+  const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
+                            FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  for (int k = 0; k < desc->n_in + desc->n_out && status == FB_OK; k++) {
     const int is_in = k < desc->n_in;
     const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
     const int kind = (int)port->kind, base = kind == 2 || kind == 3, joint = kind >= (int)FB_EXACT_PORT_MOTOR;
@@ -32158,7 +32647,7 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
                         k, FB_R(0.0), FB_R(0.0));
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is
@@ -32222,9 +32711,9 @@ static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m,
   case FB_EXACT_PORT_INTERNAL_MOMENT:
     return work->ds[at + 3 + i] * m->force * m->length;
   case FB_EXACT_PORT_ANGLE:
-    return fbi_exact_joint_rate(&m->joint[port->at], x, m->joint[port->at].element);
+    return fbi_exact_joint_rate(m, x, m->joint[port->at].element);
   case FB_EXACT_PORT_ANGLE_RATE:
-    return fbi_exact_joint_rate(&m->joint[port->at], work->dd, m->joint[port->at].element) / m->time;
+    return fbi_exact_joint_rate(m, work->dd, m->joint[port->at].element) / m->time;
   case FB_EXACT_PORT_FORCE_STRAIN:
     return fbi_vec6_dot(m->section + 36 * port->at + 6 * i, work->ds + at);
   default:

@@ -12,7 +12,7 @@
 #define FB_MAX_LOOPS 1
 #define FB_MAX_ROWS 6
 #define FB_MAX_SPEEDS 20
-#define FB_MAX_EXACT 3
+#define FB_MAX_EXACT 6
 #define FB_WITH_DETAIL 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
@@ -809,6 +809,10 @@ static void exact_fill(void)
   w.exact_desc.joint[0].element = 1;
   w.exact_desc.joint[0].axis[2] = FB_R(1.0);
   w.exact_desc.joint[0].stiffness = FB_R(50.0);
+  w.exact_desc.n_branch = 1;
+  w.exact_desc.branch[0].node = 1;
+  w.exact_desc.branch[0].n_element = 2;
+  w.exact_desc.branch[0].attitude[0] = w.exact_desc.branch[0].attitude[3] = FB_R(0.5);
   w.exact_desc.n_station = 1;
   w.exact_desc.station[0] = w.exact_station;
   w.exact_desc.gravity[2] = -FB_R(1.0);

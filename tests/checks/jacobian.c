@@ -1,8 +1,8 @@
-/* E10.9, E10.10, E10.23: the Jacobian of the exact beam against central differences of its residual, and the elimination along
-   the chain against one dense LU: random sections (full 6x6), curvature, poses, stresses and velocities, in every
+/* E10.9, E10.10, E10.23, E10.26: the Jacobian of the exact beam against central differences of its residual, and the
+   elimination along chain and branches against one dense LU: random sections (full 6x6), curvature, poses, stresses and velocities, in every
    combination of what can act. Compatibility by the poses is a series, cut at theta^4/720: left out here, Newton's
    convergence shows it. Double precision. */
-#define FB_MAX_EXACT 5
+#define FB_MAX_EXACT 9
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
 #include <math.h>
@@ -18,7 +18,8 @@ enum {
   SUPPORTS = 16,
   LOADS = 32,
   JOINT = 64,
-  COMBINATIONS = 128
+  BRANCH = 128,
+  COMBINATIONS = 256
 };
 enum { REST, SPIN, MARCH, LINEARIZED, WAYS };
 #define UNKNOWNS (12 * FB_MAX_EXACT + 6)
@@ -105,6 +106,13 @@ static void build(int what, int n)
       desc.lump[1].node = n + 1;
     }
   }
+  for (int b = 0; b < 2 && what & BRANCH; b++) { /* the second on the first, at an angle */
+    desc.n_branch = 2;
+    desc.branch[b].node = b ? desc.n_element + 1 : what % 3;
+    desc.branch[b].n_element = 2;
+    desc.branch[b].length = 0.7 + b;
+    fill(desc.branch[b].attitude, b ? 4 : 0, 1);
+  }
   desc.dissipation = 0.3;
   require(fb_exact_init(&beam, &desc), "beam");
 }
@@ -187,7 +195,7 @@ static void residual(double *out, int unknown, double change)
     moved.V[unknown - stress] += moved.motion.shift * change;
     for (int l = 0; l < beam.n_joint; l++) { /* a damper, by the rate that goes with the change */
       const int k = beam.joint[l].element, outboard = node == k + 1, i = (unknown - stress) % 6 - 3;
-      if (i >= 0 && (outboard || node == k)) {
+      if (i >= 0 && (outboard || node == beam.inboard[k])) {
         moved.motor[l] -=
             beam.joint[l].damping * moved.motion.shift * beam.joint[l].axis[i] * (outboard ? x[3 + i] : -x[3 + i]);
       }
@@ -219,7 +227,7 @@ static void assemble(void)
   memset(analytic, 0, sizeof analytic);
   fbi_exact_residual(&work, &beam);
   for (int k = 0; k < beam.n; k++) {
-    const int s = 6 * k, a = nodes + 6 * k, b = a + 6;
+    const int s = 6 * k, a = nodes + 6 * beam.inboard[k], b = nodes + 6 * k + 6;
     fbi_exact_cell_eval(&work.cell, &work, &beam, k);
     if (beam.jointed[k]) {
       fbi_exact_joint_jacobian(&work.jacobian, &work, &beam, k);
@@ -326,7 +334,7 @@ int main(void)
       differences = fmax(differences, e);
       e = compare_dense();
       if (!(e < 1e-9)) {
-        printf("way %d, combination %d: chain and dense LU differ by %.1e\n", way, what, e);
+        printf("way %d, combination %d: elimination and dense LU differ by %.1e\n", way, what, e);
         return 1;
       }
       dense = fmax(dense, e);

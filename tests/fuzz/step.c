@@ -12,7 +12,7 @@
 #define FB_MAX_LOOPS 1
 #define FB_MAX_ROWS 20
 #define FB_MAX_SPEEDS 39
-#define FB_MAX_EXACT 4
+#define FB_MAX_EXACT 8
 #define FB_MAX_POINTS 16
 #define FB_MAX_LINES 1
 #define FLEXBEAM_IMPLEMENTATION
@@ -519,6 +519,13 @@ static int build_exact(bytes *b)
     desc.joint[k].angle = take_part(b, 4.0);
     desc.joint[k].stiffness = take_byte(b) & 1 ? FB_R(5.0) : FB_R(0.0);
     desc.joint[k].damping = take_byte(b) & 1 ? FB_R(0.2) : FB_R(0.0);
+  }
+  desc.n_branch = take_below(b, 3);
+  for (int k = 0; k < desc.n_branch; k++) {
+    desc.branch[k].node = take_below(b, 5);
+    desc.branch[k].n_element = 1 + take_below(b, 3);
+    desc.branch[k].attitude[0] = take_byte(b) & 1 ? FB_R(1.0) : FB_R(0.0);
+    desc.branch[k].attitude[1 + k % 3] = take_part(b, 1.0);
   }
   desc.gravity[2] = take_real(b);
   desc.dissipation = take_byte(b) & 1 ? FB_R(0.3) : FB_R(0.0);
