@@ -78,7 +78,6 @@ static const char *lanes_scene_refusal(const scene *s)
                {s->n_distributed, "distributed: choose a scene without"},
                {s->n_control, "control: choose springs and dampers of joints"},
                {s->n_spring, "spring: choose stiffness and damping of joints"},
-               {s->n_loop, "loop: choose a tree"},
                {s->n_event, "event: choose a scene without"},
                {s->n_rotor, "rotor: choose bodies without"},
                {!(s->step > 0), "no step is given: give it"},
@@ -128,6 +127,7 @@ static void lanes_refusal(char text[200], const scene *s)
       names[k] = s->body[k].name;
     }
     tree_refusal(text, &engine.system, engine.body, names);
+    what = text[0] ? NULL : tree_lanes_refusal(&engine.system);
   }
   if (what) {
     snprintf(text, 200, "%s", what);

@@ -23,7 +23,6 @@ static int scene_code_refused(scene *s)
        "with mode prescribed, as input"},
       {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
       {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
-      {s->n_loop, text_seen(&s->seen, "loop"), "loop: choose a tree"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->n_rotor, text_seen(&s->seen, "rotor"), "rotor: choose bodies without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
@@ -88,8 +87,8 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
     names[k] = s->body[k].name;
   }
   tree_refusal(text, &engine.system, engine.body, names);
-  if (text[0]) {
-    return 1 + scene_fail(s, "--code: %s", text);
+  if (text[0] || (lanes && tree_lanes_refusal(&engine.system))) {
+    return 1 + scene_fail(s, "--code: %s", text[0] ? text : tree_lanes_refusal(&engine.system));
   }
   out = fopen(file, "w");
   if (!out) {

@@ -403,10 +403,9 @@ static void code_write_pivot_check(const code *w, const code_factor *f)
   }
 }
 
-/* The solution x by substitution, called as `names` say. */
-static void code_write_substitution(const code *w, code_factor *f, char names[CODE_ROWS][CODE_NAME])
+/* z = L^-1 y */
+static void code_write_forward(const code *w, const code_factor *f, code_value z[CODE_ROWS])
 {
-  code_value z[CODE_ROWS];
   code_sum s;
   for (int k = 0; k < f->n; k++) {
     code_begin(&s);
@@ -416,6 +415,13 @@ static void code_write_substitution(const code *w, code_factor *f, char names[CO
     }
     z[k] = code_end(w, &s, code_variable("z_%s", code_row_at(f, k)));
   }
+}
+
+/* x = L^-T D^-1 z, called as `names` say. */
+static void code_write_backward(const code *w, code_factor *f, const code_value z[CODE_ROWS],
+                                char names[CODE_ROWS][CODE_NAME])
+{
+  code_sum s;
   for (int k = f->n - 1; k >= 0; k--) {
     code_begin(&s);
     code_add(&s, 1.0, z[k], f->share[k]);
@@ -424,6 +430,14 @@ static void code_write_substitution(const code *w, code_factor *f, char names[CO
     }
     f->x[k] = code_end(w, &s, code_variable("%s", names[k]));
   }
+}
+
+/* The solution x by substitution, called as `names` say. */
+static void code_write_substitution(const code *w, code_factor *f, char names[CODE_ROWS][CODE_NAME])
+{
+  code_value z[CODE_ROWS];
+  code_write_forward(w, f, z);
+  code_write_backward(w, f, z, names);
 }
 
 /* Solves it. */

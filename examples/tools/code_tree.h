@@ -1,4 +1,4 @@
-/* code_tree.h - writes the rk4 step of bodies on joints, a tree, as C99 of its own, straight-line: the equations and
+/* code_tree.h - writes the rk4 step of bodies on joints, a tree with or without loops (code_rows.h), as C99 of its own, straight-line: the equations and
    checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself. Include flexbeam.h
    first.
 
@@ -56,6 +56,10 @@ static struct tree {
 } tree;
 
 static const char tree_axis[3] = {'x', 'y', 'z'};
+
+static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
+
+#include "code_rows.h"
 
 /* ---- vectors and matrices of values */
 
@@ -229,6 +233,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.size += TREE_PUSHED;
   }
   tree.work = tree.n_axis > 0 ? tree.size++ : -1;
+  rows_read(system);
 }
 
 /* What of a joint is not written, with what would be right; NULL: nothing. */
@@ -237,9 +242,6 @@ static const char *tree_joint_refusal(const fb_system *system, int k)
   const fb_joint *const joint = &system->joint[k];
   if (joint->moves) {
     return "a joint on a node that modes move: hang it on the frame or on a rigid body";
-  }
-  if (joint->rubs) {
-    return "friction and stops: choose joints without them";
   }
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
     if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
@@ -287,12 +289,18 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   if (!text[0] && roots + axes + modes == 0) {
     snprintf(text, 200, "nothing can move: choose a joint with an axis, or modes");
   }
-  if (!text[0] && (system->n_loop > 0 || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
+  if (!text[0] && (rows_refusal(system) || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",
-             system->n_loop > 0     ? "loops: choose a tree"
+             rows_refusal(system)   ? rows_refusal(system)
              : system->n_spring > 0 ? "springs between points: choose springs of joints"
                                     : "method multipliers: choose recursive");
   }
+}
+
+/* What cannot be written with lanes, of what can be without; NULL: nothing. */
+static const char *tree_lanes_refusal(const fb_system *system)
+{
+  return system->n_loop > 0 ? "lanes of loops: choose a tree" : NULL;
 }
 
 /* ---- places */
@@ -433,6 +441,18 @@ static void tree_write_place(const code *w, int k)
   tree_write_twists(w, k);
 }
 
+/* Names of what is prescribed; moves: the condition on which it has its rate. */
+static void tree_write_given_names(const code *w, const char *moves)
+{
+  for (int k = 0; k < tree.n; k++) {
+    for (int i = 0; i < 2 && tree.link[k].given; i++) {
+      fprintf(w->out, "  const %s b%d_%s_0 = %s ? in->body_%d.%s[0] : ", code_real(w), k, i ? "v" : "x",
+              i ? moves : "in", k, i ? "rate" : "value");
+      code_template(w, "%z;\n");
+    }
+  }
+}
+
 /* Names of what is in the vector. */
 static void tree_write_names(const code *w)
 {
@@ -444,11 +464,6 @@ static void tree_write_names(const code *w)
         fprintf(w->out, "  const %s b%d_x_%d = x[%d];\n", type, k, i, L->x + i);
       }
       fprintf(w->out, "  const %s b%d_m_%d = x[%d];\n", type, k, i, L->p + i);
-    }
-    for (int i = 0; i < 2 && L->given; i++) {
-      fprintf(w->out, "  const %s b%d_%s_0 = in ? in->body_%d.%s[0] : ", type, k, i ? "v" : "x", k,
-              i ? "rate" : "value");
-      code_template(w, "%z;\n");
     }
     for (int a = 0; a < L->n; a++) {
       fprintf(w->out, "  const %s b%d_q_%d = x[%d];\n", type, k, a, L->q + a);
@@ -513,6 +528,8 @@ static void tree_write_body(const code *w, int k)
   memcpy(L->b, L->own, sizeof L->b);
   tree_leave(k);
 }
+
+#include "code_impulse.h"
 
 /* ---- inertia of all that hangs on a joint */
 
@@ -687,6 +704,18 @@ static void tree_write_inertia(const code *w, int k)
   }
 }
 
+/* E9.3 from the tips. */
+static void tree_write_inertias(const code *w)
+{
+  fputs("\n  /* E9.3: inertia and momentum at rest of all that hangs on a joint */\n", w->out);
+  for (int k = tree.n - 1; k >= 0; k--) {
+    if (tree.link[k].parent >= 0) {
+      tree_write_inertia(w, k);
+      tree_write_to_parent(w, tree.link[tree.link[k].parent].b, &tree.link[k], tree.link[k].b, "r", k);
+    }
+  }
+}
+
 /* ---- velocities */
 
 /* y = I x of a link */
@@ -717,8 +746,6 @@ static code_value tree_write_along(const code *w, const code_value a[6], const c
   }
   return code_end(w, &s, name);
 }
-
-static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
 
 /* Elements of the matrix of axis a of link k. */
 static void tree_write_column(const code *w, int k, int a)
@@ -854,8 +881,8 @@ static void tree_write_pivot_check(const code *w, const code_factor *f)
   }
 }
 
-/* M u = p, and the velocities of all bodies. */
-static void tree_write_solve(const code *w)
+/* M u = p, and the velocities of all bodies; closes: where the loops of a vector at rest are closed. */
+static void tree_write_solve(const code *w, int closes)
 {
   static char names[CODE_ROWS][CODE_NAME];
   const int first = tree.root >= 0 ? 6 : 0, n = first + tree.n_axis;
@@ -890,7 +917,11 @@ static void tree_write_solve(const code *w)
     code_write_column(w, f, k);
   }
   tree_write_pivot_check(w, f);
-  code_write_substitution(w, f, names);
+  if (rows.n > 0) {
+    rows_write_solve(w, f, order, names, closes);
+  } else {
+    code_write_substitution(w, f, names);
+  }
   for (int i = 0; i < n; i++) {
     tree_right[order[i]] = f->x[i];
   }
@@ -931,14 +962,24 @@ static void tree_write_velocity(const code *w, int k)
 
 /* ---- forces */
 
-/* q_dot, and pi_dot but for loads that come from outside. */
+static void tree_write_q_dot(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  if (L->n > 0) {
+    const code own = tree_enter(w, k);
+    memcpy(code_now.V, L->V, sizeof code_now.V);
+    code_write_q_dot(&own);
+    tree_leave(k);
+    rows_write_q_dot(w, k);
+  }
+}
+
+/* pi_dot but for loads that come from outside, and q_dot. */
 static void tree_write_modes(const code *w, int k)
 {
   static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
-  memcpy(code_now.V, L->V, sizeof code_now.V);
-  code_write_q_dot(&own);
   code_read_sparse(K, &L->model->K, L->n);
   memset(C, 0, sizeof C);
 #if FB_WITH_DAMPING
@@ -958,6 +999,7 @@ static void tree_write_modes(const code *w, int k)
   }
   code_write_gradient(&own, code_force);
   tree_leave(k);
+  rows_add_modes(w, code_force, k);
   fputs("\n  /* E8.17 */\n", w->out);
   for (int a = 0; a < L->n; a++) {
     char target[32];
@@ -1038,6 +1080,58 @@ static void tree_add_effort(code_sum *s, const tree_link *L, int k, int a)
   code_add_one(s, -(double)joint->damping[a], L->u[a]);
 }
 
+/* A template of axis a of link k: # begins its names, of its coordinate #x and speed #u. */
+static void tree_template(const code *w, const char *text, int k, int a)
+{
+  char all[600];
+  size_t n = 0;
+  for (const char *c = text; *c && n < sizeof all - 24; c++) {
+    if (*c == '#') {
+      n += (size_t)snprintf(all + n, sizeof all - n, "b%d_x_%d%s", k, a, c[1] == 'x' ? "" : "_");
+      c += c[1] == 'x';
+    } else {
+      all[n++] = *c;
+    }
+  }
+  all[n] = '\0';
+  code_template(w, all);
+}
+
+/* s += friction (E9.28) and stops (E9.29) of an axis. */
+static void tree_add_rubbing(const code *w, code_sum *s, int k, int a)
+{
+  const fb_joint *const joint = tree.link[k].joint;
+  const double friction = (double)joint->friction[a], slow = (double)joint->friction_speed[a];
+  const double stiffness = (double)joint->stop_stiffness[a], loss = (double)joint->stop_loss[a];
+  char text[400];
+  code_sum u;
+  if (!(friction > 0.0 || stiffness > 0.0)) {
+    return;
+  }
+  code_begin(&u);
+  code_add_one(&u, 1.0, tree.link[k].u[a]);
+  code_declare(w, &u, code_variable("b%d_x_%d_u", k, a).name);
+  if (friction > 0.0) {
+    snprintf(text, sizeof text, "  const $ #rub = `%.17g` / sqrt~(#u * #u + `%.17g`);\n", friction, slow * slow);
+    tree_template(w, text, k, a);
+    code_add(s, -1.0, code_variable("b%d_x_%d_rub", k, a), code_variable("b%d_x_%d_u", k, a));
+  }
+  if (stiffness > 0.0) {
+    snprintf(text, sizeof text,
+             "  const $ #low = #x - `%.17g`;\n  const $ #high = #x - `%.17g`;\n"
+             "  const $ #deep = (%%W#low < `0`%%,#low%%!) + (%%W#high > `0`%%,#high%%!);\n",
+             (double)joint->stop[a][0], (double)joint->stop[a][1]);
+    tree_template(w, text, k, a);
+    snprintf(text, sizeof text,
+             "  const $ #in = (%%W#low < `0`%%,-#u%%!) + (%%W#high > `0`%%,#u%%!);\n"
+             "  const $ #hold = `1` + `%.17g` * #in;\n  const $ #stop = %%W#hold > `0`%%,#hold%%!;\n",
+             loss);
+    tree_template(w, loss > 0.0 ? text : "", k, a);
+    code_add(s, -stiffness, code_variable("b%d_x_%d_deep", k, a),
+             loss > 0.0 ? code_variable("b%d_x_%d_stop", k, a) : code_constant(1.0));
+  }
+}
+
 static void tree_assign_one(const code *w, code_value x, int at)
 {
   char target[32];
@@ -1048,13 +1142,13 @@ static void tree_assign_one(const code *w, code_value x, int at)
   code_assign(w, &s, target);
 }
 
-static const char tree_quat_rate[] = "  rate[@0] = `-0.5` * (x[@1] * @x + x[@2] * @y + x[@3] * @z);\n"
-                                     "  rate[@1] = `0.5` * (x[@0] * @x + x[@2] * @z - x[@3] * @y);\n"
-                                     "  rate[@2] = `0.5` * (x[@0] * @y + x[@3] * @x - x[@1] * @z);\n"
-                                     "  rate[@3] = `0.5` * (x[@0] * @z + x[@1] * @y - x[@2] * @x);\n";
+static const char tree_quat_rate[] = "  #[@0] = `-0.5` * (x[@1] * @x + x[@2] * @y + x[@3] * @z);\n"
+                                     "  #[@1] = `0.5` * (x[@0] * @x + x[@2] * @z - x[@3] * @y);\n"
+                                     "  #[@2] = `0.5` * (x[@0] * @y + x[@3] * @x - x[@1] * @z);\n"
+                                     "  #[@3] = `0.5` * (x[@0] * @z + x[@1] * @y - x[@2] * @x);\n";
 
-/* E4.4: rate of the quaternion at a place of the vector by angular velocity v, own axes. */
-static void tree_write_quat_rate(const code *w, int at, const code_value v[3])
+/* E4.4: rate of the quaternion at a place of the vector by angular velocity v, own axes; to: where it goes. */
+static void tree_write_quat_rate(const code *w, const char *to, int at, const code_value v[3])
 {
   char text[1200];
   size_t n = 0;
@@ -1062,6 +1156,8 @@ static void tree_write_quat_rate(const code *w, int at, const code_value v[3])
     if (*c == '@' && c[1] >= 'x') {
       n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", v[c[1] - 'x'].c < 0.0 ? "-" : "", v[c[1] - 'x'].name);
       c++;
+    } else if (*c == '#') {
+      n += (size_t)snprintf(text + n, sizeof text - n, "%s", to);
     } else if (*c == '@') {
       n += (size_t)snprintf(text + n, sizeof text - n, "%d", at + c[1] - '0');
       c++;
@@ -1105,7 +1201,7 @@ static void tree_write_ball(const code *w, int k)
   for (int i = 0; i < 3; i++) {
     tree_assign_one(w, out[i], L->p + i);
   }
-  tree_write_quat_rate(w, L->x, L->u);
+  tree_write_quat_rate(w, "rate", L->x, L->u);
 }
 
 static void tree_write_axes(const code *w, int k)
@@ -1120,6 +1216,7 @@ static void tree_write_axes(const code *w, int k)
     code_sum s;
     code_begin(&s);
     tree_add_effort(&s, L, k, a);
+    tree_add_rubbing(w, &s, k, a);
     tree_add_axis(w, &s, k, a);
     snprintf(target, sizeof target, "rate[%d]", L->p + a);
     code_assign(w, &s, target);
@@ -1246,7 +1343,7 @@ static void tree_write_root(const code *w)
   code_value h[3];
   code_sum s;
   inner.indent = 4;
-  tree_write_quat_rate(w, 0, V + 3);
+  tree_write_quat_rate(w, "rate", 0, V + 3);
   fputs("\n  /* E9.14, E11.27: angular momentum h of the root in body axes; P, L in inertial axes */\n", w->out);
   for (int i = 0; i < 3; i++) {
     h[i] = code_variable("x[%d]", TREE_OWN + i);
@@ -1306,6 +1403,32 @@ static void tree_write_larger(const code *w, const char *most, const char *other
   }
 }
 
+/* E11.43: stops of all joints at their present speeds. */
+static void tree_write_impacts(const code *w)
+{
+  char number[40], name[24];
+  int n = 0;
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int a = 0; a < L->axes + L->given; a++) {
+      if (L->joint->rubs && L->joint->stop_loss[a] > FB_R(0.0)) {
+        code_template(w, n++ == 0 ? "    $ hit = %z;\n    const $ " : "    const $ ");
+        code_number(number, w, (double)L->joint->stop_loss[a]);
+        snprintf(name, sizeof name, "hit_%d", 8 * k + a);
+        fprintf(w->out, "%s = %s * ", name, number);
+        code_template(w, "fabs~(");
+        fprintf(w->out, "%s);\n", L->u[a].name);
+        tree_write_larger(w, "hit", "hit", 8 * k + a);
+      }
+    }
+  }
+  if (n > 0) {
+    code_number(number, w, (double)tree.system->limit_elastic);
+    fprintf(w->out, "    stiffening += %s * hit", number);
+    code_template(w, " * (`2` + hit);\n");
+  }
+}
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1342,6 +1465,7 @@ static void tree_write_limit(const code *w)
       tree_write_larger(w, "stiffening", "stiff", k);
     }
   }
+  tree_write_impacts(w);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest + %s;\n", number);
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
@@ -1382,6 +1506,8 @@ static void tree_write_rates(const code *w, int unused)
   code_template(w, tree_rates_head);
   code_template(w, "%V");
   tree_write_names(w);
+  tree_write_given_names(w, "in");
+  code_template(w, rows.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
@@ -1390,20 +1516,20 @@ static void tree_write_rates(const code *w, int unused)
   for (int k = 0; k < tree.n; k++) {
     tree_write_body(w, k);
   }
-  fputs("\n  /* E9.3: inertia and momentum at rest of all that hangs on a joint */\n", w->out);
-  for (int k = tree.n - 1; k >= 0; k--) {
-    if (tree.link[k].parent >= 0) {
-      tree_write_inertia(w, k);
-      tree_write_to_parent(w, tree.link[tree.link[k].parent].b, &tree.link[k], tree.link[k].b, "r", k);
-    }
-  }
-  tree_write_solve(w);
+  tree_write_inertias(w);
+  tree_write_solve(w, 0);
   fputs("\n  /* E9.5: velocities and momenta of the bodies */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
     tree_write_velocity(w, k);
+    rows_write_momenta(w, k);
     tree_write_momentum(w, tree.link[k].G, tree.link[k].rates.S, tree.link[k].V, tree.link[k].own, "G", k);
     tree_write_gravity(w, k);
   }
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_q_dot(w, k);
+  }
+  rows_write_loads(w);
+  rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].n > 0) {
       tree_write_modes(w, k);
@@ -1677,6 +1803,8 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
   }
 }
 
+#include "code_close.h"
+
 enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
 
 static const struct {
@@ -1787,7 +1915,9 @@ static const char tree_status[] =
     "  @_value = -2,       /* dt is not above 0 */\n"
     "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
     "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
-    "  @_range = -10       /* a deflection has left the range of the model */\n"
+    "  @_range = -10       /* a deflection has left the range of the model */\n";
+
+static const char tree_status_end[] =
     "} @_status;\n\n"
     "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
     "   joint or the body does not use is left out. */\n";
@@ -2032,7 +2162,8 @@ static void tree_write_end(const code *w)
                 tree.root >= 0
                     ? ", const $ *before, %s dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
                       "  $ change[3] = {%z, %z, %z}, step[3];\n"
-                    : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+                : rows.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                             : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
@@ -2055,6 +2186,7 @@ static void tree_write_end(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_sum_momenta);
   }
+  code_template(w, rows.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
   if (tree.root >= 0) {
     tree_write_flight(w);
   }
@@ -2136,7 +2268,7 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : ");\n}\n");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : rows.n > 0 ? ", end);\n}\n" : ");\n}\n");
 }
 
 /* Rotation vector; of all lanes by that of one body. */
@@ -2193,6 +2325,8 @@ static void tree_write_model_type(const code *w)
 static void tree_write_declarations(const code *w, int lanes)
 {
   code_template(w, tree_status);
+  code_template(w, rows.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
   code_template(w, tree_declarations);
@@ -2227,6 +2361,22 @@ static void tree_write_sizes(const code *w)
   fputs(" };\n\n", w->out);
 }
 
+/* Which rows move anything: written once for nobody; if none does there are no loops. 0: there is no temporary file, see
+   errno. */
+static int rows_look(const code *w)
+{
+  code draft = *w;
+  draft.out = tmpfile();
+  if (!draft.out) {
+    return 0;
+  }
+  tree_write_rates(&draft, 0);
+  if (rows.acting == 0) {
+    rows.n = rows.n_loop = 0;
+  }
+  return fclose(draft.out) == 0;
+}
+
 /* The functions of a step, of one system or of all lanes. 0: there is no temporary file, see errno. */
 static int tree_write_functions(const code *w)
 {
@@ -2235,7 +2385,15 @@ static int tree_write_functions(const code *w)
   code_template(w, tree_finite);
   tree_write_input_check(w);
   tree_write_rotations(w);
-  good = code_write_pruned(w, tree_write_rates, 0);
+  good = rows.n == 0 || rows_look(w);
+  if (rows.n > 0) {
+    rows_write_functions(w);
+  }
+  good = code_write_pruned(w, tree_write_rates, 0) && good;
+  if (rows.n > 0) {
+    good = code_write_pruned(w, rows_write_move, 0) && good;
+    rows_write_close(w);
+  }
   if (tree.root >= 0) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
@@ -2297,6 +2455,8 @@ static int tree_write_alone(const code *w)
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   code_template(w, tree_status);
+  code_template(w, rows.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
   good = tree_write_functions(&wide);

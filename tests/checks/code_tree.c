@@ -14,14 +14,17 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, MODELS = 8, GIVEN = 16 }; /* GIVEN: with RIGID..: the axis of its joint is prescribed */
+enum { RIGID, BOOM, PANEL, MODELS = 8, GIVEN = 16, RUBS = 32, TIP = 8 };
+/* With RIGID..: GIVEN: the axis of its joint is prescribed; RUBS: it has friction and stops, which it reaches */
 
 typedef struct hang {
   fb_joint_kind kind;
   int parent, model;
 } hang;
 
-/* Effects of the flexible models, gravity, joints turned at random, bodies. The first two are those of
+enum { PLANE = 2 }; /* of joints: all axes along z */
+
+/* Effects of the flexible models, gravity, joints turned at random (0: about x; PLANE: not at all), bodies. The first two are those of
    bench/system_count.c, hinge and booms, in which nothing is random. */
 static const struct {
   unsigned effects;
@@ -109,7 +112,75 @@ static const struct {
       {FB_JOINT_SPHERICAL, 1, BOOM},
       {FB_JOINT_PRISMATIC, 1, RIGID | GIVEN},
       {FB_JOINT_UNIVERSAL, 3, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM | RUBS},
+      {FB_JOINT_UNIVERSAL, 0, RIGID | RUBS},
+      {FB_JOINT_PRISMATIC, 2, RIGID | RUBS}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     0,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | RUBS},
+      {FB_JOINT_SCREW, 0, PANEL | RUBS},
+      {FB_JOINT_CYLINDRICAL, -1, RIGID | RUBS},
+      {FB_JOINT_REVOLUTE, -1, RIGID | RUBS | GIVEN}}},
+    /* 21: four bars in a plane; 22: with a coupler that bends, driven by the crank */
+    {FB_EFFECTS_FULL,
+     0,
+     PLANE,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_REVOLUTE, -1, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     PLANE,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, PANEL}, {FB_JOINT_REVOLUTE, -1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_UNIVERSAL, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 2, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     1,
+     1,
+     {{FB_JOINT_UNIVERSAL, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 1, PANEL},
+      {FB_JOINT_CYLINDRICAL, 2, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 1, BOOM},
+      {FB_JOINT_PRISMATIC, -1, RIGID}}},
+    {FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 1, PANEL}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_RIGID, -1, BOOM}, {FB_JOINT_SPHERICAL, -1, PANEL}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
 };
+
+/* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it. */
+static const struct {
+  int tree;
+  fb_joint_kind kind;
+  int parent, child;
+} loops[] = {{21, FB_JOINT_REVOLUTE, 1, 2},
+             {22, FB_JOINT_REVOLUTE, 1 + TIP, 2},
+             {23, FB_JOINT_SPHERICAL, 1 + TIP, 3},
+             {24, FB_JOINT_SPHERICAL, 0, 2},
+             {24, FB_JOINT_UNIVERSAL, -1, 3},
+             {25, FB_JOINT_CYLINDRICAL, 2 + TIP, 3},
+             {26, FB_JOINT_SPHERICAL, 1 + TIP, 2},
+             {26, FB_JOINT_SPHERICAL, -1, 1 + TIP},
+             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP}};
+enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
 static fb_body model[MODELS];
@@ -145,6 +216,7 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
   static fb_modes_desc keep;
   static fb_body_desc level;
   fb_real center[3], inertia[6] = {9, 11, 14, 0, 0, 0};
+  int tip;
   for (int i = 0; i < 3; i++) {
     center[i] = plain ? (i == 0 ? FB_R(0.5) : FB_R(0.0)) : (fb_real)(0.3 * random_number());
     inertia[i] = plain ? (i == 0 ? FB_R(4.0) : FB_R(9.0)) : inertia[i] + (fb_real)random_number();
@@ -178,6 +250,9 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
   if (modes > 0) {
     need(fb_shape_add_beam(&shape, 0, &beam, &basis), "boom");
   }
+  if (modes > 0) {
+    need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, boom.length), "tip");
+  }
   need(fb_body_init(body, &body_work, &shape, &level), "body");
 }
 
@@ -189,14 +264,29 @@ static void build_plain_joint(fb_joint_desc *joint, int k)
   fb_quat_from_rotvec(joint->attitude, turn);
 }
 
+/* Friction, and stops within the reach of motion, of every axis of a joint. */
+static void build_rubbing(fb_joint_desc *joint)
+{
+  const int axes = joint->kind == FB_JOINT_UNIVERSAL || joint->kind == FB_JOINT_CYLINDRICAL ? 2 : 1;
+  for (int i = 0; i < axes; i++) {
+    joint->friction[i] = FB_R(0.5);
+    joint->friction_speed[i] = FB_R(0.1);
+    joint->stop[i][0] = FB_R(-0.1);
+    joint->stop[i][1] = FB_R(0.2);
+    joint->stop_stiffness[i] = FB_R(400.0);
+    joint->stop_loss[i] = i == 0 ? FB_R(0.5) : FB_R(0.0);
+  }
+}
+
 static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
 {
+  const int random = turned == 1;
   fb_real turn[3], child[3];
   for (int i = 0; i < 3; i++) {
     joint->position[i] = (fb_real)random_number();
-    joint->child_position[i] = turned ? (fb_real)(0.3 * random_number()) : FB_R(0.0);
-    turn[i] = (fb_real)(turned ? random_number() : i == 0 ? 1.5707963267948966 : 0.0);
-    child[i] = (fb_real)(turned ? random_number() : 0.0);
+    joint->child_position[i] = random ? (fb_real)(0.3 * random_number()) : FB_R(0.0);
+    turn[i] = (fb_real)(random ? random_number() : i == 0 && turned != PLANE ? 1.5707963267948966 : 0.0);
+    child[i] = (fb_real)(random ? random_number() : 0.0);
   }
   if (link->kind == FB_JOINT_FREE) {
     memset(joint->position, 0, sizeof joint->position);
@@ -206,11 +296,61 @@ static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
   fb_quat_from_rotvec(joint->attitude, turn);
   fb_quat_from_rotvec(joint->child_attitude, child);
   joint->pitch = link->kind == FB_JOINT_SCREW ? FB_R(0.2) : FB_R(0.0);
-  for (int i = 0; i < 3 && link->kind != FB_JOINT_RIGID && turned; i++) {
+  for (int i = 0; i < 3 && link->kind != FB_JOINT_RIGID && random; i++) {
     joint->stiffness[i] = FB_R(20.0);
     joint->damping[i] = FB_R(0.5);
     joint->rest[i] = link->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : FB_R(0.1);
   }
+}
+
+/* A loop by joint frames that coincide at zero coordinates of the tree, which is built without it. */
+static void build_loop(int which, int l)
+{
+  static fb_system_motion motion;
+  static fb_system_state zero;
+  fb_joint_desc *const loop = &desc.loop[desc.n_loop];
+  const int parent = loops[l].parent, child = loops[l].child;
+  const int on = parent >= TIP ? parent - TIP : parent, of = child % TIP;
+  fb_real turn[3], back[4], x[3], R[9];
+  hang at = {loops[l].kind, on, 0};
+  need(fb_system_state_init(&mechanism, model, &zero, &work, NULL, NULL), "state at zero");
+  need(fb_system_motion_eval(&mechanism, model, &work, &motion, &zero, NULL), "poses at zero");
+  build_joint(loop, &at, 0);
+  loop->kind = at.kind;
+  loop->parent = on;
+  loop->child = of;
+  loop->parent_node = parent >= TIP;
+  loop->child_node = child >= TIP;
+  for (int i = 0; i < 3; i++) {
+    turn[i] = trees[which].turned == 1 ? (fb_real)random_number() : FB_R(0.0);
+    x[i] = loop->position[i] + (loop->parent_node ? model[desc.model[on]].node[1].r[i] : FB_R(0.0));
+  }
+  fb_quat_from_rotvec(loop->attitude, turn);
+  if (on >= 0) { /* to the ground */
+    fb_real y[3];
+    fb_quat_to_mat33(R, motion.pose[on].quat);
+    fb_mat33_mul_vec3(y, R, x);
+    for (int i = 0; i < 3; i++) {
+      x[i] = y[i] + motion.pose[on].rho[i];
+    }
+    fb_quat_mul(back, motion.pose[on].quat, loop->attitude);
+  } else {
+    memcpy(back, loop->attitude, sizeof back);
+  }
+  fb_quat_to_mat33(R, motion.pose[of].quat);
+  for (int i = 0; i < 3; i++) {
+    turn[i] = x[i] - motion.pose[of].rho[i];
+  }
+  fb_mat33_mulT_vec3(loop->child_position, R, turn);
+  for (int i = 0; i < 3; i++) {
+    loop->child_position[i] -= loop->child_node ? model[desc.model[of]].node[1].r[i] : FB_R(0.0);
+    x[i] = -motion.pose[of].quat[1 + i];
+  }
+  {
+    const fb_real inverse[4] = {motion.pose[of].quat[0], x[0], x[1], x[2]};
+    fb_quat_mul(loop->child_attitude, inverse, back);
+  }
+  desc.n_loop++;
 }
 
 static void build(int which)
@@ -220,17 +360,28 @@ static void build(int which)
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2);
   memset(&desc, 0, sizeof desc);
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
-    desc.model[desc.n_body] = trees[which].link[k].model % GIVEN;
+    const int flags = trees[which].link[k].model;
+    desc.model[desc.n_body] = flags % GIVEN;
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent;
-    desc.joint[k].mode[0] = trees[which].link[k].model < GIVEN ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
+    desc.joint[k].mode[0] = !(flags & GIVEN) ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
-      build_joint(&desc.joint[desc.n_body++], &trees[which].link[k], trees[which].turned);
+      build_joint(&desc.joint[k], &trees[which].link[k], trees[which].turned);
+      if (flags & RUBS) {
+        build_rubbing(&desc.joint[k]);
+      }
+      desc.n_body++;
     }
   }
   need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system");
+  for (int l = 0; l < LOOPS; l++) {
+    if (loops[l].tree == which) {
+      build_loop(which, l);
+    }
+  }
+  need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system with its loops");
 }
 
 #ifdef WRITE
@@ -279,6 +430,10 @@ int main(int argc, char **argv)
   for (int k = 2; k < argc; k++) {
     choice.single |= strcmp(argv[k], "--single") == 0;
     choice.lanes |= strcmp(argv[k], "--lanes") == 0;
+  }
+  if (choice.lanes && tree_lanes_refusal(&mechanism)) {
+    fprintf(stderr, "tree %d: %s\n", which, tree_lanes_refusal(&mechanism));
+    return 4;
   }
   return !tree_write(stdout, &mechanism, model, names, &choice, "a random tree",
                      fb_system_crc(&mechanism, model, MODELS));
@@ -332,14 +487,15 @@ static void compare(void)
 static void start(double speed)
 {
   static fb_link_motion motion[FB_MAX_BODIES];
+  const double near = desc.n_loop > 0 ? 0.1 : 1; /* where loops are closed */
   memset(motion, 0, sizeof motion);
   memset(&state, 0, sizeof state);
   for (int k = 0; k < desc.n_body; k++) {
     const fb_body *const body = &model[desc.model[k]];
     fb_real turn[3];
     for (int i = 0; i < 3; i++) {
-      turn[i] = (fb_real)random_number();
-      motion[k].value[i] = (fb_real)(0.5 * random_number());
+      turn[i] = (fb_real)(near * random_number());
+      motion[k].value[i] = (fb_real)(0.5 * near * random_number());
     }
     fb_quat_from_rotvec(motion[k].quat, turn);
     for (int i = 0; i < 6; i++) {
@@ -383,6 +539,7 @@ static void give(generated_input *mine, const fb_system_input *in)
 
 static void load(fb_system_input *in, generated_input *mine, double t)
 {
+  const double far = desc.n_loop > 0 ? 0.1 : 1; /* that a crank turns */
   memset(in, 0, sizeof *in);
   memset(mine, 0, sizeof *mine);
   in->n_load = desc.n_body;
@@ -398,9 +555,9 @@ static void load(fb_system_input *in, generated_input *mine, double t)
                                    : FB_R(0.0);
     }
     if (desc.joint[k].mode[0] != FB_AXIS_FREE) {
-      in->drive[k].value[0] = (fb_real)(0.3 * t + 0.1 * sin(2 * t));
-      in->drive[k].rate[0] = (fb_real)(0.3 + 0.2 * cos(2 * t));
-      in->drive[k].acceleration[0] = (fb_real)(-0.4 * sin(2 * t));
+      in->drive[k].value[0] = (fb_real)(far * (0.3 * t + 0.1 * sin(2 * t)));
+      in->drive[k].rate[0] = (fb_real)(far * (0.3 + 0.2 * cos(2 * t)));
+      in->drive[k].acceleration[0] = (fb_real)(-0.4 * far * sin(2 * t));
     }
   }
   give(mine, in);
@@ -509,7 +666,7 @@ static int limits(void)
   return good;
 }
 
-/* A modal force alone changes the conjugate momentum by itself times the step. */
+/* A modal force alone changes the conjugate momentum by itself times the step; loops may hold what it moves. */
 static int modal(void)
 {
   static generated_input mine;
@@ -523,23 +680,23 @@ static int modal(void)
 #define LOAD(k)
 #define MOTOR(k)
 #define DRIVE(k)
-#define MODAL(k)                                                           \
-  for (int sign = -1; sign < 2; sign += 2) {                               \
-    const double before = (double)own.body_##k.pi[0];                      \
-    double without, with;                                                  \
-    mine.body_##k.modal[0] = FB_R(0.0);                                    \
-    good &= generated_step(&own, &mine, &mine, &mine, dt) == generated_ok; \
-    without = (double)own.body_##k.pi[0] - before;                         \
-    take_state(0);                                                         \
-    mine.body_##k.modal[0] = (fb_real)sign;                                \
-    good &= generated_step(&own, &mine, &mine, &mine, dt) == generated_ok; \
-    with = (double)own.body_##k.pi[0] - before;                            \
-    take_state(0);                                                         \
-    mine.body_##k.modal[0] = FB_R(0.0);                                    \
-    if (!(fabs((with - without) / (sign * (double)dt) - 1) < 0.05)) {      \
-      printf("modal force on body %d\n", k);                               \
-      good = 0;                                                            \
-    }                                                                      \
+#define MODAL(k)                                                                          \
+  for (int sign = -1; sign < 2; sign += 2) {                                              \
+    const double before = (double)own.body_##k.pi[0];                                     \
+    double without, with;                                                                 \
+    mine.body_##k.modal[0] = FB_R(0.0);                                                   \
+    good &= generated_step(&own, &mine, &mine, &mine, dt) == generated_ok;                \
+    without = (double)own.body_##k.pi[0] - before;                                        \
+    take_state(0);                                                                        \
+    mine.body_##k.modal[0] = (fb_real)sign;                                               \
+    good &= generated_step(&own, &mine, &mine, &mine, dt) == generated_ok;                \
+    with = (double)own.body_##k.pi[0] - before;                                           \
+    take_state(0);                                                                        \
+    mine.body_##k.modal[0] = FB_R(0.0);                                                   \
+    if (desc.n_loop == 0 && !(fabs((with - without) / (sign * (double)dt) - 1) < 0.05)) { \
+      printf("modal force on body %d\n", k);                                              \
+      good = 0;                                                                           \
+    }                                                                                     \
   }
 #include "members.h"
 #undef MEMBER

@@ -1,0 +1,220 @@
+/* code_close.h - brings loops back onto their constraints after a step: see code_rows.h, part of code_tree.h. */
+#ifndef CODE_CLOSE_H
+#define CODE_CLOSE_H
+
+/* ---- after a step: positions and momenta onto the constraints */
+
+static const char rows_move_head[] =
+    "\n/* What brings the vector x onto the constraints. places: the coordinates, by E9.17, where momenta are zero; "
+    "else the\n"
+    "   momenta, by E9.10. */\n"
+    "static @_NOINLINE @_status @_rows_move($ *move, const $ *x, const @_input *in, int places)\n{\n"
+    "  const $ closes = places ? `1` : `0`;\n"
+    "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n";
+
+/* The momenta of a joint's axes by the impulses. */
+static void rows_write_axes(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_value p[3];
+  code_sum s;
+  code inner = *w;
+  inner.indent = 4;
+  for (int a = 0; a < L->axes; a++) {
+    code_begin(&s);
+    for (int r = 0; r < rows.n; r++) {
+      code_add(&s, 1.0, rows_mu(r), rows.row[r].direct[L->row + a]);
+    }
+    p[a] = code_end(&inner, &s, code_variable("b%d_dp_%d", k, a));
+  }
+  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+    code_value child[9];
+    rows_constants(child, L->joint->child_axes, 9);
+    tree_write_turned(&inner, p, child, 0, p, "mb", k);
+    tree_write_view(&inner, p, p, "mg", k, 0);
+  }
+  for (int a = 0; a < L->axes; a++) {
+    char target[32];
+    code_begin(&s);
+    code_add_one(&s, 1.0, p[a]);
+    snprintf(target, sizeof target, "move[%d]", L->p + a);
+    code_assign(&inner, &s, target);
+  }
+  for (int a = 0; a < L->n; a++) {
+    char target[32];
+    code_begin(&s);
+    rows_add(&s, 1.0, k, a, rows_pushed);
+    snprintf(target, sizeof target, "move[%d]", L->pi + a);
+    code_assign(&inner, &s, target);
+  }
+}
+
+/* The coordinates of a joint and of modes by the displacements. */
+static void rows_write_displaced(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code inner = *w;
+  char target[32];
+  code_sum s;
+  inner.indent = 4;
+  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+    tree_write_quat_rate(&inner, "move", L->x, L->u);
+  }
+  for (int a = 0; a < L->axes + L->n; a++) {
+    const int mode = a - L->axes;
+    if (mode >= 0 || L->joint->kind != FB_JOINT_SPHERICAL) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, mode < 0 ? L->u[a] : L->rates.q_dot[mode]);
+      snprintf(target, sizeof target, "move[%d]", mode < 0 ? L->x + a : L->q + mode);
+      code_assign(&inner, &s, target);
+    }
+  }
+}
+
+/* Are the loops closed, to 1e-5 (single: 1e-3) of the size of the whole? */
+static void rows_write_gap(const code *w)
+{
+  code_value R[FB_MAX_BODIES][9], rho[FB_MAX_BODIES][3];
+  code inner = *w;
+  char number[40];
+  inner.indent = 4;
+  code_template(w, "    $ gap = `0`, size = `0`;\n");
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    if (L->parent < 0) {
+      memcpy(R[k], L->C, sizeof R[k]);
+      memcpy(rho[k], L->s, sizeof rho[k]);
+    } else {
+      rows_write_turned(&inner, rho[k], R[L->parent], 0, L->s, rho[L->parent], code_variable("b%d_rho", k));
+      rows_write_product(&inner, R[k], R[L->parent], 0, L->C, code_variable("b%d_R", k));
+    }
+    tree_write_norm(w, "far", k, rho[k]);
+    tree_write_larger(w, "size", "far", k);
+  }
+  for (int r = 0; r < rows.n; r++) {
+    if (!code_is_constant(&rows.row[r].value)) {
+      fprintf(w->out, "    const %s gap_%d = ", code_real(w), r);
+      code_template(w, "fabs~(");
+      fprintf(w->out, "%s);\n", rows.row[r].value.name);
+      tree_write_larger(w, "gap", "gap", r);
+    }
+  }
+  code_number(number, w, w->single ? 1e-3 : 1e-5);
+  fprintf(w->out, "    if (!(gap <= %s * (", number);
+  code_template(w, "`1` + size))) {\n      return @_contradiction;\n    }\n");
+}
+
+static void rows_write_move(const code *w, int unused)
+{
+  (void)unused;
+  code_template(w, rows_move_head);
+  tree_write_names(w);
+  tree_write_given_names(w, "in && !places");
+  code_template(w, tree.n_given > 0 ? "" : "  (void)in;\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_place(w, k);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_body(w, k);
+  }
+  tree_write_inertias(w);
+  tree_write_solve(w, 1);
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_velocity(w, k);
+    tree_write_q_dot(w, k);
+  }
+  fputs("  if (places) {\n", w->out);
+  for (int k = 0; k < tree.n; k++) {
+    rows_write_displaced(w, k);
+  }
+  fputs("  } else {\n", w->out);
+  for (int k = 0; k < tree.n; k++) {
+    rows_write_axes(w, k);
+  }
+  rows_write_gap(w);
+  fputs("  }\n", w->out);
+  for (int j = 0; j < 2 * rows.n_loop && tree.n_given > 0; j++) {
+    rows_write_velocity(w, j / 2, j % 2);
+  }
+  rows_write_check(w, "!places && ");
+  code_template(w, "  return @_ok;\n}\n");
+}
+
+static const char rows_close_head[] =
+    "\n/* E9.17, E9.10: the vector d onto the constraints, positions first, then momenta. */\n"
+    "static @_status @_close($ *d, const @_input *in)\n{\n"
+    "  $ still[@_N], move[@_N] = {`0`};\n"
+    "  @_status status;\n"
+    "  memcpy(still, d, sizeof still);\n";
+
+/* What of link k is at rest where positions are closed; what moves, then. */
+static void rows_still(const code *w, int at, int n, int k, const char *member)
+{
+  (void)k;
+  if (member[0] == 'p') {
+    fprintf(w->out, "  memset(still + %d, 0, %d * sizeof *still);\n", at, n);
+  }
+}
+
+static void rows_moved(const code *w, int at, int n, const char *member, int places)
+{
+  if ((member[0] != 'p') == places) {
+    fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n    d[i] += move[i];\n  }\n", at, at + n);
+  }
+  if (places && strcmp(member, "quat") == 0) {
+    code_template(w, "  size = `1` / sqrt~(");
+    fprintf(w->out, "d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d] + d[%d] * d[%d]);\n", at, at, at + 1, at + 1, at + 2,
+            at + 2, at + 3, at + 3);
+    fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n    d[i] *= size;\n  }\n", at, at + 4);
+  }
+}
+
+static void rows_placed(const code *w, int at, int n, int k, const char *member)
+{
+  (void)k;
+  rows_moved(w, at, n, member, 1);
+}
+
+static void rows_pushed_on(const code *w, int at, int n, int k, const char *member)
+{
+  (void)k;
+  rows_moved(w, at, n, member, 0);
+}
+
+static void rows_write_close(const code *w)
+{
+  code_template(w, rows_close_head);
+  code_template(w, tree_has_joint(FB_JOINT_SPHERICAL) ? "  $ size;\n" : "");
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, rows_still);
+  }
+  code_template(w, "  status = @_rows_move(move, still, in, 1);\n  if (status != @_ok) {\n    return status;\n  }\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, rows_placed);
+  }
+  code_template(w, "  status = @_rows_move(move, d, in, 0);\n");
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, rows_pushed_on);
+  }
+  fputs("  return status;\n}\n", w->out);
+}
+
+/* Sizes, kinds of rows (fbi_rows_alike) and the solution of their equations. */
+static void rows_write_functions(const code *w)
+{
+  int n = 0;
+  code_template(w, "\nenum { @_ROWS = ");
+  fprintf(w->out, "%d };\n", rows.acting);
+  code_template(w, "static const int @_kind[@_ROWS] = {");
+  for (int r = 0; r < rows.n; r++) {
+    if (rows.row[r].acts >= 0) {
+      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * rows.row[r].loop + (rows.row[r].hold < 3));
+    }
+  }
+  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"
+                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`");
+  code_template(w, tree.n_given == 0 ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
+  code_template(w, rows_functions);
+  code_template(w, tree.n_given > 0 ? rows_hold : "");
+}
+#endif

@@ -1,0 +1,99 @@
+/* code_rows.h - loops of bodies on joints, closed by constraint rows, in the step that code_tree.h writes and whose
+   words it uses: the equations of fb_system_rk4_step with rows. Part of code_tree.h, which includes first this file, what
+   loops are, then code_impulse.h and code_close.h.
+
+   M u = p + A^T mu, A u + c = 0 (E9.10): with M = L D L^T of the axes and Y = L^-1 A^T the matrix of the rows is
+   Q = Y^T D^-1 Y, and what it takes of modes that the rows push by themselves. Vectors of a loop are in the axes P of the
+   joint on its parent, in which the translations that it holds are unit vectors. */
+#ifndef CODE_ROWS_H
+#define CODE_ROWS_H
+
+enum { ROWS_MOST = 24 };
+
+typedef struct rows_end { /* the node that carries one side of a loop */
+  int link, moves;        /* -1: the ground; 1: modes move it */
+  code_value n[3], N[9];  /* from O, turn of its axes: body axes */
+  code_value phi[3], scale, Ju[FB_MAX_MODES][3], turn[FB_MAX_MODES][3], Jphi[FB_MAX_MODES][3]; /* as fbi_node_eval */
+  code_value D[9], arm[3];         /* P axes to those of the body; to the joint's origin on the child, P axes */
+  code_value at[3], v[3], spin[3]; /* velocity of the node, body axes; in P axes, and how fast it turns */
+  code_value G[6], F[6];           /* momentum and load by the impulses at the node, body axes */
+} rows_end;
+
+typedef struct rows_loop {
+  const fb_joint *joint;
+  int common, first, n;        /* body that both sides hang on, -1: the ground; its rows */
+  rows_end end[2];             /* parent, child */
+  code_value step[3], b[3][3]; /* between the origins; axes of the child: P axes */
+} rows_loop;
+
+typedef struct rows_row {
+  int loop, hold;
+  code_value value, direct[CODE_ROWS]; /* what it is on the axes */
+  code_value coefficient[CODE_ROWS];   /* with what the modes pass on */
+  code_value Y[CODE_ROWS];
+  code_value pure[2][6], eff[2][6];                     /* its wrench on each side, and less what the modes take */
+  code_value force[2][3], torque[2][3];                 /* at the nodes, P axes */
+  code_value e[2][FB_MAX_MODES], bent[2][FB_MAX_MODES]; /* on the modes; M^-1 of it */
+  code_value by[CODE_ROWS];                             /* D^-1 Y */
+  int acts;                                             /* its place among those that move anything, -1: none */
+} rows_row;
+
+static struct rows {
+  int n, n_loop, acting;
+  rows_loop loop[FB_MAX_LOOPS];
+  rows_row row[ROWS_MOST];
+} rows;
+
+/* ---- what the description is */
+
+static const char *rows_joint_refusal(const fb_joint *joint)
+{
+  fb_real sum = FB_R(0.0);
+  for (int i = 0; i < 3 && i < joint->n_axis; i++) {
+    sum += joint->stiffness[i] + joint->damping[i] + joint->friction[i] + joint->stop_stiffness[i];
+    if (joint->mode[i] != FB_AXIS_FREE) {
+      return "a loop with a locked or prescribed axis: choose mode free";
+    }
+  }
+  return joint->kind == FB_JOINT_SCREW ? "a loop by a screw joint: choose another one"
+         : sum > FB_R(0.0)             ? "a loop with a spring, a damper, friction or stops: choose joints of the tree"
+                                       : NULL;
+}
+
+/* What of the loops of a system is not written; NULL: nothing. */
+static const char *rows_refusal(const fb_system *system)
+{
+  const char *what = NULL;
+  int n = 0;
+  for (int k = 0; k < system->n_body && system->n_loop > 0 && !what; k++) {
+    what = system->joint[k].kind == FB_JOINT_FREE ? "loops beside a free body: choose what hangs on the ground" : NULL;
+  }
+  for (int j = 0; j < system->n_loop && !what; j++) {
+    const fb_joint *const joint = &system->joint[system->n_body + j];
+    what = rows_joint_refusal(joint);
+    for (const int *hold = fbi_traits(joint)->holds; *hold >= 0; hold++) {
+      n++;
+    }
+  }
+  return what ? what : n > ROWS_MOST ? "more than 24 constraints of loops: choose fewer" : NULL;
+}
+
+static void rows_read(const fb_system *system)
+{
+  memset(&rows, 0, sizeof rows);
+  rows.n_loop = system->n_loop;
+  for (int j = 0; j < rows.n_loop; j++) {
+    rows_loop *const l = &rows.loop[j];
+    l->joint = &system->joint[system->n_body + j];
+    l->end[0].link = l->joint->parent;
+    l->end[1].link = l->joint->child;
+    l->first = rows.n;
+    for (const int *hold = fbi_traits(l->joint)->holds; *hold >= 0; hold++) {
+      rows.row[rows.n].loop = j;
+      rows.row[rows.n++].hold = *hold;
+    }
+    l->n = rows.n - l->first;
+  }
+}
+
+#endif
