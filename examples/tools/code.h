@@ -2060,6 +2060,7 @@ static int code_write_lanes(const code *w)
   int good;
   wide.lanes = CODE_WIDE;
   code_lanes_template(w, code_lanes_if);
+  code_lanes_template(w, code_lanes_roots[w->single]);
   code_lanes_template(w, code_lanes_vectors);
   code_write_types(&wide);
   code_template(&wide, w->vary ? code_vary_types : "");

@@ -33,6 +33,19 @@ static const char code_lanes_declarations[] =
 static const char code_lanes_if[] = "\n#if defined(__GNUC__) && !defined(__cplusplus) && @_LANES > 1\n"
                                     "#define @_WIDE 1\n";
 
+/* Square roots of all lanes by one instruction, which sets no errno: the same bits. By precision. */
+static const char *const code_lanes_roots[2] = {
+    "#if defined(__clang__) && defined(__has_builtin)\n"
+    "#if __has_builtin(__builtin_elementwise_sqrt)\n#define @_wide_roots __builtin_elementwise_sqrt\n#endif\n"
+    "#elif @_LANES == 2 && defined(__SSE2__)\n#define @_wide_roots __builtin_ia32_sqrtpd\n"
+    "#elif @_LANES == 4 && defined(__AVX__)\n#define @_wide_roots __builtin_ia32_sqrtpd256\n"
+    "#elif @_LANES == 8 && defined(__AVX512F__)\n"
+    "#define @_wide_roots(x) __builtin_ia32_sqrtpd512_mask(x, x, -1, 4)\n#endif\n\n",
+    "#if defined(__clang__) && defined(__has_builtin)\n"
+    "#if __has_builtin(__builtin_elementwise_sqrt)\n#define @_wide_roots __builtin_elementwise_sqrt\n#endif\n"
+    "#elif @_LANES == 4 && defined(__SSE__)\n#define @_wide_roots __builtin_ia32_sqrtps\n"
+    "#elif @_LANES == 8 && defined(__AVX__)\n#define @_wide_roots __builtin_ia32_sqrtps256\n#endif\n\n"};
+
 static const char code_lanes_vectors[] =
     "typedef %s @_wide __attribute__((vector_size(@_LANES * sizeof(%s))));\n"
     "typedef %I @_wide_mask __attribute__((vector_size(@_LANES * sizeof(%s))));\n"
@@ -44,7 +57,8 @@ static const char code_lanes_vectors[] =
     "#define @_wide_norm(x) @_wide_sqrt((x)[0] * (x)[0] + (x)[1] * (x)[1] + (x)[2] * (x)[2])\n"
     "#define @_wide_every(mask) @_wide_hold((const @_wide_mask[1]){mask})\n\n"
     "static inline @_wide *@_wide_root(@_wide *x)\n{\n"
-    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = sqrt~((*x)[k]);\n  }\n  return x;\n}\n\n"
+    "#ifdef @_wide_roots\n  *x = @_wide_roots(*x);\n#else\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = sqrt~((*x)[k]);\n  }\n#endif\n  return x;\n}\n\n"
     "static inline int @_wide_hold(const @_wide_mask *mask)\n{\n"
     "  %I all = -1;\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    all &= (*mask)[k];\n  }\n  return all != 0;\n}\n\n";

@@ -2413,6 +2413,7 @@ static int tree_write_lanes(const code *w)
   int good;
   wide.lanes = CODE_WIDE;
   code_lanes_template(w, code_lanes_if);
+  code_lanes_template(w, code_lanes_roots[w->single]);
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   tree_write_types(&wide);
@@ -2452,6 +2453,7 @@ static int tree_write_alone(const code *w)
     code_template(w, code_norm);
     tree_write_vector(w);
   }
+  code_lanes_template(w, code_lanes_roots[w->single]);
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   code_template(w, tree_status);

@@ -152,6 +152,25 @@ static int read_loads(unsigned *nodes, const char *list)
   return 1;
 }
 
+/* Says what of the body that is built cannot be written. */
+static int is_refused(const char *file, const code_choice *choice, int steps)
+{
+  const int large = (model_body.effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
+  const struct {
+    const char *option, *what;
+  } refusals[] = {{"--code", steps ? code_refusal(&model_body) : NULL},
+                  {"--loads", code_loads_refusal(&model_body, choice->loads)},
+                  {"--lanes", choice->lanes && large ? "effects large has none: choose effects up to full" : NULL},
+                  {"--vary", vary_refusal(choice)}};
+  for (int k = 0; k < (int)(sizeof refusals / sizeof *refusals); k++) {
+    if (refusals[k].what) {
+      fprintf(stderr, "reduce: %s: %s: %s\n", file, refusals[k].option, refusals[k].what);
+      return 1;
+    }
+  }
+  return 0;
+}
+
 int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
@@ -196,20 +215,7 @@ int reduce_main(int argc, char **argv)
   if (!read_loads(&o.choice.loads, o.loads)) {
     return 2;
   }
-  if (code_loads_refusal(&model_body, o.choice.loads)) {
-    fprintf(stderr, "reduce: %s: --loads: %s\n", file, code_loads_refusal(&model_body, o.choice.loads));
-    return 1;
-  }
-  if (steps && code_refusal(&model_body)) {
-    fprintf(stderr, "reduce: %s: --code: %s\n", file, code_refusal(&model_body));
-    return 1;
-  }
-  if (lanes && model_body.effects & FB_EFFECT_LARGE_DEFLECTION) {
-    fprintf(stderr, "reduce: %s: --lanes: effects large has none: choose effects up to full\n", file);
-    return 1;
-  }
-  if (vary_refusal(&o.choice)) {
-    fprintf(stderr, "reduce: %s: --vary: %s\n", file, vary_refusal(&o.choice));
+  if (is_refused(file, &o.choice, steps)) {
     return 1;
   }
   if (o.out && same_file(file, o.out)) {
