@@ -14542,28 +14542,22 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
 
 /* [E10.26] A branch in E10.10: with the balance of its first node taken as that of the node it begins at, its elements are
    eliminated like those beyond any node, and the Schur complements of all elements that begin at a node add up there.
-   Elements have greater numbers than those they hang on: backward order needs no fill-in. What a branch leaves (x, n
-   numbers: K or right-hand side) is put aside when its first element is eliminated, and added when its node is reached.
+   Elements have greater numbers than those they hang on: backward order needs no fill-in. Between element k and node k,
+   what a branch leaves (x, n numbers: K or right-hand side) is put aside if k is its first element, and that of the
+   branches which begin at node k is added.
    Source: own; elimination of a tree from its leaves ([GV] 4.5).  Cost: 36 flops a branch.  Fails: never.
    Test: a_beam_of_two_branches_moves_as_the_chain, a_beam_of_two_branches_rests_as_the_chain,
    booms_on_a_free_hub_move_as_a_body_of_two_lines. */
-static void fbi_exact_branch_leave(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
+static FBI_NOINLINE void fbi_exact_branch_pass(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
 {
-  if (m->inboard[k] == k) {
-    return;
-  }
-  for (int b = 0; b < m->n_branch; b++) {
+  for (int b = 0; b < m->n_branch && m->inboard[k] != k; b++) {
     if (m->branch[b] == k) {
       fbi_copy(work->aside + 36 * b, x, n);
+      fbi_zero(x, n);
     }
   }
-  fbi_zero(x, n);
-}
-
-static void fbi_exact_branch_join(fb_real *x, const fb_exact_work *work, const fb_exact *m, int node, int n)
-{
   for (int b = 0; b < m->n_branch; b++) {
-    if (m->inboard[m->branch[b]] == node) {
+    if (m->inboard[m->branch[b]] == k) {
       fbi_row_sub(x, -FB_R(1.0), work->aside + 36 * b, n);
     }
   }
@@ -14586,18 +14580,18 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
     } else {
       fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     }
-    fbi_exact_branch_join(K, work, m, k + 1, 36);
     fbi_exact_node_jacobian(K, work, m, k + 1);
     fbi_exact_rows_fill(work, m, K, k);
     status = fbi_exact_eliminate(K, work, k);
     if (status != FB_OK) {
       return status;
     }
-    fbi_exact_branch_leave(K, work, m, k, 36);
+    if (m->n_branch > 0) {
+      fbi_exact_branch_pass(K, work, m, k, 36);
+    }
   }
 
   /* the 6x6 block of the root remains */
-  fbi_exact_branch_join(K, work, m, 0, 36);
   fbi_exact_node_jacobian(K, work, m, 0);
   fbi_exact_hold(K, work, m, 0, 6, 0);
   fbi_copy(work->root, K, 36);
@@ -14613,7 +14607,6 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
-    fbi_exact_branch_join(z, work, m, k, 6);
     for (int i = 0; i < 6; i++) {
       b[6 + i] = z[i] - work->B[6 * k + i];
     }
@@ -14630,7 +14623,9 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
     for (int i = 0; i < 12; i++) {
       fbi_vec6_add(z, y[i], work->L + 72 * (k - 1) + 6 * i);
     }
-    fbi_exact_branch_leave(z, work, m, k - 1, 6);
+    if (m->n_branch > 0) {
+      fbi_exact_branch_pass(z, work, m, k - 1, 6);
+    }
   }
 
   /* Back-substitution from the root: (ds, dd2) = y - W dd1 */
