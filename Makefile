@@ -18,8 +18,8 @@ WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code code_tree parts mismatch stack symbols threads \
-           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear fmu packages page hard
+CHECKS   = memory suite sanitize hostile fuzz faults long tidy coverage bits instructions firmware compile rooms removed single advise rom code code_tree code_hostile parts mismatch stack symbols threads \
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene campaign linear import fmu packages page hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
@@ -88,6 +88,7 @@ firmware:
 	@$(MAKE) -s --no-print-directory check-firmware
 	@echo && echo "Cortex-M4F, single precision, -O2:" && cat build/checks/firmware/board_single-O2.txt
 	@echo && echo "Cortex-M7, double precision, -O2:" && cat build/checks/firmware/board_double-O2.txt
+	@echo && echo "Cortex-M4F, single precision, -O2, the step by reduce --code:" && cat build/checks/firmware/board_generated_single-O2.txt
 
 page: build/page/flexbeam.html
 
@@ -211,7 +212,7 @@ build/tool/%.o: %.c $(HEADERS) $(LIBRARY) build/flags | build/tool
 build/examples/satellite_rom.h: examples/satellite.txt build/flexbeam | build/examples
 	build/flexbeam reduce $< --single --out $@
 
-build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h
+build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h examples/firmware/craft.h
 build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
 	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/firmware/board/%.c,$^) -lm
@@ -301,7 +302,7 @@ check-page: build/examples/page
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-check-linear check-packages: build/flexbeam
+check-linear check-import check-packages: build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

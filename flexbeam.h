@@ -2245,7 +2245,9 @@ typedef struct fb_beam { /* a checked desc */
   fb_real frame[9 * FB_MAX_ELEMENTS];      /* element axes to beam axes */
 } fb_beam;
 
-/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
+/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. An array of a desc
+   whose count is 0 holds nothing: FB_ERR_VALUE, here and in every _init, _solve, _join and _build, if its first entry
+   (of points the second) is filled, for the count was forgotten. To drop the entries, zero them, too. */
 FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
 /* Section properties at x: linear between stations, constant beyond the first and the last. */
 FB_API void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x);
@@ -2371,7 +2373,7 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
    FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
    mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
    axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
-   mass_fraction without a clamped root, a preload on a curved line or on natural modes of a root that is not clamped, a
+   mass_fraction without a clamped root, load and boundary of another basis than theirs, a preload on a curved line or on natural modes of a root that is not clamped, a
    coordinate that the root constrains or that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load,
    or the boundary permits rigid-body motion; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
@@ -3359,7 +3361,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
 /* HISTORY
    0.2.0  one grammar: arguments are context (models, the state that changes, work), outputs, inputs, sizes; a function
           that fills a struct ends with a verb, one that returns its number is named by it. RUN, BUILD and ANALYSE with
-          switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. Old names:
+          switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. A desc with a filled array
+          and a count of 0 is refused. Old names:
             fb_mixed..., FB_MAX_MIXED, FB_MIXED_...       fb_exact..., FB_MAX_EXACT, FB_EXACT_...
             fb_mixed_steady_solve                         fb_exact_trim
             fb_body_motion, _node_motion, _rates,         the same with _eval: fb_body_motion_eval, ...

@@ -274,10 +274,11 @@ static int fbi_is_exact(void)
   {                                        \
     have, least, most, what                \
   }
-#define FBI_CLAIM(holds, what) \
-  {                            \
-    holds, what                \
+#define FBI_CLAIM_OF(holds, have, need, what) \
+  {                                           \
+    holds, have, need, what                   \
   }
+#define FBI_NUMBERS fb_real have, need;
 #else
 #define FBI_WHAT
 #define FBI_NUMBER(x, n, least, most, what) \
@@ -288,11 +289,13 @@ static int fbi_is_exact(void)
   {                                        \
     have, least, most                      \
   }
-#define FBI_CLAIM(holds, what) \
-  {                            \
-    holds                      \
+#define FBI_CLAIM_OF(holds, have, need, what) \
+  {                                           \
+    holds                                     \
   }
+#define FBI_NUMBERS
 #endif
+#define FBI_CLAIM(holds, what) FBI_CLAIM_OF(holds, FB_R(0.0), FB_R(0.0), what)
 #define FBI_ANY(x, n, what) FBI_NUMBER(x, n, -FB_HUGE, FB_HUGE, what ", finite")
 #define FBI_NOT_NEGATIVE(x, n, what) FBI_NUMBER(x, n, FB_R(0.0), FB_HUGE, what ", at least")
 #define FBI_AT_LEAST(have, least, what) FBI_COUNT(have, least, have, what ", at least")
@@ -313,6 +316,7 @@ typedef struct fbi_count {
 
 typedef struct fbi_claim {
   int holds;
+  FBI_NUMBERS
   FBI_WHAT
 } fbi_claim;
 
@@ -354,13 +358,23 @@ static fb_status fbi_counts_check(fb_status status, const fbi_count *count, int 
   return FB_OK;
 }
 
+/* Of arguments, not of data: as FBI_REQUIRE, with the count that is out of its range. */
+#define FBI_REQUIRE_COUNT(count, status, index)                                              \
+  do {                                                                                       \
+    const fb_status fbi_counted = fbi_counts_check(status, count, FBI_LENGTH(count), index); \
+    FB_ASSERT(fbi_counted == FB_OK);                                                         \
+    if (fbi_counted != FB_OK) {                                                              \
+      return fbi_counted;                                                                    \
+    }                                                                                        \
+  } while (0)
+
 /* FB_ERR_VALUE: a claim does not hold. */
 static fb_status fbi_claims_check(const fbi_claim *claim, int n, int index)
 {
   (void)index;
   for (int k = 0; k < n; k++) {
     if (!claim[k].holds) {
-      return FBI_REFUSE(FB_ERR_VALUE, claim[k].what, index, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_VALUE, claim[k].what, index, claim[k].have, claim[k].need);
     }
   }
   return FB_OK;
@@ -749,10 +763,10 @@ static void fbi_sym6_reference(fb_real reference[6], const fb_real S[21], fb_rea
 
 /* [E3.2] Is S positive definite beyond round-off in its rows first..5? Gaussian elimination with diagonal pivoting, the
    pivots relative to their reference. Without pivoting a small pivot amplifies the round-off of the others, and an axis
-   without inertia passes in some attitudes.
+   without inertia passes in some attitudes. Returns the first row that does not stand out, with its pivot, or -1.
    Source: [GV] 4.2.  Shapes: S packed 21.  Cost: 100 flops.  Fails: never.
    Test: rods_without_thickness_are_refused_in_every_attitude. */
-static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
+static int fbi_sym6_weak(fb_real *pivot, const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
 {
   fb_real A[36];
   int done[6] = {0};
@@ -769,7 +783,8 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
       }
     }
     if (!(A[7 * at] > tol * reference[at])) {
-      return 0;
+      *pivot = A[7 * at];
+      return at;
     }
 
     /* A_ij -= A_ip A_pj / A_pp in the remaining rows */
@@ -780,7 +795,13 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
       }
     }
   }
-  return 1;
+  return -1;
+}
+
+static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
+{
+  fb_real pivot;
+  return fbi_sym6_weak(&pivot, S, first, reference, tol) < 0;
 }
 #endif
 
@@ -6691,7 +6712,8 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
   if (!fbi_vec3_is_finite(state->rho) || !fbi_vec3_is_finite(state->quat) || !fbi_vec3_is_finite(state->quat + 1) ||
       !fbi_vec3_is_finite(state->u) || !fbi_vec3_is_finite(state->L) || !fbi_vec3_is_finite(state->lost_rho) ||
       !(momenta <= FB_HUGE)) {
-    return FB_ERR_NOT_FINITE;
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "state: place, quaternion, velocity and momenta, finite", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   if (!(deflection <= body->deflection_limit)) {
     return fbi_is_finite(state->q, body->n)
@@ -6747,7 +6769,10 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
   status = status ? status : fbi_lost_check(body, state);
 #endif
   status = status ? status : fbi_pin_check(body, state);
-  return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
+  return status == FB_OK && !fbi_quat_is_unit(state->quat)
+             ? FBI_REFUSE(FB_ERR_VALUE, "state: length squared of its quaternion (fb_state_init), equal to", -1,
+                          fb_vec3_dot(state->quat + 1, state->quat + 1) + state->quat[0] * state->quat[0], FB_R(1.0))
+             : status;
 }
 
 /* k.S = S(q) */
@@ -15863,6 +15888,19 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 
 #define FBI_WORD_DT "dt [s], finite and above"
 #define FBI_WORD_SPIN "dt [s] at this spin [rad/s], at most"
+/* A step beyond the limit, or from a state that has no spin: NaN. */
+#if FB_WITH_DETAIL
+static fb_status fbi_refuse_spin(const char *what, fb_real dt, fb_real limit, fb_real spin)
+{
+  return spin <= FB_HUGE
+             ? FBI_REFUSE_AT(FB_ERR_STEP, what, -1, dt, limit, spin)
+             : FBI_REFUSE(FB_ERR_STEP, "state: finite numbers and a quaternion of length 1, as from fb_state_init", -1,
+                          FB_R(0.0), FB_R(0.0));
+}
+#define FBI_REFUSE_SPIN(what, dt, limit, spin) fbi_refuse_spin(what, dt, limit, spin)
+#else
+#define FBI_REFUSE_SPIN(what, dt, limit, spin) (FB_ERR_STEP)
+#endif
 #define FBI_WORD_NEWTON "last Newton correction of a stage [rad], at most"
 #define FBI_WORD_LOST "body: rotates so far in a step that its attitude is lost to round-off"
 #define FBI_WORD_TURN "body: change of the angular velocity, times this dt [s], at most"
@@ -16068,9 +16106,8 @@ static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetic
 {
   fb_real spin, acceleration;
   const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, further);
-  return dt <= longest
-             ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt, longest, spin);
+  return dt <= longest ? FB_OK
+                       : FBI_REFUSE_SPIN("dt [s] for the modes at this spin [rad/s], at most", dt, longest, spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -17084,7 +17121,7 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
   fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
   return dt <= fb_implicit_limit(body, spin, acceleration)
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, dt, fb_implicit_limit(body, spin, acceleration), spin);
+             : FBI_REFUSE_SPIN(FBI_WORD_SPIN, dt, fb_implicit_limit(body, spin, acceleration), spin);
 }
 
 /* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
@@ -17717,7 +17754,7 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
   return h <= fb_exponential_limit(body, spin, acceleration)
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, h, fb_exponential_limit(body, spin, acceleration), spin);
+             : FBI_REFUSE_SPIN(FBI_WORD_SPIN, h, fb_exponential_limit(body, spin, acceleration), spin);
 }
 
 #if FB_WITH_ROTORS
@@ -20224,7 +20261,7 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve) */
+   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve, eigen) */
 
 /* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
    node; cell, an integration interval; chain, a beam along a polygon of points. */
@@ -20537,12 +20574,12 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
         FBI_NOT_NEGATIVE(&material->density, 1, "material.density [kg/m^3]"), FBI_ANY(&profile->x, 1, "profile.x [m]"),
         FBI_NOT_NEGATIVE(size, 2, "profile.size [m]")};
     const fbi_claim claim[] = {
-        FBI_CLAIM(material->E > FB_R(0.0), "material.E [Pa], not 0"),
-        FBI_CLAIM(material->G > FB_R(0.0), "material.G [Pa], not 0"),
-        FBI_CLAIM(size[0] > FB_R(0.0), "profile.size[0] [m], not 0"),
+        FBI_CLAIM_OF(material->E > FB_R(0.0), material->E, FB_R(0.0), "material.E [Pa], above"),
+        FBI_CLAIM_OF(material->G > FB_R(0.0), material->G, FB_R(0.0), "material.G [Pa], above"),
+        FBI_CLAIM_OF(size[0] > FB_R(0.0), size[0], FB_R(0.0), "profile.size[0] [m], above"),
         FBI_CLAIM(tube || profile->kind == FB_PROFILE_RECTANGLE, "profile.kind, an fb_profile_kind"),
-        FBI_CLAIM(!tube || size[1] < size[0], "profile.size[1] [m] of a tube, below size[0]"),
-        FBI_CLAIM(tube || size[1] > FB_R(0.0), "profile.size[1] [m] of a rectangle, not 0")};
+        FBI_CLAIM_OF(!tube || size[1] < size[0], size[1], size[0], "profile.size[1] [m] of a tube, below size[0]"),
+        FBI_CLAIM_OF(tube || size[1] > FB_R(0.0), size[1], FB_R(0.0), "profile.size[1] [m] of a rectangle, above")};
     fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
     status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
     if (status != FB_OK || !fbi_is_finite(given, 6)) {
@@ -20611,10 +20648,11 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
     return status;
   }
   {
-    const fbi_claim claim[] = {FBI_CLAIM(n >= 2, "n, at least 2"),
-                               FBI_CLAIM(from->kind == to->kind, "profile.kind, the same at both ends"),
-                               FBI_CLAIM(to->x > from->x, "to.x [m], above from.x"),
-                               FBI_CLAIM(desc->n_station >= 0, "desc.n_station, not negative")};
+    const fbi_claim claim[] = {
+        FBI_CLAIM_OF(n >= 2, (fb_real)n, FB_R(2.0), "n, at least"),
+        FBI_CLAIM(from->kind == to->kind, "profile.kind, the same at both ends"),
+        FBI_CLAIM_OF(to->x > from->x, to->x, from->x, "to.x [m], above from.x"),
+        FBI_CLAIM_OF(desc->n_station >= 0, (fb_real)desc->n_station, FB_R(0.0), "desc.n_station, at least")};
     status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
     if (status != FB_OK) {
       return status;
@@ -20708,7 +20746,7 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
-#define FBI_WORD_INERTIA "inertia [kg m^2], that of a body of positive mass (no moment above the sum of the others)"
+#define FBI_WORD_INERTIA "inertia [kg m^2], its largest principal moment at most the sum of the others"
 
 /* [E6.2] Directions of spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite
    Cholesky, the largest diagonal element first), so that integrals of degree 2 over the body become sums. Rods and
@@ -20742,6 +20780,21 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   }
   return FB_OK;
 }
+
+/* FB_ERR_VALUE of an inertia that no body has, with its largest principal moment and the sum of the others. */
+#if FB_WITH_DETAIL
+static fb_status fbi_refuse_moments(const fb_real inertia[6], const char *what, int index, const char *function)
+{
+  fb_real d[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, V[9];
+  fb_real A[9] = {inertia[0], inertia[3], inertia[4], inertia[3], inertia[1],
+                  inertia[5], inertia[4], inertia[5], inertia[2]};
+  (void)fb_eig_sym_solve(d, V, A, 3);
+  return fbi_refuse(FB_ERR_VALUE, function, what, index, d[2], d[0] + d[1], FB_R(0.0));
+}
+#define FBI_REFUSE_MOMENTS(inertia, what, index) fbi_refuse_moments(inertia, what, index, __func__)
+#else
+#define FBI_REFUSE_MOMENTS(inertia, what, index) (FB_ERR_VALUE)
+#endif
 
 /* Values of a section: finite, not negative, consistent. bent: the beam is a chain of points. k: number of the
    station. */
@@ -20876,6 +20929,14 @@ static fb_status fbi_line_fill(fb_beam *beam)
   return FB_OK;
 }
 
+/* Descriptions with a count beside an array: is the first entry filled? A count of 0 is then forgotten, and refused. */
+#define FBI_COUNTED(count, filled, what) FBI_AT_LEAST(count, (filled) ? 1 : 0, what)
+
+static int fbi_lump_is_filled(const fb_lump *lump)
+{
+  return !fbi_is_zero(&lump->mass, 1) || !fbi_is_zero(lump->inertia, 6);
+}
+
 static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 {
   for (int k = 0; k < n; k++) {
@@ -20894,7 +20955,7 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
       return FBI_REFUSE(FB_ERR_VALUE, "lump: mass [kg], at least", k, lump->mass, FB_R(0.0));
     }
     if (fbi_spread(spread, lump->inertia) != FB_OK) {
-      return FBI_REFUSE(FB_ERR_VALUE, "lump: " FBI_WORD_INERTIA, k, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE_MOMENTS(lump->inertia, "lump: " FBI_WORD_INERTIA, k);
     }
   }
   return FB_OK;
@@ -20903,19 +20964,19 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 /* Counts, finite values and ranges of a desc; its line and stations are checked later. */
 static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
 {
-  const int straight = desc->n_point == 0;
+  const int straight = desc->n_point == 0 && fbi_is_zero(desc->point[1], 3);
   const fbi_count most[] = {FBI_AT_MOST(desc->n_element, FB_MAX_ELEMENTS, "n_element, FB_MAX_ELEMENTS"),
                             FBI_AT_MOST(desc->n_station, FB_MAX_STATIONS, "n_station, FB_MAX_STATIONS"),
                             FBI_AT_MOST(desc->n_lump, FB_MAX_LUMPS, "n_lump, FB_MAX_LUMPS"),
                             FBI_AT_MOST(desc->n_point, FB_MAX_ELEMENTS + 1, "n_point, FB_MAX_ELEMENTS + 1")};
   const fbi_number field[] = {FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
                               FBI_ANY(desc->attitude, 4, "attitude")};
-  const fbi_count least[] = {FBI_AT_LEAST(desc->n_element, 1, "n_element"),
-                             FBI_AT_LEAST(desc->n_station, 1, "n_station"), FBI_AT_LEAST(desc->n_lump, 0, "n_lump"),
-                             FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
-                             FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1,
-                                       straight ? 0 : desc->n_element + 1,
-                                       "n_point, one more than n_element, equal to")};
+  const fbi_count least[] = {
+      FBI_AT_LEAST(desc->n_element, 1, "n_element"), FBI_AT_LEAST(desc->n_station, 1, "n_station"),
+      FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
+      FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
+      FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1, straight ? 0 : desc->n_element + 1,
+                "n_point, n_element + 1 where point[1] is filled, equal to")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
   for (int k = 0; k < desc->n_point && status == FB_OK; k++) {
@@ -21404,6 +21465,10 @@ FB_DEF void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M)
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>modes: natural modes, components, buckling, synthesis (uses config, status, vec3, solve, eigen, beam) */
 
+/* More modes than there is room for: the number wanted. */
+#define FBI_WORD_ROOM "count of modes, FB_MAX_MODES, at most"
+#define FBI_REFUSE_ROOM(n) FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(n), FB_R(1.0) * FB_MAX_MODES)
+
 /* The coordinates of a beam are those of an assumed-modes (Ritz) basis: natural and attachment modes, Craig-Bampton
    component modes, finite-element coordinates or scalar functions. Names: kind, bending in a plane, axial or torsion;
    group, kinds that are coupled; held, constrained; work.found, the basis so far; weld, a rigid connection. */
@@ -21540,12 +21605,14 @@ static int fbi_rigid_motions(fb_real motion[36], const fb_modes_work *work, cons
 }
 
 /* [E7.1] Shift of an eigenproblem with rigid-body modes: the Rayleigh quotient of the displacement (x/L)^2 in all kinds
-   of the group, a fraction of the lowest elastic eigenvalue.
-   Source: own.  Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots). */
+   of the group, a fraction of the lowest elastic eigenvalue; where all inertia is at the root, which that does not
+   move, by the inertia of the root: there are no elastic modes.
+   Source: own.  Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots),
+   torsion_without_polar_inertia_leaves_the_rest. */
 static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *Mc, const int *dof, int n)
 {
   const fb_real L = beam->desc.length;
-  fb_real k = FB_R(0.0), m = FB_R(0.0);
+  fb_real k = FB_R(0.0), m = FB_R(0.0), whole = FB_R(0.0);
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++) {
       fb_real y[2];
@@ -21557,8 +21624,9 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
       k += y[0] * Kc[i * n + j] * y[1];
       m += y[0] * Mc[i * n + j] * y[1];
     }
+    whole += dof[i] % 6 < 4 ? L * L * Mc[i * n + i] : FB_R(0.0);
   }
-  return k / m;
+  return k / (m > FB_R(0.0) ? m : whole);
 }
 
 /* Reverses the order of n eigenvalues and rows of eigenvectors. */
@@ -21693,6 +21761,18 @@ static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int
   }
 }
 
+#if FB_WITH_DETAIL
+/* How many modes the counts ask for; one more than there is room for where they do not say. */
+static int fbi_modes_wanted(const fb_modes_desc *desc)
+{
+  int n = 0;
+  for (int k = 0; k < (int)FB_KIND_COUNT; k++) {
+    n += desc->count[k] < FB_ALL_MODES ? desc->count[k] : 0;
+  }
+  return n > FB_MAX_MODES ? n : FB_MAX_MODES + 1;
+}
+#endif
+
 /* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): those of all modes
    of a clamped beam add up to its mass but for that at the root ([DB] (43)). Returns whether the modes found reach the
    fraction asked for along each motion that the group's free coordinates take part in and whose kind is asked for.
@@ -21767,7 +21847,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
 
     /* Taken unless it depends linearly on the others */
     if (out->n == FB_MAX_MODES) {
-      return FB_ERR_CAPACITY;
+      return FBI_REFUSE_ROOM(fbi_modes_wanted(desc));
     }
     fbi_copy(out->shape + out->n * out->ndof, spare, out->ndof);
     out->kind[out->n] = kind;
@@ -21777,7 +21857,10 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
       out->n++;
     }
   }
-  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n) ? FB_ERR_MODES : FB_OK;
+  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n)
+             ? FBI_REFUSE(FB_ERR_MODES, "mass_fraction: more modes than count, or than there are; modes found", -1,
+                          (fb_real)out->n, desc->mass_fraction)
+             : FB_OK;
 }
 
 /* Sorts modes by frequency, equal ones by kind. */
@@ -21816,7 +21899,7 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
     const fb_kind kind = fbi_dof_kind(beam, i);
     if (desc->count[kind] > 0 && group[kind] >= 0 && !work->held[i]) {
       if (out->n == FB_MAX_MODES) {
-        return FB_ERR_CAPACITY;
+        return FBI_REFUSE_ROOM(out->n + 1);
       }
       fbi_zero(out->shape + out->n * out->ndof, out->ndof);
       out->shape[out->n * out->ndof + i] = FB_R(1.0);
@@ -21851,13 +21934,21 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
                                 const int group[FB_KIND_COUNT], int id)
 {
   fb_real motion[36];
+  fb_status status;
   *n = group[id] == id ? fbi_group_dofs(dof, beam, work->held, group, id) : 0;
   *rigid = *found = 0;
   if (*n == 0) {
     return FB_OK;
   }
   *rigid = fbi_rigid_motions(motion, work, beam, group, id);
-  return fbi_group_solve(beam, work, dof, *n, *rigid, found);
+  status = fbi_group_solve(beam, work, dof, *n, *rigid, found);
+  return status == FB_ERR_SINGULAR
+             ? FBI_REFUSE(
+                   status,
+                   "kind: stiffness of its modes, positive definite (a preload beyond buckling, or a boundary that "
+                   "permits rigid-body motion)",
+                   id, FB_R(0.0), FB_R(0.0))
+             : status;
 }
 
 /* How many of the n lowest elastic modes each group has; equal ones at the end of the list go to the first group.
@@ -21916,7 +22007,7 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
   if (desc->lowest > 0) {
     fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
-      return FB_ERR_CAPACITY;
+      return FBI_REFUSE_ROOM(work->found.n + desc->lowest);
     }
     status = fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest);
     if (status != FB_OK) {
@@ -22080,14 +22171,12 @@ static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
   return n;
 }
 
-#define FBI_WORD_ROOM "count of modes, FB_MAX_MODES, at most"
-
 /* Puts the n rigid-body modes of work.free in front of the modes found. */
 static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
 {
   fb_modes *out = &work->found;
   if (out->n > FB_MAX_MODES - n) {
-    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(out->n + n), FB_R(1.0) * FB_MAX_MODES);
+    return FBI_REFUSE_ROOM(out->n + n);
   }
   for (int k = out->n - 1; k >= 0; k--) {
     fbi_shape_move(out, k + n, k);
@@ -22139,7 +22228,7 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
 
     /* Taken unless the modes span it */
     if (out->n == FB_MAX_MODES) {
-      status = FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, FB_R(1.0) + (fb_real)out->n, FB_R(1.0) * FB_MAX_MODES);
+      status = FBI_REFUSE_ROOM(out->n + 1);
     } else {
       (void)fbi_shape_take(work, beam, x, FB_R(0.0));
     }
@@ -22328,8 +22417,7 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
 
   /* Constraint modes, for now at the end of the table */
   if (out->n > FB_MAX_MODES - (desc->boundary_inertia ? 2 : 1) * m) {
-    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(out->n + (desc->boundary_inertia ? 2 : 1) * m),
-                      FB_R(1.0) * FB_MAX_MODES);
+    return FBI_REFUSE_ROOM(out->n + (desc->boundary_inertia ? 2 : 1) * m);
   }
   constraint = out->shape + (FB_MAX_MODES - m) * out->ndof;
   n = fbi_static_factor(&status, dof, work, beam, group);
@@ -22498,21 +22586,31 @@ static fb_status fbi_functions_check(int count[3], const fb_modes_desc *desc, co
                                      const int group[FB_KIND_COUNT], int degree)
 {
   const int m = fbi_function_ndof(beam->desc.n_element, degree) - 2;
-  if (beam->desc.root != FB_ROOT_CLAMPED || beam->desc.n_point > 0 || desc->degree < 0 || degree < 3 ||
-      degree > FBI_DEGREE) {
-    return FB_ERR_VALUE;
+  int all;
+  const fbi_count range[] = {FBI_COUNT(desc->degree < 0 ? desc->degree : degree, 3, FBI_DEGREE, "degree, beyond")};
+  const fbi_claim claim[] = {
+      FBI_CLAIM(beam->desc.root == FB_ROOT_CLAMPED, "FB_BASIS_FUNCTIONS, with FB_ROOT_CLAMPED only"),
+      FBI_CLAIM(beam->desc.n_point == 0, "FB_BASIS_FUNCTIONS, not of a beam by points")};
+  fb_status status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, range, FBI_LENGTH(range), -1);
+  if (status != FB_OK) {
+    return status;
   }
   if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
-    return FB_ERR_UNSUPPORTED;
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED,
+                      "FB_BASIS_FUNCTIONS: neither GA_y, GA_z nor torsion; root_strain with axial functions", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
   for (int d = 0; d < 3; d++) {
     const fb_kind kind = fbi_function_kind[d];
     count[d] = desc->count[kind] < FB_ALL_MODES ? desc->count[kind] : group[kind] >= 0 ? m : 0;
     if (count[d] > m) {
-      return FB_ERR_MODES;
+      return FBI_REFUSE(FB_ERR_MODES, "kind: count of functions that its elements have, at least", (int)kind,
+                        (fb_real)m, (fb_real)count[d]);
     }
   }
-  return count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_OK;
+  all = count[0] + count[1] + count[2] + (desc->root_strain != 0);
+  return all > FB_MAX_MODES ? FBI_REFUSE_ROOM(all) : FB_OK;
 }
 
 /* Clamped bending modes of the scalar element functions, K x = omega^2 M x without the first two of those, value and
@@ -22616,10 +22714,6 @@ static const char *fbi_kind_word(const fb_beam *beam, int k)
 static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const fb_beam *beam,
                                        const int group[FB_KIND_COUNT])
 {
-  if (n < 0 || n > FB_MAX_COORDINATES) {
-    return FBI_REFUSE(n < 0 ? FB_ERR_VALUE : FB_ERR_CAPACITY, "n_load or n_boundary, 0 to FB_MAX_COORDINATES, beyond",
-                      -1, (fb_real)n, n < 0 ? FB_R(0.0) : FB_R(1.0) * FB_MAX_COORDINATES);
-  }
   for (int k = 0; k < n; k++) {
     const fbi_count there[] = {FBI_COUNT(list[k].node, 0, beam->desc.n_element, "coordinate: node, beyond"),
                                FBI_COUNT(list[k].axis, 0, 5, "coordinate: axis, beyond")};
@@ -22642,6 +22736,11 @@ static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const f
   return FB_OK;
 }
 
+static int fbi_coordinate_is_filled(const fb_coordinate *at)
+{
+  return at->node != 0 || at->axis != 0;
+}
+
 static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *beam, int hold_boundary)
 {
   const fb_preload *load = &desc->preload;
@@ -22660,13 +22759,19 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
                               FBI_ANY(&load->acceleration, 1, "preload.acceleration [m/s^2]"),
                               FBI_ANY(&load->spin, 1, "preload.spin [rad/s]"),
                               FBI_ANY(&load->spin_radius, 1, "preload.spin_radius [m]")};
-  const fbi_count count[] = {FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
-                             FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
-                             FBI_AT_LEAST(desc->lowest, 0, "lowest"),
-                             FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
-                             FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
+  const fbi_count count[] = {
+      FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
+      FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
+      FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
+      FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
+      FBI_AT_LEAST(desc->lowest, 0, "lowest"),
+      FBI_COUNTED(desc->n_load, fbi_coordinate_is_filled(&desc->load[0]), "n_load, 1 where load[0] is filled"),
+      FBI_COUNTED(desc->n_boundary, fbi_coordinate_is_filled(&desc->boundary[0]),
+                  "n_boundary, 1 where boundary[0] is filled"),
+      FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
+      FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
+  const fbi_count most[] = {FBI_AT_MOST(desc->n_load, FB_MAX_COORDINATES, "n_load, FB_MAX_COORDINATES"),
+                            FBI_AT_MOST(desc->n_boundary, FB_MAX_COORDINATES, "n_boundary, FB_MAX_COORDINATES")};
 
   /* Options that need a clamped root (a preload acts on rigid-body motion, too) or natural modes, or that exclude each
      other */
@@ -22674,7 +22779,11 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
       FBI_CLAIM(!(spinning || by_mass) || clamped, "spin or mass_fraction, with FB_ROOT_CLAMPED only"),
       FBI_CLAIM(!(spinning || by_mass) || modes, "spin or mass_fraction, with FB_BASIS_MODES only"),
       FBI_CLAIM(!loaded || !modes || clamped || hold_boundary, "preload of natural modes, with FB_ROOT_CLAMPED only"),
-      FBI_CLAIM(desc->line_points != 1, "line_points, 0 or at least 2"),
+      FBI_CLAIM_OF(desc->line_points != 1, FB_R(1.0), FB_R(2.0), "line_points, 0 or at least"),
+      FBI_CLAIM_OF(desc->n_load == 0 || modes, (fb_real)desc->n_load, FB_R(0.0),
+                   "n_load, without FB_BASIS_MODES equal to"),
+      FBI_CLAIM_OF(desc->n_boundary == 0 || hold_boundary, (fb_real)desc->n_boundary, FB_R(0.0),
+                   "n_boundary, without FB_BASIS_COMPONENT or buckling equal to"),
       FBI_CLAIM(!spinning || desc->lowest <= 0, "spin, not with lowest"),
       FBI_CLAIM(!(spinning || loaded) || beam->desc.n_point <= 0, "spin or preload, not of a beam by points"),
       FBI_CLAIM(!spinning || !loaded, "spin, not with preload"),
@@ -22683,6 +22792,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
   status = fbi_is_finite(all, 8) ? status : FB_ERR_NOT_FINITE;
   status = status ? status : fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   return status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
 }
 
@@ -22897,12 +23007,18 @@ static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
   fbi_vec3_add(place, FB_R(1.0), beam->desc.position);
 }
 
+static int fbi_weld_is_filled(const fb_weld *weld)
+{
+  return weld->component[0] != 0 || weld->component[1] != 0 || weld->node[0] != 0 || weld->node[1] != 0;
+}
+
 static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, const fb_join_desc *desc,
                                 int n_component)
 {
   const fbi_number field[] = {FBI_NOT_NEGATIVE(&desc->omega_limit, 1, "omega_limit [rad/s]")};
-  const fbi_count least[] = {FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
-                             FBI_AT_LEAST(desc->n_weld, 0, "n_weld")};
+  const fbi_count least[] = {
+      FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
+      FBI_COUNTED(desc->n_weld, fbi_weld_is_filled(&desc->weld[0]), "n_weld, 1 where weld[0] is filled")};
   const fbi_count most[] = {FBI_AT_MOST(n_component, FB_MAX_COMPONENTS, "n_component, FB_MAX_COMPONENTS"),
                             FBI_AT_MOST(desc->n_weld, FB_MAX_WELDS, "n_weld, FB_MAX_WELDS")};
   fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
@@ -22914,7 +23030,9 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
     const fbi_count count[] = {FBI_COUNT(component[c].n, 0, FB_MAX_MODES, "component: count of modes, beyond")};
     const fbi_claim claim[] = {
         FBI_CLAIM(component[c].degree <= 0, "component: modes of another basis than FB_BASIS_FUNCTIONS"),
-        FBI_CLAIM(component[c].ndof == fbi_beam_ndof(&beam[c]), "component: modes of the beam of the same number")};
+        FBI_CLAIM_OF(component[c].ndof == fbi_beam_ndof(&beam[c]), (fb_real)component[c].ndof,
+                     (fb_real)fbi_beam_ndof(&beam[c]),
+                     "component: modes of the beam of the same number, ndof equal to")};
     status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), c);
     status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), c);
   }
@@ -23145,7 +23263,11 @@ static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, 
 
   /* The lowest elastic mode must stand out of the round-off */
   if (*rigid > 6 || (*rigid < m && work->d[*rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
-    return FB_ERR_CONVERGENCE;
+    return FBI_REFUSE(
+        FB_ERR_CONVERGENCE,
+        "coordinates: slow elastic modes that differ from rigid-body modes in this precision (fewer modes); "
+        "rigid ones, at most",
+        -1, (fb_real)*rigid, FB_R(6.0));
   }
   *shift = *rigid < m ? work->d[*rigid] : FB_R(0.0);
   return FB_OK;
@@ -23361,7 +23483,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
     n++;
   }
   if (n > FB_MAX_MODES || (n < desc->lowest && !(desc->omega_limit > FB_R(0.0)))) {
-    return n > FB_MAX_MODES ? FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)n, FB_R(1.0) * FB_MAX_MODES)
+    return n > FB_MAX_MODES ? FBI_REFUSE_ROOM(n)
                             : FBI_REFUSE(FB_ERR_MODES, "lowest: count of modes that there are, at least", -1,
                                          (fb_real)n, (fb_real)desc->lowest);
   }
@@ -23393,8 +23515,11 @@ FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
 {
   FBI_REQUIRE(shape, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
-  FBI_REQUIRE(n <= FB_MAX_MODES, FB_ERR_CAPACITY);
+  {
+    const fbi_count least[] = {FBI_AT_LEAST(n, 0, "n")}, most[] = {FBI_AT_MOST(n, FB_MAX_MODES, "n, FB_MAX_MODES")};
+    FBI_REQUIRE_COUNT(least, FB_ERR_VALUE, -1);
+    FBI_REQUIRE_COUNT(most, FB_ERR_CAPACITY, -1);
+  }
   memset(shape, 0, sizeof *shape);
   shape->n = n;
   shape->n_node = 1;
@@ -23519,7 +23644,7 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
     }
   }
   if (fbi_spread(spread, inertia) != FB_OK) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE_MOMENTS(inertia, FBI_WORD_INERTIA, -1);
   }
   fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0, 0);
   for (int k = 0; k < 3; k++) {
@@ -23757,7 +23882,7 @@ static fb_status fbi_field_lump_add(fb_shape *shape, const fb_fields *at, fb_rea
     return status;
   }
   if (fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
-    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE_MOMENTS(inertia ? inertia : none, FBI_WORD_INERTIA, -1);
   }
   fbi_slice_add(shape, at, 0, shape->n, mass, none, spread, unit, 0);
   return FB_OK;
@@ -24030,10 +24155,16 @@ static void fbi_lines_select(fb_lines *out, const fb_lines *in, const int *coord
 FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n)
 {
   FBI_REQUIRE(selected && shape && (coordinate || n == 0) && selected != shape, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0 && n <= shape->n, FB_ERR_CAPACITY);
+  {
+    const fbi_count count[] = {FBI_COUNT(n, 0, shape->n, "n, 0 to that of the shape, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
   for (int k = 0; k < n; k++) {
-    FBI_REQUIRE(coordinate[k] >= 0 && coordinate[k] < shape->n, FB_ERR_CAPACITY);
-    FBI_REQUIRE(k == 0 || coordinate[k] > coordinate[k - 1], FB_ERR_VALUE);
+    const fbi_count there[] = {FBI_COUNT(coordinate[k], 0, shape->n - 1, "coordinate: of the shape, beyond")};
+    const fbi_count ascending[] = {
+        FBI_AT_LEAST(coordinate[k], k == 0 ? 0 : coordinate[k - 1] + 1, "coordinate: ascending")};
+    FBI_REQUIRE_COUNT(there, FB_ERR_CAPACITY, k);
+    FBI_REQUIRE_COUNT(ascending, FB_ERR_VALUE, k);
   }
 
   /* Tables of one coordinate and of pairs; the rest belongs to no coordinate */
@@ -24083,7 +24214,11 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   const fb_real none[9] = {FB_R(0.0)};
   const fb_real *const p = pchi ? pchi : none, *const h = hchi ? hchi : none, *const G = Gamchi ? Gamchi : none;
   FBI_REQUIRE(shape, FB_ERR_NULL);
-  FBI_REQUIRE(a >= 0 && a < shape->n && b >= 0 && b < shape->n, FB_ERR_CAPACITY);
+  {
+    const fbi_count count[] = {FBI_COUNT(a, 0, shape->n - 1, "a, a coordinate, beyond"),
+                               FBI_COUNT(b, 0, shape->n - 1, "b, a coordinate, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
   {
     const fbi_number field[] = {FBI_ANY(p, 3, "pchi"), FBI_ANY(h, 3, "hchi"), FBI_ANY(G, 9, "Gamchi")};
     const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
@@ -24139,10 +24274,15 @@ FB_DEF fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(first >= 0 && modes->n >= 0 && modes->n <= shape->n && first <= shape->n - modes->n, FB_ERR_CAPACITY);
-  FBI_REQUIRE(modes->ndof ==
-                  (modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam)),
-              FB_ERR_VALUE);
+  {
+    const int ndof = modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam);
+    const fbi_count room[] = {
+        FBI_COUNT(modes->n, 0, shape->n, "count of modes, 0 to coordinates of the shape, beyond"),
+        FBI_COUNT(first, 0, shape->n - modes->n, "first, 0 to n of the shape less modes, beyond")};
+    const fbi_count alike[] = {FBI_COUNT(modes->ndof, ndof, ndof, "modes, of this beam: ndof, equal to")};
+    FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
+    FBI_REQUIRE_COUNT(alike, FB_ERR_VALUE, -1);
+  }
   return FB_OK;
 }
 
@@ -24227,7 +24367,8 @@ static fb_status fbi_station_start(fb_fields *st, fbi_cell_fields *scratch, cons
     }
   }
   if (modes->joined && size > FB_R(0.0) && !hangs) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "beam of joined ones: a node at its root, of a beam added before it", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   if (beam->desc.root == FB_ROOT_FREE && !hangs) {
     fbi_station_center(st, scratch, beam, modes);
@@ -25366,8 +25507,12 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 {
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(gauge && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(modes->n >= 0 && modes->n <= FB_MAX_MODES && first >= 0 && first <= FB_MAX_MODES - modes->n,
-              FB_ERR_CAPACITY);
+  {
+    const fbi_count room[] = {
+        FBI_COUNT(modes->n, 0, FB_MAX_MODES, "count of modes, 0 to FB_MAX_MODES, beyond"),
+        FBI_COUNT(first, 0, FB_MAX_MODES - modes->n, "first, 0 to FB_MAX_MODES less modes, beyond")};
+    FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
+  }
   if (!fbi_is_finite(&x, 1) || !fbi_is_finite(&y, 1) || !fbi_is_finite(&z, 1)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -25457,7 +25602,8 @@ static fb_status fbi_strain_intervals(int *intervals, const fb_beam *beam)
     fb_beam_section_eval(beam, &ends[0], cell.x0);
     fb_beam_section_eval(beam, &ends[1], cell.x1);
     if (!(ends[0].EA > FB_R(0.0) && ends[1].EA > FB_R(0.0))) {
-      return FB_ERR_KIND;
+      return FBI_REFUSE(FB_ERR_KIND, "EA [N] of all stations of a beam with nonlinear strain, above", -1,
+                        ends[0].EA < ends[1].EA ? ends[0].EA : ends[1].EA, FB_R(0.0));
     }
     (*intervals)++;
   }
@@ -25504,7 +25650,9 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
     return status;
   }
   if (shape->n_strain + (intervals * points + 3) / 4 * 4 > FBI_MAX_STRAINS) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY,
+                      "points of the axial strain (of n_element and stations), FB_MAX_STRAINS, at most", -1,
+                      (fb_real)(shape->n_strain + (intervals * points + 3) / 4 * 4), FB_R(1.0) * FBI_MAX_STRAINS);
   }
 
   /* Quadrature points of every interval: weight EA dx; int mass |r| dx and the least EA */
@@ -26050,6 +26198,25 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 }
 #endif
 
+/* FB_ERR_SINGULAR of a free or pinned body, with the row of S that does not stand out. */
+#if FB_WITH_DETAIL
+static fb_status fbi_refuse_inertia(const fb_real S[21], fb_base base)
+{
+  fb_real reference[6], pivot = FB_R(0.0);
+  int row;
+  fbi_sym6_reference(reference, S, FB_R(0.0), FB_R(0.0));
+  row = fbi_sym6_weak(&pivot, S, fbi_first_free(base), reference, FBI_ROUNDING);
+  return FBI_REFUSE(
+      FB_ERR_SINGULAR,
+      "axis: mass [kg] along it (0 to 2), inertia [kg m^2] about it (3 to 5) of hub, lumps and i_y, i_z of "
+      "stations, above",
+      row, pivot, row < 0 ? FB_R(0.0) : FBI_ROUNDING * reference[row]);
+}
+#define FBI_REFUSE_INERTIA(S, base) fbi_refuse_inertia(S, base)
+#else
+#define FBI_REFUSE_INERTIA(S, base) (FB_ERR_SINGULAR)
+#endif
+
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening
    against the elastic mass of the free body, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q|
@@ -26072,7 +26239,7 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
       fb_real column[6];
       fbi_copy(column, shape->P + 3 * b, 3);
       fbi_copy(column + 3, shape->H + 3 * b, 3);
-      status = fbi_base_solve(column, body->base, S, column);
+      status = fbi_base_solve(column, body->base, S, column) ? FBI_REFUSE_INERTIA(S, body->base) : FB_OK;
       for (int a = 0; a < n; a++) {
         reduced[a * n + b] -= fb_vec3_dot(column, shape->P + 3 * a) + fb_vec3_dot(column + 3, shape->H + 3 * a);
       }
@@ -26165,13 +26332,13 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
   /* S_0^-1 over the free rows, if S_0 is not singular to round-off */
   fbi_sym6_reference(reference, body->S0, FB_R(0.0), FB_R(0.0));
   if (!fbi_sym6_stands_out(body->S0, fbi_first_free(body->base), reference, FBI_ROUNDING)) {
-    return FB_ERR_SINGULAR;
+    return FBI_REFUSE_INERTIA(body->S0, body->base);
   }
   for (int j = 0; j < 6; j++) {
     fb_real unit[6] = {0};
     unit[j] = FB_R(1.0);
     if (fbi_base_solve(body->S0_inverse + 6 * j, body->base, body->S0, unit) != FB_OK) {
-      return FB_ERR_SINGULAR;
+      return FBI_REFUSE_INERTIA(body->S0, body->base);
     }
   }
   return FB_OK;
@@ -26194,25 +26361,31 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
   const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
   if (!fbi_is_choice((int)desc->form, (int)FB_FORM_COUNT - 1) ||
       !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_COUNT - 1)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "form, an fb_form; stiffness_torque, an fb_stiffness_torque", -1,
+                      (fb_real)(int)desc->form, (fb_real)(int)FB_FORM_COUNT - 1);
   }
 
   /* Effects */
   if (desc->form == FB_FORM_SECOND && !desc->allow_split_effects &&
       spin != fbi_has(desc->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the second-order form, spin coupling and residual inertia together",
+                      -1, FB_R(0.0), FB_R(0.0));
   }
   if (desc->form == FB_FORM_FIRST && fbi_has(desc->effects, FBI_QUADRATIC_EFFECTS)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the first-order form, without stiffening", -1, FB_R(0.0), FB_R(0.0));
   }
 #if FB_WITH_NONLINEAR_STRAIN
   if (desc->form == FB_FORM_FIRST && desc->stiffness_torque != FB_TORQUE_IDENTITY &&
       (shape->n_strain == 0 || shape->torque_unknown)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(
+        FB_ERR_EFFECTS,
+        "stiffness_torque of the first-order form, as printed only with fb_shape_add_beam_strain of one basis", -1,
+        FB_R(0.0), FB_R(0.0));
   }
 #else
   if (desc->stiffness_torque != FB_TORQUE_IDENTITY) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "stiffness_torque, FB_TORQUE_IDENTITY without FB_WITH_NONLINEAR_STRAIN", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
 #endif
   (void)shape;
@@ -26315,7 +26488,11 @@ static fb_status fbi_shape_check(const fb_shape *shape)
 #endif
   };
   fb_status status;
-  FBI_REQUIRE(shape->n == n && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+  {
+    const fbi_count count[] = {FBI_COUNT(shape->n, n, n, "shape.n, 0 to FB_MAX_MODES, beyond"),
+                               FBI_COUNT(shape->n_node, 1, FB_MAX_NODES, "shape.n_node, 1 to FB_MAX_NODES, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
 #if FB_WITH_NONLINEAR_STRAIN
   FBI_REQUIRE(shape->n_strain >= 0 && shape->n_strain <= FBI_MAX_STRAINS && shape->n_strain % 4 == 0, FB_ERR_CAPACITY);
 #endif
@@ -26394,6 +26571,12 @@ static fb_status fbi_body_lines_check(const fb_shape *shape)
   if (shape->lines_status == FB_ERR_VALUE) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_MISSED, -1, FB_R(0.0), FB_R(0.0));
   }
+  if (shape->lines_status == FB_ERR_CAPACITY && shape->lines.n_point <= FB_MAX_POINTS) {
+    return FBI_REFUSE(FB_ERR_CAPACITY,
+                      "effects: large deflection: beams, FB_MAX_LINES, at most; FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE",
+                      -1, (fb_real)shape->lines.n_line + (shape->lines.n_line >= FB_MAX_LINES ? FB_R(1.0) : FB_R(0.0)),
+                      FB_R(1.0) * FB_MAX_LINES);
+  }
   if (shape->lines_status != FB_OK) {
     return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,
                       FB_R(1.0) * FB_MAX_POINTS);
@@ -26426,11 +26609,15 @@ static int fbi_center_is_sound(const fb_shape *shape, const fb_body_desc *desc)
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
-  if (!fbi_has(desc->effects, FB_EFFECT_DAMPING) && !fbi_is_zero(desc->zeta, shape->n)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "zeta, 0 without FB_EFFECT_DAMPING", -1, FB_R(0.0), FB_R(0.0));
+  for (int k = 0; k < shape->n && !fbi_has(desc->effects, FB_EFFECT_DAMPING); k++) {
+    if (!fbi_is_zero(&desc->zeta[k], 1)) {
+      return FBI_REFUSE(FB_ERR_EFFECTS, "mode: damping ratio zeta, without FB_EFFECT_DAMPING equal to", k,
+                        desc->zeta[k], FB_R(0.0));
+    }
   }
   if (!fbi_has(desc->effects, FB_EFFECT_GRAVITY) && !fbi_is_zero(desc->gravity, 3)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "gravity [m/s^2], 0 without FB_EFFECT_GRAVITY", -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS, "gravity, its size [m/s^2], without FB_EFFECT_GRAVITY equal to", -1,
+                      fbi_vec3_norm(desc->gravity), FB_R(0.0));
   }
   if (fbi_is_excluded(desc->effects)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
@@ -26484,11 +26671,16 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #if FB_WITH_ROTORS
 static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
-  fb_status status = FB_OK;
-  FBI_REQUIRE(desc->n_rotor >= 0 && desc->n_rotor <= FB_MAX_ROTORS, FB_ERR_CAPACITY);
+  const fbi_count count[] = {FBI_COUNT(desc->n_rotor, 0, FB_MAX_ROTORS, "n_rotor, 0 to FB_MAX_ROTORS, beyond")};
+  const fbi_count filled[] = {
+      FBI_COUNTED(desc->n_rotor, !fbi_is_zero(&desc->rotor[0].inertia, 1) || !fbi_is_zero(desc->rotor[0].axis, 3),
+                  "n_rotor, 1 where rotor[0] is filled")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), -1);
   for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
     const fb_rotor *const rotor = &desc->rotor[r];
     const fb_real length = fbi_vec3_norm(rotor->axis);
+    const fbi_count node[] = {FBI_COUNT(rotor->node, 0, shape->n_node - 1, "rotor: node, beyond")};
     const fbi_number field[] = {FBI_ANY(rotor->axis, 3, "rotor: axis"),
                                 FBI_NOT_NEGATIVE(&rotor->inertia, 1, "rotor: inertia [kg m^2]"),
                                 FBI_NOT_NEGATIVE(&rotor->damping, 1, "rotor: damping [N m s]"),
@@ -26497,8 +26689,8 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
                                 FBI_NOT_NEGATIVE(&rotor->static_imbalance, 1, "rotor: static_imbalance [kg m]"),
                                 FBI_NOT_NEGATIVE(&rotor->dynamic_imbalance, 1, "rotor: dynamic_imbalance [kg m^2]"),
                                 FBI_ANY(&rotor->dynamic_phase, 1, "rotor: dynamic_phase [rad]")};
-    FBI_REQUIRE(rotor->node >= 0 && rotor->node < shape->n_node, FB_ERR_CAPACITY);
-    status = fbi_numbers_check(field, FBI_LENGTH(field), r);
+    status = fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), r);
+    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), r);
     if (status == FB_OK && !(length > FB_R(0.0))) {
       status = FBI_REFUSE(FB_ERR_VALUE, "rotor: length of its axis, above", r, length, FB_R(0.0));
     }
@@ -26700,6 +26892,18 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
 }
 #endif
 
+#define FBI_REFUSE_LAMBDA(body)                                                                                  \
+  FBI_REFUSE(FB_ERR_CAPACITY, "count of terms of Lambda, FB_MAX_LAMBDA, at most", -1, (fb_real)(body)->n_lambda, \
+             FB_R(1.0) * FBI_MAX_LAMBDA)
+
+/* Is there room for the terms of S(q)? */
+static fb_status fbi_S_room(const fb_body *body)
+{
+  const fbi_count count[] = {FBI_AT_MOST(body->n_S, FBI_MAX_S, "count of terms of S, FB_MAX_S"),
+                             FBI_AT_MOST(body->n_run, FBI_MAX_RUNS, "count of runs of terms of S, FB_MAX_RUNS")};
+  return fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+}
+
 /* Terms of Lambda(q) and S(q) for the effects that are on. Without residual inertia ups is in Lambda, not in S. */
 static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
@@ -26712,14 +26916,15 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
   fbi_lambda_list(body, shape, work->Lambda);
   if (body->n_lambda > FBI_MAX_LAMBDA) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE_LAMBDA(body);
   }
 
   /* S from Z = Lambda L^-T, row by row, M = L L^T */
   fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
-  if (n > 0) {
-    status = fb_chol_factor(work->L, n);
+  if (n > 0 && fb_chol_factor(work->L, n) != FB_OK) {
+    status = FBI_REFUSE(FB_ERR_SINGULAR, "shape.M, positive definite: a coordinate without mass, or two that are one",
+                        -1, FB_R(0.0), FB_R(0.0));
   }
   if (status != FB_OK) {
     return status;
@@ -26732,7 +26937,7 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
 #else
   (void)fbi_S_list(body, work, shape);
 #endif
-  return body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY : FB_OK;
+  return fbi_S_room(body);
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -26858,6 +27063,7 @@ static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
 static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   const int n = body->n;
+  fb_status status;
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
   fbi_lines_copy(&body->lines, &shape->lines);
   fbi_rest_fill(work, body, shape);
@@ -26875,9 +27081,8 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
   }
-  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS
-             ? FB_ERR_CAPACITY
-             : fbi_large_limits_fill(body, work);
+  status = body->n_lambda > FBI_MAX_LAMBDA ? FBI_REFUSE_LAMBDA(body) : fbi_S_room(body);
+  return status ? status : fbi_large_limits_fill(body, work);
 }
 #endif
 
@@ -27063,23 +27268,24 @@ static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, 
 
 /* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
 static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
-                                 const fb_modes_desc *modes, int n_beam)
+                                 const fb_modes_desc *modes)
 {
   const fb_join_desc *const join = &desc->join;
-  const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
+  const int joined = join->n_weld != 0 || fbi_weld_is_filled(&join->weld[0]) || join->lowest != 0 ||
+                     !fbi_is_zero(&join->omega_limit, 1);
   fb_status status = FB_OK;
   work->n = 0;
   for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
     const fb_part *const part = &desc->part[k];
     work->part = k;
-    FBI_REQUIRE(part->beam >= 0 && part->beam < n_beam, FB_ERR_CAPACITY);
-    FBI_REQUIRE(part->n_node >= 0 && part->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
     status = fbi_part_place(&work->placed, part, &beam[part->beam]);
     status = status ? status : fb_beam_init(&work->beam[k], &work->placed);
     status =
         status ? status : fb_modes_solve(&work->modes[k], &work->scratch.modes, &work->beam[k], &modes[part->beam]);
     work->n += status == FB_OK ? work->modes[k].n : 0;
-    status = status == FB_OK && work->n > FB_MAX_MODES && !joined ? FB_ERR_CAPACITY : status;
+    if (status == FB_OK && work->n > FB_MAX_MODES && !joined) {
+      status = FBI_REFUSE_ROOM(work->n);
+    }
   }
   if (status == FB_OK && joined) {
     work->part = desc->n_part;
@@ -27120,17 +27326,45 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
   return status;
 }
 
+/* Counts of parts and of their nodes, and the beams that they name. */
+static fb_status fbi_build_counts_check(fb_build_work *work, const fb_build_desc *desc, int n_beam)
+{
+  const fb_part *const first = &desc->part[0];
+  const int given = first->beam != 0 || first->n_node != 0 || !fbi_is_zero(first->position, 3) ||
+                    !fbi_is_zero(first->attitude, 4) || !fbi_is_zero(first->node, 1);
+  const fbi_count most[] = {FBI_COUNT(desc->n_part, 0, FB_MAX_PARTS, "n_part, 0 to FB_MAX_PARTS, beyond")};
+  const fbi_count least[] = {FBI_COUNTED(desc->n_part, given, "n_part, 1 where part[0] is filled")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
+  work->part = -1;
+  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
+    const fb_part *const part = &desc->part[k];
+    const fbi_count count[] = {FBI_COUNT(part->beam, 0, n_beam - 1, "part: beam, beyond"),
+                               FBI_COUNT(part->n_node, 0, FB_MAX_NODES, "part: n_node, 0 to FB_MAX_NODES, beyond")};
+    const fbi_count filled[] = {
+        FBI_COUNTED(part->n_node, !fbi_is_zero(part->node, 1), "part: n_node, 1 where node[0] is filled")};
+    work->part = k;
+    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), k);
+    status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), k);
+  }
+  return status;
+}
+
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
   int first = 0, hub, fault;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
-  FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
+  status = fbi_build_counts_check(work, desc, n_beam);
+  if (status != FB_OK) {
+    FBI_DETAIL_PART(work->part);
+    return status;
+  }
 
   /* beams, and the coordinates that there are */
   hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
-  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  status = fbi_parts_solve(work, desc, beam, modes);
   fault = status == FB_OK ? fbi_part_at_fault(work, desc, modes, hub) : -1;
   if (fault >= 0) {
     work->part = fault;
@@ -27527,16 +27761,28 @@ static fb_status fbi_spring_check(const fb_system_desc *desc, const fb_body *bod
 
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
 {
+  const fb_joint_desc *const loop = &desc->loop[0];
+  const fb_spring *const spring = &desc->spring[0];
+  const int looped = loop->kind != FB_JOINT_FREE || loop->parent != 0 || loop->child != 0;
+  const int sprung = !fbi_is_zero(&spring->stiffness, 1) || spring->body[0] != 0 || spring->body[1] != 0;
+  const fbi_count count[] = {FBI_COUNT(desc->n_body, 1, FB_MAX_BODIES, "n_body, 1 to FB_MAX_BODIES, beyond"),
+                             FBI_COUNT(desc->n_loop, 0, FB_MAX_LOOPS, "n_loop, 0 to FB_MAX_LOOPS, beyond"),
+                             FBI_COUNT(desc->n_spring, 0, FB_MAX_SPRINGS, "n_spring, 0 to FB_MAX_SPRINGS, beyond")};
+  const fbi_count choice[] = {FBI_COUNT((int)desc->method, 0, (int)FB_METHOD_COUNT - 1, "method, an fb_method, beyond"),
+                              FBI_COUNTED(desc->n_loop, looped, "n_loop, 1 where loop[0] is filled"),
+                              FBI_COUNTED(desc->n_spring, sprung, "n_spring, 1 where spring[0] is filled")};
   int used = 0;
-  FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
-  FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
-  FBI_REQUIRE(desc->n_spring >= 0 && desc->n_spring <= FB_MAX_SPRINGS, FB_ERR_CAPACITY);
-  if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_COUNT - 1)) {
-    return FBI_REFUSE(FB_ERR_VALUE, "method, an fb_method, beyond", -1, (fb_real)(int)desc->method,
-                      (fb_real)(int)FB_METHOD_COUNT - 1);
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
+  if (status != FB_OK) {
+    return status;
   }
   for (int k = 0; k < desc->n_body; k++) {
-    FBI_REQUIRE(desc->model[k] >= 0 && desc->model[k] < n_model, FB_ERR_CAPACITY);
+    const fbi_count model[] = {FBI_COUNT(desc->model[k], 0, n_model - 1, "body: model, of n_model, beyond")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, model, FBI_LENGTH(model), k);
+    if (status != FB_OK) {
+      return status;
+    }
     used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
@@ -27648,8 +27894,11 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   out = &work->system;
   fbi_system_fill(out, body, desc);
   fbi_system_enter(work, out);
-  FBI_REQUIRE(out->method != FB_METHOD_DENSE || fbi_speed_offset(out, work, body, out->n_body) <= FB_MAX_SPEEDS,
-              FB_ERR_CAPACITY);
+  if (out->method == FB_METHOD_DENSE) {
+    const fbi_count count[] = {FBI_AT_MOST(fbi_speed_offset(out, work, body, out->n_body), FB_MAX_SPEEDS,
+                                           "method: speeds of FB_METHOD_DENSE, FB_MAX_SPEEDS")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
 
   /* State of zero coordinates at rest, locked axes freed */
   zero = &work->stage;
@@ -27674,9 +27923,14 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
     status = fbi_mass_factor(work, out, body, FB_R(0.0));
   }
 
-  /* Limits of the step */
   fbi_rhs_clear(work, out, body);
   status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* checks free bodies, too */
+  if (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE || status == FB_ERR_SINGULAR) {
+    return FBI_REFUSE(FB_ERR_SINGULAR, "joint: mass or inertia that its free axes move at zero coordinates, above 0",
+                      work->joint, FB_R(0.0), FB_R(0.0));
+  }
+
+  /* Limits of the step */
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
@@ -28074,7 +28328,8 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
   status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), k);
   if (status == FB_OK) {
     const fbi_claim claim[] = {
-        FBI_CLAIM(fbi_vec3_norm(joint->axis) > FB_TINY, "joint: axis, not so short"),
+        FBI_CLAIM_OF(fbi_vec3_norm(joint->axis) > FB_TINY, fbi_vec3_norm(joint->axis), FB_TINY,
+                     "joint: length of its axis, above"),
         FBI_CLAIM(fbi_exact_jointed(desc, joint->element) == k + 1, "joint: element, not that of another joint"),
         FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1),
                   "joint: node outboard of it, not held: hold the inboard one")};
@@ -28117,7 +28372,7 @@ static fb_status fbi_exact_line_check(const fb_exact_desc *desc, int index)
 {
   const fbi_exact_line line = fbi_exact_line_of(desc, index);
   const fbi_claim claim[] = {
-      FBI_CLAIM(line.length > FB_R(1.0) / FB_HUGE, "length [m], above 0"),
+      FBI_CLAIM_OF(line.length > FB_R(1.0) / FB_HUGE, line.length, FB_R(0.0), "length [m], above"),
       FBI_CLAIM(fbi_exact_joints_within(desc, &line, line.n) < line.n, "joint: elements, not all joints"),
       FBI_CLAIM(line.joint < 0 || !fbi_exact_holds(desc, line.first + 1),
                 "branch: node outboard of its attitude, not held: hold the inboard one")};
@@ -28150,8 +28405,15 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
       FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
       FBI_ANY(desc->attitude, 4, "attitude"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
       FBI_NUMBER(&desc->dissipation, 1, FB_R(0.0), FB_R(2.0) / FB_R(3.0), "dissipation, 0 to 2/3, beyond")};
-  const fbi_count choice[] = {FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
-                              FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
+  const int jointed = desc->joint[0].element != 0 || !fbi_is_zero(desc->joint[0].axis, 3);
+  const int supported = desc->support[0].node != 0 || desc->support[0].held != 0;
+  const fbi_count choice[] = {
+      FBI_COUNTED(desc->n_support, supported, "n_support, 1 where support[0] is filled"),
+      FBI_COUNTED(desc->n_lump, fbi_lump_is_filled(&desc->lump[0]), "n_lump, 1 where lump[0] is filled"),
+      FBI_COUNTED(desc->n_joint, jointed, "n_joint, 1 where joint[0] is filled"),
+      FBI_COUNTED(desc->n_branch, desc->branch[0].n_element != 0, "n_branch, 1 where branch[0] is filled"),
+      FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
+      FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
   const fbi_claim claim[] = {FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
                              FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
@@ -31058,18 +31320,19 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   return FBI_DIFFERENCE * (moves ? place : FB_R(1.0));
 }
 
-static int fbi_ports_fit(const fb_linear_desc *desc)
+static fb_status fbi_ports_check(const fb_linear_desc *desc)
 {
-  return desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS;
+  const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
+                            FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
+  return fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
 }
 
 static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
 {
-  FBI_REQUIRE(fbi_ports_fit(desc), FB_ERR_CAPACITY);
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+  fb_status status = fbi_ports_check(desc);
+  for (int k = 0; status == FB_OK && k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    fb_status status = FB_OK;
 #if FB_WITH_ROTORS
     if (port->kind == FB_PORT_MOTOR || port->kind == FB_PORT_ROTOR_SPEED) {
       FBI_REQUIRE(fbi_port_is_input(port->kind) == is_input, FB_ERR_VALUE);
@@ -31079,11 +31342,11 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
 #endif
     status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
                             input->n_load < FB_MAX_LOADS);
-    if (status != FB_OK || port->body != 0) {
-      return status ? status : FB_ERR_CAPACITY;
+    if (status == FB_OK && port->body != 0) {
+      return FB_ERR_CAPACITY;
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* ---- finite-difference steps and channels of a system */
@@ -31121,8 +31384,7 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
 
 static fb_status fbi_system_ports_check(const fbi_subject *s)
 {
-  fb_status status = FB_OK;
-  FBI_REQUIRE(fbi_ports_fit(s->desc), FB_ERR_CAPACITY);
+  fb_status status = fbi_ports_check(s->desc);
   for (int k = 0; k < s->desc->n_in && status == FB_OK; k++) {
     status = fbi_system_port_check(s, &s->desc->in[k], 1);
   }
@@ -31451,7 +31713,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   work->state = *state;
   fbi_rotors_give(&work->state, body, input);
   s = fbi_subject_body(body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
-  status = fbi_linear_desc_check(body, input, s.desc);
+  status = FBI_ENTERED(fbi_linear_desc_check(body, input, s.desc));
   status = status ? status : fb_body_motion_eval(body, &work->steady, state, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
@@ -31671,7 +31933,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
     fbi_frames_ground(&work->state, &work->system, system, body);
   }
   work->n_rotor = 0;
-  status = status ? status : fbi_system_ports_check(&s);
+  status = status ? status : FBI_ENTERED(fbi_system_ports_check(&s));
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);
   status = status ? status : fbi_system_steady(&rate, &s);
@@ -32359,10 +32621,10 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 
 static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
 {
-  if (!fbi_is_choice(desc->n_in, FB_MAX_PORTS) || !fbi_is_choice(desc->n_out, FB_MAX_PORTS)) {
-    return FB_ERR_CAPACITY;
-  }
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+  const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
+                            FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  for (int k = 0; k < desc->n_in + desc->n_out && status == FB_OK; k++) {
     const int is_in = k < desc->n_in;
     const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
     const int kind = (int)port->kind, base = kind == 2 || kind == 3, joint = kind >= (int)FB_EXACT_PORT_MOTOR;
@@ -32380,7 +32642,7 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
                         k, FB_R(0.0), FB_R(0.0));
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is

@@ -125,7 +125,7 @@ static void columns(void)
   compare("clamped and pinned, load [N]", 1000.0 * (double)whole.omega[0], 20.190728556 * EI / 9.0, 1e-6);
   keep.preload.force = FB_R(0.0);
   keep.preload.acceleration = -FB_R(9.81);
-  keep.n_boundary = 0;
+  keep.n_boundary = keep.boundary[0].node = keep.boundary[0].axis = 0; /* no boundary */
   need(fb_buckling_solve(&whole, &work, &beam[0], &keep), "buckling");
   compare("upright, own weights that it bears", (double)whole.omega[0],
           7.837347 * EI / (9.81 * (double)desc.station[0].mass * 27.0), 1e-5);

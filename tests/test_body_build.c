@@ -241,6 +241,7 @@ TEST(parts_may_be_missing)
 {
   two_booms();
   desc.n_part = 0;
+  memset(desc.part, 0, sizeof desc.part);
   desc.zeta = FB_R(0.0);
   desc.body.effects = FB_EFFECTS_RIGID;
   FBT_INT_EQ(fb_body_build(&body, &work, &desc, NULL, NULL, 0), FB_OK);
@@ -319,6 +320,7 @@ TEST(parts_that_do_not_meet_are_refused)
       break;
     default:
       desc.part[0].n_node = 0;
+      desc.part[0].node[0] = FB_R(0.0);
       break;
     }
     FBT_INT_EQ(fb_body_build(&body, &work, &desc, tube, component, 2), what == 1   ? FB_ERR_CAPACITY
@@ -368,6 +370,7 @@ TEST(welds_that_a_root_would_lock_are_refused)
     mast_and_arm(0.0);
     component[1].basis = FB_BASIS_MODES;
     component[1].n_boundary = 0;
+    memset(component[1].boundary, 0, sizeof component[1].boundary);
     component[1].rigid = what > 1;
     tube[1].root = what == 0 ? FB_ROOT_CLAMPED : FB_ROOT_FREE;
     FBT_INT_EQ(fb_body_build(&body, &work, &desc, tube, component, 2), what > 1 ? FB_OK : FB_ERR_VALUE);

@@ -227,6 +227,7 @@ TEST(quadratic_field_is_inextensible_and_twist_free)
   keep.count[FB_KIND_TORSION] = 1;
   boom(&shape, node);
   beam_desc.n_lump = 0;
+  memset(beam_desc.lump, 0, sizeof beam_desc.lump);
   memset(beam_desc.position, 0, sizeof beam_desc.position);
   memset(beam_desc.attitude, 0, sizeof beam_desc.attitude);
   FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
@@ -281,6 +282,7 @@ TEST(quadratic_field_follows_a_bent_line_in_any_attitude)
   int node[2];
   boom(&shape, node);
   beam_desc.n_lump = 0;
+  memset(beam_desc.lump, 0, sizeof beam_desc.lump);
   memset(beam_desc.position, 0, sizeof beam_desc.position);
   memset(beam_desc.attitude, 0, sizeof beam_desc.attitude);
   beam_desc.n_point = 6;
@@ -359,6 +361,7 @@ TEST(offset_masses_move_with_their_section)
     boom(&shape, node);
     if (k == 1) {
       beam_desc.n_lump = 0;
+      memset(beam_desc.lump, 0, sizeof beam_desc.lump);
       FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
       FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
       FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
@@ -442,6 +445,7 @@ TEST(lumped_bodies_are_the_particles_they_stand_for)
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   beam_desc.n_lump = 0;
+  memset(beam_desc.lump, 0, sizeof beam_desc.lump);
   FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
   FBT_INT_EQ(fb_shape_init(&other, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&other, 0, &beam, &modes), FB_OK);

@@ -507,6 +507,7 @@ TEST(damped_free_decay_has_the_given_ratio)
     if (full) {
       beam_desc.n_element = 3;
       beam_desc.n_lump = 0;
+      memset(beam_desc.lump, 0, sizeof beam_desc.lump);
       FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
       FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
       FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);

@@ -203,6 +203,7 @@ TEST(momenta_of_rotors_are_those_of_their_sections)
       craft(sets[set], (fb_base)base, 0);
       craft_moves(0.05);
       desc.n_rotor = 0;
+      memset(desc.rotor, 0, sizeof desc.rotor);
       FBT_INT_EQ(fb_body_init(&plain, &body_work, &shape, &desc), FB_OK);
       look();
       if (base == FB_BASE_PRESCRIBED) { /* as after a step: u is the velocity of the base */
@@ -699,6 +700,7 @@ TEST(bad_rotors_are_refused)
   {
     fb_body_desc none = desc;
     none.n_rotor = 0;
+    memset(none.rotor, 0, sizeof none.rotor);
     none.effects = FB_EFFECT_ROTORS;
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &none), FB_ERR_EFFECTS);
   }

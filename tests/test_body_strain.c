@@ -207,7 +207,7 @@ TEST(own_mass_stretches_a_spinning_beam)
   for (int lumps = 0; lumps < 2; lumps++) {
     beam_desc.n_lump = lumps;
     beam_desc.lump[0].node = 1;
-    beam_desc.lump[0].mass = (fb_real)carried;
+    beam_desc.lump[0].mass = (fb_real)(lumps * carried);
     FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
     FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
     FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);

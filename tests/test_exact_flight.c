@@ -248,7 +248,7 @@ TEST(momenta_of_a_rigid_motion_are_those_of_its_energy)
     beam(1.0, 3, stiffness, inertia);
     desc.n_lump = with_lump;
     desc.lump[0].node = 2;
-    desc.lump[0].mass = FB_R(0.2);
+    desc.lump[0].mass = with_lump ? FB_R(0.2) : FB_R(0.0);
     desc.lump[0].center[1] = FB_R(0.1);
     for (int i = 0; i < 3; i++) {
       input.v[i] = (fb_real)(0.5 - 0.3 * i);

@@ -622,8 +622,8 @@ TEST(joints_that_cannot_be_are_refused)
     desc.tip = bad == 7 ? FB_END_PINNED : FB_END_FREE;
     desc.joint[1].element = bad == 7 ? 3 : desc.joint[1].element;
     desc.n_support = bad == 8;
-    desc.support[0].node = 3;
-    desc.support[0].held = FB_HOLD_Y;
+    desc.support[0].node = bad == 8 ? 3 : 0;
+    desc.support[0].held = bad == 8 ? FB_HOLD_Y : 0;
     for (int k = 0; k < 5 && bad == 9; k++) {
       desc.place[k] = (fb_real)(0.25 * k);
     }

@@ -272,6 +272,7 @@ TEST(dissipation_takes_what_its_rule_says)
   double first, energy;
   any_beam(0, 1);
   desc.n_support = 0;
+  memset(desc.support, 0, sizeof desc.support);
   desc.dissipation = (fb_real)(1.0 - rho);
   memset(desc.gravity, 0, sizeof desc.gravity);
   memset(input.v, 0, sizeof input.v);

@@ -904,6 +904,7 @@ TEST(undeformed_nodes_have_not_turned)
     desc.station[1].twist = FB_R(0.8);
     desc.gravity[0] = desc.gravity[1] = desc.gravity[2] = FB_R(0.0);
     desc.n_lump = 0;
+    memset(desc.lump, 0, sizeof desc.lump);
     memset(&input, 0, sizeof input);
     desc.tip = held ? FB_END_CLAMPED : FB_END_FREE;
     start();

@@ -221,8 +221,8 @@ TEST(static_corrections_make_loads_exact)
     keep = choice();
     keep->count[plane ? FB_KIND_BEND_Z : FB_KIND_BEND_Y] = 2;
     keep->n_load = corrected;
-    keep->load[0].node = (int)ELEMENTS;
-    keep->load[0].axis = 1 + plane;
+    keep->load[0].node = corrected * (int)ELEMENTS;
+    keep->load[0].axis = corrected * (1 + plane);
     FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
     FBT_INT_EQ(modes.n, 2 + corrected);
     for (int a = 0; a < modes.n; a++) {

@@ -121,6 +121,7 @@ TEST(modes_are_orthonormal_with_a_fixed_sign)
       coupled_desc(n, (fb_root)root);
       if (!coupled) {
         desc.n_lump = 0;
+        memset(desc.lump, 0, sizeof desc.lump);
       }
       memset(&modes, 0xA5, sizeof modes);
       memset(&work, 0xA5, sizeof work);
@@ -514,8 +515,9 @@ TEST(modes_may_fill_all_their_room)
       keep->n_load = run == 3 ? 3 : 0;
       keep->boundary_inertia = run == 4;
       for (int k = 0; k < 6; k++) {
-        keep->load[k].node = keep->boundary[k].node = 4;
-        keep->load[k].axis = keep->boundary[k].axis = k;
+        fb_coordinate *const at = keep->n_load > 0 ? keep->load : keep->boundary;
+        at[k].node = keep->n_load + keep->n_boundary > 0 ? 4 : 0;
+        at[k].axis = keep->n_load + keep->n_boundary > 0 ? k : 0;
       }
       memset(&modes, 0xA5, sizeof modes);
       pattern = modes;
@@ -618,6 +620,7 @@ TEST(functions_of_a_changing_beam_are_its_own)
     fbt_seed(1);
     coupled_desc(2, FB_ROOT_CLAMPED);
     desc.n_lump = 0;
+    memset(desc.lump, 0, sizeof desc.lump);
     for (int k = 0; k < desc.n_station; k++) {
       desc.station[k].i_y = desc.station[k].i_z = FB_R(0.0);
     }

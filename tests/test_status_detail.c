@@ -104,7 +104,9 @@ TEST(a_success_leaves_the_record_of_the_last_refusal)
   FBT_TRUE(fb_detail_last() != NULL);
   FBT_TRUE(fb_detail_last()->status != FB_OK || strcmp(fb_detail_last()->what, "") == 0);
   fresh();
-  (void)told(fb_shape_init(&shape, -1), FB_ERR_VALUE, "fb_shape_init", "n >= 0", -1, 0.0, 0.0);
+  (void)told(fb_shape_init(&shape, -1), FB_ERR_VALUE, "fb_shape_init", "n, at least", -1, -1.0, 0.0);
+  (void)told(fb_shape_init(&shape, FB_MAX_MODES + 8), FB_ERR_CAPACITY, "fb_shape_init", "n, FB_MAX_MODES, at most", -1,
+             FB_MAX_MODES + 8.0, FB_MAX_MODES);
   FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
   FBT_TRUE(strcmp(fb_detail_last()->function, "fb_shape_init") == 0);
   (void)told(fb_beam_init(NULL, &boom), FB_ERR_NULL, "fb_beam_init", "beam && desc", -1, 0.0, 0.0);
@@ -123,8 +125,8 @@ TEST(refused_beams_name_the_station_and_the_field)
              "material.density [kg/m^3], at least", -1, -2700.0, 0.0);
   aluminium.density = 2700;
   tube.size[1] = FB_R(0.2);
-  (void)told(fb_section_init(&section, &aluminium, &tube), FB_ERR_VALUE, "fb_section_init", "profile.size[1]", -1, 0.0,
-             0.0);
+  (void)told(fb_section_init(&section, &aluminium, &tube), FB_ERR_VALUE, "fb_section_init", "profile.size[1]", -1, 0.2,
+             0.1);
   boom.station[2].EI_y = -3;
   (void)told(fb_beam_init(&beam, &boom), FB_ERR_VALUE, init, "station: EI_y [N m^2], at least", 2, -3.0, 0.0);
   boom.station[2].EI_y = (fb_real)NAN;
@@ -189,9 +191,9 @@ TEST(refused_bodies_name_the_field_and_the_mode)
   fresh();
   (void)told(fb_shape_add_rigid(&shape, -5, center, rod_alone), FB_ERR_VALUE, "fb_shape_add_rigid",
              "mass [kg], at least", -1, -5.0, 0.0);
-  (void)told(fb_shape_add_rigid(&shape, 5, center, rod_alone), FB_ERR_VALUE, "fb_shape_add_rigid", "inertia", -1, 0.0,
-             0.0);
-  (void)told(fb_shape_add_beam(&shape, 3, &beam, &modes), FB_ERR_CAPACITY, "fb_shape_add_beam", "first >= 0", -1, 0.0,
+  (void)told(fb_shape_add_rigid(&shape, 5, center, rod_alone), FB_ERR_VALUE, "fb_shape_add_rigid", "inertia", -1, 10.0,
+             2.0);
+  (void)told(fb_shape_add_beam(&shape, 3, &beam, &modes), FB_ERR_CAPACITY, "fb_shape_add_beam", "first, 0 to", -1, 3.0,
              0.0);
   (void)told(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 11), FB_ERR_VALUE, "fb_shape_add_beam_node",
              "x [m] along the beam", -1, 11.0, 10.0);
@@ -202,7 +204,71 @@ TEST(refused_bodies_name_the_field_and_the_mode)
   level.zeta[2] = FB_R(0.01);
   level.effects = FB_EFFECTS_FULL;
   (void)told(fb_body_init(&body, &body_work, &shape, &level), FB_ERR_EFFECTS, "fb_body_init",
-             "zeta, 0 without FB_EFFECT_DAMPING", -1, 0.0, 0.0);
+             "mode: damping ratio zeta, without FB_EFFECT_DAMPING", 2, 0.01, 0.0);
+  level.zeta[2] = 0;
+  level.gravity[2] = -9;
+  (void)told(fb_body_init(&body, &body_work, &shape, &level), FB_ERR_EFFECTS, "fb_body_init",
+             "gravity, its size [m/s^2], without FB_EFFECT_GRAVITY", -1, 9.0, 0.0);
+}
+
+/* >>status: bases tell how many modes were asked for, and how many there may be. */
+TEST(refused_bases_tell_the_number_of_modes)
+{
+  const char *const solve = "fb_modes_solve", *const room = "count of modes, FB_MAX_MODES, at most";
+  const double most = FB_MAX_MODES;
+  fresh();
+  boom.n_element = FB_MAX_ELEMENTS;
+  FBT_INT_EQ(fb_beam_init(&beam, &boom), FB_OK);
+  keep.count[FB_KIND_BEND_Y] = FB_MAX_MODES - 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_CAPACITY, solve, room, -1, most + 1, most);
+  keep.lowest = FB_MAX_MODES + 8;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_CAPACITY, solve, room, -1, most + 8, most);
+  keep.lowest = 0;
+  keep.basis = FB_BASIS_FUNCTIONS;
+  keep.count[FB_KIND_BEND_Z] = 9;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_CAPACITY, solve, room, -1, most + 8, most);
+  keep.degree = 2;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, solve, "degree, beyond", -1, 2.0, 3.0);
+  keep.degree = 3;
+  keep.count[FB_KIND_BEND_Y] = 100;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_MODES, solve, "kind: count of functions",
+             FB_KIND_BEND_Y, 2.0 * FB_MAX_ELEMENTS, 100.0);
+  fresh();
+  keep.line_points = 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, solve, "line_points, 0 or at least", -1,
+             1.0, 2.0);
+  keep.line_points = 0;
+  keep.preload.force = (fb_real)-1e6;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_SINGULAR, solve, "kind: stiffness of its modes",
+             FB_KIND_BEND_Y, 0.0, 0.0);
+}
+
+/* >>status: what is singular tells about which axis inertia is missing, and at which joint. */
+TEST(missing_inertia_is_named_by_its_axis)
+{
+  const char *const word = "axis: mass [kg] along it (0 to 2), inertia [kg m^2] about it (3 to 5)";
+  const fb_detail *d;
+  fresh();
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  for (int k = 0; k < 2; k++) { /* about the line of the beam */
+    level.base = k ? FB_BASE_PINNED : FB_BASE_FREE;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_ERR_SINGULAR);
+    d = fb_detail_last();
+    FBT_TRUE(strncmp(d->what, word, strlen(word)) == 0 && strcmp(d->function, "fb_body_init") == 0);
+    FBT_INT_EQ(d->index, 3);
+    FBT_TRUE(d->have <= d->need);
+  }
+  level.base = FB_BASE_PRESCRIBED;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  arm.n_body = 1;
+  arm.joint[0].parent = FB_GROUND;
+  for (int k = 0; k < 3; k++) {
+    arm.joint[0].kind = k == 2 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE;
+    arm.method = k == 1 ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
+    (void)told(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_ERR_SINGULAR, "fb_system_init",
+               "joint: mass or inertia that its free axes move", k == 1 ? -1 : 0, 0.0, 0.0); /* dense: not which */
+  }
 }
 
 /* >>status: of several parts the record names the one. */
@@ -235,12 +301,77 @@ TEST(a_refused_part_is_named_with_what_it_lacks)
   keep.rigid = 0;
   whole.n_part = 2;
   whole.part[1].n_node = 0;
+  whole.part[1].node[0] = 0;
   whole.part[1].position[0] = boom.length;
   whole.join.n_weld = 1;
   whole.join.weld[0].component[1] = 1;
   whole.join.weld[0].node[0] = boom.n_element;
   (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
              "part: clamped root with a weld there", 1, 0.0, 0.0);
+}
+
+/* >>status: an array whose count was forgotten is not taken for none: every pair of a description that is read once. */
+TEST(filled_arrays_without_their_count_are_refused)
+{
+  static fb_build_work build;
+  static fb_build_desc whole;
+  fresh();
+  boom.lump[0].mass = 3;
+  (void)told(fb_beam_init(&beam, &boom), FB_ERR_VALUE, "fb_beam_init", "n_lump, 1 where lump[0]", -1, 0.0, 1.0);
+  boom.lump[0].mass = 0;
+  boom.point[1][0] = FB_R(2.5);
+  (void)told(fb_beam_init(&beam, &boom), FB_ERR_VALUE, "fb_beam_init", "n_point, n_element + 1 where", -1, 0.0, 5.0);
+  boom.point[1][0] = 0;
+  keep.load[0].node = 4;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, "fb_modes_solve",
+             "n_load, 1 where load[0]", -1, 0.0, 1.0);
+  keep.load[0].node = 0;
+  keep.boundary[0].axis = 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, "fb_modes_solve",
+             "n_boundary, 1 where boundary[0]", -1, 0.0, 1.0);
+  keep.n_boundary = 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, "fb_modes_solve",
+             "n_boundary, without FB_BASIS_COMPONENT", -1, 1.0, 0.0);
+  keep.n_boundary = keep.boundary[0].axis = 0;
+
+  /* Parts, their nodes, what joins them; rotors */
+  memset(&whole, 0, sizeof whole);
+  whole.mass = 500;
+  whole.inertia[0] = whole.inertia[1] = whole.inertia[2] = 80;
+  whole.part[0].position[0] = 1;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "n_part, 1 where part[0]", -1, 0.0, 1.0);
+  whole.n_part = 2;
+  whole.part[1].node[0] = 10;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: n_node, 1 where node[0]", 1, 0.0, 1.0);
+  whole.part[1].n_node = 1;
+  whole.join.weld[0].component[1] = 1;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_modes_join",
+             "n_weld, 1 where weld[0]", -1, 0.0, 1.0);
+  whole.join.weld[0].component[1] = 0;
+  whole.body.rotor[0].inertia = FB_R(0.1);
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_init",
+             "n_rotor, 1 where rotor[0]", -1, 0.0, 1.0);
+  whole.body.rotor[0].inertia = 0;
+  FBT_INT_EQ(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_OK);
+
+  /* Systems and exact beams */
+  arm.loop[0].kind = FB_JOINT_REVOLUTE;
+  (void)told(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_ERR_VALUE, "fb_system_init",
+             "n_loop, 1 where loop[0]", -1, 0.0, 1.0);
+  arm.loop[0].kind = FB_JOINT_FREE;
+  arm.spring[0].stiffness = 5;
+  (void)told(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_ERR_VALUE, "fb_system_init",
+             "n_spring, 1 where spring[0]", -1, 0.0, 1.0);
+  rod.lump[0].mass = 3;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_lump, 1 where lump[0]", -1, 0.0, 1.0);
+  rod.lump[0].mass = 0;
+  rod.support[0].held = FB_END_PINNED;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_support, 1 where support[0]", -1, 0.0, 1.0);
+  rod.support[0].held = 0;
+  rod.joint[0].element = 1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_joint, 1 where joint[0]", -1, 0.0, 1.0);
 }
 
 /* >>status: steps of one body name the step, its limit and the spin; loads and ranges their number. */
@@ -268,6 +399,15 @@ TEST(refused_steps_name_the_limit)
   input.load[1].force[0] = (fb_real)INFINITY;
   (void)told(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, FB_R(1e-4)), FB_ERR_NOT_FINITE, "fb_rk4_step",
              "load: force", 1, 0.0, 0.0);
+  input.n_load = 0;
+  memset(&state, 0, sizeof state); /* nobody made it */
+  d = told(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, FB_R(1e-4)), FB_ERR_STEP, "fb_rk4_step",
+           "state: finite numbers and a quaternion of length 1", -1, 0.0, 0.0);
+  FBT_NEAR_ABS((double)d->at, 0.0, 0.0);
+  (void)told(fb_midpoint_step(&body, &state, &implicit, &input, FB_R(1e-4), 2), FB_ERR_STEP, "fb_midpoint_step",
+             "state: finite numbers", -1, 0.0, 0.0);
+  (void)told(fb_state_check(&body, &state), FB_ERR_VALUE, "fb_state_check", "state: length squared", -1, 0.0, 1.0);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   state.q[3] = 1000;
   d = told(fb_state_check(&body, &state), FB_ERR_RANGE, "fb_state_check", "mode: has the largest share", 3,
            (double)(1000 * body.reach[3]), (double)body.deflection_limit);
@@ -455,7 +595,8 @@ TEST(refused_branches_are_named)
 
 SUITE(status_detail, RUN(a_success_leaves_the_record_of_the_last_refusal),
       RUN(refused_beams_name_the_station_and_the_field), RUN(refused_modes_name_what_the_beam_lacks),
-      RUN(refused_bodies_name_the_field_and_the_mode), RUN(a_refused_part_is_named_with_what_it_lacks),
-      RUN(refused_steps_name_the_limit), RUN(refused_steppers_name_the_field),
-      RUN(refused_systems_name_the_joint_and_what_bounds_a_step), RUN(refused_exact_beams_name_the_station),
-      RUN(refused_branches_are_named))
+      RUN(refused_bodies_name_the_field_and_the_mode), RUN(refused_bases_tell_the_number_of_modes),
+      RUN(missing_inertia_is_named_by_its_axis), RUN(a_refused_part_is_named_with_what_it_lacks),
+      RUN(filled_arrays_without_their_count_are_refused), RUN(refused_steps_name_the_limit),
+      RUN(refused_steppers_name_the_field), RUN(refused_systems_name_the_joint_and_what_bounds_a_step),
+      RUN(refused_exact_beams_name_the_station), RUN(refused_branches_are_named))

@@ -128,7 +128,6 @@ static void lanes_refusal(char text[200], const scene *s)
       names[k] = s->body[k].name;
     }
     tree_refusal(text, &engine.system, engine.body, names);
-    what = text[0] ? NULL : tree_lanes_refusal(&engine.system);
   }
   if (what) {
     snprintf(text, 200, "%s", what);
@@ -220,14 +219,16 @@ static int lanes_prepare(const campaign *c, int run)
   return s->duration > 0 && !scene_check_steps(s, &quiet);
 }
 
-/* Where members of bodies are in the flat state (x or quat, p, q with pi behind) and in what acts. */
+/* Where members of bodies are in the flat state (of a free body x, u and what they lost; coordinates or quat, p, q with pi
+   behind) and in what acts. */
 static int lanes_state_place(int k, char member)
 {
   int at = 0;
-  for (int j = 0; j < k + (member != 'x'); j++) {
+  for (int j = 0; j < k + (member != 'u'); j++) {
     const tree_link *const L = &tree.link[j];
-    const int x = L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes;
-    at += j < k ? x + L->axes + 2 * L->n : member == 'p' ? x : x + L->axes;
+    const int frame = j == tree.root ? 12 : 0, p = j == tree.root ? 6 : L->axes;
+    const int x = j == tree.root || L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes;
+    at += frame + (j < k || member != 'x' ? x : 0) + (j < k || member == 'q' ? p : 0) + (j < k ? 2 * L->n : 0);
   }
   return at;
 }
@@ -246,22 +247,26 @@ static void lanes_take_state(double *state, int lane, int wide)
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     const fb_link_state *const from = &engine.system_state.link[k];
-    const int ball = L->joint->kind == FB_JOINT_SPHERICAL;
+    const int ball = k == tree.root || L->joint->kind == FB_JOINT_SPHERICAL;
     double *const x = state + lanes_state_place(k, 'x') * wide + lane;
     double *const p = state + lanes_state_place(k, 'p') * wide + lane;
     double *const q = state + lanes_state_place(k, 'q') * wide + lane;
     for (int i = 0; i < (ball ? 4 : L->axes); i++) {
       x[i * wide] = (double)(ball ? from->quat[i] : from->x[i]);
     }
-    for (int i = 0; i < L->axes; i++) {
+    for (int i = 0; i < (k == tree.root ? 6 : L->axes); i++) {
       p[i * wide] = (double)from->p[i];
+    }
+    for (int i = 0; i < 12 && k == tree.root; i++) {
+      const fb_real *const frame[4] = {from->x, from->u, from->lost_x, from->lost_u};
+      state[(lanes_state_place(k, 'u') + i) * wide + lane] = (double)frame[i / 3][i % 3];
     }
     for (int a = 0; a < L->n; a++) {
       q[a * wide] = (double)from->q[a];
       q[(L->n + a) * wide] = (double)from->pi[a];
     }
   }
-  for (int i = lanes_state_place(tree.n, 'x'); i < lanes.n_state; i++) {
+  for (int i = lanes_state_place(tree.n, 'u'); i < lanes.n_state; i++) {
     state[i * wide + lane] = (double)engine.system_state.motor_work;
   }
 }
@@ -629,7 +634,7 @@ static int lanes_form(const campaign *c, char why[200])
       lanes.text = lanes_noted.text;
       lanes.length = lanes_noted.length;
       lanes.n_number = lanes_noted.n;
-      lanes.n_state = lanes_state_place(tree.n, 'x') + (tree.work >= 0);
+      lanes.n_state = lanes_state_place(tree.n, 'u') + (tree.work >= 0);
       lanes.n_input = lanes_input_place(tree.n) > 0 ? lanes_input_place(tree.n) : 1; /* a struct is not empty */
       lanes.clock = timing;
       lanes.tables = case_scene.tables;

@@ -20,6 +20,19 @@ static inline fb_real rotor_number(text_file *t, const char *what, int above)
   return (fb_real)x;
 }
 
+/* like OTHER X Y Z, once OTHER is found: the same wheel about another axis. */
+static inline void rotor_like(text_file *t, rotor_text *rotor, fb_rotor *d, const rotor_text *other,
+                              const fb_rotor *its)
+{
+  *d = *its;
+  rotor->seen = other->seen;
+  rotor->speed = other->speed;
+  text_reals(t, "axis", d->axis, 3);
+  if (!t->failed && !(fabs((double)d->axis[0]) + fabs((double)d->axis[1]) + fabs((double)d->axis[2]) > 0)) {
+    text_fail(t, "rotor %s wants an axis, not zero", rotor->name);
+  }
+}
+
 /* A line that begins with that word; 0: the word is none of a rotor, or motor or momentum, which whoever drives it
    reads. */
 static inline int rotor_line(text_file *t, rotor_text *rotor, fb_rotor *d, const char *word)

@@ -1,5 +1,5 @@
-/* firmware - a 1 kHz attitude loop in flight code: a satellite whose model comes from ROM (a header that `reduce` made)
-   is turned by 10 degrees; gyros and a star tracker on the hub, wheels that give the torque, a wing that swings. The
+/* firmware - a 1 kHz attitude loop in flight code: a satellite whose model comes from ROM (a header that `reduce` made;
+   with -DGENERATED=1 the step that `reduce --code` made: craft.h) is turned by 10 degrees; gyros and a star tracker on the hub, wheels that give the torque, a wing that swings. The
    controller runs the same body as its estimator: what the sensors say of the hub turns the estimated one, the wing of
    the estimate then moves as the real one does, and its rates damp it. Run twice, without and with that damper.
    The plant stands in for the satellite; the controller sees its sensors alone. Everything is in static memory, and
@@ -9,7 +9,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include "board/board.h"
-#include "satellite_rom.h" /* static const fb_body satellite, made from examples/satellite.txt */
+#include "craft.h" /* the satellite: its state, motion and step, made from examples/satellite.txt */
 
 #define PERIODS 40000 /* of 1 ms */
 #define REPORT 4000
@@ -19,8 +19,7 @@ static const fb_real inertia[3] = {FB_R(300.0), FB_R(530.0), FB_R(550.0)}; /* [k
 static const fb_real bandwidth = FB_R(0.3), damping_ratio = FB_R(0.9);     /* [rad/s], of the attitude loop */
 static const fb_real follow = FB_R(3.0), wing_damping = FB_R(0.4), turn_limit = FB_R(20.0); /* [rad/s], -, [N m] */
 
-static fb_state plant, estimate; /* all that changes: RAM */
-static fb_rk4_work work;
+static craft_state plant, estimate; /* all that changes: RAM */
 static uint32_t noise;
 
 typedef struct sensors {
@@ -34,10 +33,10 @@ static fb_real random_number(void)
   return (fb_real)((int32_t)(noise >> 8) - 8388608) / FB_R(8388608.0);
 }
 
-static fb_status sense(sensors *out, const fb_input *input)
+static fb_status sense(sensors *out)
 {
-  fb_motion motion;
-  const fb_status status = fb_body_motion_eval(&satellite, &motion, &plant, input);
+  craft_motion motion;
+  const fb_status status = craft_motion_eval(&motion, &plant);
   for (int i = 0; i < 3; i++) {
     out->rate[i] = motion.w[i] + FB_R(2e-5) * random_number();
     out->attitude[i + 1] = plant.quat[i + 1] + FB_R(1e-5) * random_number();
@@ -70,17 +69,12 @@ static void command(fb_real attitude[4], fb_real *rate, fb_real *acceleration, f
   *acceleration = slew / (slew_time * slew_time) * FB_R(60.0) * s * (FB_R(1.0) - s) * (FB_R(1.0) - FB_R(2.0) * s);
 }
 
-/* Adds the torque that damps the wing: by the angular momentum H_a q_dot_a that each mode takes from the hub. The
-   body's terms of Lambda hold -H. */
-static void damp_wing(fb_real torque[3], const fb_motion *estimated)
+/* Adds the torque that damps the wing: by the angular momentum that each mode takes from the hub. */
+static void damp_wing(fb_real torque[3], const craft_motion *estimated)
 {
-  for (int t = 0; t < satellite.n_lambda_constant; t++) {
-    const fb_lambda_term *term = &satellite.lambda[t];
-    if (term->i >= 3) {
-      const int a = term->b;
-      const fb_real omega = FB_SQRT(satellite.K.diagonal[a]);
-      torque[term->i - 3] -= FB_R(2.0) * wing_damping * omega * term->c * estimated->q_dot[a];
-    }
+  for (int a = 0; a < CRAFT_MODES; a++) {
+    const struct craft_mode *const mode = &craft_mode[a];
+    torque[mode->axis] -= FB_R(2.0) * wing_damping * mode->omega * mode->momentum * estimated->q_dot[a];
   }
 }
 
@@ -88,10 +82,9 @@ static void damp_wing(fb_real torque[3], const fb_motion *estimated)
    draws its hub after the measured one. */
 static fb_status control(fb_real torque[3], const sensors *seen, fb_real t, int damp)
 {
-  fb_input input = {0};
-  fb_motion estimated;
-  fb_real wanted[4], error[3], lag[3], rate, acceleration;
-  fb_status status = fb_body_motion_eval(&satellite, &estimated, &estimate, NULL);
+  craft_motion estimated;
+  fb_real wanted[4], error[3], lag[3], drawn[3], rate, acceleration;
+  fb_status status = craft_motion_eval(&estimated, &estimate);
   if (status != FB_OK) {
     return status;
   }
@@ -106,22 +99,19 @@ static fb_status control(fb_real torque[3], const sensors *seen, fb_real t, int 
   if (damp) {
     damp_wing(torque, &estimated);
   }
-  input.n_load = 1;
-  input.load[0].axes = FB_AXES_BODY;
   for (int i = 0; i < 3; i++) {
     torque[i] = torque[i] > turn_limit ? turn_limit : torque[i] < -turn_limit ? -turn_limit : torque[i];
-    input.load[0].torque[i] =
-        torque[i] + inertia[i] * follow * (follow * lag[i] + FB_R(2.0) * (seen->rate[i] - estimated.w[i]));
+    drawn[i] = torque[i] + inertia[i] * follow * (follow * lag[i] + FB_R(2.0) * (seen->rate[i] - estimated.w[i]));
   }
-  return fb_rk4_step(&satellite, &estimate, &work, &input, &input, &input, period);
+  return craft_step(&estimate, drawn, period);
 }
 
 /* Displacement of the wing's tip out of its plane [m]. */
-static fb_real tip(const fb_state *state)
+static fb_real tip(const craft_state *state)
 {
   fb_real u = FB_R(0.0);
-  for (int a = 0; a < satellite.n; a++) {
-    u += satellite.node[1].psi[3 * a + 2] * state->q[a];
+  for (int a = 0; a < CRAFT_MODES; a++) {
+    u += craft_mode[a].tip * state->q[a];
   }
   return u;
 }
@@ -132,10 +122,10 @@ static fb_real larger(fb_real a, fb_real b)
   return a > b ? a : b;
 }
 
-static uint32_t digest_state(uint32_t digest, const fb_state *state)
+static uint32_t digest_state(uint32_t digest, const craft_state *state)
 {
   const fb_real *const part[6] = {state->rho, state->quat, state->u, state->L, state->q, state->pi};
-  const int size[6] = {3, 4, 3, 3, satellite.n, satellite.n};
+  const int size[6] = {3, 4, 3, 3, CRAFT_MODES, CRAFT_MODES};
   for (int k = 0; k < 6; k++) {
     for (int i = 0; i < size[k]; i++) {
       uint64_t bits = 0;
@@ -169,16 +159,14 @@ static void report(int k, fb_real error)
 
 static fb_status run(result *out, int damp)
 {
-  fb_input input = {0};
-  fb_status status = fb_state_init(&satellite, &plant);
+  fb_real torque[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status = craft_start(&plant);
   estimate = plant; /* assignment is a snapshot */
   out->fewest = 0xFFFFFFFFu;
   out->most = out->loop = 0;
   out->swing = out->miss = out->error = FB_R(0.0);
   out->digest = BOARD_DIGEST;
   noise = 1;
-  input.n_load = 1;
-  input.load[0].axes = FB_AXES_BODY;
   board_print(damp ? "\nwith the damper\n" : "without the damper\n");
   board_print("     t s   error deg   wing's tip mm   estimated mm\n");
   for (int k = 1; k <= PERIODS && status == FB_OK; k++) {
@@ -186,13 +174,13 @@ static fb_status run(result *out, int damp)
     fb_real wanted[4], error[3], rate, acceleration;
     const fb_real t = (fb_real)k * period;
     uint32_t count;
-    status = sense(&seen, &input);
+    status = sense(&seen);
     board_count_start();
-    status = status ? status : control(input.load[0].torque, &seen, t, damp);
+    status = status ? status : control(torque, &seen, t, damp);
     count = board_count();
     out->loop = count > out->loop ? count : out->loop;
     board_count_start();
-    status = status ? status : fb_rk4_step(&satellite, &plant, &work, &input, &input, &input, period);
+    status = status ? status : craft_step(&plant, torque, period);
     count = board_count();
     out->fewest = count < out->fewest ? count : out->fewest;
     out->most = count > out->most ? count : out->most;
@@ -222,9 +210,10 @@ int main(void)
 {
   result without, with;
   fb_status status;
+  const char *const fault = craft_fault();
   int well;
-  if (fb_body_crc(&satellite) != satellite_crc) {
-    board_print("the model in memory is not the one that was made\n");
+  if (fault) {
+    board_print(fault);
     return 1;
   }
   status = run(&without, 0);
@@ -245,9 +234,11 @@ int main(void)
   board_print(" ");
   board_print_hex(with.digest);
   board_print("\n");
+#if !GENERATED
   tell("model [bytes of ROM] ", (uint32_t)sizeof satellite);
+  tell("work [bytes] ", (uint32_t)sizeof craft_work);
+#endif
   tell("state [bytes] ", (uint32_t)sizeof plant);
-  tell("work [bytes] ", (uint32_t)sizeof work);
   if (with.most > 0) {
     tell("instructions of a step, fewest ", with.fewest < without.fewest ? with.fewest : without.fewest);
     tell("instructions of a step, most ", with.most > without.most ? with.most : without.most);

@@ -36,6 +36,7 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
   fb_status status = model_build_shape(&what);
   body->kind = model.kind;
   body->level = model.level;
+  memcpy(body->warning, model.warning, sizeof body->warning);
   body->n_node = model_shape.n_node;
   body->n_gauge = gauges->n;
   memcpy(body->node_name, model.node_name, sizeof body->node_name);
@@ -117,7 +118,31 @@ static void scene_name_body(text_file *t, const scene *s, scene_body *body)
   }
 }
 
-/* body NAME beam|component|rigid|parts, its lines, end; or body NAME file FILE, further lines, end */
+/* like OTHER: the same body, with rotors of its own. */
+static void scene_body_like(text_file *t, scene *s, scene_body *body)
+{
+  const int other = scene_read_whole_body(t, s), n = s->n_rotor;
+  char name[TEXT_NAME];
+  if (!t->failed && s->is_exact) {
+    text_fail(t, "an exact beam stands alone");
+  }
+  if (t->failed) {
+    return;
+  }
+  strcpy(name, body->name);
+  *body = s->body[other];
+  strcpy(body->name, name);
+  body->line = t->line;
+  for (int k = 0; k < n && !t->failed; k++) {
+    if (s->rotor[k].body == other) {
+      scene_rotor_copy(t, s, &s->rotor[k], s->n_body);
+    }
+  }
+  s->n_body += !t->failed;
+}
+
+/* body NAME beam|component|rigid|parts, its lines, end; body NAME file FILE, further lines, end; or body NAME like OTHER
+*/
 static void scene_read_body(text_file *t, scene *s)
 {
   static const char *const kinds[] = {"beam", "component", "rigid", "parts", "file", "exact", NULL};
@@ -134,6 +159,10 @@ static void scene_read_body(text_file *t, scene *s)
   body->attitude[0] = 1;
   body->line = begin;
   scene_name_body(t, s, body);
+  if (text_take(t, "like")) {
+    scene_body_like(t, s, body);
+    return;
+  }
   kind = text_choice(t, "a body", kinds);
   if (kind == EXACT) {
     scene_begin_exact(t, s, body);

@@ -75,11 +75,43 @@ static void scene_take_rotors(text_file *t, scene *s, int body)
   }
 }
 
-/* NAME NODE of one more rotor. */
-static scene_rotor *scene_name_rotor(text_file *t, scene *s)
+/* A rotor of a body that is like another one: BODY.NAME, NAME that without the other body's. */
+static void scene_rotor_copy(text_file *t, scene *s, const scene_rotor *other, int body)
+{
+  scene_rotor *const rotor = scene_begin_rotor(t, s, body, t->line);
+  const char *const point = strchr(other->text.name, '.');
+  char name[2 * TEXT_NAME];
+  if (rotor) {
+    snprintf(name, sizeof name, "%.*s.%.*s", TEXT_NAME - 1, s->body[body].name, TEXT_NAME - 1,
+             point ? point + 1 : other->text.name);
+    *rotor = *other;
+    strcpy(rotor->text.name, name);
+    rotor->text.line = t->line;
+    rotor->control = -1;
+    rotor->body = body;
+    s->n_rotor++;
+  }
+}
+
+/* like OTHER X Y Z, a rotor of the same body. */
+static void scene_rotor_like(text_file *t, scene *s, scene_rotor *rotor)
+{
+  const scene_rotor *const other = &s->rotor[scene_rotor_of(t, s)];
+  if (!t->failed) {
+    rotor->body = other->body;
+    rotor->f = other->f;
+    rotor->at = s->body[rotor->body].level.n_rotor;
+  }
+  if (!t->failed && rotor->at < FB_MAX_ROTORS) {
+    rotor_like(t, &rotor->text, scene_rotor_desc(s, rotor), &other->text, &s->body[other->body].level.rotor[other->at]);
+  }
+}
+
+/* NAME NODE of one more rotor, or NAME like OTHER. */
+static scene_rotor *scene_name_rotor(text_file *t, scene *s, int *like)
 {
   scene_rotor *const rotor = scene_begin_rotor(t, s, 0, t->line);
-  int node;
+  int node = 0;
   if (!rotor) {
     return NULL;
   }
@@ -89,7 +121,12 @@ static scene_rotor *scene_name_rotor(text_file *t, scene *s)
       text_fail(t, "two rotors have the name %s", rotor->text.name);
     }
   }
-  scene_read_node(t, s, &rotor->body, &node);
+  *like = text_take(t, "like");
+  if (*like) {
+    scene_rotor_like(t, s, rotor);
+  } else {
+    scene_read_node(t, s, &rotor->body, &node);
+  }
   text_end_of_line(t);
   if (t->failed) {
     return NULL;
@@ -99,22 +136,27 @@ static scene_rotor *scene_name_rotor(text_file *t, scene *s)
     text_fail(t, "more than %d rotors of body %s", FB_MAX_ROTORS, s->body[rotor->body].name);
     return NULL;
   }
-  memset(scene_rotor_desc(s, rotor), 0, sizeof(fb_rotor));
-  scene_rotor_desc(s, rotor)->node = node;
+  if (!*like) {
+    memset(scene_rotor_desc(s, rotor), 0, sizeof(fb_rotor));
+    scene_rotor_desc(s, rotor)->node = node;
+  }
   return rotor;
 }
 
-/* rotor NAME NODE, its lines, end; or rotor BODY.NAME, further lines of that rotor of the body's description, end */
+/* rotor NAME NODE, its lines, end; rotor NAME like OTHER X Y Z; or rotor BODY.NAME, further lines of that rotor of the body's description, end */
 static void scene_read_rotor(text_file *t, scene *s)
 {
   const char *const next = t->at + strspn(t->at, " ");
   const int old = memchr(next, '.', strcspn(next, " ")) != NULL, at = old ? scene_rotor_of(t, s) : s->n_rotor;
-  scene_rotor_lines to = {s, old ? &s->rotor[at] : scene_name_rotor(t, s)};
+  int like = 0;
+  scene_rotor_lines to = {s, old ? &s->rotor[at] : scene_name_rotor(t, s, &like)};
   text_end_of_line(t);
   if (t->failed) {
     return;
   }
-  rotor_block(t, &to.rotor->text, scene_rotor_desc(s, to.rotor), scene_read_rotor_drive, &to);
+  if (!like) {
+    rotor_block(t, &to.rotor->text, scene_rotor_desc(s, to.rotor), scene_read_rotor_drive, &to);
+  }
   if (!old && !t->failed) {
     s->n_rotor++;
     s->body[to.rotor->body].level.n_rotor++;

@@ -941,6 +941,11 @@ static int scene_run(scene *s, const scene_options *o)
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);
+  for (int k = 0; k < s->n_body; k++) {
+    if (s->body[k].warning[0]) {
+      scene_warn(s, o->warn, "warning: body %s: %s", s->body[k].name, s->body[k].warning);
+    }
+  }
   if (scene_build(s, o)) {
     return 1;
   }

@@ -3,6 +3,7 @@
 #ifndef CODE_H
 #define CODE_H
 #include "code_lanes.h"
+#include "code_loads.h"
 #include "code_model.h"
 #include "code_read.h"
 #include "code_text.h"
@@ -730,6 +731,7 @@ static void code_write_pull(const code *w)
   code_sum s;
   char target[32];
   code_write_field(w);
+  code_write_node_loads(w, "act");
   for (int k = 0; k < 3 && code_model.first == 3; k++) {
     code_write_value(w, k);
   }
@@ -737,6 +739,7 @@ static void code_write_pull(const code *w)
     const int y = (i + 1) % 3, z = (i + 2) % 3;
     code_begin(&s);
     code_add(&s, 1.0, code_variable("act->torque[%d]", i), code_factor_of(w, CODE_MASS, "share"));
+    code_add_node_torques(&s, i);
     code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
     code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
     snprintf(target, sizeof target, "t%c", 'x' + i);
@@ -747,6 +750,7 @@ static void code_write_pull(const code *w)
     code_begin(&s);
     code_add_one(&s, 1.0, code_variable("%s", target));
     code_add(&s, 1.0, code_variable("act->modal[%d]", a), code_factor_of(w, CODE_MASS, "share"));
+    code_add_node_modal(&s, a);
     for (int i = 0; i < 3; i++) {
       code_add(&s, 1.0, code_now.lambda[i][a], code_variable("g%c", 'x' + i));
     }
@@ -757,7 +761,7 @@ static void code_write_pull(const code *w)
 
 /* ---- loads of a free body */
 
-static const char code_loads[] =
+static const char code_load_head[] =
     "\n  /* E8.15, E8.33: loads at O, in the frame of the mass center, which they accelerate by a = f/m; E8.18 */\n"
     "  if (in) {\n";
 
@@ -792,12 +796,38 @@ static void code_write_torque(const code *w, int i)
   code_declare(w, &s, target);
 }
 
+/* Force and torque about O of all loads. */
+static void code_write_wrench(const code *w)
+{
+  const code_value share = code_factor_of(w, CODE_MASS, "share");
+  code_sum s;
+  char target[32];
+  code_template(w, "    $ F[3], T[3];\n");
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add(&s, 1.0, share, code_variable("in->force[%d]", i));
+    code_add_node_forces(&s, i);
+    snprintf(target, sizeof target, "F[%d]", i);
+    code_assign(w, &s, target);
+    code_begin(&s);
+    code_add(&s, 1.0, share, code_variable("in->torque[%d]", i));
+    code_add_node_torques(&s, i);
+    snprintf(target, sizeof target, "T[%d]", i);
+    code_assign(w, &s, target);
+  }
+}
+
 static void code_write_loads(const code *w)
 {
   code inner = *w;
   inner.indent = 4;
-  code_template(w, code_loads);
-  code_template(w, code_wrench[(w->vary & CODE_MASS) != 0]);
+  code_template(w, code_load_head);
+  code_write_node_loads(&inner, "in");
+  if (code_loads_any()) {
+    code_write_wrench(&inner);
+  } else {
+    code_template(w, code_wrench[(w->vary & CODE_MASS) != 0]);
+  }
   code_template(w, "    $ R[9];\n");
   for (int k = 0; k < 3; k++) {
     char number[40], name[4] = {'a', (char)('x' + k), 0};
@@ -815,6 +845,7 @@ static void code_write_loads(const code *w)
     snprintf(target, sizeof target, "rate[%d]", 10 + w->n + a);
     code_add_one(&s, 1.0, code_variable("%s", target));
     code_add(&s, 1.0, code_variable("in->modal[%d]", a), code_factor_of(w, CODE_MASS, "share"));
+    code_add_node_modal(&s, a);
     for (int i = 0; i < 3; i++) {
       code_add(&s, -1.0, code_now.lambda[i][a], code_variable("a%c", 'x' + i));
     }
@@ -1393,8 +1424,7 @@ static const char code_input_of[3][200] = {
 
 static const char code_input_end[] =
     "  $ gravity[3];          /* [m/s^2] uniform, inertial axes, beside that of the description */\n"
-    "  $ modal[%m];            /* generalized forces of the coordinates */\n"
-    "} @_input;\n\n";
+    "  $ modal[%m];            /* generalized forces of the coordinates */\n";
 
 static const char code_declarations[] =
     "/* At the inertial origin, at rest, undeformed. */\n"
@@ -1423,8 +1453,8 @@ static const char code_finite[] = "static int @_is_finite(const $ *x, int n)\n{\
                                   "  return !in || (@_is_finite(in->gravity, 3) && @_is_finite(in->modal, %n)";
 
 static const char code_input_finite[3][120] = {
-    " &&\n                 @_is_finite(in->force, 3) && @_is_finite(in->torque, 3));\n}\n\n",
-    " && @_is_finite(in->torque, 3));\n}\n\n", ");\n}\n\n"};
+    " &&\n                 @_is_finite(in->force, 3) && @_is_finite(in->torque, 3)", " && @_is_finite(in->torque, 3)",
+    ""};
 
 static const char code_matrix[] =
     "/* E4.1: rotation matrix of a quaternion of any length */\n"
@@ -1468,7 +1498,11 @@ static void code_write_nothing(const code *w)
   for (int a = 0; a < code_place(w, 'm'); a++) {
     code_template(w, a == 0 ? "{`0`" : ", `0`");
   }
-  fputs("}};\n", w->out);
+  fputs("}", w->out);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    code_template(w, code_loads.at[k] ? ", {`0`, `0`, `0`}, {`0`, `0`, `0`}" : "");
+  }
+  fputs("};\n", w->out);
 }
 
 /* c(q), first moment of mass. */
@@ -1883,6 +1917,8 @@ static void code_write_types(const code *w)
   code_template(w, code_types_end);
   code_template(w, code_input_of[code_model.first / 3]);
   code_template(w, code_input_end);
+  code_write_load_types(w);
+  code_template(w, "} @_input;\n\n");
 }
 
 /* Comment and declarations. */
@@ -1938,6 +1974,8 @@ static int code_write_functions(const code *w)
   int good = 1;
   code_template(w, code_finite);
   code_template(w, code_input_finite[code_model.first / 3]);
+  code_write_of_loads(w, " &&\n                 @(in->force_#, 3) && @(in->torque_#, 3)");
+  fputs(");\n}\n\n", w->out);
   code_template(w, code_matrix);
   code_template(w, code_turns);
   code_template(w, w->lanes ? "" : code_norm);
@@ -2030,6 +2068,7 @@ static inline int code_write(FILE *out, const fb_body *body, const code_choice *
       0};
   int good;
   code_read(body, choice->hub[0]);
+  code_loads_choose(choice->loads);
   code_write_head(&w, body, source, choice->lanes, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"

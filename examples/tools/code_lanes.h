@@ -49,10 +49,12 @@ static const char code_lanes_vectors[] =
     "  %I all = -1;\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    all &= (*mask)[k];\n  }\n  return all != 0;\n}\n\n";
 
-/* Angles of joints, lane by lane. */
+/* Angles of joints, lane by lane; a choice between two values. */
 static const char code_lanes_angles[] =
     "#define @_wide_cos(x) (*@_wide_cosine((@_wide[1]){x}))\n"
-    "#define @_wide_sin(x) (*@_wide_sine((@_wide[1]){x}))\n\n"
+    "#define @_wide_sin(x) (*@_wide_sine((@_wide[1]){x}))\n"
+    "#define @_wide_either(mask, x, y) \\\n"
+    "  ((@_wide)((@_wide_mask)(y) ^ (((@_wide_mask)(x) ^ (@_wide_mask)(y)) & (@_wide_mask)(mask))))\n\n"
     "static inline @_wide *@_wide_cosine(@_wide *x)\n{\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = cos~((*x)[k]);\n  }\n  return x;\n}\n\n"
     "static inline @_wide *@_wide_sine(@_wide *x)\n{\n"

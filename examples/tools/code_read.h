@@ -302,16 +302,20 @@ static void code_write_line_node(const code *w, int k)
 static const char code_read_motion[] =
     "\n@_status @_motion_eval(%M@_motion *motion, const @_state *state, const @_input *in)\n{\n"
     "  $ x[%N], rate[%N], w[%w], a;\n"
+    "  @_motion own;\n"
     "  @_status status;\n"
     "  if (!motion || !state%Q) {\n    return @_null;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
     "  @_enter(%Ax, state);\n"
     "  status = @_is_finite(x, %N) && @_input_is_finite(in) ? @_rates_at(%Arate, w, &a, x, in) : @_not_finite;\n"
-    "  if (status != @_ok) {\n    return status;\n  }\n";
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  memset(&own, 0, sizeof own);\n";
 
-static const char code_read_motion_end[] = "  memcpy(motion->w, w, sizeof motion->w);\n"
-                                           "  memcpy(motion->q_dot, rate + 10, %n * sizeof *rate);\n"
-                                           "  return @_is_finite(rate, %N) ? @_ok : @_not_finite;\n}\n";
+static const char code_read_motion_end[] = "  memcpy(own.w, w, sizeof own.w);\n"
+                                           "  memcpy(own.q_dot, rate + 10, %n * sizeof *rate);\n"
+                                           "  if (!(@_is_finite(rate, %N) && @_is_finite(own.v, 3) && "
+                                           "@_is_finite(own.w, 3))) {\n    return @_not_finite;\n  }\n"
+                                           "  *motion = own;\n  return @_ok;\n}\n";
 
 /* Velocity of O of a free body from that of the mass center. */
 static const char code_read_origin[] = "\n/* v of O, body axes: R^T u - (w x c + c_dot)/m */\n"
@@ -325,6 +329,7 @@ static const char code_read_rates[] =
     "\n@_status @_rates_eval(%M@_state *rate, const @_state *state, const @_input *in)\n{\n"
     "  $ x[%N], dot[%N], w[%w], a;\n"
     "  @_motion motion;\n"
+    "  @_state own;\n"
     "  @_status status;\n"
     "  if (!rate || !state%Q) {\n    return @_null;\n  }\n"
     "  status = @_motion_eval(%A&motion, state, in);\n"
@@ -334,13 +339,13 @@ static const char code_read_rates[] =
     "  status = @_rates_at(%Adot, w, &a, x, in);\n"
     "  status = status == @_ok && !@_is_finite(dot, %N) ? @_not_finite : status;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
-    "  memset(rate, 0, sizeof *rate);\n"
-    "  @_turn(rate->rho, x, motion.v);\n"
-    "  memcpy(rate->quat, dot, sizeof rate->quat);\n"
-    "  memcpy(rate->u, dot + 4, sizeof rate->u);\n"
-    "  memcpy(rate->L, dot + %l, sizeof rate->L);\n"
-    "  memcpy(rate->q, dot + 10, %n * sizeof *dot);\n"
-    "  memcpy(rate->pi, dot + %p, %n * sizeof *dot);\n";
+    "  memset(&own, 0, sizeof own);\n"
+    "  @_turn(own.rho, x, motion.v);\n"
+    "  memcpy(own.quat, dot, sizeof own.quat);\n"
+    "  memcpy(own.u, dot + 4, sizeof own.u);\n"
+    "  memcpy(own.L, dot + %l, sizeof own.L);\n"
+    "  memcpy(own.q, dot + 10, %n * sizeof *dot);\n"
+    "  memcpy(own.pi, dot + %p, %n * sizeof *dot);\n";
 
 /* The same with lines, of which the rates tell R^T u less it. */
 static const char code_read_large_origin[] = "\n/* v of O, body axes: R^T u and what it has beside the mass center */\n"
@@ -368,23 +373,25 @@ static void code_write_origin(const code *w)
 static void code_write_motion(const code *w)
 {
   code_template(w, code_read_motion);
-  code_template(w, code_model.first == 0 && w->large ? "  @_origin(%Amotion->v, w, x);\n"
-                   : code_model.first == 0           ? "  @_origin(%Amotion->v, w, x, rate + 10);\n"
-                   : code_model.first == 3           ? "  memset(motion->v, 0, sizeof motion->v);\n"
-                                           : "  memcpy(motion->v, in ? in->v : @_nothing.v, sizeof motion->v);\n");
+  code_template(w, code_model.first == 0 && w->large ? "  @_origin(%Aown.v, w, x);\n"
+                   : code_model.first == 0           ? "  @_origin(%Aown.v, w, x, rate + 10);\n"
+                   : code_model.first == 3           ? ""
+                                                     : "  memcpy(own.v, in ? in->v : @_nothing.v, sizeof own.v);\n");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
   if (w->vary & CODE_MASS) {
-    code_template(w, "  for (int i = 0; i < 3; i++) {\n    rate->L[i] *= model->mass;\n  }\n"
-                     "  for (int k = 0; k < %n; k++) {\n    rate->pi[k] *= model->mass;\n  }\n");
+    code_template(w, "  for (int i = 0; i < 3; i++) {\n    own.L[i] *= model->mass;\n  }\n"
+                     "  for (int k = 0; k < %n; k++) {\n    own.pi[k] *= model->mass;\n  }\n");
   }
-  code_template(w, "  return @_ok;\n}\n");
+  code_template(w, "  if (!(@_is_finite(own.rho, 3) && @_is_finite(own.L, 3) && @_is_finite(own.pi, %n))) {\n"
+                   "    return @_not_finite;\n  }\n  *rate = own;\n  return @_ok;\n}\n");
 }
 
 static const char code_read_energy[] =
     "\n/* T = 1/2 (w.h + q_dot.pi + m u.u), homogeneous of degree 2 in the momenta; gravity as E8.16 */\n"
     "@_status @_energy_eval(%M@_energy *energy, const @_state *state)\n{\n"
     "  $ x[%N], rate[%N], w[%w], c[3], moment[3], a, kinetic;\n"
+    "  @_energy own;\n"
     "  @_status status;\n"
     "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
@@ -414,7 +421,7 @@ static void code_write_energy(const code *w)
       code_add(&s, 0.5 * fixed, code_variable("x[%d]", 4 + i), code_variable("x[%d]", 4 + i));
     }
   }
-  code_assign(w, &s, "energy->kinetic");
+  code_assign(w, &s, "own.kinetic");
   code_read_sparse(K, &body->K, w->n);
   code_begin(&s);
   for (int a = 0; a < w->n; a++) {
@@ -422,23 +429,22 @@ static void code_write_energy(const code *w)
       code_add(&s, (a == b ? 0.5 : 1.0) * K[a][b], code_variable("x[%d]", 10 + a), code_variable("x[%d]", 10 + b));
     }
   }
-  code_assign(w, &s, "energy->strain");
+  code_assign(w, &s, "own.strain");
   code_begin(&s);
   for (int i = 0; i < 3; i++) {
     const double g = code_gravity(i);
     code_add_one(&s, -g, code_variable("moment[%d]", i));
     code_add(&s, -g * fixed, code_variable("x[%d]", code_place(w, 'r') + i), mass);
   }
-  code_assign(w, &s, "energy->gravity");
+  code_assign(w, &s, "own.gravity");
   if (w->vary & (CODE_STIFFNESS | CODE_MASS)) {
-    fputs("  energy->strain *= model->stiffness;\n", w->out);
+    fputs("  own.strain *= model->stiffness;\n", w->out);
   }
   if (w->vary & CODE_MASS) {
-    fputs("  energy->kinetic *= model->mass;\n  energy->strain *= model->mass;\n  energy->gravity *= model->mass;\n",
-          w->out);
+    fputs("  own.kinetic *= model->mass;\n  own.strain *= model->mass;\n  own.gravity *= model->mass;\n", w->out);
   }
-  code_template(w, "  (void)moment;\n  w[0] = energy->kinetic;\n  w[1] = energy->strain;\n  w[2] = energy->gravity;\n"
-                   "  return @_is_finite(w, 3) ? @_ok : @_not_finite;\n}\n");
+  code_template(w, "  (void)moment;\n  w[0] = own.kinetic;\n  w[1] = own.strain;\n  w[2] = own.gravity;\n"
+                   "  if (!@_is_finite(w, 3)) {\n    return @_not_finite;\n  }\n  *energy = own;\n  return @_ok;\n}\n");
 }
 
 static const char code_read_node[] =
@@ -449,19 +455,20 @@ static const char code_read_node[] =
     "    v[i] = motion->v[i] + motion->w[y] * s[z] - motion->w[z] * s[y] + u_dot[i];\n"
     "    w[i] = motion->w[i] + share * (phi_dot[i] + `0.5` * (phi[y] * phi_dot[z] - phi[z] * phi_dot[y]));\n"
     "  }\n"
-    "  @_turn(out->position, q, s);\n"
-    "  @_turn(out->velocity, q, v);\n"
-    "  @_turn(out->angular_rate, q, w);\n"
+    "  @_turn(own.position, q, s);\n"
+    "  @_turn(own.velocity, q, v);\n"
+    "  @_turn(own.angular_rate, q, w);\n"
     "  share = sqrt~(share);\n"
     "  for (int i = 0; i < 3; i++) {\n"
-    "    out->position[i] += state->rho[i];\n"
+    "    own.position[i] += state->rho[i];\n"
     "    phi[i] *= `0.5`;\n  }\n"
-    "  out->quat[0] = share * (q[0] - q[1] * phi[0] - q[2] * phi[1] - q[3] * phi[2]);\n"
-    "  out->quat[1] = share * (q[1] + q[0] * phi[0] + q[2] * phi[2] - q[3] * phi[1]);\n"
-    "  out->quat[2] = share * (q[2] + q[0] * phi[1] + q[3] * phi[0] - q[1] * phi[2]);\n"
-    "  out->quat[3] = share * (q[3] + q[0] * phi[2] + q[1] * phi[1] - q[2] * phi[0]);\n"
-    "  return @_is_finite(out->position, 3) && @_is_finite(out->quat, 4) && @_is_finite(out->velocity, 3) &&\n"
-    "             @_is_finite(out->angular_rate, 3) ? @_ok : @_not_finite;\n}\n";
+    "  own.quat[0] = share * (q[0] - q[1] * phi[0] - q[2] * phi[1] - q[3] * phi[2]);\n"
+    "  own.quat[1] = share * (q[1] + q[0] * phi[0] + q[2] * phi[2] - q[3] * phi[1]);\n"
+    "  own.quat[2] = share * (q[2] + q[0] * phi[1] + q[3] * phi[0] - q[1] * phi[2]);\n"
+    "  own.quat[3] = share * (q[3] + q[0] * phi[2] + q[1] * phi[1] - q[2] * phi[0]);\n"
+    "  if (!(@_is_finite(own.position, 3) && @_is_finite(own.quat, 4) && @_is_finite(own.velocity, 3) &&\n"
+    "        @_is_finite(own.angular_rate, 3))) {\n    return @_not_finite;\n  }\n"
+    "  *out = own;\n  return @_ok;\n}\n";
 
 /* The end with lines: by a quaternion and an angular velocity. */
 static const char code_read_large_node[] =
@@ -471,16 +478,17 @@ static const char code_read_large_node[] =
     "    v[i] = motion->v[i] + motion->w[y] * s[z] - motion->w[z] * s[y] + u_dot[i];\n"
     "    spin[i] += motion->w[i];\n"
     "  }\n"
-    "  @_turn(out->position, q, s);\n"
-    "  @_turn(out->velocity, q, v);\n"
-    "  @_turn(out->angular_rate, q, spin);\n"
-    "  for (int i = 0; i < 3; i++) {\n    out->position[i] += state->rho[i];\n  }\n"
-    "  out->quat[0] = q[0] * turn[0] - q[1] * turn[1] - q[2] * turn[2] - q[3] * turn[3];\n"
-    "  out->quat[1] = q[1] * turn[0] + q[0] * turn[1] + q[2] * turn[3] - q[3] * turn[2];\n"
-    "  out->quat[2] = q[2] * turn[0] + q[0] * turn[2] + q[3] * turn[1] - q[1] * turn[3];\n"
-    "  out->quat[3] = q[3] * turn[0] + q[0] * turn[3] + q[1] * turn[2] - q[2] * turn[1];\n"
-    "  return sound && @_is_finite(out->position, 3) && @_is_finite(out->quat, 4) && @_is_finite(out->velocity, 3) &&\n"
-    "             @_is_finite(out->angular_rate, 3) ? @_ok : sound ? @_not_finite : @_range;\n}\n";
+    "  @_turn(own.position, q, s);\n"
+    "  @_turn(own.velocity, q, v);\n"
+    "  @_turn(own.angular_rate, q, spin);\n"
+    "  for (int i = 0; i < 3; i++) {\n    own.position[i] += state->rho[i];\n  }\n"
+    "  own.quat[0] = q[0] * turn[0] - q[1] * turn[1] - q[2] * turn[2] - q[3] * turn[3];\n"
+    "  own.quat[1] = q[1] * turn[0] + q[0] * turn[1] + q[2] * turn[3] - q[3] * turn[2];\n"
+    "  own.quat[2] = q[2] * turn[0] + q[0] * turn[2] + q[3] * turn[1] - q[1] * turn[3];\n"
+    "  own.quat[3] = q[3] * turn[0] + q[0] * turn[3] + q[1] * turn[2] - q[2] * turn[1];\n"
+    "  if (!(sound && @_is_finite(own.position, 3) && @_is_finite(own.quat, 4) && @_is_finite(own.velocity, 3) &&\n"
+    "        @_is_finite(own.angular_rate, 3))) {\n    return sound ? @_not_finite : @_range;\n  }\n"
+    "  *out = own;\n  return @_ok;\n}\n";
 
 static int code_write_nodes(const code *w)
 {
@@ -507,6 +515,7 @@ static int code_write_nodes(const code *w)
           : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
   code_template(w, "  $ x[%N];\n"
                    "  const $ *q;\n"
+                   "  @_node own;\n"
                    "  if (!out || !state || !motion%Q) {\n    return @_null;\n  }\n");
   fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
   code_template(w, "    return @_value;\n  }\n  @_enter(%Ax, state);\n"

@@ -295,20 +295,6 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   }
 }
 
-/* What cannot be written with lanes, of what can be without; NULL: nothing. */
-static const char *tree_lanes_refusal(const fb_system *system)
-{
-  const char *what = NULL;
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *const joint = &system->joint[k];
-    what = joint->kind == FB_JOINT_FREE ? "lanes of a free body: choose what hangs on the ground"
-           : joint->kind == FB_JOINT_SPHERICAL && joint->stiffness[0] > FB_R(0.0)
-               ? "lanes of a spherical joint with a spring: choose joints without"
-               : what;
-  }
-  return what;
-}
-
 /* ---- places */
 
 /* The joint's turn T by its coordinates. */
@@ -1382,7 +1368,7 @@ static const char tree_rates_head[] =
 static void tree_write_pushed(const code *w)
 {
   if (tree.root >= 0) {
-    code_template(w, "  $ P[3] = {`0`, `0`, `0`};\n");
+    code_template(w, "  $ P[3] = {%z, %z, %z};\n");
     code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
     code_template(w, "  if (pushed) {\n    @_turn_back(P, x, x + @_P);\n  }\n");
   } else if (tree.work < 0) {
@@ -1461,7 +1447,7 @@ static void tree_write_center(const code *w, int unused)
   code_sum s;
   (void)unused;
   code_template(w, "\n/* E9.22: first moment of mass of the whole about O of the root, body axes */\n"
-                   "static void @_center($ *c, const $ *x)\n{\n");
+                   "static void @_center(%M$ *c, const $ *x)\n{\n%V");
   tree_write_names(w);
   for (int k = 0; k < tree.n; k++) {
     code own;
@@ -1559,7 +1545,7 @@ static void tree_write_drift(const code *w, int unused)
   (void)unused;
   code_template(w,
                 "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
-                "static @_NOINLINE void @_drift($ *d, const $ *x, const $ *change)\n{\n  $ R[9], moved[3];\n");
+                "static @_NOINLINE void @_drift(%M$ *d, const $ *x, const $ *change)\n{\n%V  $ R[9], moved[3];\n");
   tree_write_names(w);
   code_template(w, "  @_matrix(R, x);\n");
   for (int k = 0; k < tree.n; k++) {
@@ -1618,26 +1604,27 @@ static void tree_write_drift(const code *w, int unused)
 
 static const char tree_align[] =
     "\n/* E11.28: the increment d of the attitude so that R h is along L, both about the mass center at c/m */\n"
-    "static void @_align($ *d, const $ *x, const $ *center, $ share, int pushed)\n{\n"
-    "  static const $ known[2] = {`0`, `1`};\n"
+    "static void @_align(%M$ *d, const $ *x, const $ *center, int pushed)\n{\n%K%V"
     "  $ quat[4], h[3], a[3], b[3], theta[3], sizes, told;\n"
-    "  const $ change = pushed ? @_norm(d + @_L) : `0`;\n"
+    "  const $ change = pushed ? @_norm(d + @_L) : %z;\n"
     "  for (int i = 0; i < 4; i++) {\n    quat[i] = x[i] + d[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n    h[i] = x[4 + i] + d[4 + i];\n    b[i] = x[@_L + i] + d[@_L + i];\n  }\n"
     "  @_turn(a, quat, h);\n"
     "  if (pushed) {\n"
     "    $ P[3], arm[3];\n"
     "    @_turn(arm, quat, center);\n"
-    "    for (int i = 0; i < 3; i++) {\n      P[i] = share * (x[@_P + i] + d[@_P + i]);\n    }\n"
-    "    for (int i = 0; i < 3; i++) {\n"
-    "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-    "      const $ moment = P[y] * arm[z] - P[z] * arm[y];\n"
-    "      a[i] += moment;\n      b[i] += moment;\n    }\n  }\n"
-    "  sizes = @_norm(a) * @_norm(b);\n"
-    "  theta[0] = a[1] * b[2] - a[2] * b[1];\n"
-    "  theta[1] = a[2] * b[0] - a[0] * b[2];\n"
-    "  theta[2] = a[0] * b[1] - a[1] * b[0];\n"
-    "  told = known[sizes > change * change];\n";
+    "    for (int i = 0; i < 3; i++) {\n      P[i] = ";
+
+static const char tree_align_moment[] = " * (x[@_P + i] + d[@_P + i]);\n    }\n"
+                                        "    for (int i = 0; i < 3; i++) {\n"
+                                        "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+                                        "      const $ moment = P[y] * arm[z] - P[z] * arm[y];\n"
+                                        "      a[i] += moment;\n      b[i] += moment;\n    }\n  }\n"
+                                        "  sizes = @_norm(a) * @_norm(b);\n"
+                                        "  theta[0] = a[1] * b[2] - a[2] * b[1];\n"
+                                        "  theta[1] = a[2] * b[0] - a[0] * b[2];\n"
+                                        "  theta[2] = a[0] * b[1] - a[1] * b[0];\n"
+                                        "  told = %Tsizes > change * change%t;\n";
 
 static const char tree_vector[] = "\n/* E4.5: rotation vector of a quaternion, at most half a turn */\n"
                                   "static void @_vector($ *v, const $ *q)\n{\n"
@@ -1955,6 +1942,16 @@ static void tree_write_range(const code *w)
   }
 }
 
+/* Of all lanes: one whose frame keeps its velocity keeps its bits. */
+static const char tree_drift_lanes[] =
+    "  {\n    const $ moved = fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]);\n"
+    "    if (!%(moved <= `0`%)) {\n"
+    "      $ still[@_N];\n"
+    "      memcpy(still, d, sizeof still);\n"
+    "      @_drift(%Ad, d, change);\n"
+    "      for (int i = 0; i < @_N; i++) {\n        d[i] = @_either(moved > `0`, d[i], still[i]);\n      }\n    }\n  "
+    "}\n";
+
 /* Change of the velocity of the root's frame, momenta relative to it: E9.23. */
 static void tree_write_reframe(const code *w)
 {
@@ -1970,8 +1967,9 @@ static void tree_write_reframe(const code *w)
     code_template(w, "(x[@_P + i] + d[@_P + i]");
     fprintf(w->out, w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
   }
-  code_template(w, "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
-                   "    @_drift(d, d, change);\n  }\n");
+  code_template(w, w->lanes ? tree_drift_lanes
+                            : "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
+                              "    @_drift(%Ad, d, change);\n  }\n");
   if (!tree.stands) {
     code_template(w, "  for (int i = 0; i < 3 && pushed; i++) {\n    d[@_P + i] = -x[@_P + i]");
     if (w->single) {
@@ -1989,9 +1987,9 @@ static const char tree_frame[] =
     "  if (pushed) {\n    @_keep(@r.u, @r.lost_u, change);\n  }\n"
     "  for (int i = 0; i < 3 && pushed; i++) {\n"
     "    const $ rest = @_faint + @e * fabs~(change[i]);\n"
-    "    const $ lost = fabs~(@r.lost_u[i]) < @_faint ? `0` : @r.lost_u[i];\n"
-    "    @r.lost_u[i] = fabs~(@r.u[i]) < rest ? `0` : lost;\n"
-    "    @r.u[i] = fabs~(@r.u[i]) < rest ? `0` : @r.u[i];\n  }\n"
+    "    const $ lost = %Ffabs~(@r.lost_u[i]) < @_faint%:@r.lost_u[i]%;;\n"
+    "    @r.lost_u[i] = %Ffabs~(@r.u[i]) < rest%:lost%;;\n"
+    "    @r.u[i] = %Ffabs~(@r.u[i]) < rest%:@r.u[i]%;;\n  }\n"
     "  status = status == @_ok && !(@_is_finite(@r.x, 3) && @_is_finite(@r.u, 3)) ? @_not_finite : status;\n";
 
 /* Place of O and velocity of the frame: E11.23. */
@@ -2028,20 +2026,17 @@ static void tree_write_flight(const code *w)
 static void tree_write_end(const code *w)
 {
   int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
-  char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, const $ *x");
   code_template(w,
                 tree.root >= 0
-                    ? ", const $ *before, $ dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                      "  $ change[3] = {`0`, `0`, `0`}, step[3];\n"
+                    ? ", const $ *before, %s dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                      "  $ change[3] = {%z, %z, %z}, step[3];\n"
                     : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
-    code_number(number, w, 1.0 / tree.flying);
-    code_template(w, "  @_align(d, x, before, ");
-    fprintf(w->out, "%s, pushed);\n", number);
+    code_template(w, "  @_align(%Ad, x, before, pushed);\n");
   }
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_units);
@@ -2055,7 +2050,7 @@ static void tree_write_end(const code *w)
   }
   if (tree.root >= 0) {
     tree_write_reframe(w);
-    code_template(w, tree.stands ? "" : "  @_center(after, d);\n");
+    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
   }
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_sum_momenta);
@@ -2065,6 +2060,7 @@ static void tree_write_end(const code *w)
   }
   if (tree.work >= 0) {
     fprintf(w->out, "  next.motor_work += d[%d];\n", tree.work);
+    code_template(w, "  status = status == @_ok && !@_is_finite(&next.motor_work, 1) ? @_not_finite : status;\n");
   }
   code_template(w, "\n  /* what fb_system_rk4_step checks after a step */\n"
                    "  status = status == @_ok && !@_is_finite(d, @_N) ? @_not_finite : status;\n");
@@ -2109,6 +2105,13 @@ static const char tree_step_rest[] = "    if (status != @_ok) {\n      return st
                                      "  }\n"
                                      "  return @_end(%Astate, sum, x";
 
+/* All lanes or none: where some have momentum and nothing acts, each takes its own step. */
+static const char tree_pushed_lanes[] =
+    "  if (!pushed) {\n"
+    "    const $ momentum = fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]);\n"
+    "    pushed = %(momentum > `0`%);\n"
+    "    if (!pushed && !%(momentum <= `0`%)) {\n      return @_step_length;\n    }\n  }\n";
+
 static void tree_write_step(const code *w)
 {
   const int limited = !tree.system->allow_long_step;
@@ -2118,11 +2121,12 @@ static void tree_write_step(const code *w)
   code_template(w, tree_step_begin);
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
-  code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
+  code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n"
                                                                   : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !tree.pulled && !tree.stands) {
-    code_template(w, "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
+    code_template(w, w->lanes ? tree_pushed_lanes
+                              : "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
   }
   code_template(w, "  for (int stage = 0; stage < 4; stage++) {\n"
                    "    const %s by = dt * weight[stage], to = dt * node[stage];\n"
@@ -2135,14 +2139,42 @@ static void tree_write_step(const code *w)
   code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : ");\n}\n");
 }
 
+/* Rotation vector; of all lanes by that of one body. */
+static void tree_write_vector(const code *w)
+{
+  if (!w->lanes) {
+    code_template(w, tree_vector);
+    return;
+  }
+  code_template(w, "\nstatic void @_vector($ *v, const $ *q)\n{\n");
+  fprintf(w->out, "  for (int k = 0; k < %s_LANES; k++) {\n", w->name);
+  code_template(w, "    %s own[3], from[4];\n    for (int i = 0; i < 4; i++) {\n      from[i] = q[i][k];\n    }\n");
+  fprintf(w->out, "    %s_vector(own, from);\n", w->name);
+  fputs("    for (int i = 0; i < 3; i++) {\n      v[i][k] = own[i];\n    }\n  }\n}\n", w->out);
+}
+
+/* The attitude of the root by the angular momentum. */
+static void tree_write_align(const code *w)
+{
+  char number[40];
+  code_template(w, tree_align);
+  code_number(number, w, 1.0 / tree.flying);
+  fputs(number, w->out);
+  code_template(w, tree_align_moment);
+  code_template_of(w, 1, code_align_single);
+  code_template(w, code_align_end);
+}
+
 /* What the rest needs of rotations and sums. */
 static void tree_write_rotations(const code *w)
 {
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, free || ball ? code_matrix : "");
   code_template(w, free ? code_turns : "");
-  code_template(w, free || tree_has_sprung_ball() ? code_norm : "");
-  code_template(w, tree_has_sprung_ball() ? tree_vector : "");
+  code_template(w, !w->lanes && (free || tree_has_sprung_ball()) ? code_norm : "");
+  if (tree_has_sprung_ball()) {
+    tree_write_vector(w);
+  }
   code_template_of(w, 1, tree.n_axis + tree.size > 0 ? code_sums : "");
   code_template(w, free || ball ? code_unit : "");
 }
@@ -2207,9 +2239,7 @@ static int tree_write_functions(const code *w)
   if (tree.root >= 0) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
-    code_template(w, tree_align);
-    code_template_of(w, 1, code_align_single);
-    code_template(w, code_align_end);
+    tree_write_align(w);
     code_template(w, tree_keep);
   }
   tree_write_enter(w);
@@ -2260,6 +2290,10 @@ static int tree_write_alone(const code *w)
   code_template(w, "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n"
                    "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(w, code_helpers);
+  if (tree_has_sprung_ball()) {
+    code_template(w, code_norm);
+    tree_write_vector(w);
+  }
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   code_template(w, tree_status);

@@ -49,9 +49,11 @@ static struct model {
   model_kind kind;
   double hub_mass, hub_center[3], hub_inertia[6];
   fb_body_desc level;
+  int says_effects; /* a line does; else what has a line of its own is one, too: damping, gravity */
   double zeta;      /* of parts without a damping of their own */
   int by_frequency; /* damping ratios differ, and count modes by frequency, not coordinates: see model_damp_parts */
   int hub, n_damping, n_part, n_node, n_pair, n_mark, built; /* built: the last part tried, -1: the whole */
+  char warning[160]; /* the first of what may be a mistake, though it is read; empty: none */
   text_words seen;
   model_part part[FB_MAX_PARTS]; /* of a beam and a component one, of a rigid body none */
   struct {                       /* nodes of the hub and of beams */
@@ -170,6 +172,7 @@ static void model_effects(text_file *t)
                                   FB_EFFECTS_STRAIN,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_LARGE_DEFLECTION};
   model.level.effects = 0;
+  model.says_effects = 1;
   do {
     model.level.effects |= mask[text_choice(t, "an effect", name)];
   } while (text_more(t));
@@ -229,7 +232,27 @@ static int model_rotor_drive(text_file *t, void *user, const char *word)
   return 1;
 }
 
-/* rotor NAME [NODE], its lines, end */
+/* like OTHER X Y Z */
+static void model_rotor_like(text_file *t)
+{
+  const int n = model.level.n_rotor;
+  const char *const word = text_word(t);
+  int k = 0;
+  while (k < n && word && strcmp(model.rotor[k].text.name, word) != 0) {
+    k++;
+  }
+  if (k == n) {
+    text_fail(t, "no rotor has the name %s", word ? word : "(missing)");
+    return;
+  }
+  memcpy(model.rotor[n].node, model.rotor[k].node, sizeof model.rotor[n].node);
+  model.rotor[n].momentum = model.rotor[k].momentum;
+  rotor_like(t, &model.rotor[n].text, &model.level.rotor[n], &model.rotor[k].text, &model.level.rotor[k]);
+  text_end_of_line(t);
+  model.level.n_rotor++;
+}
+
+/* rotor NAME [NODE], its lines, end; or rotor NAME like OTHER X Y Z */
 static void model_rotor(text_file *t)
 {
   const int n = model.level.n_rotor;
@@ -243,6 +266,10 @@ static void model_rotor(text_file *t)
     if (strcmp(model.rotor[k].text.name, model.rotor[n].text.name) == 0) {
       text_fail(t, "two rotors have the name %s", model.rotor[n].text.name);
     }
+  }
+  if (text_take(t, "like")) {
+    model_rotor_like(t);
+    return;
   }
   if (text_more(t)) {
     const char *const node = text_word(t);
@@ -763,9 +790,11 @@ static int model_is_damped(void)
 /* Effects and the data that they need. */
 static void model_effects_check(text_file *t)
 {
-  const unsigned effects = model.level.effects;
   const fb_real *g = model.level.gravity;
   const int pulled = fabs((double)g[0]) + fabs((double)g[1]) + fabs((double)g[2]) > 0;
+  const int tacit = !model.says_effects && model.kind != MODEL_RIGID;
+  const unsigned effects = model.level.effects |= (tacit && model_is_damped() ? (unsigned)FB_EFFECT_DAMPING : 0u) |
+                                                  (tacit && pulled ? (unsigned)FB_EFFECT_GRAVITY : 0u);
   if (!(effects & FB_EFFECT_ELASTIC) && (effects & FB_EFFECT_DAMPING)) {
     model_at(t, NULL, "effects");
     text_fail(t, "effects names damping but no modes: add linear, spin, full or large");
@@ -994,7 +1023,79 @@ static void model_root_check(text_file *t, model_part *part)
   }
 }
 
-/* beam NAME or component NAME, the lines of such a description, end */
+/* Nodes that the part has like another one: NAME of its own, a point, and the name there. */
+static void model_like_name(text_file *t, char to[TEXT_NAME], const model_part *part, const char *name)
+{
+  char both[2 * TEXT_NAME];
+  snprintf(both, sizeof both, "%s.%s", part->name, name);
+  if (name[0] && strlen(both) >= TEXT_NAME) {
+    text_fail(t, "the name of a node has %d characters at most: %s", TEXT_NAME - 1, both);
+  } else if (name[0]) {
+    strcpy(to, both);
+  }
+}
+
+static void model_like_nodes(text_file *t, model_part *part, const model_part *other)
+{
+  const int from = (int)(other - model.part), shift = model.n_node - other->node;
+  for (int k = 0, n = model.n_mark; k < n; k++) {
+    if (model.mark[k].part == from && model.n_mark < FB_MAX_NODES) {
+      model.mark[model.n_mark].part = (int)(part - model.part);
+      memcpy(model.mark[model.n_mark].x, model.mark[k].x, sizeof model.mark[k].x);
+      model_like_name(t, model.mark[model.n_mark++].name, part, model.mark[k].name);
+    }
+  }
+  if (model.n_mark == FB_MAX_NODES || model.n_node + other->n_node > MODEL_NODES ||
+      model_count_modes() > FB_MAX_MODES) {
+    text_fail(t, "more than %d nodes, %d of components or %d of their modes", FB_MAX_NODES - 1, MODEL_NODES,
+              FB_MAX_MODES);
+    return;
+  }
+  part->node = model.n_node;
+  part->pair = model.n_pair;
+  for (int k = 0; k < other->n_node; k++) {
+    model_node *const node = &model.node[model.n_node++];
+    *node = model.node[other->node + k];
+    node->from += node->from >= 0 ? shift : 0;
+    model_like_name(t, node->name, part, model.node[other->node + k].name);
+  }
+  for (int k = 0; k < other->n_pair; k++) {
+    model.pair[model.n_pair++] = model.pair[other->pair + k];
+  }
+}
+
+/* like OTHER X Y Z [ATTITUDE]: the same part at another place. */
+static void model_like(text_file *t, model_part *part)
+{
+  const char *const word = text_word(t);
+  const model_part own = *part, *other = model.part;
+  double quat[4] = {0};
+  while (other < part && word && (strcmp(other->name, word) != 0 || other->kind != part->kind)) {
+    other++;
+  }
+  if (other == part || !word) {
+    text_fail(t, "no %s before it has the name %s", model_kinds[part->kind], word ? word : "(missing)");
+    return;
+  }
+  *part = *other;
+  memcpy(part->name, own.name, sizeof own.name);
+  memset(part->is_fraction, 0, sizeof part->is_fraction); /* places are known */
+  part->line = own.line;
+  text_reals(t, "position", part->position, 3);
+  if (text_more(t)) {
+    model_attitude(t, quat);
+  }
+  for (int i = 0; i < 4; i++) {
+    part->attitude[i] = (fb_real)quat[i];
+  }
+  text_end_of_line(t);
+  if (!t->failed) {
+    model_like_nodes(t, part, other);
+  }
+  model_part_check(t, part);
+}
+
+/* beam NAME or component NAME, the lines of such a description, end; or NAME like OTHER X Y Z [ATTITUDE] */
 static void model_block(text_file *t, model_kind kind)
 {
   model_part *part;
@@ -1007,12 +1108,16 @@ static void model_block(text_file *t, model_kind kind)
   part = model_begin_part(kind);
   part->line = begin;
   text_name(t, "a part", part->name);
-  text_end_of_line(t);
   for (int k = 0; k < model.n_part - 1; k++) {
     if (strcmp(model.part[k].name, part->name) == 0) {
       text_fail(t, "two parts have the name %s", part->name);
     }
   }
+  if (text_take(t, "like")) {
+    model_like(t, part);
+    return;
+  }
+  text_end_of_line(t);
   text_begin(t, model_kinds[kind], part->name);
   while (text_within(t)) {
     const char *const word = text_word(t);
@@ -1105,6 +1210,63 @@ static void model_rotor_nodes(text_file *t)
   }
 }
 
+/* Remembers the first of what may be a mistake, with the line of that word of a part (NULL: of the whole). */
+static void model_warn(model_part *part, const char *word, const char *what, double number)
+{
+  const int line = text_seen(model_seen(part), word);
+  char text[sizeof model.warning - 24];
+  if (!model.warning[0]) {
+    snprintf(text, sizeof text, what, number);
+    if (line > 0) {
+      snprintf(model.warning, sizeof model.warning, "line %d: ", line);
+    }
+    strcat(model.warning, text);
+  }
+}
+
+static void model_warn_damping(model_part *part, const double *zeta, int n)
+{
+  for (int k = 0; k < n; k++) {
+    if (zeta[k] > 1) {
+      model_warn(part, "damping", "a damping ratio of %g: such a mode does not swing (half a percent is 0.005)",
+                 zeta[k]);
+    }
+  }
+}
+
+/* Does the line of a component turn back at a node by more than 90 degrees? */
+static int model_is_folded(const model_node *node)
+{
+  const model_node *const at = node->from >= 0 ? &model.node[node->from] : NULL;
+  const double *const before = !at ? NULL : at->from >= 0 ? model.node[at->from].x : at->rooted ? at->root : NULL;
+  double turn = 0, size = 0;
+  for (int i = 0; i < 3 && before; i++) {
+    turn += (node->x[i] - at->x[i]) * (at->x[i] - before[i]);
+    size += fabs(node->x[i] - at->x[i]) * fabs(at->x[i] - before[i]);
+  }
+  return turn < -1e-9 * size;
+}
+
+static void model_warn_all(void)
+{
+  double zeta[FB_MAX_MODES];
+  for (int k = 0; k < FB_MAX_MODES; k++) {
+    zeta[k] = (double)model.level.zeta[k];
+  }
+  model_warn_damping(NULL, zeta, model.n_damping);
+  for (int p = 0; p < model.n_part; p++) {
+    model_part *const part = &model.part[p];
+    model_warn_damping(part, part->zeta, part->n_damping);
+    for (int k = 0; k < part->n_node && part->second == MODEL_LINE; k++) {
+      const model_node *const node = &model.node[part->node + k];
+      if (model_is_folded(node)) {
+        model_warn(part, "line", "at node %.0f a line turns back by more than 90 degrees: its nodes follow each other",
+                   (double)model.node[node->from].id);
+      }
+    }
+  }
+}
+
 /* What only the whole description tells. */
 static void model_check(text_file *t)
 {
@@ -1115,6 +1277,9 @@ static void model_check(text_file *t)
   }
   if (!t->failed) {
     model_quadratic_check(t);
+  }
+  if (!t->failed) {
+    model_warn_all();
   }
 }
 
@@ -1141,6 +1306,9 @@ static inline int model_read(const char *program, const char *file)
   model_lines(&t);
   t.line = 0; /* what is missing has no line */
   model_check(&t);
+  if (!t.failed && model.warning[0]) {
+    fprintf(stderr, "%s: %s: warning: %s\n", program, file, model.warning);
+  }
   text_close(&t);
   return !t.failed;
 }

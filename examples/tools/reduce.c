@@ -27,6 +27,7 @@ static const char help[] =
     "prescribed,\n"
     "               effects up to full, or large)\n"
     "  --lanes      with --code: also the step of 1, 2, 4 or 8 bodies at once, by vectors of the compiler\n"
+    "  --loads LIST with --code: a force and a torque at each of these nodes, by names or numbers, are inputs, too\n"
     "  --vary LIST  with --code: these stay variable, as factors: stiffness,damping,mass,hub_mass,hub_inertia\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
@@ -92,7 +93,7 @@ static void print_coordinate(FILE *out, int coordinate)
 }
 
 typedef struct options {
-  const char *out;
+  const char *out, *loads;
   code_choice choice;
 } options;
 
@@ -108,6 +109,10 @@ static int read_option(void *to, const char *name, const char *text)
   if (strcmp(name, "--vary") == 0) {
     o->choice.vary = code_vary_read(text);
     return o->choice.vary ? 0 : fail("--vary wants names out of stiffness,damping,mass,hub_mass,hub_inertia", text);
+  }
+  if (strcmp(name, "--loads") == 0) {
+    o->loads = text;
+    return 0;
   }
   if (strcmp(name, "--name") == 0) {
     o->choice.name = text;
@@ -130,13 +135,30 @@ static const char *vary_refusal(const code_choice *choice)
   return code_vary_refusal(choice, &model_body, model.hub ? model.hub_mass : 0.0);
 }
 
+/* Nodes by names or numbers in a list with commas; 0: it has been said which is none. */
+static int read_loads(unsigned *nodes, const char *list)
+{
+  for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+    char name[TEXT_NAME];
+    int namesakes = 0, node;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
+    node = name[0] ? model_find_node(&namesakes, name) : -1;
+    if (node < 1 || namesakes > 1 || *nodes >> node & 1u) {
+      fail("--loads wants names or numbers of nodes but the origin, each once", name);
+      return 0;
+    }
+    *nodes |= 1u << node;
+  }
+  return 1;
+}
+
 int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
   const int lanes = take_flag(&argc, argv, "--lanes");
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, {NULL, 0, 0, 0, {{0}}}};
+  options o = {NULL, NULL, {NULL, 0, 0, 0, 0, {{0}}}};
   FILE *out = stdout;
   fb_status status;
   output_begin(PROGRAM);
@@ -146,8 +168,11 @@ int reduce_main(int argc, char **argv)
   if (!named) {
     return fail("a description is missing", "");
   }
-  if ((o.choice.vary || lanes) && !steps) {
-    return fail(lanes ? "--lanes is an option of --code" : "--vary is an option of --code", "");
+  if ((o.choice.vary || lanes || o.loads) && !steps) {
+    return fail(lanes     ? "--lanes is an option of --code"
+                : o.loads ? "--loads is an option of --code"
+                          : "--vary is an option of --code",
+                "");
   }
   if (!model_read(PROGRAM, file)) {
     return 2;
@@ -168,6 +193,13 @@ int reduce_main(int argc, char **argv)
     return 1;
   }
   summarize(file);
+  if (!read_loads(&o.choice.loads, o.loads)) {
+    return 2;
+  }
+  if (code_loads_refusal(&model_body, o.choice.loads)) {
+    fprintf(stderr, "reduce: %s: --loads: %s\n", file, code_loads_refusal(&model_body, o.choice.loads));
+    return 1;
+  }
   if (steps && code_refusal(&model_body)) {
     fprintf(stderr, "reduce: %s: --code: %s\n", file, code_refusal(&model_body));
     return 1;

@@ -377,10 +377,28 @@ for lanes in 1 2 4 8; do
   ! grep -q "by the library" "$out/log" || fail "$lanes lanes: $(cat "$out/log")"
   cmp "$out/lanes1.csv" "$out/lanes$lanes.csv" || fail "$lanes lanes are not the same bits as one"
 done
-apart=$(paste -d '|' "$out/library.csv" "$out/lanes1.csv" | awk -F'|' 'NR > 1 { n = split($1, a, ","); m = split($2, b, ",")
+# apart FILE FILE: rows of two ways to compute them; sets apart
+apart() {
+  apart=$(paste -d '|' "$1" "$2" | awk -F'|' 'NR > 1 { n = split($1, a, ","); m = split($2, b, ",")
     for (k = 1; k <= 9; k++) { d = a[k] == b[k] ? 0 : b[k] / a[k] - 1; most = d > most ? d : -d > most ? -d : most }
     for (k = 10; k <= n; k++) if (n != m || a[k] != b[k]) most = 1 } END { print most }')
+}
+apart "$out/library.csv" "$out/lanes1.csv"
 awk "BEGIN { exit !($apart > 0 && $apart < 1e-9) }" || fail "lanes and the library differ by $apart"
+first=$apart
+# a free body, and one on a spherical joint with a spring
+sed -e 's/^body base rigid/&\n  hub 20 0 0.01 0 2 2 3\n  node 0 0.3 0 back/' -e '/^joint turn/,/^end/d' -e '/^parameter rate/d' -e '/^output way/d' -e '/^measure least/d' "$out/arm.txt" > "$out/free.txt"
+printf 'body ball rigid\n  hub 1 0.1 0 0 0.02 0.03 0.04\nend\njoint socket spherical base.back ball\n  stiffness 2\n  damping 0.01\nend\n' >> "$out/free.txt"
+printf 'scene free.txt\nruns 12\nvary factor list 1 2\nvary force list 1 3 200\nvary work list 0.5 0.5\n' > "$out/free_lanes.txt"
+expect 1 $campaign "$out/free_lanes.txt" --jobs 2 --pictures 0 --out "$out/free_library.csv"
+for lanes in 1 4; do
+  expect 1 $campaign "$out/free_lanes.txt" --jobs 1 --lanes $lanes --pictures 0 --out "$out/free$lanes.csv"
+  ! grep -q "by the library" "$out/log" || fail "$lanes lanes of a free body: $(cat "$out/log")"
+done
+cmp "$out/free1.csv" "$out/free4.csv" || fail "lanes of a free body are not the same bits"
+apart "$out/free_library.csv" "$out/free1.csv"
+awk "BEGIN { exit !($apart > 0 && $apart < 1e-9) }" || fail "lanes of a free body and the library differ by $apart"
+apart=$first
 expect 2 $campaign "$out/lanes.txt" --lanes 4 --out "$out/library.csv"
 says 'it says `measures most last mean effort least`, this one `lanes`'
 expect 0 $campaign "$out/lanes.txt" --lanes 4 --run 1

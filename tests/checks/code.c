@@ -109,6 +109,19 @@ static void compare_all(run *r)
   compare(r, 5, r->state.pi, modes, generated.n);
 }
 
+#ifdef LOADED /* nodes 1 and 2 have loads, too */
+static void load_node(fb_input *in, fb_real *force, fb_real *torque, int node, double t)
+{
+  fb_load *const load = &in->load[in->n_load++];
+  load->node = node;
+  load->axes = FB_AXES_BODY;
+  for (int i = 0; i < 3; i++) {
+    force[i] = load->force[i] = (fb_real)sin(3 * t + i + node);
+    torque[i] = load->torque[i] = (fb_real)(0.5 * cos(t + 2 * i + node));
+  }
+}
+#endif
+
 /* The same to both: hub force and torque in body axes, or motion of the base. */
 static void load(fb_input *in, generated_input *own, double t)
 {
@@ -129,6 +142,10 @@ static void load(fb_input *in, generated_input *own, double t)
     in->w_dot[i] = (fb_real)(0.15 * cos(0.5 * t));
 #endif
   }
+#ifdef LOADED
+  load_node(in, own->force_1, own->torque_1, 1, t);
+  load_node(in, own->force_2, own->torque_2, 2, t);
+#endif
 }
 
 static double fly(run *r, int loaded)

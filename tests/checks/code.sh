@@ -21,11 +21,12 @@ try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
 base_is=free
 given= # further options of the compiler
+loads= # nodes with loads
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -f tests/checks/code.awk > "$out/random.txt"
   try "$out/reduce" "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
-  try "$out/reduce" "$out/random.txt" --name generated --code ${3:-} --out "$out/code.h"
+  try "$out/reduce" "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${3:-} --out "$out/code.h"
 }
 
 # agree OPTIMIZATION [--single]: what was generated with the library; sets worst
@@ -91,6 +92,29 @@ for seed in 1 5 12; do
 done
 single=$worst
 
+# loads at nodes, on the deformed body
+polynomial=$largest
+largest=0
+loads=1,2
+given=-DLOADED
+for base_is in pinned prescribed free; do
+  generate 3 "full damping gravity"
+  agree -O0
+  note
+done
+generate 8 rigid
+agree -O0
+note
+generate 5 "full damping"
+compile
+generate 12 full --single
+compile
+agree -O2 --single
+loaded=$largest
+largest=$polynomial
+loads=
+given=
+
 # geometrically exact lines: curved, twisted, tapered, solid, beside components, on each base, by seed
 polynomial=$largest
 largest=0
@@ -131,9 +155,9 @@ vary() {
   number=$(echo "$3" | tr ',' '\n' | grep -n '^damping$' | cut -d : -f 1)
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -f tests/checks/code.awk > "$out/random.txt"
   awk -v seed="$1" -v effects="$2" -v base="$base_is" $options -f tests/checks/code.awk > "$out/changed.txt"
-  try "$out/reduce" "$out/random.txt" --name generated --code --vary "$3" ${5:-} --out "$out/code.h"
+  try "$out/reduce" "$out/random.txt" --name generated --code --vary "$3" ${loads:+--loads $loads} ${5:-} --out "$out/code.h"
   try "$out/reduce" "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
-  given="${tolerance:+-DTOLERANCE=$tolerance} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"
+  given="${tolerance:+-DTOLERANCE=$tolerance} ${loads:+-DLOADED} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"
   agree -O0 ${5:-}
   varied=$((varied + 1))
 }
@@ -158,6 +182,10 @@ done
 base_is=free
 vary 14 "large damping" stiffness,damping 4.0,0.6
 note
+loads=2,1
+vary 3 "full damping" $all 4.0,0.6,0.25,0.8,1.2
+note
+loads=
 vary 7 "full damping" hub_mass 1.3
 note
 exactly=$largest
@@ -198,6 +226,20 @@ refuse_vary "modes at rest" stiffness "$out/other.txt"
 printf 'rigid\nhub 5 0 0 0 1 1 1\nbase free\n' > "$out/other.txt"
 refuse_vary "choose hub_mass" mass "$out/other.txt"
 refuse_vary "has no modes" stiffness "$out/other.txt"
+
+# refuse_loads WHY LIST [OPTION]
+refuse_loads() {
+  ! "$out/reduce" "$out/other.txt" ${3:---code} --loads "$2" --out "$out/none.h" > "$out/log" 2>&1 || fail "--loads $2 is taken"
+  grep -q -- "$1" "$out/log" || fail "--loads $2: $(tail -n 1 "$out/log")"
+  [ ! -e "$out/none.h" ] || fail "--loads $2: a file is written"
+}
+cp "$out/random.txt" "$out/other.txt"
+for list in 0 origin 9 nowhere 1,1 "" 1,; do
+  refuse_loads "wants names or numbers" "$list"
+done
+refuse_loads "an option of --code" 1 --single
+sed -i 's/^effects.*/effects large damping/' "$out/other.txt"
+refuse_loads "effects large has none" 1
 
 # lanes OPTION...: those of what was generated, bit for bit; on a machine without these vectors they are compiled alone
 lanes() {
@@ -324,4 +366,4 @@ refuse "base hinged" "base hinged"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
 grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
-ok "43 models agree with the library to $largest (single $single); a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"
+ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

@@ -1,5 +1,5 @@
 /* The lanes of a generated step against its single steps, bit for bit: each lane its own state, loads and parameters (code.sh,
-   which generates code.h with --lanes, and with --vary where VARY is defined; code_tree.sh: TREE). A lane that is refused tells the status of the
+   which generates code.h with --lanes, and with --vary where VARY is defined; code_tree.sh: TREE, and ROOT, its free body). A lane that is refused tells the status of the
    single step and stays as it was, the others go on. Also C++11. */
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -124,6 +124,13 @@ static int step(int i, NUMBER dt, int refused)
     generated_input own;
     load(&own, &all, k, i);
   }
+#ifdef generated_WIDE
+  if (refused < 0) { /* by vectors, not one by one */
+    const generated_lanes_input *const in[3] = {i % 2 ? &all : NULL, i % 2 ? &all : NULL, &all};
+    generated_lanes_state copy = lanes;
+    good &= generated_lanes_together(LANES & copy, in, dt) == generated_ok;
+  }
+#endif
   worst = generated_lanes_step(LANES & lanes, i % 2 ? &all : NULL, i % 2 ? &all : NULL, &all, dt, found);
   good &= (worst == generated_ok) == (refused < 0);
   for (int k = 0; k < generated_LANES; k++) {
@@ -172,6 +179,32 @@ static int limit(void)
   return good;
 }
 
+#ifdef ROOT
+/* Nothing acts; the frame of no lane, of one or of all moves relative to the mass center. */
+static int drift(NUMBER dt)
+{
+  int good = 1;
+  for (int moving = -2; moving < generated_LANES && good; moving++) {
+    for (int k = 0; k < generated_LANES; k++) {
+      for (int i = 0; i < 3; i++) {
+        single[k].ROOT.p[i] = (NUMBER)(moving == -1 || moving == k ? 0.3 * number(k, moving + 2, i) - 0.1 : 0);
+      }
+      generated_lanes_put(&lanes, k, &single[k]);
+    }
+    for (int i = 0; i < 3; i++) {
+      good &= generated_lanes_step(&lanes, NULL, NULL, NULL, dt, NULL) == generated_ok;
+      for (int k = 0; k < generated_LANES; k++) {
+        good &= generated_step(&single[k], NULL, NULL, NULL, dt) == generated_ok && same(k);
+      }
+    }
+  }
+  if (!good) {
+    printf("nothing acts\n");
+  }
+  return good;
+}
+#endif
+
 int main(void)
 {
   const NUMBER dt = (NUMBER)2e-4;
@@ -182,6 +215,9 @@ int main(void)
     good = step(i, dt, -1);
   }
   good = good && limit();
+#ifdef ROOT
+  good = good && drift(dt);
+#endif
   for (int k = 0; k < generated_LANES && good; k++) { /* too far, and not finite */
     const generated_state before = single[k];
     spoil(k);

@@ -151,13 +151,54 @@ try "$out/scene" "$out/one_body.txt" --quiet
 for file in inside outside; do
   dot=$([ $file = inside ] && echo craft. || true)
   {
-    printf 'output w spin craft\noutput tip displacement craft.right_tip\noutput s rotor_speed %syaw\n' "$dot"
+    printf 'output w spin craft\noutput tip displacement craft.tip\noutput s rotor_speed %syaw\n' "$dot"
     printf 'output h rotor_momentum %spitch\ncontrol c\n  sample 0.1\n  input h\n  reference constant 32\n' "$dot"
     printf '  pid 0.1 0 0\n  output rotor %spitch\nend\n' "$dot"
   } >> "$out/$file.txt"
   try "$out/scene" "$out/$file.txt" --quiet --out "$out/$file.csv"
 done
 [ "$(wc -l < "$out/inside.csv")" -gt 50 ] && cmp -s "$out/inside.csv" "$out/outside.csv" || fail "rotors of a description move otherwise than those of a scene"
+
+# what is like another thing is what it would be written out, to the last bit; nodes of a part are called by its name and
+# theirs. satellite.txt is the satellite with parts and rotors like others
+awk '/^  beam left like/ { print "  beam left\n    position -0.5 0 0\n    attitude z 180\n" boom "  end"; next }
+  /^rotor [a-z]* like/ { print "rotor " $2 " craft\n  axis " $5 " " $6 " " $7 "\n  inertia 0.05\nend"; next }
+  /^    (length|stations|  0 |end|modes|node)/ { line = $0; sub(/tip tip/, "tip left_tip", line); boom = boom line "\n" }
+  /^  damping/ { print "  effects full damping" }
+  { sub(/craft\.left\.tip/, "craft.left_tip"); print }' examples/scenes/satellite.txt > "$out/written.txt"
+! grep -q like "$out/written.txt" || fail "not all of it is written out: $(cat "$out/written.txt")"
+try "$out/scene" "$out/written.txt" --quiet --out "$out/written.csv"
+[ "$(wc -l < "$out/written.csv")" -gt 50 ] && cmp -s "$out/written.csv" "$out/satellite.csv" || fail "a satellite of equal parts moves otherwise than written out"
+[ "$(grep -c . examples/scenes/satellite.txt)" -le 40 ] || fail "the satellite takes more than 40 lines"
+awk '/^body left like/ { printf "body left beam\n%s", boom; next } /^body right/ { within = 1 } { print } within && !/^body/ { boom = boom $0 "\n" }
+  /^end/ { within = 0 }' examples/scenes/satellite_control.txt > "$out/written.txt"
+try "$out/scene" "$out/written.txt" --quiet --out "$out/written.csv"
+cmp -s "$out/written.csv" "$out/satellite_control.csv" || fail "a body like another one moves otherwise"
+{
+  printf 'duration 2\nstep 0.01\ninterval 0.1\nbody a parts\n  hub 100  0 0 0  9 9 9\n  rotor w\n    axis 0 0 1\n    inertia 0.1\n    speed 9\n  end\n'
+  printf '  component panel\n    position 1 0 0\n    modes 1\n    frequency_hz 0.5\n    node 1  1 0 0  2\n    node 2  2 0 0  2\n'
+  printf '    shape 1 1  0 0.1 0 0 0 0.2\n    shape 1 2  0 0.4 0 0 0 0.3\n    line straight frame 0 0 0 1 2\n    mark 2 end\n  end\n'
+  printf '  component other like panel  -1 0 0  z 180\nend\nbody b like a\nload a.other.end dead force 0 1 0\nload b.panel dead torque 0 0 1\n'
+} > "$out/copies.txt"
+refused_copies() {
+  ! "$out/scene" "$out/copies.txt" --quiet > "$out/log" 2>&1 && grep -q "$1" "$out/log" || fail "not '$1' but $(cat "$out/log")"
+}
+refused_copies "body b has no node panel"
+sed -i -e 's/load b.panel/load b.other.end/' -e '$a output y displacement a.other.end y\noutput z displacement b.end y\noutput s rotor_speed a.w\noutput w rotor_speed b.w' "$out/copies.txt"
+sed -i 's/load b.other.end dead torque 0 0 1/load b.end dead force 0 -1 0/' "$out/copies.txt"
+try "$out/scene" "$out/copies.txt" --quiet --out "$out/copies.csv"
+awk -F, 'NR > 1 { n++; wrong += ($2 + $3) ^ 2 > 1e-20 || ($4 - $5) ^ 2 > 1e-20; moved += $2 ^ 2 > 1e-12 } END { exit !(n == 21 && wrong == 0 && moved == 20) }' \
+  "$out/copies.csv" || fail "equal bodies under opposite loads move otherwise: $(head -3 "$out/copies.csv")"
+
+# warned SCENE TEXT: it runs, with that warning
+warned() {
+  try "$out/scene" "$1" --quiet
+  grep -q "$2" "$out/log" || fail "no warning '$2' but $(cat "$out/log")"
+}
+sed 's/^  damping 0.005/  damping 5/' examples/scenes/satellite.txt | sed '/^expect/d' > "$out/damped.txt"
+warned "$out/damped.txt" "warning: body craft: line 9: a damping ratio of 5: such a mode does not swing"
+sed -e 's/node 2  2 0 0  2/node 2  0.3 0 0  2/' "$out/copies.txt" > "$out/folded.txt"
+warned "$out/folded.txt" "warning: body a: line 19: at node 1 a line turns back by more than 90 degrees"
 
 sed -e '/^step/d' -e '/^body craft/a auto 0.01' "$out/inside.txt" > "$out/chosen.txt"
 for axis in y z; do

@@ -49,6 +49,26 @@ END
 refuse 1 "a body must be one of beam" << END
 body a plate
 END
+refuse 1 "no body has the name b" << END
+body a like b
+END
+refuse 2 "no beam before it has the name b" << END
+body a parts
+  beam c like b  0 0 0
+end
+END
+refuse 5 "no rotor has the name w" << END
+$top
+rotor v like w  0 0 1
+END
+refuse 9 "rotor v wants an axis, not zero" << END
+$top
+rotor w top
+  axis 0 0 1
+  inertia 1
+end
+rotor v like w  0 0 0
+END
 refuse 3 "no such word for a rigid body: duration" << END
 body a rigid
   hub 1 0 0 0 1 1 1

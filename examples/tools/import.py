@@ -1,0 +1,768 @@
+#!/usr/bin/env python3
+# import.py - a finite-element model as a component of flexbeam (examples/tools/README.md, Import):
+#   import.py MODEL.bdf MODES.op2 --out truss.txt                       grids and normal modes (SOL 103) of Nastran
+#   import.py --matrices K.mtx M.mtx --nodes nodes.csv --out truss.txt  matrices of any program; import.py solves for the modes
+# Wants NumPy and SciPy; for .bdf, .op2 and .op4 also pyNastran. Exit: 0 well, 1 the model cannot be imported, 2 bad options.
+import argparse
+import csv
+import os
+import re
+import sys
+
+try:
+    import numpy as np
+    import scipy.io
+    import scipy.sparse as sparse
+    from scipy import fft, linalg
+    from scipy.sparse.linalg import ArpackError, eigsh
+except ImportError as missing:
+    sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
+
+MODES, NODES = 24, 4096  # what a description holds
+MARKS = 11  # nodes of a body of a scene beside its frame; reduce and analyse hold 7
+SMALL = 1e-9  # what counts as zero beside the largest
+AXES = np.eye(3)
+
+
+class Refused(Exception):
+    """What is wrong, where, and what would be right."""
+
+
+class Model:
+    """ids; x, the places; M and list K_G, sparse, six rows per node, basic axes; phi: shapes, such rows; hz; rotations: are there any."""
+
+    def __init__(self, ids, x):
+        self.ids, self.x = list(ids), np.array(x, dtype=float).reshape(-1, 3)
+        self.at = {node: k for k, node in enumerate(self.ids)}
+        self.K_G, self.modal_mass, self.digits = [], None, 17
+
+    def find(self, node, what):
+        if node not in self.at:
+            raise Refused('%s: the model has no node %d' % (what, node))
+        return self.at[node]
+
+
+# ---- files
+
+
+def nastran(package):
+    """A module of pyNastran."""
+    try:
+        return __import__('pyNastran.' + package, fromlist=['x'])
+    except ImportError as missing:
+        raise Refused('%s: files of Nastran want it: python3 -m pip install pyNastran' % missing)
+
+
+def opened(path, how, **more):
+    """What a library reads from a file."""
+    if not os.path.exists(path):
+        raise Refused('%s: no such file' % path)
+    try:
+        return how(path, **more)
+    except Exception as error:  # each library has its own
+        raise Refused('%s: cannot be read: %s' % (path, error or type(error).__name__))
+
+
+def arrays(path):
+    """Matrices of a file by name."""
+    kind = os.path.splitext(path)[1].lower()
+    if kind == '.mat':
+        return {key: value for key, value in opened(path, scipy.io.loadmat).items() if not key.startswith('__')}
+    if kind == '.op4':
+        return {key: value.data for key, value in opened(path, nastran('op4.op4').read_op4, debug=None).items()}
+    if kind not in ('.mtx', '.npz'):
+        raise Refused('%s: no matrix: wants .mtx (MatrixMarket), .npz (SciPy), .mat or .op4 at its end' % path)
+    return {'': opened(path, scipy.io.mmread if kind == '.mtx' else sparse.load_npz)}
+
+
+def matrix(text):
+    """A square sparse matrix from FILE or FILE:NAME."""
+    path, name = (text, '') if os.path.exists(text) or ':' not in text else text.rsplit(':', 1)
+    found = arrays(path)
+    if name not in found and (name or len(found) != 1):
+        raise Refused('%s: has the matrices %s: name one of them, %s:NAME' % (text, ', '.join(found), path))
+    A = sparse.csr_array(found[name] if name in found else next(iter(found.values())))
+    if A.shape[0] != A.shape[1]:
+        raise Refused('%s: %d rows, %d columns: it has to be square' % (text, *A.shape))
+    if not np.all(np.isfinite(A.data)) or np.iscomplexobj(A.data):
+        raise Refused('%s: a number that is not finite, or complex' % text)
+    if abs(A - A.T).max() > SMALL * abs(A).max():
+        raise Refused('%s: not symmetric. Export all of it, or say symmetric in its MatrixMarket header' % text)
+    return A.astype(float)
+
+
+def number_of(kind, row, key, where):
+    try:
+        return kind(row[key])
+    except (TypeError, ValueError):
+        raise Refused('%s: %s: a number is wanted, not %r' % (where, key, row[key]))
+
+
+def nodes_of(path, rows):
+    """The table of nodes, and per row of the matrices the row of six per node."""
+    with open(path, newline='', encoding='utf-8-sig') as file:
+        table = csv.DictReader(file, skipinitialspace=True)
+        if not {'node', 'x', 'y', 'z'} <= set(table.fieldnames or []):
+            raise Refused('%s:1: its first line has to name the columns: node,x,y,z,dofs' % path)
+        lines = [('%s:%d' % (path, table.line_num), row) for row in table]
+    usual = {6 * len(lines): '123456', 3 * len(lines): '123'}.get(rows, '')
+    ids, x, place, seen = [], [], [], set()
+    for where, row in lines:
+        dofs = usual if row.get('dofs') is None else row['dofs'].strip()
+        if list(dofs) != sorted(set(dofs) & set('123456')) and dofs != '0':
+            raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them) are wanted, or 0, not %r' % (where, dofs))
+        place += [6 * len(ids) + int(dof) - 1 for dof in dofs if dof != '0']
+        ids.append(number_of(int, row, 'node', where))
+        x.append([number_of(float, row, key, where) for key in 'xyz'])
+        if ids[-1] in seen:
+            raise Refused('%s: node %d is there twice' % (where, ids[-1]))
+        seen.add(ids[-1])
+    if len(place) != rows:
+        raise Refused('%s: %d nodes with %d degrees of freedom, the matrices have %d rows: a column dofs says which each node has'
+                      % (path, len(ids), len(place), rows))
+    return Model(ids, x), np.array(place, dtype=int)
+
+
+def basic_by(place, axes):
+    """Makes of a matrix of the model one of six rows per node, in basic axes; place: of each row, -1: it has none."""
+    rows = np.flatnonzero(place >= 0)
+    move = axes @ sparse.csr_array((np.ones(len(rows)), (place[rows], rows)), shape=(axes.shape[1], len(place)))
+
+    def basic(A, name):
+        if A.shape[0] != len(place):
+            raise Refused('%s has %d rows, the model %d' % (name, A.shape[0], len(place)))
+        return sparse.csr_array(move @ A @ move.T)
+    return basic
+
+
+# ---- modes from matrices
+
+
+def rigid(x):
+    """Rigid-body motion: displacements and rotations, six rows per node, by translations and rotations of the frame."""
+    R = np.zeros((len(x), 6, 6))
+    R[:, :3, :3] = R[:, 3:, 3:] = AXES
+    R[:, :3, 3:] = -np.cross(x[:, None, :], AXES[None, :, :], axisa=2, axisb=2).transpose(0, 2, 1)
+    return R.reshape(-1, 6)
+
+
+def held_check(K, R):
+    """K lets the structure move as a rigid body?"""
+    norm = np.linalg.norm(R, axis=0)
+    U, size, _ = np.linalg.svd(R / np.where(norm > 0, norm, 1), full_matrices=False)
+    U = U[:, size > 1e-6]  # motions that the degrees of freedom have
+    most = np.sqrt(np.einsum('ik,ik->k', abs(U), abs(K) @ abs(U)))
+    free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < SMALL))
+    if free:
+        raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped '
+                      '(or the structure hangs on a mechanism)' % free)
+
+
+def solve(model, K, M, place, clamped, n_mode):
+    """Modes of K and M on the clamped interface, by shift and invert."""
+    names = ['node %d, degree of freedom %d' % (model.ids[p // 6], p % 6 + 1) for p in place]
+    k_row, m_row = abs(K).max(axis=1).toarray().ravel(), abs(M).max(axis=1).toarray().ravel()
+    for row in np.flatnonzero((k_row == 0) & (m_row > 0) & ~clamped[place // 6]):
+        raise Refused('%s has mass and no stiffness: hold it, or leave it out (column dofs)' % names[row])
+    keep = np.flatnonzero((k_row > 0) & ~clamped[place // 6])
+    K, M, R = K[keep][:, keep], M[keep][:, keep], rigid(model.x)[place[keep]]
+    n = len(keep)
+    rank = int(np.sum(m_row[keep] > 0))
+    if n == 0 or n_mode > rank:
+        raise Refused('--modes: %d wanted, there are %d degrees of freedom with mass' % (n_mode, rank))
+    held_check(K, R)
+    try:
+        if n <= 300 or n_mode > n // 3:
+            phi = linalg.eigh(M.toarray(), K.toarray(), subset_by_index=[n - n_mode, n - 1])[1]  # M may be singular
+        else:
+            phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, v0=np.cos(np.arange(n)), tol=0)[1]
+        phi /= np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
+        value, turn = linalg.eigh(phi.T @ (K @ phi), phi.T @ (M @ phi))  # orthogonal to rounding
+    except (linalg.LinAlgError, ArpackError, RuntimeError, ValueError) as error:
+        raise Refused('K and M have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % error)
+    phi = phi @ turn
+    phi *= np.sign(phi[abs(phi).argmax(axis=0), np.arange(n_mode)])
+    share = value / np.einsum('ik,ik->k', abs(phi), abs(K) @ abs(phi))
+    off = np.max(abs(K @ phi - M @ phi * value), axis=0) / np.max(abs(K) @ abs(phi), axis=0)
+    if share[0] < 1e-14 or np.max(off) > 1e-7:
+        at = abs(phi[:, 0]).argmax()
+        raise Refused('K is singular: a mechanism moves %s the most' % names[keep[at]])
+    model.hz = np.sqrt(value) / (2 * np.pi)
+    model.phi = np.zeros((6 * len(model.ids), n_mode))
+    model.phi[place[keep]] = phi
+
+
+def from_matrices(options):
+    K, M = matrix(options.matrices[0]), matrix(options.matrices[1])
+    model, place = nodes_of(options.nodes, K.shape[0])
+    basic = basic_by(place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
+    M_basic = basic(M, options.matrices[1])
+    clamped = np.zeros(len(model.ids), dtype=bool)
+    for node in options.frame:
+        clamped[model.find(node, '--frame')] = True
+    solve(model, K, M, place, clamped, options.modes or min(6, K.shape[0]))
+    return model, M_basic, basic
+
+
+# ---- Nastran
+
+
+def axes_at(coord, x):
+    """Axes, as columns, of a coordinate system of Nastran at a place; None: a point of a fluid has none."""
+    beta = coord.beta().T if coord else AXES
+    if not coord or coord.type[-1] not in 'CS':
+        return beta
+    local = beta.T @ (x - coord.origin)
+    phi, theta = np.arctan2(local[1], local[0]), np.arctan2(np.hypot(local[0], local[1]), local[2])
+    c, s, ct, st = np.cos(phi), np.sin(phi), np.cos(theta), np.sin(theta)
+    about_z = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    if coord.type[-1] == 'C':
+        return beta @ about_z
+    return beta @ about_z @ np.array([[st, ct, 0], [0, 0, 1], [ct, -st, 0]])
+
+
+def skew(c):
+    return np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
+
+
+def body_block(mass, center, J):
+    """Mass matrix of a rigid body about a point: center from there, J about the center."""
+    cross = skew(center)
+    return np.block([[mass * AXES, -mass * cross], [mass * cross, J - mass * cross @ cross]])
+
+
+def point_mass(card, x):
+    """Mass matrix about its grid of a CONM1 or CONM2, basic axes."""
+    if card.type == 'CONM1':
+        turn = np.kron(np.eye(2), card.cid_ref.beta().T if card.cid_ref else AXES)
+        return turn @ card.mass_matrix @ turn.T
+    I11, I21, I22, I31, I32, I33 = card.I
+    turn = card.cid_ref.beta().T if card.cid > 0 else AXES
+    center = card.X - x if card.cid == -1 else turn @ card.X
+    return body_block(card.mass, center, turn @ np.array([[I11, -I21, -I31], [-I21, I22, -I32], [-I31, -I32, I33]]) @ turn.T)
+
+
+def offsets_of(card, where, model, grids):
+    """From the grids to the ends of a bar, basic axes; of other elements zero."""
+    ends = [np.array(end) for end in (getattr(card, 'wa', None), getattr(card, 'wb', None)) if end is not None]
+    if not np.any(ends):
+        return np.zeros((len(grids), 3))
+    if getattr(card, 'offt', 'GGG')[1:] != 'GG':
+        raise Refused('%s: offsets in its own axes (%s): export the mass matrix (--mass)' % (where, card.offt))
+    return [axes_at(node.cd_ref, model.x[model.at[node.nid]]) @ end for node, end in zip(card.nodes_ref, ends)]
+
+
+def masses_of(bdf, model):
+    """The mass of each element in equal parts at its grids, and what is lumped there; basic axes, PARAM,WTMASS included."""
+    blocks = np.zeros((len(model.ids), 6, 6))
+    for card in list(bdf.elements.values()) + list(bdf.masses.values()):
+        where = '%s %d' % (card.type, card.eid)
+        if card.type in ('CONM1', 'CONM2'):
+            at = model.find(card.nid, where)
+            blocks[at] += point_mass(card, model.x[at])
+            continue
+        mass = card.Mass() if hasattr(card, 'Mass') else 0.0
+        if not mass:
+            continue
+        if card.type.startswith('CMASS'):
+            raise Refused('%s: mass in one direction: export the mass matrix (--mass)' % where)
+        grids = [node for node in dict.fromkeys(card.node_ids) if node]
+        offsets = offsets_of(card, where, model, grids)
+        for node, offset in zip(grids, offsets):
+            blocks[model.find(node, where)] += body_block(mass / len(grids), offset, np.zeros((3, 3)))
+        if card.type == 'CBEAM':  # turns about its axis, too
+            axis = model.x[model.at[grids[1]]] + offsets[1] - model.x[model.at[grids[0]]] - offsets[0]
+            beam = card.pid_ref
+            for node in grids[:2]:
+                blocks[model.at[node], 3:, 3:] += beam.Rho() * (beam.I11() + beam.I22()) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
+    if bdf.nsms:
+        raise Refused('NSM cards: their mass is not in that of the elements: export the mass matrix (--mass)')
+    unit = bdf.params['WTMASS'].values[0] if 'WTMASS' in bdf.params else 1.0
+    return sparse.csr_array(sparse.block_diag(list(unit * blocks), format='csr'))
+
+
+def shapes_of(op2, path, subcase, norms, model, axes):
+    """Frequencies and shapes of SOL 103, in basic axes."""
+    tables = [table for table in op2.eigenvectors.values() if subcase is None or table.isubcase == subcase]
+    if len(tables) != 1:
+        raise Refused('%s: %d tables of real modes (OUG) %s: SOL 103 with DISP(PLOT) = ALL and PARAM,POST,-1 writes one; --subcase chooses'
+                      % (path, len(tables), sorted({table.isubcase for table in op2.eigenvectors.values()})))
+    table = tables[0]
+    value = np.array(table.eigns, dtype=float)
+    model.digits = 9 if table.data.dtype == np.float32 else 17
+    model.phi = np.zeros((6 * len(model.ids), len(value)))
+    seen = np.zeros(len(model.ids), dtype=bool)
+    for k, (node, kind) in enumerate(table.node_gridtype):
+        if kind == 1:  # a grid
+            at = model.find(int(node), path)
+            seen[at] = True
+            model.phi[6 * at:6 * at + 6] = table.data[:, k, :].T
+    if not table.table_name.startswith('BOUG'):  # those of PARAM,OUGCORD,BASIC are in basic axes
+        model.phi = axes @ model.phi
+    model.hz = np.sqrt(np.maximum(value, 0)) / (2 * np.pi)
+    for head in op2.eigenvalues.values():
+        mass = getattr(head, 'generalized_mass', None)
+        if len(op2.eigenvalues) == 1 and mass is not None and len(mass) == len(value):
+            model.modal_mass = np.array(mass, dtype=float)
+    if model.modal_mass is None and norms == {'MASS'}:
+        model.modal_mass = np.ones(len(value))
+    return seen
+
+
+def from_nastran(options):
+    path, modes = options.files
+    read_bdf, read_op2 = nastran('bdf.bdf').read_bdf, nastran('op2.op2').read_op2
+    from cpylog import SimpleLogger  # comes with pyNastran
+    bdf = opened(path, read_bdf, log=SimpleLogger('error'))
+    op2 = opened(modes, read_op2, log=SimpleLogger('error'), build_dataframe=False)
+    ids = sorted(bdf.nodes)
+    model = Model(ids, [bdf.nodes[node].get_position() for node in ids])
+    model.sets = {key: card.ids for key, card in bdf.sets.items() if card.type == 'SET1'}
+    axes = sparse.csr_array(sparse.block_diag(
+        [np.kron(np.eye(2), axes_at(bdf.nodes[node].cd_ref, model.x[k])) for k, node in enumerate(ids)], format='csr'))
+    norms = {getattr(card, 'norm', None) or 'MASS' for card in bdf.methods.values()}  # of EIGRL
+    seen = shapes_of(op2, modes, options.subcase, norms, model, axes)
+    if options.mass is None and 'MGG' in op2.matrices:
+        M = sparse.csr_array(op2.matrices['MGG'].data)
+    else:
+        M = matrix(options.mass) if options.mass else None
+    basic = basic_by(grid_rows(bdf, ids), axes)
+    M = masses_of(bdf, model) if M is None else basic(M, options.mass or 'MGG')
+    heavy = np.array(abs(M).max(axis=1).toarray()).reshape(-1, 6).max(axis=1) > 0
+    for at in np.flatnonzero(heavy & ~seen):
+        raise Refused('%s: no displacement of grid %d, which has mass: DISP(PLOT) = ALL in the case control' % (modes, ids[at]))
+    return model, M, basic
+
+
+def grid_rows(bdf, ids):
+    """Per row of a matrix of the g-set the row of six per grid; scalar points, one row each, have none: -1."""
+    at = {node: k for k, node in enumerate(ids)}
+    points = sorted(list(ids) + list(bdf.spoints) + list(bdf.epoints))
+    return np.concatenate([6 * at[p] + np.arange(6) if p in at else [-1] for p in points]).astype(int)
+
+
+# ---- masses at nodes
+
+
+class Mass:
+    """A node that is written: mass, inertia about it, shape (6 x n)."""
+
+    def __init__(self, node, x, mass, J, shape):
+        self.node, self.x, self.mass, self.J, self.shape = node, x, mass, J, shape
+        self.grid = node  # of the model: the node that carries it
+
+
+def moments(J):
+    """Second moments of mass of an inertia tensor, those of no body (negative) left out."""
+    value, axes = np.linalg.eigh(np.trace(J) / 2 * AXES - J)
+    return axes @ np.diag(np.where(value > 1e-14 * abs(value).max(), value, 0)) @ axes.T
+
+
+def possible(J):
+    E = moments(J)
+    return np.trace(E) * AXES - E
+
+
+def lumps(model, M):
+    """Masses of a matrix by nodes, at offsets where it says so; does it consist of them?"""
+    n = len(model.ids)
+    shape = model.phi.reshape(n, 6, -1)
+    coo, extent = M.tocoo(), np.ptp(model.x, axis=0).max()
+    blocks = np.zeros((n, 6, 6))
+    own = coo.row // 6 == coo.col // 6
+    np.add.at(blocks, (coo.row[own] // 6, coo.row[own] % 6, coo.col[own] % 6), coo.data[own])
+    size = np.sqrt(np.maximum(M.diagonal(), 1e-300))
+    rest = (abs(coo.data) / size[coo.row] / size[coo.col])[~own].max(initial=0)
+    out, free = [], max(model.ids) + 1
+    for k in np.flatnonzero(abs(blocks).max(axis=(1, 2)) > 0):
+        B = blocks[k]
+        mass = np.trace(B[:3, :3]) / 3
+        cross = B[3:, :3] / mass if mass > 0 else np.zeros((3, 3))
+        center = np.array([cross[2, 1] - cross[1, 2], cross[0, 2] - cross[2, 0], cross[1, 0] - cross[0, 1]]) / 2
+        J = B[3:, 3:] + mass * skew(center) @ skew(center)
+        own = size[6 * k:6 * k + 6]
+        rest = max(rest, (abs(body_block(mass, center, J) - B) / np.outer(own, own)).max())
+        at = Mass(model.ids[k], model.x[k], mass, J, shape[k])
+        if np.linalg.norm(center) > SMALL * extent:
+            at = Mass(free, model.x[k] + center, mass, J, np.vstack([shape[k, :3] - skew(center) @ shape[k, 3:], shape[k, 3:]]))
+            at.grid, free = model.ids[k], free + 1
+        out.append(at)
+    return out, rest <= SMALL
+
+
+def straight(M):
+    """Masses of displacements, by nodes: the mean of the three directions."""
+    return sum(M[i::6, i::6] for i in range(3)) / 3
+
+
+def turning(M):
+    """Inertia at each node: sums of the rows of rotations."""
+    J = np.array([[M[3 + i::6, 3 + j::6].sum(axis=1) for j in range(3)] for i in range(3)])
+    return (J + J.transpose(1, 0, 2)).transpose(2, 0, 1) / 2
+
+
+def row_sums(model, M):
+    """Masses of a consistent matrix at its own nodes, for lines."""
+    n = len(model.ids)
+    shape = model.phi.reshape(n, 6, -1)
+    mass = straight(M).sum(axis=1)
+    if np.min(mass) < -SMALL * np.max(mass):
+        raise Refused('--line: node %d has a negative lumped mass (elements of higher degree): mesh lines by linear ones'
+                      % model.ids[int(np.argmin(mass))])
+    J = turning(M)
+    return [Mass(model.ids[k], model.x[k], mass[k], J[k], shape[k])
+            for k in range(n) if mass[k] > 0 or abs(J[k]).max() > 0]
+
+
+def integrals(masses, n_mode):
+    """Mass matrix of rigid-body motion, its coupling with the modes, that of the modes."""
+    out = np.zeros((6 + n_mode, 6 + n_mode))
+    for at in masses:
+        S = np.hstack([rigid(at.x[None, :]), at.shape])
+        out += S.T @ body_block(at.mass, np.zeros(3), at.J) @ S
+    return out
+
+
+def differences(have, want, size):
+    """Largest relative differences of what the masses give from what the mass matrix gives."""
+    scale = np.sqrt(np.concatenate([[want[0, 0]] * 3, [np.trace(want[3:6, 3:6]) / 2 + 1e-300] * 3, np.diag(want)[6:]]))
+    off = abs(have - want) / np.outer(scale, scale)
+    return {'mass': off[:3, :3].max(), 'center of mass': abs(have - want)[:3, 3:6].max() / (want[0, 0] * size),
+            'inertia': off[3:6, 3:6].max(), 'first moments': off[:6, 6:].max(), 'modal masses': off[6:, 6:].max()}
+
+
+# ---- condensed masses: a few points with the integrals of all
+
+
+def root(A):
+    value, axes = np.linalg.eigh(A)
+    value = np.where(value > 1e-13 * abs(value).max(), value, 0)
+    return axes @ np.diag(np.sqrt(value)) @ axes.T
+
+
+def change(A, B):
+    """C, symmetric, with C A C = B."""
+    half = root(A)
+    back = np.linalg.pinv(half, rcond=1e-6, hermitian=True)
+    return back @ root(half @ B @ half) @ back
+
+
+def gram(m, F, J, theta):
+    """Integrals of products of 1, x, y, z and the displacements by modes x, y, z, from masses at points (m: a matrix) that rotate."""
+    S = F.T @ (m @ F)
+    n = theta.shape[2]
+    for k in np.flatnonzero(abs(J).max(axis=(1, 2)) > 0):
+        G = np.zeros((3, F.shape[1]))  # the fields at s from the point: G^T s more
+        G[:, 1:4] = AXES
+        G[:, 4:] = np.cross(theta[k].T[:, None, :], AXES[None, :, :]).transpose(1, 0, 2).reshape(3, 3 * n)
+        S += G.T @ moments(J[k]) @ G
+    return S
+
+
+def fields(x, shape):
+    n = shape.shape[2]
+    return np.hstack([np.ones((len(x), 1)), x, shape[:, :3].transpose(0, 2, 1).reshape(len(x), 3 * n)])
+
+
+def fitted(S, want):
+    """S with the mass, center and inertia, first moments and modal masses that are wanted: places by an affine map, modes by
+    a rigid-body motion and a matrix next to the unit one."""
+    n = (len(S) - 4) // 3
+    S = S * want[0, 0] / S[0, 0]
+    cross = want[3:6, :3] / want[0, 0]
+    center = np.array([cross[2, 1], cross[0, 2], cross[1, 0]])
+    J = want[3:6, 3:6]
+    T = np.eye(len(S))
+    old = S[0, 1:4] / S[0, 0]
+    B = change(S[1:4, 1:4] - S[0, 0] * np.outer(old, old), np.trace(J) / 2 * AXES - J - want[0, 0] * np.outer(center, center))
+    T[1:4, 1:4], T[0, 1:4] = B, center - B @ old
+    S = T.T @ S @ T
+
+    field = np.zeros((3, len(S), 6 + n))  # by direction: what of 1, x, y, z and the modes each motion has there
+    for i in range(3):
+        field[i, 0, i] = 1
+        field[i, 1:4, 3:6] = skew(AXES[i])  # (e_k x r)_i, by r and k
+        field[i, 4 + i::3, 6:] = np.eye(n)
+    have = sum(f.T @ S @ f for f in field)
+    unit = np.sqrt(np.diag(want)[:6])
+    unit = np.outer(unit, unit) + (np.outer(unit, unit) == 0)
+    back = np.linalg.pinv(want[:6, :6] / unit, rcond=1e-12, hermitian=True) / unit
+    part, whole = back @ have[:6, 6:], back @ want[:6, 6:]
+    C = change(have[6:, 6:] - have[:6, 6:].T @ part, want[6:, 6:] - want[:6, 6:].T @ whole)
+    motion = np.vstack([whole - part @ C, C])
+    T = np.eye(len(S))
+    for i in range(3):
+        T[:, 4 + i::3] = field[i] @ motion
+    return T.T @ S @ T
+
+
+def points(S, free):
+    """Equal masses with these integrals: S = sum of m f f^T, f = (1, x, y, z, displacements)."""
+    size = np.sqrt(np.maximum(np.diag(S), 0))
+    live = size > 0
+    scaled = (S / np.where(live, size, 1))[:, live][live] / size[live][:, None]
+    value, axes = np.linalg.eigh(scaled)
+    if value[0] < -1e-9 * value[-1]:
+        raise Refused('the masses cannot be condensed: rotations carry inertia as no body has it (--line, or a lumped mass matrix)')
+    keep = value > 1e-14 * value[-1]
+    upper = np.linalg.qr(np.sqrt(value[keep])[:, None] * axes[:, keep].T, mode='r')
+    upper *= np.sign(upper[0, 0])
+    count = len(upper)
+    F = np.zeros((count, len(S)))
+    F[:, live] = np.sqrt(count / S[0, 0]) * (fft.idct(np.eye(count), axis=0, norm='ortho') @ upper) * size[live]
+    return [Mass(free + k, f[1:4], S[0, 0] / count, np.zeros((3, 3)), np.vstack([f[4:].reshape(-1, 3).T, np.zeros((3, (len(f) - 4) // 3))]))
+            for k, f in enumerate(F)]
+
+
+def condensed(model, M, lumped, want):
+    """At most 4 + 3 n points that stand for all masses: exact where masses are lumped or the same in all directions, else exact in
+    mass, center, inertia, first moments and modal masses."""
+    n = len(model.hz)
+    if lumped:
+        x, shape = np.array([at.x for at in lumped]), np.array([at.shape for at in lumped])
+        m, J = sparse.csr_array(sparse.diags([at.mass for at in lumped])), np.array([at.J for at in lumped])
+    else:
+        x, shape = model.x, model.phi.reshape(len(model.ids), 6, n)
+        m, J = straight(M), turning(M)
+    S = gram(m, fields(x, shape), J, shape[:, 3:])
+    return points(fitted(S, want), max(model.ids) + 1)
+
+
+# ---- the description
+
+
+def listed(text, what, sets=None):
+    """12, 3-7, 1-33/4 (each fourth), SET5 (of sets) with commas between; 12:tip has a name: pairs of number and name."""
+    out = []
+    for item in text.split(','):
+        item, _, name = item.strip().partition(':')
+        found = re.fullmatch(r'(\d+)(?:-(\d+)(?:/([1-9]\d*))?)?', item)
+        if re.fullmatch(r'SET\d+', item) and sets is not None and int(item[3:]) in sets:
+            out += [(node, '') for node in sets[int(item[3:])]]
+        elif found and int(found[2] or found[1]) >= int(found[1]) and re.fullmatch(r'([A-Za-z_]\w*)?', name, re.ASCII):
+            out += [(node, name) for node in range(int(found[1]), int(found[2] or found[1]) + 1, int(found[3] or 1))]
+        else:
+            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; 1-33/4; SET5 of a SET1 card), not %r' % (what, item))
+    return out
+
+
+def scaled(model, M, length, mass):
+    """To SI; K_G, by accelerations, angular ones and spins, too."""
+    n = len(model.ids)
+    model.x *= length
+    model.phi *= np.tile([length] * 3 + [1.0] * 3, n)[:, None]
+    unit = sparse.csr_array(sparse.diags(np.tile([1.0] * 3 + [length] * 3, n) * np.sqrt(mass)))
+    model.K_G = [unit @ A @ unit / (length if k < 3 else 1) for k, A in enumerate(model.K_G)]
+    return sparse.csr_array(unit @ M @ unit)
+
+
+def still_check(model, frame):
+    """Shapes that are rigid-body motions, or move the frame, are no component's."""
+    shape = model.phi.reshape(len(model.ids), 6, -1)
+    most = abs(shape[:, :3]).max(axis=(0, 1))
+    R = rigid(model.x)
+    rows = np.flatnonzero(np.tile([1, 1, 1, 0, 0, 0], len(model.ids)))
+    rest = model.phi[rows] - R[rows] @ np.linalg.lstsq(R[rows], model.phi[rows], rcond=None)[0]
+    for k in range(len(model.hz)):
+        where = 'mode %d (%.4g Hz)' % (k + 1, model.hz[k])
+        if model.hz[k] <= 0 or abs(rest[:, k]).max() < 1e-4 * most[k]:
+            raise Refused('%s is a rigid-body motion: hold the interface (SPC, --frame); its motion is that of the frame' % where)
+        for node in frame:
+            if abs(shape[model.find(node, '--frame'), :3, k]).max() > 1e-5 * most[k]:
+                raise Refused('%s moves node %d of the frame: hold it there (SPC)' % (where, node))
+
+
+def numbers(values, digits=17):
+    """To the last digit."""
+    return ' '.join('%.9g' % v if digits == 9 else repr(v).removesuffix('.0') for v in (np.ravel(values) + 0.0).tolist())
+
+
+def lines_of(model, texts, masses):
+    """The words line, and the nodes that they want beside those with mass."""
+    shape = model.phi.reshape(len(model.ids), 6, -1)
+    words, used = [], []
+    for text in texts:
+        straight = text.startswith('straight:')
+        chain = [model.find(node, '--line') for node, _ in listed(text.removeprefix('straight:'), '--line')]
+        if len(chain) < 2:
+            raise Refused('--line %s: a line has two nodes at least' % text)
+        word = 'line straight' if straight or not abs(shape[chain, 3:]).max() > 0 else 'line'
+        root = ''
+        if model.ids[chain[0]] not in used and not abs(shape[chain[0]]).max() > 0:
+            root = ' frame ' + numbers(model.x[chain[0]])
+            chain = chain[1:]
+        chain = [model.ids[k] for k in chain]
+        for part in range(0, len(chain), 50):  # a line of text holds no more; the next goes on from its last node
+            words.append(word + root + ''.join(' %d' % node for node in chain[max(part - 1, 0):part + 50]))
+            root = ''
+        used += chain
+    for at in masses:
+        if at.grid in used and at.grid != at.node:  # a mass that a node carries at an offset
+            words.append('line %d %d' % (at.grid, at.node))
+        elif at.grid not in used and abs(at.shape).max() > 0:
+            raise Refused('--line: node %d has mass, moves, and is on no line' % at.grid)
+    return words, set(used) - {at.node for at in masses}
+
+
+def extremes(model):
+    """Nodes that are the farthest, or move most by a mode: the limit of deflections goes by them."""
+    shape = model.phi.reshape(len(model.ids), 6, -1)
+    reach = np.linalg.norm(shape[:, :3], axis=1).argmax(axis=0)
+    return {model.ids[k] for k in (np.linalg.norm(model.x, axis=1).argmax(), *reach)}
+
+
+def geometric_words(model):
+    by = np.array([model.phi.T @ (A @ model.phi) for A in model.K_G])
+    return ['geometric %d %d %s' % (a + 1, b + 1, numbers(by[:, a, b])) for a in range(len(model.hz)) for b in range(a + 1)]
+
+
+def written(options, model, masses, lines, extra, marks, figures):
+    """The text of the description."""
+    shape = model.phi.reshape(len(model.ids), 6, -1)
+    none = np.zeros((3, 3))
+    ids = {at.node for at in masses}
+    masses = masses + [Mass(node, model.x[model.at[node]], 0.0, none, shape[model.at[node]])
+                       for node in sorted(({node for node, _ in marks} | extra) - ids)]
+    if len(masses) > NODES:
+        raise Refused('%d nodes, a description holds %d: --condense puts at most %d points in place of all masses%s'
+                      % (len(masses), NODES, 4 + 3 * len(model.hz), ' (not with --line: mesh it more coarsely)' if lines else ''))
+    words = [word.split()[0] for word in options.word]
+    text = ['# From %s by import.py: %s' % (', '.join(os.path.basename(name) for name in options.files or options.matrices), figures),
+            'component', 'modes %d' % len(model.hz), 'frequency_hz ' + numbers(model.hz, model.digits)] + options.word
+    text += ['effects full' if lines or model.K_G else 'effects spin'] if 'effects' not in words else []
+    for at in masses:
+        J = numbers([at.J[0, 0], at.J[1, 1], at.J[2, 2], at.J[0, 1], at.J[0, 2], at.J[1, 2]])
+        text.append('node %d %s %s%s' % (at.node, numbers(at.x), numbers([at.mass]), ' ' + J if np.any(at.J) else ''))
+    for at in masses:
+        text += ['shape %d %d %s' % (k + 1, at.node, numbers(at.shape[:, k], model.digits if at.node in model.at else 17))
+                 for k in range(len(model.hz))]
+    text += [('mark %d %s' % mark).rstrip() for mark in marks] + lines + (geometric_words(model) if model.K_G else [])
+    return '\n'.join(text) + '\n'
+
+
+def masses_for(options, model, M, want):
+    """The masses that are written, and how."""
+    lumped, exact = lumps(model, M)
+    masses = row_sums(model, M) if options.line and not exact else lumped
+    real = [possible(at.J) for at in masses]  # the inertia of a bar about its axis alone is no body's
+    plain = exact and all(abs(J - at.J).max() <= SMALL * abs(at.J).max() for J, at in zip(real, masses))
+    if options.condense or not (options.line or plain):
+        return condensed(model, M, lumped if exact else None, want), 'condensed'
+    for J, at in zip(real, masses):
+        at.J = J
+    return masses, 'lumped' if exact else 'lumped here, for --line'
+
+
+def modal_check(model, have, tolerance):
+    """Shapes are orthogonal with the mass matrix, and have the modal masses of the run that they are of?"""
+    own = np.sqrt(np.diag(have))
+    cross = abs(have / np.outer(own, own) - np.eye(len(have)))
+    a, b = np.unravel_index(cross.argmax(), cross.shape)
+    off = 0 * own if model.modal_mass is None else abs(own**2 / model.modal_mass - 1)
+    why = ('the masses are not those of the run (elements without mass here, PARAM,COUPMASS, a coarse mesh?): export its mass matrix '
+           '(--mass), or --tolerance %.2g' % (1.1 * max(off.max(), cross.max())))
+    if off.max() > tolerance:
+        raise Refused('mode %d has the modal mass %.6g here, %.6g in the .op2: %s'
+                      % (off.argmax() + 1, own[off.argmax()]**2, model.modal_mass[off.argmax()], why))
+    if cross.max() > tolerance:
+        raise Refused('modes %d and %d are orthogonal to %.2g only: %s' % (a + 1, b + 1, cross.max(), why))
+
+
+def convert(options):
+    """Text of the description, and what is told about it."""
+    model, M, basic = from_matrices(options) if options.matrices else from_nastran(options)
+    if options.modes and options.modes > len(model.hz):
+        raise Refused('--modes: %d wanted, %s has %d' % (options.modes, options.files[1], len(model.hz)))
+    keep = options.modes or len(model.hz)
+    if keep > MODES:
+        raise Refused('%d modes, a description holds %d: --modes %d takes the lowest' % (keep, MODES, MODES))
+    model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]
+    model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
+    model.K_G = [basic(matrix(name), name) for name in options.geometric or []]
+    M = scaled(model, M, *options.scale)
+    origin = options.origin.split(',')
+    model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
+    still_check(model, options.frame)
+    S = np.hstack([rigid(model.x), model.phi])
+    want = S.T @ (M @ S)
+    if not want[0, 0] > 0 or abs(want[:3, :3] - want[0, 0] * AXES).max() > 1e-6 * want[0, 0]:
+        raise Refused('the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
+                      % tuple(np.diag(want)[:3]))
+    modal_check(model, want[6:, 6:] / options.scale[1] / options.scale[0]**2, options.tolerance)  # in the units of the run
+    unit = np.concatenate([np.ones(6), 1 / np.sqrt(np.diag(want)[6:])])  # shapes of modal mass 1
+    model.phi, want = model.phi * unit[6:], want * np.outer(unit, unit)
+    masses, how = masses_for(options, model, M, want)
+    off = differences(integrals(masses, keep), want, np.ptp(model.x, axis=0).max())
+    worst = max(off, key=off.get)
+    if off[worst] > (1e-6 if how == 'condensed' else options.tolerance):
+        raise Refused('masses %s: the %s would be off by %.2g: a finer mesh%s, or --tolerance %.2g'
+                      % (how, worst, off[worst], ', no --line' if options.line else '', 1.1 * off[worst]))
+    marks = [mark for text in options.mark for mark in listed(text, '--mark', getattr(model, 'sets', None))]
+    for k, (node, _) in enumerate(marks):
+        model.find(node, '--mark')
+        if node in [other for other, _ in marks[:k]]:
+            raise Refused('--mark: node %d is there twice' % node)
+    if len(marks) > MARKS:
+        raise Refused('--mark: %d nodes, a body of a scene holds %d, one of reduce and analyse 7' % (len(marks), MARKS))
+    lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
+    figures = 'mass %.9g kg, masses %s (%s off by %.1g)' % (want[0, 0], how, worst, off[worst])
+    return written(options, model, masses, lines, extra, marks, figures), figures, model
+
+
+def options_of(arguments):
+    parser = argparse.ArgumentParser(prog='import.py', description='a finite-element model as a component of flexbeam',
+                                     epilog='examples/tools/README.md, Import')
+    add = parser.add_argument
+    add('files', nargs='*', metavar='MODEL.bdf MODES.op2', help='grids and masses; normal modes (SOL 103)')
+    add('--matrices', nargs=2, metavar=('K', 'M'), help='.mtx, .npz, .mat or .op4; FILE:NAME where it has several')
+    add('--nodes', metavar='FILE.csv', help='node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456')
+    add('--out', required=True, metavar='FILE', help='the description')
+    add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6)')
+    add('--frame', default='', metavar='NODES', help='those of the interface: clamped; of an .op2, checked to stand still')
+    add('--origin', default='0,0,0', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0); --origin=-1,0,0')
+    add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
+    add('--line', action='append', default=[], metavar='NODES',
+        help='follow each other along a line, which gives the stiffening: 1-33/4; straight:NODES from displacements alone')
+    add('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz')
+    add('--mass', metavar='FILE', help='mass matrix of all grids (MGG) beside a .bdf (that of the .op2, or lumped elements)')
+    add('--subcase', type=int, metavar='N', help='of the .op2, where it has several')
+    add('--scale', default='1,1', metavar='LENGTH,MASS', help='units of the model in m and kg: 0.001,1000 of mm and t (1,1)')
+    add('--condense', action='store_true', help='a few points in place of all masses, with the same integrals')
+    add('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
+    add('--word', action='append', default=[], metavar='LINE', help="a line of the description: 'damping 0.005'")
+    options = parser.parse_args(arguments)
+    if bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
+        parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE.csv')
+    options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []
+    try:
+        options.scale = [float(x) for x in options.scale.split(',')]
+        origin = [float(x) for x in options.origin.split(',')]
+        if len(options.scale) != 2 or not min(options.scale) > 0 or len(origin) not in (1, 3):
+            raise ValueError
+    except ValueError:
+        parser.error('--scale wants two numbers above 0, --origin three numbers or a node')
+    if options.line and (options.condense or options.geometric):
+        parser.error('--line goes neither with --condense, as masses on lines stay where they are, nor with --geometric')
+    read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
+    if os.path.exists(options.out) and any(os.path.exists(name) and os.path.samefile(options.out, name) for name in read):
+        parser.error('--out: that is what is read')
+    if options.modes is not None and options.modes < 1:
+        parser.error('--modes wants a number from 1')
+    return options
+
+
+def main(arguments):
+    try:
+        options = options_of(arguments)
+        text, figures, model = convert(options)
+        with open(options.out, 'w', encoding='utf-8') as file:
+            file.write(text)
+    except (OSError, Refused) as error:
+        print('import.py:', error, file=sys.stderr)
+        return 1
+    print('%s: %d modes, %.6g to %.6g Hz, %s' % (options.out, len(model.hz), model.hz[0], model.hz[-1], figures))
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

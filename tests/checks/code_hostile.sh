@@ -1,0 +1,59 @@
+#!/bin/sh
+# The generated step (reduce --code, scene --code) bears hostile numbers and flipped bits: tests/checks/code_hostile.c says which and
+# what must come of them. Bodies with polynomial terms on each base, rigid ones, exact lines, trees; with parameters and lanes; under the
+# address and undefined-behavior sanitizers, in both precisions.
+. tests/checks/common.sh
+need gcc gcc
+sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
+try gcc $c99 -O1 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
+try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
+
+# attack WHAT OPTION...: code.h
+texts=0 steps=0 refused=0
+attack() {
+  what=$1
+  shift
+  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 "$@" -I"$out" -o "$out/run" tests/checks/code_hostile.c -lm
+  "$out/run" > "$out/log" 2>&1 || {
+    head -n 20 "$out/log"
+    fail "$what"
+  }
+  texts=$((texts + 1))
+  steps=$((steps + $(tail -n 1 "$out/log" | cut -d ' ' -f 1)))
+  refused=$((refused + $(tail -n 1 "$out/log" | cut -d ' ' -f 2)))
+}
+
+# body SEED EFFECTS BASE OPTIONS [OPTION...]: of reduce, of the compiler
+body() {
+  awk -v seed="$1" -v effects="$2" -v base="$3" -f tests/checks/code.awk > "$out/body.txt"
+  try "$out/reduce" "$out/body.txt" --name generated --code $4 --out "$out/code.h"
+  what="seed $1, $2, $3 $4"
+  shift 4
+  attack "$what" "$@"
+}
+
+# tree NUMBER OPTIONS [OPTION...]: of code_tree.c, of the compiler
+tree() {
+  "$out/write" "$1" $2 > "$out/code.h" || fail "tree $1 is not written"
+  what="tree $1 $2"
+  shift 2
+  attack "$what" -DTREE "$@"
+}
+
+all=stiffness,damping,mass,hub_mass,hub_inertia
+body 3 "full damping" free "" -DNUMBER=double
+body 3 "full damping" free --single -DNUMBER=float
+body 8 "rigid gravity" free "" -DNUMBER=double
+body 5 "full damping gravity" free "--lanes --vary $all --loads 1,2" -DNUMBER=double -DVARY -Dgenerated_LANES=4
+body 5 "full damping gravity" pinned "--vary $all" -DNUMBER=double -DVARY
+body 5 "full damping gravity" prescribed "--single --lanes --vary $all" -DNUMBER=float -DVARY -DPRESCRIBED=1 -Dgenerated_LANES=2
+body 4 "large damping" free "--vary stiffness,damping" -DNUMBER=double -DVARY -DSAMPLE=200
+body 5 "large damping" free --single -DNUMBER=float -DSAMPLE=800
+
+tree 0 "" -DNUMBER=double
+tree 5 --single -DNUMBER=float
+tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
+tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
+tree 12 "" -DNUMBER=double
+tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
+ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"
