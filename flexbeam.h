@@ -1311,7 +1311,7 @@ typedef enum fb_joint_kind {                     /* z, x: axes of the joint fram
 typedef enum fb_axis_mode {
   FB_AXIS_FREE = 0,       /* moves by its spring, damper and motor */
   FB_AXIS_LOCKED = 1,     /* stays as it is */
-  FB_AXIS_PRESCRIBED = 2, /* moves as the input says; a jump of its value is one */
+  FB_AXIS_PRESCRIBED = 2, /* moves as the input says, by value and rate: see fb_drive */
   FB_AXIS_COUNT
 } fb_axis_mode;
 
@@ -1412,6 +1412,10 @@ typedef struct fb_link_motion {
 #endif
 } fb_link_motion;
 
+/* Let the value of a prescribed axis go as its rate says. A jump, in a step or between two, turns what hangs on the axis
+   and keeps its momenta, of joints and modes, in axes that turn, too. At rest that is nothing; where the frame of the
+   joint spins, as that of the pitch bearing of a rotor's blade, the joints and modes further out get speeds that no
+   jump of the bearing would give them, and they grow with the number of modes. */
 typedef struct fb_drive { /* of a joint, by axis */
   /* [N m], [N] of the motor on the child (and back on the parent), of free axes; [0] is the first axis of the joint. An
      axis that the joint does not have has no motor, nor has a free joint: FB_ERR_VALUE unless zero (load a node) */

@@ -18801,17 +18801,19 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
                                         : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
 }
 
-/* Does a prescribed value stay as it is over a step while its rates at both ends go the same way? One input that is
-   held over the step does not tell. */
+/* Does a prescribed value stay as it is over a step while its rates at both ends go the same way, and by more than the
+   value is rounded to? One input that is held over the step does not tell. */
 static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
-                                               const fb_system_input *start, const fb_system_input *end)
+                                               const fb_system_input *start, const fb_system_input *end, fb_real dt)
 {
   for (int j = 0; j < system->n_body + system->n_loop && start && end && start != end; j++) {
     const fb_drive *const a = &start->drive[j], *const b = &end->drive[j];
     const int axes = fbi_is_ball(system->joint[j].kind) ? 0 : system->joint[j].n_axis;
     for (int i = 0; i < axes; i++) {
+      const fb_real rounding = FB_EPSILON * FB_FABS(b->value[i]);
       if (state->mode[j][i] == FB_AXIS_PRESCRIBED && a->value[i] == b->value[i] &&
-          a->rate[i] * b->rate[i] > FB_R(0.0)) {
+          (a->rate[i] > FB_R(0.0)) == (b->rate[i] > FB_R(0.0)) && dt * FB_FABS(a->rate[i]) > rounding &&
+          dt * FB_FABS(b->rate[i]) > rounding) {
         w->joint = j;
         return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
                              "joint: rate of a prescribed axis whose value does not change in the step, equal to", j,
@@ -18847,7 +18849,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   owns = flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
-  status = fbi_drives_check(work, system, state, start, end);
+  status = fbi_drives_check(work, system, state, start, end, dt);
   fbi_system_clear(&work->sum, system, body);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
@@ -19209,7 +19211,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
-    status = fbi_drives_check(work, system, state, start, end);
+    status = fbi_drives_check(work, system, state, start, end, dt);
     status = status ? status : fbi_system_between(&work->between, system, start, end, c);
     first = &work->between;
   }

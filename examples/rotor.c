@@ -250,7 +250,7 @@ static void compare(const char *name, const answer *a, const answer *e, double c
 int main(int argc, char **argv)
 {
   static const fidelity fidelities[] = {
-      {"rigid blades, lag locked", 0, 0, 0}, {"rigid blades", 0, 1, 0}, {"flexible blades", 1, 1, 0}};
+      {"rigid blades, lag locked", 0, 0, 0, 0}, {"rigid blades", 0, 1, 0, 0}, {"flexible blades", 1, 1, 0, 0}};
   const char *out = "rotor.csv";
   char svg[512];
   answer all[3], closed;

@@ -86,7 +86,7 @@ static double flap_frequency(const fidelity *f)
 
 int main(int argc, char **argv)
 {
-  const fidelity rigid = {"rigid blades", 0, 0, 0}, flexible = {"flexible blades", 1, 0, 0};
+  const fidelity rigid = {"rigid blades", 0, 0, 0, 0}, flexible = {"flexible blades", 1, 0, 0, 0};
   double nu, stiff, soft;
   output_begin(PROGRAM);
   if (read_all(argc, argv, help, read_option, &data) != 0) {

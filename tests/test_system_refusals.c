@@ -457,7 +457,8 @@ static fb_status step_prescribed(double value, double first, double middle, doub
 }
 
 /* A prescribed value that stays while its rate says that it moves is refused and named, by all methods and both
-   integrators; one that comes back to where it was, jumps, follows in part, or is held over the step, is not. */
+   integrators; one that moves by less than its rounding, comes back to where it was, jumps, follows in part, or is held
+   over the step, is not. */
 TEST(a_prescribed_value_that_denies_its_rate_is_refused)
 {
   const double dt = 1e-3;
@@ -474,6 +475,7 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
       FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
       FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, dt), FB_OK);
       FBT_INT_EQ(step_prescribed(0.3, 0, 0, 0, dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(0.3, 1e-18, 1e-18, 1e-18, dt), FB_OK);
       FBT_INT_EQ(step_prescribed(0.3, 1, 0, -1, dt), FB_OK);
       if (method != FB_METHOD_MULTIPLIERS) { /* which jump within their tolerance alone */
         FBT_INT_EQ(step_prescribed(0.4, 0, 0, 0, dt), FB_OK);

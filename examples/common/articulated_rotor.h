@@ -15,6 +15,7 @@ typedef struct fidelity { /* of a run */
   const char *name;
   int flexible, lag; /* 0: blades rigid, lag hinge locked */
   double GJ;         /* [N m^2] of blades that also twist, as lines of large deflection; 0: they do not */
+  double zeta;       /* damping ratio of their modes */
 } fidelity;
 
 /* A uniform blade along x, y toward its leading edge: two bending modes of flap, one of lag, perhaps one of torsion,
@@ -32,10 +33,12 @@ static inline void make_bodies(fb_body model[MODELS], const rotor_data *d, const
                             .i_z = (fb_real)(d->mass * d->chord * d->chord / 12)};
   const fb_beam_desc beam = {.length = length, .n_element = 8, .n_station = 1, .station = {plate}};
   const fb_modes_desc keep = {.count = {1, 2, 0, f->GJ > 0}};
-  const unsigned bends = f->GJ > 0 ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL;
+  const unsigned bends =
+      (f->GJ > 0 ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL) | (f->zeta > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u);
   fb_build_desc blade = {
       .n_part = 1,
       .part = {{.n_node = TIP, .node = {[STRIPS] = length}}},
+      .zeta = (fb_real)f->zeta,
       .body = {.effects = f->flexible ? bends : (unsigned)FB_EFFECTS_RIGID, .base = FB_BASE_PRESCRIBED}};
   for (int i = 0; i < STRIPS; i++) {
     blade.part[0].node[i] = (fb_real)(strip_radius(d, i) - d->offset);

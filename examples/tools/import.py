@@ -152,7 +152,7 @@ def held_check(K, R):
     U, size, _ = np.linalg.svd(R / np.where(norm > 0, norm, 1), full_matrices=False)
     U = U[:, size > 1e-6]  # motions that the degrees of freedom have
     most = np.sqrt(np.einsum('ik,ik->k', abs(U), abs(K) @ abs(U)))
-    free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < SMALL))
+    free = int(np.sum(abs(linalg.eigvalsh((U / most).T @ (K @ (U / most)))) < 1e-12))
     if free:
         raise Refused('%d rigid-body motions are free: --frame wants the nodes of the interface, which are clamped '
                       '(or the structure hangs on a mechanism)' % free)
@@ -275,8 +275,8 @@ def masses_of(bdf, model):
             beam = card.pid_ref
             for node in grids[:2]:
                 blocks[model.at[node], 3:, 3:] += beam.Rho() * (beam.I11() + beam.I22()) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
-    if bdf.nsms:
-        raise Refused('NSM cards: their mass is not in that of the elements: export the mass matrix (--mass)')
+    for card in [name for name, is_there in (('NSM', bdf.nsms), ('M2GG', 'M2GG' in ' '.join(bdf.case_control_lines).upper())) if is_there]:
+        raise Refused('%s: its mass is not that of elements: export the mass matrix (--mass)' % card)
     unit = bdf.params['WTMASS'].values[0] if 'WTMASS' in bdf.params else 1.0
     return sparse.csr_array(sparse.block_diag(list(unit * blocks), format='csr'))
 
@@ -542,7 +542,8 @@ def listed(text, what, sets=None):
         elif found and int(found[2] or found[1]) >= int(found[1]) and re.fullmatch(r'([A-Za-z_]\w*)?', name, re.ASCII):
             out += [(node, name) for node in range(int(found[1]), int(found[2] or found[1]) + 1, int(found[3] or 1))]
         else:
-            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; 1-33/4; SET5 of a SET1 card), not %r' % (what, item))
+            raise Refused('%s: node numbers with commas between are wanted (12,20-25,30:tip; 1-33/4; SET5 of a SET1 card), not %r'
+                          % (what, item))
     return out
 
 
@@ -563,10 +564,12 @@ def still_check(model, frame):
     R = rigid(model.x)
     rows = np.flatnonzero(np.tile([1, 1, 1, 0, 0, 0], len(model.ids)))
     rest = model.phi[rows] - R[rows] @ np.linalg.lstsq(R[rows], model.phi[rows], rcond=None)[0]
+    bends = abs(rest).max(axis=0) > 1e-4 * most
+    soft = 1e-3 * model.hz[bends].min(initial=np.inf)  # on a hinge with a spring a body turns as a rigid one, but faster than that
     for k in range(len(model.hz)):
         where = 'mode %d (%.4g Hz)' % (k + 1, model.hz[k])
-        if model.hz[k] <= 0 or abs(rest[:, k]).max() < 1e-4 * most[k]:
-            raise Refused('%s is a rigid-body motion: hold the interface (SPC, --frame); its motion is that of the frame' % where)
+        if model.hz[k] <= 0 or not bends[k] and (not frame or model.hz[k] < soft):
+            raise Refused('%s is a rigid-body motion: hold the interface (SPC) and name its nodes (--frame); such motion is that of the frame' % where)
         for node in frame:
             if abs(shape[model.find(node, '--frame'), :3, k]).max() > 1e-5 * most[k]:
                 raise Refused('%s moves node %d of the frame: hold it there (SPC)' % (where, node))
@@ -621,8 +624,8 @@ def written(options, model, masses, lines, extra, marks, figures):
     shape = model.phi.reshape(len(model.ids), 6, -1)
     none = np.zeros((3, 3))
     ids = {at.node for at in masses}
-    masses = masses + [Mass(node, model.x[model.at[node]], 0.0, none, shape[model.at[node]])
-                       for node in sorted(({node for node, _ in marks} | extra) - ids)]
+    masses = masses + [Mass(node, model.x[model.at[node]], 0.0, none, shape[model.at[node]]) for node in ({node for node, _ in marks} | extra) - ids]
+    masses.sort(key=lambda at: at.node)
     if len(masses) > NODES:
         raise Refused('%d nodes, a description holds %d: --condense puts at most %d points in place of all masses%s'
                       % (len(masses), NODES, 4 + 3 * len(model.hz), ' (not with --line: mesh it more coarsely)' if lines else ''))

@@ -305,6 +305,13 @@ meet('beam, closed form', have['mass'], rho * A * L, 1e-12)
 meet('beam, closed form', np.sort(linalg.eigvalsh(have['J'].reshape(3, 3))), [rho * (Iy + Iz) * L, rho * A * L**3 / 3, rho * A * L**3 / 3], 1e-12)
 meet('beam, closed form', w[0], 1.875104068711961**2 * np.sqrt(E * Iy / (rho * A)) / L**2, 1e-6)
 
+x, K, M = boom(q)  # on a hinge with a spring, whose two nodes are in one place, it turns as a rigid body
+spring = np.diag([1e8, 1e8, 1e8, 1e5, 1e5, 0.5])
+K, M = linalg.block_diag(0 * spring, K), linalg.block_diag(0 * spring, M)
+put(K, range(12), np.kron(two, np.kron(np.eye(2), q) @ spring @ np.kron(np.eye(2), q).T))
+run('--matrices', save('K.mtx', K), save('M.mtx', M), '--nodes', csv('hinge.csv', np.vstack([x[:1], x]), ''), '--frame', 1, '--modes', 4, '--word', 'base prescribed')
+meet('a hinge', np.sqrt(integrals()['K'][0]), np.sqrt(0.5 / (rho * A * L**3 / 3)), 1e-3)
+
 x, K, M = boom(np.eye(3))
 spins = np.zeros((12,) + K.shape)
 middle = (np.arange(n) + 0.5) * l
@@ -385,13 +392,15 @@ for k, end in ends.items():
     put(M, range(6 * k, 6 * k + 6), offset_mass(rho * A * np.linalg.norm(x[20] - x[19]) / 2, end, 0 * J) - np.diag([rho * A * l / 2] * 3 + [0] * 3))
 
 
-def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0):
+def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0, first=None):
     """NAME.op2 of the modes, of these modal masses, the scalar point 1000 too; frequencies and shapes in SI."""
     free = np.arange(6, len(K))
     inverse, phi = linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)], subset_by_index=[len(free) - size, len(free) - 1])
     full = np.zeros((len(K), size))
     full[free] = phi[:, ::-1] / np.sqrt(inverse[::-1]) * np.sqrt(masses)
     w = 1 / np.sqrt(inverse[::-1])
+    if first is not None:
+        full[:, 0] = first
     shape = (turn.T @ full).reshape(n + 1, 6, size).transpose(2, 0, 1) * [1000, 1000, 1000, 1, 1, 1] / np.sqrt(1000) + moves
     grids = np.array([[k + 1, 1] for k in range(n + 1)] + [[1000, 2]], dtype='int32')
     shape = np.concatenate([shape, np.ones((size, 1, 6))], axis=1)
@@ -406,9 +415,9 @@ def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0):
     return w, full
 
 
-def deck(name, norm='MASS', cbeam=None):
+def deck(name, norm='MASS', cbeam=None, also='DISP = ALL'):
     bdf = BDF(debug=None)
-    bdf.sol, bdf.case_control_deck = 103, CaseControlDeck(['DISP = ALL', 'METHOD = 1'])
+    bdf.sol, bdf.case_control_deck = 103, CaseControlDeck([also, 'METHOD = 1'])
     bdf.add_param('WTMASS', 0.5)
     for cid, kind in systems.items():
         getattr(bdf, 'add_cord2' + kind.lower())(cid, origin, origin + z_axis, origin + x_axis)
@@ -573,8 +582,11 @@ refuse('--modes: 9 wanted, .*boom.op2 has 8', *files, *base, '--modes', 9)
 refuse('lumped.mtx has 156 rows, the model 151', *files, *base, '--mass', folder + 'lumped.mtx')
 refuse('0 tables of real modes .*--subcase', *files, *base, '--subcase', 3)
 x, K, M = of_boom
+refuse('M2GG: its mass is not that of elements', deck('m2gg.bdf', also='M2GG = MORE'), files[1], *base)
 nastran('moves', K, M, 8, moves=0.01)
 refuse(r'mode 1 \(.* Hz\) moves node 1 of the frame: hold it there', files[0], folder + 'moves.op2', *base)
+nastran('rigid', K, M, 8, first=rigid(x, 6) @ [1, 2, 3, 0.4, 0.5, 0.6])
+refuse(r'mode 1 \(.* Hz\) is a rigid-body motion: hold the interface \(SPC\) and name', files[0], folder + 'rigid.op2', '--scale', '0.001,1000')
 nastran('hole', K, M, 8, without=(7,))
 nastran('off', K, M, 8, masses=[1] * 6 + [1.1, 1])
 refuse('mode 7 has the modal mass 1.1 here, 1 in the .op2', files[0], folder + 'off.op2', *base)
