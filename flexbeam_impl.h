@@ -14567,28 +14567,22 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
 
 /* [E10.26] A branch in E10.10: with the balance of its first node taken as that of the node it begins at, its elements are
    eliminated like those beyond any node, and the Schur complements of all elements that begin at a node add up there.
-   Elements have greater numbers than those they hang on: backward order needs no fill-in. What a branch leaves (x, n
-   numbers: K or right-hand side) is put aside when its first element is eliminated, and added when its node is reached.
+   Elements have greater numbers than those they hang on: backward order needs no fill-in. Between element k and node k,
+   what a branch leaves (x, n numbers: K or right-hand side) is put aside if k is its first element, and that of the
+   branches which begin at node k is added.
    Source: own; elimination of a tree from its leaves ([GV] 4.5).  Cost: 36 flops a branch.  Fails: never.
    Test: a_beam_of_two_branches_moves_as_the_chain, a_beam_of_two_branches_rests_as_the_chain,
    booms_on_a_free_hub_move_as_a_body_of_two_lines. */
-static void fbi_exact_branch_leave(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
+static FBI_NOINLINE void fbi_exact_branch_pass(fb_real *x, fb_exact_work *work, const fb_exact *m, int k, int n)
 {
-  if (m->inboard[k] == k) {
-    return;
-  }
-  for (int b = 0; b < m->n_branch; b++) {
+  for (int b = 0; b < m->n_branch && m->inboard[k] != k; b++) {
     if (m->branch[b] == k) {
       fbi_copy(work->aside + 36 * b, x, n);
+      fbi_zero(x, n);
     }
   }
-  fbi_zero(x, n);
-}
-
-static void fbi_exact_branch_join(fb_real *x, const fb_exact_work *work, const fb_exact *m, int node, int n)
-{
   for (int b = 0; b < m->n_branch; b++) {
-    if (m->inboard[m->branch[b]] == node) {
+    if (m->inboard[m->branch[b]] == k) {
       fbi_row_sub(x, -FB_R(1.0), work->aside + 36 * b, n);
     }
   }
@@ -14611,18 +14605,18 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
     } else {
       fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     }
-    fbi_exact_branch_join(K, work, m, k + 1, 36);
     fbi_exact_node_jacobian(K, work, m, k + 1);
     fbi_exact_rows_fill(work, m, K, k);
     status = fbi_exact_eliminate(K, work, k);
     if (status != FB_OK) {
       return status;
     }
-    fbi_exact_branch_leave(K, work, m, k, 36);
+    if (m->n_branch > 0) {
+      fbi_exact_branch_pass(K, work, m, k, 36);
+    }
   }
 
   /* the 6x6 block of the root remains */
-  fbi_exact_branch_join(K, work, m, 0, 36);
   fbi_exact_node_jacobian(K, work, m, 0);
   fbi_exact_hold(K, work, m, 0, 6, 0);
   fbi_copy(work->root, K, 36);
@@ -14638,7 +14632,6 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
-    fbi_exact_branch_join(z, work, m, k, 6);
     for (int i = 0; i < 6; i++) {
       b[6 + i] = z[i] - work->B[6 * k + i];
     }
@@ -14655,7 +14648,9 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
     for (int i = 0; i < 12; i++) {
       fbi_vec6_add(z, y[i], work->L + 72 * (k - 1) + 6 * i);
     }
-    fbi_exact_branch_leave(z, work, m, k - 1, 6);
+    if (m->n_branch > 0) {
+      fbi_exact_branch_pass(z, work, m, k - 1, 6);
+    }
   }
 
   /* Back-substitution from the root: (ds, dd2) = y - W dd1 */
@@ -15570,27 +15565,22 @@ FB_DEF fb_status fb_exact_joint_eval(const fb_exact *m, fb_exact_hinge *out, con
 }
 
 /* [E10.12] Pose at the fraction s (0..1) of an element: exp(s theta), then the contribution of the linear variation of
-   the strain, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
+   the strain, (s^2 - s)/2 h (C dF + taper stress), dF = 2 (F2 - stress) - ad(theta)^T dF/6 by E10.7: the inboard node
+   may have loads, lumped bodies and branches.
    Source: own; the strain is linear to this order.  Cost: 200 flops.  Fails: never.
-   Test: points_between_nodes_lie_on_the_curve. */
+   Test: points_between_nodes_lie_on_the_curve, points_beside_a_loaded_node_know_its_load. */
 static void fbi_exact_point(fb_real r[3], fb_real quat[4], const fb_exact *m, const fb_exact_state *state, int k,
                             fb_real s)
 {
   const int root = m->inboard[k];
-  fb_real x[6], dF[6], bend[6], taper[6];
+  fb_real theta[6], x[6], dF[6], y[6], bend[6], taper[6];
   for (int i = 0; i < 6; i++) {
-    x[i] = s * m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * root + i];
+    theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+    x[i] = s * theta[i];
+    dF[i] = FB_R(2.0) * (state->force[6 * k + 6 + i] - state->stress[0][6 * k + i]);
   }
-  if (m->n_branch > 0) { /* a node has loads of other elements, too: by E10.7 */
-    fb_real theta[6], y[6];
-    for (int i = 0; i < 6; i++) {
-      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-      dF[i] = FB_R(2.0) * (state->force[6 * k + 6 + i] - state->stress[0][6 * k + i]);
-    }
-    fbi_adT(y, theta, dF);
-    fbi_vec6_add(dF, -FB_R(1.0) / FB_R(6.0), y);
-  }
+  fbi_adT(y, theta, dF);
+  fbi_vec6_add(dF, -FB_R(1.0) / FB_R(6.0), y);
   fbi_mat66_mul_vec6(bend, m->section + 36 * k, dF);
   fbi_mat66_mul_vec6(taper, m->taper + 36 * k, state->stress[0] + 6 * k);
   for (int i = 0; i < 6; i++) {

@@ -56,8 +56,8 @@ TEST(a_beam_of_two_branches_rests_as_the_chain)
     straight(split);
     desc.root = split ? FB_END_CLAMPED : FB_END_FREE;
     desc.n_support = !split;
-    desc.support[0].node = 4;
-    desc.support[0].held = FB_END_CLAMPED;
+    desc.support[0].node = split ? 0 : 4;
+    desc.support[0].held = split ? 0 : FB_END_CLAMPED;
     desc.gravity[2] = FB_R(-9.81);
     input.w[2] = FB_R(3.0);
     load_node(split ? halves[1] : 1, FB_AXES_BODY, 3.0, 20.0, -9.0);
@@ -117,21 +117,16 @@ TEST(a_beam_of_two_branches_moves_as_the_chain)
   fbt_figure("beam of two branches from its middle in free flight, rates", "the same as one chain", most);
 }
 
-/* A branch at the tip of the chain, without an attitude, is the chain: the same bits. */
+/* E10.26: a branch at the tip of the chain, without an attitude, is the chain, in other units. */
 TEST(a_branch_at_the_tip_is_the_chain)
 {
-  static fb_exact_state whole;
+  fb_real tip[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   for (int split = 0; split < 2; split++) {
     beam(split ? 1.5 : 3.0, split ? 4 : 8, bendy, slim);
     desc.n_branch = split;
-    desc.branch[0].node = desc.branch[0].n_element = 4;
-    for (int k = 0; k <= 8 && split; k++) { /* 3 in both units */
-      desc.place[k] = FB_R(0.0);
-    }
+    desc.branch[0].node = desc.branch[0].n_element = 4 * split;
     desc.gravity[2] = FB_R(-9.81);
-    input.n_load = 1;
-    input.load[0].node = 8;
-    input.load[0].force[1] = FB_R(30.0);
+    load_node(8, FB_AXES_INERTIAL, 0.0, 30.0, 0.0);
     start();
     FBT_INT_EQ(exact.n_branch, 0);
     if (steps(20, 1e-2) != FB_OK) {
@@ -139,11 +134,11 @@ TEST(a_branch_at_the_tip_is_the_chain)
     }
     FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     if (!split) {
-      whole = state;
-      memcpy(whole.r, node[8].position, sizeof node[8].position);
+      memcpy(tip, node[8].position, sizeof tip);
     }
   }
-  FBT_BELOW(fbt_difference(whole.r, node[8].position, 3), FBT_TOL(1e-12, 1e-4));
+  FBT_BELOW(0.05, fbt_largest(node[8].displacement, 3));
+  FBT_BELOW(fbt_difference(tip, node[8].position, 3), FBT_TOL(1e-12, 1e-4));
 }
 
 /* ---- at an angle */
@@ -215,7 +210,7 @@ TEST(points_lie_on_their_branch)
       const double x = (on ? 0.7 : 0.0) + 0.1 + 0.45 * k;
       FBT_INT_EQ(fb_exact_point_eval(&exact, r, quat, &state, (fb_real)x), FB_OK);
       if (on) {
-        FBT_BELOW(fbt_difference(alone[k], r, 3), FBT_TOL(1e-5, 1e-4)); /* E10.12 takes the load's change otherwise */
+        FBT_BELOW(fbt_difference(alone[k], r, 3), FBT_TOL(1e-10, 1e-4));
       } else {
         memcpy(alone[k], r, sizeof r);
       }
@@ -657,11 +652,11 @@ TEST(branches_that_cannot_be_are_refused)
     branch->length = bad == 5 ? FB_R(-1.0) : bad == 6 ? (fb_real)INFINITY : FB_R(0.0);
     branch->attitude[1] = bad == 7 ? (fb_real)NAN : FB_R(0.0);
     desc.n_joint = bad == 8;
-    desc.joint[0].element = 4;
-    desc.joint[0].axis[0] = FB_R(1.0);
+    desc.joint[0].element = bad == 8 ? 4 : 0;
+    desc.joint[0].axis[0] = bad == 8 ? FB_R(1.0) : FB_R(0.0);
     desc.n_support = bad == 9;
-    desc.support[0].node = 5;
-    desc.support[0].held = FB_END_PINNED;
+    desc.support[0].node = bad == 9 ? 5 : 0;
+    desc.support[0].held = bad == 9 ? FB_END_PINNED : 0;
     desc.place[6] = bad == 11 ? FB_R(-0.5) : FB_R(0.0);
     desc.n_branch = bad == 13 ? FB_MAX_LUMPS + 1 : 1;
     FBT_INT_EQ(fb_exact_init(&exact, &desc), bad < 5 || bad == 13   ? FB_ERR_CAPACITY

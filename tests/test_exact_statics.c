@@ -227,6 +227,22 @@ TEST(points_between_nodes_lie_on_the_curve)
   }
 }
 
+/* E10.12: a moment on a node amid: beyond it the line is straight, before it an arc. */
+TEST(points_beside_a_loaded_node_know_its_load)
+{
+  elastica(4);
+  load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
+  input.load[0].node = 2;
+  input.load[0].torque[2] = FB_R(0.8);
+  settle();
+  for (int k = 0; k <= 20; k++) {
+    const double x = k / 20.0, turn = 0.8 * (x < 0.5 ? x : 0.5);
+    fb_real p[3], q[4];
+    FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, (fb_real)x), FB_OK);
+    FBT_NEAR_ABS(2.0 * atan2((double)q[3], (double)q[0]), turn, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
 /* >>exact: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
    nodes, too. */
 TEST(rotations_follow_the_beam_through_whole_turns)
@@ -1008,10 +1024,11 @@ SUITE(exact_statics, RUN(rotations_follow_the_beam_through_whole_turns),
       RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
       RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
       RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
-      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
-      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
-      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(twist_is_that_of_the_stations), RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+      RUN(points_beside_a_loaded_node_know_its_load), RUN(steady_bend_of_an_arc_matches_the_published_tip),
+      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
+      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
+      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(twist_is_that_of_the_stations),
+      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
       RUN(loads_on_tapered_lines_are_exact_at_the_nodes), RUN(any_units_give_the_same_solution),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
       RUN(large_turns_take_increments), RUN(the_roots_rotation_is_within_half_a_turn),

@@ -534,10 +534,69 @@ TEST(refused_exact_beams_name_the_station)
   (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "n_station", -1, 0.0, 1.0);
 }
 
+/* A rod with two branches at its middle, all valid: elements 4 to 6 and 7, 8. */
+static fb_exact_branch *branched(void)
+{
+  fresh();
+  rod.n_branch = 2;
+  for (int b = 0; b < 2; b++) {
+    rod.branch[b].node = 2;
+    rod.branch[b].n_element = 3 - b;
+    rod.branch[b].attitude[0] = rod.branch[b].attitude[3] = 1;
+  }
+  FBT_INT_EQ(fb_exact_init(&exact, &rod), FB_OK);
+  return &rod.branch[1];
+}
+
+/* >>status: descs of exact beams name the branch, and of what is on it the station, node or element. */
+TEST(refused_branches_are_named)
+{
+  const char *const init = "fb_exact_init";
+  const double rest = FB_MAX_EXACT - 7;
+  branched()->node = 8;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "branch: node", 1, 8.0, 7.0);
+  branched()->n_element = FB_MAX_EXACT;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "branch: n_element", 1, FB_MAX_EXACT, rest);
+  branched()->n_station = -1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "branch: n_station", 1, -1.0, 0.0);
+  branched()->n_station = 1;
+  rod.branch[1].station = FB_MAX_STATIONS;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "branch: station", 1, FB_MAX_STATIONS,
+             FB_MAX_STATIONS - 1);
+  branched()->length = -3;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "branch: length [m]", 1, -3.0, 0.0);
+  branched()->length = 9;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "station: x [m] of the last, the length", 1, 10.0, 9.0);
+  branched()->n_element = 1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "joint: elements, not all joints", 1, 0.0, 0.0);
+  branched();
+  rod.n_support = 1;
+  rod.support[0].node = 8;
+  rod.support[0].held = FB_END_PINNED;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "branch: node outboard of its attitude, not held", 1, 0.0,
+             0.0);
+  branched();
+  rod.place[8] = 1;
+  rod.place[9] = 10;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "node: place [m] of both ends of a joint", 8, 1.0, 0.0);
+  branched();
+  rod.n_joint = 1;
+  rod.joint[0].element = 7;
+  rod.joint[0].axis[0] = 1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "joint: element, not that of another joint", 0, 0.0, 0.0);
+  branched();
+  rod.n_branch = FB_MAX_LUMPS + 1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "n_branch", -1, FB_MAX_LUMPS + 1, FB_MAX_LUMPS);
+  branched();
+  rod.n_joint = FB_MAX_LUMPS - 1;
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_CAPACITY, init, "n_joint and branches with an attitude", -1,
+             FB_MAX_LUMPS + 1, FB_MAX_LUMPS);
+}
+
 SUITE(status_detail, RUN(a_success_leaves_the_record_of_the_last_refusal),
       RUN(refused_beams_name_the_station_and_the_field), RUN(refused_modes_name_what_the_beam_lacks),
       RUN(refused_bodies_name_the_field_and_the_mode), RUN(refused_bases_tell_the_number_of_modes),
       RUN(missing_inertia_is_named_by_its_axis), RUN(a_refused_part_is_named_with_what_it_lacks),
       RUN(filled_arrays_without_their_count_are_refused), RUN(refused_steps_name_the_limit),
       RUN(refused_steppers_name_the_field), RUN(refused_systems_name_the_joint_and_what_bounds_a_step),
-      RUN(refused_exact_beams_name_the_station))
+      RUN(refused_exact_beams_name_the_station), RUN(refused_branches_are_named))

@@ -90,16 +90,26 @@ static inline fb_load *beam_tip_load(fb_axes axes)
   return load;
 }
 
-/* The deformed line as rows "x,y,z" of a CSV, a blank line behind it. */
+/* The deformed line as rows "x,y,z" of a CSV, a blank line behind it; then those of branches. */
 static inline void beam_write_shape(FILE *csv, int points)
 {
-  for (int k = 0; k <= points; k++) {
-    fb_real p[3], q[4];
-    if (fb_exact_point_eval(&beam, p, q, &beam_state, beam_desc.length * (fb_real)k / (fb_real)points) == FB_OK) {
-      fprintf(csv, "%.9g,%.9g,%.9g\n", (double)p[0], (double)p[1], (double)p[2]);
+  fb_real begin = 0;
+  for (int line = 0; line <= beam_desc.n_branch; line++) {
+    const fb_real own = line ? beam_desc.branch[line - 1].length : 0, length = own > 0 ? own : beam_desc.length;
+    for (int k = 0; k <= points; k++) {
+      const fb_real x = begin + length * (fb_real)k / (fb_real)points;
+      fb_real p[3], q[4];
+      if (line && k == 0) { /* the place before is the tip of another line */
+        fprintf(csv, "%.9g,%.9g,%.9g\n", (double)beam_node[beam_desc.branch[line - 1].node].position[0],
+                (double)beam_node[beam_desc.branch[line - 1].node].position[1],
+                (double)beam_node[beam_desc.branch[line - 1].node].position[2]);
+      } else if (fb_exact_point_eval(&beam, p, q, &beam_state, x) == FB_OK) {
+        fprintf(csv, "%.9g,%.9g,%.9g\n", (double)p[0], (double)p[1], (double)p[2]);
+      }
     }
+    fputs("\n", csv);
+    begin += length;
   }
-  fputs("\n", csv);
 }
 
 /* A file for writing, or a message. */

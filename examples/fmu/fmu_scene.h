@@ -459,7 +459,7 @@ static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_
   fb_system_state *const system = &state->of.system;
   fb_exact_state *const x = &state->of.exact;
   const size_t bodies = (size_t)s->n_body, joints = bodies + (size_t)s->n_loop;
-  const size_t cells = (size_t)(s->is_exact ? s->exact.desc.n_element : 0), nodes = cells + 1, real = sizeof(fb_real);
+  const size_t cells = (size_t)(s->is_exact ? s->exact.n_all : 0), nodes = cells + 1, real = sizeof(fb_real);
   const size_t head = offsetof(fmu_plant_state, controlling) + (size_t)s->n_control * sizeof state->controlling[0];
   const fmu_span first = {state, head}, alone = {&state->of.body, sizeof state->of.body};
   const fmu_span of_system[] = {{system->link, bodies * sizeof system->link[0]},

@@ -6,19 +6,16 @@
 
 /* ---- reading */
 
-/* node X|tip [NAME] */
-static void scene_read_exact_node(text_file *t, scene_body *body)
+/* node X|tip [NAME], of the chain or of the branch that is described */
+static void scene_read_exact_node(text_file *t, const scene *s, scene_body *body)
 {
   const int k = body->n_node;
   if (k == SCENE_NODES + 1) {
     text_fail(t, "more than %d nodes", SCENE_NODES);
     return;
   }
-  if (text_take(t, "tip")) {
-    body->node_x[k] = HUGE_VAL;
-  } else {
-    body->node_x[k] = text_number(t, "the node's place");
-  }
+  body->node_at[k].on = s->exact.on;
+  body->node_at[k].x = text_take(t, "tip") ? HUGE_VAL : text_number(t, "the node's place");
   if (text_more(t)) {
     text_name(t, "a node", body->node_name[k]);
   }
@@ -29,15 +26,16 @@ static void scene_read_exact_node(text_file *t, scene_body *body)
 /* A line of `body NAME exact`. */
 static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, const char *word)
 {
-  static const char *const once[] = {"length",  "elements", "position",    "attitude", "root", "tip",
-                                     "gravity", "velocity", "dissipation", "spin",     "modes"};
-  for (int k = 0; k < (int)(sizeof once / sizeof *once); k++) {
+  static const char *const once[] = {"length",   "elements",    "attitude", /* a branch has them, too */
+                                     "position", "root",        "tip",      "gravity",
+                                     "velocity", "dissipation", "spin",     "modes"};
+  for (int k = s->exact.on ? 3 : 0; k < (int)(sizeof once / sizeof *once); k++) {
     if (strcmp(word, once[k]) == 0) {
       text_once(t, &body->seen, word);
     }
   }
   if (strcmp(word, "node") == 0) {
-    scene_read_exact_node(t, body);
+    scene_read_exact_node(t, s, body);
   } else {
     exact_line(t, &s->exact, word);
   }
@@ -48,8 +46,9 @@ static void scene_place_exact(text_file *t, scene *s, scene_body *body)
 {
   exact_places(t, &s->exact);
   for (int k = 0; k < body->n_node && !t->failed; k++) {
-    const double x = fmin(body->node_x[k], (double)s->exact.desc.length);
-    body->element_node[k] = exact_nearest(t, &s->exact, x, "a node");
+    exact_spot at = body->node_at[k];
+    at.x = fmin(at.x, exact_length(&s->exact, at.on));
+    body->element_node[k] = exact_nearest(t, &s->exact, &at, "a node");
   }
 }
 
@@ -118,8 +117,8 @@ static void scene_convert_lumps(text_file *t, exact_text *m)
   fb_real R[9], section[9];
   for (int k = 0; k < beam->n_lump; k++) {
     m->desc.lump[k] = beam->lump[k];
-    m->lump_at[k] = (double)beam->length * beam->lump[k].node / beam->n_element;
-    scene_section_axes(R, (fb_real)m->lump_at[k]);
+    m->lump_at[k].x = (double)beam->length * beam->lump[k].node / beam->n_element;
+    scene_section_axes(R, (fb_real)m->lump_at[k].x);
     scene_turn_lump(&m->desc.lump[k], R);
   }
   m->n_lump = beam->n_lump;
@@ -135,7 +134,7 @@ static void scene_convert_lumps(text_file *t, exact_text *m)
     scene_section_axes(section, 0);
     fb_mat33_mul(R, model_beam[0].axes, section);
     scene_turn_lump(hub, R);
-    m->lump_at[m->n_lump++] = 0;
+    m->lump_at[m->n_lump++].x = 0;
   }
 }
 
@@ -172,7 +171,7 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
   }
   body->n_node = model.n_mark + 1;
   for (int k = 0; k < model.n_mark; k++) {
-    body->node_x[k + 1] = model.mark[k].x[0];
+    body->node_at[k + 1].x = model.mark[k].x[0];
   }
   scene_place_exact(t, s, body);
 }
@@ -250,7 +249,7 @@ static void exact_nudged_input(const scene *s, double part, double nudge)
   for (int k = 0; k < input->n_load; k++) {
     exact_scale(input->load[k].force, input->load[k].torque, k < n ? part : nudge);
   }
-  for (int k = 0; k < s->exact.desc.n_element; k++) {
+  for (int k = 0; k < s->exact.n_all; k++) {
     exact_scale(input->line[k].force, input->line[k].torque, part);
   }
 }

@@ -67,9 +67,9 @@ typedef struct scene_body {
   int n_beam, n_drawn;       /* of each of its beams so many, from the root on */
   int on_beam[FB_MAX_NODES]; /* is the node on one of them? */
   char node_name[FB_MAX_NODES][TEXT_NAME];
-  double node_x[FB_MAX_NODES];    /* of an exact beam, and.. */
-  int element_node[FB_MAX_NODES]; /* ..which of its nodes */
-  double tolerance;               /* of `auto`; 0: effects as given */
+  exact_spot node_at[FB_MAX_NODES]; /* of an exact beam, and.. */
+  int element_node[FB_MAX_NODES];   /* ..which of its nodes */
+  double tolerance;                 /* of `auto`; 0: effects as given */
   double position[3], attitude[4], velocity[3], spin[3], q[FB_MAX_MODES], q_dot[FB_MAX_MODES]; /* at the start */
   char warning[sizeof model.warning];
   int n_gauge;

@@ -358,7 +358,7 @@ static void scene_mark_exact(const scene *s, scene_frame *frame)
     scene_line next = {1, {{0}}};
     double at[3];
     scene_seen(s, at, exact_run.node[node].position);
-    scene_seen(s, next.x[0], exact_run.node[node > 0 ? node - 1 : 1].position);
+    scene_seen(s, next.x[0], exact_run.node[node > 0 ? exact_run.beam.inboard[node - 1] : 1].position);
     if (held != FB_END_FREE && held != FB_END_DEFAULT) {
       scene_add_mark(frame, at, (held & FB_END_GUIDED) == FB_END_GUIDED && moves == 0 ? &next : NULL);
     }
@@ -393,7 +393,7 @@ static void scene_mark_joint(const scene *s, scene_frame *frame, const fb_joint_
 /* What the ground holds. */
 static void scene_mark_ground(const scene *s, scene_frame *frame)
 {
-  film.n_line = film.n_part = 2 * s->n_body + s->n_spring;
+  film.n_line = film.n_part = 2 * film.n_body + s->n_spring;
   if (s->is_exact) {
     scene_mark_exact(s, frame);
   } else if (!scene_is_system(s)) {
@@ -415,6 +415,22 @@ static void scene_mark_ground(const scene *s, scene_frame *frame)
   }
 }
 
+/* The chain of an exact beam, or a branch from its node on. */
+static void scene_film_exact(const scene *s, scene_line *line, int on)
+{
+  const fb_exact_desc *const d = &s->exact.desc;
+  int first = 0, n = d->n_element, root = 0;
+  for (int b = 0; b < on; b++) {
+    first += n;
+    n = d->branch[b].n_element;
+    root = d->branch[b].node;
+  }
+  for (int k = 0; k < SCENE_POINTS; k++) {
+    const int along = k * n / (SCENE_POINTS - 1);
+    scene_seen(s, line->x[line->n++], exact_run.node[along > 0 ? first + along : root].position);
+  }
+}
+
 /* Bodies as scene_add_body draws them; joints from node to origin, springs from
    point to point. */
 static void scene_film_frame(const scene *s, double t)
@@ -422,10 +438,9 @@ static void scene_film_frame(const scene *s, double t)
   scene_frame *const frame = &film.frame[film.n];
   memset(frame, 0, sizeof *frame);
   frame->t = t;
-  film.n_body = s->n_body;
-  for (int k = 0; k < SCENE_POINTS && s->is_exact; k++) {
-    const int node = k * exact_run.beam.n / (SCENE_POINTS - 1);
-    scene_seen(s, frame->line[0].x[frame->line[0].n++], exact_run.node[node].position);
+  film.n_body = s->is_exact ? 1 + s->exact.desc.n_branch : s->n_body;
+  for (int l = 0; l < film.n_body && s->is_exact; l++) {
+    scene_film_exact(s, &frame->line[l], l);
   }
   for (int b = 0; b < s->n_body && !s->is_exact; b++) {
     scene_add_body(s, &frame->line[b], b);
@@ -736,12 +751,12 @@ static int scene_check_steps(scene *s, const scene_options *o)
   return 0;
 }
 
-static void scene_warn_placed(scene *s, const char *what, double x, int node, FILE *warn)
+static void scene_warn_placed(scene *s, const char *what, const exact_spot *spot, int node, FILE *warn)
 {
-  const double length = (double)s->exact.desc.length, at = exact_node_place(&s->exact, node);
-  if (fabs(fmin(x, length) - at) > 1e-6 * length) {
-    scene_warn(s, warn, "warning: %s at %.6g is taken at %.6g, the nearest node of %d elements", what, x, at,
-               s->exact.elements);
+  const double length = exact_length(&s->exact, spot->on), at = exact_node_place(&s->exact, spot->on, node);
+  if (fabs(fmin(spot->x, length) - at) > 1e-6 * length) {
+    scene_warn(s, warn, "warning: %s at %.6g is taken at %.6g, the nearest node of %d elements", what, spot->x, at,
+               s->exact.elements[spot->on]);
   }
 }
 
@@ -750,16 +765,16 @@ static void scene_warn_exact(scene *s, FILE *warn)
 {
   const scene_body *const body = &s->body[0];
   for (int k = 1; k < body->n_node; k++) {
-    scene_warn_placed(s, "a node", body->node_x[k], body->element_node[k], warn);
+    scene_warn_placed(s, "a node", &body->node_at[k], body->element_node[k], warn);
   }
   for (int k = 0; k < s->exact.n_lump; k++) {
-    scene_warn_placed(s, "a lump", s->exact.lump_at[k], s->exact.desc.lump[k].node, warn);
+    scene_warn_placed(s, "a lump", &s->exact.lump_at[k], s->exact.desc.lump[k].node, warn);
   }
   for (int k = 0; k < s->exact.n_load; k++) {
-    scene_warn_placed(s, "a load", s->exact.load_at[k], s->exact.input.load[k].node, warn);
+    scene_warn_placed(s, "a load", &s->exact.load_at[k], s->exact.input.load[k].node, warn);
   }
   for (int k = 0; k < s->exact.n_support; k++) {
-    scene_warn_placed(s, "a support", s->exact.support_at[k], s->exact.desc.support[k].node, warn);
+    scene_warn_placed(s, "a support", &s->exact.support_at[k], s->exact.desc.support[k].node, warn);
   }
 }
 

@@ -43,6 +43,12 @@ static const char help[] =
     "    velocity VX VY VZ, spin WX WY WZ       steady motion of the base\n"
     "    load X AXES FX FY FZ [MX MY MZ]        at the node nearest to X; AXES: dead, follower or base\n"
     "    line A B AXES FX FY FZ [MX MY MZ]      per length, from the node nearest to A to that nearest to B\n"
+    "    branch X [N]                  the lines that follow are of a branch that begins at X of the line, or of "
+    "branch N:\n"
+    "                                  length, elements, attitude (of its root to the sections there), station, "
+    "support,\n"
+    "                                  lump, joint, load, line, by places of its own; what is left out is as of the "
+    "line\n"
     "    modes N                       slowest motions to print, 0 to 24 (6)\n"
     "  --out FILE  x, y, z of 201 points along the deformed line; three views beside it as .svg\n"
     "  --linear FILE   A, B, C, D of those slowest motions about the steady state, with names and units: FILE.json, or "
@@ -96,8 +102,7 @@ static void tell_state(void)
 {
   const fb_exact_node *const tip = &beam_node[beam_desc.n_element], *const root = &beam_node[0];
   fb_energy energy = {0};
-  printf("%d elements, %d iterations, %d load increments\n", beam_desc.n_element, beam_work.iterations,
-         beam_work.increments);
+  printf("%d elements, %d iterations, %d load increments\n", beam.n, beam_work.iterations, beam_work.increments);
   printf("%-28s %14s %14s %14s\n", "", "x", "y", "z");
   row("tip position", tip->position, 1);
   row("tip displacement", tip->displacement, 1);
@@ -105,7 +110,15 @@ static void tell_state(void)
   row("  Wiener-Milenkovic", tip->wiener_milenkovic, 1);
   row("force on the root, section", root->force, 1);
   row("moment on the root, section", root->moment, 1);
-  for (int k = 1; k <= beam_desc.n_element; k++) {
+  for (int b = 0, at = beam_desc.n_element; b < beam_desc.n_branch; b++) {
+    char what[40];
+    at += beam_desc.branch[b].n_element;
+    snprintf(what, sizeof what, "branch %d, tip position", b + 1);
+    row(what, beam_node[at].position, 1);
+    row("  displacement", beam_node[at].displacement, 1);
+    row("  rotation [degrees]", beam_node[at].rotation, 180 / pi);
+  }
+  for (int k = 1; k <= beam.n; k++) {
     if (beam.held[k]) {
       printf("support at node %d, on the beam, its section axes\n", k);
       row("  force", beam_node[k].reaction_force, 1);
@@ -113,7 +126,7 @@ static void tell_state(void)
       row("  inner moment, inboard", beam_node[k].moment, 1);
     }
   }
-  for (int k = 0; k < beam.n_joint; k++) {
+  for (int k = 0; k < beam_desc.n_joint; k++) {
     fb_exact_hinge joint = {0};
     (void)fb_exact_joint_eval(&beam, &joint, &beam_state, k);
     printf("joint %d%*s %14.7g degrees, moment %.7g\n", k, k < 10 ? 20 : 19, "", (double)joint.angle * 180 / pi,
@@ -146,7 +159,7 @@ static int read_port(void *ports, int k, const char *option, const char *word)
 {
   fb_exact_port *const port = (fb_exact_port *)ports + k;
   const int kind = port_kind(linear_exact_ports, FB_EXACT_PORT_COUNT, word);
-  const int of_element = kind >= FB_EXACT_PORT_INTERNAL_FORCE, count = beam_desc.n_element + !of_element;
+  const int of_element = kind >= FB_EXACT_PORT_INTERNAL_FORCE, count = beam.n + !of_element;
   port_place place;
   const int is_input = kind < FB_EXACT_PORT_DISPLACEMENT || kind == FB_EXACT_PORT_MOTOR;
   if (kind == FB_EXACT_PORT_COUNT || is_input != (option[2] == 'i')) {
@@ -169,7 +182,7 @@ static int read_port(void *ports, int k, const char *option, const char *word)
     return !place.at[0] ? 0 : fail_port(option, word, "the base has no node");
   }
   port->at = strcmp(place.at, "root") == 0  ? 0
-             : strcmp(place.at, "tip") == 0 ? count - 1
+             : strcmp(place.at, "tip") == 0 ? beam_desc.n_element - of_element
                                             : port_number(place.at, count);
   return port->at >= 0 ? 0 : fail_port(option, word, of_element ? "no such element" : "no such node");
 }

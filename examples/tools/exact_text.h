@@ -4,15 +4,24 @@
 #define EXACT_TEXT_H
 #include "../common/text.h"
 
+typedef struct exact_spot { /* place on a line */
+  double x;
+  int on;
+} exact_spot;
+
 typedef struct exact_text { /* what was read; places want the whole file before they can be used */
   fb_exact_desc desc;
   fb_exact_input input;
   int modes, station_open;
-  int n_load, n_line, n_support, n_lump, n_joint;
-  double load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS], joint_at[FB_MAX_LUMPS];
-  int elements, joint_node[FB_MAX_LUMPS]; /* without joints */
+  int on; /* line that the words are of: 0 the chain, else that branch */
+  int n_station, n_load, n_line, n_support, n_lump, n_joint;
+  exact_spot load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS], joint_at[FB_MAX_LUMPS];
+  exact_spot branch_at[FB_MAX_LUMPS];
+  int joint_node[FB_MAX_LUMPS];       /* without joints, along its line */
+  int elements[FB_MAX_LUMPS + 1];     /* of the lines, without joints */
+  int first[FB_MAX_LUMPS + 1], n_all; /* node x = 0 of a line; numbers of all elements */
   struct {
-    double a, b;
+    exact_spot a, b;
     fb_line_load load;
   } line[64];
 } exact_text;
@@ -94,7 +103,7 @@ static void exact_force(text_file *t, fb_real force[3], fb_real torque[3])
 static int exact_section(text_file *t, exact_text *m, const char *word)
 {
   static const char *const words[] = {"stiffness", "inertia", "mass", "twist", "curvature"};
-  fb_exact_station *const s = &m->desc.station[m->desc.n_station > 0 ? m->desc.n_station - 1 : 0];
+  fb_exact_station *const s = &m->desc.station[m->n_station > 0 ? m->n_station - 1 : 0];
   int k = 0;
   while (k < 5 && strcmp(word, words[k]) != 0) {
     k++;
@@ -128,15 +137,44 @@ static int exact_section(text_file *t, exact_text *m, const char *word)
 
 static void exact_station_line(text_file *t, exact_text *m)
 {
-  if (m->desc.n_station == FB_MAX_STATIONS) {
+  int *const n = m->on ? &m->desc.branch[m->on - 1].n_station : &m->desc.n_station;
+  if (m->n_station == FB_MAX_STATIONS) {
     text_fail(t, "more than %d stations", FB_MAX_STATIONS);
     return;
   }
-  if (m->desc.n_station > 0) { /* what is not given is that of the station before */
-    m->desc.station[m->desc.n_station] = m->desc.station[m->desc.n_station - 1];
+  if (m->n_station > 0) { /* what is not given is that of the station before */
+    m->desc.station[m->n_station] = m->desc.station[m->n_station - 1];
   }
-  m->desc.station[m->desc.n_station++].x = (fb_real)text_number(t, "x of the station");
+  if (m->on && *n == 0) {
+    m->desc.branch[m->on - 1].station = m->n_station;
+  }
+  (*n)++;
+  m->desc.station[m->n_station++].x = (fb_real)text_number(t, "x of the station");
   m->station_open = 1;
+}
+
+static exact_spot exact_spot_read(text_file *t, const exact_text *m, const char *what)
+{
+  exact_spot spot;
+  spot.x = text_number(t, what);
+  spot.on = m->on;
+  return spot;
+}
+
+/* branch X [N]: what follows is of a branch that begins at X of the chain, or of branch N. */
+static void exact_branch(text_file *t, exact_text *m)
+{
+  if (m->desc.n_branch == FB_MAX_LUMPS) {
+    text_fail(t, "more than %d branches", FB_MAX_LUMPS);
+    return;
+  }
+  m->on = 0;
+  m->branch_at[m->desc.n_branch] = exact_spot_read(t, m, "place of the branch");
+  if (text_more(t)) {
+    m->branch_at[m->desc.n_branch].on = text_whole(t, "branch that it begins on", 1, m->desc.n_branch);
+  }
+  m->on = ++m->desc.n_branch;
+  m->station_open = 0;
 }
 
 static void exact_lump(text_file *t, exact_text *m)
@@ -146,7 +184,7 @@ static void exact_lump(text_file *t, exact_text *m)
     text_fail(t, "more than %d lumps", FB_MAX_LUMPS);
     return;
   }
-  m->lump_at[m->n_lump++] = text_number(t, "x of the lump");
+  m->lump_at[m->n_lump++] = exact_spot_read(t, m, "x of the lump");
   lump->mass = (fb_real)text_number(t, "mass");
   if (text_more(t)) {
     text_reals(t, "center x y z", lump->center, 3);
@@ -164,7 +202,7 @@ static void exact_joint(text_file *t, exact_text *m)
     text_fail(t, "more than %d joints", FB_MAX_LUMPS);
     return;
   }
-  m->joint_at[m->n_joint] = text_number(t, "x of the joint");
+  m->joint_at[m->n_joint] = exact_spot_read(t, m, "x of the joint");
   text_reals(t, "axis x y z", joint->axis, 3);
   while (text_more(t)) {
     if (text_take(t, "angle")) {
@@ -199,7 +237,7 @@ static int exact_place(text_file *t, exact_text *m, const char *word)
       text_fail(t, "more than %d loads", FB_MAX_LOADS);
       return 1;
     }
-    m->load_at[m->n_load++] = text_number(t, "x of the load");
+    m->load_at[m->n_load++] = exact_spot_read(t, m, "x of the load");
     load->axes = exact_axes(t);
     exact_force(t, load->force, load->torque);
   } else if (strcmp(word, "line") == 0) {
@@ -207,8 +245,8 @@ static int exact_place(text_file *t, exact_text *m, const char *word)
       text_fail(t, "more than 64 line loads");
       return 1;
     }
-    m->line[m->n_line].a = text_number(t, "begin of the line load");
-    m->line[m->n_line].b = text_number(t, "end of the line load");
+    m->line[m->n_line].a = exact_spot_read(t, m, "begin of the line load");
+    m->line[m->n_line].b = exact_spot_read(t, m, "end of the line load");
     m->line[m->n_line].load.axes = exact_axes(t);
     exact_force(t, m->line[m->n_line].load.force, m->line[m->n_line].load.torque);
     m->n_line++;
@@ -217,7 +255,7 @@ static int exact_place(text_file *t, exact_text *m, const char *word)
       text_fail(t, "more than %d supports", FB_MAX_LUMPS);
       return 1;
     }
-    m->support_at[m->n_support] = text_number(t, "x of the support");
+    m->support_at[m->n_support] = exact_spot_read(t, m, "x of the support");
     m->desc.support[m->n_support++].held = exact_end(t);
   } else if (strcmp(word, "lump") == 0) {
     exact_lump(t, m);
@@ -237,23 +275,39 @@ static void exact_begin(exact_text *m)
   m->modes = 6;
 }
 
-/* A line that begins with that word. */
-static void exact_line(text_file *t, exact_text *m, const char *word)
+/* What a branch has as the chain has it; 0 if the word is none of them. */
+static int exact_own(text_file *t, exact_text *m, const char *word)
 {
+  fb_exact_branch *const branch = m->on ? &m->desc.branch[m->on - 1] : NULL;
   if (strcmp(word, "length") == 0) {
-    m->desc.length = (fb_real)text_number(t, word);
+    *(branch ? &branch->length : &m->desc.length) = (fb_real)text_number(t, word);
   } else if (strcmp(word, "elements") == 0) {
-    m->desc.n_element = text_whole(t, word, 1, FB_MAX_EXACT);
+    *(branch ? &branch->n_element : &m->desc.n_element) = text_whole(t, word, 1, FB_MAX_EXACT);
   } else if (strcmp(word, "station") == 0) {
     exact_station_line(t, m);
-  } else if (strcmp(word, "position") == 0) {
-    text_reals(t, word, m->desc.position, 3);
   } else if (strcmp(word, "attitude") == 0) {
     fb_real turn[3];
     for (int i = 0; i < 3; i++) {
       turn[i] = (fb_real)text_degrees(t, "attitude x y z");
     }
-    fb_quat_from_rotvec(m->desc.attitude, turn);
+    fb_quat_from_rotvec(branch ? branch->attitude : m->desc.attitude, turn);
+  } else {
+    return exact_section(t, m, word) || exact_place(t, m, word);
+  }
+  return 1;
+}
+
+/* A line that begins with that word. */
+static void exact_line(text_file *t, exact_text *m, const char *word)
+{
+  if (strcmp(word, "branch") == 0) {
+    exact_branch(t, m);
+  } else if (exact_own(t, m, word)) {
+    /* read */
+  } else if (m->on && (strcmp(word, "position") == 0 || strcmp(word, "root") == 0 || strcmp(word, "tip") == 0)) {
+    text_fail(t, "%s belongs to the beam that branches begin on: before them", word);
+  } else if (strcmp(word, "position") == 0) {
+    text_reals(t, word, m->desc.position, 3);
   } else if (strcmp(word, "root") == 0) {
     m->desc.root = exact_end(t);
   } else if (strcmp(word, "tip") == 0) {
@@ -268,43 +322,61 @@ static void exact_line(text_file *t, exact_text *m, const char *word)
     m->modes = text_whole(t, word, 0, FB_EXACT_MODES);
   } else if (strcmp(word, "dissipation") == 0) {
     m->desc.dissipation = (fb_real)text_number(t, word);
-  } else if (!exact_section(t, m, word) && !exact_place(t, m, word)) {
+  } else {
     text_fail(t, "no such word for an exact beam: %s", word);
   }
   text_end_of_line(t);
 }
 
-/* Joints inboard of the beam's own node. */
-static int exact_joints_before(const exact_text *m, int node)
+static double exact_length(const exact_text *m, int on)
+{
+  return (double)(on && m->desc.branch[on - 1].length > 0 ? m->desc.branch[on - 1].length : m->desc.length);
+}
+
+/* Is the first element of a line the joint that its attitude makes? */
+static int exact_is_turned(const exact_text *m, int on)
+{
+  const fb_real *const q = m->desc.branch[on ? on - 1 : 0].attitude;
+  return on && q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] > 0;
+}
+
+/* Joints of a line inboard of its own node. */
+static int exact_joints_before(const exact_text *m, int on, int node)
 {
   int n = 0;
-  for (int k = 0; k < m->desc.n_joint; k++) {
-    n += m->joint_node[k] < node;
+  for (int k = 0; k < m->n_joint; k++) {
+    n += m->joint_at[k].on == on && m->joint_node[k] < node;
   }
   return n;
 }
 
-/* Nearest node; where joints are, the one inboard of them. */
-static int exact_nearest(text_file *t, const exact_text *m, double x, const char *what)
+/* Nearest of the line's own nodes. */
+static int exact_own_node(text_file *t, const exact_text *m, const exact_spot *at, const char *what)
 {
-  const double L = (double)m->desc.length;
-  int node;
-  if (!(x >= -1e-9 * L && x <= L * (1 + 1e-9))) {
-    text_fail(t, "%s at %g is not on the beam", what, x);
+  const double L = exact_length(m, at->on);
+  if (!(at->x >= -1e-9 * L && at->x <= L * (1 + 1e-9))) {
+    text_fail(t, "%s at %g is not on the %s", what, at->x, at->on ? "branch" : "beam");
     return 0;
   }
-  node = (int)lround(x / L * m->elements);
-  return node + exact_joints_before(m, node);
+  return (int)lround(at->x / L * m->elements[at->on]);
 }
 
-/* Place of a node. */
-static inline double exact_node_place(const exact_text *m, int node)
+/* Nearest node; where joints are, the one inboard of them, but outboard of what a branch is turned by. */
+static int exact_nearest(text_file *t, const exact_text *m, const exact_spot *at, const char *what)
 {
-  int before = 0;
-  for (int k = 0; k < m->desc.n_joint; k++) {
-    before += m->desc.joint[k].element < node;
+  const int own = exact_own_node(t, m, at, what), along = own + exact_joints_before(m, at->on, own);
+  return along == 0 && at->on && !exact_is_turned(m, at->on) ? m->desc.branch[at->on - 1].node
+                                                             : m->first[at->on] + along;
+}
+
+/* Place on its line of a node that exact_nearest gave. */
+static inline double exact_node_place(const exact_text *m, int on, int node)
+{
+  int own = node - m->first[on];
+  for (int k = 0; k < m->n_joint; k++) {
+    own -= m->joint_at[k].on == on && m->desc.joint[k].element < node;
   }
-  return (double)m->desc.length * (node - before) / m->elements;
+  return own > 0 ? exact_length(m, on) * own / m->elements[on] : 0;
 }
 
 static int exact_is_joint(const exact_text *m, int element)
@@ -316,24 +388,60 @@ static int exact_is_joint(const exact_text *m, int element)
   return is;
 }
 
-/* Joints become elements between those that the file counts. */
-static void exact_joints(text_file *t, exact_text *m)
+/* Joints of a line become elements between those that the file counts; so does what turns a branch, before them. */
+static void exact_joints(text_file *t, exact_text *m, int on)
 {
-  m->elements = m->desc.n_element;
+  int *const n = on ? &m->desc.branch[on - 1].n_element : &m->desc.n_element;
+  int joints = exact_is_turned(m, on);
+  *n = *n > 0 ? *n : m->elements[0];
+  m->elements[on] = *n;
+  m->first[on] = m->n_all + joints;
   for (int k = 0; k < m->n_joint; k++) {
-    m->joint_node[k] = exact_nearest(t, m, m->joint_at[k], "a joint");
+    if (m->joint_at[k].on == on) {
+      m->joint_node[k] = exact_own_node(t, m, &m->joint_at[k], "a joint");
+      joints++;
+    }
   }
-  if (m->elements + m->n_joint > FB_MAX_EXACT) {
-    text_fail(t, "elements and joints are more than %d", FB_MAX_EXACT);
-    return;
-  }
-  m->desc.n_joint = m->n_joint;
-  m->desc.n_element += m->n_joint;
+  *n += joints;
+  m->n_all += *n;
   for (int k = 0; k < m->n_joint; k++) {
     int *const element = &m->desc.joint[k].element;
-    *element = m->joint_node[k];
+    if (m->joint_at[k].on != on) {
+      continue;
+    }
+    *element = m->first[on] + m->joint_node[k];
     for (int j = 0; j < m->n_joint; j++) {
-      *element += m->joint_node[j] < m->joint_node[k] || (j < k && m->joint_node[j] == m->joint_node[k]);
+      *element += m->joint_at[j].on == on &&
+                  (m->joint_node[j] < m->joint_node[k] || (j < k && m->joint_node[j] == m->joint_node[k]));
+    }
+  }
+  if (on) {
+    m->desc.branch[on - 1].node = exact_nearest(t, m, &m->branch_at[on - 1], "a branch");
+  }
+}
+
+/* A line load, on the elements between two nodes. */
+static void exact_line_load(text_file *t, exact_text *m, int l)
+{
+  const int on = m->line[l].a.on, node = exact_nearest(t, m, &m->line[l].a, "a line load");
+  const int a = node < m->first[on] ? m->first[on] : node, b = exact_nearest(t, m, &m->line[l].b, "a line load");
+  if (a >= b) {
+    text_fail(t, "a line load from %g to %g covers no element", m->line[l].a.x, m->line[l].b.x);
+  }
+  for (int k = a; k < b && k < m->n_all; k++) {
+    fb_line_load *const line = &m->input.line[k];
+    const fb_real *const f = line->force, *const c = line->torque;
+    const int taken = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + c[0] * c[0] + c[1] * c[1] + c[2] * c[2] > 0;
+    if (exact_is_joint(m, k)) {
+      continue;
+    }
+    if (taken && line->axes != m->line[l].load.axes) {
+      text_fail(t, "line loads of different axes overlap");
+    }
+    line->axes = m->line[l].load.axes;
+    for (int i = 0; i < 3; i++) {
+      line->force[i] += m->line[l].load.force[i];
+      line->torque[i] += m->line[l].load.torque[i];
     }
   }
 }
@@ -349,41 +457,29 @@ static void exact_places(text_file *t, exact_text *m)
     text_fail(t, "no station");
     return;
   }
-  exact_joints(t, m);
+  m->desc.n_joint = m->n_joint;
+  for (int on = 0; on <= m->desc.n_branch; on++) {
+    exact_joints(t, m, on);
+  }
+  if (m->n_all > FB_MAX_EXACT) {
+    text_fail(t, "elements%s are more than %d", m->n_joint + m->desc.n_branch > 0 ? ", joints and branches" : "",
+              FB_MAX_EXACT);
+    return;
+  }
   m->input.n_load = m->n_load;
   m->desc.n_support = m->n_support;
   m->desc.n_lump = m->n_lump;
   for (int k = 0; k < m->n_load; k++) {
-    m->input.load[k].node = exact_nearest(t, m, m->load_at[k], "a load");
+    m->input.load[k].node = exact_nearest(t, m, &m->load_at[k], "a load");
   }
   for (int k = 0; k < m->n_support; k++) {
-    m->desc.support[k].node = exact_nearest(t, m, m->support_at[k], "a support");
+    m->desc.support[k].node = exact_nearest(t, m, &m->support_at[k], "a support");
   }
   for (int k = 0; k < m->n_lump; k++) {
-    m->desc.lump[k].node = exact_nearest(t, m, m->lump_at[k], "a lump");
+    m->desc.lump[k].node = exact_nearest(t, m, &m->lump_at[k], "a lump");
   }
   for (int l = 0; l < m->n_line; l++) {
-    const int a = exact_nearest(t, m, m->line[l].a, "a line load"),
-              b = exact_nearest(t, m, m->line[l].b, "a line load");
-    if (a >= b) {
-      text_fail(t, "a line load from %g to %g covers no element", m->line[l].a, m->line[l].b);
-    }
-    for (int k = a; k < b && k < m->desc.n_element; k++) {
-      fb_line_load *const line = &m->input.line[k];
-      const fb_real *const f = line->force, *const c = line->torque;
-      const int taken = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + c[0] * c[0] + c[1] * c[1] + c[2] * c[2] > 0;
-      if (exact_is_joint(m, k)) {
-        continue;
-      }
-      if (taken && line->axes != m->line[l].load.axes) {
-        text_fail(t, "line loads of different axes overlap");
-      }
-      line->axes = m->line[l].load.axes;
-      for (int i = 0; i < 3; i++) {
-        line->force[i] += m->line[l].load.force[i];
-        line->torque[i] += m->line[l].load.torque[i];
-      }
-    }
+    exact_line_load(t, m, l);
   }
 }
 #endif

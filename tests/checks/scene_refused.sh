@@ -484,6 +484,19 @@ exact 2 "start_spin of a clamped root" << END
   node tip
   start_spin 0 0 1
 END
+exact 2 "tip belongs to the beam that branches begin on" << END
+  branch 1
+  tip pinned
+END
+exact 1 "branch that it begins on" << END
+  branch 0 1
+END
+exact 4 "gravity of a body under that of the scene" << END
+  branch 0
+  attitude 0 0 90
+  length 2
+  gravity 0 0 -1
+END
 exact 1 "an exact beam has no modes" << END
   start_mode 2 1
 END
