@@ -33,7 +33,7 @@ int main(void)
     desc.allow_split_effects = 1;
 #if FB_WITH_ROTORS
     desc.n_rotor = effects[k] == FB_EFFECT_ROTORS; /* the effect of what it describes */
-    desc.rotor[0].axis[2] = desc.rotor[0].inertia = 1;
+    desc.rotor[0].axis[2] = desc.rotor[0].inertia = (fb_real)desc.n_rotor;
 #endif
     status = fb_body_init(&body, &work, &shape, &desc);
     if (status != fb_effects_check(desc.effects) || (status != FB_OK && status != FB_ERR_EFFECTS)) {

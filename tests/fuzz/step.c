@@ -381,6 +381,12 @@ static int build_system(bytes *b)
   desc.spring[0].stiffness = FB_FABS(take_part(b, 100.0));
   desc.spring[0].damping = FB_FABS(take_part(b, 1.0));
   desc.spring[0].length = FB_FABS(take_part(b, 1.0));
+  if (desc.n_loop == 0) {
+    memset(&desc.loop[0], 0, sizeof desc.loop[0]);
+  }
+  if (desc.n_spring == 0) {
+    memset(&desc.spring[0], 0, sizeof desc.spring[0]);
+  }
   if (take_byte(b) > 240) {
     spoil(&desc, sizeof desc, b);
   }
@@ -507,9 +513,11 @@ static int build_exact(bytes *b)
   desc.root = take_byte(b) & 1 ? take_below(b, 65) : FB_END_DEFAULT;
   desc.tip = take_byte(b) & 1 ? take_below(b, 65) : FB_END_DEFAULT;
   desc.n_lump = take_byte(b) & 1;
-  desc.lump[0].node = 1;
-  desc.lump[0].mass = FB_R(2.0);
-  desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(1.0);
+  if (desc.n_lump > 0) {
+    desc.lump[0].node = 1;
+    desc.lump[0].mass = FB_R(2.0);
+    desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(1.0);
+  }
   desc.n_joint = take_below(b, 3);
   for (int k = 0; k < desc.n_joint; k++) {
     desc.joint[k].element = take_below(b, 4);
