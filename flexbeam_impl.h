@@ -300,6 +300,7 @@ static int fbi_is_exact(void)
 #define FBI_NOT_NEGATIVE(x, n, what) FBI_NUMBER(x, n, FB_R(0.0), FB_HUGE, what ", at least")
 #define FBI_AT_LEAST(have, least, what) FBI_COUNT(have, least, have, what ", at least")
 #define FBI_AT_MOST(have, most, what) FBI_COUNT(have, have, most, what ", at most")
+#define FBI_INDEX(have, n, what) FBI_COUNT(have, 0, (n) > 0 ? (n)-1 : -1, what ", beyond") /* of n of any value */
 #define FBI_LENGTH(table) ((int)(sizeof(table) / sizeof *(table)))
 
 typedef struct fbi_number { /* n numbers between least and most */
@@ -22038,7 +22039,7 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
   if (desc->lowest > 0) {
     fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
-      return FBI_REFUSE_ROOM(work->found.n + desc->lowest);
+      return FBI_REFUSE_ROOM((fb_real)work->found.n + (fb_real)desc->lowest);
     }
     status = fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest);
     if (status != FB_OK) {
@@ -24191,7 +24192,7 @@ FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
     FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
   }
   for (int k = 0; k < n; k++) {
-    const fbi_count there[] = {FBI_COUNT(coordinate[k], 0, shape->n - 1, "coordinate: of the shape, beyond")};
+    const fbi_count there[] = {FBI_INDEX(coordinate[k], shape->n, "coordinate: of the shape")};
     const fbi_count ascending[] = {
         FBI_AT_LEAST(coordinate[k], k == 0 ? 0 : coordinate[k - 1] + 1, "coordinate: ascending")};
     FBI_REQUIRE_COUNT(there, FB_ERR_CAPACITY, k);
@@ -24246,8 +24247,7 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   const fb_real *const p = pchi ? pchi : none, *const h = hchi ? hchi : none, *const G = Gamchi ? Gamchi : none;
   FBI_REQUIRE(shape, FB_ERR_NULL);
   {
-    const fbi_count count[] = {FBI_COUNT(a, 0, shape->n - 1, "a, a coordinate, beyond"),
-                               FBI_COUNT(b, 0, shape->n - 1, "b, a coordinate, beyond")};
+    const fbi_count count[] = {FBI_INDEX(a, shape->n, "a, a coordinate"), FBI_INDEX(b, shape->n, "b, a coordinate")};
     FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
   }
   {
@@ -24306,12 +24306,18 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
   {
-    const int ndof = modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam);
+    const fbi_count count[] = {
+        FBI_COUNT(modes->n, 0, shape->n, "count of modes, 0 to coordinates of the shape, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
+  {
     const fbi_count room[] = {
-        FBI_COUNT(modes->n, 0, shape->n, "count of modes, 0 to coordinates of the shape, beyond"),
         FBI_COUNT(first, 0, shape->n - modes->n, "first, 0 to n of the shape less modes, beyond")};
-    const fbi_count alike[] = {FBI_COUNT(modes->ndof, ndof, ndof, "modes, of this beam: ndof, equal to")};
     FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
+  }
+  {
+    const int ndof = modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam);
+    const fbi_count alike[] = {FBI_COUNT(modes->ndof, ndof, ndof, "modes, of this beam: ndof, equal to")};
     FBI_REQUIRE_COUNT(alike, FB_ERR_VALUE, -1);
   }
   return FB_OK;
@@ -25539,8 +25545,11 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(gauge && beam && modes, FB_ERR_NULL);
   {
+    const fbi_count count[] = {FBI_COUNT(modes->n, 0, FB_MAX_MODES, "count of modes, 0 to FB_MAX_MODES, beyond")};
+    FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
+  }
+  {
     const fbi_count room[] = {
-        FBI_COUNT(modes->n, 0, FB_MAX_MODES, "count of modes, 0 to FB_MAX_MODES, beyond"),
         FBI_COUNT(first, 0, FB_MAX_MODES - modes->n, "first, 0 to FB_MAX_MODES less modes, beyond")};
     FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
   }
@@ -26711,7 +26720,7 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
   for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
     const fb_rotor *const rotor = &desc->rotor[r];
     const fb_real length = fbi_vec3_norm(rotor->axis);
-    const fbi_count node[] = {FBI_COUNT(rotor->node, 0, shape->n_node - 1, "rotor: node, beyond")};
+    const fbi_count node[] = {FBI_INDEX(rotor->node, shape->n_node, "rotor: node")};
     const fbi_number field[] = {FBI_ANY(rotor->axis, 3, "rotor: axis"),
                                 FBI_NOT_NEGATIVE(&rotor->inertia, 1, "rotor: inertia [kg m^2]"),
                                 FBI_NOT_NEGATIVE(&rotor->damping, 1, "rotor: damping [N m s]"),
@@ -27370,7 +27379,7 @@ static fb_status fbi_build_counts_check(fb_build_work *work, const fb_build_desc
   work->part = -1;
   for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
     const fb_part *const part = &desc->part[k];
-    const fbi_count count[] = {FBI_COUNT(part->beam, 0, n_beam - 1, "part: beam, beyond"),
+    const fbi_count count[] = {FBI_INDEX(part->beam, n_beam, "part: beam"),
                                FBI_COUNT(part->n_node, 0, FB_MAX_NODES, "part: n_node, 0 to FB_MAX_NODES, beyond")};
     const fbi_count filled[] = {
         FBI_COUNTED(part->n_node, !fbi_is_zero(part->node, 1), "part: n_node, 1 where node[0] is filled")};
@@ -27809,7 +27818,7 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
     return status;
   }
   for (int k = 0; k < desc->n_body; k++) {
-    const fbi_count model[] = {FBI_COUNT(desc->model[k], 0, n_model - 1, "body: model, of n_model, beyond")};
+    const fbi_count model[] = {FBI_INDEX(desc->model[k], n_model, "body: model, of n_model")};
     status = fbi_counts_check(FB_ERR_CAPACITY, model, FBI_LENGTH(model), k);
     if (status != FB_OK) {
       return status;
