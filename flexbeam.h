@@ -2251,8 +2251,9 @@ typedef struct fb_beam { /* a checked desc */
 } fb_beam;
 
 /* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. An array of a desc
-   whose count is 0 holds nothing: FB_ERR_VALUE, here and in every _init, _solve, _join and _build, if its first entry
-   (of points the second) is filled, for the count was forgotten. To drop the entries, zero them, too. */
+   whose count is 0 holds nothing: FB_ERR_VALUE if its first entry is filled (of points the second), for the count was
+   forgotten; to drop the entries, zero them, too. So with lumps and points here, load, boundary, weld, part and its
+   node, rotor, loop, spring, and support, lump and joint of exact beams. */
 FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
 /* Section properties at x: linear between stations, constant beyond the first and the last. */
 FB_API void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x);
