@@ -3221,6 +3221,8 @@ typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur
   fb_real frequency; /* [rad/s] of the excitation: 0 steady, FB_HUGE a step load, else the highest that matters */
   int smooth;        /* 1: it begins and ends as 1 - cos, which leaves less vibration of faster modes; 0: as a sine */
   fb_real duration;  /* [s] of the simulation */
+  fb_real lasts;     /* [s] from the start after which nothing acts: no loads, no spin, a base at rest; at least the
+                         duration: all of that has no end; 0: not known, or some of it stays */
   fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
   int node;          /* the output is the elastic displacement of this node */
 #if FB_WITH_ROTORS
@@ -3250,7 +3252,7 @@ typedef struct fb_advice {
      unless effects have FB_EFFECT_LARGE_DEFLECTION */
   fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
-  fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
+  fb_real error; /* by simulation (fb_advice_search), else the sum of the four, modes and step as squares */
 } fb_advice;
 
 #define FBI_ADVICE_SETS 11
@@ -3314,15 +3316,16 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 } fb_advice_work;
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most four fifths of
-   the tolerance (relative to the largest output). error_model uses at most 0.7 of the tolerance; if it is larger, error
-   exceeds the tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK)
-   and no load case buckles it or bends it by more than five lengths. A step of fb_exponential_step with it is one that
-   the deflections of the load cases allow; a run that bends much farther is refused (FB_ERR_STEP).
+   the tolerance (relative to the largest output), those of modes and step as squares unless the drive is steady.
+   error_model uses at most 0.7 of the tolerance; if it is larger, error exceeds the tolerance, and large deflection is
+   advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no load case buckles it or bends it by
+   more than five lengths. A step of fb_exponential_step with it is one that the deflections of the load cases allow; a
+   run that bends much farther is refused (FB_ERR_STEP).
    The estimates compare the accelerations of each set at the extremes of the envelope, and the motion of the body with
    and without some modes, linear, while its base recoils: bounded work, no simulation. They are often wrong by a factor
    of three. shape: natural modes of each appendage, more than will be needed; modes are taken in the order of what they
    matter to the output, also those of other appendages by the recoil.
-   FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
+   FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency, frame or lasts, duration or
    tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
    natural modes, a rotor has an imbalance, or rotors couple the modes too much for an estimate; FB_ERR_STEP: no
    integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
@@ -3395,7 +3398,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           It measures the quadratic field by the lines, where a body has any, and foresees exponential steps with large
-          deflection: fb_envelope.smooth, fb_advice.line_points.
+          deflection: fb_envelope.smooth, .lasts, fb_advice.line_points. Errors of modes and steps add as squares.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
           descriptions of bodies have them.

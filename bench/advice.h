@@ -15,6 +15,9 @@ static void fbb_envelope(fb_envelope *e, const fbb_case *c)
   double angle = 0.0;
   memset(e, 0, sizeof *e);
   e->duration = (fb_real)c->duration;
+  if (c->drive == fbb_drive_slew || c->drive == fbb_drive_shake) { /* from rest to rest */
+    e->lasts = (fb_real)c->period;
+  }
   e->frame = (fb_real)(c->duration / FBB_SAMPLES);
   e->frequency = c->period > 0.0 ? (fb_real)(2 * FBB_PI * per_turn / c->period) : FB_HUGE;
   e->smooth = c->drive == fbb_drive_spinup || c->drive == fbb_drive_flap || c->drive == fbb_drive_shake ||

@@ -191,10 +191,13 @@ static void fbb_several_input(fb_input *input, const fbb_several *c, double t)
   }
 }
 
-/* What happens at most, as an engineer would estimate it: the body turns as a rigid one. */
+/* What happens at most, as an engineer would estimate it: the body turns about the hub as a rigid one, by the integral
+   of the moment over half its period, and not at all after it. */
 static void fbb_several_envelope(fb_envelope *e, const fbb_several *c)
 {
-  double J[3] = {c->hub_inertia, c->hub_inertia, c->hub_inertia}, x[3] = {0}, moment[3];
+  const fb_real hub = (fb_real)c->hub_inertia;
+  fb_real J[9] = {hub, 0, 0, 0, hub, 0, 0, 0, hub}, x[3] = {0}, moment[3], scale[3];
+  int perm[3];
   fb_input input;
   memset(e, 0, sizeof *e);
   fbb_several_input(&input, c, 0.25 * c->period);
@@ -202,22 +205,25 @@ static void fbb_several_envelope(fb_envelope *e, const fbb_several *c)
   e->load[0] = input.load[0];
   e->frequency = (fb_real)(2 * FBB_PI / c->period);
   e->duration = (fb_real)c->duration;
+  e->lasts = (fb_real)c->period;
   e->frame = (fb_real)(c->duration / FBB_SAMPLES);
   e->node = c->output;
   for (int k = 0; k < c->n_beam; k++) {
     const double L = c->beam[k].length, mL2 = c->beam[k].mass * L * L * L / 3;
-    const double along[2] = {cos(c->beam[k].turn), sin(c->beam[k].turn)};
-    J[0] += mL2 * along[1] * along[1];
-    J[1] += mL2 * along[0] * along[0];
-    J[2] += mL2;
-    x[0] += c->at == k + 1 ? L * along[0] : 0.0;
-    x[1] += c->at == k + 1 ? L * along[1] : 0.0;
+    const double along[3] = {cos(c->beam[k].turn), sin(c->beam[k].turn), 0};
+    for (int i = 0; i < 9; i++) {
+      J[i] += (fb_real)(mL2 * ((i % 4 == 0) - along[i / 3] * along[i % 3]));
+    }
+    for (int i = 0; i < 3 && c->at == k + 1; i++) {
+      x[i] = (fb_real)(L * along[i]);
+    }
   }
+  fb_vec3_cross(moment, x, input.load[0].force);
   for (int i = 0; i < 3; i++) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    moment[i] = c->torque[i] + x[j] * c->force[k] - x[k] * c->force[j];
-    e->spin[i] = (fb_real)(fabs(moment[i]) / J[i] * c->period / FBB_PI);
+    moment[i] = (moment[i] + input.load[0].torque[i]) * (fb_real)(c->period / FBB_PI);
   }
+  fbb_check(fb_lu_factor(J, perm, scale, 3), c->name);
+  fb_lu_solve(e->spin, J, perm, moment, 3);
 }
 
 typedef struct fbb_several_trial { /* what the library's trials run */

@@ -507,6 +507,26 @@ TEST(sets_err_by_the_change_of_frequency)
   }
 }
 
+/* E13.2, E13.3: the phase of what swings goes wrong as long as something acts: what a spin that lasts a quarter of the
+   time does to the frequency (r, E12.3) takes a quarter of the phase. Where a set errs at rest, too, it goes on. */
+TEST(sets_err_as_long_as_something_acts)
+{
+  const double part[3] = {1.0, 0.5, 0.25};
+  double error[3], r;
+  for (int k = 0; k < 3; k++) {
+    boom_under_a_force(1e-3, 0, 1);
+    envelope.spin[1] = FB_R(0.4);
+    envelope.frequency = FB_R(0.1);
+    envelope.lasts = (fb_real)(part[k] * (double)envelope.duration);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
+    error[k] = (double)work.error[0];
+  }
+  r = (squared_frequency(FB_EFFECTS_FULL, envelope.spin) - (double)shape.K[0]) / (double)shape.K[0];
+  FBT_NEAR_REL(2.0 * error[2] - error[1], r, 0.02);
+  FBT_NEAR_REL(error[1] - error[2], 0.25 * r * (double)work.ringing, 0.02);
+  FBT_NEAR_REL(error[0] - error[1], 0.5 * r * (double)work.ringing, 0.02);
+}
+
 /* E13.4: the estimate of what every modal body is off by, of the order of what the exact beam says, under a dead force
    that bends the boom by a tenth and a fifth of its length. */
 TEST(advice_knows_where_modes_end)
@@ -894,7 +914,8 @@ TEST(advice_counts_loads_through_other_modes)
 
 SUITE(advise_formulas, RUN_FORMS(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_body_of_their_own),
       RUN(selection_refuses_nonsense), RUN(advice_estimates_the_deflection), RUN(modes_err_by_what_gives_way),
-      RUN(sets_err_by_the_change_of_frequency), RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
+      RUN(sets_err_by_the_change_of_frequency), RUN(sets_err_as_long_as_something_acts),
+      RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
       RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),
       RUN(modes_answer_as_oscillators), RUN(a_rate_too_small_to_matter_changes_no_advice), RUN(advice_knows_no_axes),
       RUN(advice_takes_as_many_modes_as_there_can_be), RUN(modes_are_taken_by_what_they_give),

@@ -113,22 +113,23 @@ TEST(integrators_have_their_scenes)
   }
 }
 
-/* What is advised adds up to the tolerance, and its step to the frame, also of one longer than the scene. */
+/* E13.45: what is advised adds up to the tolerance, modes and step as squares unless nothing swings; its steps to
+   the frame, also of one longer than the scene. */
 TEST(errors_and_steps_add_up)
 {
   const fb_real frame[4] = {FB_R(0.0), FB_R(1e-4), FB_R(0.25), FB_R(25.0)};
   for (int k = 0; k < 4; k++) {
     const double tolerance[2] = {0.03, 0.003};
     for (int j = 0; j < 2; j++) {
-      double parts;
+      double parts, squares;
       boom_under_a_force(0.2, 1, 3);
       envelope.frequency = FB_R(20.0);
       envelope.spin[1] = FB_R(0.5);
       envelope.frame = frame[k];
       FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[j]), FB_OK);
       FBT_BELOW(advice.error, tolerance[j] * (1.0 + 1e-5));
-      FBT_NEAR_REL(advice.error, advice.error_effects + advice.error_modes + advice.error_step + advice.error_model,
-                   1e-5);
+      squares = hypot((double)advice.error_modes, (double)advice.error_step);
+      FBT_NEAR_REL(advice.error, squares + (double)(advice.error_effects + advice.error_model), 1e-5);
       FBT_TRUE(advice.dt > FB_R(0.0) && advice.dt <= FB_R(1.00001) * envelope.duration);
       parts = (double)(frame[k] / advice.dt);
       FBT_NEAR_ABS(parts, floor(parts + 0.5), FBT_TOL(1e-9, 1e-2));
@@ -136,6 +137,9 @@ TEST(errors_and_steps_add_up)
       FBT_INT_EQ(advice.long_step, 0);
     }
   }
+  boom_under_a_force(0.2, 1, 3);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.03)), FB_OK); /* steady */
+  FBT_NEAR_REL(advice.error, advice.error_effects + advice.error_modes + advice.error_step + advice.error_model, 1e-5);
 }
 
 /* A step is the longest part of the frame that is no longer than what it would be without a frame. */
@@ -199,6 +203,78 @@ TEST(drives_may_end_within_a_step)
     const double c = cos(0.5 * h), s = sin(0.5 * h), x = c * exact[0] + s * exact[1], v = c * exact[1] - s * exact[0];
     FBT_NEAR_REL(hypot(y[0] - x, y[1] - v), f * h * h / 24.0, 0.2);
   }
+}
+
+/* What an oscillator of frequency 1 errs by in a step of `turn` from rest if its drive ends at the part `at` of it with a
+   slope of 1 (or a curvature): the drive replaced by the parabola through it at the start, the middle and the end,
+   against the drive itself, by leapfrog. */
+static double end_error(double turn, double at, int smooth)
+{
+  const double h = turn / 400;
+  double past[3], x = 0.0, v = 0.0;
+  for (int i = 0; i < 3; i++) {
+    past[i] = fmax(0.0, turn * (0.5 * i - at));
+    past[i] = smooth ? 0.5 * past[i] * past[i] : past[i];
+  }
+  for (int n = 0; n < 400; n++) {
+    const double u = (n + 0.5) / 400, now = fmax(0.0, turn * (u - at)), drive = smooth ? 0.5 * now * now : now;
+    x += 0.5 * h * v;
+    v += h * (4 * u * (1 - u) * past[1] + u * (2 * u - 1) * past[2] - drive - x);
+    x += 0.5 * h * v;
+  }
+  return hypot(x, v);
+}
+
+/* E13.44: where it is known when the drive ends, a step is the longest part of the frame that meets that end well enough,
+   by brute force; if it ends between frames, a shorter one than if it ends with one. */
+TEST(known_ends_are_met_by_steps)
+{
+  static fb_spectrum spectrum;
+  int count[2] = {0, 0};
+  for (int run = 0; run < 160; run++) {
+    const double lasts[4] = {8.0, 8.05, 8.09, 8.123}, frame = 0.25;
+    const int smooth = run / 4 % 2;
+    fb_real amplitude[FB_MAX_MODES];
+    double dt = 0.0;
+    int exponential, parts;
+    make_two_booms(4, 0);
+    envelope.frequency = FB_R(1.5);
+    envelope.duration = FB_R(20.0);
+    envelope.frame = (fb_real)frame;
+    envelope.smooth = smooth;
+    envelope.load[0].torque[2] = FB_R(1.0);
+    envelope.lasts = (fb_real)lasts[run % 4];
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)(0.1 * pow(0.8, run / 8))), FB_OK);
+    exponential = advice.integrator == FB_INTEGRATOR_EXPONENTIAL;
+    count[exponential]++;
+    FBT_TRUE(exponential || advice.integrator == FB_INTEGRATOR_RK4);
+    spectrum.n = 0;
+    for (int m = 0; m < advice.n; m++) {
+      const fb_real swing = work.swing[advice.n - 1][m] / work.deflection * (exponential ? work.linear_off : FB_R(1.0));
+      if (!exponential || swing > FB_R(0.1) * advice.error_step / (fb_real)advice.n) {
+        amplitude[spectrum.n] = swing;
+        spectrum.im[spectrum.n++] = work.omega[advice.n - 1][m];
+      }
+    }
+    amplitude[spectrum.n] = FB_R(1.0);
+    spectrum.im[spectrum.n++] = envelope.frequency;
+    for (parts = (int)ceil(frame / limit_of_advice() - 1e-5); parts < 100; parts++) {
+      double kink = 0.0, left;
+      dt = frame / parts;
+      for (int m = 0; m < advice.n; m++) {
+        const double at = lasts[run % 4] / dt - floor(lasts[run % 4] / dt + 1e-5);
+        const double by = end_error((double)work.omega[advice.n - 1][m] * dt, fmax(at, 0.0), smooth);
+        kink = hypot(kink, fmin(2.0, by) * (double)(work.swing[advice.n - 1][m] / work.deflection));
+      }
+      left = (double)advice.error_step * 1.0001 - kink;
+      if (left > 0.0 && dt <= 1.0001 * (double)fb_spectrum_dt(&spectrum, FB_INTEGRATOR_RK4, amplitude,
+                                                              envelope.duration, (fb_real)left)) {
+        break;
+      }
+    }
+    FBT_NEAR_REL(advice.dt, dt, 1e-5);
+  }
+  FBT_TRUE(count[0] > 30 && count[1] > 30);
 }
 
 /* E13.43: below its frequency a sine leaves r/(1 - r^2) of the static answer as free vibration, (1 - cos)/2 half of
@@ -857,14 +933,20 @@ static fb_status swing(void *user, fb_real *out, const fb_advice *candidate)
   return status;
 }
 
-/* Largest difference from all modes and effects, relative. */
-static double off_by(const fb_advice *candidate)
+/* Largest difference of two, relative. */
+static double apart(const fb_advice *candidate, const fb_advice *from)
 {
   static fb_real out[SWINGS], reference[SWINGS];
-  const fb_advice all = all_of(candidate);
-  FBT_INT_EQ(swing(NULL, reference, &all), FB_OK);
+  FBT_INT_EQ(swing(NULL, reference, from), FB_OK);
   FBT_INT_EQ(swing(NULL, out, candidate), FB_OK);
   return fbt_difference(out, reference, SWINGS) / fbt_largest(reference, SWINGS);
+}
+
+/* From all modes and effects. */
+static double off_by(const fb_advice *candidate)
+{
+  const fb_advice all = all_of(candidate);
+  return apart(candidate, &all);
 }
 
 /* E13.8, E13.9: of two equal booms of 5 + 5 modes a torque about z drives those in its plane, and of them the
@@ -891,6 +973,46 @@ TEST(two_booms_take_the_modes_that_the_load_drives)
   }
 }
 
+/* E13.45: of two booms that swing after a torque, or a push on the tip, what is off by effects, by modes and by the step,
+   each by simulation, is together about the root of the sum of squares, far from the sum. */
+TEST(errors_of_several_causes_add_as_squares)
+{
+  double sum[2] = {0.0, 0.0};
+  for (int k = 0; k < 6; k++) {
+    double off[3], together, squares;
+    fb_advice cheap;
+    make_two_booms(5, 0);
+    envelope.frequency = k < 3 ? FB_R(0.7) + FB_R(0.2) * (fb_real)k : FB_R(1.5) + FB_R(0.25) * (fb_real)(k - 3);
+    envelope.duration = FB_R(20.0);
+    envelope.frame = FB_R(0.25);
+    envelope.load[0].torque[2] = k < 3 ? FB_R(36.0) : FB_R(0.0);
+    envelope.load[0].force[1] = k < 3 ? FB_R(0.0) : FB_R(3.0);
+    envelope.load[0].node = k < 3 ? 0 : 1;
+    FBT_INT_EQ(fb_advice_solve(&cheap, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+    cheap.effects = FB_EFFECTS_LINEAR;
+    cheap.integrator = FB_INTEGRATOR_RK4;
+    cheap.dt = FB_R(0.25) / (k < 3 ? 3 : 4);
+    {
+      const fb_advice all = all_of(&cheap);
+      fb_advice effects = all, modes = all, fine = cheap;
+      effects.effects = cheap.effects;
+      modes.n = cheap.n;
+      memcpy(modes.coordinate, cheap.coordinate, sizeof modes.coordinate);
+      fine.dt = all.dt;
+      off[0] = apart(&effects, &all);
+      off[1] = apart(&modes, &all);
+      off[2] = apart(&cheap, &fine);
+    }
+    together = off_by(&cheap);
+    squares = hypot(hypot(off[0], off[1]), off[2]);
+    FBT_BELOW(together, 1.1 * squares);
+    FBT_TRUE(together > 0.4 * squares);
+    sum[0] += together;
+    sum[1] += off[0] + off[1] + off[2];
+  }
+  FBT_BELOW(sum[0], 0.6 * sum[1]);
+}
+
 TEST(advice_refuses_nonsense)
 {
   static fb_modes modes;
@@ -913,6 +1035,12 @@ TEST(advice_refuses_nonsense)
   envelope.duration = FB_R(10.0);
   envelope.frame = -FB_R(1.0);
   FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.frame = FB_R(0.0);
+  envelope.lasts = -FB_R(1.0);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.lasts = (fb_real)NAN;
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  envelope.lasts = FB_R(0.0);
   envelope.frame = FB_R(1.0) / FB_HUGE; /* no step so short is worth its cost */
   FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_STEP);
   memset(&trial, 0, sizeof trial);
@@ -943,8 +1071,9 @@ TEST(advice_refuses_nonsense)
 
 SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_the_cheapest_that_adds_up),
       RUN(integrators_have_their_scenes), RUN(advised_steps_are_within_the_limit),
-      RUN(advised_steps_are_those_of_the_spectrum), RUN(drives_may_end_within_a_step),
-      RUN(drives_leave_free_vibrations_behind), RUN(advised_steps_and_points_are_enough), RUN(errors_and_steps_add_up),
+      RUN(advised_steps_are_those_of_the_spectrum), RUN(drives_may_end_within_a_step), RUN(known_ends_are_met_by_steps),
+      RUN(errors_of_several_causes_add_as_squares), RUN(drives_leave_free_vibrations_behind),
+      RUN(advised_steps_and_points_are_enough), RUN(errors_and_steps_add_up),
       RUN(search_stops_at_the_cheapest_that_will_do), RUN(search_tries_each_part_of_a_frame_once),
       RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),

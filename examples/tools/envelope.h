@@ -251,6 +251,11 @@ static fb_status scene_envelope(fb_envelope *e, const scene *s, const fb_shape *
   e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;
   e->smooth = s->pulse;
   e->duration = (fb_real)s->duration;
+  if (s->frequency > 0 && s->frequency < HUGE_VAL &&
+      !(ramp > 0)) { /* a sine has no end; a pulse leaves a held base at rest */
+    const int rests = s->level.base == FB_BASE_PRESCRIBED && !(spin > 0) && !pulled;
+    e->lasts = s->pulse ? (fb_real)(rests ? 2 * model_pi / s->frequency : 0) : e->duration;
+  }
   e->node = s->node;
   return status;
 }
