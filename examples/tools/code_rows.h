@@ -38,11 +38,11 @@ typedef struct rows_row {
   int acts;                                             /* its place among those that move anything, -1: none */
 } rows_row;
 
-static struct rows {
+static struct rows { /* the rows of all loops */
   int n, n_loop, acting;
   rows_loop loop[FB_MAX_LOOPS];
   rows_row row[ROWS_MOST];
-} rows;
+} ties;
 
 /* ---- what the description is */
 
@@ -80,19 +80,19 @@ static const char *rows_refusal(const fb_system *system)
 
 static void rows_read(const fb_system *system)
 {
-  memset(&rows, 0, sizeof rows);
-  rows.n_loop = system->n_loop;
-  for (int j = 0; j < rows.n_loop; j++) {
-    rows_loop *const l = &rows.loop[j];
+  memset(&ties, 0, sizeof ties);
+  ties.n_loop = system->n_loop;
+  for (int j = 0; j < ties.n_loop; j++) {
+    rows_loop *const l = &ties.loop[j];
     l->joint = &system->joint[system->n_body + j];
     l->end[0].link = l->joint->parent;
     l->end[1].link = l->joint->child;
-    l->first = rows.n;
+    l->first = ties.n;
     for (const int *hold = fbi_traits(l->joint)->holds; *hold >= 0; hold++) {
-      rows.row[rows.n].loop = j;
-      rows.row[rows.n++].hold = *hold;
+      ties.row[ties.n].loop = j;
+      ties.row[ties.n++].hold = *hold;
     }
-    l->n = rows.n - l->first;
+    l->n = ties.n - l->first;
   }
 }
 
