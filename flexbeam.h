@@ -3405,8 +3405,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
           spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
           They have branches: fb_exact_desc.branch, at any node and angle.
-          Bodies of systems have them: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
-          and .pi have room for them.
+          Bodies of systems have rotors: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
+          and .pi have room for them. A prescribed value that jumps is refused.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models
           and spectra of bodies in circular orbit.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
