@@ -626,7 +626,8 @@ TEST(the_check_word_of_a_exact_beam_sees_every_byte)
   }
   start();
   FBT_INT_EQ(exact.n_lump, 2);
-  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + 2 * (int)sizeof(int)) +
+  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + 3 * (int)sizeof(int)) +
+           (1 + FB_MAX_LUMPS) * (int)sizeof(int) + /* inboard of no element, branches */
            (FB_MAX_LUMPS - 2) * (2 * 36 * (int)sizeof(fb_real) + (int)sizeof(int)) +
            (FB_MAX_LUMPS - 1) * (int)sizeof(fb_exact_joint);
   FBT_TRUE(fbt_unseen(&exact, sizeof exact, beam_word) <= unused + (int)(sizeof(fb_real) - sizeof(int)));
