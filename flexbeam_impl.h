@@ -18802,12 +18802,13 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
                                         : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
 }
 
-/* By how much a prescribed value changes; an angle that is counted anew from one turn on does not. */
+/* By how much a prescribed value changes; an angle that is counted anew from whole turns on does not. */
 static fb_real fbi_drive_change(const fb_joint *joint, int i, fb_real from, fb_real to)
 {
   const fbi_joint_traits *const is = fbi_traits(joint);
   const fb_real change = FB_FABS(to - from), turn = FB_R(6.283185307179586477);
-  return (i == is->angle || i == is->tilt) && !is->pitched ? fbi_smaller(change, FB_FABS(change - turn)) : change;
+  const int turns = (i == is->angle || i == is->tilt) && !is->pitched && change < FB_R(1e6);
+  return turns ? FB_FABS(change - turn * (fb_real)(long)(change / turn + FB_R(0.5))) : change;
 }
 
 /* Does a prescribed value stay as it is over a step while its rates at both ends go the same way, and by more than the
@@ -18820,8 +18821,13 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
   const fb_real from = a->value[i], to = b->value[i], ra = a->rate[i], rb = b->rate[i];
   const fb_real rounding = FB_EPSILON * FB_FABS(to);
   const fb_real fastest = fbi_larger(FB_FABS(middle->rate[i]), fbi_larger(FB_FABS(ra), FB_FABS(rb)));
-  const fb_real most = FB_R(2.0) * dt * fastest + FB_R(8.0) * (FB_EPSILON + rounding);
+  const fb_real most = FB_R(2.0) * dt * fastest +
+                       FB_R(8.0) * (FB_EPSILON + fbi_larger(rounding, x ? FB_EPSILON * FB_FABS(x[i]) : rounding));
+  const fb_real given[6] = {from, to, ra, rb, middle->value[i], middle->rate[i]};
   fb_real jump = x ? fbi_drive_change(joint, i, x[i], from) : FB_R(0.0);
+  if (!fbi_is_finite(given, 6)) {
+    return FB_ERR_NOT_FINITE;
+  }
   if (from == to && (ra > FB_R(0.0)) == (rb > FB_R(0.0)) && dt * FB_FABS(ra) > rounding &&
       dt * FB_FABS(rb) > rounding) {
     return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
@@ -18840,13 +18846,14 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
                                       joint->child, jump, most, (fb_real)i);
 }
 
-/* The same of all joints. */
+/* The same of all joints, if the step is one. */
 static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
                                                const fb_system_input *start, const fb_system_input *middle,
                                                const fb_system_input *end, fb_real dt)
 {
+  const int varies = start && end && start != end && dt > FB_R(0.0) && dt < FB_HUGE;
   fb_status status = FB_OK;
-  for (int j = 0; j < system->n_body + system->n_loop && start && end && start != end && status == FB_OK; j++) {
+  for (int j = 0; j < system->n_body + system->n_loop && varies && status == FB_OK; j++) {
     const fb_joint *const joint = &system->joint[j];
     const fb_drive *const at[3] = {&start->drive[j], middle ? &middle->drive[j] : NULL, &end->drive[j]};
     for (int i = 0; i < (fbi_is_ball(joint->kind) ? 0 : joint->n_axis) && status == FB_OK; i++) {

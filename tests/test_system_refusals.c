@@ -440,6 +440,8 @@ TEST(forgotten_models_are_refused)
   }
 }
 
+static double start_offset; /* [rad] of what is given to the step, beyond the state's value */
+
 /* One step of a prescribed axis from the value 0.3 rad to `value`, with these rates at its start, middle and end. */
 static fb_status step_prescribed(double value, double first, double middle, double last, double dt)
 {
@@ -452,6 +454,9 @@ static fb_status step_prescribed(double value, double first, double middle, doub
   }
   FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, &in[0]), FB_OK);
   kept = state;
+  for (int k = 0; k < 3; k++) {
+    in[k].drive[1].value[0] += (fb_real)start_offset;
+  }
   return implicit ? fb_system_sdirk_step(&mechanism, model, &state, &work, &in[0], &in[2], (fb_real)dt, 3)
                   : fb_system_rk4_step(&mechanism, model, &state, &work, &in[0], &in[1], &in[2], (fb_real)dt);
 }
@@ -482,6 +487,15 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
       FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
       FBT_INT_EQ(step_prescribed(0.3 + 5 * dt, 2, 2, 2, dt), FB_ERR_CONTRADICTION);
       FBT_INT_EQ(step_prescribed(0.3 + 1 * dt, 2, 2, 2, dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(NAN, 2, 2, 2, dt), FB_ERR_NOT_FINITE);
+      FBT_INT_EQ(step_prescribed(0.3 + dt, 1, 1, NAN, dt), FB_ERR_NOT_FINITE);
+      FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, -1.0), FB_ERR_VALUE);
+      FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, NAN), FB_ERR_VALUE);
+      for (int turns = -1; turns <= 50; turns += 17) { /* the same place */
+        start_offset = turns * 8 * atan(1.0);
+        FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, dt), FB_OK);
+      }
+      start_offset = 0.0;
     }
     if (method != FB_METHOD_MULTIPLIERS) { /* whose state has poses; values counted anew, a jump between steps */
       static fb_system_input in[3];
