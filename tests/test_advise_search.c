@@ -205,6 +205,58 @@ TEST(drives_may_end_within_a_step)
   }
 }
 
+/* Largest error of an oscillator in steps dt of rk4 under a load of which the static answer is 1, taken away at `ends`. */
+static double error_of_a_pulse(double omega, double dt, double ends, double duration)
+{
+  double y[2] = {0.0, 0.0}, worst = 0.0;
+  for (int k = 1; k * dt <= duration; k++) {
+    const double t = (k - 1) * dt, now = k * dt, after = fmax(0.0, now - ends);
+    double rate[4][2];
+    for (int s = 0; s < 4; s++) {
+      const double part = s == 0 ? 0.0 : s < 3 ? 0.5 * dt : dt;
+      const double at = s == 0 ? t + 1e-9 : s < 3 ? t + part : now - 1e-9; /* of a load that jumps between steps */
+      rate[s][0] = y[1] + (s ? part * rate[s - 1][1] : 0.0);
+      rate[s][1] = omega * omega * ((at < ends) - y[0] - (s ? part * rate[s - 1][0] : 0.0));
+    }
+    for (int i = 0; i < 2; i++) {
+      y[i] += dt / 6 * (rate[0][i] + 2 * rate[1][i] + 2 * rate[2][i] + rate[3][i]);
+    }
+    worst = fmax(worst, fabs(y[0] - (after > 0.0 ? cos(omega * after) : 1.0) + cos(omega * now)));
+  }
+  return worst;
+}
+
+/* E13.44: a step load that is taken away within a step, wherever that is, errs by no more than the advice says; where
+   steps meet it shortens none. */
+TEST(loads_may_be_taken_away_within_a_step)
+{
+  double dt = 0.0;
+  for (int k = 0; k < 12; k++) {
+    const double tolerance = k < 6 ? 0.1 : 0.02;
+    double omega, swing, worst = 0.0;
+    boom_under_a_force(1e-3, 0, 1);
+    envelope.frequency = FB_HUGE;
+    envelope.frame = k % 6 < 3 ? FB_R(0.0) : FB_R(0.25);
+    envelope.lasts = k % 3 == 0 ? FB_R(0.0) : k % 3 == 1 ? FB_R(4.0) : FB_R(4.0321);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance), FB_OK);
+    omega = (double)work.omega[advice.n - 1][0];
+    swing = (double)(work.swing[advice.n - 1][0] / work.deflection);
+    if (k % 3 == 0 || k % 6 == 4) {
+      FBT_TRUE(k % 3 == 0 || (double)advice.dt == dt);
+      dt = (double)advice.dt;
+      continue;
+    }
+    FBT_TRUE(omega * (double)advice.dt / 3.0 * swing < tolerance);
+    FBT_INT_EQ(advice.integrator, FB_INTEGRATOR_RK4);
+    for (int i = 0; i < 20; i++) {
+      const double ends = (double)envelope.lasts + (envelope.frame > FB_R(0.0) ? 0.0 : 0.05 * i * (double)advice.dt);
+      worst = fmax(worst, swing * error_of_a_pulse(omega, (double)advice.dt, ends, 10.0));
+    }
+    FBT_TRUE(worst < tolerance);
+    FBT_TRUE(k % 3 == 2 || worst > 0.3 * tolerance);
+  }
+}
+
 /* What an oscillator of frequency 1 errs by in a step of `turn` from rest if its drive ends at the part `at` of it with a
    slope of 1 (or a curvature): the drive replaced by the parabola through it at the start, the middle and the end,
    against the drive itself, by leapfrog. */
@@ -1072,8 +1124,8 @@ TEST(advice_refuses_nonsense)
 SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_the_cheapest_that_adds_up),
       RUN(integrators_have_their_scenes), RUN(advised_steps_are_within_the_limit),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(drives_may_end_within_a_step), RUN(known_ends_are_met_by_steps),
-      RUN(errors_of_several_causes_add_as_squares), RUN(drives_leave_free_vibrations_behind),
-      RUN(advised_steps_and_points_are_enough), RUN(errors_and_steps_add_up),
+      RUN(loads_may_be_taken_away_within_a_step), RUN(errors_of_several_causes_add_as_squares),
+      RUN(drives_leave_free_vibrations_behind), RUN(advised_steps_and_points_are_enough), RUN(errors_and_steps_add_up),
       RUN(search_stops_at_the_cheapest_that_will_do), RUN(search_tries_each_part_of_a_frame_once),
       RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
