@@ -487,10 +487,10 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
       FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
       FBT_INT_EQ(step_prescribed(0.3 + 5 * dt, 2, 2, 2, dt), FB_ERR_CONTRADICTION);
       FBT_INT_EQ(step_prescribed(0.3 + 1 * dt, 2, 2, 2, dt), FB_OK);
-      FBT_INT_EQ(step_prescribed(NAN, 2, 2, 2, dt), FB_ERR_NOT_FINITE);
-      FBT_INT_EQ(step_prescribed(0.3 + dt, 1, 1, NAN, dt), FB_ERR_NOT_FINITE);
+      FBT_INT_EQ(step_prescribed((double)NAN, 2, 2, 2, dt), FB_ERR_NOT_FINITE);
+      FBT_INT_EQ(step_prescribed(0.3 + dt, 1, 1, (double)NAN, dt), FB_ERR_NOT_FINITE);
       FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, -1.0), FB_ERR_VALUE);
-      FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, NAN), FB_ERR_VALUE);
+      FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, (double)NAN), FB_ERR_VALUE);
       for (int turns = -1; turns <= 50; turns += 17) { /* the same place */
         start_offset = turns * 8 * atan(1.0);
         FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, dt), FB_OK);
