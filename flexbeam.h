@@ -2578,8 +2578,8 @@ typedef struct fb_body_desc {
   fb_real mu, center[3];
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
-                                 the length, some percent at 15 %. Beams of FB_EFFECTS_LARGE have no such limit: it is then
+                                 The error of the quadratic displacement field is 0.1 % (held root) to 1 % (light hub) at
+                                 deflections of 6 % of the length, some percent at 15 %. Beams of FB_EFFECTS_LARGE have no such limit: it is then
                                  one of the modes in which no beam bends */
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the

@@ -465,18 +465,19 @@ TEST(booms_on_a_free_hub_move_as_a_body_of_two_lines)
   static double tip[2][PUSH_SAMPLES][6];
   static fb_body body;
   static fb_rk4_work rk4;
-  const fb_section section = {.mass = FB_R(0.4),
-                              .GJ = FB_R(20.0),
-                              .EI_y = FB_R(40.0),
-                              .EI_z = FB_R(60.0),
-                              .i_y = FB_R(0.001),
-                              .i_z = FB_R(0.001)};
+  fb_section section;
   const int steps_of_body = 60;
   const double dt = 0.05 / steps_of_body;
   double most = 0.0, size = 0.0;
   fb_state moving;
   fb_input in[3];
   fb_status status = FB_OK;
+  memset(&section, 0, sizeof section);
+  section.mass = FB_R(0.4);
+  section.GJ = FB_R(20.0);
+  section.EI_y = FB_R(40.0);
+  section.EI_z = FB_R(60.0);
+  section.i_y = section.i_z = FB_R(0.001);
   push_exact(tip[0], &section, 16, FBT_TOL(12, 3));
   push_exact(tip[1], &section, 16, FBT_TOL(24, 6));
   push_body(&body, &section);

@@ -400,6 +400,10 @@ TEST(refused_steps_name_the_limit)
   (void)told(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, 0), FB_ERR_VALUE, "fb_rk4_step", "dt [s]", -1,
              0.0, 0.0);
   input.n_load = 2;
+  input.load[1].node = 5;
+  (void)told(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, FB_R(1e-4)), FB_ERR_CAPACITY, "fb_rk4_step",
+             "node", 1, 5.0, (double)body.n_node);
+  input.load[1].node = 0;
   input.load[1].force[0] = (fb_real)INFINITY;
   (void)told(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, FB_R(1e-4)), FB_ERR_NOT_FINITE, "fb_rk4_step",
              "load: force", 1, 0.0, 0.0);
@@ -572,7 +576,7 @@ TEST(refused_branches_are_named)
   branched()->length = 9;
   (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "station: x [m] of the last, the length", 1, 10.0, 9.0);
   branched()->n_element = 1;
-  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "joint: elements, not all joints", 1, 0.0, 0.0);
+  (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, init, "joints, with that of a branch", 1, 1.0, 1.0);
   branched();
   rod.n_support = 1;
   rod.support[0].node = 8;

@@ -47,16 +47,16 @@ typedef struct text_file {
   int n_named;
 } text_file;
 
-/* 1 if a line begins a block (one of these words, and a name or a column), -1 if it ends one. */
+/* 1 if a line begins a block (one of these words, and a name or a column, but not `like` another), -1 if it ends one. */
 static inline int text_begins(const char *line)
 {
   static const char *const begin[] = {"body",    "joint", "loop",      "spring",  "rotor",
                                       "control", "beam",  "component", "stations"};
-  char word[16] = "", name = 0;
-  const int words = sscanf(line, "%15s %c", word, &name);
-  for (int k = 0; k < (int)(sizeof begin / sizeof *begin) && words == 2; k++) {
+  char word[16] = "", name[64] = "", like[6] = "";
+  const int words = sscanf(line, "%15s %63s %5s", word, name, like);
+  for (int k = 0; k < (int)(sizeof begin / sizeof *begin) && words > 1 && strcmp(like, "like") != 0; k++) {
     if (strcmp(word, begin[k]) == 0) {
-      return isalpha((unsigned char)name) || name == '_';
+      return isalpha((unsigned char)name[0]) || name[0] == '_';
     }
   }
   return -(strcmp(word, "end") == 0);

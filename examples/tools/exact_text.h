@@ -170,7 +170,9 @@ static void exact_branch(text_file *t, exact_text *m)
   }
   m->on = 0;
   m->branch_at[m->desc.n_branch] = exact_spot_read(t, m, "place of the branch");
-  if (text_more(t)) {
+  if (text_more(t) && m->desc.n_branch == 0) {
+    text_fail(t, "the first branch begins on the beam: branch X, without a number");
+  } else if (text_more(t)) {
     m->branch_at[m->desc.n_branch].on = text_whole(t, "branch that it begins on", 1, m->desc.n_branch);
   }
   m->on = ++m->desc.n_branch;
@@ -288,7 +290,7 @@ static int exact_own(text_file *t, exact_text *m, const char *word)
   } else if (strcmp(word, "attitude") == 0) {
     fb_real turn[3];
     for (int i = 0; i < 3; i++) {
-      turn[i] = (fb_real)text_degrees(t, "attitude x y z");
+      turn[i] = (fb_real)text_degrees(t, "attitude, a rotation vector x y z in degrees,");
     }
     fb_quat_from_rotvec(branch ? branch->attitude : m->desc.attitude, turn);
   } else {

@@ -632,7 +632,8 @@ def written(options, model, masses, lines, extra, marks, figures):
     words = [word.split()[0] for word in options.word]
     text = ['# From %s by import.py: %s' % (', '.join(os.path.basename(name) for name in options.files or options.matrices), figures),
             'component', 'modes %d' % len(model.hz), 'frequency_hz ' + numbers(model.hz, model.digits)] + options.word
-    text += ['effects full' if lines or model.K_G else 'effects spin'] if 'effects' not in words else []
+    more = [word for word in ('damping', 'gravity') if word in words]
+    text += [' '.join(['effects', 'full' if lines or model.K_G else 'spin'] + more)] if 'effects' not in words else []
     for at in masses:
         J = numbers([at.J[0, 0], at.J[1, 1], at.J[2, 2], at.J[0, 1], at.J[0, 2], at.J[1, 2]])
         text.append('node %d %s %s%s' % (at.node, numbers(at.x), numbers([at.mass]), ' ' + J if np.any(at.J) else ''))

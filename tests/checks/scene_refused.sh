@@ -129,6 +129,22 @@ end
 joint j revolute ground b
 end
 END
+sole 6 "no such word for a beam: nod" << END
+body b parts
+  hub 1 0 0 0 1 1 1
+  beam one
+    length 1
+    station 0 1 1
+    nod tip
+  end
+  beam two like one  1 0 0
+end
+rotor w b
+  axis 0 0 1
+  inertia 1
+end
+rotor v like w  1 0 0
+END
 sole 2 "no such word for an exact beam: lenght" << END
 body b exact
   lenght 1
@@ -488,7 +504,7 @@ exact 2 "tip belongs to the beam that branches begin on" << END
   branch 1
   tip pinned
 END
-exact 1 "branch that it begins on" << END
+exact 1 "the first branch begins on the beam" << END
   branch 0 1
 END
 exact 4 "gravity of a body under that of the scene" << END
