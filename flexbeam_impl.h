@@ -200,7 +200,7 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_DETAIL_PART(k) ((void)0)
 #endif
 #define FBI_REFUSE(status, what, index, have, need) FBI_REFUSE_AT(status, what, index, have, need, FB_R(0.0))
-#define FBI_WORD_NODE "node (of a load: that of this index), from 0, below"
+#define FBI_WORD_NO_NODE "node (of a load: that of this index), from 0, below"
 
 /* Every public function that takes a pointer begins with one. With FB_WITH_DETAIL it tells whose refusals follow; those
    that others call on the way, the solvers, have FBI_REQUIRE_INNER. Both hand on their arguments as they are written:
@@ -4964,7 +4964,7 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
     if (input->load[i].node < 0 || input->load[i].node >= body->n_node) {
-      return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NODE, i, (fb_real)input->load[i].node, (fb_real)body->n_node);
+      return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, i, (fb_real)input->load[i].node, (fb_real)body->n_node);
     }
     FBI_REQUIRE(fbi_is_choice((int)input->load[i].axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
     if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
@@ -7443,7 +7443,7 @@ FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *o
   fb_real all[FBI_NODE_MOTION];
   FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
   if (node < 0 || node >= body->n_node) {
-    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NODE, -1, (fb_real)node, (fb_real)body->n_node);
+    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, -1, (fb_real)node, (fb_real)body->n_node);
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_on_line(body, &body->node[node])) {
@@ -10964,7 +10964,7 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
     const fb_system_load *load = &input->load[i];
     FBI_REQUIRE(load->body >= 0 && load->body < system->n_body, FB_ERR_CAPACITY);
     if (load->load.node < 0 || load->load.node >= fbi_model(system, body, load->body)->n_node) {
-      return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NODE, i, (fb_real)load->load.node,
+      return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, i, (fb_real)load->load.node,
                         (fb_real)fbi_model(system, body, load->body)->n_node);
     }
     FBI_REQUIRE(fbi_is_choice((int)load->load.axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
