@@ -115,15 +115,15 @@ awk -F, 'NR == 1 { next } $2 < last || ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) - 1 > 
   { last = $2 } $3 > 0 { crossing = $4 + 180 } END { exit wrong > 0 || NR < 1000 || (crossing - 70.754) ^ 2 > 0.1 }' "$out/margins.csv" ||
   fail "the response of a loop is not what its margins say"
 # a satellite turned by a controller, and the same as a program
-try ${CC:-cc} $c99 -O1 -o "$out/satellite" tests/checks/satellite.c -lm
-"$out/satellite" > "$out/satellite.csv" || fail "the satellite as a program: $(tail -n 1 "$out/satellite.csv")"
+try ${CC:-cc} $c99 -O1 -o "$out/program" tests/checks/satellite.c -lm
+"$out/program" > "$out/program.csv" || fail "the satellite as a program: $(tail -n 1 "$out/program.csv")"
 {
   cat examples/scenes/satellite_control.txt
   for column in turn rate bend wheel torque; do
-    echo "reference satellite.csv t $column output $column tolerance 1e-9 relative"
+    echo "reference program.csv t $column output $column tolerance 1e-9 relative"
   done
-} > "$out/satellite.txt"
-try "$out/scene" "$out/satellite.txt" --quiet
+} > "$out/program.txt"
+try "$out/scene" "$out/program.txt" --quiet
 [ ! -s "$out/log" ] || fail "the satellite as a scene: $(cat "$out/log")"
 
 # hub and booms as one body, in place of bodies on rigid joints
