@@ -3252,7 +3252,7 @@ typedef struct fb_advice {
      unless effects have FB_EFFECT_LARGE_DEFLECTION */
   fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
-  fb_real error; /* by simulation (fb_advice_search), else the sum of the four, modes and step as squares */
+  fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
 } fb_advice;
 
 #define FBI_ADVICE_SETS 11
@@ -3316,7 +3316,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 } fb_advice_work;
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most four fifths of
-   the tolerance (relative to the largest output), those of modes and step as squares unless the drive is steady.
+   the tolerance (relative to the largest output).
    error_model uses at most 0.7 of the tolerance; if it is larger, error exceeds the tolerance, and large deflection is
    advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no load case buckles it or bends it by
    more than five lengths. A step of fb_exponential_step with it is one that the deflections of the load cases allow; a
@@ -3398,7 +3398,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
           It measures the quadratic field by the lines, where a body has any, and foresees exponential steps with large
-          deflection: fb_envelope.smooth, .lasts, fb_advice.line_points. Errors of modes and steps add as squares.
+          deflection: fb_envelope.smooth, .lasts, fb_advice.line_points.
           fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
           models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
           descriptions of bodies have them.

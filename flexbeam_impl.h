@@ -34270,22 +34270,6 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
   FB_R(0.8) /* of the tolerance that estimates may add up to: a miss is worse than a dear advice */
 #define FBI_ADVICE_FIELD FB_R(0.7) /* of the tolerance that the error of the field may be */
 
-/* [E13.45] Errors by missing modes and by the step together: under a steady drive their sum; of an oscillation the root of
-   the sum of their squares: they turn at different rates from different phases, and are largest at different times. Those
-   by missing effects, in part in phase with the load and estimated less well, are added.
-   Source: own; mean square of a sum of oscillations.  Fails: never.  Test: errors_of_several_causes_add_as_squares. */
-static fb_real fbi_advice_both(const fb_envelope *e, fb_real a, fb_real b)
-{
-  return e->frequency > FB_R(0.0) ? FB_SQRT(a * a + b * b) : a + b;
-}
-
-/* What an error may be beside another one, both within a bound; negative: nothing is left. */
-static fb_real fbi_advice_left(const fb_envelope *e, fb_real bound, fb_real a)
-{
-  const fb_real rest = bound - a;
-  return e->frequency > FB_R(0.0) && rest > FB_R(0.0) ? FB_SQRT(rest * (bound + a)) : rest;
-}
-
 /* Part of the deflection that is of modes in which no beam bends: they have the quadratic displacement field always. */
 static fb_real fbi_advice_aside(const fb_advice_work *work, const fb_shape *shape)
 {
@@ -34486,8 +34470,7 @@ static int fbi_advise_points(const fb_advice_work *work)
 }
 
 /* Adds the estimates that do not depend on the candidate, and the sum of its errors. */
-static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, const fb_shape *shape,
-                              const fb_envelope *e)
+static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, const fb_shape *shape)
 {
   for (int i = 0; i < FB_ADVICE_EFFECTS; i++) {
     advice->without[i] = i == 0 ? FB_R(1.0) : FB_HUGE; /* a rigid body has no elastic displacement */
@@ -34500,8 +34483,7 @@ static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, con
   advice->deflection = work->deflection;
   advice->error_field = fbi_advice_model_error(work, shape, 0);
   advice->error_model = fbi_advice_model_error(work, shape, fbi_has(advice->effects, FB_EFFECT_LARGE_DEFLECTION));
-  advice->error =
-      advice->error_effects + fbi_advice_both(e, advice->error_modes, advice->error_step) + advice->error_model;
+  advice->error = advice->error_effects + advice->error_modes + advice->error_step + advice->error_model;
 }
 
 FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
@@ -34529,10 +34511,10 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
     const fb_real left = FBI_ADVICE_PART * tolerance - (beyond ? FB_R(0.5) * tolerance : model);
     fb_real rest, own;
     fbi_advice_fill(&candidate, work, desc, set, n);
-    rest = fbi_advice_left(&e, left - candidate.error_effects, candidate.error_modes);
+    rest = left - candidate.error_effects - candidate.error_modes;
     if (rest > FB_R(0.0) && fbi_advise_candidate(&own, work, shape, desc, &e, &candidate) == FB_OK) {
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
-      rest = fbi_advice_left(&e, left - candidate.error_effects, candidate.error_modes);
+      rest = left - candidate.error_effects - candidate.error_modes;
       if (rest > FB_R(0.0)) {
         candidate.line_points = fbi_advise_points(work);
         fbi_advise_integrator(&candidate, work, &e, rest);
@@ -34544,7 +34526,7 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
   if (!(best[0].cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }
-  fbi_advice_finish(&best[0], work, shape, &e);
+  fbi_advice_finish(&best[0], work, shape);
   *advice = best[0];
   return FB_OK;
 }
@@ -34743,7 +34725,7 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
   /* The estimates beside the error found */
   if (status == FB_OK) {
     const fb_real error = found.error;
-    fbi_advice_finish(&found, work, shape, &e);
+    fbi_advice_finish(&found, work, shape);
     found.error = error;
     status = fbi_candidate(work, shape, desc, &found);
   }

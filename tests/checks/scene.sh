@@ -160,16 +160,16 @@ done
 [ "$(wc -l < "$out/inside.csv")" -gt 50 ] && cmp -s "$out/inside.csv" "$out/outside.csv" || fail "rotors of a description move otherwise than those of a scene"
 
 # what is like another thing is what it would be written out, to the last bit; nodes of a part are called by its name and
-# theirs. satellite.txt is the satellite with parts and rotors like others
+# theirs. satellite_turn.txt is the satellite with parts and rotors like others
 awk '/^  beam left like/ { print "  beam left\n    position -0.5 0 0\n    attitude z 180\n" boom "  end"; next }
   /^rotor [a-z]* like/ { print "rotor " $2 " craft\n  axis " $5 " " $6 " " $7 "\n  inertia 0.05\nend"; next }
   /^    (length|stations|  0 |end|modes|node)/ { line = $0; sub(/tip tip/, "tip left_tip", line); boom = boom line "\n" }
   /^  damping/ { print "  effects full damping" }
-  { sub(/craft\.left\.tip/, "craft.left_tip"); print }' examples/scenes/satellite.txt > "$out/written.txt"
+  { sub(/craft\.left\.tip/, "craft.left_tip"); print }' examples/scenes/satellite_turn.txt > "$out/written.txt"
 ! grep -q like "$out/written.txt" || fail "not all of it is written out: $(cat "$out/written.txt")"
 try "$out/scene" "$out/written.txt" --quiet --out "$out/written.csv"
-[ "$(wc -l < "$out/written.csv")" -gt 50 ] && cmp -s "$out/written.csv" "$out/satellite.csv" || fail "a satellite of equal parts moves otherwise than written out"
-[ "$(grep -c . examples/scenes/satellite.txt)" -le 40 ] || fail "the satellite takes more than 40 lines"
+[ "$(wc -l < "$out/written.csv")" -gt 50 ] && cmp -s "$out/written.csv" "$out/satellite_turn.csv" || fail "a satellite of equal parts moves otherwise than written out"
+[ "$(grep -c . examples/scenes/satellite_turn.txt)" -le 40 ] || fail "the satellite takes more than 40 lines"
 awk '/^body left like/ { printf "body left beam\n%s", boom; next } /^body right/ { within = 1 } { print } within && !/^body/ { boom = boom $0 "\n" }
   /^end/ { within = 0 }' examples/scenes/satellite_control.txt > "$out/written.txt"
 try "$out/scene" "$out/written.txt" --quiet --out "$out/written.csv"
@@ -195,7 +195,7 @@ warned() {
   try "$out/scene" "$1" --quiet
   grep -q "$2" "$out/log" || fail "no warning '$2' but $(cat "$out/log")"
 }
-sed 's/^  damping 0.005/  damping 5/' examples/scenes/satellite.txt | sed '/^expect/d' > "$out/damped.txt"
+sed 's/^  damping 0.005/  damping 5/' examples/scenes/satellite_turn.txt | sed '/^expect/d' > "$out/damped.txt"
 warned "$out/damped.txt" "warning: body craft: line 9: a damping ratio of 5: such a mode does not swing"
 sed -e 's/node 2  2 0 0  2/node 2  0.3 0 0  2/' "$out/copies.txt" > "$out/folded.txt"
 warned "$out/folded.txt" "warning: body a: line 19: at node 1 a line turns back by more than 90 degrees"
