@@ -129,12 +129,11 @@ end
 joint j revolute ground b
 end
 END
-sole 6 "no such word for a beam: nod" << END
+sole 5 "no such word for a beam: nod" << END
 body b parts
   hub 1 0 0 0 1 1 1
   beam one
     length 1
-    station 0 1 1
     nod tip
   end
   beam two like one  1 0 0
