@@ -1416,7 +1416,8 @@ typedef struct fb_link_motion {
    joints and modes, in axes that turn, too; where the frame of the joint spins, as that of the pitch bearing of a rotor's
    blade, the joints and modes further out would get speeds that no jump of the bearing gives them. A step is refused
    (FB_ERR_CONTRADICTION) where a value changes by more than twice its largest rate makes of the step, from the state to
-   the start or in it. With one input for all of a step it is not known how the value came there, nor refused. */
+   the start (not with FB_METHOD_MULTIPLIERS, nor of loops: their states have no values) or in it. With one input for all
+   of a step it is not known how the value came there, nor refused. */
 typedef struct fb_drive { /* of a joint, by axis */
   /* [N m], [N] of the motor on the child (and back on the parent), of free axes; [0] is the first axis of the joint. An
      axis that the joint does not have has no motor, nor has a free joint: FB_ERR_VALUE unless zero (load a node) */
@@ -2379,9 +2380,10 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
    FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
    mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
    axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
-   mass_fraction without a clamped root, load and boundary of another basis than theirs, a preload on a curved line or on natural modes of a root that is not clamped, a
-   coordinate that the root constrains or that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load,
-   or the boundary permits rigid-body motion; FB_ERR_CONVERGENCE. */
+   mass_fraction without a clamped root, load and boundary of another basis than theirs, a preload on a curved line or
+   on natural modes of a root that is not clamped, a coordinate that the root constrains or that is named twice;
+   FB_ERR_SINGULAR: the preload exceeds the buckling load, or the boundary permits rigid-body motion;
+   FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
 /* Linear buckling: buckling shapes and, in place of omega, the load factors of desc->preload, ascending (desc->lowest
@@ -2579,8 +2581,8 @@ typedef struct fb_body_desc {
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The error of the quadratic displacement field is 0.1 % (held root) to 1 % (light hub) at
-                                 deflections of 6 % of the length, some percent at 15 %. Beams of FB_EFFECTS_LARGE have no such limit: it is then
-                                 one of the modes in which no beam bends */
+                                 deflections of 6 % of the length, some percent at 15 %. Beams of FB_EFFECTS_LARGE have
+                                 no such limit: it is then one of the modes in which no beam bends */
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
@@ -3316,11 +3318,10 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 } fb_advice_work;
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most four fifths of
-   the tolerance (relative to the largest output).
-   error_model uses at most 0.7 of the tolerance; if it is larger, error exceeds the tolerance, and large deflection is
-   advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK) and no load case buckles it or bends it by
-   more than five lengths. A step of fb_exponential_step with it is one that the deflections of the load cases allow; a
-   run that bends much farther is refused (FB_ERR_STEP).
+   the tolerance (relative to the largest output). error_model uses at most 0.7 of the tolerance; if it is larger, error
+   exceeds the tolerance, and large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines (lines_status FB_OK)
+   and no load case buckles it or bends it by more than five lengths. A step of fb_exponential_step with it is one that
+   the deflections of the load cases allow; a run that bends much farther is refused (FB_ERR_STEP).
    The estimates compare the accelerations of each set at the extremes of the envelope, and the motion of the body with
    and without some modes, linear, while its base recoils: bounded work, no simulation. They are often wrong by a factor
    of three. shape: natural modes of each appendage, more than will be needed; modes are taken in the order of what they

@@ -28153,16 +28153,16 @@ static fbi_exact_line fbi_exact_line_of(const fb_exact_desc *desc, int index)
   line.joint = -1;
   for (int b = 0, joint = desc->n_joint; b < index && b < desc->n_branch; b++) {
     const fb_exact_branch *const branch = &desc->branch[b];
-    const int seated = !fbi_is_zero(branch->attitude, 4);
+    const int angled = !fbi_is_zero(branch->attitude, 4);
     line.first += line.n;
     line.n = branch->n_element;
     line.node = branch->node;
     line.station = branch->n_station > 0 ? branch->station : 0;
     line.n_station = branch->n_station > 0 ? branch->n_station : desc->n_station;
     line.length = branch->length != FB_R(0.0) ? branch->length : desc->length;
-    line.joint = seated ? joint : -1;
+    line.joint = angled ? joint : -1;
     fbi_copy(line.attitude, branch->attitude, 4);
-    joint += seated;
+    joint += angled;
   }
   return line;
 }
@@ -28588,7 +28588,7 @@ static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const
 /* [E10.27] A branch at an angle: its first element is a driven joint at rest, which turns the section axes of its node by
    the attitude of the branch and the twist of its first station, exp(angle axis^).
    Source: E10.21 to E10.23.  Cost: an element.  Fails: never.  Test: branches_stand_at_their_angle_and_twist. */
-static void fbi_exact_seat_fill(fb_exact_joint *joint, const fb_exact_desc *desc, const fbi_exact_line *line)
+static void fbi_exact_angle_fill(fb_exact_joint *joint, const fb_exact_desc *desc, const fbi_exact_line *line)
 {
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, attitude[4], twist[4], quat[4], x[3];
   turn[0] = desc->station[line->station].twist;
@@ -28608,7 +28608,7 @@ static void fbi_exact_line_fill(fb_exact *m, const fb_exact_desc *desc, int inde
 {
   const fbi_exact_line line = fbi_exact_line_of(desc, index);
   if (line.joint >= 0) {
-    fbi_exact_seat_fill(&m->joint[line.joint], desc, &line);
+    fbi_exact_angle_fill(&m->joint[line.joint], desc, &line);
   }
   if (line.node != line.first) {
     m->branch[m->n_branch++] = line.first;
@@ -28622,8 +28622,8 @@ static void fbi_exact_line_fill(fb_exact *m, const fb_exact_desc *desc, int inde
   }
 }
 
-/* The beam's own units: the length of its longest line, the force that bends it by about its length, the time in which that force moves
-   its mass by about its length. Slenderness is then the only scale left. */
+/* The beam's own units: the length of its longest line, the force that bends it by about its length, the time in which
+   that force moves its mass by about its length. Slenderness is then the only scale left. */
 static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
@@ -34171,7 +34171,8 @@ static fb_real fbi_advice_end(fb_real turn, fb_real at, int smooth)
    ends, all of it, is given h/3 too long or short at most by Simpson's rule, h/2 by the middle: omega h/3, omega h/2 of
    the free vibration; nothing if that is where steps meet.
    Source: own.  Fails: never.
-   Test: drives_may_end_within_a_step, known_ends_are_met_by_steps, loads_may_be_taken_away_within_a_step. */
+   Test: drives_may_end_within_a_step, known_ends_are_met_by_steps, unknown_ends_are_met_at_their_worst,
+   loads_may_be_taken_away_within_a_step. */
 static fb_real fbi_advice_kink(const fb_advice_work *work, const fb_envelope *e, fb_integrator integrator, int n,
                                fb_real dt, fb_real place)
 {

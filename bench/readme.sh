@@ -289,6 +289,19 @@ sizes() {
   flight
 }
 
+# Of the report of the firmware's check: the flight image by both steps.
+firmware() {
+  make -s check-firmware > "$out/firmware"
+  {
+    echo '```'
+    echo "step                  flags  precision  code  constants  RAM with stack  instructions"
+    tr ';' '\n' < "$out/firmware" | awk '{ gsub(/,/, "") }
+      $3 == "code" { own = sub(/^generated_/, "", $1)
+        printf "%-20s  %-5s  %-9s %5d  %9d  %14d  %12d\n", own ? "of reduce --code" : "of the library", $2, $1, $4, $6, $8, $10 }'
+    echo '```'
+  } | block firmware
+}
+
 compile() {
   make -s build/flexbeam
   { echo '```'; sh bench/compile.sh; echo '```'; } | block compile
@@ -317,7 +330,7 @@ if [ $# -gt 0 ]; then # one part alone
   exit
 fi
 for part in hil accuracy advice advise flags hard campaign speedup scene hostile faults coverage program figures spinup forms table1 system \
-  exact leigh blade identities peers instructions single sizes compile aero; do
+  exact leigh blade identities peers instructions single sizes compile aero firmware; do
   "$part"
 done
 echo "tables, program and pictures of the documents regenerated"

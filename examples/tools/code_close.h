@@ -22,8 +22,8 @@ static void rows_write_axes(const code *w, int k)
   inner.indent = 4;
   for (int a = 0; a < L->axes; a++) {
     code_begin(&s);
-    for (int r = 0; r < ties.n; r++) {
-      code_add(&s, 1.0, rows_mu(r), ties.row[r].direct[L->row + a]);
+    for (int r = 0; r < constraint.n; r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->row + a]);
     }
     p[a] = code_end(&inner, &s, code_variable("b%d_dp_%d", k, a));
   }
@@ -91,11 +91,11 @@ static void rows_write_gap(const code *w)
     tree_write_norm(w, "far", k, rho[k]);
     tree_write_larger(w, "size", "far", k);
   }
-  for (int r = 0; r < ties.n; r++) {
-    if (!code_is_constant(&ties.row[r].value)) {
+  for (int r = 0; r < constraint.n; r++) {
+    if (!code_is_constant(&constraint.row[r].value)) {
       fprintf(w->out, "    const %s gap_%d = ", code_real(w), r);
       code_template(w, "fabs~(");
-      fprintf(w->out, "%s);\n", ties.row[r].value.name);
+      fprintf(w->out, "%s);\n", constraint.row[r].value.name);
       tree_write_larger(w, "gap", "gap", r);
     }
   }
@@ -133,7 +133,7 @@ static void rows_write_move(const code *w, int unused)
   }
   rows_write_gap(w);
   fputs("  }\n", w->out);
-  for (int j = 0; j < 2 * ties.n_loop && tree.n_given > 0; j++) {
+  for (int j = 0; j < 2 * constraint.n_loop && tree.n_given > 0; j++) {
     rows_write_velocity(w, j / 2, j % 2);
   }
   rows_write_check(w, "!places && ");
@@ -204,11 +204,11 @@ static void rows_write_functions(const code *w)
 {
   int n = 0;
   code_template(w, "\nenum { @_ROWS = ");
-  fprintf(w->out, "%d };\n", ties.acting);
+  fprintf(w->out, "%d };\n", constraint.acting);
   code_template(w, "static const int @_kind[@_ROWS] = {");
-  for (int r = 0; r < ties.n; r++) {
-    if (ties.row[r].acts >= 0) {
-      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * ties.row[r].loop + (ties.row[r].hold < 3));
+  for (int r = 0; r < constraint.n; r++) {
+    if (constraint.row[r].acts >= 0) {
+      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + (constraint.row[r].hold < 3));
     }
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"

@@ -165,8 +165,8 @@ static void rows_read_q(code_value *q, const tree_link *L, int k)
 /* The node of side s of loop j. */
 static void rows_write_end(const code *w, int j, int s)
 {
-  rows_end *const end = &ties.loop[j].end[s];
-  const fb_joint *const joint = ties.loop[j].joint;
+  rows_end *const end = &constraint.loop[j].end[s];
+  const fb_joint *const joint = constraint.loop[j].joint;
   const int at = s == 1 ? joint->child_node : joint->moves ? joint->parent_node : 0;
   const code_value name = code_variable("l%d_%d", j, s);
   rows_unit(end->N);
@@ -218,7 +218,7 @@ static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], 
 /* Joint axes of the child, P axes. */
 static void rows_write_child_axes(const code *w, int j)
 {
-  rows_loop *const l = &ties.loop[j];
+  rows_loop *const l = &constraint.loop[j];
   for (int c = 0; c < 3; c++) {
     code_value b[3];
     for (int i = 0; i < 3; i++) {
@@ -232,7 +232,7 @@ static void rows_write_child_axes(const code *w, int j)
 /* Frames of loop j (fbi_frames_eval), in P axes. */
 static void rows_write_frames(const code *w, int j)
 {
-  rows_loop *const l = &ties.loop[j];
+  rows_loop *const l = &constraint.loop[j];
   rows_end *const on = &l->end[0], *const of = &l->end[1];
   code_value R[2][9], rho[2][3], axes[9], far[3], x[3], local[3];
   code_sum s;
@@ -308,8 +308,8 @@ static void rows_direction(code_value force[3], code_value torque[3], const rows
 /* Its wrench on side s of the loop, and on the modes there. */
 static void rows_write_side(const code *w, int r, int s)
 {
-  rows_row *const row = &ties.row[r];
-  const rows_loop *const l = &ties.loop[row->loop];
+  rows_row *const row = &constraint.row[r];
+  const rows_loop *const l = &constraint.loop[row->loop];
   const rows_end *const end = &l->end[s];
   const code_value name = code_variable("g%d_%d", r, s);
   code_value force[3], torque[3], f[3], t[3];
@@ -352,8 +352,8 @@ static void rows_write_side(const code *w, int r, int s)
 /* What the modes of a side take of it, -Lambda M^-1 e, in `taken`; the wrench less that. */
 static void rows_write_taken(const code *w, code_value taken[6], int r, int s)
 {
-  rows_row *const row = &ties.row[r];
-  const rows_end *const end = &ties.loop[row->loop].end[s];
+  rows_row *const row = &constraint.row[r];
+  const rows_end *const end = &constraint.loop[row->loop].end[s];
   const code_value name = code_variable("g%d_%d", r, s);
   code_sum sum;
   tree_nothing(taken, 6);
@@ -381,7 +381,7 @@ static void rows_write_taken(const code *w, code_value taken[6], int r, int s)
 /* From link k to `on`: a wrench y on the axes, added to the coefficients of row r; its size on them to bound[]. */
 static void rows_write_along(const code *w, int r, int k, int on, const code_value y[6], code_sum *bound, char word)
 {
-  rows_row *const row = &ties.row[r];
+  rows_row *const row = &constraint.row[r];
   code_value f[6], up[6];
   char name[16];
   code_sum s;
@@ -420,8 +420,8 @@ static code_value rows_square(const code *w, const code_value *x, int n, code_va
 /* Wrenches of row r and what they do to the axes. Does it move anything? */
 static int rows_write_row(const code *w, int r, code_sum *bound)
 {
-  rows_row *const row = &ties.row[r];
-  const rows_loop *const l = &ties.loop[row->loop];
+  rows_row *const row = &constraint.row[r];
+  const rows_loop *const l = &constraint.loop[row->loop];
   int acts = 0;
   tree_nothing(row->coefficient, CODE_ROWS);
   for (int i = 0; i < CODE_ROWS; i++) {
@@ -450,7 +450,7 @@ static int rows_write_row(const code *w, int r, code_sum *bound)
 /* Bound of Q_rr, as if wrenches were parallel to the twists: sum of A.A W.W/pivot, and of the modes'. */
 static void rows_write_bound(const code *w, int r, code_sum *bound, const code_factor *f, const int *order)
 {
-  const rows_row *const row = &ties.row[r];
+  const rows_row *const row = &constraint.row[r];
   static code_sum s;
   char target[32];
   code_begin(&s);
@@ -481,7 +481,7 @@ static void rows_write_bound(const code *w, int r, code_sum *bound, const code_f
 /* Y = L^-1 A^T of row r */
 static void rows_write_share(const code *w, int r, const code_factor *f, const int *order)
 {
-  rows_row *const row = &ties.row[r];
+  rows_row *const row = &constraint.row[r];
   for (int k = 0; k < f->n; k++) {
     code_sum s;
     code_begin(&s);
@@ -497,14 +497,14 @@ static void rows_write_share(const code *w, int r, const code_factor *f, const i
 static void rows_write_matrix(const code *w, int r, const code_factor *f)
 {
   static code_sum s;
-  rows_row *const row = &ties.row[r];
+  rows_row *const row = &constraint.row[r];
   for (int k = 0; k < f->n; k++) {
     code_begin(&s);
     code_add(&s, 1.0, row->Y[k], f->share[k]);
     row->by[k] = code_end(w, &s, code_variable("g%d_D%d", r, k));
   }
   for (int i = 0; i <= r; i++) {
-    const rows_row *const other = &ties.row[i];
+    const rows_row *const other = &constraint.row[i];
     char target[32];
     if (other->acts < 0) {
       continue;
@@ -515,12 +515,12 @@ static void rows_write_matrix(const code *w, int r, const code_factor *f)
     }
     for (int side = 0; side < 4; side++) {
       const int a = side / 2, b = side % 2;
-      const int same = ties.loop[row->loop].end[a].link == ties.loop[other->loop].end[b].link;
+      const int same = constraint.loop[row->loop].end[a].link == constraint.loop[other->loop].end[b].link;
       for (int m = 0; m < FB_MAX_MODES && same; m++) {
         code_add(&s, 1.0, row->bent[a][m], other->e[b][m]);
       }
     }
-    snprintf(target, sizeof target, "Q[%d]", row->acts * ties.acting + other->acts);
+    snprintf(target, sizeof target, "Q[%d]", row->acts * constraint.acting + other->acts);
     code_assign(w, &s, target);
   }
 }
@@ -529,7 +529,7 @@ static void rows_write_matrix(const code *w, int r, const code_factor *f)
 static void rows_write_rest(const code *w, int r, const code_factor *f, const code_value *z, int closes)
 {
   static code_sum s;
-  const rows_row *const row = &ties.row[r];
+  const rows_row *const row = &constraint.row[r];
   char target[32];
   code_begin(&s);
   for (int k = 0; k < f->n; k++) {
@@ -539,7 +539,7 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
     code_add(&s, 1.0, row->coefficient[i], tree_right[i]);
   }
   for (int side = 0; side < 2; side++) {
-    const int link = ties.loop[row->loop].end[side].link;
+    const int link = constraint.loop[row->loop].end[side].link;
     for (int a = 0; link >= 0 && a < tree.link[link].n; a++) {
       code_add(&s, 1.0, row->bent[side][a], code_variable("b%d_p_%d", link, a));
     }
@@ -554,7 +554,7 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
 /* Multiplier of row r as a value */
 static code_value rows_mu(int r)
 {
-  return ties.row[r].acts < 0 ? code_constant(0.0) : code_variable("mu[%d]", ties.row[r].acts);
+  return constraint.row[r].acts < 0 ? code_constant(0.0) : code_variable("mu[%d]", constraint.row[r].acts);
 }
 
 /* The speeds under the constraints, in place of code_write_substitution. */
@@ -565,21 +565,21 @@ static void rows_write_solve(const code *w, code_factor *f, const int *order, ch
   code_value z[CODE_ROWS];
   code_sum s;
   fputs("\n  /* E9.8: rows of the loops; E9.9: Q = A M^-1 A^T */\n", w->out);
-  for (int j = 0; j < ties.n_loop; j++) {
+  for (int j = 0; j < constraint.n_loop; j++) {
     rows_write_frames(w, j);
   }
-  ties.acting = 0;
-  for (int r = 0; r < ties.n; r++) {
+  constraint.acting = 0;
+  for (int r = 0; r < constraint.n; r++) {
     const int acts = rows_write_row(w, r, bound);
-    ties.row[r].acts = acts ? ties.acting++ : -1;
+    constraint.row[r].acts = acts ? constraint.acting++ : -1;
     if (acts) {
       rows_write_bound(w, r, bound, f, order);
       rows_write_share(w, r, f, order);
     }
   }
   code_write_forward(w, f, z);
-  for (int r = 0; r < ties.n; r++) {
-    if (ties.row[r].acts >= 0) {
+  for (int r = 0; r < constraint.n; r++) {
+    if (constraint.row[r].acts >= 0) {
       rows_write_matrix(w, r, f);
       rows_write_rest(w, r, f, z, closes);
     }
@@ -588,8 +588,8 @@ static void rows_write_solve(const code *w, code_factor *f, const int *order, ch
   for (int k = 0; k < f->n; k++) {
     code_begin(&s);
     code_add_one(&s, 1.0, z[k]);
-    for (int r = 0; r < ties.n; r++) {
-      code_add(&s, 1.0, rows_mu(r), ties.row[r].Y[k]);
+    for (int r = 0; r < constraint.n; r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].Y[k]);
     }
     z[k] = code_end(w, &s, code_variable("zc_%d", k));
   }
@@ -660,10 +660,10 @@ static const code_value *rows_pushed(const rows_row *row, int s)
 
 static void rows_add(code_sum *sum, double sign, int k, int i, rows_part *of)
 {
-  for (int r = 0; r < ties.n; r++) {
+  for (int r = 0; r < constraint.n; r++) {
     for (int s = 0; s < 2; s++) {
-      if (ties.loop[ties.row[r].loop].end[s].link == k) {
-        code_add(sum, sign, rows_mu(r), of(&ties.row[r], s)[i]);
+      if (constraint.loop[constraint.row[r].loop].end[s].link == k) {
+        code_add(sum, sign, rows_mu(r), of(&constraint.row[r], s)[i]);
       }
     }
   }
@@ -672,8 +672,8 @@ static void rows_add(code_sum *sum, double sign, int k, int i, rows_part *of)
 static int rows_push(int k)
 {
   int pushed = 0;
-  for (int j = 0; j < 2 * ties.n_loop; j++) {
-    pushed |= ties.loop[j / 2].end[j % 2].link == k;
+  for (int j = 0; j < 2 * constraint.n_loop; j++) {
+    pushed |= constraint.loop[j / 2].end[j % 2].link == k;
   }
   return pushed;
 }
@@ -713,7 +713,7 @@ static void rows_write_q_dot(const code *w, int k)
 /* Velocity of an end. */
 static void rows_write_velocity(const code *w, int j, int side)
 {
-  rows_end *const end = &ties.loop[j].end[side];
+  rows_end *const end = &constraint.loop[j].end[side];
   const code_value name = code_variable("l%d_%d", j, side);
   const tree_link *const L = end->link >= 0 ? &tree.link[end->link] : NULL;
   code_value spin[3];
@@ -766,13 +766,13 @@ static void rows_write_cross(const code *w, code_value y[3], const code_value a[
 static void rows_write_impulse(const code *w, int j, code_value f[3], code_value T[3], code_value f_dot[3],
                                code_value T_dot[3])
 {
-  const rows_loop *const l = &ties.loop[j];
+  const rows_loop *const l = &constraint.loop[j];
   code_value a_dot[3][3], b_dot[3][3];
   code_sum s, rate[3];
   tree_nothing(f, 3);
   for (int r = l->first; r < l->first + l->n; r++) {
-    if (ties.row[r].hold < 3) {
-      f[ties.row[r].hold] = rows_mu(r);
+    if (constraint.row[r].hold < 3) {
+      f[constraint.row[r].hold] = rows_mu(r);
     }
   }
   rows_write_cross(w, f_dot, l->end[0].spin, f, NULL, code_variable("l%d_fd", j));
@@ -787,7 +787,7 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
     code_begin(&s);
     code_begin(&rate[i]);
     for (int r = l->first; r < l->first + l->n; r++) {
-      const int hold = ties.row[r].hold;
+      const int hold = constraint.row[r].hold;
       if (hold >= 3) {
         const int of = (hold - 3) / 3;
         const code_value *const b = l->b[(hold - 3) % 3], *const b_rate = b_dot[(hold - 3) % 3];
@@ -813,7 +813,7 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
 /* E9.13 of loop j: momentum and load at both nodes, and on the bodies. */
 static void rows_write_load(const code *w, int j)
 {
-  rows_loop *const l = &ties.loop[j];
+  rows_loop *const l = &constraint.loop[j];
   code_value f[3], T[3], f_dot[3], T_dot[3], far[3];
   code_sum s;
   rows_write_impulse(w, j, f, T, f_dot, T_dot);
@@ -860,8 +860,8 @@ static void rows_write_load(const code *w, int j)
 /* Loads of all loops on the bodies; velocities and q_dot are known. */
 static void rows_write_loads(const code *w)
 {
-  fputs(ties.n_loop > 0 ? "\n  /* E9.13: loads by the impulses of the loops */\n" : "", w->out);
-  for (int j = 0; j < ties.n_loop; j++) {
+  fputs(constraint.n_loop > 0 ? "\n  /* E9.13: loads by the impulses of the loops */\n" : "", w->out);
+  for (int j = 0; j < constraint.n_loop; j++) {
     rows_write_velocity(w, j, 0);
     rows_write_velocity(w, j, 1);
     rows_write_load(w, j);
@@ -887,9 +887,9 @@ static void rows_write_turning(const code *w, code_value load[6], const rows_end
 /* The same on its modes, added to the force on each: J.(F - turning of G) + J_dot.G. */
 static void rows_add_node(const code *w, code_sum *force, int j, int side)
 {
-  const rows_end *const end = &ties.loop[j].end[side];
+  const rows_end *const end = &constraint.loop[j].end[side];
   const tree_link *const L = &tree.link[end->link];
-  const int at = side == 1 ? ties.loop[j].joint->child_node : ties.loop[j].joint->parent_node;
+  const int at = side == 1 ? constraint.loop[j].joint->child_node : constraint.loop[j].joint->parent_node;
   const fb_node *const node = &L->model->node[at];
   const code_value name = code_variable("l%d_%d", j, side), *const q_dot = L->rates.q_dot;
   code_value load[6], Ju_dot[FB_MAX_MODES][3], turn_dot[FB_MAX_MODES][3], phi_dot[3], shrink;
@@ -931,9 +931,9 @@ static void rows_add_node(const code *w, code_sum *force, int j, int side)
 
 static void rows_add_modes(const code *w, code_sum *force, int k)
 {
-  for (int j = 0; j < ties.n_loop; j++) {
+  for (int j = 0; j < constraint.n_loop; j++) {
     for (int side = 0; side < 2; side++) {
-      if (ties.loop[j].end[side].link == k && ties.loop[j].end[side].moves) {
+      if (constraint.loop[j].end[side].link == k && constraint.loop[j].end[side].moves) {
         rows_add_node(w, force, j, side);
       }
     }
@@ -962,7 +962,7 @@ static void rows_write_check(const code *w, const char *when)
   code inner = *w;
   int n = 0;
   inner.indent = 4;
-  if (tree.n_given == 0 || ties.n == 0) {
+  if (tree.n_given == 0 || constraint.n == 0) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
@@ -974,22 +974,22 @@ static void rows_write_check(const code *w, const char *when)
     }
   }
   code_template(w, " > `0`) {\n    $ most[@_ROWS];\n");
-  for (int j = 0; j < 2 * ties.n_loop; j++) {
-    const rows_end *const end = &ties.loop[j / 2].end[j % 2];
+  for (int j = 0; j < 2 * constraint.n_loop; j++) {
+    const rows_end *const end = &constraint.loop[j / 2].end[j % 2];
     if (end->link >= 0) {
       rows_write_norm(w, "speed", j, end->v);
       rows_write_norm(w, "spins", j, end->spin);
     }
   }
-  for (int r = 0; r < ties.n; r++) {
-    const rows_row *const row = &ties.row[r];
+  for (int r = 0; r < constraint.n; r++) {
+    const rows_row *const row = &constraint.row[r];
     code_template(w, row->acts >= 0 ? "    most[" : "");
     if (row->acts >= 0) {
       fprintf(w->out, "%d] = ", row->acts);
       code_template(w, "`0`");
     }
     for (int s = 0; s < 2 && row->acts >= 0; s++) {
-      if (ties.loop[row->loop].end[s].link >= 0) {
+      if (constraint.loop[row->loop].end[s].link >= 0) {
         code_sum of[2];
         for (int m = 0; m < 2; m++) {
           const code_value *const x = m ? row->torque[s] : row->force[s];

@@ -42,7 +42,7 @@ static struct rows { /* the rows of all loops */
   int n, n_loop, acting;
   rows_loop loop[FB_MAX_LOOPS];
   rows_row row[ROWS_MOST];
-} ties;
+} constraint;
 
 /* ---- what the description is */
 
@@ -80,19 +80,19 @@ static const char *rows_refusal(const fb_system *system)
 
 static void rows_read(const fb_system *system)
 {
-  memset(&ties, 0, sizeof ties);
-  ties.n_loop = system->n_loop;
-  for (int j = 0; j < ties.n_loop; j++) {
-    rows_loop *const l = &ties.loop[j];
+  memset(&constraint, 0, sizeof constraint);
+  constraint.n_loop = system->n_loop;
+  for (int j = 0; j < constraint.n_loop; j++) {
+    rows_loop *const l = &constraint.loop[j];
     l->joint = &system->joint[system->n_body + j];
     l->end[0].link = l->joint->parent;
     l->end[1].link = l->joint->child;
-    l->first = ties.n;
+    l->first = constraint.n;
     for (const int *hold = fbi_traits(l->joint)->holds; *hold >= 0; hold++) {
-      ties.row[ties.n].loop = j;
-      ties.row[ties.n++].hold = *hold;
+      constraint.row[constraint.n].loop = j;
+      constraint.row[constraint.n++].hold = *hold;
     }
-    l->n = ties.n - l->first;
+    l->n = constraint.n - l->first;
   }
 }
 

@@ -917,7 +917,7 @@ static void tree_write_solve(const code *w, int closes)
     code_write_column(w, f, k);
   }
   tree_write_pivot_check(w, f);
-  if (ties.n > 0) {
+  if (constraint.n > 0) {
     rows_write_solve(w, f, order, names, closes);
   } else {
     code_write_substitution(w, f, names);
@@ -1507,7 +1507,7 @@ static void tree_write_rates(const code *w, int unused)
   code_template(w, "%V");
   tree_write_names(w);
   tree_write_given_names(w, "in");
-  code_template(w, ties.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
+  code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
@@ -2162,7 +2162,7 @@ static void tree_write_end(const code *w)
                 tree.root >= 0
                     ? ", const $ *before, %s dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
                       "  $ change[3] = {%z, %z, %z}, step[3];\n"
-                : ties.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                : constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
                              : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
   if (tree.root >= 0) {
@@ -2186,7 +2186,7 @@ static void tree_write_end(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_sum_momenta);
   }
-  code_template(w, ties.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
+  code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
   if (tree.root >= 0) {
     tree_write_flight(w);
   }
@@ -2268,7 +2268,7 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : ties.n > 0 ? ", end);\n}\n" : ");\n}\n");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
 }
 
 /* Rotation vector; of all lanes by that of one body. */
@@ -2325,7 +2325,7 @@ static void tree_write_model_type(const code *w)
 static void tree_write_declarations(const code *w, int lanes)
 {
   code_template(w, tree_status);
-  code_template(w, ties.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
@@ -2371,8 +2371,8 @@ static int rows_look(const code *w)
     return 0;
   }
   tree_write_rates(&draft, 0);
-  if (ties.acting == 0) {
-    ties.n = ties.n_loop = 0;
+  if (constraint.acting == 0) {
+    constraint.n = constraint.n_loop = 0;
   }
   return fclose(draft.out) == 0;
 }
@@ -2385,12 +2385,12 @@ static int tree_write_functions(const code *w)
   code_template(w, tree_finite);
   tree_write_input_check(w);
   tree_write_rotations(w);
-  good = ties.n == 0 || rows_look(w);
-  if (ties.n > 0) {
+  good = constraint.n == 0 || rows_look(w);
+  if (constraint.n > 0) {
     rows_write_functions(w);
   }
   good = code_write_pruned(w, tree_write_rates, 0) && good;
-  if (ties.n > 0) {
+  if (constraint.n > 0) {
     good = code_write_pruned(w, rows_write_move, 0) && good;
     rows_write_close(w);
   }
@@ -2457,7 +2457,7 @@ static int tree_write_alone(const code *w)
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   code_template(w, tree_status);
-  code_template(w, ties.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
