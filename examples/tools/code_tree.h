@@ -2163,7 +2163,7 @@ static void tree_write_end(const code *w)
                     ? ", const $ *before, %s dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
                       "  $ change[3] = {%z, %z, %z}, step[3];\n"
                 : constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                             : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+                                   : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
