@@ -14553,6 +14553,27 @@ static void fbi_exact_rows_fill(fb_exact_work *work, const fb_exact *m, const fb
   }
 }
 
+/* y += x A of twelve numbers x and rows of A, those in steps of `stride`; row by row, the sums kept out of memory. */
+static FBI_INLINE void fbi_exact_combine(fb_real y[6], const fb_real *x, int stride, const fb_real A[72])
+{
+  fb_real a = y[0], b = y[1], c = y[2], d = y[3], e = y[4], f = y[5];
+  for (int i = 0; i < 12; i++) {
+    const fb_real s = x[stride * i], *const row = A + 6 * i;
+    a += s * row[0];
+    b += s * row[1];
+    c += s * row[2];
+    d += s * row[3];
+    e += s * row[4];
+    f += s * row[5];
+  }
+  y[0] = a;
+  y[1] = b;
+  y[2] = c;
+  y[3] = d;
+  y[4] = e;
+  y[5] = f;
+}
+
 /* Eliminates element k: W = A^-1 W, and K = -F1d1 + L W for the inner node. */
 static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
 {
@@ -14567,9 +14588,7 @@ static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
     for (int i = 0; i < 6; i++) {
       K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
     }
-    for (int i = 0; i < 12; i++) {
-      fbi_vec6_add(K + 6 * r, L[6 * i + r], W + 6 * i);
-    }
+    fbi_exact_combine(K + 6 * r, L + r, 6, W);
   }
   return FB_OK;
 }
@@ -14654,9 +14673,7 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
     }
     fbi_lu_12_solve(y, work->LU + 144 * (k - 1), work->perm + 12 * (k - 1), b);
     fbi_vec6_zero(z);
-    for (int i = 0; i < 12; i++) {
-      fbi_vec6_add(z, y[i], work->L + 72 * (k - 1) + 6 * i);
-    }
+    fbi_exact_combine(z, y, 1, work->L + 72 * (k - 1));
     if (m->n_branch > 0) {
       fbi_exact_branch_pass(z, work, m, k - 1, 6);
     }
