@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CODE_PREFIX = 200, CODE_NAME = 24, CODE_TERMS = 1200, CODE_WIDTH = 116 };
+enum { CODE_PREFIX = 200, CODE_NAME = 24, CODE_TERMS = 1200, CODE_WIDTH = 116, CODE_LONG_SUM = 6 };
 
 /* Parameters that stay variable, factors of what the description says: bits of code.vary. */
 enum {
@@ -179,20 +179,22 @@ static void code_add_one(code_sum *s, double c, code_value x)
   code_add(s, c, x, code_constant(1.0));
 }
 
-/* A term with its sign as text; first: at the head of a sum. */
-static void code_term_text(char text[120], const code *w, const code_term *t, int first)
+/* A term with its sign as text; first: at the head of a sum; in: of the second half in brackets, a sum of its own. */
+static void code_term_text(char text[120], const code *w, const code_term *t, int first, int in)
 {
   char number[40];
-  const int unit = !(fabs(fabs(t->c) - 1.0) > 0.0);
-  const char *const sign = t->c < 0.0 ? (first ? "-" : " - ") : (first ? "" : " + ");
+  const int unit = !(fabs(fabs(t->c) - 1.0) > 0.0), head = first || in;
+  const char *const sign = t->c < 0.0 ? (head ? "-" : " - ") : (head ? "" : " + ");
   code_number(number, w, fabs(t->c));
-  snprintf(text, 120, "%s%s%s%s%s%s", sign, unit ? "" : number, unit ? "" : " * ", t->x, t->y[0] ? " * " : "", t->y);
+  snprintf(text, 120, "%s%s%s%s%s%s%s", in ? " + (" : "", sign, unit ? "" : number, unit ? "" : " * ", t->x,
+           t->y[0] ? " * " : "", t->y);
 }
 
-/* The sum as an expression, which begins at a column of the line. */
+/* The sum as an expression, which begins at a column of the line. The halves of a long one do not wait for each other. */
 static void code_expression(const code *w, const code_sum *s, int column)
 {
   char text[120];
+  const int half = s->n >= CODE_LONG_SUM ? (s->n + 1) / 2 : 0;
   int first = 1;
   if (fabs(s->constant) > 0.0 || s->n == 0) {
     code_number(text, w, s->constant);
@@ -201,7 +203,7 @@ static void code_expression(const code *w, const code_sum *s, int column)
     first = 0;
   }
   for (int k = 0; k < s->n; k++) {
-    code_term_text(text, w, &s->term[k], first);
+    code_term_text(text, w, &s->term[k], first, half > 0 && k == half);
     if (column + (int)strlen(text) > CODE_WIDTH) {
       fputs("\n     ", w->out);
       column = 5;
@@ -210,6 +212,7 @@ static void code_expression(const code *w, const code_sum *s, int column)
     column += (int)strlen(text);
     first = 0;
   }
+  fputs(half > 0 ? ")" : "", w->out);
 }
 
 /* Constants whose sum is round-off are zero. */
