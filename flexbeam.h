@@ -1132,7 +1132,7 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
                                  the equations of motion of the second- and first-order forms */
 #if FB_WITH_ROTORS
-  fb_rotor_input rotor[FB_MAX_ROTORS];
+  fb_rotor_input rotor[FB_MAX_ROTORS]; /* of rotors that the body does not have zero, or FB_ERR_VALUE */
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   fb_real t;                  /* [s] for distributed */
@@ -1489,7 +1489,7 @@ typedef struct fb_system_input { /* all zero: nothing acts */
   int n_load;
   fb_system_load load[FB_MAX_LOADS];
 #if FB_WITH_ROTORS
-  fb_rotor_input rotor[FB_MAX_BODIES][FB_MAX_ROTORS]; /* of each body */
+  fb_rotor_input rotor[FB_MAX_BODIES][FB_MAX_ROTORS]; /* of each body, as in fb_input */
 #endif
   fb_real pull[FB_MAX_SPRINGS];   /* [N] of the actuators: tension */
   fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */

@@ -4939,6 +4939,18 @@ static int fbi_has_imbalance(const fb_body *body)
   }
   return sum > FB_R(0.0);
 }
+
+/* A rotor that the body does not have has no motor: a torque would do nothing. */
+static fb_status fbi_no_rotors_check(const fb_body *body, const fb_rotor_input *input)
+{
+  for (int r = body->n_rotor; r < FB_MAX_ROTORS; r++) {
+    if (!(input[r].torque == FB_R(0.0) && input[r].momentum == FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "input: torque [N m] or momentum [N m s] of a rotor that the body has not", r,
+                        input[r].torque, FB_R(0.0));
+    }
+  }
+  return FB_OK;
+}
 #endif
 
 /* 1 if distributed loads act. */
@@ -4972,7 +4984,11 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
       return FBI_REFUSE(FB_ERR_NOT_FINITE, "load: force [N] or torque [N m], finite", i, FB_R(0.0), FB_R(0.0));
     }
   }
+#if FB_WITH_ROTORS
+  return fbi_no_rotors_check(body, input->rotor);
+#else
   return FB_OK;
+#endif
 }
 
 /* 1 if the frame of the momenta moves with the mass center: free bodies in momentum form. */
@@ -10868,7 +10884,9 @@ static FBI_NOINLINE fb_status fbi_links_rotors_check(const fb_system *system, co
 {
   fb_status status = FB_OK;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_rotors_check(fbi_model(system, body, k), input->rotor[k]);
+    const fb_body *const model = fbi_model(system, body, k);
+    status = fbi_no_rotors_check(model, input->rotor[k]);
+    status = status == FB_OK && model->n_rotor > 0 ? fbi_rotors_check(model, input->rotor[k]) : status;
   }
   return status;
 }
@@ -10981,7 +10999,7 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
     }
   }
 #if FB_WITH_ROTORS
-  if (system->carries_rotors) {
+  {
     const fb_status status = fbi_links_rotors_check(system, body, input);
     if (status != FB_OK) {
       return status;

@@ -714,6 +714,17 @@ TEST(bad_rotors_are_refused)
   input.rotor[0].torque = nan_value;
   FBT_INT_EQ(step(FB_INTEGRATOR_RK4, 1e-3), FB_ERR_NOT_FINITE);
   FBT_INT_EQ(step(FB_INTEGRATOR_SDIRK, 1e-3), FB_ERR_NOT_FINITE);
+  input.rotor[0].torque = FB_R(0.0);
+  for (int r = 1; r < FB_MAX_ROTORS; r++) { /* a motor that is not there */
+    for (int given = 0; given < 2; given++) {
+      fb_real *const value = given ? &input.rotor[r].momentum : &input.rotor[r].torque;
+      *value = FB_R(1.0);
+      for (int i = 0; i < (int)FB_INTEGRATOR_COUNT; i++) {
+        FBT_INT_EQ(step((fb_integrator)i, 1e-3), FB_ERR_VALUE);
+      }
+      *value = FB_R(0.0);
+    }
+  }
   FBT_INT_EQ(fb_state_rotor_set(&body, &state, 1, 0, 0, NULL), FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_state_rotor_set(&body, &state, -1, 0, 0, NULL), FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_state_rotor_set(&body, &state, 0, nan_value, 0, NULL), FB_ERR_NOT_FINITE);

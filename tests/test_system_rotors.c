@@ -962,8 +962,12 @@ TEST(bad_rotors_of_systems_are_refused)
   FBT_INT_EQ(run(1e-3, 1e-3), FB_ERR_NOT_FINITE);
   FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
   input.rotor[2][0].torque = FB_R(0.0);
-  input.rotor[1][1].torque = nothing; /* there is no such rotor */
-  FBT_INT_EQ(run(1e-3, 1e-3), FB_OK);
+  for (int bad = 0; bad < 2; bad++) { /* there is no such rotor */
+    input.rotor[1][1].torque = bad ? nothing : FB_R(1.0);
+    FBT_INT_EQ(run(1e-3, 1e-3), FB_ERR_VALUE);
+    FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
+  }
+  input.rotor[1][1].torque = FB_R(0.0);
   state.link[0].q[1] = nothing;
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_NOT_FINITE);
   state.link[0].q[1] = FB_R(0.0);
