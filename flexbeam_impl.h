@@ -4964,11 +4964,8 @@ static int fbi_is_distributed(const fb_input *input)
 #endif
 }
 
-static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
+static FBI_NOINLINE fb_status fbi_input_look(const fb_body *body, const fb_input *input)
 {
-  if (!input) {
-    return FB_OK;
-  }
   if (fbi_is_distributed(input) && !fbi_is_large(body)) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION", -1,
                       FB_R(0.0), FB_R(0.0));
@@ -4989,6 +4986,11 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 #else
   return FB_OK;
 #endif
+}
+
+static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
+{
+  return input ? fbi_input_look(body, input) : FB_OK;
 }
 
 /* 1 if the frame of the momenta moves with the mass center: free bodies in momentum form. */
