@@ -56,4 +56,6 @@ tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
+tree 29 "" -DNUMBER=double
+tree 30 --single -DNUMBER=float
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

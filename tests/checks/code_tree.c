@@ -164,6 +164,35 @@ static const struct {
      0,
      1,
      {{FB_JOINT_RIGID, -1, BOOM}, {FB_JOINT_SPHERICAL, -1, PANEL}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
+    /* 28: arm of two links that bend; 29..: joints on tips that modes move */
+    {FB_EFFECTS_FULL, 0, PLANE, {{FB_JOINT_REVOLUTE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1, {{FB_JOINT_REVOLUTE, -1, BOOM}, {FB_JOINT_SPHERICAL, 0 + TIP, PANEL}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}, {FB_JOINT_PRISMATIC, 0 + TIP, RIGID}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_UNIVERSAL, -1, RIGID},
+      {FB_JOINT_RIGID, 0, PANEL},
+      {FB_JOINT_RIGID, 1 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, 2, PANEL},
+      {FB_JOINT_SCREW, 3 + TIP, PANEL}}},
+    {FB_EFFECTS_LINEAR,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, PANEL}, {FB_JOINT_UNIVERSAL, 1 + TIP, BOOM}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_PRISMATIC, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0 + TIP, PANEL | GIVEN},
+      {FB_JOINT_REVOLUTE, 1 + TIP, RIGID | RUBS}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_RIGID, 0, PANEL}, {FB_JOINT_SPHERICAL, 1 + TIP, RIGID}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it. */
@@ -363,7 +392,8 @@ static void build(int which)
     const int flags = trees[which].link[k].model;
     desc.model[desc.n_body] = flags % GIVEN;
     desc.joint[k].kind = trees[which].link[k].kind;
-    desc.joint[k].parent = trees[which].link[k].parent;
+    desc.joint[k].parent = trees[which].link[k].parent % TIP;
+    desc.joint[k].parent_node = trees[which].link[k].parent >= TIP;
     desc.joint[k].mode[0] = !(flags & GIVEN) ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
