@@ -1805,6 +1805,7 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
 }
 
 #include "code_close.h"
+#include "code_drive.h"
 
 enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
 
@@ -1827,7 +1828,7 @@ static int tree_input_size(int k, int m)
 
 static int tree_has_state(int k)
 {
-  return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n > 0;
+  return k == tree.root || tree.link[k].axes + tree.link[k].given > 0 || tree.link[k].n > 0;
 }
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
@@ -1918,6 +1919,14 @@ static const char tree_status[] =
     "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
     "  @_range = -10       /* a deflection has left the range of the model */\n";
 
+/* One more, where it can be. */
+static const char *tree_contradiction(void)
+{
+  return tree.n_given > 0   ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
+         : constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n"
+                            : "";
+}
+
 static const char tree_status_end[] =
     "} @_status;\n\n"
     "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
@@ -1947,6 +1956,7 @@ static void tree_write_types(const code *w)
       if (k == tree.root) {
         code_template(w, tree_free_state);
       }
+      code_template(w, L->given ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
       tree_pieces(w, k, tree_declare);
       fprintf(w->out, "  } body_%d;\n", k);
     }
@@ -2236,7 +2246,7 @@ static const char tree_step_rest[] = "    if (status != @_ok) {\n      return st
                                      "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
                                      "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
                                      "  }\n"
-                                     "  return @_end(%Astate, sum, x";
+                                     "  return ";
 
 /* All lanes or none: where some have momentum and nothing acts, each takes its own step. */
 static const char tree_pushed_lanes[] =
@@ -2252,6 +2262,7 @@ static void tree_write_step(const code *w)
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
+  code_template(w, tree.n_given > 0 ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
@@ -2269,7 +2280,9 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
+  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed)" : constraint.n > 0 ? ", end)" : ")");
+  code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }
 
 /* Rotation vector; of all lanes by that of one body. */
@@ -2326,7 +2339,7 @@ static void tree_write_model_type(const code *w)
 static void tree_write_declarations(const code *w, int lanes)
 {
   code_template(w, tree_status);
-  code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, tree_contradiction());
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
@@ -2403,6 +2416,9 @@ static int tree_write_functions(const code *w)
   }
   tree_write_enter(w);
   tree_write_end(w);
+  if (tree.n_given > 0) {
+    drive_write_functions(w);
+  }
   tree_write_step(w);
   return good;
 }
@@ -2458,10 +2474,13 @@ static int tree_write_alone(const code *w)
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   code_template(w, tree_status);
-  code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, tree_contradiction());
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
+  if (tree.n_given > 0) {
+    drive_write_check(w);
+  }
   good = tree_write_functions(&wide);
   code_lanes_template(w, tree_steps);
   return good;
