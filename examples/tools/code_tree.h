@@ -40,6 +40,7 @@ typedef struct tree_choice { /* what is to be written */
   const char *name;
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
   int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
+  const fb_system_state *start; /* where NAME_start puts it, NULL: at zero coordinates, at rest */
 } tree_choice;
 
 static struct tree {
@@ -1938,7 +1939,6 @@ static const char tree_free_state[] =
     "    $ lost_x[3], lost_u[3];  /* what x and u have lost by rounding */\n";
 
 static const char tree_declarations[] =
-    "/* At zero coordinates, at rest: not where the scene starts. */\n"
     "void @_start(@_state *state);\n"
     "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
     "stays as\n"
@@ -2043,13 +2043,35 @@ static void tree_write_enter(const code *w)
   fputs("}\n", w->out);
 }
 
-static void tree_write_start(const code *w)
+/* Numbers of a member at the start; zeros are there already. */
+static void tree_write_start_of(const code *w, int k, const char *member, const fb_real *x, int n)
 {
+  char number[40];
+  for (int i = 0; i < n; i++) {
+    if (fabs((double)x[i]) > 0.0) {
+      code_number(number, w, (double)x[i]);
+      fprintf(w->out, "  state->body_%d.%s[%d] = %s;\n", k, member, i, number);
+    }
+  }
+}
+
+static void tree_write_start(const code *w, const fb_system_state *start)
+{
+  static const fb_real unit[4] = {FB_R(1.0), 0, 0, 0};
   code_template(w, "\nvoid @_start(@_state *state)\n{\n  memset(state, 0, sizeof *state);\n");
   for (int k = 0; k < tree.n; k++) {
-    if (k == tree.root || tree.link[k].joint->kind == FB_JOINT_SPHERICAL) {
-      fprintf(w->out, "  state->body_%d.quat[0] = ", k);
-      code_template(w, "`1`;\n");
+    const tree_link *const L = &tree.link[k];
+    const int free = k == tree.root, ball = free || L->joint->kind == FB_JOINT_SPHERICAL;
+    const fb_link_state *const x = start ? &start->link[k] : NULL;
+    if (ball) {
+      tree_write_start_of(w, k, "quat", x ? x->quat : unit, 4);
+    }
+    if (x) {
+      tree_write_start_of(w, k, "x", x->x, free ? 3 : ball ? 0 : L->axes + L->given);
+      tree_write_start_of(w, k, "u", x->u, free ? 3 : 0);
+      tree_write_start_of(w, k, "p", x->p, free ? 6 : L->axes);
+      tree_write_start_of(w, k, "q", x->q, L->n);
+      tree_write_start_of(w, k, "pi", x->pi, L->n);
     }
   }
   fputs("}\n", w->out);
@@ -2336,13 +2358,14 @@ static void tree_write_model_type(const code *w)
 }
 
 /* Types, of one system and of lanes. */
-static void tree_write_declarations(const code *w, int lanes)
+static void tree_write_declarations(const code *w, int lanes, int started)
 {
   code_template(w, tree_status);
   code_template(w, tree_contradiction());
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
+  code_template(w, started ? "/* Where the scene starts. */\n" : "/* At zero coordinates, at rest. */\n");
   code_template(w, tree_declarations);
   if (lanes) {
     code lane = *w;
@@ -2501,13 +2524,13 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
     return tree_write_alone(&w);
   }
   tree_write_head(&w, source, crc);
-  tree_write_declarations(&w, choice->lanes);
+  tree_write_declarations(&w, choice->lanes, choice->start != NULL);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                              : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
   good = tree_write_functions(&w);
-  tree_write_start(&w);
+  tree_write_start(&w, choice->start);
   good = (!choice->lanes || tree_write_lanes(&w)) && good;
   fputs("#endif\n", out);
   return good;

@@ -126,6 +126,19 @@ try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
 grep -q 'body_1: array, 3 modes, revolute on hub' "$out/generated.h" || fail "the head of a scene's step"
 mv "$out/generated.h" "$out/code.h"
 compile
+# NAME_start is where the scene starts: 1,000 steps from there end where the scene does
+line='  start 1 0.3 0.2
+' scene "output angle coordinate hinge 1"
+sed -i -e 's/^body hub.*/&\n  start_attitude 0 0 1 30\n  start_spin 0.1 0.05 0.02\n  start_velocity 1 2 3/' -e 's/^body array.*/&\n  start_mode 1 0.02 0.1/' \
+  -e 's/^duration 1/duration 0.1\nstep 0.0001\nintegrator rk4/' "$out/scene.txt"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try "$out/scene" "$out/scene.txt" --out "$out/way.csv"
+printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 0, 1e-4)) { return 1; } } printf("%%.17g\\n", s.body_1.x[0]); return 0; }\n' > "$out/way.c"
+try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
+"$out/way" > "$out/end.txt" || fail "a step from the start is refused"
+awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 > 0.3 && own - $2 < 1e-11 && $2 - own < 1e-11) }' "$out/way.csv" ||
+  fail "from its start: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+
 refused=0
 # refuse WHAT FILE [LINE...]
 refuse() {
