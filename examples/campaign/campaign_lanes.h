@@ -140,7 +140,7 @@ static void lanes_refusal(char text[200], const scene *s)
 static int lanes_write(FILE *out, const scene *s, int places)
 {
   const char *names[FB_MAX_BODIES];
-  const tree_choice choice = {"lanes", 0, TREE_LANES_ALONE, places};
+  const tree_choice choice = {"lanes", 0, TREE_LANES_ALONE, places, NULL};
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
@@ -227,7 +227,7 @@ static int lanes_state_place(int k, char member)
   for (int j = 0; j < k + (member != 'u'); j++) {
     const tree_link *const L = &tree.link[j];
     const int frame = j == tree.root ? 12 : 0, p = j == tree.root ? 6 : L->axes;
-    const int x = j == tree.root || L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes;
+    const int x = j == tree.root || L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes + L->given;
     at += frame + (j < k || member != 'x' ? x : 0) + (j < k || member == 'q' ? p : 0) + (j < k ? 2 * L->n : 0);
   }
   return at;
@@ -251,7 +251,7 @@ static void lanes_take_state(double *state, int lane, int wide)
     double *const x = state + lanes_state_place(k, 'x') * wide + lane;
     double *const p = state + lanes_state_place(k, 'p') * wide + lane;
     double *const q = state + lanes_state_place(k, 'q') * wide + lane;
-    for (int i = 0; i < (ball ? 4 : L->axes); i++) {
+    for (int i = 0; i < (ball ? 4 : L->axes + L->given); i++) {
       x[i * wide] = (double)(ball ? from->quat[i] : from->x[i]);
     }
     for (int i = 0; i < (k == tree.root ? 6 : L->axes); i++) {

@@ -62,7 +62,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
   static const scene_options nothing;
   const char *names[FB_MAX_BODIES];
   char name[64], text[200];
-  const tree_choice choice = {name, single, lanes, 0};
+  const tree_choice choice = {name, single, lanes, 0, &engine.system_state};
   FILE *out;
   fb_status status;
   int good;
@@ -79,9 +79,9 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
   if (scene_build(s, &nothing)) {
     return 2;
   }
-  status = system_init(s);
+  status = system_start(s);
   if (status != FB_OK) {
-    return 1 + scene_failed(s, "the system", status);
+    return 1 + scene_failed(s, "the start", status);
   }
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;

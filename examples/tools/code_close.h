@@ -111,12 +111,8 @@ static void rows_write_move(const code *w, int unused)
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
   code_template(w, tree.n_given > 0 ? "" : "  (void)in;\n");
-  for (int k = 0; k < tree.n; k++) {
-    tree_write_place(w, k);
-  }
-  for (int k = 0; k < tree.n; k++) {
-    tree_write_body(w, k);
-  }
+  tree_write_places(w);
+  tree_write_bodies(w);
   tree_write_inertias(w);
   tree_write_solve(w, 1);
   for (int k = 0; k < tree.n; k++) {

@@ -162,35 +162,41 @@ static void rows_read_q(code_value *q, const tree_link *L, int k)
   }
 }
 
+/* A node of link k: its place and turn, and what its modes do to them. */
+static void rows_write_node(const code *w, rows_end *end, int k, int at, code_value name)
+{
+  const tree_link *const L = &tree.link[k];
+  const fb_node *const node = &L->model->node[at];
+  const double origin[3] = {(double)node->r[0], (double)node->r[1], (double)node->r[2]}, none[3] = {0, 0, 0};
+  end->link = k;
+  end->moves = fbi_node_moves(L->model, at);
+  for (int i = 0; i < 3; i++) {
+    end->n[i] = code_constant(origin[i]);
+  }
+  if (end->moves) {
+    code_value q[FB_MAX_MODES];
+    rows_read_q(q, L, k);
+    rows_write_pairs(w, end->Ju, L->model, node->psi, rows_table(L->model, node, 0), q,
+                     code_variable("%sJ", name.name));
+    rows_write_pairs(w, end->turn, L->model, node->theta, rows_table(L->model, node, 1), q,
+                     code_variable("%sT", name.name));
+    rows_write_field(w, end->n, node->psi, end->Ju, q, L->n, origin, code_variable("%sn", name.name));
+    rows_write_field(w, end->phi, node->theta, end->turn, q, L->n, none, code_variable("%sp", name.name));
+    rows_write_node_turn(w, end, L->n, name);
+  }
+}
+
 /* The node of side s of loop j. */
 static void rows_write_end(const code *w, int j, int s)
 {
   rows_end *const end = &constraint.loop[j].end[s];
   const fb_joint *const joint = constraint.loop[j].joint;
   const int at = s == 1 ? joint->child_node : joint->moves ? joint->parent_node : 0;
-  const code_value name = code_variable("l%d_%d", j, s);
   rows_unit(end->N);
   tree_nothing(end->n, 3);
   end->moves = 0;
   if (end->link >= 0) {
-    const tree_link *const L = &tree.link[end->link];
-    const fb_node *const node = &L->model->node[at];
-    const double origin[3] = {(double)node->r[0], (double)node->r[1], (double)node->r[2]}, none[3] = {0, 0, 0};
-    end->moves = fbi_node_moves(L->model, at);
-    for (int i = 0; i < 3; i++) {
-      end->n[i] = code_constant(origin[i]);
-    }
-    if (end->moves) {
-      code_value q[FB_MAX_MODES];
-      rows_read_q(q, L, end->link);
-      rows_write_pairs(w, end->Ju, L->model, node->psi, rows_table(L->model, node, 0), q,
-                       code_variable("%sJ", name.name));
-      rows_write_pairs(w, end->turn, L->model, node->theta, rows_table(L->model, node, 1), q,
-                       code_variable("%sT", name.name));
-      rows_write_field(w, end->n, node->psi, end->Ju, q, L->n, origin, code_variable("%sn", name.name));
-      rows_write_field(w, end->phi, node->theta, end->turn, q, L->n, none, code_variable("%sp", name.name));
-      rows_write_node_turn(w, end, L->n, name);
-    }
+    rows_write_node(w, end, end->link, at, code_variable("l%d_%d", j, s));
   }
 }
 
@@ -710,6 +716,22 @@ static void rows_write_q_dot(const code *w, int k)
   }
 }
 
+/* Velocity of a node, body axes. */
+static void rows_write_node_velocity(const code *w, rows_end *end, code_value name)
+{
+  const tree_link *const L = &tree.link[end->link];
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, L->V[i]);
+    tree_add_cross(&s, 1.0, L->V + 3, end->n, i);
+    for (int a = 0; a < L->n && end->moves; a++) {
+      code_add(&s, 1.0, end->Ju[a][i], L->rates.q_dot[a]);
+    }
+    end->at[i] = code_end(w, &s, code_variable("%sv%c", name.name, tree_axis[i]));
+  }
+}
+
 /* Velocity of an end. */
 static void rows_write_velocity(const code *w, int j, int side)
 {
@@ -724,15 +746,7 @@ static void rows_write_velocity(const code *w, int j, int side)
   if (!L) {
     return;
   }
-  for (int i = 0; i < 3; i++) {
-    code_begin(&s);
-    code_add_one(&s, 1.0, L->V[i]);
-    tree_add_cross(&s, 1.0, L->V + 3, end->n, i);
-    for (int a = 0; a < L->n && end->moves; a++) {
-      code_add(&s, 1.0, end->Ju[a][i], L->rates.q_dot[a]);
-    }
-    end->at[i] = code_end(w, &s, code_variable("%sv%c", name.name, tree_axis[i]));
-  }
+  rows_write_node_velocity(w, end, name);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, L->V[3 + i]);
@@ -885,13 +899,11 @@ static void rows_write_turning(const code *w, code_value load[6], const rows_end
 }
 
 /* The same on its modes, added to the force on each: J.(F - turning of G) + J_dot.G. */
-static void rows_add_node(const code *w, code_sum *force, int j, int side)
+static void rows_add_node(const code *w, code_sum *force, const rows_end *end, int at, code_value name)
 {
-  const rows_end *const end = &constraint.loop[j].end[side];
   const tree_link *const L = &tree.link[end->link];
-  const int at = side == 1 ? constraint.loop[j].joint->child_node : constraint.loop[j].joint->parent_node;
   const fb_node *const node = &L->model->node[at];
-  const code_value name = code_variable("l%d_%d", j, side), *const q_dot = L->rates.q_dot;
+  const code_value *const q_dot = L->rates.q_dot;
   code_value load[6], Ju_dot[FB_MAX_MODES][3], turn_dot[FB_MAX_MODES][3], phi_dot[3], shrink;
   code_sum s;
   rows_write_turning(w, load, end, name);
@@ -933,8 +945,11 @@ static void rows_add_modes(const code *w, code_sum *force, int k)
 {
   for (int j = 0; j < constraint.n_loop; j++) {
     for (int side = 0; side < 2; side++) {
-      if (constraint.loop[j].end[side].link == k && constraint.loop[j].end[side].moves) {
-        rows_add_node(w, force, j, side);
+      const rows_end *const end = &constraint.loop[j].end[side];
+      const fb_joint *const joint = constraint.loop[j].joint;
+      if (end->link == k && end->moves) {
+        rows_add_node(w, force, end, side == 1 ? joint->child_node : joint->parent_node,
+                      code_variable("l%d_%d", j, side));
       }
     }
   }

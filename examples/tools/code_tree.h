@@ -2,7 +2,7 @@
    checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself. Include flexbeam.h
    first.
 
-   The velocities: modes are eliminated within their body (E8.11), the composite inertia of all that hangs on a joint
+   The velocities: modes are eliminated within their body (E8.11) unless they move a joint (code_node.h), the composite inertia of all that hangs on a joint
    gives the matrix of the speeds of the root and of the joints, factored by L D L^T, constant pivots first: for few
    joints that takes less arithmetic than the articulated inertias of E9.4, since the composite mass of rigid bodies
    stays a number and their first moment a vector. */
@@ -19,10 +19,13 @@ enum {
 typedef struct tree_link {
   const fb_body *model;
   const fb_joint *joint;
-  int parent, n;                 /* link or -1; modes */
-  int x, p, q, pi;               /* where its coordinates and momenta are in the vector */
-  int axes, row;                 /* scalar or spherical axes; row of the first one in the system of equations */
-  int given;                     /* 1: its axis is prescribed, and not among the others: row behind theirs */
+  int parent, n;   /* link or -1; modes */
+  int x, p, q, pi; /* where its coordinates and momenta are in the vector */
+  int axes, row;   /* scalar or spherical axes; row of the first one in the system of equations */
+  int given;       /* 1: its axis is prescribed, and not among the others: row behind theirs */
+  int moves, open,
+      mode_row; /* 1: modes move the node that carries it; it carries such one: row of its modes (code_node.h) */
+  code_value D[9], at[3];        /* joint's axes on the parent, its origin there */
   code_value C[9], J[9], s[3];   /* child's axes to the parent's, joint's to the parent's; O from the parent's O */
   code_value A[3][6], A_dot[6];  /* twists */
   code_value I[21], b[6];        /* of all that hangs on the joint: inertia, momentum at rest */
@@ -37,6 +40,7 @@ typedef struct tree_choice { /* what is to be written */
   const char *name;
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
   int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
+  const fb_system_state *start; /* where NAME_start puts it, NULL: at zero coordinates, at rest */
 } tree_choice;
 
 static struct tree {
@@ -46,7 +50,7 @@ static struct tree {
   int n, size, root;   /* links; numbers in the vector; the free link, -1: none */
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
-  int n_given;         /* prescribed axes */
+  int n_given, n_open; /* prescribed axes; modes of bodies that are open */
   int places;          /* of a table of numbers */
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
@@ -207,6 +211,10 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
     L->n = L->model->n;
     L->given = tree_is_given(L->joint);
+    L->moves = L->parent >= 0 && L->joint->moves;
+    if (L->moves) {
+      tree.link[L->parent].open = 1;
+    }
     L->axes = L->joint->kind == FB_JOINT_FREE || L->given ? 0 : L->joint->n_axis;
     L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
     L->x = k == tree.root ? 0 : tree.size;
@@ -223,8 +231,13 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
   }
   for (int k = 0; k < tree.n; k++) {
-    tree.link[k].row = tree.link[k].given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_given : tree.link[k].row;
-    tree.n_given += tree.link[k].given;
+    tree.link[k].mode_row = (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open;
+    tree.n_open += tree.link[k].open ? tree.link[k].n : 0;
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_link *const L = &tree.link[k];
+    L->row = L->given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open + tree.n_given : L->row;
+    tree.n_given += L->given;
   }
   tree.has_R = (tree.has_R || tree.pulled) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
@@ -240,8 +253,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
 static const char *tree_joint_refusal(const fb_system *system, int k)
 {
   const fb_joint *const joint = &system->joint[k];
-  if (joint->moves) {
-    return "a joint on a node that modes move: hang it on the frame or on a rigid body";
+  if (joint->moves && system->n_loop > 0) {
+    return "a joint on a node that modes move, beside loops: hang it on the frame or on a rigid body";
   }
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
     if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
@@ -258,6 +271,20 @@ static const char *tree_body_refusal(const fb_body *body)
     return "effects large: choose effects up to full";
   }
   return one;
+}
+
+/* Modes of bodies of which a node that they move carries a joint. */
+static int tree_open_modes(const fb_system *system, const fb_body *body)
+{
+  int n = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    int open = 0;
+    for (int c = k + 1; c < system->n_body; c++) {
+      open |= system->joint[c].kind != FB_JOINT_FREE && system->joint[c].parent == k && system->joint[c].moves;
+    }
+    n += open * body[system->model[k]].n;
+  }
+  return n;
 }
 
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
@@ -283,8 +310,9 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
   }
-  if (!text[0] && axes > CODE_ROWS - 6) {
-    snprintf(text, 200, "%d axes of joints: choose at most %d", axes, CODE_ROWS - 6);
+  if (!text[0] && axes + tree_open_modes(system, body) > CODE_ROWS - 6) {
+    snprintf(text, 200, "%d axes of joints%s: choose at most %d", axes + tree_open_modes(system, body),
+             tree_open_modes(system, body) > 0 ? " and modes that move a joint" : "", CODE_ROWS - 6);
   }
   if (!text[0] && roots + axes + modes == 0) {
     snprintf(text, 200, "nothing can move: choose a joint with an axis, or modes");
@@ -402,13 +430,13 @@ static void tree_write_place(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const fbi_joint_traits *const is = fbi_traits(L->joint);
-  code_value axes[9], child[9], T[9];
+  const code_value *const axes = L->D;
+  code_value child[9], T[9];
   code_sum s;
   if (L->joint->kind == FB_JOINT_FREE) {
     return;
   }
   for (int i = 0; i < 9; i++) {
-    axes[i] = code_constant(tree_snap((double)L->joint->axes[i], 1.0));
     child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
   }
   tree_write_joint_turn(w, T, k);
@@ -429,7 +457,7 @@ static void tree_write_place(const code *w, int k)
   for (int i = 0; i < 3; i++) {
     const int by = is->slide >= 0 ? is->slide : is->pitched ? is->angle : -1;
     code_begin(&s);
-    code_add_one(&s, (double)L->joint->position[i], code_constant(1.0));
+    code_add_one(&s, 1.0, L->at[i]);
     if (by >= 0) {
       code_add(&s, is->pitched ? (double)L->joint->pitch : 1.0, axes[3 * i + 2], code_variable("b%d_x_%d", k, by));
     }
@@ -530,7 +558,6 @@ static void tree_write_body(const code *w, int k)
 }
 
 #include "code_impulse.h"
-
 /* ---- inertia of all that hangs on a joint */
 
 /* Is X a multiple of the unit matrix that is a number? */
@@ -704,18 +731,6 @@ static void tree_write_inertia(const code *w, int k)
   }
 }
 
-/* E9.3 from the tips. */
-static void tree_write_inertias(const code *w)
-{
-  fputs("\n  /* E9.3: inertia and momentum at rest of all that hangs on a joint */\n", w->out);
-  for (int k = tree.n - 1; k >= 0; k--) {
-    if (tree.link[k].parent >= 0) {
-      tree_write_inertia(w, k);
-      tree_write_to_parent(w, tree.link[tree.link[k].parent].b, &tree.link[k], tree.link[k].b, "r", k);
-    }
-  }
-}
-
 /* ---- velocities */
 
 /* y = I x of a link */
@@ -747,34 +762,16 @@ static code_value tree_write_along(const code *w, const code_value a[6], const c
   return code_end(w, &s, name);
 }
 
+#include "code_node.h"
+
 /* Elements of the matrix of axis a of link k. */
 static void tree_write_column(const code *w, int k, int a)
 {
-  const int column = tree.link[k].row + a;
   code_value f[6];
   char word[40];
   snprintf(word, sizeof word, "U%d", a);
   tree_write_momentum(w, f, tree.link[k].I, tree.link[k].A[a], NULL, word, k);
-  for (int j = k, from = -1; j >= 0; from = j, j = tree.link[j].parent) {
-    const tree_link *const L = &tree.link[j];
-    if (from >= 0) {
-      code_value up[6];
-      tree_nothing(up, 6);
-      snprintf(word, sizeof word, "U%d%c%d", a, 'f', from);
-      tree_write_to_parent(w, up, &tree.link[from], f, word, k);
-      memcpy(f, up, sizeof up);
-    }
-    for (int i = 0; i < L->axes + L->given; i++) {
-      if (j < k || i <= a) {
-        const int row = L->row + i;
-        tree_matrix[row][column] = tree_matrix[column][row] =
-            tree_write_along(w, L->A[i], f, code_variable("H_%d_%d", column, row));
-      }
-    }
-    for (int i = 0; i < 6 && j == tree.root; i++) {
-      tree_matrix[i][column] = tree_matrix[column][i] = f[i];
-    }
-  }
+  tree_write_climb(w, k, a + 1, tree.link[k].row + a, f, word);
 }
 
 /* The right side: momenta less those at rest. */
@@ -885,7 +882,7 @@ static void tree_write_pivot_check(const code *w, const code_factor *f)
 static void tree_write_solve(const code *w, int closes)
 {
   static char names[CODE_ROWS][CODE_NAME];
-  const int first = tree.root >= 0 ? 6 : 0, n = first + tree.n_axis;
+  const int first = tree.root >= 0 ? 6 : 0, n = first + tree.n_axis + tree.n_open;
   code_factor *const f = &code_solver;
   int order[CODE_ROWS];
   fputs("\n  /* E9.6: M u = p of the root and the axes of the joints, by L D L^T */\n", w->out);
@@ -897,6 +894,9 @@ static void tree_write_solve(const code *w, int closes)
       tree_write_column(w, k, a);
     }
     tree_write_right(w, k);
+    if (tree.link[k].open) {
+      node_write_modes(w, k);
+    }
   }
   if (tree.root >= 0) {
     tree_write_root_right(w);
@@ -931,7 +931,7 @@ static void tree_write_solve(const code *w, int closes)
 static void tree_write_velocity(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
-  code_value at[3];
+  code_value at[3], V[6];
   code_sum s;
   for (int i = 0; i < L->axes + L->given; i++) {
     L->u[i] = tree_right[L->row + i];
@@ -941,8 +941,10 @@ static void tree_write_velocity(const code *w, int k)
     return;
   }
   tree_nothing(at, 3);
+  if (L->parent >= 0) {
+    node_write_carried(w, V, k);
+  }
   for (int i = 0; i < 3 && L->parent >= 0; i++) {
-    const code_value *const V = tree.link[L->parent].V;
     code_begin(&s);
     code_add_one(&s, 1.0, V[i]);
     tree_add_cross(&s, 1.0, V + 3, L->s, i);
@@ -951,7 +953,7 @@ static void tree_write_velocity(const code *w, int k)
   for (int i = 0; i < 6; i++) {
     code_begin(&s);
     if (L->parent >= 0) {
-      tree_add_turned(&s, L->C, 1, i < 3 ? at : tree.link[L->parent].V + 3, i % 3);
+      tree_add_turned(&s, L->C, 1, i < 3 ? at : V + 3, i % 3);
     }
     for (int a = 0; a < L->axes + L->given; a++) {
       code_add(&s, 1.0, L->A[a][i], L->u[a]);
@@ -968,7 +970,9 @@ static void tree_write_q_dot(const code *w, int k)
   if (L->n > 0) {
     const code own = tree_enter(w, k);
     memcpy(code_now.V, L->V, sizeof code_now.V);
-    code_write_q_dot(&own);
+    if (!L->open) {
+      code_write_q_dot(&own);
+    }
     tree_leave(k);
     rows_write_q_dot(w, k);
   }
@@ -1000,6 +1004,7 @@ static void tree_write_modes(const code *w, int k)
   code_write_gradient(&own, code_force);
   tree_leave(k);
   rows_add_modes(w, code_force, k);
+  node_add_modes(w, code_force, k);
   fputs("\n  /* E8.17 */\n", w->out);
   for (int a = 0; a < L->n; a++) {
     char target[32];
@@ -1283,7 +1288,8 @@ static void tree_write_loads(const code *w)
       fprintf(w->out, "    rate[%d] += in->body_%d.modal[%d];\n", L->pi + a, k, a);
     }
     if (L->parent >= 0) {
-      tree_write_to_parent(&inner, F[L->parent], L, F[k], "l", k);
+      tree_write_pass(&inner, F[L->parent], F[k], "l", k);
+      node_write_passed(&inner, "rate", 1.0, k);
     } else {
       for (int i = 0; i < 6 && tree_needs_load(k) && !tree.quiet; i++) {
         code_begin(&s);
@@ -1510,19 +1516,15 @@ static void tree_write_rates(const code *w, int unused)
   code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
-  for (int k = 0; k < tree.n; k++) {
-    tree_write_place(w, k);
-  }
-  for (int k = 0; k < tree.n; k++) {
-    tree_write_body(w, k);
-  }
+  tree_write_places(w);
+  tree_write_bodies(w);
   tree_write_inertias(w);
   tree_write_solve(w, 0);
   fputs("\n  /* E9.5: velocities and momenta of the bodies */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
     tree_write_velocity(w, k);
     rows_write_momenta(w, k);
-    tree_write_momentum(w, tree.link[k].G, tree.link[k].rates.S, tree.link[k].V, tree.link[k].own, "G", k);
+    tree_write_own_momentum(w, k);
     tree_write_gravity(w, k);
   }
   for (int k = 0; k < tree.n; k++) {
@@ -1531,16 +1533,17 @@ static void tree_write_rates(const code *w, int unused)
   rows_write_loads(w);
   rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].n > 0) {
+    if (tree.link[k].n > 0 && !tree.link[k].open) {
       tree_write_modes(w, k);
     }
   }
   fputs("\n  /* E9.14: rates of the momenta of joints, p = A.G */\n", w->out);
   for (int k = tree.n - 1; k >= 0; k--) {
-    const tree_link *const L = &tree.link[k];
-    if (L->parent >= 0) {
-      tree_write_to_parent(w, tree.link[L->parent].G, L, L->G, "G", k);
-      tree_write_to_parent(w, tree.link[L->parent].F, L, L->F, "F", k);
+    if (tree.link[k].open) { /* all that hangs on it is known */
+      tree_write_modes(w, k);
+    }
+    if (tree.link[k].parent >= 0) {
+      node_write_pass_loads(w, k);
     }
     tree_write_axes(w, k);
   }
@@ -1575,9 +1578,9 @@ static void tree_write_center(const code *w, int unused)
   code_template(w, "\n/* E9.22: first moment of mass of the whole about O of the root, body axes */\n"
                    "static void @_center(%M$ *c, const $ *x)\n{\n%V");
   tree_write_names(w);
+  tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {
     code own;
-    tree_write_place(w, k);
     own = tree_enter(w, k);
     memset(code_now.valued, 0, sizeof code_now.valued);
     code_write_lambda(&own);
@@ -1674,9 +1677,7 @@ static void tree_write_drift(const code *w, int unused)
                 "static @_NOINLINE void @_drift(%M$ *d, const $ *x, const $ *change)\n{\n%V  $ R[9], moved[3];\n");
   tree_write_names(w);
   code_template(w, "  @_matrix(R, x);\n");
-  for (int k = 0; k < tree.n; k++) {
-    tree_write_place(w, k);
-  }
+  tree_write_places(w);
   for (int i = 0; i < 3; i++) {
     change[i] = code_variable("change[%d]", i);
   }
@@ -1711,7 +1712,8 @@ static void tree_write_drift(const code *w, int unused)
       code_assign(w, &s, target);
     }
     if (L->parent >= 0) {
-      tree_write_to_parent(w, b[L->parent], L, b[k], "d", k);
+      tree_write_pass(w, b[L->parent], b[k], "d", k);
+      node_write_passed(w, "d", -1.0, k);
     }
   }
   for (int half = 0; half < 2; half++) {
@@ -1804,6 +1806,7 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
 }
 
 #include "code_close.h"
+#include "code_drive.h"
 
 enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
 
@@ -1826,7 +1829,7 @@ static int tree_input_size(int k, int m)
 
 static int tree_has_state(int k)
 {
-  return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n > 0;
+  return k == tree.root || tree.link[k].axes + tree.link[k].given > 0 || tree.link[k].n > 0;
 }
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
@@ -1917,6 +1920,14 @@ static const char tree_status[] =
     "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
     "  @_range = -10       /* a deflection has left the range of the model */\n";
 
+/* One more, where it can be. */
+static const char *tree_contradiction(void)
+{
+  return tree.n_given > 0   ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
+         : constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n"
+                            : "";
+}
+
 static const char tree_status_end[] =
     "} @_status;\n\n"
     "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
@@ -1928,7 +1939,6 @@ static const char tree_free_state[] =
     "    $ lost_x[3], lost_u[3];  /* what x and u have lost by rounding */\n";
 
 static const char tree_declarations[] =
-    "/* At zero coordinates, at rest: not where the scene starts. */\n"
     "void @_start(@_state *state);\n"
     "/* One step of classical Runge-Kutta, dt [s], under what acts at its start, middle and end. Refused: the state "
     "stays as\n"
@@ -1946,6 +1956,7 @@ static void tree_write_types(const code *w)
       if (k == tree.root) {
         code_template(w, tree_free_state);
       }
+      code_template(w, L->given ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
       tree_pieces(w, k, tree_declare);
       fprintf(w->out, "  } body_%d;\n", k);
     }
@@ -2032,13 +2043,35 @@ static void tree_write_enter(const code *w)
   fputs("}\n", w->out);
 }
 
-static void tree_write_start(const code *w)
+/* Numbers of a member at the start; zeros are there already. */
+static void tree_write_start_of(const code *w, int k, const char *member, const fb_real *x, int n)
 {
+  char number[40];
+  for (int i = 0; i < n; i++) {
+    if (fabs((double)x[i]) > 0.0) {
+      code_number(number, w, (double)x[i]);
+      fprintf(w->out, "  state->body_%d.%s[%d] = %s;\n", k, member, i, number);
+    }
+  }
+}
+
+static void tree_write_start(const code *w, const fb_system_state *start)
+{
+  static const fb_real unit[4] = {FB_R(1.0), 0, 0, 0};
   code_template(w, "\nvoid @_start(@_state *state)\n{\n  memset(state, 0, sizeof *state);\n");
   for (int k = 0; k < tree.n; k++) {
-    if (k == tree.root || tree.link[k].joint->kind == FB_JOINT_SPHERICAL) {
-      fprintf(w->out, "  state->body_%d.quat[0] = ", k);
-      code_template(w, "`1`;\n");
+    const tree_link *const L = &tree.link[k];
+    const int free = k == tree.root, ball = free || L->joint->kind == FB_JOINT_SPHERICAL;
+    const fb_link_state *const x = start ? &start->link[k] : NULL;
+    if (ball) {
+      tree_write_start_of(w, k, "quat", x ? x->quat : unit, 4);
+    }
+    if (x) {
+      tree_write_start_of(w, k, "x", x->x, free ? 3 : ball ? 0 : L->axes + L->given);
+      tree_write_start_of(w, k, "u", x->u, free ? 3 : 0);
+      tree_write_start_of(w, k, "p", x->p, free ? 6 : L->axes);
+      tree_write_start_of(w, k, "q", x->q, L->n);
+      tree_write_start_of(w, k, "pi", x->pi, L->n);
     }
   }
   fputs("}\n", w->out);
@@ -2235,7 +2268,7 @@ static const char tree_step_rest[] = "    if (status != @_ok) {\n      return st
                                      "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
                                      "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
                                      "  }\n"
-                                     "  return @_end(%Astate, sum, x";
+                                     "  return ";
 
 /* All lanes or none: where some have momentum and nothing acts, each takes its own step. */
 static const char tree_pushed_lanes[] =
@@ -2251,6 +2284,7 @@ static void tree_write_step(const code *w)
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
+  code_template(w, tree.n_given > 0 ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
@@ -2268,7 +2302,9 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
+  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed)" : constraint.n > 0 ? ", end)" : ")");
+  code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }
 
 /* Rotation vector; of all lanes by that of one body. */
@@ -2322,13 +2358,14 @@ static void tree_write_model_type(const code *w)
 }
 
 /* Types, of one system and of lanes. */
-static void tree_write_declarations(const code *w, int lanes)
+static void tree_write_declarations(const code *w, int lanes, int started)
 {
   code_template(w, tree_status);
-  code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, tree_contradiction());
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
+  code_template(w, started ? "/* Where the scene starts. */\n" : "/* At zero coordinates, at rest. */\n");
   code_template(w, tree_declarations);
   if (lanes) {
     code lane = *w;
@@ -2402,6 +2439,9 @@ static int tree_write_functions(const code *w)
   }
   tree_write_enter(w);
   tree_write_end(w);
+  if (tree.n_given > 0) {
+    drive_write_functions(w);
+  }
   tree_write_step(w);
   return good;
 }
@@ -2457,10 +2497,13 @@ static int tree_write_alone(const code *w)
   code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   code_template(w, tree_status);
-  code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
+  code_template(w, tree_contradiction());
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
+  if (tree.n_given > 0) {
+    drive_write_check(w);
+  }
   good = tree_write_functions(&wide);
   code_lanes_template(w, tree_steps);
   return good;
@@ -2481,13 +2524,13 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
     return tree_write_alone(&w);
   }
   tree_write_head(&w, source, crc);
-  tree_write_declarations(&w, choice->lanes);
+  tree_write_declarations(&w, choice->lanes, choice->start != NULL);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                              : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
   good = tree_write_functions(&w);
-  tree_write_start(&w);
+  tree_write_start(&w, choice->start);
   good = (!choice->lanes || tree_write_lanes(&w)) && good;
   fputs("#endif\n", out);
   return good;

@@ -34,6 +34,7 @@ body() {
 
 # tree NUMBER OPTIONS [OPTION...]: of code_tree.c, of the compiler
 tree() {
+  "$out/write" "$1" --members > "$out/members.h"
   "$out/write" "$1" $2 > "$out/code.h" || fail "tree $1 is not written"
   what="tree $1 $2"
   shift 2
@@ -56,4 +57,6 @@ tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
+tree 29 "" -DNUMBER=double
+tree 30 --single -DNUMBER=float
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

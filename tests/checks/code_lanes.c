@@ -58,7 +58,7 @@ static void load(generated_input *own, generated_lanes_input *all, int k, int i)
 /* A number that is refused, in the state of lane k. */
 static void spoil(int k)
 {
-  *at(&single[k], 0) = (NUMBER)NAN;
+  *at(&single[k], (int)(sizeof single[k] / sizeof(NUMBER)) - 1) = (NUMBER)NAN;
 }
 #else
 /* A number that is refused, in the state of lane k. */

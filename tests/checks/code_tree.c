@@ -164,6 +164,35 @@ static const struct {
      0,
      1,
      {{FB_JOINT_RIGID, -1, BOOM}, {FB_JOINT_SPHERICAL, -1, PANEL}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
+    /* 28: arm of two links that bend; 29..: joints on tips that modes move */
+    {FB_EFFECTS_FULL, 0, PLANE, {{FB_JOINT_REVOLUTE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1, {{FB_JOINT_REVOLUTE, -1, BOOM}, {FB_JOINT_SPHERICAL, 0 + TIP, PANEL}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}, {FB_JOINT_PRISMATIC, 0 + TIP, RIGID}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_UNIVERSAL, -1, RIGID},
+      {FB_JOINT_RIGID, 0, PANEL},
+      {FB_JOINT_RIGID, 1 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, 2, PANEL},
+      {FB_JOINT_SCREW, 3 + TIP, PANEL}}},
+    {FB_EFFECTS_LINEAR,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, PANEL}, {FB_JOINT_UNIVERSAL, 1 + TIP, BOOM}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_PRISMATIC, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0 + TIP, PANEL | GIVEN},
+      {FB_JOINT_REVOLUTE, 1 + TIP, RIGID | RUBS}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_RIGID, 0, PANEL}, {FB_JOINT_SPHERICAL, 1 + TIP, RIGID}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it. */
@@ -363,7 +392,8 @@ static void build(int which)
     const int flags = trees[which].link[k].model;
     desc.model[desc.n_body] = flags % GIVEN;
     desc.joint[k].kind = trees[which].link[k].kind;
-    desc.joint[k].parent = trees[which].link[k].parent;
+    desc.joint[k].parent = trees[which].link[k].parent % TIP;
+    desc.joint[k].parent_node = trees[which].link[k].parent >= TIP;
     desc.joint[k].mode[0] = !(flags & GIVEN) ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
@@ -396,7 +426,7 @@ static void write_members(void)
       printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k,
              k, k);
     } else if (axes > 0) {
-      printf(desc.joint[k].mode[0] == FB_AXIS_FREE ? "MOTOR(%d)\n" : "DRIVE(%d)\n", k);
+      printf(desc.joint[k].mode[0] == FB_AXIS_FREE ? "MOTOR(%d)\n" : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n", k, k);
     }
     if (desc.joint[k].kind == FB_JOINT_FREE || desc.joint[k].kind == FB_JOINT_SPHERICAL) {
       printf("MEMBER(%d, quat, ATTITUDE)\n", k);
@@ -448,7 +478,7 @@ typedef struct pair {
   int n, kind;
 } pair;
 
-enum { PLACE, ATTITUDE, MOMENTUM, MODE, MODE_MOMENTUM, FRAME, LOST, KINDS };
+enum { PLACE, ATTITUDE, MOMENTUM, MODE, MODE_MOMENTUM, VALUE, FRAME, LOST, KINDS };
 
 static fb_system_state state;
 static generated_state own;
@@ -730,7 +760,7 @@ static int refusals(void)
     for (int i = 0; i < piece[k].n; i++) {
       const fb_real kept = piece[k].own[i];
       piece[k].own[i] = piece[k].theirs[i] = (fb_real)NAN;
-      good &= refused(NULL, NULL, small, FB_OK, "a number of the state that is none");
+      good &= piece[k].kind == VALUE || refused(NULL, NULL, small, FB_OK, "a number of the state that is none");
       piece[k].own[i] = piece[k].theirs[i] = kept;
       if (piece[k].kind == MODE) {
         piece[k].own[i] = piece[k].theirs[i] = FB_R(100.0);
@@ -740,6 +770,75 @@ static int refusals(void)
     }
   }
   return good;
+}
+
+/* A step of both from the same state, value and rate of all prescribed axes at its start, middle (NULL: not told) and end. */
+static int jump(double x, const double *at[3], double dt, const char *what)
+{
+  static fb_system_input in[3];
+  static generated_input mine[3];
+  fb_system_state copy;
+  fb_status status;
+  generated_status same;
+  for (int k = 0; k < desc.n_body; k++) {
+    state.link[k].x[0] = desc.joint[k].mode[0] == FB_AXIS_FREE ? state.link[k].x[0] : (fb_real)x;
+  }
+  for (int i = 0; i < 3; i++) {
+    memset(&in[i], 0, sizeof in[i]);
+    memset(&mine[i], 0, sizeof mine[i]);
+    in[i].n_load = desc.n_body;
+    for (int k = 0; k < desc.n_body; k++) {
+      in[i].load[k].body = k;
+      if (desc.joint[k].mode[0] != FB_AXIS_FREE && at[i]) {
+        in[i].drive[k].value[0] = (fb_real)at[i][0];
+        in[i].drive[k].rate[0] = (fb_real)at[i][1];
+      }
+    }
+    give(&mine[i], &in[i]);
+  }
+  copy = state;
+  take_state(0);
+  status = fb_system_rk4_step(&mechanism, model, &copy, &work, &in[0], at[1] ? &in[1] : NULL, &in[2], (fb_real)dt);
+  same = generated_step(&own, &mine[0], at[1] ? &mine[1] : NULL, &mine[2], (fb_real)dt);
+  take_state(0);
+  if ((int)status != (int)same) {
+    printf("%s by %g: library %d, generated %d\n", what, at[2][0], (int)status, (int)same);
+  }
+  return (int)status == (int)same ? status == FB_OK ? 1 : 2 : 0;
+}
+
+/* Prescribed values that go with their rates, and that jump: taken and refused as by the library, at the same values. */
+static int jumps(void)
+{
+  static const double size[] = {0, 0.5, 0.99, 1.01, 3, 1e6};
+  const double dt = 1e-3, turn = 6.283185307179586;
+  int seen[3] = {0}, driven = 0;
+  for (int k = 0; k < desc.n_body; k++) {
+    driven |= desc.joint[k].mode[0] != FB_AXIS_FREE;
+  }
+  if (!driven || desc.n_loop > 0) {
+    return 1;
+  }
+  start(0.1);
+  for (int k = 0; k < 6; k++) {
+    const double far = 2 * size[k] * dt; /* of the most a rate of 1 allows */
+    const double a[2] = {0, 1}, b[2] = {0.5 * far, 1}, c[2] = {far, 1}, still[2] = {0, 0}, back[2] = {far, -1};
+    const double first[2] = {0.1 + far, 1}, then[2] = {0.1 + far + 0.5 * dt, 1}, last[2] = {0.1 + far + dt, 1};
+    const double around[2] = {0.1 + turn, 1}, on[2] = {0.1 + turn + 0.5 * dt, 1}, round[2] = {0.1 + turn + dt, 1};
+    seen[jump(0, (const double *[3]){a, b, c}, dt, "in the step")]++;
+    seen[jump(0, (const double *[3]){a, NULL, c}, dt, "without a middle")]++;
+    seen[jump(0, (const double *[3]){a, c, b}, dt, "in its middle")]++;
+    seen[jump(0, (const double *[3]){a, b, back}, dt, "there and back")]++;
+    seen[jump(0, (const double *[3]){still, still, c}, dt, "at last")]++;
+    seen[jump(0.1, (const double *[3]){first, then, last}, dt, "from the state")]++;
+    seen[jump(0.1, (const double *[3]){around, on, round}, dt, "a whole turn on")]++;
+    seen[jump(0, (const double *[3]){still, still, still}, dt, "at rest")]++;
+  }
+  {
+    const double none[2] = {(double)NAN, 1}, a[2] = {0, 1};
+    seen[jump(0, (const double *[3]){a, none, a}, dt, "no number")]++;
+  }
+  return seen[0] == 0 && seen[1] > 5 && seen[2] > 5;
 }
 
 int main(int argc, char **argv)
@@ -766,6 +865,6 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return refusals() && limits() && modal() && worst <= TOLERANCE ? 0 : 1;
+  return refusals() && limits() && modal() && jumps() && worst <= TOLERANCE ? 0 : 1;
 }
 #endif

@@ -10,6 +10,7 @@ need clang clang
 need valgrind valgrind
 bound_hinge=4000 # instructions of a step: a free hub and a rigid arm on a hinge (18,730 by the library)
 bound_booms=16000 # two booms of 4 modes on it (59,567)
+bound_arm=12000 # two links of 2 modes on hinges, the second one on the tip of the first (46,130)
 bound_bars=8500 # four bars in a plane (193,287)
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
@@ -53,7 +54,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 29 | 30 | 33)
     compile
     write $trees --single
     compile
@@ -69,7 +70,7 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20; do
+for tree in 5 6 7 8 10 12 17 18 19 20 30 33; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
   compile
@@ -101,6 +102,9 @@ hinge=$count
 steps 1 "$turns s.body_1.x[0] = 0.3; s.body_2.x[0] = 0.2; s.body_1.q[0] = s.body_2.q[1] = 0.01;"
 booms=$count
 [ "$booms" -le $bound_booms ] || fail "hub and two booms: $booms instructions, more than $bound_booms"
+steps 28 's.body_0.x[0] = 0.3; s.body_1.x[0] = 0.2; s.body_0.p[0] = 0.5; s.body_0.q[0] = 0.01;'
+arm=$count
+[ "$arm" -le $bound_arm ] || fail "arm of two links that bend: $arm instructions, more than $bound_arm"
 steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
@@ -122,6 +126,19 @@ try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
 grep -q 'body_1: array, 3 modes, revolute on hub' "$out/generated.h" || fail "the head of a scene's step"
 mv "$out/generated.h" "$out/code.h"
 compile
+# NAME_start is where the scene starts: 1,000 steps from there end where the scene does
+line='  start 1 0.3 0.2
+' scene "output angle coordinate hinge 1"
+sed -i -e 's/^body hub.*/&\n  start_attitude 0 0 1 30\n  start_spin 0.1 0.05 0.02\n  start_velocity 1 2 3/' -e 's/^body array.*/&\n  start_mode 1 0.02 0.1/' \
+  -e 's/^duration 1/duration 0.1\nstep 0.0001\nintegrator rk4/' "$out/scene.txt"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try "$out/scene" "$out/scene.txt" --out "$out/way.csv"
+printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 0, 1e-4)) { return 1; } } printf("%%.17g\\n", s.body_1.x[0]); return 0; }\n' > "$out/way.c"
+try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
+"$out/way" > "$out/end.txt" || fail "a step from the start is refused"
+awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 > 0.3 && own - $2 < 1e-11 && $2 - own < 1e-11) }' "$out/way.csv" ||
+  fail "from its start: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+
 refused=0
 # refuse WHAT FILE [LINE...]
 refuse() {
@@ -174,11 +191,17 @@ line='  motor 1 constant 2
 line='  mode locked
 ' refuse "array: a locked axis" none.h
 effects="large damping" refuse "array: effects large" none.h
-refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
+refuse "tail: a joint on a node that modes move, beside loops" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
+  "loop pin spherical hub array.tip" "end"
+scene "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
 balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 1.1 1.2\nend\njoint ball%s spherical hub ball%s\nend\n' $k $k $k; done)
 refuse "25 axes of joints: choose at most 24" none.h "$balls"
+refuse "28 axes of joints and modes that move a joint: choose at most 24" none.h "$(printf '%s' "$balls" | sed 's/hub ball8/array.tip ball8/')"
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint weld rigid ground hub\nend\n' > "$out/still.txt"
 ! "$out/scene" "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move" "$out/log" || fail "a body at rest: $(cat "$out/log")"
 printf 'duration 1\nbody hub beam\n  length 4\n  stations x mass EI_y EI_z\n    0 3 400 3000\n  end\n  modes bend_y 2\nend\njoint weld rigid ground hub\nend\n' > "$out/clamped.txt"
@@ -190,4 +213,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $bars for four bars; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars; $refused scenes refused"
