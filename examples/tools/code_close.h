@@ -49,6 +49,21 @@ static void rows_write_axes(const code *w, int k)
   }
 }
 
+/* Attitude of the free root and, where that of P is integrated, how far it goes. */
+static void rows_write_root_displaced(const code *w)
+{
+  const code_value *const V = tree.link[tree.root].V;
+  code_sum s;
+  tree_write_quat_rate(w, "move", 0, V + 3);
+  code_template(w, "    $ step[3];\n");
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, V[i]);
+    code_assign(w, &s, code_variable("step[%d]", i).name);
+  }
+  code_template(w, "    @_turn(move + @_PLACE, x, step);\n");
+}
+
 /* The coordinates of a joint and of modes by the displacements. */
 static void rows_write_displaced(const code *w, int k)
 {
@@ -59,6 +74,8 @@ static void rows_write_displaced(const code *w, int k)
   inner.indent = 4;
   if (L->joint->kind == FB_JOINT_SPHERICAL) {
     tree_write_quat_rate(&inner, "move", L->x, L->u);
+  } else if (k == tree.root) {
+    rows_write_root_displaced(&inner);
   }
   for (int a = 0; a < L->axes + L->n; a++) {
     const int mode = a - L->axes;
@@ -81,7 +98,10 @@ static void rows_write_gap(const code *w)
   code_template(w, "    $ gap = `0`, size = `0`;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (L->parent < 0) {
+    if (k == tree.root) {
+      rows_unit(R[k]);
+      tree_nothing(rho[k], 3);
+    } else if (L->parent < 0) {
       memcpy(R[k], L->C, sizeof R[k]);
       memcpy(rho[k], L->s, sizeof rho[k]);
     } else {
@@ -111,6 +131,9 @@ static void rows_write_move(const code *w, int unused)
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
   code_template(w, tree.n_given > 0 ? "" : "  (void)in;\n");
+  if (tree.looped) {
+    tree_write_pushed(w);
+  }
   for (int k = 0; k < tree.n; k++) {
     tree_write_place(w, k);
   }
@@ -177,20 +200,31 @@ static void rows_placed(const code *w, int at, int n, int k, const char *member)
 
 static void rows_pushed_on(const code *w, int at, int n, int k, const char *member)
 {
-  (void)k;
-  rows_moved(w, at, n, member, 0);
+  if (k != tree.root || strcmp(member, "p") != 0) { /* rows within the tree leave its momentum */
+    rows_moved(w, at, n, member, 0);
+  }
 }
+
+/* L about the displaced O */
+static const char rows_moved_root[] =
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+    "    d[@_L + i] += d[@_P + y] * move[@_PLACE + z] - d[@_P + z] * move[@_PLACE + y];\n";
 
 static void rows_write_close(const code *w)
 {
   code_template(w, rows_close_head);
-  code_template(w, tree_has_joint(FB_JOINT_SPHERICAL) ? "  $ size;\n" : "");
+  code_template(w, tree_has_joint(FB_JOINT_SPHERICAL) || tree.looped ? "  $ size;\n" : "");
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, rows_still);
   }
   code_template(w, "  status = @_rows_move(move, still, in, 1);\n  if (status != @_ok) {\n    return status;\n  }\n");
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, rows_placed);
+  }
+  if (tree.looped) {
+    code_template(w, rows_moved_root);
+    code_template(w, tree.stands ? "    d[@_PLACE + i] += move[@_PLACE + i];\n  }\n" : "  }\n");
   }
   code_template(w, "  status = @_rows_move(move, d, in, 0);\n");
   for (int k = 0; k < tree.n; k++) {

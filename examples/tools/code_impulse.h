@@ -378,6 +378,22 @@ static void rows_write_taken(const code *w, code_value taken[6], int r, int s)
   }
 }
 
+/* A wrench f on the free root, whose twists are the six units, added to the coefficients of row r; its size to bound[]. */
+static void rows_write_root(const code *w, int r, const code_value f[6], code_sum *bound, char word)
+{
+  code_value *const c = constraint.row[r].coefficient;
+  for (int a = 0; a < 6; a++) {
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, c[a]);
+    code_add_one(&s, 1.0, f[a]);
+    c[a] = code_end(w, &s, code_variable("g%d_%c%d_%d", r, word, tree.root, a));
+    for (int i = 0; i < 6; i++) {
+      code_add(&bound[a], 1.0, f[i], f[i]);
+    }
+  }
+}
+
 /* From link k to `on`: a wrench y on the axes, added to the coefficients of row r; its size on them to bound[]. */
 static void rows_write_along(const code *w, int r, int k, int on, const code_value y[6], code_sum *bound, char word)
 {
@@ -397,6 +413,9 @@ static void rows_write_along(const code *w, int r, int k, int on, const code_val
         code_add(&bound[L->row + a], 1.0, f[i], f[i]);
       }
       *c = code_end(w, &s, code_variable("g%d_%c%d_%d", r, word, k, a));
+    }
+    if (k == tree.root) {
+      rows_write_root(w, r, f, bound, word);
     }
     if (L->parent >= 0 && L->parent != on) {
       tree_nothing(up, 6);
@@ -455,6 +474,10 @@ static void rows_write_bound(const code *w, int r, code_sum *bound, const code_f
   char target[32];
   code_begin(&s);
   for (int k = 0; k < f->n; k++) {
+    if (tree.root >= 0 && order[k] < 6) {
+      const code_value size = code_end(w, &bound[order[k]], code_variable("g%d_B%d", r, order[k]));
+      code_add(&s, 1.0, size, f->share[k]);
+    }
     for (int j = 0; j < tree.n; j++) {
       const tree_link *const L = &tree.link[j];
       const int a = order[k] - L->row;

@@ -65,8 +65,8 @@ static const char *rows_refusal(const fb_system *system)
 {
   const char *what = NULL;
   int n = 0;
-  for (int k = 0; k < system->n_body && system->n_loop > 0 && !what; k++) {
-    what = system->joint[k].kind == FB_JOINT_FREE ? "loops beside a free body: choose what hangs on the ground" : NULL;
+  if (system->tied == 2 && system->method != FB_METHOD_MULTIPLIERS) {
+    what = "a loop between what flies and the ground: hang all of it on the ground by joints";
   }
   for (int j = 0; j < system->n_loop && !what; j++) {
     const fb_joint *const joint = &system->joint[system->n_body + j];

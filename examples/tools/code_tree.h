@@ -51,6 +51,7 @@ static struct tree {
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
+  int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
 } tree;
@@ -233,6 +234,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.size += TREE_PUSHED;
   }
   tree.work = tree.n_axis > 0 ? tree.size++ : -1;
+  tree.looped = tree.root >= 0 && system->n_loop > 0;
   rows_read(system);
 }
 
@@ -802,13 +804,19 @@ static void tree_write_right(const code *w, int k)
   }
 }
 
+/* Angular momentum of the free root, its axes: beside what the step integrates. */
+static code_value tree_own(int i)
+{
+  return tree.looped ? code_variable("own[%d]", i) : code_variable("x[%d]", TREE_OWN + i);
+}
+
 static void tree_write_root_right(const code *w)
 {
   const tree_link *const L = &tree.link[tree.root];
   code_sum s;
   for (int i = 0; i < 6; i++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, i < 3 ? code_variable("P[%d]", i) : code_variable("x[%d]", TREE_OWN + i - 3));
+    code_add_one(&s, 1.0, i < 3 ? code_variable("P[%d]", i) : tree_own(i - 3));
     code_add_one(&s, -1.0, L->b[i]);
     tree_right[i] = code_end(w, &s, code_variable("y_%d", i));
     for (int j = 0; j < 6; j++) {
@@ -1329,11 +1337,11 @@ static const char tree_root_pushed[] = "    $ v[3], h_dot[3];\n";
 
 static const char tree_root_turned[] = "    for (int i = 0; i < 3; i++) {\n"
                                        "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
-                                       "      rate[4 + i] += h_dot[i];\n"
-                                       "    }\n"
-                                       "    @_turn(rate + @_P, x, load);\n"
-                                       "    @_turn(rate + @_L, x, h_dot);\n";
+                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n";
+
+static const char tree_root_rates[] = "    }\n"
+                                      "    @_turn(rate + @_P, x, load);\n"
+                                      "    @_turn(rate + @_L, x, h_dot);\n";
 
 /* Rates of a free root: E9.14, E11.27. */
 static void tree_write_root(const code *w)
@@ -1346,11 +1354,13 @@ static void tree_write_root(const code *w)
   tree_write_quat_rate(w, "rate", 0, V + 3);
   fputs("\n  /* E9.14, E11.27: angular momentum h of the root in body axes; P, L in inertial axes */\n", w->out);
   for (int i = 0; i < 3; i++) {
-    h[i] = code_variable("x[%d]", TREE_OWN + i);
+    h[i] = tree_own(i);
   }
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
-    tree_add_cross(&s, 1.0, h, V + 3, i);
+    if (!tree.looped) {
+      tree_add_cross(&s, 1.0, h, V + 3, i);
+    }
     code_assign(w, &s, code_variable("rate[%d]", TREE_OWN + i).name);
   }
   fputs("  if (pushed) {\n", w->out);
@@ -1362,6 +1372,8 @@ static void tree_write_root(const code *w)
     code_assign(&inner, &s, code_variable("v[%d]", i).name);
   }
   code_template(w, tree_root_turned);
+  code_template(w, tree.looped ? "" : "      rate[4 + i] += h_dot[i];\n");
+  code_template(w, tree_root_rates);
   code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
                                : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
@@ -1488,10 +1500,14 @@ static const char tree_rates_head[] =
     "static @_NOINLINE @_status @_rates_at(%M$ *rate, $ *w, $ *longest, const $ *x, const @_input *in, int "
     "pushed)\n{\n";
 
-/* P of the root in body axes. */
+/* Momenta of the root in body axes. */
 static void tree_write_pushed(const code *w)
 {
-  if (tree.root >= 0) {
+  if (tree.looped) {
+    code_template(w, "  $ P[3], own[3];\n");
+    code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
+    code_template(w, "  @_turn_back(P, x, x + @_P);\n  @_turn_back(own, x, x + @_L);\n");
+  } else if (tree.root >= 0) {
     code_template(w, "  $ P[3] = {%z, %z, %z};\n");
     code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
     code_template(w, "  if (pushed) {\n    @_turn_back(P, x, x + @_P);\n  }\n");
@@ -2094,13 +2110,13 @@ static void tree_write_reframe(const code *w)
     fprintf(w->out, "    change[i] = -next.%s.u[i] - next.%s.lost_u[i];\n  }\n", root, root);
   } else {
     fprintf(w->out, "    change[i] = %s * ", number);
-    code_template(w, "(x[@_P + i] + d[@_P + i]");
-    fprintf(w->out, w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+    code_template(w, tree.looped ? "d[@_P + i];\n  }\n" : "(x[@_P + i] + d[@_P + i]");
+    fprintf(w->out, tree.looped ? "" : w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
   }
   code_template(w, w->lanes ? tree_drift_lanes
                             : "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
                               "    @_drift(%Ad, d, change);\n  }\n");
-  if (!tree.stands) {
+  if (!tree.stands && !tree.looped) {
     code_template(w, "  for (int i = 0; i < 3 && pushed; i++) {\n    d[@_P + i] = -x[@_P + i]");
     if (w->single) {
       fprintf(w->out, " - next.%s.lost_p[i]", root);
@@ -2153,21 +2169,39 @@ static void tree_write_flight(const code *w)
   code_template(w, text);
 }
 
+/* Momenta of the end, loops closed, relative to the frame: the increments to it, or the sums where there are loops. */
+static void tree_write_end_momenta(const code *w)
+{
+  if (tree.root >= 0 && !tree.looped) {
+    tree_write_reframe(w);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_sum_momenta);
+  }
+  code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
+  if (tree.looped) {
+    tree_write_reframe(w);
+  }
+  if (tree.root >= 0) {
+    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
+    tree_write_flight(w);
+  }
+}
+
 static void tree_write_end(const code *w)
 {
   int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, const $ *x");
-  code_template(w,
-                tree.root >= 0
-                    ? ", const $ *before, %s dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                      "  $ change[3] = {%z, %z, %z}, step[3];\n"
-                : constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                                   : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, tree.root >= 0 ? ", const $ *before, %s dt, int pushed" : "");
+  code_template(w, constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                                    : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, tree.root >= 0 ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : "");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
+  code_template(w, tree.looped && tree.stands ? "  (void)before;\n" : "");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
-    code_template(w, "  @_align(%Ad, x, before, pushed);\n");
+    code_template(w, tree.looped ? "" : "  @_align(%Ad, x, before, pushed);\n");
   }
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_units);
@@ -2179,17 +2213,7 @@ static void tree_write_end(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_lengths);
   }
-  if (tree.root >= 0) {
-    tree_write_reframe(w);
-    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
-  }
-  for (int k = 0; k < tree.n; k++) {
-    tree_pieces(w, k, tree_sum_momenta);
-  }
-  code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
-  if (tree.root >= 0) {
-    tree_write_flight(w);
-  }
+  tree_write_end_momenta(w);
   if (tree.work >= 0) {
     fprintf(w->out, "  next.motor_work += d[%d];\n", tree.work);
     code_template(w, "  status = status == @_ok && !@_is_finite(&next.motor_work, 1) ? @_not_finite : status;\n");
@@ -2247,6 +2271,7 @@ static const char tree_pushed_lanes[] =
 static void tree_write_step(const code *w)
 {
   const int limited = !tree.system->allow_long_step;
+  int always;
   code_template(w, tree_step_head);
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
@@ -2254,9 +2279,9 @@ static void tree_write_step(const code *w)
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
-  code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n"
-                                                                  : "  pushed = start || middle || end;\n");
-  if (tree.root >= 0 && !tree.pulled && !tree.stands) {
+  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
+  code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
+  if (tree.root >= 0 && !always) {
     code_template(w, w->lanes ? tree_pushed_lanes
                               : "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
   }
@@ -2268,7 +2293,8 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed" : "");
+  code_template(w, constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
 }
 
 /* Rotation vector; of all lanes by that of one body. */
@@ -2303,7 +2329,7 @@ static void tree_write_rotations(const code *w)
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, free || ball ? code_matrix : "");
   code_template(w, free ? code_turns : "");
-  code_template(w, !w->lanes && (free || tree_has_sprung_ball()) ? code_norm : "");
+  code_template(w, !w->lanes && ((free && !tree.looped) || tree_has_sprung_ball()) ? code_norm : "");
   if (tree_has_sprung_ball()) {
     tree_write_vector(w);
   }
@@ -2397,7 +2423,9 @@ static int tree_write_functions(const code *w)
   if (tree.root >= 0) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
-    tree_write_align(w);
+    if (!tree.looped) {
+      tree_write_align(w);
+    }
     code_template(w, tree_keep);
   }
   tree_write_enter(w);

@@ -164,6 +164,35 @@ static const struct {
      0,
      1,
      {{FB_JOINT_RIGID, -1, BOOM}, {FB_JOINT_SPHERICAL, -1, PANEL}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
+    /* 28 to 31: loops that fly: four bars on a hub; arms that hold one another; with a root that bends; without residual
+       inertia, beside a loop on the ground */
+    {FB_EFFECTS_FULL,
+     0,
+     PLANE,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, RIGID},
+      {FB_JOINT_REVOLUTE, 1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, RIGID},
+      {FB_JOINT_SPHERICAL, 1, BOOM},
+      {FB_JOINT_UNIVERSAL, 0, PANEL},
+      {FB_JOINT_CYLINDRICAL, 3, RIGID}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 1, RIGID},
+      {FB_JOINT_REVOLUTE, -1, PANEL},
+      {FB_JOINT_SPHERICAL, 3, RIGID}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it. */
@@ -179,7 +208,13 @@ static const struct {
              {25, FB_JOINT_CYLINDRICAL, 2 + TIP, 3},
              {26, FB_JOINT_SPHERICAL, 1 + TIP, 2},
              {26, FB_JOINT_SPHERICAL, -1, 1 + TIP},
-             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP}};
+             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP},
+             {28, FB_JOINT_REVOLUTE, 2, 3},
+             {29, FB_JOINT_SPHERICAL, 1 + TIP, 2 + TIP},
+             {30, FB_JOINT_SPHERICAL, 2 + TIP, 4},
+             {30, FB_JOINT_UNIVERSAL, 0 + TIP, 2},
+             {31, FB_JOINT_CYLINDRICAL, 0, 2},
+             {31, FB_JOINT_SPHERICAL, -1, 4}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 

@@ -11,6 +11,7 @@ need valgrind valgrind
 bound_hinge=4000 # instructions of a step: a free hub and a rigid arm on a hinge (18,730 by the library)
 bound_booms=16000 # two booms of 4 modes on it (59,567)
 bound_bars=8500 # four bars in a plane (193,287)
+bound_deploys=22500 # four bars on a free hub (241,282)
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
@@ -53,7 +54,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31)
     compile
     write $trees --single
     compile
@@ -104,6 +105,9 @@ booms=$count
 steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
+steps 28 "$turns s.body_1.p[0] = 0.3;" without
+deploys=$count
+[ "$deploys" -le $bound_deploys ] || fail "four bars on a hub: $deploys instructions, more than $bound_deploys"
 
 # Scenes: one that is written, compiled and the same as before; then each with something that is refused.
 try gcc $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
@@ -158,7 +162,7 @@ refuse_loop() {
   ! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q -e "$1" "$out/log" || fail "$1: $(tail -n 1 "$out/log")"
   refused=$((refused + 1))
 }
-refuse "loops beside a free body" none.h "loop pin spherical hub array.tip" "end"
+refuse "a loop between what flies and the ground" none.h "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
 grounded 'loop pin spherical hub array.tip
   stiffness 1
 end'
@@ -190,4 +194,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $bars for four bars; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $bars for four bars, $deploys for four on a free hub; $refused scenes refused"
