@@ -242,7 +242,7 @@ static void rows_write_functions(const code *w)
   code_template(w, "static const int @_kind[@_ROWS] = {");
   for (int r = 0; r < constraint.n; r++) {
     if (constraint.row[r].acts >= 0) {
-      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + (constraint.row[r].hold < 3));
+      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + rows_pushes(constraint.row[r].hold));
     }
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"

@@ -60,6 +60,8 @@ static code_value rows_minus(code_value x)
   return x;
 }
 
+#include "code_spring.h"
+
 /* ---- places */
 
 /* The field of a node (fbi_node_eval) at the vector's q, or its rates at q_dot: what a pair of modes adds. */
@@ -286,16 +288,22 @@ static void rows_write_frames(const code *w, int j)
     l->step[i] = code_end(w, &s, code_variable("l%d_step%c", j, tree_axis[i]));
   }
   rows_write_child_axes(w, j);
+  if (fbi_traits(l->joint)->pitched) {
+    l->miss = rows_write_screw(w, j);
+  }
 }
 
 /* ---- the rows */
 
-/* Force and torque of row r at the joint's origin on the child, P axes: a translation, or a right angle (E9.8). */
+/* Force and torque of row r at the joint's origin on the child, P axes: a translation, a right angle, a screw (E9.8). */
 static void rows_direction(code_value force[3], code_value torque[3], const rows_loop *l, int hold)
 {
   tree_nothing(force, 3);
   tree_nothing(torque, 3);
-  if (hold < 3) {
+  if (hold == ROWS_SCREW) {
+    force[2] = code_constant(1.0);
+    torque[2] = code_constant(-(double)l->joint->pitch);
+  } else if (hold < 3) {
     force[hold] = code_constant(1.0);
   } else { /* b x a */
     const int i = (hold - 3) / 3, y = (i + 1) % 3, z = (i + 2) % 3;
@@ -462,7 +470,9 @@ static int rows_write_row(const code *w, int r, code_sum *bound)
   for (int i = 0; i < CODE_ROWS; i++) {
     acts |= !code_is_zero(&row->coefficient[i]);
   }
-  row->value = row->hold < 3 ? l->step[row->hold] : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
+  row->value = row->hold == ROWS_SCREW ? l->miss
+               : row->hold < 3         ? l->step[row->hold]
+                                       : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
   return acts;
 }
 
@@ -588,9 +598,6 @@ static void rows_write_solve(const code *w, code_factor *f, const int *order, ch
   code_value z[CODE_ROWS];
   code_sum s;
   fputs("\n  /* E9.8: rows of the loops; E9.9: Q = A M^-1 A^T */\n", w->out);
-  for (int j = 0; j < constraint.n_loop; j++) {
-    rows_write_frames(w, j);
-  }
   constraint.acting = 0;
   for (int r = 0; r < constraint.n; r++) {
     const int acts = rows_write_row(w, r, bound);
@@ -741,6 +748,7 @@ static void rows_write_velocity(const code *w, int j, int side)
   const tree_link *const L = end->link >= 0 ? &tree.link[end->link] : NULL;
   code_value spin[3];
   code_sum s;
+  tree_nothing(end->pushed, FB_MAX_MODES);
   tree_nothing(end->at, 3);
   tree_nothing(end->v, 3);
   tree_nothing(end->spin, 3);
@@ -794,8 +802,9 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
   code_sum s, rate[3];
   tree_nothing(f, 3);
   for (int r = l->first; r < l->first + l->n; r++) {
-    if (constraint.row[r].hold < 3) {
-      f[constraint.row[r].hold] = rows_mu(r);
+    const int hold = constraint.row[r].hold;
+    if (rows_pushes(hold)) {
+      f[hold == ROWS_SCREW ? 2 : hold] = rows_mu(r);
     }
   }
   rows_write_cross(w, f_dot, l->end[0].spin, f, NULL, code_variable("l%d_fd", j));
@@ -811,7 +820,14 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
     code_begin(&rate[i]);
     for (int r = l->first; r < l->first + l->n; r++) {
       const int hold = constraint.row[r].hold;
-      if (hold >= 3) {
+      if (hold == ROWS_SCREW) { /* -pitch mu along z, and how that turns */
+        code_value along[3];
+        tree_nothing(along, 3);
+        along[2] = rows_mu(r);
+        along[2].c *= -(double)l->joint->pitch;
+        code_add_one(&s, 1.0, along[i]);
+        tree_add_cross(&rate[i], 1.0, l->end[0].spin, along, i);
+      } else if (hold >= 3) {
         const int of = (hold - 3) / 3;
         const code_value *const b = l->b[(hold - 3) % 3], *const b_rate = b_dot[(hold - 3) % 3];
         code_value unit[3], d;
@@ -841,6 +857,7 @@ static void rows_write_load(const code *w, int j)
   code_sum s;
   rows_write_impulse(w, j, f, T, f_dot, T_dot);
   rows_write_cross(w, far, l->end[1].spin, l->end[1].arm, l->end[1].v, code_variable("l%d_far", j));
+  rows_write_springs(w, j, far);
   for (int side = 0; side < 2; side++) {
     rows_end *const end = &l->end[side];
     const code_value name = code_variable("l%d_%d", j, side);
@@ -933,6 +950,7 @@ static void rows_add_node(const code *w, code_sum *force, int j, int side)
   }
   shrink = code_end(w, &s, code_variable("%ssh", name.name));
   for (int a = 0; a < L->n; a++) {
+    code_add_one(&force[a], 1.0, end->pushed[a]);
     for (int i = 0; i < 3; i++) {
       code_value rate;
       code_add(&force[a], 1.0, end->Ju[a][i], load[i]);

@@ -925,6 +925,9 @@ static void tree_write_solve(const code *w, int closes)
     code_write_column(w, f, k);
   }
   tree_write_pivot_check(w, f);
+  for (int j = 0; j < constraint.n_loop; j++) {
+    rows_write_frames(w, j);
+  }
   if (constraint.n > 0) {
     rows_write_solve(w, f, order, names, closes);
   } else {
@@ -1077,69 +1080,6 @@ static void tree_add_axis(const code *w, code_sum *s, int k, int a)
   }
 }
 
-/* The effort of springs and dampers of a joint in place of value, E9.11. */
-static void tree_add_effort(code_sum *s, const tree_link *L, int k, int a)
-{
-  const fb_joint *const joint = L->joint;
-  const code_value x =
-      L->joint->kind == FB_JOINT_SPHERICAL ? code_variable("phi%d[%d]", k, a) : code_variable("b%d_x_%d", k, a);
-  code_add_one(s, -(double)joint->stiffness[a], x);
-  code_add_one(s, (double)joint->stiffness[a] * (double)joint->rest[a], code_constant(1.0));
-  code_add_one(s, -(double)joint->damping[a], L->u[a]);
-}
-
-/* A template of axis a of link k: # begins its names, of its coordinate #x and speed #u. */
-static void tree_template(const code *w, const char *text, int k, int a)
-{
-  char all[600];
-  size_t n = 0;
-  for (const char *c = text; *c && n < sizeof all - 24; c++) {
-    if (*c == '#') {
-      n += (size_t)snprintf(all + n, sizeof all - n, "b%d_x_%d%s", k, a, c[1] == 'x' ? "" : "_");
-      c += c[1] == 'x';
-    } else {
-      all[n++] = *c;
-    }
-  }
-  all[n] = '\0';
-  code_template(w, all);
-}
-
-/* s += friction (E9.28) and stops (E9.29) of an axis. */
-static void tree_add_rubbing(const code *w, code_sum *s, int k, int a)
-{
-  const fb_joint *const joint = tree.link[k].joint;
-  const double friction = (double)joint->friction[a], slow = (double)joint->friction_speed[a];
-  const double stiffness = (double)joint->stop_stiffness[a], loss = (double)joint->stop_loss[a];
-  char text[400];
-  code_sum u;
-  if (!(friction > 0.0 || stiffness > 0.0)) {
-    return;
-  }
-  code_begin(&u);
-  code_add_one(&u, 1.0, tree.link[k].u[a]);
-  code_declare(w, &u, code_variable("b%d_x_%d_u", k, a).name);
-  if (friction > 0.0) {
-    snprintf(text, sizeof text, "  const $ #rub = `%.17g` / sqrt~(#u * #u + `%.17g`);\n", friction, slow * slow);
-    tree_template(w, text, k, a);
-    code_add(s, -1.0, code_variable("b%d_x_%d_rub", k, a), code_variable("b%d_x_%d_u", k, a));
-  }
-  if (stiffness > 0.0) {
-    snprintf(text, sizeof text,
-             "  const $ #low = #x - `%.17g`;\n  const $ #high = #x - `%.17g`;\n"
-             "  const $ #deep = (%%W#low < `0`%%,#low%%!) + (%%W#high > `0`%%,#high%%!);\n",
-             (double)joint->stop[a][0], (double)joint->stop[a][1]);
-    tree_template(w, text, k, a);
-    snprintf(text, sizeof text,
-             "  const $ #in = (%%W#low < `0`%%,-#u%%!) + (%%W#high > `0`%%,#u%%!);\n"
-             "  const $ #hold = `1` + `%.17g` * #in;\n  const $ #stop = %%W#hold > `0`%%,#hold%%!;\n",
-             loss);
-    tree_template(w, loss > 0.0 ? text : "", k, a);
-    code_add(s, -stiffness, code_variable("b%d_x_%d_deep", k, a),
-             loss > 0.0 ? code_variable("b%d_x_%d_stop", k, a) : code_constant(1.0));
-  }
-}
-
 static void tree_assign_one(const code *w, code_value x, int at)
 {
   char target[32];
@@ -1190,7 +1130,7 @@ static void tree_write_ball(const code *w, int k)
   }
   for (int a = 0; a < 3; a++) {
     code_begin(&s);
-    tree_add_effort(&s, L, k, a);
+    tree_add_effort(&s, L->joint, a, code_variable("phi%d[%d]", k, a), L->u[a]);
     tree_add_axis(w, &s, k, a);
     tau[a] = code_end(w, &s, code_variable("b%d_tau_%d", k, a));
     m[a] = code_variable("b%d_m_%d", k, a);
@@ -1220,11 +1160,12 @@ static void tree_write_axes(const code *w, int k)
     return;
   }
   for (int a = 0; a < L->axes; a++) {
+    const code_value x = code_variable("b%d_x_%d", k, a);
     char target[32];
     code_sum s;
     code_begin(&s);
-    tree_add_effort(&s, L, k, a);
-    tree_add_rubbing(w, &s, k, a);
+    tree_add_effort(&s, L->joint, a, x, L->u[a]);
+    tree_add_rubbing(w, &s, L->joint, a, L->u[a], x.name);
     tree_add_axis(w, &s, k, a);
     snprintf(target, sizeof target, "rate[%d]", L->p + a);
     code_assign(w, &s, target);
@@ -1441,6 +1382,32 @@ static void tree_write_impacts(const code *w)
   }
 }
 
+/* E11.43 of loops: stops at their present speeds. */
+static void rows_write_impacts(const code *w)
+{
+  char number[40], name[24];
+  int n = 0;
+  for (int j = 0; j < constraint.n_loop; j++) {
+    const fb_joint *const joint = constraint.loop[j].joint;
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (joint->stop_loss[i] > FB_R(0.0)) {
+        code_template(w, n++ == 0 ? "    $ knock = %z;\n    const $ " : "    const $ ");
+        code_number(number, w, (double)joint->stop_loss[i]);
+        snprintf(name, sizeof name, "knock_%d", 8 * j + i);
+        fprintf(w->out, "%s = %s * ", name, number);
+        code_template(w, "fabs~(");
+        fprintf(w->out, "l%d_s_%d);\n", j, i);
+        tree_write_larger(w, "knock", "knock", 8 * j + i);
+      }
+    }
+  }
+  if (n > 0) {
+    code_number(number, w, (double)tree.system->limit_kept_elastic);
+    fprintf(w->out, "    stiffening += %s * knock", number);
+    code_template(w, " * (`2` + knock);\n");
+  }
+}
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1478,6 +1445,7 @@ static void tree_write_limit(const code *w)
     }
   }
   tree_write_impacts(w);
+  rows_write_impacts(w);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest + %s;\n", number);
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
@@ -1799,7 +1767,7 @@ static int tree_has_sprung_ball(void)
   for (int k = 0; k < tree.n; k++) {
     has |= tree.link[k].joint->kind == FB_JOINT_SPHERICAL && tree.link[k].joint->stiffness[0] > FB_R(0.0);
   }
-  return has;
+  return has || rows_has_sprung_ball();
 }
 
 /* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
@@ -2333,6 +2301,7 @@ static void tree_write_rotations(const code *w)
   if (tree_has_sprung_ball()) {
     tree_write_vector(w);
   }
+  rows_write_vector(w);
   code_template_of(w, 1, tree.n_axis + tree.size > 0 ? code_sums : "");
   code_template(w, free || ball ? code_unit : "");
 }
@@ -2398,7 +2367,8 @@ static int rows_look(const code *w)
   }
   tree_write_rates(&draft, 0);
   if (constraint.acting == 0) {
-    constraint.n = constraint.n_loop = 0;
+    constraint.n = 0;
+    constraint.n_loop = rows_are_sprung() ? constraint.n_loop : 0;
   }
   return fclose(draft.out) == 0;
 }
