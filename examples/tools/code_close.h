@@ -9,8 +9,9 @@ static const char rows_move_head[] =
     "else the\n"
     "   momenta, by E9.10. */\n"
     "static @_NOINLINE @_status @_rows_move($ *move, const $ *x, const @_input *in, int places)\n{\n"
-    "  const $ closes = places ? `1` : `0`;\n"
-    "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n";
+    "  $ closes = %z;\n"
+    "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n"
+    "  closes += places ? `1` : `0`;\n";
 
 /* The momenta of a joint's axes by the impulses. */
 static void rows_write_axes(const code *w, int k)
@@ -95,7 +96,7 @@ static void rows_write_gap(const code *w)
   code inner = *w;
   char number[40];
   inner.indent = 4;
-  code_template(w, "    $ gap = `0`, size = `0`;\n");
+  code_template(w, "    $ gap = %z, size = %z;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     if (k == tree.root) {
@@ -120,8 +121,9 @@ static void rows_write_gap(const code *w)
     }
   }
   code_number(number, w, w->single ? 1e-3 : 1e-5);
-  fprintf(w->out, "    if (!(gap <= %s * (", number);
-  code_template(w, "`1` + size))) {\n      return @_contradiction;\n    }\n");
+  code_template(w, "    if (!%((gap <= ");
+  fprintf(w->out, "%s * (", number);
+  code_template(w, "`1` + size))%)) {\n      return @_contradiction;\n    }\n");
 }
 
 static void rows_write_move(const code *w, int unused)
@@ -166,8 +168,9 @@ static void rows_write_move(const code *w, int unused)
 static const char rows_close_head[] =
     "\n/* E9.17, E9.10: the vector d onto the constraints, positions first, then momenta. */\n"
     "static @_status @_close($ *d, const @_input *in)\n{\n"
-    "  $ still[@_N], move[@_N] = {`0`};\n"
+    "  $ still[@_N], move[@_N];\n"
     "  @_status status;\n"
+    "  memset(move, 0, sizeof move);\n"
     "  memcpy(still, d, sizeof still);\n";
 
 /* What of link k is at rest where positions are closed; what moves, then. */
@@ -233,10 +236,30 @@ static void rows_write_close(const code *w)
   fputs("  return status;\n}\n", w->out);
 }
 
+/* The solution lane by lane: which rows are independent may differ. */
+static void rows_write_lanes(const code *w)
+{
+  code_template(w, "\nstatic void @_rows_solve($ *mu, $ *Q, const $ *c, const $ *bound)\n{\n");
+  fprintf(w->out, "  for (int k = 0; k < %s_LANES; k++) {\n", w->name);
+  code_template(
+      w, "    %s own[@_ROWS], matrix[@_ROWS * @_ROWS], rest[@_ROWS], above[@_ROWS];\n"
+         "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n"
+         "      matrix[i] = i %% @_ROWS > i / @_ROWS ? `0` : Q[i][k];\n    }\n"
+         "    for (int i = 0; i < @_ROWS; i++) {\n      rest[i] = c[i][k];\n      above[i] = bound[i][k];\n    }\n");
+  fprintf(w->out, "    %s_rows_solve(own, matrix, rest, above);\n", w->name);
+  code_template(w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
+                   "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n    }\n  }\n}\n");
+  code_template(w, tree.n_given > 0 ? rows_hold : "");
+}
+
 /* Sizes, kinds of rows (fbi_rows_alike) and the solution of their equations. */
 static void rows_write_functions(const code *w)
 {
   int n = 0;
+  if (w->lanes) {
+    rows_write_lanes(w);
+    return;
+  }
   code_template(w, "\nenum { @_ROWS = ");
   fprintf(w->out, "%d };\n", constraint.acting);
   code_template(w, "static const int @_kind[@_ROWS] = {");

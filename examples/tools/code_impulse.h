@@ -983,30 +983,38 @@ static void rows_add_modes(const code *w, code_sum *force, int k)
 
 /* ---- what rows left out say */
 
-static void rows_write_norm(const code *w, const char *name, int k, const code_value x[3])
+static void rows_write_root_of(const code *w, const code_value x[3])
 {
+  code inner = *w;
   code_sum s;
+  inner.indent = 4;
   code_begin(&s);
   for (int i = 0; i < 3; i++) {
     code_add(&s, 1.0, x[i], x[i]);
   }
-  fprintf(w->out, "    const %s %s_%d = ", code_real(w), name, k);
-  code_template(w, "sqrt~(");
   code_settle(&s);
-  code_expression(w, &s, 40);
-  fputs(");\n", w->out);
+  code_template(w, "sqrt~(");
+  code_template(w, w->lanes && s.n == 0 ? "%z + " : "");
+  code_expression(&inner, &s, 40);
+  fputs(")", w->out);
+}
+
+static void rows_write_norm(const code *w, const char *name, int k, const code_value x[3])
+{
+  fprintf(w->out, "    const %s %s_%d = ", code_real(w), name, k);
+  rows_write_root_of(w, x);
+  fputs(";\n", w->out);
 }
 
 /* Tells rows that were left out and do not hold, where prescribed speeds can contradict them; `when`: a condition. */
 static void rows_write_check(const code *w, const char *when)
 {
-  code inner = *w;
   int n = 0;
-  inner.indent = 4;
   if (tree.n_given == 0 || constraint.n == 0) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
+  code_template(w, w->lanes ? "!%((" : "");
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].given) {
       fputs(n++ > 0 ? " + " : "", w->out);
@@ -1014,7 +1022,7 @@ static void rows_write_check(const code *w, const char *when)
       fprintf(w->out, "b%d_v_0)", k);
     }
   }
-  code_template(w, " > `0`) {\n    $ most[@_ROWS];\n");
+  code_template(w, w->lanes ? ") <= `0`%)) {\n    $ most[@_ROWS];\n" : " > `0`) {\n    $ most[@_ROWS];\n");
   for (int j = 0; j < 2 * constraint.n_loop; j++) {
     const rows_end *const end = &constraint.loop[j / 2].end[j % 2];
     if (end->link >= 0) {
@@ -1027,21 +1035,14 @@ static void rows_write_check(const code *w, const char *when)
     code_template(w, row->acts >= 0 ? "    most[" : "");
     if (row->acts >= 0) {
       fprintf(w->out, "%d] = ", row->acts);
-      code_template(w, "`0`");
+      code_template(w, "%z");
     }
     for (int s = 0; s < 2 && row->acts >= 0; s++) {
       if (constraint.loop[row->loop].end[s].link >= 0) {
-        code_sum of[2];
         for (int m = 0; m < 2; m++) {
-          const code_value *const x = m ? row->torque[s] : row->force[s];
-          code_begin(&of[m]);
-          for (int i = 0; i < 3; i++) {
-            code_add(&of[m], 1.0, x[i], x[i]);
-          }
-          code_settle(&of[m]);
-          code_template(w, " +\n      sqrt~(");
-          code_expression(&inner, &of[m], 30);
-          fprintf(w->out, m ? ") * spins_%d" : ") * speed_%d", 2 * row->loop + s);
+          fputs(" +\n      ", w->out);
+          rows_write_root_of(w, m ? row->torque[s] : row->force[s]);
+          fprintf(w->out, m ? " * spins_%d" : " * speed_%d", 2 * row->loop + s);
         }
       }
     }
@@ -1057,6 +1058,6 @@ static const char rows_hold[] =
     "  for (int r = 0; r < @_ROWS; r++) {\n"
     "    $ miss = c[r];\n"
     "    for (int i = 0; i < @_ROWS; i++) {\n      miss += Q[r * @_ROWS + i] * mu[i];\n    }\n"
-    "    hold &= fabs~(miss) <= @_loose * most[r];\n  }\n"
+    "    hold &= %((fabs~(miss) <= @_loose * most[r])%);\n  }\n"
     "  return hold;\n}\n";
 #endif

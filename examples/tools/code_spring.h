@@ -49,7 +49,15 @@ static int rows_are_sprung(void)
 
 static void rows_write_vector(const code *w)
 {
-  code_template(w, rows_has_sprung_ball() ? rows_vector : "");
+  if (rows_has_sprung_ball() && w->lanes) {
+    code_template(w, "\nstatic void @_turned($ *v, const $ *R)\n{\n");
+    fprintf(w->out, "  for (int k = 0; k < %s_LANES; k++) {\n", w->name);
+    code_template(w, "    %s own[3], from[9];\n    for (int i = 0; i < 9; i++) {\n      from[i] = R[i][k];\n    }\n");
+    fprintf(w->out, "    %s_turned(own, from);\n", w->name);
+    fputs("    for (int i = 0; i < 3; i++) {\n      v[i][k] = own[i];\n    }\n  }\n}\n", w->out);
+  } else if (rows_has_sprung_ball()) {
+    code_template(w, rows_vector);
+  }
 }
 
 /* ---- coordinates */
@@ -60,7 +68,7 @@ static void rows_write_argument(const code *w, code_value x)
   code_begin(&s);
   code_add_one(&s, 1.0, x);
   code_settle(&s);
-  code_template(w, w->lanes && s.n == 0 ? "@_wide_all(" : "");
+  code_template(w, w->lanes && s.n == 0 ? "(%z + " : "");
   code_expression(w, &s, 60);
   fputs(w->lanes && s.n == 0 ? ")" : "", w->out);
 }

@@ -299,12 +299,6 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   }
 }
 
-/* What cannot be written with lanes, of what can be without; NULL: nothing. */
-static const char *tree_lanes_refusal(const fb_system *system)
-{
-  return system->n_loop > 0 ? "lanes of loops: choose a tree" : NULL;
-}
-
 /* ---- places */
 
 /* The joint's turn T by its coordinates. */

@@ -57,6 +57,6 @@ tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
 tree 28 "" -DNUMBER=double -DLOOPS
 tree 31 --single -DNUMBER=float -DLOOPS -DSAMPLE=800
-tree 33 "" -DNUMBER=double -DLOOPS -DSAMPLE=800
+tree 33 --lanes -DNUMBER=double -DLOOPS -DSAMPLE=800 -Dgenerated_LANES=4
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

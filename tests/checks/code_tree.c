@@ -502,10 +502,6 @@ int main(int argc, char **argv)
     choice.single |= strcmp(argv[k], "--single") == 0;
     choice.lanes |= strcmp(argv[k], "--lanes") == 0;
   }
-  if (choice.lanes && tree_lanes_refusal(&mechanism)) {
-    fprintf(stderr, "tree %d: %s\n", which, tree_lanes_refusal(&mechanism));
-    return 4;
-  }
   return !tree_write(stdout, &mechanism, model, names, &choice, "a random tree",
                      fb_system_crc(&mechanism, model, MODELS));
 }

@@ -67,12 +67,13 @@ done
 
 # lanes: each as its own single steps to the last bit, by vectors of every length, also where a lane is refused
 lanes() {
-  try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+  try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20; do
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
+  small=$([ $tree != 22 ] || echo -DLOAD=1e-4) # jumps of a crank, which loops refuse
   compile
   lanes -O1 1 double
   lanes -O1 4 double
@@ -80,7 +81,6 @@ for tree in 5 6 7 8 10 12 17 18 19 20; do
   write $tree --single --lanes
   lanes -O1 8 float
 done
-! "$out/write" 21 --lanes > "$out/log" 2>&1 && grep -q "lanes of loops" "$out/log" || fail "lanes of loops: $(cat "$out/log")"
 
 # steps TREE STATE [without]: sets count; without the first step, at angles of zero, whose sines are cheaper
 steps() {
@@ -105,7 +105,7 @@ booms=$count
 steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
-steps 28 "$turns s.body_1.p[0] = 0.3;" without
+steps 28 "$turns s.body_1.p[0] = 0.03;" without
 deploys=$count
 [ "$deploys" -le $bound_deploys ] || fail "four bars on a hub: $deploys instructions, more than $bound_deploys"
 
