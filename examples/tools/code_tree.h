@@ -2073,7 +2073,9 @@ static void tree_write_reframe(const code *w)
   } else {
     fprintf(w->out, "    change[i] = %s * ", number);
     code_template(w, tree.looped ? "d[@_P + i];\n  }\n" : "(x[@_P + i] + d[@_P + i]");
-    fprintf(w->out, tree.looped ? "" : w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+    if (!tree.looped) {
+      fprintf(w->out, w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+    }
   }
   code_template(w, w->lanes ? tree_drift_lanes
                             : "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
