@@ -127,7 +127,7 @@ static void lanes_refusal(char text[200], const scene *s)
       names[k] = s->body[k].name;
     }
     tree_refusal(text, &engine.system, engine.body, names);
-    what = text[0] ? NULL : tree_lanes_refusal(&engine.system);
+    what = text[0] || engine.system.n_loop == 0 ? NULL : "loops, whose rows a table may change: choose a tree";
   }
   if (what) {
     snprintf(text, 200, "%s", what);

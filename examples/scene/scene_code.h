@@ -87,8 +87,8 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
     names[k] = s->body[k].name;
   }
   tree_refusal(text, &engine.system, engine.body, names);
-  if (text[0] || (lanes && tree_lanes_refusal(&engine.system))) {
-    return 1 + scene_fail(s, "--code: %s", text[0] ? text : tree_lanes_refusal(&engine.system));
+  if (text[0]) {
+    return 1 + scene_fail(s, "--code: %s", text);
   }
   out = fopen(file, "w");
   if (!out) {

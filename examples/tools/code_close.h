@@ -9,8 +9,9 @@ static const char rows_move_head[] =
     "else the\n"
     "   momenta, by E9.10. */\n"
     "static @_NOINLINE @_status @_rows_move($ *move, const $ *x, const @_input *in, int places)\n{\n"
-    "  const $ closes = places ? `1` : `0`;\n"
-    "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n";
+    "  $ closes = %z;\n"
+    "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n"
+    "  closes += places ? `1` : `0`;\n";
 
 /* The momenta of a joint's axes by the impulses. */
 static void rows_write_axes(const code *w, int k)
@@ -49,6 +50,21 @@ static void rows_write_axes(const code *w, int k)
   }
 }
 
+/* Attitude of the free root and, where that of P is integrated, how far it goes. */
+static void rows_write_root_displaced(const code *w)
+{
+  const code_value *const V = tree.link[tree.root].V;
+  code_sum s;
+  tree_write_quat_rate(w, "move", 0, V + 3);
+  code_template(w, "    $ step[3];\n");
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, V[i]);
+    code_assign(w, &s, code_variable("step[%d]", i).name);
+  }
+  code_template(w, "    @_turn(move + @_PLACE, x, step);\n");
+}
+
 /* The coordinates of a joint and of modes by the displacements. */
 static void rows_write_displaced(const code *w, int k)
 {
@@ -59,6 +75,8 @@ static void rows_write_displaced(const code *w, int k)
   inner.indent = 4;
   if (L->joint->kind == FB_JOINT_SPHERICAL) {
     tree_write_quat_rate(&inner, "move", L->x, L->u);
+  } else if (k == tree.root) {
+    rows_write_root_displaced(&inner);
   }
   for (int a = 0; a < L->axes + L->n; a++) {
     const int mode = a - L->axes;
@@ -78,10 +96,13 @@ static void rows_write_gap(const code *w)
   code inner = *w;
   char number[40];
   inner.indent = 4;
-  code_template(w, "    $ gap = `0`, size = `0`;\n");
+  code_template(w, "    $ gap = %z, size = %z;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (L->parent < 0) {
+    if (k == tree.root) {
+      rows_unit(R[k]);
+      tree_nothing(rho[k], 3);
+    } else if (L->parent < 0) {
       memcpy(R[k], L->C, sizeof R[k]);
       memcpy(rho[k], L->s, sizeof rho[k]);
     } else {
@@ -100,8 +121,9 @@ static void rows_write_gap(const code *w)
     }
   }
   code_number(number, w, w->single ? 1e-3 : 1e-5);
-  fprintf(w->out, "    if (!(gap <= %s * (", number);
-  code_template(w, "`1` + size))) {\n      return @_contradiction;\n    }\n");
+  code_template(w, "    if (!%((gap <= ");
+  fprintf(w->out, "%s * (", number);
+  code_template(w, "`1` + size))%)) {\n      return @_contradiction;\n    }\n");
 }
 
 static void rows_write_move(const code *w, int unused)
@@ -111,6 +133,9 @@ static void rows_write_move(const code *w, int unused)
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
   code_template(w, tree.n_given > 0 ? "" : "  (void)in;\n");
+  if (tree.looped) {
+    tree_write_pushed(w);
+  }
   tree_write_places(w);
   tree_write_bodies(w);
   tree_write_inertias(w);
@@ -139,8 +164,9 @@ static void rows_write_move(const code *w, int unused)
 static const char rows_close_head[] =
     "\n/* E9.17, E9.10: the vector d onto the constraints, positions first, then momenta. */\n"
     "static @_status @_close($ *d, const @_input *in)\n{\n"
-    "  $ still[@_N], move[@_N] = {`0`};\n"
+    "  $ still[@_N], move[@_N];\n"
     "  @_status status;\n"
+    "  memset(move, 0, sizeof move);\n"
     "  memcpy(still, d, sizeof still);\n";
 
 /* What of link k is at rest where positions are closed; what moves, then. */
@@ -173,20 +199,31 @@ static void rows_placed(const code *w, int at, int n, int k, const char *member)
 
 static void rows_pushed_on(const code *w, int at, int n, int k, const char *member)
 {
-  (void)k;
-  rows_moved(w, at, n, member, 0);
+  if (k != tree.root || strcmp(member, "p") != 0) { /* rows within the tree leave its momentum */
+    rows_moved(w, at, n, member, 0);
+  }
 }
+
+/* L about the displaced O */
+static const char rows_moved_root[] =
+    "  for (int i = 0; i < 3; i++) {\n"
+    "    const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
+    "    d[@_L + i] += d[@_P + y] * move[@_PLACE + z] - d[@_P + z] * move[@_PLACE + y];\n";
 
 static void rows_write_close(const code *w)
 {
   code_template(w, rows_close_head);
-  code_template(w, tree_has_joint(FB_JOINT_SPHERICAL) ? "  $ size;\n" : "");
+  code_template(w, tree_has_joint(FB_JOINT_SPHERICAL) || tree.looped ? "  $ size;\n" : "");
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, rows_still);
   }
   code_template(w, "  status = @_rows_move(move, still, in, 1);\n  if (status != @_ok) {\n    return status;\n  }\n");
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, rows_placed);
+  }
+  if (tree.looped) {
+    code_template(w, rows_moved_root);
+    code_template(w, tree.stands ? "    d[@_PLACE + i] += move[@_PLACE + i];\n  }\n" : "  }\n");
   }
   code_template(w, "  status = @_rows_move(move, d, in, 0);\n");
   for (int k = 0; k < tree.n; k++) {
@@ -195,16 +232,36 @@ static void rows_write_close(const code *w)
   fputs("  return status;\n}\n", w->out);
 }
 
+/* The solution lane by lane: which rows are independent may differ. */
+static void rows_write_lanes(const code *w)
+{
+  code_template(w, "\nstatic void @_rows_solve($ *mu, $ *Q, const $ *c, const $ *bound)\n{\n");
+  fprintf(w->out, "  for (int k = 0; k < %s_LANES; k++) {\n", w->name);
+  code_template(
+      w, "    %s own[@_ROWS], matrix[@_ROWS * @_ROWS], rest[@_ROWS], above[@_ROWS];\n"
+         "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n"
+         "      matrix[i] = i %% @_ROWS > i / @_ROWS ? `0` : Q[i][k];\n    }\n"
+         "    for (int i = 0; i < @_ROWS; i++) {\n      rest[i] = c[i][k];\n      above[i] = bound[i][k];\n    }\n");
+  fprintf(w->out, "    %s_rows_solve(own, matrix, rest, above);\n", w->name);
+  code_template(w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
+                   "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n    }\n  }\n}\n");
+  code_template(w, tree.n_given > 0 ? rows_hold : "");
+}
+
 /* Sizes, kinds of rows (fbi_rows_alike) and the solution of their equations. */
 static void rows_write_functions(const code *w)
 {
   int n = 0;
+  if (w->lanes) {
+    rows_write_lanes(w);
+    return;
+  }
   code_template(w, "\nenum { @_ROWS = ");
   fprintf(w->out, "%d };\n", constraint.acting);
   code_template(w, "static const int @_kind[@_ROWS] = {");
   for (int r = 0; r < constraint.n; r++) {
     if (constraint.row[r].acts >= 0) {
-      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + (constraint.row[r].hold < 3));
+      fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + rows_pushes(constraint.row[r].hold));
     }
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"

@@ -60,6 +60,8 @@ static code_value rows_minus(code_value x)
   return x;
 }
 
+#include "code_spring.h"
+
 /* ---- places */
 
 /* The field of a node (fbi_node_eval) at the vector's q, or its rates at q_dot: what a pair of modes adds. */
@@ -292,16 +294,22 @@ static void rows_write_frames(const code *w, int j)
     l->step[i] = code_end(w, &s, code_variable("l%d_step%c", j, tree_axis[i]));
   }
   rows_write_child_axes(w, j);
+  if (fbi_traits(l->joint)->pitched) {
+    l->miss = rows_write_screw(w, j);
+  }
 }
 
 /* ---- the rows */
 
-/* Force and torque of row r at the joint's origin on the child, P axes: a translation, or a right angle (E9.8). */
+/* Force and torque of row r at the joint's origin on the child, P axes: a translation, a right angle, a screw (E9.8). */
 static void rows_direction(code_value force[3], code_value torque[3], const rows_loop *l, int hold)
 {
   tree_nothing(force, 3);
   tree_nothing(torque, 3);
-  if (hold < 3) {
+  if (hold == ROWS_SCREW) {
+    force[2] = code_constant(1.0);
+    torque[2] = code_constant(-(double)l->joint->pitch);
+  } else if (hold < 3) {
     force[hold] = code_constant(1.0);
   } else { /* b x a */
     const int i = (hold - 3) / 3, y = (i + 1) % 3, z = (i + 2) % 3;
@@ -384,6 +392,22 @@ static void rows_write_taken(const code *w, code_value taken[6], int r, int s)
   }
 }
 
+/* A wrench f on the free root, whose twists are the six units, added to the coefficients of row r; its size to bound[]. */
+static void rows_write_root(const code *w, int r, const code_value f[6], code_sum *bound, char word)
+{
+  code_value *const c = constraint.row[r].coefficient;
+  for (int a = 0; a < 6; a++) {
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, c[a]);
+    code_add_one(&s, 1.0, f[a]);
+    c[a] = code_end(w, &s, code_variable("g%d_%c%d_%d", r, word, tree.root, a));
+    for (int i = 0; i < 6; i++) {
+      code_add(&bound[a], 1.0, f[i], f[i]);
+    }
+  }
+}
+
 /* From link k to `on`: a wrench y on the axes, added to the coefficients of row r; its size on them to bound[]. */
 static void rows_write_along(const code *w, int r, int k, int on, const code_value y[6], code_sum *bound, char word)
 {
@@ -403,6 +427,9 @@ static void rows_write_along(const code *w, int r, int k, int on, const code_val
         code_add(&bound[L->row + a], 1.0, f[i], f[i]);
       }
       *c = code_end(w, &s, code_variable("g%d_%c%d_%d", r, word, k, a));
+    }
+    if (k == tree.root) {
+      rows_write_root(w, r, f, bound, word);
     }
     if (L->parent >= 0 && L->parent != on) {
       tree_nothing(up, 6);
@@ -449,7 +476,9 @@ static int rows_write_row(const code *w, int r, code_sum *bound)
   for (int i = 0; i < CODE_ROWS; i++) {
     acts |= !code_is_zero(&row->coefficient[i]);
   }
-  row->value = row->hold < 3 ? l->step[row->hold] : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
+  row->value = row->hold == ROWS_SCREW ? l->miss
+               : row->hold < 3         ? l->step[row->hold]
+                                       : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
   return acts;
 }
 
@@ -461,6 +490,10 @@ static void rows_write_bound(const code *w, int r, code_sum *bound, const code_f
   char target[32];
   code_begin(&s);
   for (int k = 0; k < f->n; k++) {
+    if (tree.root >= 0 && order[k] < 6) {
+      const code_value size = code_end(w, &bound[order[k]], code_variable("g%d_B%d", r, order[k]));
+      code_add(&s, 1.0, size, f->share[k]);
+    }
     for (int j = 0; j < tree.n; j++) {
       const tree_link *const L = &tree.link[j];
       const int a = order[k] - L->row;
@@ -571,9 +604,6 @@ static void rows_write_solve(const code *w, code_factor *f, const int *order, ch
   code_value z[CODE_ROWS];
   code_sum s;
   fputs("\n  /* E9.8: rows of the loops; E9.9: Q = A M^-1 A^T */\n", w->out);
-  for (int j = 0; j < constraint.n_loop; j++) {
-    rows_write_frames(w, j);
-  }
   constraint.acting = 0;
   for (int r = 0; r < constraint.n; r++) {
     const int acts = rows_write_row(w, r, bound);
@@ -740,6 +770,7 @@ static void rows_write_velocity(const code *w, int j, int side)
   const tree_link *const L = end->link >= 0 ? &tree.link[end->link] : NULL;
   code_value spin[3];
   code_sum s;
+  tree_nothing(end->pushed, FB_MAX_MODES);
   tree_nothing(end->at, 3);
   tree_nothing(end->v, 3);
   tree_nothing(end->spin, 3);
@@ -785,8 +816,9 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
   code_sum s, rate[3];
   tree_nothing(f, 3);
   for (int r = l->first; r < l->first + l->n; r++) {
-    if (constraint.row[r].hold < 3) {
-      f[constraint.row[r].hold] = rows_mu(r);
+    const int hold = constraint.row[r].hold;
+    if (rows_pushes(hold)) {
+      f[hold == ROWS_SCREW ? 2 : hold] = rows_mu(r);
     }
   }
   rows_write_cross(w, f_dot, l->end[0].spin, f, NULL, code_variable("l%d_fd", j));
@@ -802,7 +834,14 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
     code_begin(&rate[i]);
     for (int r = l->first; r < l->first + l->n; r++) {
       const int hold = constraint.row[r].hold;
-      if (hold >= 3) {
+      if (hold == ROWS_SCREW) { /* -pitch mu along z, and how that turns */
+        code_value along[3];
+        tree_nothing(along, 3);
+        along[2] = rows_mu(r);
+        along[2].c *= -(double)l->joint->pitch;
+        code_add_one(&s, 1.0, along[i]);
+        tree_add_cross(&rate[i], 1.0, l->end[0].spin, along, i);
+      } else if (hold >= 3) {
         const int of = (hold - 3) / 3;
         const code_value *const b = l->b[(hold - 3) % 3], *const b_rate = b_dot[(hold - 3) % 3];
         code_value unit[3], d;
@@ -832,6 +871,7 @@ static void rows_write_load(const code *w, int j)
   code_sum s;
   rows_write_impulse(w, j, f, T, f_dot, T_dot);
   rows_write_cross(w, far, l->end[1].spin, l->end[1].arm, l->end[1].v, code_variable("l%d_far", j));
+  rows_write_springs(w, j, far);
   for (int side = 0; side < 2; side++) {
     rows_end *const end = &l->end[side];
     const code_value name = code_variable("l%d_%d", j, side);
@@ -922,6 +962,7 @@ static void rows_add_node(const code *w, code_sum *force, const rows_end *end, i
   }
   shrink = code_end(w, &s, code_variable("%ssh", name.name));
   for (int a = 0; a < L->n; a++) {
+    code_add_one(&force[a], 1.0, end->pushed[a]);
     for (int i = 0; i < 3; i++) {
       code_value rate;
       code_add(&force[a], 1.0, end->Ju[a][i], load[i]);
@@ -957,30 +998,38 @@ static void rows_add_modes(const code *w, code_sum *force, int k)
 
 /* ---- what rows left out say */
 
-static void rows_write_norm(const code *w, const char *name, int k, const code_value x[3])
+static void rows_write_root_of(const code *w, const code_value x[3])
 {
+  code inner = *w;
   code_sum s;
+  inner.indent = 4;
   code_begin(&s);
   for (int i = 0; i < 3; i++) {
     code_add(&s, 1.0, x[i], x[i]);
   }
-  fprintf(w->out, "    const %s %s_%d = ", code_real(w), name, k);
-  code_template(w, "sqrt~(");
   code_settle(&s);
-  code_expression(w, &s, 40);
-  fputs(");\n", w->out);
+  code_template(w, "sqrt~(");
+  code_template(w, w->lanes && s.n == 0 ? "%z + " : "");
+  code_expression(&inner, &s, 40);
+  fputs(")", w->out);
+}
+
+static void rows_write_norm(const code *w, const char *name, int k, const code_value x[3])
+{
+  fprintf(w->out, "    const %s %s_%d = ", code_real(w), name, k);
+  rows_write_root_of(w, x);
+  fputs(";\n", w->out);
 }
 
 /* Tells rows that were left out and do not hold, where prescribed speeds can contradict them; `when`: a condition. */
 static void rows_write_check(const code *w, const char *when)
 {
-  code inner = *w;
   int n = 0;
-  inner.indent = 4;
   if (tree.n_given == 0 || constraint.n == 0) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
+  code_template(w, w->lanes ? "!%((" : "");
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].given) {
       fputs(n++ > 0 ? " + " : "", w->out);
@@ -988,7 +1037,7 @@ static void rows_write_check(const code *w, const char *when)
       fprintf(w->out, "b%d_v_0)", k);
     }
   }
-  code_template(w, " > `0`) {\n    $ most[@_ROWS];\n");
+  code_template(w, w->lanes ? ") <= `0`%)) {\n    $ most[@_ROWS];\n" : " > `0`) {\n    $ most[@_ROWS];\n");
   for (int j = 0; j < 2 * constraint.n_loop; j++) {
     const rows_end *const end = &constraint.loop[j / 2].end[j % 2];
     if (end->link >= 0) {
@@ -1001,21 +1050,14 @@ static void rows_write_check(const code *w, const char *when)
     code_template(w, row->acts >= 0 ? "    most[" : "");
     if (row->acts >= 0) {
       fprintf(w->out, "%d] = ", row->acts);
-      code_template(w, "`0`");
+      code_template(w, "%z");
     }
     for (int s = 0; s < 2 && row->acts >= 0; s++) {
       if (constraint.loop[row->loop].end[s].link >= 0) {
-        code_sum of[2];
         for (int m = 0; m < 2; m++) {
-          const code_value *const x = m ? row->torque[s] : row->force[s];
-          code_begin(&of[m]);
-          for (int i = 0; i < 3; i++) {
-            code_add(&of[m], 1.0, x[i], x[i]);
-          }
-          code_settle(&of[m]);
-          code_template(w, " +\n      sqrt~(");
-          code_expression(&inner, &of[m], 30);
-          fprintf(w->out, m ? ") * spins_%d" : ") * speed_%d", 2 * row->loop + s);
+          fputs(" +\n      ", w->out);
+          rows_write_root_of(w, m ? row->torque[s] : row->force[s]);
+          fprintf(w->out, m ? " * spins_%d" : " * speed_%d", 2 * row->loop + s);
         }
       }
     }
@@ -1031,6 +1073,6 @@ static const char rows_hold[] =
     "  for (int r = 0; r < @_ROWS; r++) {\n"
     "    $ miss = c[r];\n"
     "    for (int i = 0; i < @_ROWS; i++) {\n      miss += Q[r * @_ROWS + i] * mu[i];\n    }\n"
-    "    hold &= fabs~(miss) <= @_loose * most[r];\n  }\n"
+    "    hold &= %((fabs~(miss) <= @_loose * most[r])%);\n  }\n"
     "  return hold;\n}\n";
 #endif

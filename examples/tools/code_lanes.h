@@ -67,12 +67,15 @@ static const char code_lanes_vectors[] =
 static const char code_lanes_angles[] =
     "#define @_wide_cos(x) (*@_wide_cosine((@_wide[1]){x}))\n"
     "#define @_wide_sin(x) (*@_wide_sine((@_wide[1]){x}))\n"
+    "#define @_wide_atan2(y, x) (*@_wide_angle((@_wide[1]){y}, (const @_wide[1]){x}))\n"
     "#define @_wide_either(mask, x, y) \\\n"
     "  ((@_wide)((@_wide_mask)(y) ^ (((@_wide_mask)(x) ^ (@_wide_mask)(y)) & (@_wide_mask)(mask))))\n\n"
     "static inline @_wide *@_wide_cosine(@_wide *x)\n{\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = cos~((*x)[k]);\n  }\n  return x;\n}\n\n"
     "static inline @_wide *@_wide_sine(@_wide *x)\n{\n"
-    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = sin~((*x)[k]);\n  }\n  return x;\n}\n\n";
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = sin~((*x)[k]);\n  }\n  return x;\n}\n\n"
+    "static inline @_wide *@_wide_angle(@_wide *y, const @_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*y)[k] = atan2~((*y)[k], (*x)[k]);\n  }\n  return y;\n}\n\n";
 
 static const char code_lanes_copies[] =
     "\n/* Structs of numbers alone: those of one body, and of lanes. */\n"

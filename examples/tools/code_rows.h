@@ -8,7 +8,7 @@
 #ifndef CODE_ROWS_H
 #define CODE_ROWS_H
 
-enum { ROWS_MOST = 24 };
+enum { ROWS_MOST = 24, ROWS_SCREW = 12 }; /* rows; the hold of a screw, behind those of fbi_traits */
 
 typedef struct rows_end { /* the node that carries one side of a loop */
   int link, moves;        /* -1: the ground; 1: modes move it */
@@ -17,6 +17,7 @@ typedef struct rows_end { /* the node that carries one side of a loop */
   code_value D[9], arm[3];         /* P axes to those of the body; to the joint's origin on the child, P axes */
   code_value at[3], v[3], spin[3]; /* velocity of the node, body axes; in P axes, and how fast it turns */
   code_value G[6], F[6];           /* momentum and load by the impulses at the node, body axes */
+  code_value pushed[FB_MAX_MODES]; /* force on the modes by springs */
 } rows_end;
 
 typedef struct rows_loop {
@@ -24,6 +25,7 @@ typedef struct rows_loop {
   int common, first, n;        /* body that both sides hang on, -1: the ground; its rows */
   rows_end end[2];             /* parent, child */
   code_value step[3], b[3][3]; /* between the origins; axes of the child: P axes */
+  code_value miss;             /* of a screw: slide less pitch times angle */
 } rows_loop;
 
 typedef struct rows_row {
@@ -48,16 +50,17 @@ static struct rows { /* the rows of all loops */
 
 static const char *rows_joint_refusal(const fb_joint *joint)
 {
-  fb_real sum = FB_R(0.0);
+  int free = 1;
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
-    sum += joint->stiffness[i] + joint->damping[i] + joint->friction[i] + joint->stop_stiffness[i];
-    if (joint->mode[i] != FB_AXIS_FREE) {
-      return "a loop with a locked or prescribed axis: choose mode free";
-    }
+    free = free && joint->mode[i] == FB_AXIS_FREE;
   }
-  return joint->kind == FB_JOINT_SCREW ? "a loop by a screw joint: choose another one"
-         : sum > FB_R(0.0)             ? "a loop with a spring, a damper, friction or stops: choose joints of the tree"
-                                       : NULL;
+  return free ? NULL : "a loop with a locked or prescribed axis: choose mode free";
+}
+
+/* Has the row a force? */
+static int rows_pushes(int hold)
+{
+  return hold < 3 || hold == ROWS_SCREW;
 }
 
 /* What of the loops of a system is not written; NULL: nothing. */
@@ -65,8 +68,8 @@ static const char *rows_refusal(const fb_system *system)
 {
   const char *what = NULL;
   int n = 0;
-  for (int k = 0; k < system->n_body && system->n_loop > 0 && !what; k++) {
-    what = system->joint[k].kind == FB_JOINT_FREE ? "loops beside a free body: choose what hangs on the ground" : NULL;
+  if (system->tied == 2 && system->method != FB_METHOD_MULTIPLIERS) {
+    what = "a loop between what flies and the ground: hang all of it on the ground by joints";
   }
   for (int j = 0; j < system->n_loop && !what; j++) {
     const fb_joint *const joint = &system->joint[system->n_body + j];
@@ -74,6 +77,7 @@ static const char *rows_refusal(const fb_system *system)
     for (const int *hold = fbi_traits(joint)->holds; *hold >= 0; hold++) {
       n++;
     }
+    n += fbi_traits(joint)->pitched;
   }
   return what ? what : n > ROWS_MOST ? "more than 24 constraints of loops: choose fewer" : NULL;
 }
@@ -91,6 +95,10 @@ static void rows_read(const fb_system *system)
     for (const int *hold = fbi_traits(l->joint)->holds; *hold >= 0; hold++) {
       constraint.row[constraint.n].loop = j;
       constraint.row[constraint.n++].hold = *hold;
+    }
+    if (fbi_traits(l->joint)->pitched) {
+      constraint.row[constraint.n].loop = j;
+      constraint.row[constraint.n++].hold = ROWS_SCREW;
     }
     l->n = constraint.n - l->first;
   }

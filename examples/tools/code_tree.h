@@ -55,6 +55,7 @@ static struct tree {
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
+  int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
 } tree;
@@ -246,6 +247,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.size += TREE_PUSHED;
   }
   tree.work = tree.n_axis > 0 ? tree.size++ : -1;
+  tree.looped = tree.root >= 0 && system->n_loop > 0;
   rows_read(system);
 }
 
@@ -323,12 +325,6 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
              : system->n_spring > 0 ? "springs between points: choose springs of joints"
                                     : "method multipliers: choose recursive");
   }
-}
-
-/* What cannot be written with lanes, of what can be without; NULL: nothing. */
-static const char *tree_lanes_refusal(const fb_system *system)
-{
-  return system->n_loop > 0 ? "lanes of loops: choose a tree" : NULL;
 }
 
 /* ---- places */
@@ -799,13 +795,19 @@ static void tree_write_right(const code *w, int k)
   }
 }
 
+/* Angular momentum of the free root, its axes: beside what the step integrates. */
+static code_value tree_own(int i)
+{
+  return tree.looped ? code_variable("own[%d]", i) : code_variable("x[%d]", TREE_OWN + i);
+}
+
 static void tree_write_root_right(const code *w)
 {
   const tree_link *const L = &tree.link[tree.root];
   code_sum s;
   for (int i = 0; i < 6; i++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, i < 3 ? code_variable("P[%d]", i) : code_variable("x[%d]", TREE_OWN + i - 3));
+    code_add_one(&s, 1.0, i < 3 ? code_variable("P[%d]", i) : tree_own(i - 3));
     code_add_one(&s, -1.0, L->b[i]);
     tree_right[i] = code_end(w, &s, code_variable("y_%d", i));
     for (int j = 0; j < 6; j++) {
@@ -917,6 +919,9 @@ static void tree_write_solve(const code *w, int closes)
     code_write_column(w, f, k);
   }
   tree_write_pivot_check(w, f);
+  for (int j = 0; j < constraint.n_loop; j++) {
+    rows_write_frames(w, j);
+  }
   if (constraint.n > 0) {
     rows_write_solve(w, f, order, names, closes);
   } else {
@@ -1074,69 +1079,6 @@ static void tree_add_axis(const code *w, code_sum *s, int k, int a)
   }
 }
 
-/* The effort of springs and dampers of a joint in place of value, E9.11. */
-static void tree_add_effort(code_sum *s, const tree_link *L, int k, int a)
-{
-  const fb_joint *const joint = L->joint;
-  const code_value x =
-      L->joint->kind == FB_JOINT_SPHERICAL ? code_variable("phi%d[%d]", k, a) : code_variable("b%d_x_%d", k, a);
-  code_add_one(s, -(double)joint->stiffness[a], x);
-  code_add_one(s, (double)joint->stiffness[a] * (double)joint->rest[a], code_constant(1.0));
-  code_add_one(s, -(double)joint->damping[a], L->u[a]);
-}
-
-/* A template of axis a of link k: # begins its names, of its coordinate #x and speed #u. */
-static void tree_template(const code *w, const char *text, int k, int a)
-{
-  char all[600];
-  size_t n = 0;
-  for (const char *c = text; *c && n < sizeof all - 24; c++) {
-    if (*c == '#') {
-      n += (size_t)snprintf(all + n, sizeof all - n, "b%d_x_%d%s", k, a, c[1] == 'x' ? "" : "_");
-      c += c[1] == 'x';
-    } else {
-      all[n++] = *c;
-    }
-  }
-  all[n] = '\0';
-  code_template(w, all);
-}
-
-/* s += friction (E9.28) and stops (E9.29) of an axis. */
-static void tree_add_rubbing(const code *w, code_sum *s, int k, int a)
-{
-  const fb_joint *const joint = tree.link[k].joint;
-  const double friction = (double)joint->friction[a], slow = (double)joint->friction_speed[a];
-  const double stiffness = (double)joint->stop_stiffness[a], loss = (double)joint->stop_loss[a];
-  char text[400];
-  code_sum u;
-  if (!(friction > 0.0 || stiffness > 0.0)) {
-    return;
-  }
-  code_begin(&u);
-  code_add_one(&u, 1.0, tree.link[k].u[a]);
-  code_declare(w, &u, code_variable("b%d_x_%d_u", k, a).name);
-  if (friction > 0.0) {
-    snprintf(text, sizeof text, "  const $ #rub = `%.17g` / sqrt~(#u * #u + `%.17g`);\n", friction, slow * slow);
-    tree_template(w, text, k, a);
-    code_add(s, -1.0, code_variable("b%d_x_%d_rub", k, a), code_variable("b%d_x_%d_u", k, a));
-  }
-  if (stiffness > 0.0) {
-    snprintf(text, sizeof text,
-             "  const $ #low = #x - `%.17g`;\n  const $ #high = #x - `%.17g`;\n"
-             "  const $ #deep = (%%W#low < `0`%%,#low%%!) + (%%W#high > `0`%%,#high%%!);\n",
-             (double)joint->stop[a][0], (double)joint->stop[a][1]);
-    tree_template(w, text, k, a);
-    snprintf(text, sizeof text,
-             "  const $ #in = (%%W#low < `0`%%,-#u%%!) + (%%W#high > `0`%%,#u%%!);\n"
-             "  const $ #hold = `1` + `%.17g` * #in;\n  const $ #stop = %%W#hold > `0`%%,#hold%%!;\n",
-             loss);
-    tree_template(w, loss > 0.0 ? text : "", k, a);
-    code_add(s, -stiffness, code_variable("b%d_x_%d_deep", k, a),
-             loss > 0.0 ? code_variable("b%d_x_%d_stop", k, a) : code_constant(1.0));
-  }
-}
-
 static void tree_assign_one(const code *w, code_value x, int at)
 {
   char target[32];
@@ -1187,7 +1129,7 @@ static void tree_write_ball(const code *w, int k)
   }
   for (int a = 0; a < 3; a++) {
     code_begin(&s);
-    tree_add_effort(&s, L, k, a);
+    tree_add_effort(&s, L->joint, a, code_variable("phi%d[%d]", k, a), L->u[a]);
     tree_add_axis(w, &s, k, a);
     tau[a] = code_end(w, &s, code_variable("b%d_tau_%d", k, a));
     m[a] = code_variable("b%d_m_%d", k, a);
@@ -1217,11 +1159,12 @@ static void tree_write_axes(const code *w, int k)
     return;
   }
   for (int a = 0; a < L->axes; a++) {
+    const code_value x = code_variable("b%d_x_%d", k, a);
     char target[32];
     code_sum s;
     code_begin(&s);
-    tree_add_effort(&s, L, k, a);
-    tree_add_rubbing(w, &s, k, a);
+    tree_add_effort(&s, L->joint, a, x, L->u[a]);
+    tree_add_rubbing(w, &s, L->joint, a, L->u[a], x.name);
     tree_add_axis(w, &s, k, a);
     snprintf(target, sizeof target, "rate[%d]", L->p + a);
     code_assign(w, &s, target);
@@ -1335,11 +1278,11 @@ static const char tree_root_pushed[] = "    $ v[3], h_dot[3];\n";
 
 static const char tree_root_turned[] = "    for (int i = 0; i < 3; i++) {\n"
                                        "      const int y = i == 2 ? 0 : i + 1, z = i == 0 ? 2 : i - 1;\n"
-                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n"
-                                       "      rate[4 + i] += h_dot[i];\n"
-                                       "    }\n"
-                                       "    @_turn(rate + @_P, x, load);\n"
-                                       "    @_turn(rate + @_L, x, h_dot);\n";
+                                       "      h_dot[i] = load[3 + i] + P[y] * v[z] - P[z] * v[y];\n";
+
+static const char tree_root_rates[] = "    }\n"
+                                      "    @_turn(rate + @_P, x, load);\n"
+                                      "    @_turn(rate + @_L, x, h_dot);\n";
 
 /* Rates of a free root: E9.14, E11.27. */
 static void tree_write_root(const code *w)
@@ -1352,11 +1295,13 @@ static void tree_write_root(const code *w)
   tree_write_quat_rate(w, "rate", 0, V + 3);
   fputs("\n  /* E9.14, E11.27: angular momentum h of the root in body axes; P, L in inertial axes */\n", w->out);
   for (int i = 0; i < 3; i++) {
-    h[i] = code_variable("x[%d]", TREE_OWN + i);
+    h[i] = tree_own(i);
   }
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
-    tree_add_cross(&s, 1.0, h, V + 3, i);
+    if (!tree.looped) {
+      tree_add_cross(&s, 1.0, h, V + 3, i);
+    }
     code_assign(w, &s, code_variable("rate[%d]", TREE_OWN + i).name);
   }
   fputs("  if (pushed) {\n", w->out);
@@ -1368,6 +1313,8 @@ static void tree_write_root(const code *w)
     code_assign(&inner, &s, code_variable("v[%d]", i).name);
   }
   code_template(w, tree_root_turned);
+  code_template(w, tree.looped ? "" : "      rate[4 + i] += h_dot[i];\n");
+  code_template(w, tree_root_rates);
   code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
                                : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
@@ -1435,6 +1382,32 @@ static void tree_write_impacts(const code *w)
   }
 }
 
+/* E11.43 of loops: stops at their present speeds. */
+static void rows_write_impacts(const code *w)
+{
+  char number[40], name[24];
+  int n = 0;
+  for (int j = 0; j < constraint.n_loop; j++) {
+    const fb_joint *const joint = constraint.loop[j].joint;
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (joint->stop_loss[i] > FB_R(0.0)) {
+        code_template(w, n++ == 0 ? "    $ knock = %z;\n    const $ " : "    const $ ");
+        code_number(number, w, (double)joint->stop_loss[i]);
+        snprintf(name, sizeof name, "knock_%d", 8 * j + i);
+        fprintf(w->out, "%s = %s * ", name, number);
+        code_template(w, "fabs~(");
+        fprintf(w->out, "l%d_s_%d);\n", j, i);
+        tree_write_larger(w, "knock", "knock", 8 * j + i);
+      }
+    }
+  }
+  if (n > 0) {
+    code_number(number, w, (double)tree.system->limit_kept_elastic);
+    fprintf(w->out, "    stiffening += %s * knock", number);
+    code_template(w, " * (`2` + knock);\n");
+  }
+}
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1472,6 +1445,7 @@ static void tree_write_limit(const code *w)
     }
   }
   tree_write_impacts(w);
+  rows_write_impacts(w);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest + %s;\n", number);
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
@@ -1494,10 +1468,14 @@ static const char tree_rates_head[] =
     "static @_NOINLINE @_status @_rates_at(%M$ *rate, $ *w, $ *longest, const $ *x, const @_input *in, int "
     "pushed)\n{\n";
 
-/* P of the root in body axes. */
+/* Momenta of the root in body axes. */
 static void tree_write_pushed(const code *w)
 {
-  if (tree.root >= 0) {
+  if (tree.looped) {
+    code_template(w, "  $ P[3], own[3];\n");
+    code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
+    code_template(w, "  @_turn_back(P, x, x + @_P);\n  @_turn_back(own, x, x + @_L);\n");
+  } else if (tree.root >= 0) {
     code_template(w, "  $ P[3] = {%z, %z, %z};\n");
     code_template(w, tree.has_R ? "  $ R[9];\n  @_matrix(R, x);\n" : "");
     code_template(w, "  if (pushed) {\n    @_turn_back(P, x, x + @_P);\n  }\n");
@@ -1785,7 +1763,7 @@ static int tree_has_sprung_ball(void)
   for (int k = 0; k < tree.n; k++) {
     has |= tree.link[k].joint->kind == FB_JOINT_SPHERICAL && tree.link[k].joint->stiffness[0] > FB_R(0.0);
   }
-  return has;
+  return has || rows_has_sprung_ball();
 }
 
 /* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
@@ -2127,13 +2105,15 @@ static void tree_write_reframe(const code *w)
     fprintf(w->out, "    change[i] = -next.%s.u[i] - next.%s.lost_u[i];\n  }\n", root, root);
   } else {
     fprintf(w->out, "    change[i] = %s * ", number);
-    code_template(w, "(x[@_P + i] + d[@_P + i]");
-    fprintf(w->out, w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+    code_template(w, tree.looped ? "d[@_P + i];\n  }\n" : "(x[@_P + i] + d[@_P + i]");
+    if (!tree.looped) {
+      fprintf(w->out, w->single ? " + next.%s.lost_p[i]);\n  }\n" : ");\n  }\n", root);
+    }
   }
   code_template(w, w->lanes ? tree_drift_lanes
                             : "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
                               "    @_drift(%Ad, d, change);\n  }\n");
-  if (!tree.stands) {
+  if (!tree.stands && !tree.looped) {
     code_template(w, "  for (int i = 0; i < 3 && pushed; i++) {\n    d[@_P + i] = -x[@_P + i]");
     if (w->single) {
       fprintf(w->out, " - next.%s.lost_p[i]", root);
@@ -2186,21 +2166,39 @@ static void tree_write_flight(const code *w)
   code_template(w, text);
 }
 
+/* Momenta of the end, loops closed, relative to the frame: the increments to it, or the sums where there are loops. */
+static void tree_write_end_momenta(const code *w)
+{
+  if (tree.root >= 0 && !tree.looped) {
+    tree_write_reframe(w);
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_pieces(w, k, tree_sum_momenta);
+  }
+  code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
+  if (tree.looped) {
+    tree_write_reframe(w);
+  }
+  if (tree.root >= 0) {
+    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
+    tree_write_flight(w);
+  }
+}
+
 static void tree_write_end(const code *w)
 {
   int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, const $ *x");
-  code_template(w,
-                tree.root >= 0
-                    ? ", const $ *before, %s dt, int pushed)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                      "  $ change[3] = {%z, %z, %z}, step[3];\n"
-                : constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                                   : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, tree.root >= 0 ? ", const $ *before, %s dt, int pushed" : "");
+  code_template(w, constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                                    : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, tree.root >= 0 ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : "");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
+  code_template(w, tree.looped && tree.stands ? "  (void)before;\n" : "");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
-    code_template(w, "  @_align(%Ad, x, before, pushed);\n");
+    code_template(w, tree.looped ? "" : "  @_align(%Ad, x, before, pushed);\n");
   }
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_units);
@@ -2212,17 +2210,7 @@ static void tree_write_end(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_lengths);
   }
-  if (tree.root >= 0) {
-    tree_write_reframe(w);
-    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
-  }
-  for (int k = 0; k < tree.n; k++) {
-    tree_pieces(w, k, tree_sum_momenta);
-  }
-  code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
-  if (tree.root >= 0) {
-    tree_write_flight(w);
-  }
+  tree_write_end_momenta(w);
   if (tree.work >= 0) {
     fprintf(w->out, "  next.motor_work += d[%d];\n", tree.work);
     code_template(w, "  status = status == @_ok && !@_is_finite(&next.motor_work, 1) ? @_not_finite : status;\n");
@@ -2280,6 +2268,7 @@ static const char tree_pushed_lanes[] =
 static void tree_write_step(const code *w)
 {
   const int limited = !tree.system->allow_long_step;
+  int always;
   code_template(w, tree_step_head);
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
@@ -2288,9 +2277,9 @@ static void tree_write_step(const code *w)
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
-  code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n"
-                                                                  : "  pushed = start || middle || end;\n");
-  if (tree.root >= 0 && !tree.pulled && !tree.stands) {
+  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
+  code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
+  if (tree.root >= 0 && !always) {
     code_template(w, w->lanes ? tree_pushed_lanes
                               : "  pushed |= fabs~(x[@_P]) + fabs~(x[@_P + 1]) + fabs~(x[@_P + 2]) > `0`;\n");
   }
@@ -2303,7 +2292,8 @@ static void tree_write_step(const code *w)
   code_template(w, limited ? tree_step_limits : "");
   code_template(w, tree_step_rest);
   code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed)" : constraint.n > 0 ? ", end)" : ")");
+  code_template(w, tree.root >= 0 ? ", center, dt, pushed" : "");
+  code_template(w, constraint.n > 0 ? ", end)" : ")");
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }
 
@@ -2339,10 +2329,11 @@ static void tree_write_rotations(const code *w)
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, free || ball ? code_matrix : "");
   code_template(w, free ? code_turns : "");
-  code_template(w, !w->lanes && (free || tree_has_sprung_ball()) ? code_norm : "");
+  code_template(w, !w->lanes && ((free && !tree.looped) || tree_has_sprung_ball()) ? code_norm : "");
   if (tree_has_sprung_ball()) {
     tree_write_vector(w);
   }
+  rows_write_vector(w);
   code_template_of(w, 1, tree.n_axis + tree.size > 0 ? code_sums : "");
   code_template(w, free || ball ? code_unit : "");
 }
@@ -2409,7 +2400,8 @@ static int rows_look(const code *w)
   }
   tree_write_rates(&draft, 0);
   if (constraint.acting == 0) {
-    constraint.n = constraint.n_loop = 0;
+    constraint.n = 0;
+    constraint.n_loop = rows_are_sprung() ? constraint.n_loop : 0;
   }
   return fclose(draft.out) == 0;
 }
@@ -2434,7 +2426,9 @@ static int tree_write_functions(const code *w)
   if (tree.root >= 0) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
-    tree_write_align(w);
+    if (!tree.looped) {
+      tree_write_align(w);
+    }
     code_template(w, tree_keep);
   }
   tree_write_enter(w);

@@ -5,7 +5,7 @@
      a status, one of those that the text names, and what was to be changed is as before,
      or 0, and all that was written is finite.
    With lanes that word is in one lane: each lane has the status and the bits of its single step.
-   TREE: a tree, whose text has the step alone. NUMBER: double or float. PRESCRIBED: base, without energy. */
+   TREE: a tree, whose text has the step alone; LOOPS: with loops. NUMBER: double or float. PRESCRIBED: base, without energy. */
 #define generated_IMPLEMENTATION
 #include "code.h"
 #include <math.h>

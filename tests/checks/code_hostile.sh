@@ -56,7 +56,10 @@ tree 5 --single -DNUMBER=float
 tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
+tree 28 "" -DNUMBER=double -DLOOPS
+tree 31 --single -DNUMBER=float -DLOOPS -DSAMPLE=800
+tree 33 --lanes -DNUMBER=double -DLOOPS -DSAMPLE=800 -Dgenerated_LANES=4
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
-tree 29 "" -DNUMBER=double
-tree 30 --single -DNUMBER=float
+tree 37 "" -DNUMBER=double
+tree 38 --single -DNUMBER=float
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

@@ -29,6 +29,9 @@ static double number(int a, int b, int c)
   return x - floor(x);
 }
 
+#ifndef LOAD /* range of loads, and of values that are prescribed */
+#define LOAD 0.1
+#endif
 #ifdef TREE
 /* Place of a number in a struct, which has nothing else. */
 static NUMBER *at(void *numbers, int i)
@@ -51,7 +54,7 @@ static void begin(void)
 static void load(generated_input *own, generated_lanes_input *all, int k, int i)
 {
   for (int a = 0; a < (int)(sizeof *own / sizeof(NUMBER)); a++) {
-    *at(own, a) = *at(all, a * generated_LANES + k) = (NUMBER)(0.1 * number(k, i, a) - 0.05);
+    *at(own, a) = *at(all, a * generated_LANES + k) = (NUMBER)(LOAD * (number(k, i, a) - 0.5));
   }
 }
 

@@ -22,7 +22,7 @@ typedef struct hang {
   int parent, model;
 } hang;
 
-enum { PLANE = 2 }; /* of joints: all axes along z */
+enum { PLANE = 2, DOOR = 3 }; /* of joints: all axes along z; on that of the first joint, whose loop moves nothing */
 
 /* Effects of the flexible models, gravity, joints turned at random (0: about x; PLANE: not at all), bodies. The first two are those of
    bench/system_count.c, hinge and booms, in which nothing is random. */
@@ -164,7 +164,56 @@ static const struct {
      0,
      1,
      {{FB_JOINT_RIGID, -1, BOOM}, {FB_JOINT_SPHERICAL, -1, PANEL}, {FB_JOINT_PRISMATIC, 1, RIGID}}},
-    /* 28: arm of two links that bend; 29..: joints on tips that modes move */
+    /* 28 to 31: loops that fly: four bars on a hub; arms that hold one another; with a root that bends; without residual
+       inertia, beside a loop on the ground */
+    {FB_EFFECTS_FULL,
+     0,
+     PLANE,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, RIGID},
+      {FB_JOINT_REVOLUTE, 1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, RIGID},
+      {FB_JOINT_SPHERICAL, 1, BOOM},
+      {FB_JOINT_UNIVERSAL, 0, PANEL},
+      {FB_JOINT_CYLINDRICAL, 3, RIGID}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 1, RIGID},
+      {FB_JOINT_REVOLUTE, -1, PANEL},
+      {FB_JOINT_SPHERICAL, 3, RIGID}}},
+    /* 32 to 35: loops with springs, dampers, friction and stops; by screws */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     PLANE,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, RIGID | RUBS},
+      {FB_JOINT_REVOLUTE, 1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, RIGID}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 1, PANEL}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_UNIVERSAL, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 1, RIGID},
+      {FB_JOINT_UNIVERSAL, 2, PANEL}}},
+    {FB_EFFECTS_FULL, 0, DOOR, {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
+    /* 36: arm of two links that bend; 37..: joints on tips that modes move */
     {FB_EFFECTS_FULL, 0, PLANE, {{FB_JOINT_REVOLUTE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}}},
     {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1, {{FB_JOINT_REVOLUTE, -1, BOOM}, {FB_JOINT_SPHERICAL, 0 + TIP, PANEL}}},
     {FB_EFFECTS_FULL,
@@ -195,7 +244,8 @@ static const struct {
      {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_RIGID, 0, PANEL}, {FB_JOINT_SPHERICAL, 1 + TIP, RIGID}}},
 };
 
-/* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it. */
+/* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
+   child: with spring and damper, and friction and stops if it is not spherical. */
 static const struct {
   int tree;
   fb_joint_kind kind;
@@ -208,7 +258,18 @@ static const struct {
              {25, FB_JOINT_CYLINDRICAL, 2 + TIP, 3},
              {26, FB_JOINT_SPHERICAL, 1 + TIP, 2},
              {26, FB_JOINT_SPHERICAL, -1, 1 + TIP},
-             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP}};
+             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP},
+             {28, FB_JOINT_REVOLUTE, 2, 3},
+             {29, FB_JOINT_SPHERICAL, 1 + TIP, 2 + TIP},
+             {30, FB_JOINT_SPHERICAL, 2 + TIP, 4},
+             {30, FB_JOINT_UNIVERSAL, 0 + TIP, 2},
+             {31, FB_JOINT_CYLINDRICAL, 0, 2},
+             {31, FB_JOINT_SPHERICAL, -1, 4},
+             {32, FB_JOINT_REVOLUTE, 2 + TIP, 3 + RUBS},
+             {33, FB_JOINT_SPHERICAL, -1, 2 + TIP + RUBS},
+             {33, FB_JOINT_UNIVERSAL, 0, 1 + TIP + RUBS},
+             {34, FB_JOINT_SCREW, 0, 3 + TIP + RUBS},
+             {35, FB_JOINT_REVOLUTE, -1, 0 + RUBS}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -314,7 +375,7 @@ static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
   for (int i = 0; i < 3; i++) {
     joint->position[i] = (fb_real)random_number();
     joint->child_position[i] = random ? (fb_real)(0.3 * random_number()) : FB_R(0.0);
-    turn[i] = (fb_real)(random ? random_number() : i == 0 && turned != PLANE ? 1.5707963267948966 : 0.0);
+    turn[i] = (fb_real)(random ? random_number() : i == 0 && turned < PLANE ? 1.5707963267948966 : 0.0);
     child[i] = (fb_real)(random ? random_number() : 0.0);
   }
   if (link->kind == FB_JOINT_FREE) {
@@ -338,7 +399,7 @@ static void build_loop(int which, int l)
   static fb_system_motion motion;
   static fb_system_state zero;
   fb_joint_desc *const loop = &desc.loop[desc.n_loop];
-  const int parent = loops[l].parent, child = loops[l].child;
+  const int parent = loops[l].parent, child = loops[l].child % GIVEN;
   const int on = parent >= TIP ? parent - TIP : parent, of = child % TIP;
   fb_real turn[3], back[4], x[3], R[9];
   hang at = {loops[l].kind, on, 0};
@@ -350,7 +411,17 @@ static void build_loop(int which, int l)
   loop->child = of;
   loop->parent_node = parent >= TIP;
   loop->child_node = child >= TIP;
+  loop->pitch = at.kind == FB_JOINT_SCREW ? FB_R(0.3) : FB_R(0.0);
+  for (int i = 0; i < 3 && (loops[l].child & RUBS); i++) {
+    loop->stiffness[i] = FB_R(10.0);
+    loop->damping[i] = FB_R(0.4);
+  }
+  if ((loops[l].child & RUBS) && at.kind != FB_JOINT_SPHERICAL) {
+    loop->rest[0] = FB_R(0.05);
+    build_rubbing(loop);
+  }
   for (int i = 0; i < 3; i++) {
+    loop->position[i] = trees[which].turned == DOOR ? desc.joint[0].position[i] : loop->position[i];
     turn[i] = trees[which].turned == 1 ? (fb_real)random_number() : FB_R(0.0);
     x[i] = loop->position[i] + (loop->parent_node ? model[desc.model[on]].node[1].r[i] : FB_R(0.0));
   }
@@ -460,10 +531,6 @@ int main(int argc, char **argv)
   for (int k = 2; k < argc; k++) {
     choice.single |= strcmp(argv[k], "--single") == 0;
     choice.lanes |= strcmp(argv[k], "--lanes") == 0;
-  }
-  if (choice.lanes && tree_lanes_refusal(&mechanism)) {
-    fprintf(stderr, "tree %d: %s\n", which, tree_lanes_refusal(&mechanism));
-    return 4;
   }
   return !tree_write(stdout, &mechanism, model, names, &choice, "a random tree",
                      fb_system_crc(&mechanism, model, MODELS));

@@ -12,6 +12,7 @@ bound_hinge=4000 # instructions of a step: a free hub and a rigid arm on a hinge
 bound_booms=16000 # two booms of 4 modes on it (59,567)
 bound_arm=12000 # two links of 2 modes on hinges, the second one on the tip of the first (46,130)
 bound_bars=8500 # four bars in a plane (193,287)
+bound_deploys=22500 # four bars on a free hub (241,282)
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
@@ -54,7 +55,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 29 | 30 | 33)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41)
     compile
     write $trees --single
     compile
@@ -67,12 +68,13 @@ done
 
 # lanes: each as its own single steps to the last bit, by vectors of every length, also where a lane is refused
 lanes() {
-  try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
+  try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20 30 33; do
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
+  small=$([ $tree != 22 ] || echo -DLOAD=1e-4) # jumps of a crank, which loops refuse
   compile
   lanes -O1 1 double
   lanes -O1 4 double
@@ -80,7 +82,6 @@ for tree in 5 6 7 8 10 12 17 18 19 20 30 33; do
   write $tree --single --lanes
   lanes -O1 8 float
 done
-! "$out/write" 21 --lanes > "$out/log" 2>&1 && grep -q "lanes of loops" "$out/log" || fail "lanes of loops: $(cat "$out/log")"
 
 # steps TREE STATE [without]: sets count; without the first step, at angles of zero, whose sines are cheaper
 steps() {
@@ -102,12 +103,15 @@ hinge=$count
 steps 1 "$turns s.body_1.x[0] = 0.3; s.body_2.x[0] = 0.2; s.body_1.q[0] = s.body_2.q[1] = 0.01;"
 booms=$count
 [ "$booms" -le $bound_booms ] || fail "hub and two booms: $booms instructions, more than $bound_booms"
-steps 28 's.body_0.x[0] = 0.3; s.body_1.x[0] = 0.2; s.body_0.p[0] = 0.5; s.body_0.q[0] = 0.01;'
+steps 36 's.body_0.x[0] = 0.3; s.body_1.x[0] = 0.2; s.body_0.p[0] = 0.5; s.body_0.q[0] = 0.01;'
 arm=$count
 [ "$arm" -le $bound_arm ] || fail "arm of two links that bend: $arm instructions, more than $bound_arm"
 steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
+steps 28 "$turns s.body_1.p[0] = 0.03;" without
+deploys=$count
+[ "$deploys" -le $bound_deploys ] || fail "four bars on a hub: $deploys instructions, more than $bound_deploys"
 
 # Scenes: one that is written, compiled and the same as before; then each with something that is refused.
 try gcc $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
@@ -175,15 +179,18 @@ refuse_loop() {
   ! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q -e "$1" "$out/log" || fail "$1: $(tail -n 1 "$out/log")"
   refused=$((refused + 1))
 }
-refuse "loops beside a free body" none.h "loop pin spherical hub array.tip" "end"
-grounded 'loop pin spherical hub array.tip
-  stiffness 1
-end'
-refuse_loop "a loop with a spring"
+refuse "a loop between what flies and the ground" none.h "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
 grounded 'loop pin screw hub array.tip
   pitch 1
+  stiffness 1
 end'
-refuse_loop "a loop by a screw joint"
+try "$out/scene" "$out/bars.txt" --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
+grounded 'loop pin revolute hub array.tip
+  mode locked
+end'
+refuse_loop "a loop with a locked or prescribed axis"
 refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 line='  motor 1 constant 2
@@ -213,4 +220,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub; $refused scenes refused"
