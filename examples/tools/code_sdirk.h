@@ -9,10 +9,10 @@
 #define CODE_SDIRK_H
 
 typedef struct sdirk_link {
-  code_factor E;                               /* of the modes */
-  code_value right[FB_MAX_MODES];              /* their right side */
-  code_value K[3], gK[3], g2K[3], C[3];        /* stiffness of the axes, by g, by g^2; damping */
-  code_value turn[3], dq_dot[FB_MAX_MODES];    /* residual of a spherical joint's turn; z of the modes */
+  code_factor E;                            /* of the modes */
+  code_value right[FB_MAX_MODES];           /* their right side */
+  code_value K[3], gK[3], g2K[3], C[3];     /* stiffness of the axes, by g, by g^2; damping */
+  code_value turn[3], dq_dot[FB_MAX_MODES]; /* residual of a spherical joint's turn; z of the modes */
 } sdirk_link;
 
 static sdirk_link sdirk[FB_MAX_BODIES];
@@ -527,7 +527,8 @@ static void sdirk_take_root(const code *w)
 }
 
 static const char sdirk_correct_head[] =
-    "\n/* E11.13: correction `rate` of the rates k of a stage at the vector x under what acts; w: angular velocities of "
+    "\n/* E11.13: correction `rate` of the rates k of a stage at the vector x under what acts; w: angular velocities "
+    "of "
     "the bodies. */\n"
     "static @_NOINLINE @_status @_correct($ *rate, $ *w, const $ *k, const $ *x, const @_input *in, %s g)\n{\n"
     "  const int pushed = 1;\n  const $ g2 = g * g;\n";
@@ -633,7 +634,8 @@ static const char sdirk_declarations[] =
     "void @_start(@_state *state);\n"
     "/* Corrections of a stage, 1 to 8; of the first one more. */\n"
     "#ifndef @_ITERATIONS\n#define @_ITERATIONS 2\n#endif\n"
-    "/* One step of SDIRK of order 2, L-stable, dt [s], under what acts at its start and end. Refused: the state stays as "
+    "/* One step of SDIRK of order 2, L-stable, dt [s], under what acts at its start and end. Refused: the state stays "
+    "as "
     "it was. */\n"
     "@_status @_step(@_state *state, const @_input *start, const @_input *end, $ dt);\n";
 
@@ -653,11 +655,10 @@ static const char sdirk_stage_turns[] =
     "2]);\n"
     "      status = a * a + b * b + c * c <= `0.25` ? @_ok : @_step_length;\n    }\n";
 
-static const char sdirk_stage_end[] =
-    "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
-    "    if (j == 0 || j == n - 1) {\n      last = @_size(&bent, rate, g);\n"
-    "      begins = j == 0 ? last : begins;\n    }\n  }\n"
-    "  if (status != @_ok) {\n    return status;\n  }\n";
+static const char sdirk_stage_end[] = "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
+                                      "    if (j == 0 || j == n - 1) {\n      last = @_size(&bent, rate, g);\n"
+                                      "      begins = j == 0 ? last : begins;\n    }\n  }\n"
+                                      "  if (status != @_ok) {\n    return status;\n  }\n";
 
 static const char sdirk_stage_check[] =
     "\n  /* E11.25 */\n"
@@ -687,10 +688,9 @@ static const char sdirk_step_begin[] =
     "  @_enter(x, state);\n"
     "  if (start != end) {\n    @_between(&between, start, end, c);\n    in = &between;\n  }\n";
 
-static const char sdirk_step_limits[] =
-    "\n  /* step limit at the start */\n"
-    "  status = @_rates_at(sum, first, &longest, x, start, 1);\n"
-    "  status = status == @_ok && !(dt <= longest) ? @_step_length : status;\n";
+static const char sdirk_step_limits[] = "\n  /* step limit at the start */\n"
+                                        "  status = @_rates_at(sum, first, &longest, x, start, 1);\n"
+                                        "  status = status == @_ok && !(dt <= longest) ? @_step_length : status;\n";
 
 static const char sdirk_step_rest[] =
     "  status = status == @_ok ? @_stage(k, first, x, in, g, dt, @_ITERATIONS + 1) : status;\n"
@@ -723,9 +723,10 @@ static void sdirk_write_stage(const code *w)
   code_template(w, limited ? sdirk_stage_turns : "");
   code_template(w, sdirk_stage_end);
   code_template(w, limited ? "" : "  (void)first, (void)dt;\n");
-  code_template(w, tree.root >= 0 && !tree.stands ? "  for (int i = 0; i < 3; i++) {\n    k[@_PLACE + i] = base[@_P + i] + g "
-                                                    "* k[@_P + i];\n  }\n"
-                                                  : "");
+  code_template(w, tree.root >= 0 && !tree.stands
+                       ? "  for (int i = 0; i < 3; i++) {\n    k[@_PLACE + i] = base[@_P + i] + g "
+                         "* k[@_P + i];\n  }\n"
+                       : "");
   code_template(w, sdirk_stage_check);
 }
 

@@ -1,6 +1,6 @@
 /* code_tree.h - writes the rk4 step of bodies on joints, a tree with or without loops (code_rows.h), as C99 of its own, straight-line: the equations and
-   checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself. Include flexbeam.h
-   first.
+   checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself; of a tree the step of SDIRK, too
+   (code_sdirk.h). Include flexbeam.h first.
 
    The velocities: modes are eliminated within their body (E8.11), the composite inertia of all that hangs on a joint
    gives the matrix of the speeds of the root and of the joints, factored by L D L^T, constant pivots first: for few
@@ -2359,7 +2359,10 @@ static void tree_write_declarations(const code *w, int lanes)
 {
   code_template(w, tree_status);
   code_template(w, constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n" : "");
-  code_template(w, tree.implicit ? "  , @_convergence = -6 /* the last correction of a stage is not small: take a shorter step */\n" : "");
+  code_template(w,
+                tree.implicit
+                    ? "  , @_convergence = -6 /* the last correction of a stage is not small: take a shorter step */\n"
+                    : "");
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);

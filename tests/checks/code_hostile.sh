@@ -56,4 +56,7 @@ tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
+tree 5 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
+tree 6 "--sdirk --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5
+tree 17 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"
