@@ -1,4 +1,4 @@
-/* scene_code.h - writes the rk4 step of the bodies and joints of a scene as C of its own: scene --code. See scene.h and
+/* scene_code.h - writes the step of the bodies and joints of a scene, of SDIRK where it says so, else of rk4, as C of its own: scene --code. See scene.h and
    ../tools/code_tree.h. */
 #ifndef SCENE_CODE_H
 #define SCENE_CODE_H
@@ -42,6 +42,19 @@ static int scene_code_refused(scene *s)
   return 0;
 }
 
+/* What of its bodies and joints is not written, in text; "": nothing. */
+static void scene_code_unwritten(char text[200], const char *const *names, const tree_choice *choice)
+{
+  const char *what = choice->implicit ? sdirk_refusal(&engine.system) : NULL;
+  tree_refusal(text, &engine.system, engine.body, names);
+  what = what || !choice->lanes ? what
+         : choice->implicit     ? "lanes by integrator sdirk: choose rk4"
+                                : tree_lanes_refusal(&engine.system);
+  if (!text[0] && what) {
+    snprintf(text, 200, "%s", what);
+  }
+}
+
 /* The name of what is written: that of the file up to its dot; 0: none that C takes. */
 static int scene_code_name(char name[64], const char *file)
 {
@@ -62,7 +75,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
   static const scene_options nothing;
   const char *names[FB_MAX_BODIES];
   char name[64], text[200];
-  const tree_choice choice = {name, single, lanes, 0, &engine.system_state};
+  const tree_choice choice = {name, single, lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK};
   FILE *out;
   fb_status status;
   int good;
@@ -86,7 +99,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
-  tree_refusal(text, &engine.system, engine.body, names);
+  scene_code_unwritten(text, names, &choice);
   if (text[0]) {
     return 1 + scene_fail(s, "--code: %s", text);
   }

@@ -1,6 +1,6 @@
 /* code_tree.h - writes the rk4 step of bodies on joints, a tree with or without loops (code_rows.h), as C99 of its own, straight-line: the equations and
-   checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself. Include flexbeam.h
-   first.
+   checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself; of a tree the step of SDIRK, too
+   (code_sdirk.h). Include flexbeam.h first.
 
    The velocities: modes are eliminated within their body (E8.11) unless they move a joint (code_node.h), the composite inertia of all that hangs on a joint
    gives the matrix of the speeds of the root and of the joints, factored by L D L^T, constant pivots first: for few
@@ -41,6 +41,7 @@ typedef struct tree_choice { /* what is to be written */
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
   int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
   const fb_system_state *start; /* where NAME_start puts it, NULL: at zero coordinates, at rest */
+  int implicit;                 /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
 } tree_choice;
 
 static struct tree {
@@ -52,6 +53,8 @@ static struct tree {
   int work, n_axis;    /* where the work of the motors is, number of axes */
   int n_given, n_open; /* prescribed axes; modes of bodies that are open */
   int places;          /* of a table of numbers */
+  int limited;         /* 1: what is being written tells the step limit */
+  int implicit, given; /* 1: SDIRK; of that, where the speeds of prescribed axes are in the vector */
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
@@ -193,9 +196,11 @@ static int tree_flies(int k)
 }
 
 /* Places of all links in the vector, and what the whole is. */
-static void tree_read(const fb_system *system, const fb_body *body, const char *const *names)
+static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, int implicit)
 {
   memset(&tree, 0, sizeof tree);
+  tree.implicit = implicit;
+  tree.limited = !system->allow_long_step;
   tree.system = system;
   tree.body = body;
   tree.names = names;
@@ -240,7 +245,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->row = L->given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open + tree.n_given : L->row;
     tree.n_given += L->given;
   }
-  tree.has_R = (tree.has_R || tree.pulled) && tree.root >= 0;
+  tree.has_R = (tree.has_R || tree.pulled || implicit) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
@@ -248,6 +253,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   }
   tree.work = tree.n_axis > 0 ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
+  tree.given = tree.size;
+  tree.size += implicit ? tree.n_given : 0;
   rows_read(system);
 }
 
@@ -880,6 +887,27 @@ static void tree_write_pivot_check(const code *w, const code_factor *f)
   }
 }
 
+/* L D L^T of the matrix of n axes, in their order; the solution goes to `names`. */
+static void tree_write_factors(const code *w, int *order, char names[CODE_ROWS][CODE_NAME], int n)
+{
+  code_factor *const f = &code_solver;
+  tree_order(order, n);
+  f->n = n;
+  for (int i = 0; i < n; i++) {
+    snprintf(f->label[i], sizeof f->label[i], "%d", order[i]);
+    snprintf(names[i], CODE_NAME, "u_%d", order[i]);
+    f->y[i] = tree_right[order[i]];
+    for (int j = 0; j < n; j++) {
+      f->S[i][j] = tree_matrix[order[i]][order[j]];
+    }
+  }
+  for (int k = 0; k < n; k++) {
+    code_write_pivot(w, f, k);
+    code_write_column(w, f, k);
+  }
+  tree_write_pivot_check(w, f);
+}
+
 /* M u = p, and the velocities of all bodies; closes: where the loops of a vector at rest are closed. */
 static void tree_write_solve(const code *w, int closes)
 {
@@ -904,21 +932,7 @@ static void tree_write_solve(const code *w, int closes)
     tree_write_root_right(w);
   }
   tree_write_given(w, n);
-  tree_order(order, n);
-  f->n = n;
-  for (int i = 0; i < n; i++) {
-    snprintf(f->label[i], sizeof f->label[i], "%d", order[i]);
-    snprintf(names[i], sizeof names[i], "u_%d", order[i]);
-    f->y[i] = tree_right[order[i]];
-    for (int j = 0; j < n; j++) {
-      f->S[i][j] = tree_matrix[order[i]][order[j]];
-    }
-  }
-  for (int k = 0; k < n; k++) {
-    code_write_pivot(w, f, k);
-    code_write_column(w, f, k);
-  }
-  tree_write_pivot_check(w, f);
+  tree_write_factors(w, order, names, n);
   for (int j = 0; j < constraint.n_loop; j++) {
     rows_write_frames(w, j);
   }
@@ -1178,7 +1192,7 @@ static void tree_write_axes(const code *w, int k)
 static int tree_needs_load(int k)
 {
   double most = 0;
-  for (int j = 0; j < tree.n && !tree.system->allow_long_step; j++) {
+  for (int j = 0; j < tree.n && tree.limited; j++) {
     most = fmax(most, (double)tree.link[j].model->limit_acceleration);
   }
   return tree.link[k].parent < 0 && (k == tree.root || most > 0);
@@ -1408,6 +1422,11 @@ static void rows_write_impacts(const code *w)
   }
 }
 
+/* Of SDIRK: |w| dt <= 1/10, and what stiffens. */
+static const char sdirk_longest[] =
+    "    g = sqrt~(stiffening);\n    bound = g > `10` * fastest ? g : `10` * fastest;\n"
+    "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n";
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1443,6 +1462,10 @@ static void tree_write_limit(const code *w)
       code_declare(&inner, &s, target);
       tree_write_larger(w, "stiffening", "stiff", k);
     }
+  }
+  if (tree.implicit) {
+    code_template(w, sdirk_longest);
+    return;
   }
   tree_write_impacts(w);
   rows_write_impacts(w);
@@ -1484,11 +1507,9 @@ static void tree_write_pushed(const code *w)
   }
 }
 
-static void tree_write_rates(const code *w, int unused)
+/* Rates of a vector, angular velocities of the bodies. */
+static void tree_write_evaluation(const code *w)
 {
-  (void)unused;
-  code_template(w, tree_rates_head);
-  code_template(w, "%V");
   tree_write_names(w);
   tree_write_given_names(w, "in");
   code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
@@ -1536,6 +1557,14 @@ static void tree_write_rates(const code *w, int unused)
     code_add_one(&s, 1.0, tree.link[i / 3].V[3 + i % 3]);
     code_assign(w, &s, code_variable("w[%d]", i).name);
   }
+}
+
+static void tree_write_rates(const code *w, int unused)
+{
+  (void)unused;
+  code_template(w, tree_rates_head);
+  code_template(w, "%V");
+  tree_write_evaluation(w);
   if (!tree.system->allow_long_step) {
     tree_write_limit(w);
   } else {
@@ -1964,15 +1993,17 @@ static void tree_write_types(const code *w)
 /* Comment at the head: what is written, and of what. */
 static void tree_write_head(const code *w, const char *source, unsigned crc)
 {
+  const char *const scheme = tree.implicit ? "sdirk" : "rk4";
   fprintf(w->out, "/* %s - made by scene --code from ", w->name);
   for (const char *c = source; *c; c++) { /* not to end the comment */
     fputc(*c == '*' ? '?' : *c, w->out);
   }
   fprintf(w->out,
-          " with flexbeam %s, %s precision, model 0x%08X: %d\n   bodies on joints and their step of rk4, by the "
-          "equations of fb_system_rk4_step (E9.15: tests/reference/THEORY.md).\n"
+          " with flexbeam %s, %s precision, model 0x%08X: %d\n   bodies on joints and their step of %s, by the "
+          "equations of fb_system_%s_step (%s: tests/reference/THEORY.md).\n"
           "   Include it where needed; one file defines %s_IMPLEMENTATION before. SI units, radians. Mass %.6g kg.",
-          FB_VERSION, w->single ? "single" : "double", crc, tree.n, w->name, tree.mass);
+          FB_VERSION, w->single ? "single" : "double", crc, tree.n, scheme, scheme, tree.implicit ? "E11.14" : "E9.15",
+          w->name, tree.mass);
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     fprintf(w->out, "\n   body_%d: %s, %d modes, %s", k, tree.names[k], L->n, tree_kinds[(int)L->joint->kind]);
@@ -2195,10 +2226,10 @@ static void tree_write_end(const code *w)
                                     : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, tree.root >= 0 ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : "");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
-  code_template(w, tree.looped && tree.stands ? "  (void)before;\n" : "");
+  code_template(w, (tree.looped || tree.implicit) && tree.stands ? "  (void)before;\n" : "");
   if (tree.root >= 0) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
-    code_template(w, tree.looped ? "" : "  @_align(%Ad, x, before, pushed);\n");
+    code_template(w, tree.looped || tree.implicit ? "" : "  @_align(%Ad, x, before, pushed);\n");
   }
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_units);
@@ -2297,6 +2328,8 @@ static void tree_write_step(const code *w)
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }
 
+#include "code_sdirk.h"
+
 /* Rotation vector; of all lanes by that of one body. */
 static void tree_write_vector(const code *w)
 {
@@ -2329,7 +2362,7 @@ static void tree_write_rotations(const code *w)
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, free || ball ? code_matrix : "");
   code_template(w, free ? code_turns : "");
-  code_template(w, !w->lanes && ((free && !tree.looped) || tree_has_sprung_ball()) ? code_norm : "");
+  code_template(w, !w->lanes && ((free && !tree.looped && !tree.implicit) || tree_has_sprung_ball()) ? code_norm : "");
   if (tree_has_sprung_ball()) {
     tree_write_vector(w);
   }
@@ -2353,11 +2386,15 @@ static void tree_write_declarations(const code *w, int lanes, int started)
 {
   code_template(w, tree_status);
   code_template(w, tree_contradiction());
+  code_template(w,
+                tree.implicit
+                    ? "  , @_convergence = -6 /* the last correction of a stage is not small: take a shorter step */\n"
+                    : "");
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
   code_template(w, started ? "/* Where the scene starts. */\n" : "/* At zero coordinates, at rest. */\n");
-  code_template(w, tree_declarations);
+  code_template(w, tree.implicit ? sdirk_declarations : tree_declarations);
   if (lanes) {
     code lane = *w;
     lane.lanes = CODE_LANES;
@@ -2418,7 +2455,7 @@ static int tree_write_functions(const code *w)
   if (constraint.n > 0) {
     rows_write_functions(w);
   }
-  good = code_write_pruned(w, tree_write_rates, 0) && good;
+  good = tree.implicit ? sdirk_write_functions(w) : code_write_pruned(w, tree_write_rates, 0) && good;
   if (constraint.n > 0) {
     good = code_write_pruned(w, rows_write_move, 0) && good;
     rows_write_close(w);
@@ -2426,7 +2463,7 @@ static int tree_write_functions(const code *w)
   if (tree.root >= 0) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
-    if (!tree.looped) {
+    if (!tree.looped && !tree.implicit) {
       tree_write_align(w);
     }
     code_template(w, tree_keep);
@@ -2436,7 +2473,11 @@ static int tree_write_functions(const code *w)
   if (tree.n_given > 0) {
     drive_write_functions(w);
   }
-  tree_write_step(w);
+  if (tree.implicit) {
+    sdirk_write_step(w);
+  } else {
+    tree_write_step(w);
+  }
   return good;
 }
 
@@ -2511,7 +2552,7 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0};
   int good;
   code_numbers.n = 0;
-  tree_read(system, body, names);
+  tree_read(system, body, names, choice->implicit);
   tree.places = choice->table;
   tree.quiet = choice->lanes == TREE_LANES_ALONE;
   if (tree.quiet) {

@@ -5,7 +5,7 @@
      a status, one of those that the text names, and what was to be changed is as before,
      or 0, and all that was written is finite.
    With lanes that word is in one lane: each lane has the status and the bits of its single step.
-   TREE: a tree, whose text has the step alone; LOOPS: with loops. NUMBER: double or float. PRESCRIBED: base, without energy. */
+   TREE: a tree, whose text has the step alone; LOOPS: with loops; SDIRK: its L-stable one. NUMBER: double or float. PRESCRIBED: base, without energy. */
 #define generated_IMPLEMENTATION
 #include "code.h"
 #include <math.h>
@@ -44,6 +44,11 @@ static int is_sound(const void *numbers, size_t size)
 
 static int is_status(int status)
 {
+#ifdef SDIRK
+  if (status == generated_convergence) {
+    return 1;
+  }
+#endif
   return status == generated_ok || status == generated_null || status == generated_value ||
          status == generated_not_finite || status == generated_step_length || status == generated_range ||
          status == -12 /* generated_contradiction, where there is one */;
@@ -60,6 +65,8 @@ static generated_status step(subject *s)
 {
 #ifdef VARY
   return generated_step(&s->model, &s->state, &s->input[0], &s->input[1], &s->input[2], s->dt);
+#elif defined SDIRK
+  return generated_step(&s->state, &s->input[0], &s->input[2], s->dt);
 #else
   return generated_step(&s->state, &s->input[0], &s->input[1], &s->input[2], s->dt);
 #endif

@@ -62,4 +62,7 @@ tree 33 --lanes -DNUMBER=double -DLOOPS -DSAMPLE=800 -Dgenerated_LANES=4
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 37 "" -DNUMBER=double
 tree 38 --single -DNUMBER=float
+tree 5 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
+tree 6 "--sdirk --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5
+tree 17 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

@@ -2,7 +2,8 @@
 # The generated step of trees (scene --code): those of code_tree.c, with every kind of joint, agree with fb_system_rk4_step after
 # 1,000 steps, unloaded and loaded, in both precisions, and refuse what it refuses; the text compiles without warnings as C99
 # and C++ and is the same each time; lanes (--lanes) are its single steps to the last bit; its instructions keep their
-# bounds and do not vary; what cannot be written is refused by name.
+# bounds and do not vary; what cannot be written is refused by name. So for the L-stable step (--sdirk), of trees whose joints and modes
+# are 1,000 times as stiff, at steps of several times the limit of rk4.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
@@ -13,6 +14,9 @@ bound_booms=16000 # two booms of 4 modes on it (59,567)
 bound_arm=12000 # two links of 2 modes on hinges, the second one on the tip of the first (46,130)
 bound_bars=8500 # four bars in a plane (193,287)
 bound_deploys=22500 # four bars on a free hub (241,282)
+bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
+bound_booms_sdirk=36500 # (137,730)
+bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (46,735)
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
@@ -24,10 +28,11 @@ write() {
   "$out/write" "$1" ${2:-} ${3:-} > "$out/code.h" || fail "tree $1 is not written"
 }
 
-# agree TREE OPTIMIZATION [--single]: what was written with the library; sets worst
+# agree TREE OPTIMIZATION [--single]: what was written with the library; scheme: options of the compiler; sets worst
+scheme=
 agree() {
   precision=${3:+single}
-  try gcc $c99 $sizes ${3:+-DFB_SINGLE=1} $2 -I"$out" -o "$out/run" tests/checks/code_tree.c "$out/${precision:-double}.o" -lm
+  try gcc $c99 $sizes ${3:+-DFB_SINGLE=1} $2 $scheme -I"$out" -o "$out/run" tests/checks/code_tree.c "$out/${precision:-double}.o" -lm
   "$out/run" "$1" > "$out/log" || {
     cat "$out/log"
     fail "the step of tree $1"
@@ -36,7 +41,11 @@ agree() {
 }
 
 # compile: without warnings everywhere
-printf '#define generated_IMPLEMENTATION\n#include "code.h"\nint main(void) { generated_state s; generated_start(&s); return generated_step(&s, 0, 0, 0, 1); }\n' > "$out/main.c"
+call='generated_step(&s, 0, 0, 0, 1)'
+main() {
+  printf '#define generated_IMPLEMENTATION\n#include "code.h"\nint main(void) { generated_state s; generated_start(&s); return %s; }\n' "$call" > "$out/main.c"
+}
+main
 compile() {
   try gcc $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
   try clang $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
@@ -66,6 +75,39 @@ while "$out/write" $trees --members > /dev/null; do
   trees=$((trees + 1))
 done
 
+# the L-stable step: with five corrections of a stage, and with two where the library takes its steps, or refuses the same
+largest_sdirk=0
+single_sdirk=0
+implicit=0
+call='generated_step(&s, 0, 0, 1)'
+main
+while [ $implicit -lt 21 ]; do
+  write $implicit --sdirk
+  scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
+  agree $implicit -O0
+  largest_sdirk=$(printf '%s\n%s\n' "$largest_sdirk" "$worst" | sort -g | tail -n 1)
+  case $implicit in
+  0 | 4 | 16 | 17 | 20)
+    scheme=-DSDIRK
+    agree $implicit -O0
+    largest_sdirk=$(printf '%s\n%s\n' "$largest_sdirk" "$worst" | sort -g | tail -n 1)
+    compile
+    ;;
+  6 | 7 | 8 | 11 | 18)
+    compile
+    write $implicit --sdirk --single
+    compile
+    agree $implicit -O1 --single
+    single_sdirk=$(printf '%s\n%s\n' "$single_sdirk" "$worst" | sort -g | tail -n 1)
+    ;;
+  esac
+  implicit=$((implicit + 1))
+done
+! "$out/write" 21 --sdirk > "$out/log" 2>&1 && grep -q "loops by integrator sdirk" "$out/log" || fail "loops by SDIRK: $(cat "$out/log")"
+scheme=
+call='generated_step(&s, 0, 0, 0, 1)'
+main
+
 # lanes: each as its own single steps to the last bit, by vectors of every length, also where a lane is refused
 lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
@@ -83,15 +125,16 @@ for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41; do
   lanes -O1 8 float
 done
 
-# steps TREE STATE [without]: sets count; without the first step, at angles of zero, whose sines are cheaper
+# steps TREE STATE [without|--sdirk]: sets count; without the first step, at angles of zero, whose sines are cheaper
 steps() {
-  write "$1"
-  sed "s/return generated_step.*/$2 for (int k = 0; k < 50; k++) { if (generated_step(\\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/" \
+  option=${3:-}
+  write "$1" ${option#without}
+  sed "s/return \(generated_step.*\)1);.*/$2 for (int k = 0; k < 50; k++) { if (\1 1e-3)) { return 1; } } return 0; }/" \
     "$out/main.c" > "$out/count.c"
   (ulimit -t 5 && try gcc $c99 -O2 -I"$out" -o "$out/count" "$out/count.c" -lm -Wl,-z,now) || fail "tree $1: more than 5 s to compile"
   rm -f "$out"/cg*
   try valgrind --tool=callgrind --callgrind-out-file="$out/cg" --toggle-collect=generated_step --dump-after=generated_step "$out/count"
-  [ -z "${3:-}" ] || rm "$out/cg.1"
+  [ "$option" != without ] || rm "$out/cg.1"
   cat "$out"/cg.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq > "$out/counts"
   [ "$(wc -l < "$out/counts")" = 1 ] || fail "tree $1: steps differ in their number of instructions: $(tr '\n' ' ' < "$out/counts")"
   count=$(cat "$out/counts")
@@ -112,6 +155,19 @@ bars=$count
 steps 28 "$turns s.body_1.p[0] = 0.03;" without
 deploys=$count
 [ "$deploys" -le $bound_deploys ] || fail "four bars on a hub: $deploys instructions, more than $bound_deploys"
+call='generated_step(&s, 0, 0, 1)'
+main
+steps 0 "$turns s.body_1.x[0] = 0.3;" --sdirk
+hinge_sdirk=$count
+[ "$hinge_sdirk" -le $bound_hinge_sdirk ] || fail "SDIRK, hub and hinged body: $hinge_sdirk instructions, more than $bound_hinge_sdirk"
+steps 1 "$turns s.body_1.x[0] = 0.3; s.body_2.x[0] = 0.2; s.body_1.q[0] = s.body_2.q[1] = 0.01;" --sdirk
+booms_sdirk=$count
+[ "$booms_sdirk" -le $bound_booms_sdirk ] || fail "SDIRK, hub and two booms: $booms_sdirk instructions, more than $bound_booms_sdirk"
+steps 2 "$turns s.body_1.x[0] = 0.01;" --sdirk
+stiff_sdirk=$count
+[ "$stiff_sdirk" -le $bound_stiff_sdirk ] || fail "SDIRK, a stiff hinge: $stiff_sdirk instructions, more than $bound_stiff_sdirk"
+call='generated_step(&s, 0, 0, 0, 1)'
+main
 
 # Scenes: one that is written, compiled and the same as before; then each with something that is refused.
 try gcc $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
@@ -143,7 +199,17 @@ try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
 awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 > 0.3 && own - $2 < 1e-11 && $2 - own < 1e-11) }' "$out/way.csv" ||
   fail "from its start: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
 
+printf 'integrator sdirk\nstep 0.01\n' >> "$out/scene.txt"
+call='generated_step(&s, 0, 0, 1)'
+main
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+grep -q 'their step of sdirk, by the equations of fb_system_sdirk_step' "$out/generated.h" || fail "the head of a step of SDIRK"
+mv "$out/generated.h" "$out/code.h"
+compile
+call='generated_step(&s, 0, 0, 0, 1)'
+main
 refused=0
+! "$out/scene" "$out/scene.txt" --lanes --code "$out/none.h" 2> "$out/log" && grep -q "lanes by integrator sdirk" "$out/log" || fail "lanes of SDIRK: $(tail -n 1 "$out/log")"
 # refuse WHAT FILE [LINE...]
 refuse() {
   what=$1 file=$2
@@ -191,6 +257,11 @@ grounded 'loop pin revolute hub array.tip
   mode locked
 end'
 refuse_loop "a loop with a locked or prescribed axis"
+grounded 'loop pin spherical hub array.tip
+end
+integrator sdirk
+step 0.01'
+refuse_loop "loops by integrator sdirk"
 refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 line='  motor 1 constant 2
@@ -220,4 +291,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge; $refused scenes refused"

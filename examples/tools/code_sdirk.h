@@ -1,0 +1,757 @@
+/* code_sdirk.h - the L-stable step of a tree, two stages of SDIRK, in the words of code_tree.h: the equations, iterations
+   and checks of fb_system_sdirk_step. Part of code_tree.h, which includes it.
+
+   A stage is solved by Newton corrections of fixed number (E11.13), each of a function that evaluates the rates and goes
+   on with the residual r = f - k: (M + g C + g^2 K) z = g r_p - g^2 K r_v. Positions, Lambda and S are those of the
+   evaluation; modes are eliminated within their body by E = M + g C + g^2 K, of S is left
+   S + Lambda (M^-1 - E^-1) Lambda^T, summed from the tips and factored as M is. Names of the correction begin with n. */
+#ifndef CODE_SDIRK_H
+#define CODE_SDIRK_H
+
+typedef struct sdirk_link {
+  code_factor E;                            /* of the modes */
+  code_value right[FB_MAX_MODES];           /* their right side */
+  code_value K[3], gK[3], g2K[3], C[3];     /* stiffness of the axes, by g, by g^2; damping */
+  code_value turn[3], dq_dot[FB_MAX_MODES]; /* residual of a spherical joint's turn; z of the modes */
+} sdirk_link;
+
+static sdirk_link sdirk[FB_MAX_BODIES];
+
+/* What of a system has no L-stable step here; NULL: nothing. */
+static const char *sdirk_refusal(const fb_system *system)
+{
+  for (int k = 0; k < system->n_body && system->has_rotors && !system->allow_long_step; k++) {
+    if (system->rotor[k] > FB_R(0.0)) {
+      return "wheels by integrator sdirk, whose limit is not written: allow long steps";
+    }
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    if (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].moves) {
+      return "a joint on a node that modes move by integrator sdirk: choose integrator rk4";
+    }
+  }
+  return system->n_loop > 0 ? "loops by integrator sdirk: choose a tree, or integrator rk4" : NULL;
+}
+
+/* A variable that is not of the correction. */
+static code_value sdirk_plain(const char *name, int at)
+{
+  const char *const names = code_of_names;
+  code_value v;
+  code_of_names = "";
+  v = at < 0 ? code_variable("%s", name) : code_variable("%s_%d", name, at);
+  code_of_names = names;
+  return v;
+}
+
+/* Residual of a number of the vector. */
+static code_value sdirk_rest(int at)
+{
+  return sdirk_plain("res", at);
+}
+
+static code_value sdirk_g(double c, int square)
+{
+  code_value g = sdirk_plain(square ? "g2" : "g", -1);
+  g.c = c;
+  return g;
+}
+
+/* c x y by a name of its own where it is not a number times one of both. */
+static code_value sdirk_write_times(const code *w, code_value x, code_value y, code_value name)
+{
+  code_sum s;
+  if (code_is_constant(&x) || code_is_constant(&y)) {
+    const double c = x.c * y.c;
+    code_value v = code_is_constant(&x) ? y : x;
+    v.c = c;
+    return fabs(c) > 0.0 ? v : code_constant(0.0);
+  }
+  code_begin(&s);
+  code_add(&s, 1.0, x, y);
+  return code_end(w, &s, name);
+}
+
+/* Place of the speed of a prescribed axis in the vector. */
+static int sdirk_given_at(int k)
+{
+  return tree.given + tree.link[k].row - (tree.root >= 0 ? 6 : 0) - tree.n_axis;
+}
+
+/* ---- modes */
+
+/* y = E^-1 x; tag: of its names. */
+static void sdirk_write_eliminated(const code *w, int k, code_value *y, const code_value *x, const char *tag)
+{
+  static char names[CODE_ROWS][CODE_NAME], prefix[CODE_NAME];
+  const char *const before = code_of_names;
+  code_factor *const f = &sdirk[k].E;
+  snprintf(prefix, sizeof prefix, "nb%d%s_", k, tag);
+  code_of_names = prefix;
+  for (int a = 0; a < f->n; a++) {
+    f->y[a] = x[a];
+    snprintf(names[a], CODE_NAME, "x_%d", a);
+  }
+  code_write_substitution(w, f, names);
+  memcpy(y, f->x, (size_t)f->n * sizeof *y);
+  code_of_names = before;
+}
+
+/* E of a body and its factors. */
+static void sdirk_write_E(const code *w, int k)
+{
+  static double M[FB_MAX_MODES][FB_MAX_MODES], K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const fb_body *const body = tree.link[k].model;
+  code_factor *const f = &sdirk[k].E;
+  code_sum s;
+  code_read_sparse(M, &body->M, body->n);
+  code_read_sparse(K, &body->K, body->n);
+  memset(C, 0, sizeof C);
+#if FB_WITH_DAMPING
+  if (body->effects & FB_EFFECT_DAMPING) {
+    code_read_sparse(C, &body->C, body->n);
+  }
+#endif
+  f->n = body->n;
+  for (int a = 0; a < body->n; a++) {
+    snprintf(f->label[a], sizeof f->label[a], "%d", a);
+    for (int b = 0; b <= a; b++) {
+      code_begin(&s);
+      code_add_one(&s, M[a][b], code_constant(1.0));
+      code_add_one(&s, 1.0, sdirk_g(C[a][b], 0));
+      code_add_one(&s, 1.0, sdirk_g(K[a][b], 1));
+      f->S[a][b] = f->S[b][a] = code_end(w, &s, code_variable("E_%d_%d", a, b));
+    }
+    code_begin(&s); /* g r_p - g^2 K r_v */
+    code_add(&s, 1.0, sdirk_g(1.0, 0), sdirk_rest(tree.link[k].pi + a));
+    for (int b = 0; b < body->n; b++) {
+      code_add(&s, -1.0, sdirk_g(K[a][b], 1), sdirk_rest(tree.link[k].q + b));
+    }
+    sdirk[k].right[a] = code_end(w, &s, code_variable("right_%d", a));
+  }
+  for (int a = 0; a < body->n; a++) {
+    code_write_pivot(w, f, a);
+    code_write_column(w, f, a);
+  }
+}
+
+/* Do E and M^-1 couple mode a with no other one? */
+static int sdirk_is_alone(int k, int a)
+{
+  int alone = 1;
+  for (int b = 0; b < sdirk[k].E.n; b++) {
+    alone = alone && (b == a || (code_is_zero(&sdirk[k].E.S[a][b]) && !(fabs(code_model.W[a][b]) > 0.0)));
+  }
+  return alone;
+}
+
+/* soft = (M^-1 - E^-1) Lambda^T, row i of Lambda. */
+static void sdirk_write_soft(const code *w, int k, code_value soft[6][FB_MAX_MODES])
+{
+  const code_factor *const f = &sdirk[k].E;
+  code_value share[FB_MAX_MODES], x[FB_MAX_MODES];
+  code_sum s;
+  int alone = 1;
+  for (int a = 0; a < f->n; a++) {
+    alone = alone && sdirk_is_alone(k, a);
+  }
+  for (int a = 0; a < f->n && alone; a++) {
+    code_begin(&s);
+    code_add_one(&s, code_model.W[a][a], code_constant(1.0));
+    code_add_one(&s, -1.0, f->share[a]);
+    share[a] = code_end(w, &s, code_variable("soft_%d", a));
+  }
+  for (int i = 0; i < 6; i++) {
+    const code_value *const row = code_now.lambda[i];
+    if (!alone) {
+      char tag[8];
+      snprintf(tag, sizeof tag, "r%d", i);
+      sdirk_write_eliminated(w, k, x, row, tag);
+    }
+    for (int a = 0; a < f->n; a++) {
+      if (alone) {
+        soft[i][a] = sdirk_write_times(w, share[a], row[a], code_variable("t%d_%d", i, a));
+        continue;
+      }
+      code_begin(&s);
+      for (int b = 0; b < f->n; b++) {
+        code_add_one(&s, code_model.W[a][b], row[b]);
+      }
+      code_add_one(&s, -1.0, x[a]);
+      soft[i][a] = code_end(w, &s, code_variable("t%d_%d", i, a));
+    }
+  }
+}
+
+/* Inertia and momentum at rest of a body, its modes eliminated. */
+static void sdirk_write_body(const code *w, int k)
+{
+  tree_link *const L = &tree.link[k];
+  const code own = tree_enter(w, k);
+  code_value soft[6][FB_MAX_MODES], x[FB_MAX_MODES];
+  code_sum s;
+  memcpy(L->I, code_now.S, sizeof L->I);
+  tree_nothing(L->b, 6);
+  if (L->n > 0) {
+    snprintf(tree_prefix, sizeof tree_prefix, "nb%d_", k);
+    sdirk_write_E(&own, k);
+    sdirk_write_soft(&own, k, soft);
+    sdirk_write_eliminated(&own, k, x, sdirk[k].right, "p");
+    for (int e = 0; e < 21; e++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, code_now.S[e]);
+      for (int a = 0; a < L->n; a++) {
+        code_add(&s, 1.0, soft[fbi_sym6_row[e]][a], code_now.lambda[fbi_sym6_column[e]][a]);
+      }
+      L->I[e] = code_end(&own, &s, code_variable("S_%s_%s", code_rows[fbi_sym6_row[e]], code_rows[fbi_sym6_column[e]]));
+    }
+    for (int i = 0; i < 6; i++) {
+      code_begin(&s);
+      for (int a = 0; a < L->n; a++) {
+        code_add(&s, 1.0, code_now.lambda[i][a], x[a]);
+      }
+      L->b[i] = code_end(&own, &s, code_variable("B_%s", code_rows[i]));
+    }
+  }
+  tree_leave(k);
+}
+
+/* ---- axes of joints */
+
+/* Stiffness and damping of an axis; with friction and stops as secants at the evaluation, as fbi_axes_soften. */
+static void sdirk_write_stiffness(const code *w, int k, int a)
+{
+  const fb_joint *const joint = tree.link[k].joint;
+  const double friction = (double)joint->friction[a], stiffness = (double)joint->stop_stiffness[a];
+  const double loss = stiffness > 0.0 ? (double)joint->stop_loss[a] : 0.0;
+  code_value *const K = &sdirk[k].K[a], *const C = &sdirk[k].C[a];
+  char of[CODE_NAME];
+  code_sum s;
+  snprintf(of, sizeof of, "b%d_x_%d", k, a);
+  *K = code_constant((double)joint->stiffness[a]);
+  *C = code_constant((double)joint->damping[a]);
+  if (stiffness > 0.0) {
+    tree_template(w, loss > 0.0 ? "" : "  const $ #stop = `1`;\n", of);
+    tree_template(w, "  const $ #firm = (%W#deep < `0`%,#stop%!) + (%W#deep > `0`%,#stop%!);\n", of);
+    tree_template(w, loss > 0.0 ? "  const $ #size = fabs~(#deep);\n" : "", of);
+    code_begin(&s);
+    code_add_one(&s, 1.0, *K);
+    code_add_one(&s, stiffness, code_variable("b%d_x_%d_firm", k, a));
+    *K = code_end(w, &s, code_variable("b%d_x_%d_k", k, a));
+  }
+  code_begin(&s);
+  code_add_one(&s, 1.0, *C);
+  code_add_one(&s, loss * stiffness, code_variable("b%d_x_%d_size", k, a));
+  code_add_one(&s, friction > 0.0 ? 1.0 : 0.0, code_variable("b%d_x_%d_rub", k, a));
+  *C = code_end(w, &s, code_variable("b%d_x_%d_c", k, a));
+  sdirk[k].gK[a] = sdirk_write_times(w, *K, sdirk_g(1.0, 0), code_variable("b%d_x_%d_gk", k, a));
+  sdirk[k].g2K[a] = sdirk_write_times(w, *K, sdirk_g(1.0, 1), code_variable("b%d_x_%d_ggk", k, a));
+}
+
+/* Component i of the turn whose quaternion has a rate: 2 quat^* o rate, own axes. */
+static void sdirk_add_turn(code_sum *s, int at, const code_value rate[4], int i)
+{
+  const int y = (i + 1) % 3, z = (i + 2) % 3;
+  code_value quat[4];
+  for (int j = 0; j < 4; j++) {
+    quat[j] = code_variable("x[%d]", at + j);
+  }
+  code_add(s, 2.0, quat[0], rate[1 + i]);
+  code_add(s, -2.0, quat[1 + i], rate[0]);
+  code_add(s, -2.0, quat[1 + y], rate[1 + z]);
+  code_add(s, 2.0, quat[1 + z], rate[1 + y]);
+}
+
+/* s += component i of the rate of the quaternion at a place by an angular velocity v, own axes: 1/2 quat o (0, v) */
+static void sdirk_add_quat_rate(code_sum *s, int at, const code_value v[3], int i)
+{
+  code_value quat[4];
+  for (int j = 0; j < 4; j++) {
+    quat[j] = code_variable("x[%d]", at + j);
+  }
+  for (int j = 0; j < 3 && i == 0; j++) {
+    code_add(s, -0.5, quat[1 + j], v[j]);
+  }
+  if (i > 0) {
+    const int y = i % 3, z = (i + 1) % 3;
+    code_add(s, 0.5, quat[0], v[i - 1]);
+    code_add(s, 0.5, quat[1 + y], v[z]);
+    code_add(s, -0.5, quat[1 + z], v[y]);
+  }
+}
+
+/* Residual momenta of a spherical joint along its axes, and its turn. */
+static void sdirk_write_ball_rest(const code *w, code_value m[3], int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_value rest[4], child[9];
+  code_sum s;
+  for (int i = 0; i < 4; i++) {
+    rest[i] = sdirk_rest(L->x + i);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    sdirk_add_turn(&s, L->x, rest, i);
+    sdirk[k].turn[i] = code_end(w, &s, code_variable("b%d_nturn_%d", k, i));
+    m[i] = sdirk_rest(L->p + i);
+  }
+  for (int i = 0; i < 9; i++) {
+    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+  }
+  tree_write_view(w, m, m, "nh", k, 1);
+  tree_write_turned(w, m, child, 1, m, "nhj", k);
+}
+
+/* The matrix and right side of the axes of link k. */
+static void sdirk_write_axes(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  const int ball = L->joint->kind == FB_JOINT_SPHERICAL;
+  code_value m[3];
+  code_sum s;
+  if (ball) {
+    sdirk_write_ball_rest(w, m, k);
+  }
+  for (int a = 0; a < L->axes; a++) {
+    const int row = L->row + a;
+    sdirk_write_stiffness(w, k, a);
+    code_begin(&s);
+    code_add_one(&s, 1.0, tree_matrix[row][row]);
+    code_add(&s, 1.0, sdirk_g(1.0, 0), sdirk[k].C[a]);
+    code_add_one(&s, 1.0, sdirk[k].g2K[a]);
+    tree_matrix[row][row] = code_end(w, &s, code_variable("nD_%d", row));
+    code_begin(&s);
+    code_add(&s, 1.0, sdirk_g(1.0, 0), ball ? m[a] : sdirk_rest(L->p + a));
+    code_add(&s, -1.0, sdirk[k].g2K[a], ball ? sdirk[k].turn[a] : sdirk_rest(L->x + a));
+    for (int i = 0; i < 6; i++) {
+      code_add(&s, -1.0, L->A[a][i], L->b[i]);
+    }
+    tree_right[row] = code_end(w, &s, code_variable("ny_%d", row));
+  }
+  for (int a = 0; a < L->given; a++) {
+    tree_right[L->row] = code_constant(0.0);
+  }
+}
+
+/* The matrix and right side of a free root. */
+static void sdirk_write_root(const code *w)
+{
+  const tree_link *const L = &tree.link[tree.root];
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    code_value turned;
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, code_variable("R[%d]", 3 * j + i % 3), sdirk_rest(L->p + i - i % 3 + j));
+    }
+    turned = code_end(w, &s, code_variable("nP_%d", i));
+    code_begin(&s);
+    code_add(&s, 1.0, sdirk_g(1.0, 0), turned);
+    code_add_one(&s, -1.0, L->b[i]);
+    tree_right[i] = code_end(w, &s, code_variable("ny_%d", i));
+    for (int j = 0; j < 6; j++) {
+      tree_matrix[i][j] = L->I[fb_sym6_index(i, j)];
+    }
+  }
+}
+
+/* Speeds z of the root, the axes and, by the velocities of their bodies, of the modes. */
+static void sdirk_write_solve(const code *w)
+{
+  static char names[CODE_ROWS][CODE_NAME];
+  const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
+  int order[CODE_ROWS];
+  code_sum s;
+  for (int i = 0; i < n + tree.n_given; i++) {
+    tree_nothing(tree_matrix[i], n + tree.n_given);
+  }
+  code_of_names = "n";
+  for (int k = 0; k < tree.n; k++) {
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      tree_write_column(w, k, a);
+    }
+  }
+  code_of_names = "";
+  for (int k = 0; k < tree.n; k++) {
+    sdirk_write_axes(w, k);
+  }
+  if (tree.root >= 0) {
+    sdirk_write_root(w);
+  }
+  code_of_names = "n";
+  tree_write_factors(w, order, names, n);
+  code_write_substitution(w, &code_solver, names);
+  for (int i = 0; i < n; i++) {
+    tree_right[order[i]] = code_solver.x[i];
+  }
+  for (int k = 0; k < tree.n; k++) {
+    tree_link *const L = &tree.link[k];
+    code_value e[FB_MAX_MODES];
+    tree_write_velocity(w, k);
+    for (int a = 0; a < L->n; a++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, sdirk[k].right[a]);
+      for (int i = 0; i < 6; i++) {
+        code_add(&s, -1.0, L->rates.lambda[i][a], L->V[i]);
+      }
+      e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
+    }
+    sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+  }
+  code_of_names = "";
+}
+
+/* ---- the correction */
+
+static void sdirk_take(const code *w, code_sum *s, int at)
+{
+  code_assign(w, s, code_variable("rate[%d]", at).name);
+}
+
+/* dk_v = r_v + z, dk_p = r_p - g K dk_v - C z of the modes of link k. */
+static void sdirk_take_modes(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_value move[FB_MAX_MODES];
+  code_sum s;
+  code_read_sparse(K, &L->model->K, L->n);
+  memset(C, 0, sizeof C);
+#if FB_WITH_DAMPING
+  if (L->model->effects & FB_EFFECT_DAMPING) {
+    code_read_sparse(C, &L->model->C, L->n);
+  }
+#endif
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->q + a));
+    code_add_one(&s, 1.0, sdirk[k].dq_dot[a]);
+    move[a] = code_end(w, &s, code_variable("b%d_dq_%d", k, a));
+    tree_assign_one(w, move[a], L->q + a);
+  }
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->pi + a));
+    for (int b = 0; b < L->n; b++) {
+      code_add(&s, -1.0, sdirk_g(K[a][b], 0), move[b]);
+      code_add_one(&s, -C[a][b], sdirk[k].dq_dot[b]);
+    }
+    sdirk_take(w, &s, L->pi + a);
+  }
+}
+
+/* The same of a spherical joint, its momenta in inertial axes. */
+static void sdirk_take_ball(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_value move[4], torque[3], child[9];
+  code_sum s;
+  for (int i = 0; i < 4; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->x + i));
+    sdirk_add_quat_rate(&s, L->x, L->u, i);
+    move[i] = code_end(w, &s, code_variable("b%d_dquat_%d", k, i));
+    tree_assign_one(w, move[i], L->x + i);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_value turn;
+    code_begin(&s);
+    sdirk_add_turn(&s, L->x, move, i);
+    turn = code_end(w, &s, code_variable("b%d_dturn_%d", k, i));
+    code_begin(&s);
+    code_add(&s, -1.0, sdirk[k].gK[i], turn);
+    code_add(&s, -1.0, sdirk[k].C[i], L->u[i]);
+    torque[i] = code_end(w, &s, code_variable("b%d_dtau_%d", k, i));
+  }
+  for (int i = 0; i < 9; i++) {
+    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
+  }
+  tree_write_turned(w, torque, child, 0, torque, "nt", k);
+  tree_write_view(w, torque, torque, "nv", k, 0);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->p + i));
+    code_add_one(&s, 1.0, torque[i]);
+    sdirk_take(w, &s, L->p + i);
+  }
+}
+
+static void sdirk_take_axes(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+    sdirk_take_ball(w, k);
+    return;
+  }
+  for (int a = 0; a < L->axes; a++) {
+    code_value move;
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->x + a));
+    code_add_one(&s, 1.0, L->u[a]);
+    move = code_end(w, &s, code_variable("b%d_dx_%d", k, a));
+    tree_assign_one(w, move, L->x + a);
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->p + a));
+    code_add(&s, -1.0, sdirk[k].gK[a], move);
+    code_add(&s, -1.0, sdirk[k].C[a], L->u[a]);
+    sdirk_take(w, &s, L->p + a);
+  }
+}
+
+/* Attitude, momenta in inertial axes and place of a free root; h is not integrated. */
+static void sdirk_take_root(const code *w)
+{
+  const tree_link *const L = &tree.link[tree.root];
+  code_value move[3], P[3];
+  code_sum s;
+  for (int i = 0; i < 4; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(i));
+    sdirk_add_quat_rate(&s, 0, L->V + 3, i);
+    sdirk_take(w, &s, i);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, code_variable("R[%d]", 3 * i + j), L->V[j]);
+    }
+    move[i] = code_end(w, &s, code_variable("nmove_%d", i));
+    P[i] = code_variable("x[%d]", L->p + i);
+  }
+  for (int i = 0; i < 3; i++) {
+    tree_assign_one(w, code_constant(0.0), TREE_OWN + i);
+    tree_assign_one(w, sdirk_rest(L->p + i), L->p + i);
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->p + 3 + i));
+    tree_add_cross(&s, 1.0, P, move, i);
+    sdirk_take(w, &s, L->p + 3 + i);
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->p + 6 + i));
+    code_add_one(&s, tree.stands ? 1.0 : 0.0, move[i]);
+    sdirk_take(w, &s, L->p + 6 + i);
+  }
+}
+
+static const char sdirk_correct_head[] =
+    "\n/* E11.13: correction `rate` of the rates k of a stage at the vector x under what acts; w: angular velocities "
+    "of "
+    "the bodies. */\n"
+    "static @_NOINLINE @_status @_correct($ *rate, $ *w, const $ *k, const $ *x, const @_input *in, %s g)\n{\n"
+    "  const int pushed = 1;\n  const $ g2 = g * g;\n";
+
+static void sdirk_write_correct(const code *w, int unused)
+{
+  (void)unused;
+  code_template(w, sdirk_correct_head);
+  tree_write_evaluation(w);
+  for (int k = 0; k < tree.n; k++) {
+    if (tree.link[k].given) {
+      tree_assign_one(w, code_variable("b%d_v_0", k), sdirk_given_at(k));
+    }
+  }
+  fputs("\n  /* residual f - k */\n", w->out);
+  for (int i = 0; i < tree.size; i++) {
+    fprintf(w->out, "  const %s res_%d = rate[%d] - k[%d];\n", code_real(w), i, i, i);
+  }
+  fputs("\n  /* E11.13: E = M + g C + g^2 K of the modes; S and momentum at rest that they leave */\n", w->out);
+  for (int k = 0; k < tree.n; k++) {
+    sdirk_write_body(w, k);
+  }
+  code_of_names = "n";
+  tree_write_inertias(w);
+  code_of_names = "";
+  fputs("\n  /* (M + g C + g^2 K) z = g r_p - g^2 K r_v */\n", w->out);
+  sdirk_write_solve(w);
+  fputs("\n  /* dk_v = r_v + z, dk_p = r_p - g K dk_v - C z */\n", w->out);
+  for (int k = 0; k < tree.n; k++) {
+    sdirk_take_modes(w, k);
+    sdirk_take_axes(w, k);
+  }
+  if (tree.root >= 0) {
+    sdirk_take_root(w);
+  }
+  for (int i = tree.work >= 0 ? tree.work : tree.given; i < tree.size; i++) { /* and speeds of prescribed axes */
+    tree_assign_one(w, sdirk_rest(i), i);
+  }
+  code_template(w, "  return @_ok;\n}\n");
+}
+
+/* ---- what is around it */
+
+/* E11.24 of link k: what its joint and its modes add to both sums. */
+static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  const double gyration = (double)L->model->gyration, size = gyration > 0.0 ? 1.0 / gyration : 1.0;
+  const int ball = k == tree.root || L->joint->kind == FB_JOINT_SPHERICAL;
+  code_sum s;
+  char name[24];
+  for (int i = 0; i < (ball ? 4 : L->axes + L->given); i++) {
+    const code_value x = code_variable("k[%d]", L->given ? sdirk_given_at(k) : L->x + i);
+    const int slides = !ball && i == fbi_traits(L->joint)->slide, turns = tree.system->rotor[k] > FB_R(0.0);
+    code_add(moved, ball ? 4.0 : turns ? 0.0 : slides ? size * size : 1.0, x, x);
+  }
+  code_begin(&s);
+  for (int a = 0; a < L->n; a++) {
+    code_add_one(&s, (double)L->model->reach[a], code_variable("fabs%s(k[%d])", w->single ? "f" : "", L->q + a));
+  }
+  if (L->n > 0) {
+    snprintf(name, sizeof name, "bent_%d", k);
+    code_declare(w, &s, name);
+    code_add(bent, size * size, code_variable("%s", name), code_variable("%s", name));
+  }
+}
+
+static void sdirk_write_size(const code *w)
+{
+  static code_sum moved, bent;
+  code_template(w, "\n/* E11.24: squared size of the increment g k [rad^2]; bent: that of the modes */\n"
+                   "static $ @_size($ *bent, const $ *k, $ g)\n{\n");
+  code_begin(&moved);
+  code_begin(&bent);
+  for (int k = 0; k < tree.n; k++) {
+    sdirk_add_size(w, &moved, &bent, k);
+  }
+  code_declare(w, &moved, "moved");
+  code_declare(w, &bent, "all");
+  code_template(w, "  (void)k;\n  *bent = g * g * all;\n  return g * g * moved;\n}\n");
+}
+
+/* What acts at the first stage. */
+static void sdirk_write_between(const code *w)
+{
+  code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, $ c)\n{\n  *in = *a;\n  "
+                   "(void)b, (void)c;\n");
+  for (int k = 0; k < tree.n; k++) {
+    for (int m = 0; m < TREE_INPUTS; m++) {
+      if (tree_input_size(k, m) > 0) {
+        const char *const name = tree_inputs[m].name;
+        fprintf(w->out, "  for (int i = 0; i < %d; i++) {\n", tree_input_size(k, m));
+        fprintf(w->out, "    in->body_%d.%s[i] += c * (b->body_%d.%s[i] - a->body_%d.%s[i]);\n  }\n", k, name, k, name,
+                k, name);
+      }
+    }
+  }
+  fputs("}\n", w->out);
+}
+
+static const char sdirk_declarations[] =
+    "void @_start(@_state *state);\n"
+    "/* Corrections of a stage, 1 to 8; of the first one more. */\n"
+    "#ifndef @_ITERATIONS\n#define @_ITERATIONS 2\n#endif\n"
+    "/* One step of SDIRK of order 2, L-stable, dt [s], under what acts at its start and end. Refused: the state stays "
+    "as "
+    "it was. */\n"
+    "@_status @_step(@_state *state, const @_input *start, const @_input *end, $ dt);\n";
+
+static const char sdirk_stage[] =
+    "\n/* E11.13: the rates k of a stage, so that k = f(base + g k), from their first guess. */\n"
+    "static @_status @_stage($ *k, const $ *first, const $ *base, const @_input *in, $ g, $ dt, int n)\n{\n"
+    "  $ at[@_N], rate[@_N] = {`0`}, w[3 * @_BODIES], bent = `0`, bent_all, begins = `0`, last = `0`, change;\n"
+    "  @_status status = @_ok;\n";
+
+static const char sdirk_stage_loop[] =
+    "  for (int j = 0; j < n && status == @_ok; j++) {\n"
+    "    for (int i = 0; i < @_N; i++) {\n      at[i] = base[i] + g * k[i];\n    }\n";
+
+static const char sdirk_stage_turns[] =
+    "    for (int i = 0; i < 3 * @_BODIES && j == n - 1 && status == @_ok; i += 3) {\n"
+    "      const $ a = dt * (w[i] - first[i]), b = dt * (w[i + 1] - first[i + 1]), c = dt * (w[i + 2] - first[i + "
+    "2]);\n"
+    "      status = a * a + b * b + c * c <= `0.25` ? @_ok : @_step_length;\n    }\n";
+
+static const char sdirk_stage_end[] = "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
+                                      "    if (j == 0 || j == n - 1) {\n      last = @_size(&bent, rate, g);\n"
+                                      "      begins = j == 0 ? last : begins;\n    }\n  }\n"
+                                      "  if (status != @_ok) {\n    return status;\n  }\n";
+
+static const char sdirk_stage_check[] =
+    "\n  /* E11.25 */\n"
+    "  change = @_size(&bent_all, k, g);\n"
+    "  change = `1e-2` * begins > `1e-4` * change ? `1e-2` * begins : `1e-4` * change;\n"
+    "  bent_all = `1e-2` * bent_all;\n"
+    "  return n > 1 && (last > (change > floor ? change : floor) || bent > (bent_all > least ? bent_all : least))\n"
+    "             ? @_convergence\n             : @_ok;\n}\n";
+
+/* of E11.25, by precision */
+static const char *const sdirk_floors[2] = {
+    "  const $ floor = `2.220446049250313e-18`, least = `7.888609052210118e-31`;\n",
+    "  const $ floor = `1.1920929e-9`, least = `2.2737367544323206e-13`;\n"};
+
+static const char sdirk_step_head[] =
+    "\n/* E11.14 */\n"
+    "@_status @_step(@_state *state, const @_input *start, const @_input *end, $ dt)\n{\n"
+    "  const $ c = `0.29289321881345248`, g = c * dt, ahead = (`1` - c) * dt;\n"
+    "  const @_input *in = start;\n  @_input between;\n"
+    "  $ x[@_N], base[@_N], k[@_N] = {`0`}, sum[@_N], first[3 * @_BODIES]";
+
+static const char sdirk_step_begin[] =
+    "  @_status status = @_ok;\n"
+    "  if (!state || (start != NULL) != (end != NULL)) {\n    return @_null;\n  }\n"
+    "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
+    "  if (!@_input_is_finite(start) || !@_input_is_finite(end)) {\n    return @_not_finite;\n  }\n"
+    "  @_enter(x, state);\n"
+    "  if (start != end) {\n    @_between(&between, start, end, c);\n    in = &between;\n  }\n";
+
+static const char sdirk_step_limits[] = "\n  /* step limit at the start */\n"
+                                        "  status = @_rates_at(sum, first, &longest, x, start, 1);\n"
+                                        "  status = status == @_ok && !(dt <= longest) ? @_step_length : status;\n";
+
+static const char sdirk_step_rest[] =
+    "  status = status == @_ok ? @_stage(k, first, x, in, g, dt, @_ITERATIONS + 1) : status;\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  for (int i = 0; i < @_N; i++) {\n    sum[i] = ahead * k[i];\n    base[i] = x[i] + ahead * k[i];\n  }\n"
+    "  status = @_stage(k, first, base, end, g, dt, @_ITERATIONS);\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  for (int i = 0; i < @_N; i++) {\n    sum[i] += g * k[i];\n  }\n"
+    "  return ";
+
+static const char sdirk_drives[] = "  status = @_drives_check(state, start, NULL, end, dt);\n"
+                                   "  if (status != @_ok) {\n    return status;\n  }\n";
+
+/* The functions of code_tree.h in place of its rates. 0: there is no temporary file, see errno. */
+static int sdirk_write_functions(const code *w)
+{
+  int good = !tree.limited || code_write_pruned(w, tree_write_rates, 0);
+  tree.limited = 0;
+  good = code_write_pruned(w, sdirk_write_correct, 0) && good;
+  sdirk_write_size(w);
+  sdirk_write_between(w);
+  return good;
+}
+
+static void sdirk_write_stage(const code *w)
+{
+  const int limited = !tree.system->allow_long_step;
+  code_template(w, sdirk_stage);
+  code_template(w, sdirk_floors[w->single]);
+  code_template(w, sdirk_stage_loop);
+  code_template(w, tree.root >= 0 ? "    @_turn_back(at + 4, at, at + @_L);\n" : "");
+  code_template(w, "    status = @_correct(rate, w, k, at, in, g);\n");
+  code_template(w, limited ? sdirk_stage_turns : "");
+  code_template(w, sdirk_stage_end);
+  code_template(w, limited ? "" : "  (void)first, (void)dt;\n");
+  code_template(w, tree.root >= 0 && !tree.stands
+                       ? "  for (int i = 0; i < 3; i++) {\n    k[@_PLACE + i] = base[@_P + i] + g "
+                         "* k[@_P + i];\n  }\n"
+                       : "");
+  code_template(w, sdirk_stage_check);
+}
+
+static void sdirk_write_step(const code *w)
+{
+  sdirk_write_stage(w);
+  code_template(w, sdirk_step_head);
+  code_template(w, tree.system->allow_long_step ? " = {`0`}" : ", longest = `0`");
+  code_template(w, tree.root >= 0 ? ", center[3];\n" : ";\n");
+  code_template(w, sdirk_step_begin);
+  code_template(w, tree.n_given > 0 ? sdirk_drives : "");
+  code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
+  code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);
+  code_template(w, sdirk_step_rest);
+  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(state, sum, x" : "@_end(state, sum, x");
+  code_template(w, tree.root >= 0 ? ", center, dt, 1)" : ")");
+  code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
+}
+#endif
