@@ -502,14 +502,11 @@ static void tree_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
-  code_value pi[FB_MAX_MODES];
   code_sum s;
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
-  for (int a = 0; a < L->n; a++) {
-    pi[a] = code_pi(a);
-  }
-  code_write_solve(&own, code_now.pb, pi, "b");
+  code_write_own_pi(&own, code_now.pi);
+  code_write_solve(&own, code_now.pb, code_now.pi, "b");
   code_write_inertia(&own);
   for (int e = 0; e < 21 && code_model.constant_S; e++) {
     const double size = sqrt(fabs((double)L->model->S0[fb_sym6_index(fbi_sym6_row[e], fbi_sym6_row[e])] *
@@ -2471,7 +2468,7 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0};
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0};
   int good;
   code_numbers.n = 0;
   tree_read(system, body, names);
