@@ -21,6 +21,7 @@ typedef struct tree_link {
   const fb_joint *joint;
   int parent, n;                 /* link or -1; modes */
   int x, p, q, pi;               /* where its coordinates and momenta are in the vector */
+  int angle, spun;               /* those of its rotors */
   int axes, row;                 /* scalar or spherical axes; row of the first one in the system of equations */
   int given;                     /* 1: its axis is prescribed, and not among the others: row behind theirs */
   code_value C[9], J[9], s[3];   /* child's axes to the parent's, joint's to the parent's; O from the parent's O */
@@ -47,6 +48,7 @@ static struct tree {
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
   int n_given;         /* prescribed axes */
+  int n_rotor;         /* inside bodies */
   int places;          /* of a table of numbers */
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
@@ -58,6 +60,7 @@ static struct tree {
 static const char tree_axis[3] = {'x', 'y', 'z'};
 
 static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
+static int tree_solved[CODE_ROWS]; /* order of elimination of code_solver */
 
 #include "code_rows.h"
 
@@ -162,6 +165,15 @@ static void tree_call(const code *w, const char *name)
 
 /* ---- what the description is */
 
+static code_rotors tree_rotors[FB_MAX_BODIES];
+
+/* Does body k count by its nutation? It has no loads of the caller, which would turn with it. */
+static int tree_is_wheel(int k)
+{
+  return tree.system->has_rotors && !tree.system->allow_long_step && tree.system->rotor[k] > FB_R(0.0);
+}
+
+
 static int tree_has_gravity(const fb_body *body)
 {
 #if FB_WITH_GRAVITY
@@ -214,7 +226,10 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.size = k == tree.root ? tree.size : L->p + L->axes;
     L->q = tree.size;
     L->pi = L->q + L->n;
-    tree.size = L->pi + L->n;
+    L->angle = L->pi + L->n;
+    L->spun = L->angle + L->model->n_rotor;
+    tree.size = L->spun + L->model->n_rotor;
+    tree.n_rotor += L->model->n_rotor;
     tree.n_axis += L->axes;
     tree.mass += (double)L->model->mass;
     tree.flying += tree_flies(k) ? (double)L->model->mass : 0.0;
@@ -232,7 +247,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.link[tree.root].p = tree.size;
     tree.size += TREE_PUSHED;
   }
-  tree.work = tree.n_axis > 0 ? tree.size++ : -1;
+  tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
   rows_read(system);
 }
 
@@ -260,6 +275,15 @@ static const char *tree_body_refusal(const fb_body *body)
   return one;
 }
 
+/* What of rotors in a system cannot be written; NULL: nothing. */
+static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body)
+{
+  if (body->n_rotor > 0 && code_rotors_given(body)) {
+    return "a rotor of given momentum in a tree: choose a free one with a motor";
+  }
+  return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
+}
+
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -275,10 +299,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
            : roots == 2 ? "a second free body: each tree is a file of its own"
            : roots > 0 && tree_is_given(&system->joint[k])
                ? "a prescribed axis beside a free body: prescribe axes of what hangs on the ground"
-           : system->has_rotors && system->rotor[k] > FB_R(0.0) && !system->allow_long_step
-               ? "it looks the same at all angles of its hinge, a wheel, whose step limit is not written: allow long "
-                 "steps"
-               : NULL;
+               : tree_rotors_refusal(system, &body[system->model[k]]);
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -502,10 +523,14 @@ static void tree_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
+  char motor[40];
   code_sum s;
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
+  snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
+  code_write_rotors(&own, L->spun, motor);
   code_write_own_pi(&own, code_now.pi);
+  tree_rotors[k] = code_rotor;
   code_write_solve(&own, code_now.pb, code_now.pi, "b");
   code_write_inertia(&own);
   for (int e = 0; e < 21 && code_model.constant_S; e++) {
@@ -518,6 +543,9 @@ static void tree_write_body(const code *w, int k)
     code_begin(&s);
     for (int b = 0; b < L->n; b++) {
       code_add(&s, 1.0, code_now.lambda[i][b], code_now.pb[b]);
+    }
+    if (i >= 3) { /* E8.60 */
+      code_add_rotors(&s, 1.0, i - 3);
     }
     L->own[i] = code_end(&own, &s, code_variable("B_%s", code_rows[i]));
   }
@@ -884,7 +912,7 @@ static void tree_write_solve(const code *w, int closes)
   static char names[CODE_ROWS][CODE_NAME];
   const int first = tree.root >= 0 ? 6 : 0, n = first + tree.n_axis;
   code_factor *const f = &code_solver;
-  int order[CODE_ROWS];
+  int *const order = tree_solved;
   fputs("\n  /* E9.6: M u = p of the root and the axes of the joints, by L D L^T */\n", w->out);
   for (int i = 0; i < n + tree.n_given; i++) {
     tree_nothing(tree_matrix[i], n + tree.n_given);
@@ -995,6 +1023,10 @@ static void tree_write_modes(const code *w, int k)
     }
   }
   code_write_gradient(&own, code_force);
+  code_rotor = tree_rotors[k];
+  code_write_rotor_speeds(&own, code_force, L->V, code_now.q_dot);
+  code_write_rotor_rates(&own, L->angle, L->spun);
+  tree_rotors[k] = code_rotor;
   tree_leave(k);
   rows_add_modes(w, code_force, k);
   fputs("\n  /* E8.17 */\n", w->out);
@@ -1244,7 +1276,7 @@ static void tree_write_loads(const code *w)
   code_begin(&work);
   for (int k = 0; k < tree.n; k++) {
     for (int i = 0; i < 6; i++) {
-      F[k][i] = tree.quiet ? code_constant(0.0)
+      F[k][i] = tree.quiet || tree_is_wheel(k) ? code_constant(0.0)
                            : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
   }
@@ -1260,6 +1292,9 @@ static void tree_write_loads(const code *w)
       }
       code_add(&work, 1.0, code_variable("in->body_%d.motor[%d]", k, a), L->u[a]);
       tau[a] = code_end(&inner, &s, code_variable("b%d_act_%d", k, a));
+    }
+    for (int r = 0; r < L->model->n_rotor; r++) {
+      code_add(&work, 1.0, code_variable("b%d_r%d_motor", k, r), tree_rotors[k].speed[r]);
     }
     if (L->joint->kind == FB_JOINT_SPHERICAL) {
       code_value child[9];
@@ -1382,6 +1417,8 @@ static void tree_write_norm(const code *w, const char *name, int k, const code_v
   fputs(w->lanes && s.n == 0 ? "));\n" : ");\n", w->out);
 }
 
+#include "code_wheels.h"
+
 /* The larger of two variables, into the first. */
 static void tree_write_larger(const code *w, const char *most, const char *other, int k)
 {
@@ -1435,6 +1472,9 @@ static void tree_write_limit(const code *w)
   inner.indent = 4;
   fputs("\n  /* E8.8, E11.15: longest stable step [s] */\n  if (longest) {\n", w->out);
   code_template(w, "    $ fastest = %z, stiffening = %z, g, bound;\n");
+  if (tree_has_wheels()) {
+    tree_write_nutation(&inner, &code_solver, tree_solved);
+  }
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     tree_write_norm(w, "spin", k, L->V + 3);
@@ -1454,7 +1494,7 @@ static void tree_write_limit(const code *w)
     code_begin(&s);
     code_add(&s, (double)L->model->limit_spin, code_variable("spin_%d", k), code_variable("spin_%d", k));
     code_add_one(&s, (double)L->model->limit_acceleration, code_variable("a_%d", k));
-    tree_write_larger(w, "fastest", "spin", k);
+    tree_write_larger(w, "fastest", tree_is_wheel(k) ? "across" : "spin", k);
     if (s.n > 0) {
       char target[48];
       snprintf(target, sizeof target, "stiff_%d", k);
@@ -1464,7 +1504,7 @@ static void tree_write_limit(const code *w)
   }
   tree_write_impacts(w);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
-  fprintf(w->out, "    g = fastest + %s;\n", number);
+  fprintf(w->out, "    g = fastest%s + %s;\n", tree_has_wheels() ? " + nutation" : "", number);
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
@@ -1528,7 +1568,7 @@ static void tree_write_rates(const code *w, int unused)
   rows_write_loads(w);
   rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].n > 0) {
+    if (tree.link[k].n + tree.link[k].model->n_rotor > 0) {
       tree_write_modes(w, k);
     }
   }
@@ -1798,11 +1838,15 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
     f(w, L->q, L->n, k, "q");
     f(w, L->pi, L->n, k, "pi");
   }
+  if (L->model->n_rotor > 0) {
+    f(w, L->angle, L->model->n_rotor, k, "rotor_angle");
+    f(w, L->spun, L->model->n_rotor, k, "rotor_momentum");
+  }
 }
 
 #include "code_close.h"
 
-enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
+enum { TREE_INPUTS = 7, TREE_MODAL = 5 };
 
 static const struct {
   const char *name, *what;
@@ -1811,19 +1855,23 @@ static const struct {
                               {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
                               {"value", "[rad], [m] of its axis, which is prescribed"},
                               {"rate", "[rad/s], [m/s]"},
-                              {"modal", "generalized forces of the modes"}};
+                              {"modal", "generalized forces of the modes"},
+              {"rotor_motor", "[N m] on each rotor, and back on the body"}};
 
 /* How many numbers of that kind act on link k. */
 static int tree_input_size(int k, int m)
 {
   const tree_link *const L = &tree.link[k];
-  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n};
+  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n, L->model->n_rotor};
+  if (m < 2 && tree_is_wheel(k)) {
+    return 0;
+  }
   return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
 }
 
 static int tree_has_state(int k)
 {
-  return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n > 0;
+  return k == tree.root || tree.link[k].axes > 0 || tree.link[k].n + tree.link[k].model->n_rotor > 0;
 }
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
@@ -1853,7 +1901,8 @@ static void tree_sum(const code *w, int at, int n, int k, const char *member)
 {
   static const char *const small[] = {"", "    d[i] = %Ffabs~(d[i]) < @_tiny%:d[i]%;;\n",
                                       "    d[i] = %Ffabs~(d[i]) < @_faint%:d[i]%;;\n"};
-  const char *const least = small[member[0] == 'q'   ? member[1] != 'u'
+  const char *const least = small[member[0] == 'r'   ? 1
+                                  : member[0] == 'q' ? member[1] != 'u'
                                   : member[0] != 'p' ? 0
                                   : member[1] == 'i' ? 1
                                                      : 2];
@@ -1952,7 +2001,7 @@ static void tree_write_types(const code *w)
   code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (tree.quiet && L->axes + L->given == 0) {
+    if (tree.quiet && L->axes + L->given + L->model->n_rotor == 0) {
       continue;
     }
     fputs("  struct {\n", w->out);
@@ -2196,6 +2245,12 @@ static void tree_write_end(const code *w)
   tree_write_range(w);
   code_template(w, "  if (status != @_ok) {\n    return status;\n  }\n");
   for (int k = 0; k < tree.n; k++) {
+    for (int r = 0; r < tree.link[k].model->n_rotor; r++) {
+      code_template(w, "  @_settle(");
+      fprintf(w->out, "&d[%d]);\n", tree.link[k].angle + r);
+    }
+  }
+  for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_give);
   }
   code_template(w, "  *state = next;\n  return @_ok;\n}\n");
@@ -2219,12 +2274,15 @@ static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at t
                                        "    if (status == @_ok && stage == 0) {\n"
                                        "      status = %(dt <= longest%) ? @_ok : @_step_length;\n"
                                        "      memcpy(first, w, sizeof first);\n    }\n"
-                                       "    if (stage > 0) {\n      int far = 0;\n      @_UNROLL\n"
+                                       "    if (stage > 0) {\n      int far = 0;\n";
+
+static const char tree_step_turns[] = "      @_UNROLL\n"
                                        "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
                                        "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
                                        "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
-                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n"
-                                       "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
+                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
+
+static const char tree_step_far[] = "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
 static const char tree_step_rest[] = "    if (status != @_ok) {\n      return status;\n    }\n"
                                      "    for (int i = 0; i < @_ALWAYS; i++) {\n      sum[i] += by * rate[i];\n      "
@@ -2263,7 +2321,15 @@ static void tree_write_step(const code *w)
                    "      status = @_rates_at(%Arate, w, ");
   code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage], pushed);\n    }\n"
                            : "NULL, at, in[stage], pushed);\n    }\n");
-  code_template(w, limited ? tree_step_limits : "");
+  if (limited) {
+    code_template(w, tree_step_limits);
+    if (tree.system->has_rotors) {
+      tree_write_wheel_turns(w);
+    } else {
+      code_template(w, tree_step_turns);
+    }
+    code_template(w, tree_step_far);
+  }
   code_template(w, tree_step_rest);
   code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
 }
@@ -2306,6 +2372,9 @@ static void tree_write_rotations(const code *w)
   }
   code_template_of(w, 1, tree.n_axis + tree.size > 0 ? code_sums : "");
   code_template(w, free || ball ? code_unit : "");
+  if (tree.n_rotor > 0) {
+    code_write_settle(w);
+  }
 }
 
 /* What a table of numbers tells. */
