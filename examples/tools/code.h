@@ -1437,8 +1437,8 @@ static const char code_state_type[] =
 
 static const char code_types_single[] = "  $ lost_quat[4], lost_L[3], lost_h[3], lost_q[%m], lost_pi[%m];\n";
 
-static const char code_types_rotors[] =
-    "  $ rotor_angle[%R], rotor_momentum[%R]; /* [rad] relative to the node, [N m s]; L and pi contain the momenta */\n";
+static const char code_types_rotors[] = "  $ rotor_angle[%R], rotor_momentum[%R]; /* [rad] relative to the node, [N m "
+                                        "s]; L and pi contain the momenta */\n";
 
 static const char code_types_rotors_single[] = "  $ lost_rotor_angle[%R], lost_rotor_momentum[%R];\n";
 
@@ -1600,7 +1600,8 @@ static void code_write_limit(const code *w)
     if (w->rotors > 0) {
       fprintf(w->out, " + w[%d]", code_place(w, 'w') - 1);
     }
-    code_template(w, w->large ? "; /* that of the fastest section (E11.37) */\n" : "; /* nutation by rotors (E11.46) */\n");
+    code_template(w, w->large ? "; /* that of the fastest section (E11.37) */\n"
+                              : "; /* nutation by rotors (E11.46) */\n");
   }
   code_begin(&s);
   if (code_model.first == 0) {

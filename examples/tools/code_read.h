@@ -8,10 +8,9 @@
 #include "code_text.h"
 #include "code_vary.h"
 
-static const char code_read_types[] =
-    "\ntypedef struct @_motion {\n"
-    "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
-    "  $ q_dot[%m];\n";
+static const char code_read_types[] = "\ntypedef struct @_motion {\n"
+                                      "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
+                                      "  $ q_dot[%m];\n";
 
 static const char code_read_types_end[] =
     "} @_motion;\n\n"
@@ -352,9 +351,8 @@ static const char code_read_rates[] =
     "  memcpy(own.q, dot + 10, %n * sizeof *dot);\n"
     "  memcpy(own.pi, dot + %p, %n * sizeof *dot);\n";
 
-static const char code_read_rates_rotors[] =
-    "  memcpy(own.rotor_angle, dot + %k, sizeof own.rotor_angle);\n"
-    "  memcpy(own.rotor_momentum, dot + %g, sizeof own.rotor_momentum);\n";
+static const char code_read_rates_rotors[] = "  memcpy(own.rotor_angle, dot + %k, sizeof own.rotor_angle);\n"
+                                             "  memcpy(own.rotor_momentum, dot + %g, sizeof own.rotor_momentum);\n";
 
 /* The same with lines, of which the rates tell R^T u less it. */
 static const char code_read_large_origin[] = "\n/* v of O, body axes: R^T u and what it has beside the mass center */\n"
@@ -407,18 +405,18 @@ static const char code_read_energy[] =
     "  @_status status;\n";
 
 /* Momenta that are given are those of the state. */
-static const char code_read_energy_given[] = "  @_input held;\n"
-                                             "  const @_input *const in = &held;\n"
-                                             "  memset(&held, 0, sizeof held);\n"
-                                             "  if (state) {\n"
-                                             "    memcpy(held.rotor_motor, state->rotor_momentum, sizeof held.rotor_motor);\n"
-                                             "  }\n";
+static const char code_read_energy_given[] =
+    "  @_input held;\n"
+    "  const @_input *const in = &held;\n"
+    "  memset(&held, 0, sizeof held);\n"
+    "  if (state) {\n"
+    "    memcpy(held.rotor_motor, state->rotor_momentum, sizeof held.rotor_motor);\n"
+    "  }\n";
 
-static const char code_read_energy_rates[] =
-    "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
-    "  memset(w, 0, sizeof w);\n"
-    "  @_enter(%Ax, state);\n"
-    "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, ";
+static const char code_read_energy_rates[] = "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
+                                             "  memset(w, 0, sizeof w);\n"
+                                             "  @_enter(%Ax, state);\n"
+                                             "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, ";
 
 static const char code_read_energy_kinetic[] =
     ") : @_not_finite;\n"

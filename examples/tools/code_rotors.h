@@ -11,8 +11,8 @@
 typedef struct code_rotors {
   code_value axis[FB_MAX_ROTORS][3], momentum[FB_MAX_ROTORS], speed[FB_MAX_ROTORS];
   code_value phi[FB_MAX_ROTORS][3], share[FB_MAX_ROTORS], turn[FB_MAX_ROTORS][3][FB_MAX_MODES];
-  code_value bent[FB_MAX_ROTORS][3];               /* B of the axis */
-  code_value slope[FB_MAX_ROTORS][FB_MAX_MODES];   /* J^T axis */
+  code_value bent[FB_MAX_ROTORS][3];             /* B of the axis */
+  code_value slope[FB_MAX_ROTORS][FB_MAX_MODES]; /* J^T axis */
 } code_rotors;
 
 static code_rotors code_rotor;

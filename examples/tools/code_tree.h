@@ -173,7 +173,6 @@ static int tree_is_wheel(int k)
   return tree.system->has_rotors && !tree.system->allow_long_step && tree.system->rotor[k] > FB_R(0.0);
 }
 
-
 static int tree_has_gravity(const fb_body *body)
 {
 #if FB_WITH_GRAVITY
@@ -278,9 +277,6 @@ static const char *tree_body_refusal(const fb_body *body)
 /* What of rotors in a system cannot be written; NULL: nothing. */
 static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body)
 {
-  if (body->n_rotor > 0 && code_rotors_given(body)) {
-    return "a rotor of given momentum in a tree: choose a free one with a motor";
-  }
   return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
 }
 
@@ -1276,8 +1272,9 @@ static void tree_write_loads(const code *w)
   code_begin(&work);
   for (int k = 0; k < tree.n; k++) {
     for (int i = 0; i < 6; i++) {
-      F[k][i] = tree.quiet || tree_is_wheel(k) ? code_constant(0.0)
-                           : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
+      F[k][i] = tree.quiet || tree_is_wheel(k)
+                    ? code_constant(0.0)
+                    : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
   }
   for (int k = tree.n - 1; k >= 0; k--) {
@@ -1294,7 +1291,9 @@ static void tree_write_loads(const code *w)
       tau[a] = code_end(&inner, &s, code_variable("b%d_act_%d", k, a));
     }
     for (int r = 0; r < L->model->n_rotor; r++) {
-      code_add(&work, 1.0, code_variable("b%d_r%d_motor", k, r), tree_rotors[k].speed[r]);
+      if (!L->model->rotor[r].given) {
+        code_add(&work, 1.0, code_variable("b%d_r%d_motor", k, r), tree_rotors[k].speed[r]);
+      }
     }
     if (L->joint->kind == FB_JOINT_SPHERICAL) {
       code_value child[9];
@@ -1850,13 +1849,14 @@ enum { TREE_INPUTS = 7, TREE_MODAL = 5 };
 
 static const struct {
   const char *name, *what;
-} tree_inputs[TREE_INPUTS] = {{"force", "[N] at O, body axes"},
-                              {"torque", "[N m]"},
-                              {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
-                              {"value", "[rad], [m] of its axis, which is prescribed"},
-                              {"rate", "[rad/s], [m/s]"},
-                              {"modal", "generalized forces of the modes"},
-              {"rotor_motor", "[N m] on each rotor, and back on the body"}};
+} tree_inputs[TREE_INPUTS] = {
+    {"force", "[N] at O, body axes"},
+    {"torque", "[N m]"},
+    {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
+    {"value", "[rad], [m] of its axis, which is prescribed"},
+    {"rate", "[rad/s], [m/s]"},
+    {"modal", "generalized forces of the modes"},
+    {"rotor_motor", "[N m] on each rotor, and back on the body; [N m s] where its momentum is given"}};
 
 /* How many numbers of that kind act on link k. */
 static int tree_input_size(int k, int m)
@@ -2256,6 +2256,22 @@ static void tree_write_end(const code *w)
   code_template(w, "  *state = next;\n  return @_ok;\n}\n");
 }
 
+/* Momenta that are given become those of the end of the step, whatever they were. */
+static void tree_write_given_momenta(const code *w)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int r = 0; r < L->model->n_rotor; r++) {
+      if (L->model->rotor[r].given) {
+        fprintf(w->out, "  x[%d] = ", L->spun + r);
+        code_template(w, "%z;\n");
+        fprintf(w->out, "  sum[%d] = end ? end->body_%d.rotor_motor[%d] : ", L->spun + r, k, r);
+        code_template(w, "%z;\n");
+      }
+    }
+  }
+}
+
 static const char tree_step_head[] =
     "\n/* E11.12 */\n"
     "%S@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, %s dt)\n{\n"
@@ -2277,10 +2293,10 @@ static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at t
                                        "    if (stage > 0) {\n      int far = 0;\n";
 
 static const char tree_step_turns[] = "      @_UNROLL\n"
-                                       "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
-                                       "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
-                                       "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
-                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
+                                      "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
+                                      "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
+                                      "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+                                      "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
 
 static const char tree_step_far[] = "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
@@ -2289,8 +2305,7 @@ static const char tree_step_rest[] = "    if (status != @_ok) {\n      return st
                                      "at[i] = x[i] + to * rate[i];\n    }\n"
                                      "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
                                      "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
-                                     "  }\n"
-                                     "  return @_end(%Astate, sum, x";
+                                     "  }\n";
 
 /* All lanes or none: where some have momentum and nothing acts, each takes its own step. */
 static const char tree_pushed_lanes[] =
@@ -2331,6 +2346,8 @@ static void tree_write_step(const code *w)
     code_template(w, tree_step_far);
   }
   code_template(w, tree_step_rest);
+  tree_write_given_momenta(w);
+  code_template(w, "  return @_end(%Astate, sum, x");
   code_template(w, tree.root >= 0 ? ", center, dt, pushed);\n}\n" : constraint.n > 0 ? ", end);\n}\n" : ");\n}\n");
 }
 

@@ -101,8 +101,8 @@ static int begin(run *r, double spin)
 #ifdef ROTORS
   for (int a = 0; a < ROTORS; a++) {
     const fb_real speed = (fb_real)(100 * random_number()), angle = (fb_real)(3 * random_number());
-    status = status || generated.rotor[a].given ? status
-                                                : fb_state_rotor_set(&generated, &r->state, a, speed, angle, NULL);
+    status =
+        status || generated.rotor[a].given ? status : fb_state_rotor_set(&generated, &r->state, a, speed, angle, NULL);
   }
 #endif
   take_state(&r->own, &r->state);

@@ -60,5 +60,7 @@ tree 5 --single -DNUMBER=float
 tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 7 "--single --lanes" -DNUMBER=float -Dgenerated_LANES=2
 tree 12 "" -DNUMBER=double
+tree 28 "" -DNUMBER=double -DSAMPLE=1500
+tree 31 --single -DNUMBER=float -DSAMPLE=1500
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

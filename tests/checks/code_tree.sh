@@ -53,7 +53,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 31)
     compile
     write $trees --single
     compile
@@ -69,7 +69,7 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20; do
+for tree in 5 6 7 8 10 12 17 18 19 20 28 31; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
   compile
@@ -103,6 +103,10 @@ booms=$count
 [ "$booms" -le $bound_booms ] || fail "hub and two booms: $booms instructions, more than $bound_booms"
 steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
+steps 30 "s.body_0.p[5] = 3; s.body_0.rotor_momentum[0] = 9; s.body_1.rotor_momentum[2] = 3;" without
+turning=$count
+steps 28 "s.body_0.p[5] = 3; s.body_1.p[0] = 9;" without
+wheels=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
 
 # Scenes: one that is written, compiled and the same as before; then each with something that is refused.
@@ -163,6 +167,13 @@ grounded 'loop pin spherical hub array.tip
   stiffness 1
 end'
 refuse_loop "a loop with a spring"
+grounded 'loop pin spherical hub array.tip
+end
+rotor fly hub
+  axis 1 0 0
+  inertia 0.1
+end'
+refuse_loop "rotors beside loops"
 grounded 'loop pin screw hub array.tip
   pitch 1
 end'
@@ -176,7 +187,13 @@ line='  mode locked
 effects="large damping" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
-refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
+refuse "motor and momentum of a rotor: .* (line" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "motor constant 1" "end"
+refuse "hub: a rotor with an imbalance" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
+scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "rotor fly hub" "axis 1 0 0" "inertia 0.1" "speed 100" "end"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+grep -q 'rotor_motor\[1\]' "$out/generated.h" || fail "a scene's rotor has no motor"
+mv "$out/generated.h" "$out/code.h"
+compile
 balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 1.1 1.2\nend\njoint ball%s spherical hub ball%s\nend\n' $k $k $k; done)
 refuse "25 axes of joints: choose at most 24" none.h "$balls"
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint weld rigid ground hub\nend\n' > "$out/still.txt"
@@ -190,4 +207,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $bars for four bars; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $bars for four bars, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; $refused scenes refused"
