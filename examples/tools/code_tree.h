@@ -2322,7 +2322,7 @@ static void tree_write_step(const code *w)
   code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
-  code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
+  code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.root >= 0 && (tree.pulled || tree.stands) ? "  pushed = 1;\n"
                                                                   : "  pushed = start || middle || end;\n");

@@ -182,6 +182,15 @@ static const struct {
      1,
      {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_REVOLUTE, 0, MAST}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
     {FB_EFFECTS_LINEAR, 1, 1, {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_UNIVERSAL, 0, HUB}, {FB_JOINT_REVOLUTE, 1, WHEEL}}},
+    /* 32: a wheel beside a loop */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_UNIVERSAL, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 2, RIGID},
+      {FB_JOINT_REVOLUTE, 0, WHEEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it. */
@@ -197,7 +206,8 @@ static const struct {
              {25, FB_JOINT_CYLINDRICAL, 2 + TIP, 3},
              {26, FB_JOINT_SPHERICAL, 1 + TIP, 2},
              {26, FB_JOINT_SPHERICAL, -1, 1 + TIP},
-             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP}};
+             {27, FB_JOINT_PRISMATIC, 0 + TIP, 1 + TIP},
+             {32, FB_JOINT_SPHERICAL, 1 + TIP, 3}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
