@@ -198,13 +198,40 @@ static void tree_write_mobility(const code *w, const code_factor *f, const int *
   }
 }
 
+static const int tree_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}; /* elements of W */
+
+/* H.adj(W) H as bK_rR_square, of which the root is the frequency of nutation. */
+static void tree_write_square(const code *w, const code_value W[6], const code_value H[3], int r, int k)
+{
+  code_value y[3];
+  code_sum s;
+  for (int a = 0; a < 3; a++) { /* rows of adj(W) */
+    code_begin(&s);
+    for (int b = 0; b < 3; b++) {
+      const int i = (a + 1) % 3, j = (a + 2) % 3, l = (b + 1) % 3, m = (b + 2) % 3;
+      code_value minor;
+      code_sum one;
+      code_begin(&one);
+      code_add(&one, 1.0, W[tree_packed[i][l]], W[tree_packed[j][m]]);
+      code_add(&one, -1.0, W[tree_packed[i][m]], W[tree_packed[j][l]]);
+      minor = code_end(w, &one, code_variable("b%d_r%d_M%d%d", k, r, a, b));
+      code_add(&s, 1.0, minor, H[b]);
+    }
+    y[a] = code_end(w, &s, code_variable("b%d_r%d_y%d", k, r, a));
+  }
+  code_begin(&s);
+  for (int a = 0; a < 3; a++) {
+    code_add(&s, 1.0, H[a], y[a]);
+  }
+  code_declare(w, &s, code_variable("b%d_r%d_square", k, r).name);
+}
+
 /* E11.50 of the rotors on the section of rotor r of body k. */
 static void tree_write_rotor_spin(const code *w, const code_factor *f, const int *order, int r, int k)
 {
-  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   const fb_body *const body = tree.link[k].model;
   const code_rotors *const own = &tree_rotors[k];
-  code_value W[6], H[3], y[3];
+  code_value W[6], H[3];
   code_sum s, spin;
   tree_write_mobility(w, f, order, W, r, k);
   code_begin(&spin);
@@ -219,7 +246,7 @@ static void tree_write_rotor_spin(const code *w, const code_factor *f, const int
     for (int a = 0; a < 3; a++) {
       code_begin(&s);
       for (int b = 0; b < 3; b++) {
-        code_add(&s, 1.0, W[at[a][b]], own->axis[i][b]);
+        code_add(&s, 1.0, W[tree_packed[a][b]], own->axis[i][b]);
       }
       code_add(&spin, slope, own->axis[i][a], code_end(w, &s, code_variable("b%d_r%d_Wa%d", k, i, a)));
     }
@@ -233,25 +260,7 @@ static void tree_write_rotor_spin(const code *w, const code_factor *f, const int
     }
     H[a] = code_end(w, &s, code_variable("b%d_r%d_H%d", k, r, a));
   }
-  for (int a = 0; a < 3; a++) { /* rows of adj(W) */
-    code_begin(&s);
-    for (int b = 0; b < 3; b++) {
-      const int i = (a + 1) % 3, j = (a + 2) % 3, l = (b + 1) % 3, m = (b + 2) % 3;
-      code_value minor;
-      code_sum one;
-      code_begin(&one);
-      code_add(&one, 1.0, W[at[i][l]], W[at[j][m]]);
-      code_add(&one, -1.0, W[at[i][m]], W[at[j][l]]);
-      minor = code_end(w, &one, code_variable("b%d_r%d_M%d%d", k, r, a, b));
-      code_add(&s, 1.0, minor, H[b]);
-    }
-    y[a] = code_end(w, &s, code_variable("b%d_r%d_y%d", k, r, a));
-  }
-  code_begin(&s);
-  for (int a = 0; a < 3; a++) {
-    code_add(&s, 1.0, H[a], y[a]);
-  }
-  code_declare(w, &s, code_variable("b%d_r%d_square", k, r).name);
+  tree_write_square(w, W, H, r, k);
   code_declare(w, &spin, code_variable("b%d_r%d_brake", k, r).name);
   fprintf(w->out, "    nutation += b%d_r%d_brake + ", k, r);
   code_template(w, "`0.5` * sqrt~(%W");
