@@ -435,10 +435,20 @@ refuse() {
   [ ! -e "$out/none.h" ] || fail "$what: a file is written"
 }
 refuse "base hinged" "base hinged"
-refuse "a rotor with an imbalance" "rotor wheel" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
-sed 's/^effects full/effects large/; s/^end/node tip\nend\nrotor wheel tip\naxis 1 0 0\ninertia 0.1\nend/' "$out/boom.txt" > "$out/other.txt"
-! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "a rotor on a line is taken"
-grep -q -- "--code: a rotor on a line" "$out/log" || fail "rotor on a line: $(tail -n 1 "$out/log")"
+# refuse_rotor WHAT LINE...: the body that was generated last, with a rotor
+refuse_rotor() {
+  what=$1
+  shift
+  {
+    cat "$out/random.txt"
+    printf '%s\n' "$@" "axis 1 0 0" "inertia 0.1" end
+  } > "$out/other.txt"
+  ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "$what is taken"
+  grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
+}
+awk -v seed=4 -v effects="large damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
+refuse_rotor "a rotor with an imbalance" "rotor wheel" "static_imbalance 1e-4"
+refuse_rotor "a rotor on a line" "rotor wheel 2"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
 grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"

@@ -105,7 +105,7 @@ steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
 steps 30 "s.body_0.p[5] = 3; s.body_0.rotor_momentum[0] = 9; s.body_1.rotor_momentum[2] = 3;" without
 turning=$count
-steps 28 "s.body_0.p[5] = 3; s.body_1.p[0] = 9;" without
+steps 28 "s.body_0.p[5] = 3; s.body_1.x[0] = s.body_2.x[0] = s.body_3.x[0] = 0.3; s.body_1.p[0] = 0.05;"
 wheels=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
 
