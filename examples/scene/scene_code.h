@@ -6,6 +6,17 @@
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
 
+/* How many rotors a line drives. */
+static int scene_code_rotors(const scene *s)
+{
+  int n = 0;
+  for (int k = 0; k < s->n_rotor; k++) {
+    const function *const f = &s->rotor[k].f;
+    n += f->kind != FUNCTION_CONSTANT || fabs(f->a) > 0;
+  }
+  return n;
+}
+
 /* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. */
 static int scene_code_refused(scene *s)
 {
@@ -21,10 +32,11 @@ static int scene_code_refused(scene *s)
       {s->n_drive, s->drive[0].line,
        "motor, value and rate: the caller gives the torques of motors, and value and rate of an axis "
        "with mode prescribed, as input"},
+      {scene_code_rotors(s), text_seen(&s->seen, "rotor"),
+       "motor and momentum of a rotor: the caller gives them as input"},
       {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
       {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
-      {s->n_rotor, text_seen(&s->seen, "rotor"), "rotor: choose bodies without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {
     const size_t n = strlen(all);

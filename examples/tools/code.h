@@ -6,6 +6,7 @@
 #include "code_loads.h"
 #include "code_model.h"
 #include "code_read.h"
+#include "code_rotors.h"
 #include "code_text.h"
 
 /* What an evaluation has written so far. */
@@ -16,6 +17,7 @@ typedef struct code_rates {
   int valued[CODE_POLY]; /* 1: the polynomial's value is known */
   code_value S[21], y[6], V[6];
   code_value pb[FB_MAX_MODES], q_dot[FB_MAX_MODES], x[FB_MAX_MODES];
+  code_value pi[FB_MAX_MODES]; /* without those of rotors */
 } code_rates;
 
 static code_rates code_now;
@@ -23,11 +25,6 @@ static code_rates code_now;
 static code_value code_q(int a)
 {
   return code_variable("q_%d", a);
-}
-
-static code_value code_pi(int a)
-{
-  return code_variable("p_%d", a);
 }
 
 /* ---- blocks of the rates */
@@ -79,17 +76,14 @@ static void code_write_solve(const code *w, code_value *y, const code_value *x, 
 static void code_write_momenta(const code *w)
 {
   static const char *const h[6] = {"", "", "", "hx", "hy", "hz"};
-  code_value pi[FB_MAX_MODES];
   code_sum s;
-  for (int a = 0; a < w->n; a++) {
-    pi[a] = code_pi(a);
-  }
   fputs("\n  /* E8.13: y = (0, h) - Lambda M^-1 pi */\n", w->out);
-  code_write_solve(w, code_now.pb, pi, "b");
+  code_write_solve(w, code_now.pb, code_now.pi, "b");
   for (int i = code_model.first; i < 6; i++) {
     code_begin(&s);
     if (i >= 3) {
       code_add_one(&s, 1.0, code_variable("%s", h[i]));
+      code_add_rotors(&s, -1.0, i - 3);
     }
     for (int b = 0; b < w->n; b++) {
       code_add(&s, -1.0, code_now.lambda[i][b], code_now.pb[b]);
@@ -533,7 +527,7 @@ static void code_write_q_dot(const code *w)
   fputs("\n  /* E8.17: q_dot = M^-1 (pi - Lambda^T V) */\n", w->out);
   for (int b = 0; b < w->n; b++) {
     code_begin(&s);
-    code_add_one(&s, 1.0, code_pi(b));
+    code_add_one(&s, 1.0, code_now.pi[b]);
     for (int i = 0; i < 6; i++) {
       code_add(&s, -1.0, code_now.lambda[i][b], code_now.V[i]);
     }
@@ -656,6 +650,7 @@ static void code_write_pi_dot(const code *w)
   for (int a = 0; a < w->n && w->large; a++) {
     code_add_one(&code_force[a], 1.0, code_large_gradient(a));
   }
+  code_write_rotor_speeds(w, code_force, code_now.V, code_now.q_dot);
   fputs("\n  /* E8.17: pi_dot = that - K q - C q_dot */\n", w->out);
   for (int a = 0; a < w->n; a++) {
     char target[32];
@@ -1105,7 +1100,7 @@ static void code_write_large_solve(const code *w)
       f->S[a][b] = f->S[b][a] = code_write_large_mass(w, a, b);
     }
     code_begin(&s);
-    code_add_one(&s, 1.0, code_pi(a));
+    code_add_one(&s, 1.0, code_now.pi[a]);
     for (int i = 0; i < 6 && code_model.first == 6; i++) {
       code_add(&s, -1.0, code_now.lambda[i][a], code_now.V[i]);
     }
@@ -1113,9 +1108,15 @@ static void code_write_large_solve(const code *w)
   }
   for (int i = first; i < 6; i++) {
     const int at = w->n + i - first;
+    code_sum s;
     strcpy(f->label[at], code_rows[i]);
     strcpy(names[at], code_rows[i]);
-    f->y[at] = i < 3 ? code_constant(0.0) : code_variable("%s", h[i - 3]);
+    code_begin(&s);
+    if (i >= 3) {
+      code_add_one(&s, 1.0, code_variable("%s", h[i - 3]));
+      code_add_rotors(&s, -1.0, i - 3);
+    }
+    f->y[at] = code_end(w, &s, code_variable("y_%s", code_rows[i]));
     for (int a = 0; a < w->n; a++) {
       f->S[at][a] = f->S[a][at] = code_now.lambda[i][a];
     }
@@ -1382,6 +1383,8 @@ static void code_write_rates(const code *w, int unused)
   if (code_model.first > 0) {
     code_template(w, "  @_matrix(R, x);\n");
   }
+  code_write_rotors(w, code_place(w, 'g'), "rotor_motor");
+  code_write_own_pi(w, code_now.pi);
   if (w->large) {
     code_write_large(w);
   } else {
@@ -1392,7 +1395,14 @@ static void code_write_rates(const code *w, int unused)
     code_write_q_dot(w);
   }
   code_write_pi_dot(w);
+  code_write_rotor_rates(w, code_place(w, 'k'), code_place(w, 'g'));
   code_write_frame(w);
+  if (w->rotors > 0) {
+    char target[32];
+    snprintf(target, sizeof target, "w[%d]", code_place(w, 'w') - 1);
+    fputs("\n  /* E11.46 */\n", w->out);
+    code_write_nutation(w, target);
+  }
   if (w->large) {
     code_write_large_frame(w);
   }
@@ -1426,6 +1436,14 @@ static const char code_state_type[] =
     "  $ lost_rho[3], lost_u[3];\n";
 
 static const char code_types_single[] = "  $ lost_quat[4], lost_L[3], lost_h[3], lost_q[%m], lost_pi[%m];\n";
+
+static const char code_types_rotors[] = "  $ rotor_angle[%R], rotor_momentum[%R]; /* [rad] relative to the node, [N m "
+                                        "s]; L and pi contain the momenta */\n";
+
+static const char code_types_rotors_single[] = "  $ lost_rotor_angle[%R], lost_rotor_momentum[%R];\n";
+
+static const char code_input_rotors[] =
+    "  $ rotor_motor[%R]; /* [N m] on each rotor, and reversed on the body; where given: its momentum [N m s] */\n";
 
 static const char code_types_end[] =
     "} @_state;\n\n"
@@ -1513,6 +1531,10 @@ static void code_write_nothing(const code *w)
     code_template(w, a == 0 ? "{`0`" : ", `0`");
   }
   fputs("}", w->out);
+  for (int r = 0; r < w->rotors; r++) {
+    code_template(w, r == 0 ? ", {`0`" : ", `0`");
+  }
+  fputs(w->rotors > 0 ? "}" : "", w->out);
   for (int k = 0; k < FB_MAX_NODES; k++) {
     code_template(w, code_loads.at[k] ? ", {`0`, `0`, `0`}, {`0`, `0`, `0`}" : "");
   }
@@ -1566,13 +1588,21 @@ static void code_write_limit(const code *w)
 {
   const fb_body *const body = code_model.body;
   const double c = sqrt((double)(body->c[0] * body->c[0] + body->c[1] * body->c[1] + body->c[2] * body->c[2]));
-  const code_value whole = code_variable(w->large ? "whole" : "spin");
+  const char *const own = w->rotors > 0 ? "whole" : "spin";
+  const code_value whole = code_variable("%s", w->large ? "whole" : own);
   code_sum s;
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
                    "static $ %*@_longest(%Mconst $ *w, $ %*a)\n{\n%V"
                    "  const $ spin = @_norm(w);\n");
-  code_template(w,
-                w->large ? "  const $ whole = spin + sqrt~(w[11]); /* that of the fastest section (E11.37) */\n" : "");
+  if (w->large || w->rotors > 0) {
+    code_template(w, "  const $ whole = spin");
+    code_template(w, w->large ? " + sqrt~(w[11])" : "");
+    if (w->rotors > 0) {
+      fprintf(w->out, " + w[%d]", code_place(w, 'w') - 1);
+    }
+    code_template(w, w->large ? "; /* that of the fastest section (E11.37) */\n"
+                              : "; /* nutation by rotors (E11.46) */\n");
+  }
   code_begin(&s);
   if (code_model.first == 0) {
     if (w->vary & CODE_HUB) {
@@ -1702,6 +1732,9 @@ static const char code_enter[] = "\n/* The vector x of a state, with h = R^T L. 
 static const char code_enter_modes[] = "  memcpy(x + 10, s->q, sizeof s->q);\n"
                                        "  memcpy(x + %p, s->pi, sizeof s->pi);\n";
 
+static const char code_enter_rotors[] = "  memcpy(x + %k, s->rotor_angle, sizeof s->rotor_angle);\n"
+                                        "  memcpy(x + %g, s->rotor_momentum, sizeof s->rotor_momentum);\n";
+
 static const char code_enter_single[] = "  for (int i = 0; i < 3; i++) {\n    x[7 + i] += s->lost_h[i];\n  }\n";
 
 static const char code_enter_mass[] = "  for (int i = 0; i < 3; i++) { /* by the factor of the mass */\n"
@@ -1754,6 +1787,14 @@ static const char code_end_single[] =
     "  @_sum_kept(d + %p, next.lost_pi, x + %p, %n);\n"
     "  @_sum_kept(d + %l, next.lost_L, x + %l, 3);\n"
     "  for (int a = 10; a < %r; a++) {\n    d[a] = %Ffabs~(d[a]) < @_tiny%:d[a]%;;\n  }\n";
+
+static const char code_end_rotors_single[] = "  @_sum_kept(d + %k, next.lost_rotor_angle, x + %k, %R);\n"
+                                             "  @_sum_kept(d + %g, next.lost_rotor_momentum, x + %g, %R);\n";
+
+static const char code_end_settle[] = "  for (int r = 0; r < %R; r++) {\n    @_settle(&d[%k + r]);\n  }\n";
+
+static const char code_end_rotors[] = "  memcpy(state->rotor_angle, d + %k, sizeof state->rotor_angle);\n"
+                                      "  memcpy(state->rotor_momentum, d + %g, sizeof state->rotor_momentum);\n";
 
 static const char code_end_rest[] = "  @_sum_kept(d + 4, lost_u, x + 4, 3);\n"
                                     "  for (int i = 0; i < 3; i++) {\n"
@@ -1834,15 +1875,33 @@ static void code_write_follow(const code *w, int unused)
   fputs(w->large ? "  return sound;\n}\n" : "  (void)q, (void)s;\n}\n", w->out);
 }
 
+/* Does the end of a step depend on what acts then? */
+static int code_takes_last(void)
+{
+  return code_model.first == 6 || code_rotors_given(code_model.body);
+}
+
+/* Angles of rotors within half a turn, momenta that are given as the input has them. */
+static void code_write_end_rotors(const code *w)
+{
+  code_template(w, w->rotors > 0 ? code_end_settle : "");
+  for (int r = 0; r < w->rotors; r++) {
+    if (code_model.body->rotor[r].given) {
+      fprintf(w->out, "  d[%d] = last ? last->rotor_motor[%d] : ", code_place(w, 'g') + r, r);
+      code_template(w, "%z;\n");
+    }
+  }
+}
+
 /* The end of a step. */
 static void code_write_end(const code *w)
 {
   char number[40];
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, %X$ *x");
-  code_template(w, code_model.first == 6               ? ", const @_input *last)\n{\n%V  @_status status;\n"
-                   : code_model.first == 0 && w->large ? ", const $ *before)\n{\n%V  @_status status;\n"
-                                                       : ")\n{\n%V  @_status status;\n");
+  code_template(w, code_model.first == 0 && w->large ? ", const $ *before" : "");
+  code_template(w, code_takes_last() ? ", const @_input *last)\n{\n%V  @_status status;\n"
+                                     : ")\n{\n%V  @_status status;\n");
   code_template(w, w->large && code_model.first < 6 ? "  $ after[3];\n" : "");
   code_template(w, code_model.first != 0 ? ""
                    : w->large            ? "  $ old[3], own[3];\n"
@@ -1855,6 +1914,7 @@ static void code_write_end(const code *w)
   code_template(w, w->vary & CODE_MASS ? code_end_mass : "");
   code_template(w, w->vary & CODE_MASS && w->n > 0 ? code_end_mass_modes : "");
   code_template_of(w, 1, w->vary & CODE_MASS ? code_end_mass_single : "");
+  code_template_of(w, 1, w->rotors > 0 ? code_end_rotors_single : "");
   code_template(w, w->single ? code_end_single : code_end_double);
   code_template(w, code_end_rest);
   if (code_model.first < 6) {
@@ -1873,11 +1933,13 @@ static void code_write_end(const code *w)
   code_template(w, code_end_check);
   code_template(w, w->large ? "  status = status == @_ok && !sound ? @_range : status;\n" : "");
   code_template(w, code_end_commit);
+  code_write_end_rotors(w);
   code_template_of(w, 1, "  *state = next;\n");
   code_template(w, code_end_take);
   if (w->n > 0) {
     code_template(w, code_end_modes);
   }
+  code_template(w, w->rotors > 0 ? code_end_rotors : "");
   fputs("  return status;\n}\n", w->out);
 }
 
@@ -1928,9 +1990,12 @@ static void code_write_types(const code *w)
 {
   code_template(w, code_state_type);
   code_template_of(w, 1, code_types_single);
+  code_template(w, w->rotors > 0 ? code_types_rotors : "");
+  code_template_of(w, 1, w->rotors > 0 ? code_types_rotors_single : "");
   code_template(w, code_types_end);
   code_template(w, code_input_of[code_model.first / 3]);
   code_template(w, code_input_end);
+  code_template(w, w->rotors > 0 ? code_input_rotors : "");
   code_write_load_types(w);
   code_template(w, "} @_input;\n\n");
 }
@@ -1957,6 +2022,12 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
     fprintf(w->out, "\n   q[%d]: ", a);
     coordinate(w->out, a);
   }
+  for (int r = 0; r < w->rotors; r++) {
+    const fb_rotor *const rotor = &body->rotor[r];
+    fprintf(w->out, "\n   rotor %d: about %.6g %.6g %.6g, %.6g kg m^2%s", r, (double)rotor->axis[0],
+            (double)rotor->axis[1], (double)rotor->axis[2], (double)rotor->inertia,
+            rotor->given ? ", its momentum given" : "");
+  }
   fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);
   fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", w->out);
   code_template(w, code_status_type);
@@ -1968,6 +2039,8 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   }
   code_template(w, code_declarations);
   code_template(w, code_read_types);
+  code_template(w, w->rotors > 0 ? "  $ rotor_speed[%R]; /* [rad/s] relative to the node */\n" : "");
+  code_template(w, code_read_types_end);
   if (code_model.first < 6) {
     code_template(w, code_read_energy_types);
   }
@@ -1988,6 +2061,7 @@ static int code_write_functions(const code *w)
   int good = 1;
   code_template(w, code_finite);
   code_template(w, code_input_finite[code_model.first / 3]);
+  code_template(w, w->rotors > 0 ? " &&\n                 @_is_finite(in->rotor_motor, %R)" : "");
   code_write_of_loads(w, " &&\n                 @(in->force_#, 3) && @(in->torque_#, 3)");
   fputs(");\n}\n\n", w->out);
   code_template(w, code_matrix);
@@ -2014,10 +2088,14 @@ static int code_write_functions(const code *w)
     good = code_write_pruned(w, code_write_follow, 0) && good;
   }
   code_write_range(w);
+  if (w->rotors > 0) {
+    code_write_settle(w);
+  }
   code_template(w, code_enter);
   if (w->n > 0) {
     code_template(w, code_enter_modes);
   }
+  code_template(w, w->rotors > 0 ? code_enter_rotors : "");
   code_template_of(w, 1, code_enter_single);
   code_template(w, w->vary & CODE_MASS ? code_enter_mass : "");
   code_template(w, "}\n");
@@ -2048,9 +2126,8 @@ static void code_write_stages(const code *w)
   }
   code_template(w, limited ? code_step_limits : "");
   code_template(w, code_step_rest);
-  code_template(w, code_model.first == 6               ? ", end);\n}\n"
-                   : code_model.first == 0 && w->large ? ", center);\n}\n"
-                                                       : ");\n}\n");
+  code_template(w, code_model.first == 0 && w->large ? ", center" : "");
+  code_template(w, code_takes_last() ? ", end);\n}\n" : ");\n}\n");
 }
 
 /* All lanes at once, and the step that takes it. */
@@ -2080,7 +2157,7 @@ static inline int code_write(FILE *out, const fb_body *body, const code_choice *
 {
   const code w = {
       out, choice->name, choice->single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2, choice->vary,
-      0};
+      0,   body->n_rotor};
   int good;
   code_read(body, choice->hub[0]);
   code_loads_choose(choice->loads);
@@ -2109,8 +2186,8 @@ static inline const char *code_refusal(const fb_body *body)
   if (body->effects & FB_EFFECT_NONLINEAR_STRAIN) {
     return "effects strain: choose effects up to full";
   }
-  if (body->effects & FB_EFFECT_ROTORS) {
-    return "rotors: choose bodies without them";
+  if (code_rotors_refusal(body)) {
+    return code_rotors_refusal(body);
   }
   if (body->effects & FB_EFFECT_CENTRAL_GRAVITY) {
     return "central_gravity: choose uniform gravity";

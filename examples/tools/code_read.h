@@ -4,13 +4,15 @@
 #define CODE_READ_H
 #include "code_model.h"
 #include "code_line.h"
+#include "code_rotors.h"
 #include "code_text.h"
 #include "code_vary.h"
 
-static const char code_read_types[] =
-    "\ntypedef struct @_motion {\n"
-    "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
-    "  $ q_dot[%m];\n"
+static const char code_read_types[] = "\ntypedef struct @_motion {\n"
+                                      "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
+                                      "  $ q_dot[%m];\n";
+
+static const char code_read_types_end[] =
     "} @_motion;\n\n"
     "typedef struct @_node { /* inertial axes */\n"
     "  $ position[3], quat[4];          /* [m], attitude of the section */\n"
@@ -311,6 +313,8 @@ static const char code_read_motion[] =
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  memset(&own, 0, sizeof own);\n";
 
+static const char code_read_motion_rotors[] = "  memcpy(own.rotor_speed, rate + %k, sizeof own.rotor_speed);\n";
+
 static const char code_read_motion_end[] = "  memcpy(own.w, w, sizeof own.w);\n"
                                            "  memcpy(own.q_dot, rate + 10, %n * sizeof *rate);\n"
                                            "  if (!(@_is_finite(rate, %N) && @_is_finite(own.v, 3) && "
@@ -347,6 +351,9 @@ static const char code_read_rates[] =
     "  memcpy(own.q, dot + 10, %n * sizeof *dot);\n"
     "  memcpy(own.pi, dot + %p, %n * sizeof *dot);\n";
 
+static const char code_read_rates_rotors[] = "  memcpy(own.rotor_angle, dot + %k, sizeof own.rotor_angle);\n"
+                                             "  memcpy(own.rotor_momentum, dot + %g, sizeof own.rotor_momentum);\n";
+
 /* The same with lines, of which the rates tell R^T u less it. */
 static const char code_read_large_origin[] = "\n/* v of O, body axes: R^T u and what it has beside the mass center */\n"
                                              "static void @_origin(%M$ *v, const $ *w, const $ *x)\n{\n%V"
@@ -377,8 +384,10 @@ static void code_write_motion(const code *w)
                    : code_model.first == 0           ? "  @_origin(%Aown.v, w, x, rate + 10);\n"
                    : code_model.first == 3           ? ""
                                                      : "  memcpy(own.v, in ? in->v : @_nothing.v, sizeof own.v);\n");
+  code_template(w, w->rotors > 0 ? code_read_motion_rotors : "");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
+  code_template(w, w->rotors > 0 ? code_read_rates_rotors : "");
   if (w->vary & CODE_MASS) {
     code_template(w, "  for (int i = 0; i < 3; i++) {\n    own.L[i] *= model->mass;\n  }\n"
                      "  for (int k = 0; k < %n; k++) {\n    own.pi[k] *= model->mass;\n  }\n");
@@ -388,20 +397,37 @@ static void code_write_motion(const code *w)
 }
 
 static const char code_read_energy[] =
-    "\n/* T = 1/2 (w.h + q_dot.pi + m u.u), homogeneous of degree 2 in the momenta; gravity as E8.16 */\n"
+    "\n/* T = 1/2 (w.h + q_dot.pi + m u.u + speeds times momenta of rotors), homogeneous of degree 2 in the momenta;\n"
+    "   gravity as E8.16 */\n"
     "@_status @_energy_eval(%M@_energy *energy, const @_state *state)\n{\n"
     "  $ x[%N], rate[%N], w[%w], c[3], moment[3], a, kinetic;\n"
     "  @_energy own;\n"
-    "  @_status status;\n"
-    "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
-    "  memset(w, 0, sizeof w);\n"
-    "  @_enter(%Ax, state);\n"
-    "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, NULL) : @_not_finite;\n"
+    "  @_status status;\n";
+
+/* Momenta that are given are those of the state. */
+static const char code_read_energy_given[] =
+    "  @_input held;\n"
+    "  const @_input *const in = &held;\n"
+    "  memset(&held, 0, sizeof held);\n"
+    "  if (state) {\n"
+    "    memcpy(held.rotor_motor, state->rotor_momentum, sizeof held.rotor_motor);\n"
+    "  }\n";
+
+static const char code_read_energy_rates[] = "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
+                                             "  memset(w, 0, sizeof w);\n"
+                                             "  @_enter(%Ax, state);\n"
+                                             "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, ";
+
+static const char code_read_energy_kinetic[] =
+    ") : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  @_center(%Ac, x + 10);\n"
     "  @_turn(moment, x, c);\n"
     "  kinetic = w[0] * x[7] + w[1] * x[8] + w[2] * x[9];\n"
     "  for (int k = 0; k < %n; k++) {\n    kinetic += rate[10 + k] * x[%p + k];\n  }\n";
+
+static const char code_read_energy_rotors[] =
+    "  for (int r = 0; r < %R; r++) {\n    kinetic += rate[%k + r] * x[%g + r];\n  }\n";
 
 static void code_write_energy(const code *w)
 {
@@ -411,6 +437,11 @@ static void code_write_energy(const code *w)
   const code_value mass = code_factor_of(w, CODE_HUB, "body");
   code_sum s;
   code_template(w, code_read_energy);
+  code_template(w, code_rotors_given(body) ? code_read_energy_given : "");
+  code_template(w, code_read_energy_rates);
+  code_template(w, code_rotors_given(body) ? "in" : "NULL");
+  code_template(w, code_read_energy_kinetic);
+  code_template(w, w->rotors > 0 ? code_read_energy_rotors : "");
   code_begin(&s);
   code_add_one(&s, 0.5, code_variable("kinetic"));
   for (int i = 0; i < 3; i++) {

@@ -20,6 +20,9 @@ static sdirk_link sdirk[FB_MAX_BODIES];
 /* What of a system has no L-stable step here; NULL: nothing. */
 static const char *sdirk_refusal(const fb_system *system)
 {
+  if (system->carries_rotors) {
+    return "rotors by integrator sdirk: choose integrator rk4";
+  }
   for (int k = 0; k < system->n_body && system->has_rotors && !system->allow_long_step; k++) {
     if (system->rotor[k] > FB_R(0.0)) {
       return "wheels by integrator sdirk, whose limit is not written: allow long steps";

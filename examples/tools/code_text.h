@@ -31,7 +31,8 @@ typedef struct code {
   int large;        /* 1: with lines */
   int indent;
   int vary;
-  int lanes; /* 0: one body; CODE_LANES: types of several, by lanes; CODE_WIDE: their step by vectors (code_lanes.h) */
+  int lanes;  /* 0: one body; CODE_LANES: types of several, by lanes; CODE_WIDE: their step by vectors (code_lanes.h) */
+  int rotors; /* of the one body; of a tree 0, whose bodies have their own */
 } code;
 
 enum { CODE_LANES = 1, CODE_WIDE = 2 };
@@ -261,7 +262,8 @@ static void code_declare(const code *w, code_sum *s, const char *name)
   code_assign(w, s, target);
 }
 
-/* What a template's % and a letter mean: sizes and places in the vector of the state (quat u h | q | pi | rho L). */
+/* What a template's % and a letter mean: sizes and places in the vector of the state (quat u h | q | pi | angles and
+   momenta of rotors | rho L). */
 static int code_place(const code *w, char letter)
 {
   switch (letter) {
@@ -271,14 +273,20 @@ static int code_place(const code *w, char letter)
     return w->n > 0 ? w->n : 1;
   case 'p': /* where pi begins */
     return 10 + w->n;
-  case 'r': /* rho, and the number of what a stage depends on */
+  case 'R': /* rotors */
+    return w->rotors;
+  case 'k': /* their angles */
     return 10 + 2 * w->n;
+  case 'g': /* their momenta */
+    return 10 + 2 * w->n + w->rotors;
+  case 'r': /* rho, and the number of what a stage depends on */
+    return 10 + 2 * (w->n + w->rotors);
   case 'l': /* L */
-    return 13 + 2 * w->n;
-  case 'w': /* what rates tell of the frame */
-    return w->large ? 12 : 3;
+    return 13 + 2 * (w->n + w->rotors);
+  case 'w': /* what rates tell of the frame, and the nutation by rotors */
+    return (w->large ? 12 : 3) + (w->rotors > 0);
   default: /* N: all */
-    return 16 + 2 * w->n;
+    return 16 + 2 * (w->n + w->rotors);
   }
 }
 

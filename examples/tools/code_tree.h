@@ -21,6 +21,7 @@ typedef struct tree_link {
   const fb_joint *joint;
   int parent, n;   /* link or -1; modes */
   int x, p, q, pi; /* where its coordinates and momenta are in the vector */
+  int angle, spun; /* those of its rotors */
   int axes, row;   /* scalar or spherical axes; row of the first one in the system of equations */
   int given;       /* 1: its axis is prescribed, and not among the others: row behind theirs */
   int moves, open,
@@ -52,6 +53,7 @@ static struct tree {
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
   int n_given, n_open; /* prescribed axes; modes of bodies that are open */
+  int n_rotor;         /* inside bodies */
   int places;          /* of a table of numbers */
   int limited;         /* 1: what is being written tells the step limit */
   int implicit, given; /* 1: SDIRK; of that, where the speeds of prescribed axes are in the vector */
@@ -66,6 +68,7 @@ static struct tree {
 static const char tree_axis[3] = {'x', 'y', 'z'};
 
 static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
+static int tree_solved[CODE_ROWS]; /* order of elimination of code_solver */
 
 #include "code_rows.h"
 
@@ -170,6 +173,14 @@ static void tree_call(const code *w, const char *name)
 
 /* ---- what the description is */
 
+static code_rotors tree_rotors[FB_MAX_BODIES];
+
+/* Does body k count by its nutation? It has no loads of the caller, which would turn with it. */
+static int tree_is_wheel(int k)
+{
+  return tree.system->has_rotors && !tree.system->allow_long_step && tree.system->rotor[k] > FB_R(0.0);
+}
+
 static int tree_has_gravity(const fb_body *body)
 {
 #if FB_WITH_GRAVITY
@@ -228,7 +239,10 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.size = k == tree.root ? tree.size : L->p + L->axes;
     L->q = tree.size;
     L->pi = L->q + L->n;
-    tree.size = L->pi + L->n;
+    L->angle = L->pi + L->n;
+    L->spun = L->angle + L->model->n_rotor;
+    tree.size = L->spun + L->model->n_rotor;
+    tree.n_rotor += L->model->n_rotor;
     tree.n_axis += L->axes;
     tree.mass += (double)L->model->mass;
     tree.flying += tree_flies(k) ? (double)L->model->mass : 0.0;
@@ -251,7 +265,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.link[tree.root].p = tree.size;
     tree.size += TREE_PUSHED;
   }
-  tree.work = tree.n_axis > 0 ? tree.size++ : -1;
+  tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
   tree.given = tree.size;
   tree.size += implicit ? tree.n_given : 0;
@@ -296,6 +310,12 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
+/* What of rotors in a system cannot be written; NULL: nothing. */
+static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body)
+{
+  return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
+}
+
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -311,10 +331,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
            : roots == 2 ? "a second free body: each tree is a file of its own"
            : roots > 0 && tree_is_given(&system->joint[k])
                ? "a prescribed axis beside a free body: prescribe axes of what hangs on the ground"
-           : system->has_rotors && system->rotor[k] > FB_R(0.0) && !system->allow_long_step
-               ? "it looks the same at all angles of its hinge, a wheel, whose step limit is not written: allow long "
-                 "steps"
-               : NULL;
+               : tree_rotors_refusal(system, &body[system->model[k]]);
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -533,14 +550,15 @@ static void tree_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
-  code_value pi[FB_MAX_MODES];
+  char motor[40];
   code_sum s;
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
-  for (int a = 0; a < L->n; a++) {
-    pi[a] = code_pi(a);
-  }
-  code_write_solve(&own, code_now.pb, pi, "b");
+  snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
+  code_write_rotors(&own, L->spun, motor);
+  code_write_own_pi(&own, code_now.pi);
+  tree_rotors[k] = code_rotor;
+  code_write_solve(&own, code_now.pb, code_now.pi, "b");
   code_write_inertia(&own);
   for (int e = 0; e < 21 && code_model.constant_S; e++) {
     const double size = sqrt(fabs((double)L->model->S0[fb_sym6_index(fbi_sym6_row[e], fbi_sym6_row[e])] *
@@ -552,6 +570,9 @@ static void tree_write_body(const code *w, int k)
     code_begin(&s);
     for (int b = 0; b < L->n; b++) {
       code_add(&s, 1.0, code_now.lambda[i][b], code_now.pb[b]);
+    }
+    if (i >= 3) { /* E8.60 */
+      code_add_rotors(&s, 1.0, i - 3);
     }
     L->own[i] = code_end(&own, &s, code_variable("B_%s", code_rows[i]));
   }
@@ -914,7 +935,7 @@ static void tree_write_solve(const code *w, int closes)
   static char names[CODE_ROWS][CODE_NAME];
   const int first = tree.root >= 0 ? 6 : 0, n = first + tree.n_axis + tree.n_open;
   code_factor *const f = &code_solver;
-  int order[CODE_ROWS];
+  int *const order = tree_solved;
   fputs("\n  /* E9.6: M u = p of the root and the axes of the joints, by L D L^T */\n", w->out);
   for (int i = 0; i < n + tree.n_given; i++) {
     tree_nothing(tree_matrix[i], n + tree.n_given);
@@ -1021,6 +1042,10 @@ static void tree_write_modes(const code *w, int k)
     }
   }
   code_write_gradient(&own, code_force);
+  code_rotor = tree_rotors[k];
+  code_write_rotor_speeds(&own, code_force, L->V, code_now.q_dot);
+  code_write_rotor_rates(&own, L->angle, L->spun);
+  tree_rotors[k] = code_rotor;
   tree_leave(k);
   rows_add_modes(w, code_force, k);
   node_add_modes(w, code_force, k);
@@ -1209,8 +1234,9 @@ static void tree_write_loads(const code *w)
   code_begin(&work);
   for (int k = 0; k < tree.n; k++) {
     for (int i = 0; i < 6; i++) {
-      F[k][i] = tree.quiet ? code_constant(0.0)
-                           : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
+      F[k][i] = tree.quiet || tree_is_wheel(k)
+                    ? code_constant(0.0)
+                    : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
   }
   for (int k = tree.n - 1; k >= 0; k--) {
@@ -1225,6 +1251,11 @@ static void tree_write_loads(const code *w)
       }
       code_add(&work, 1.0, code_variable("in->body_%d.motor[%d]", k, a), L->u[a]);
       tau[a] = code_end(&inner, &s, code_variable("b%d_act_%d", k, a));
+    }
+    for (int r = 0; r < L->model->n_rotor; r++) {
+      if (!L->model->rotor[r].given) {
+        code_add(&work, 1.0, code_variable("b%d_r%d_motor", k, r), tree_rotors[k].speed[r]);
+      }
     }
     if (L->joint->kind == FB_JOINT_SPHERICAL) {
       code_value child[9];
@@ -1352,6 +1383,8 @@ static void tree_write_norm(const code *w, const char *name, int k, const code_v
   fputs(w->lanes && s.n == 0 ? "));\n" : ");\n", w->out);
 }
 
+#include "code_wheels.h"
+
 /* The larger of two variables, into the first. */
 static void tree_write_larger(const code *w, const char *most, const char *other, int k)
 {
@@ -1436,6 +1469,9 @@ static void tree_write_limit(const code *w)
   inner.indent = 4;
   fputs("\n  /* E8.8, E11.15: longest stable step [s] */\n  if (longest) {\n", w->out);
   code_template(w, "    $ fastest = %z, stiffening = %z, g, bound;\n");
+  if (tree_has_wheels()) {
+    tree_write_nutation(&inner, &code_solver, tree_solved);
+  }
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     tree_write_norm(w, "spin", k, L->V + 3);
@@ -1455,7 +1491,7 @@ static void tree_write_limit(const code *w)
     code_begin(&s);
     code_add(&s, (double)L->model->limit_spin, code_variable("spin_%d", k), code_variable("spin_%d", k));
     code_add_one(&s, (double)L->model->limit_acceleration, code_variable("a_%d", k));
-    tree_write_larger(w, "fastest", "spin", k);
+    tree_write_larger(w, "fastest", tree_is_wheel(k) ? "across" : "spin", k);
     if (s.n > 0) {
       char target[48];
       snprintf(target, sizeof target, "stiff_%d", k);
@@ -1470,7 +1506,7 @@ static void tree_write_limit(const code *w)
   tree_write_impacts(w);
   rows_write_impacts(w);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
-  fprintf(w->out, "    g = fastest + %s;\n", number);
+  fprintf(w->out, "    g = fastest%s + %s;\n", tree_has_wheels() ? " + nutation" : "", number);
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
@@ -1532,7 +1568,7 @@ static void tree_write_evaluation(const code *w)
   rows_write_loads(w);
   rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].n > 0 && !tree.link[k].open) {
+    if (tree.link[k].n + tree.link[k].model->n_rotor > 0 && !tree.link[k].open) {
       tree_write_modes(w, k);
     }
   }
@@ -1810,33 +1846,43 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
     f(w, L->q, L->n, k, "q");
     f(w, L->pi, L->n, k, "pi");
   }
+  if (L->model->n_rotor > 0) {
+    f(w, L->angle, L->model->n_rotor, k, "rotor_angle");
+    f(w, L->spun, L->model->n_rotor, k, "rotor_momentum");
+  }
 }
 
 #include "code_close.h"
 #include "code_drive.h"
 
-enum { TREE_INPUTS = 6, TREE_MODAL = 5 };
+enum { TREE_INPUTS = 7, TREE_MODAL = 5 };
 
 static const struct {
   const char *name, *what;
-} tree_inputs[TREE_INPUTS] = {{"force", "[N] at O, body axes"},
-                              {"torque", "[N m]"},
-                              {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
-                              {"value", "[rad], [m] of its axis, which is prescribed"},
-                              {"rate", "[rad/s], [m/s]"},
-                              {"modal", "generalized forces of the modes"}};
+} tree_inputs[TREE_INPUTS] = {
+    {"force", "[N] at O, body axes"},
+    {"torque", "[N m]"},
+    {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
+    {"value", "[rad], [m] of its axis, which is prescribed"},
+    {"rate", "[rad/s], [m/s]"},
+    {"modal", "generalized forces of the modes"},
+    {"rotor_motor", "[N m] on each rotor, and back on the body; [N m s] where its momentum is given"}};
 
 /* How many numbers of that kind act on link k. */
 static int tree_input_size(int k, int m)
 {
   const tree_link *const L = &tree.link[k];
-  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n};
+  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n, L->model->n_rotor};
+  if (m < 2 && tree_is_wheel(k)) {
+    return 0;
+  }
   return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
 }
 
 static int tree_has_state(int k)
 {
-  return k == tree.root || tree.link[k].axes + tree.link[k].given > 0 || tree.link[k].n > 0;
+  return k == tree.root || tree.link[k].axes + tree.link[k].given > 0 ||
+         tree.link[k].n + tree.link[k].model->n_rotor > 0;
 }
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
@@ -1866,7 +1912,8 @@ static void tree_sum(const code *w, int at, int n, int k, const char *member)
 {
   static const char *const small[] = {"", "    d[i] = %Ffabs~(d[i]) < @_tiny%:d[i]%;;\n",
                                       "    d[i] = %Ffabs~(d[i]) < @_faint%:d[i]%;;\n"};
-  const char *const least = small[member[0] == 'q'   ? member[1] != 'u'
+  const char *const least = small[member[0] == 'r'   ? 1
+                                  : member[0] == 'q' ? member[1] != 'u'
                                   : member[0] != 'p' ? 0
                                   : member[1] == 'i' ? 1
                                                      : 2];
@@ -1973,7 +2020,7 @@ static void tree_write_types(const code *w)
   code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (tree.quiet && L->axes + L->given == 0) {
+    if (tree.quiet && L->axes + L->given + L->model->n_rotor == 0) {
       continue;
     }
     fputs("  struct {\n", w->out);
@@ -2251,9 +2298,31 @@ static void tree_write_end(const code *w)
   tree_write_range(w);
   code_template(w, "  if (status != @_ok) {\n    return status;\n  }\n");
   for (int k = 0; k < tree.n; k++) {
+    for (int r = 0; r < tree.link[k].model->n_rotor; r++) {
+      code_template(w, "  @_settle(");
+      fprintf(w->out, "&d[%d]);\n", tree.link[k].angle + r);
+    }
+  }
+  for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_give);
   }
   code_template(w, "  *state = next;\n  return @_ok;\n}\n");
+}
+
+/* Momenta that are given become those of the end of the step, whatever they were. */
+static void tree_write_given_momenta(const code *w)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int r = 0; r < L->model->n_rotor; r++) {
+      if (L->model->rotor[r].given) {
+        fprintf(w->out, "  x[%d] = ", L->spun + r);
+        code_template(w, "%z;\n");
+        fprintf(w->out, "  sum[%d] = end ? end->body_%d.rotor_motor[%d] : ", L->spun + r, k, r);
+        code_template(w, "%z;\n");
+      }
+    }
+  }
 }
 
 static const char tree_step_head[] =
@@ -2274,20 +2343,22 @@ static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at t
                                        "    if (status == @_ok && stage == 0) {\n"
                                        "      status = %(dt <= longest%) ? @_ok : @_step_length;\n"
                                        "      memcpy(first, w, sizeof first);\n    }\n"
-                                       "    if (stage > 0) {\n      int far = 0;\n      @_UNROLL\n"
-                                       "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
-                                       "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
-                                       "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
-                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n"
-                                       "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
+                                       "    if (stage > 0) {\n      int far = 0;\n";
+
+static const char tree_step_turns[] = "      @_UNROLL\n"
+                                      "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
+                                      "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
+                                      "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+                                      "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
+
+static const char tree_step_far[] = "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
 static const char tree_step_rest[] = "    if (status != @_ok) {\n      return status;\n    }\n"
                                      "    for (int i = 0; i < @_ALWAYS; i++) {\n      sum[i] += by * rate[i];\n      "
                                      "at[i] = x[i] + to * rate[i];\n    }\n"
                                      "    for (int i = @_ALWAYS; i < @_N && pushed; i++) {\n"
                                      "      sum[i] += by * rate[i];\n      at[i] = x[i] + to * rate[i];\n    }\n"
-                                     "  }\n"
-                                     "  return ";
+                                     "  }\n";
 
 /* All lanes or none: where some have momentum and nothing acts, each takes its own step. */
 static const char tree_pushed_lanes[] =
@@ -2306,7 +2377,7 @@ static void tree_write_step(const code *w)
   code_template(w, tree_step_begin);
   code_template(w, tree.n_given > 0 ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
-  code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
+  code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
   always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
@@ -2320,8 +2391,18 @@ static void tree_write_step(const code *w)
                    "      status = @_rates_at(%Arate, w, ");
   code_template(w, limited ? "stage == 0 ? &longest : NULL, at, in[stage], pushed);\n    }\n"
                            : "NULL, at, in[stage], pushed);\n    }\n");
-  code_template(w, limited ? tree_step_limits : "");
+  if (limited) {
+    code_template(w, tree_step_limits);
+    if (tree.system->has_rotors) {
+      tree_write_wheel_turns(w);
+    } else {
+      code_template(w, tree_step_turns);
+    }
+    code_template(w, tree_step_far);
+  }
   code_template(w, tree_step_rest);
+  tree_write_given_momenta(w);
+  fputs("  return ", w->out);
   code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
   code_template(w, tree.root >= 0 ? ", center, dt, pushed" : "");
   code_template(w, constraint.n > 0 ? ", end)" : ")");
@@ -2369,6 +2450,9 @@ static void tree_write_rotations(const code *w)
   rows_write_vector(w);
   code_template_of(w, 1, tree.n_axis + tree.size > 0 ? code_sums : "");
   code_template(w, free || ball ? code_unit : "");
+  if (tree.n_rotor > 0) {
+    code_write_settle(w);
+  }
 }
 
 /* What a table of numbers tells. */
@@ -2549,7 +2633,7 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0};
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0};
   int good;
   code_numbers.n = 0;
   tree_read(system, body, names, choice->implicit);

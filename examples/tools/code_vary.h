@@ -73,6 +73,9 @@ static inline const char *code_vary_refusal(const code_choice *choice, const fb_
   if (choice->vary & CODE_HUB && large) {
     return "a body with effects large varies in stiffness and damping only";
   }
+  if (choice->vary & CODE_HUB && body->n_rotor > 0) {
+    return "a body with rotors varies in stiffness and damping only";
+  }
   if (choice->vary & (CODE_HUB_MASS | CODE_HUB_INERTIA) && !(hub_mass > 0.0)) {
     return "hub_mass and hub_inertia are factors of a hub, which the description has not: leave them out";
   }

@@ -1,7 +1,7 @@
 # A random hub with one to three booms at random places and attitudes, together 1 to 12 modes: -v seed, -v effects, -v base.
 # With effects large they are geometrically exact: curved, twisted, tapered, with offset masses, shear centers, lumped bodies, by
 # seed, and there may be a component beside them. Factors, without which 1: -v stiffness, damping, mass (of all but the hub),
-# hub_mass, hub_inertia.
+# hub_mass, hub_inertia. -v rotors: for each rotor the number of its node, and g if its momentum is given.
 function uniform(low, high) {
   state = (16807 * state) % 2147483647
   return low + (high - low) * state / 2147483647
@@ -66,5 +66,11 @@ BEGIN {
     for (j = 1; j <= 4; j++) print "node " j " 0 " (-j) " 0 2 0.1 0.1 0.1"
     for (j = 1; j <= 4; j++) print "shape 1 " j " 0 0 " j * j / 16 " " (-j / 8) " 0 0\nshape 2 " j " " j * j / 16 " 0 0 0 0 " j / 8
     print "line frame 0 0 0 1 2 3 4\nmark 4 edge\nend"
+  }
+  wheels = split(rotors, wheel, " ")
+  for (k = 1; k <= wheels; k++) {
+    print "rotor wheel" k " " wheel[k] + 0 "\naxis " uniform(-1, 1) " " uniform(-1, 1) " " uniform(-1, 1) "\ninertia " uniform(0.05, 0.1)
+    print wheel[k] ~ /g/ ? "momentum 2" : "damping " uniform(0.001, 0.01) (k % 2 ? "\nfriction " uniform(0.01, 0.1) " 2" : "")
+    print "end"
   }
 }

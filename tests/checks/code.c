@@ -31,6 +31,11 @@ static generated_model varied;
 #define DESCRIBED 1
 #define MASS 1
 #endif
+#ifdef ROTORS /* number of rotors; the limit of a step depends on them */
+#define DEPENDS 1
+#else
+#define DEPENDS 0
+#endif
 #ifndef TOLERANCE
 #define TOLERANCE (FB_SINGLE ? 2e-3 : 1e-11)
 #endif
@@ -38,7 +43,7 @@ static generated_model varied;
 typedef struct run {
   fb_state state;
   generated_state own;
-  double difference[6], extreme[6]; /* rho, quat, u, L, q, pi */
+  double difference[8], extreme[8]; /* rho, quat, u, L, q, pi, angles and momenta of rotors */
 } run;
 
 static double random_number(void)
@@ -65,6 +70,10 @@ static void take_state(generated_state *own, const fb_state *state)
   memcpy(own->L, state->L, sizeof own->L);
   scale(own->q, state->q, 1 / sqrt(MASS));
   scale(own->pi, state->pi, sqrt(MASS));
+#ifdef ROTORS
+  memcpy(own->rotor_angle, state->q + generated.n, sizeof own->rotor_angle);
+  memcpy(own->rotor_momentum, state->pi + generated.n, sizeof own->rotor_momentum);
+#endif
 }
 
 static int begin(run *r, double spin)
@@ -83,7 +92,19 @@ static int begin(run *r, double spin)
     r->state.q[a] = (fb_real)(most * random_number());
     q_dot[a] = (fb_real)(most * random_number());
   }
+#ifdef ROTORS
+  for (int a = 0; a < ROTORS; a++) {
+    r->state.pi[generated.n + a] = generated.rotor[a].given ? FB_R(2.0) : FB_R(0.0);
+  }
+#endif
   status = status ? status : fb_state_from_velocity(&generated, &r->state, v, w, q_dot);
+#ifdef ROTORS
+  for (int a = 0; a < ROTORS; a++) {
+    const fb_real speed = (fb_real)(100 * random_number()), angle = (fb_real)(3 * random_number());
+    status =
+        status || generated.rotor[a].given ? status : fb_state_rotor_set(&generated, &r->state, a, speed, angle, NULL);
+  }
+#endif
   take_state(&r->own, &r->state);
   return status;
 }
@@ -107,6 +128,14 @@ static void compare_all(run *r)
   compare(r, 4, r->state.q, modes, generated.n);
   scale(modes, r->own.pi, 1 / sqrt(MASS));
   compare(r, 5, r->state.pi, modes, generated.n);
+#ifdef ROTORS
+  for (int a = 0; a < ROTORS; a++) { /* angles by their difference within half a turn */
+    const double angle = (double)r->state.q[generated.n + a], apart = angle - (double)r->own.rotor_angle[a];
+    r->difference[6] = fmax(r->difference[6], fabs(atan2(sin(apart), cos(apart))));
+    r->extreme[6] = fmax(r->extreme[6], fabs(angle));
+  }
+  compare(r, 7, r->state.pi + generated.n, r->own.rotor_momentum, ROTORS);
+#endif
 }
 
 #ifdef LOADED /* nodes 1 and 2 have loads, too */
@@ -142,6 +171,14 @@ static void load(fb_input *in, generated_input *own, double t)
     in->w_dot[i] = (fb_real)(0.15 * cos(0.5 * t));
 #endif
   }
+#ifdef ROTORS
+  for (int r = 0; r < ROTORS; r++) {
+    const double motor = generated.rotor[r].given ? 2 + sin(t + r) : 0.5 * sin(3 * t + r);
+    own->rotor_motor[r] = (fb_real)motor;
+    in->rotor[r].torque = generated.rotor[r].given ? FB_R(0.0) : (fb_real)motor;
+    in->rotor[r].momentum = generated.rotor[r].given ? (fb_real)motor : FB_R(0.0);
+  }
+#endif
 #ifdef LOADED
   load_node(in, own->force_1, own->torque_1, 1, t);
   load_node(in, own->force_2, own->torque_2, 2, t);
@@ -173,7 +210,7 @@ static double fly(run *r, int loaded)
     }
     compare_all(r);
   }
-  for (int kind = 0; kind < 6; kind++) {
+  for (int kind = 0; kind < 8; kind++) {
     const double relative = r->difference[kind] / (r->extreme[kind] > 0 ? r->extreme[kind] : 1);
     worst = fmax(worst, relative);
     printf(" %.1e", relative);
@@ -218,7 +255,7 @@ static int refusals(void)
   fb_input in;
   generated_input own;
   int good = begin(&r, 0) == FB_OK && fb_body_limit_eval(&generated, &now, &r.state, NULL) == FB_OK;
-  limit = large ? now.rk4 : limit; /* with lines it depends on the deflection */
+  limit = large || DEPENDS ? now.rk4 : limit; /* on the deflection of lines, the momenta of rotors */
   small = FB_R(1e-3) * (generated.n ? limit : FB_R(1.0));
   load(&in, &own, 0);
   good &= refused(&r, NULL, NULL, FB_R(0.0), FB_ERR_VALUE);
@@ -249,6 +286,52 @@ static int refusals(void)
   r.own.u[1] = r.state.u[1] = (fb_real)NAN;
   return good & refused(&r, NULL, NULL, small, BASE == FREE ? FB_ERR_NOT_FINITE : FB_OK);
 }
+
+#ifdef ROTORS
+/* Do both refuse a step from r, with any status? */
+static int both_refuse(const run *r)
+{
+  static fb_rk4_work work;
+  run copy = *r;
+  return fb_rk4_step(&generated, &copy.state, &work, NULL, NULL, NULL, FB_R(1e-4)) != FB_OK &&
+         generated_step(GIVEN & copy.own, NULL, NULL, NULL, FB_R(1e-4)) != generated_ok &&
+         memcmp(&copy.own, &r->own, sizeof copy.own) == 0;
+}
+
+/* The step limit by nutation, at rest but for rotors: the largest step that both take; and angles and momenta that are none. */
+static int rotors_refused(void)
+{
+  static const fb_real none[2] = {(fb_real)NAN, (fb_real)INFINITY};
+  fb_body_limit now;
+  fb_input in;
+  generated_input own;
+  run r;
+  int good = begin(&r, 0) == FB_OK, moved = 0;
+  load(&in, &own, 0.3);
+  for (int a = 0; a < ROTORS && good; a++) { /* so much momentum that it bounds the step */
+    r.state.pi[generated.n + a] *= FB_R(1e3);
+    moved |= generated.rotor[a].given;
+  }
+  take_state(&r.own, &r.state);
+  good = good && fb_body_limit_eval(&generated, &now, &r.state, NULL) == FB_OK;
+  good = good && alike(&r, (FB_SINGLE ? FB_R(0.99) : FB_R(0.999999)) * now.rk4);
+  good = good && refused(&r, NULL, NULL, FB_R(1.01) * now.rk4, FB_ERR_STEP);
+  for (int k = 0; k < 4 && good; k++) {
+    run bad;
+    good = begin(&bad, 0) == FB_OK;
+    (k < 2 ? bad.state.q : bad.state.pi)[generated.n] = none[k % 2];
+    take_state(&bad.own, &bad.state);
+    good &= (k >= 2 && moved) || both_refuse(&bad);
+  }
+  own.rotor_motor[0] = in.rotor[0].torque = (fb_real)NAN;
+  in.rotor[0].momentum = generated.rotor[0].given ? in.rotor[0].torque : FB_R(0.0);
+  good = good && begin(&r, 0) == FB_OK && refused(&r, &in, &own, FB_R(1e-4), FB_ERR_NOT_FINITE);
+  if (!good) {
+    printf("rotors: limit or refusals\n");
+  }
+  return good;
+}
+#endif
 
 /* A state with one number that is none, or too large: what the library refuses is refused, and by what reads off the state
    each that is not finite, always with that status. The step's status may be another than the library's. */
@@ -335,6 +418,10 @@ static double rates_apart(const run *r)
   scale(same.q, same.q, sqrt(MASS));
   scale(same.pi, same.pi, 1 / sqrt(MASS));
   worst = fmax(worst, apart(rate.q, same.q, generated.n));
+#ifdef ROTORS
+  worst = fmax(worst, apart(rate.q + generated.n, same.rotor_angle, ROTORS));
+  worst = fmax(worst, apart(rate.pi + generated.n, same.rotor_momentum, ROTORS));
+#endif
   return fmax(worst, apart(rate.pi, same.pi, generated.n));
 }
 
@@ -346,7 +433,14 @@ static double energy_apart(const run *r)
 #else
   fb_energy energy;
   generated_energy own;
-  if (fb_body_energy_eval(&generated, &energy, &r->state, NULL) != FB_OK ||
+  fb_input in;
+  memset(&in, 0, sizeof in);
+#ifdef ROTORS
+  for (int a = 0; a < ROTORS; a++) {
+    in.rotor[a].momentum = generated.rotor[a].given ? r->state.pi[generated.n + a] : FB_R(0.0);
+  }
+#endif
+  if (fb_body_energy_eval(&generated, &energy, &r->state, &in) != FB_OK ||
       generated_energy_eval(GIVEN & own, &r->own) != generated_ok) {
     return 1;
   }
@@ -371,6 +465,9 @@ static double nodes_apart(const run *r)
   }
   scale(q_dot, own.q_dot, sqrt(MASS));
   worst = fmax(apart(motion.v, own.v, 3), fmax(apart(motion.w, own.w, 3), apart(motion.q_dot, q_dot, generated.n)));
+#ifdef ROTORS
+  worst = fmax(worst, apart(motion.rotor_speed, own.rotor_speed, ROTORS));
+#endif
   for (int k = 0; k < generated.n_node; k++) {
     fb_node_motion node;
     generated_node same;
@@ -437,5 +534,10 @@ int main(void)
   if (!spoiled((fb_real)NAN) || !spoiled(-(fb_real)INFINITY) || !spoiled(FB_R(10.0) * FB_HUGE)) {
     return 1;
   }
+#ifdef ROTORS
+  if (!rotors_refused()) {
+    return 1;
+  }
+#endif
   return refusals() && worst <= TOLERANCE ? 0 : 1;
 }

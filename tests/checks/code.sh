@@ -11,6 +11,7 @@ need clang clang
 need valgrind valgrind
 bound_6=6000 # instructions of a step, modes with every effect
 bound_12=11500
+bound_wheels=9000 # satellite of 8 modes with three wheels
 bound_lines=37000 # 6 modes and 6 points of a geometrically exact line
 bound_board_6=7500 # on a Cortex-M4F, single precision
 bound_board_12=19000
@@ -22,9 +23,10 @@ try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 base_is=free
 given= # further options of the compiler
 loads= # nodes with loads
+rotors= # their nodes, see code.awk
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
-  awk -v seed="$1" -v effects="$2" -v base="$base_is" -f tests/checks/code.awk > "$out/random.txt"
+  awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -f tests/checks/code.awk > "$out/random.txt"
   try "$out/reduce" "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
   try "$out/reduce" "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${3:-} --out "$out/code.h"
 }
@@ -113,6 +115,33 @@ agree -O2 --single
 loaded=$largest
 largest=$polynomial
 loads=
+given=
+
+# rotors on the hub and on nodes that bend, with friction, some of given momentum (g); SEED:EFFECTS:BASE:ROTORS
+polynomial=$largest
+largest=0
+wheels=0
+for wheel in "3:full damping:free:1 0 1" "3:full damping:free:2 1 0g" "5:full damping gravity:pinned:2 0 1g" \
+  "5:full damping gravity:prescribed:2 0 1g 0" "8:rigid:free:0 1g" "8:linear:free:1 2" "8:spin acceleration_stiffening:free:2g 2" \
+  "7:full damping:free:2 2 1 0" "10:linear:pinned:2 0g" "14:large damping:free:0 1g" "4:large damping gravity:prescribed:0 1"; do
+  base_is=$(echo "$wheel" | cut -d : -f 3)
+  rotors=$(echo "$wheel" | cut -d : -f 4)
+  given=-DROTORS=$(echo $rotors | wc -w)
+  generate "$(echo "$wheel" | cut -d : -f 1)" "$(echo "$wheel" | cut -d : -f 2)"
+  compile
+  agree -O0
+  note
+  wheels=$((wheels + 1))
+done
+base_is=free
+rotors="0 1 2"
+given=-DROTORS=3
+generate 12 "full damping" --single
+compile
+agree -O2 --single
+turning=$largest
+largest=$polynomial
+rotors=
 given=
 
 # geometrically exact lines: curved, twisted, tapered, solid, beside components, on each base, by seed
@@ -226,6 +255,7 @@ refuse_vary "modes at rest" stiffness "$out/other.txt"
 printf 'rigid\nhub 5 0 0 0 1 1 1\nbase free\n' > "$out/other.txt"
 refuse_vary "choose hub_mass" mass "$out/other.txt"
 refuse_vary "has no modes" stiffness "$out/other.txt"
+refuse_vary "with rotors varies" mass examples/satellite_wheels.txt
 
 # refuse_loads WHY LIST [OPTION]
 refuse_loads() {
@@ -274,6 +304,11 @@ for base_is in pinned prescribed; do
   lanes -Dgenerated_LANES=4
 done
 base_is=free
+given="-DNUMBER=double"
+awk -v seed=3 -v effects="full damping" -v base=free -v rotors="0 2 1g" -f tests/checks/code.awk > "$out/wheels.txt"
+try "$out/reduce" "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
+lanes -Dgenerated_LANES=4
+lanes -mavx2 -Dgenerated_LANES=4
 given="-DNUMBER=float -DVARY"
 sed -i 's/^base.*/base free/' "$out/random.txt"
 try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
@@ -352,6 +387,43 @@ board_12=$count
 [ "$board_6" -le $bound_board_6 ] || fail "6 modes on the board: $board_6 instructions, more than $bound_board_6"
 [ "$board_12" -le $bound_board_12 ] || fail "12 modes on the board: $board_12 instructions, more than $bound_board_12"
 
+# the satellite with three wheels, of which one turns: instructions, and those of fb_rk4_step
+try "$out/reduce" examples/satellite_wheels.txt --name generated --code --out "$out/code.h"
+try "$out/reduce" examples/satellite_wheels.txt --name generated --out "$out/rom.h"
+cat > "$out/count.c" <<'END'
+#include "flexbeam.h"
+#define generated_IMPLEMENTATION
+#include "code.h"
+#undef generated_crc
+#include "rom.h"
+int main(void)
+{
+  static generated_state s;
+  static fb_state state;
+  static fb_rk4_work work;
+  int refused = fb_state_init(&generated, &state) != FB_OK;
+  generated_start(&s);
+  s.L[1] = s.rotor_momentum[0] = state.L[1] = state.pi[generated.n] = 32;
+  s.L[0] = state.L[0] = 3;
+  s.q[0] = state.q[0] = 0.05;
+  for (int k = 0; k < 50; k++) {
+    refused |= generated_step(&s, 0, 0, 0, 1e-3) != generated_ok;
+    refused |= fb_rk4_step(&generated, &state, &work, 0, 0, 0, 1e-3) != FB_OK;
+  }
+  return refused;
+}
+END
+try gcc $c99 $flags -O2 -c -o "$out/fast.o" "$out/impl.c"
+try gcc $c99 $flags -O2 -I"$out" -o "$out/count" "$out/count.c" "$out/fast.o" -lm
+for f in generated_step fb_rk4_step; do
+  rm -f "$out"/cg*
+  try valgrind --tool=callgrind --callgrind-out-file="$out/cg" --toggle-collect=$f --dump-after=$f "$out/count"
+  cat "$out"/cg.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq > "$out/counts"
+  [ $f = fb_rk4_step ] || [ "$(wc -l < "$out/counts")" = 1 ] || fail "satellite with wheels: steps differ in their number of instructions: $(tr '\n' ' ' < "$out/counts")"
+  eval "count_$f=$(tail -n 1 "$out/counts")"
+done
+[ $count_generated_step -le $bound_wheels ] || fail "satellite with wheels: $count_generated_step instructions, more than $bound_wheels"
+
 # refuse WHAT LINE...: the boom with other lines
 refuse() {
   what=$1
@@ -363,7 +435,21 @@ refuse() {
   [ ! -e "$out/none.h" ] || fail "$what: a file is written"
 }
 refuse "base hinged" "base hinged"
+# refuse_rotor WHAT LINE...: the body that was generated last, with a rotor
+refuse_rotor() {
+  what=$1
+  shift
+  {
+    cat "$out/random.txt"
+    printf '%s\n' "$@" "axis 1 0 0" "inertia 0.1" end
+  } > "$out/other.txt"
+  ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "$what is taken"
+  grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
+}
+awk -v seed=4 -v effects="large damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
+refuse_rotor "a rotor with an imbalance" "rotor wheel" "static_imbalance 1e-4"
+refuse_rotor "a rotor on a line" "rotor wheel 2"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
 grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
-ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"
+ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

@@ -25,7 +25,7 @@ attack() {
 
 # body SEED EFFECTS BASE OPTIONS [OPTION...]: of reduce, of the compiler
 body() {
-  awk -v seed="$1" -v effects="$2" -v base="$3" -f tests/checks/code.awk > "$out/body.txt"
+  awk -v seed="$1" -v effects="$2" -v base="$3" -v rotors="${rotors:-}" -f tests/checks/code.awk > "$out/body.txt"
   try "$out/reduce" "$out/body.txt" --name generated --code $4 --out "$out/code.h"
   what="seed $1, $2, $3 $4"
   shift 4
@@ -48,6 +48,11 @@ body 8 "rigid gravity" free "" -DNUMBER=double
 body 5 "full damping gravity" free "--lanes --vary $all --loads 1,2" -DNUMBER=double -DVARY -Dgenerated_LANES=4
 body 5 "full damping gravity" pinned "--vary $all" -DNUMBER=double -DVARY
 body 5 "full damping gravity" prescribed "--single --lanes --vary $all" -DNUMBER=float -DVARY -DPRESCRIBED=1 -Dgenerated_LANES=2
+rotors="0 2 1g"
+body 3 "full damping" free --lanes -DNUMBER=double -Dgenerated_LANES=2
+body 5 "full damping gravity" pinned --single -DNUMBER=float
+body 5 "full damping gravity" prescribed "" -DNUMBER=double -DPRESCRIBED=1
+rotors=
 body 4 "large damping" free "--vary stiffness,damping" -DNUMBER=double -DVARY -DSAMPLE=200
 body 5 "large damping" free --single -DNUMBER=float -DSAMPLE=800
 
@@ -59,6 +64,8 @@ tree 12 "" -DNUMBER=double
 tree 28 "" -DNUMBER=double -DLOOPS
 tree 31 --single -DNUMBER=float -DLOOPS -DSAMPLE=800
 tree 33 --lanes -DNUMBER=double -DLOOPS -DSAMPLE=800 -Dgenerated_LANES=4
+tree 43 "" -DNUMBER=double -DSAMPLE=1500
+tree 46 --single -DNUMBER=float -DSAMPLE=1500
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 37 "" -DNUMBER=double
 tree 38 --single -DNUMBER=float

@@ -14,8 +14,9 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, MODELS = 8, GIVEN = 16, RUBS = 32, TIP = 8 };
-/* With RIGID..: GIVEN: the axis of its joint is prescribed; RUBS: it has friction and stops, which it reaches */
+enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, TIP = 8 };
+/* With RIGID..: GIVEN: the axis of its joint is prescribed; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
+   same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside */
 
 typedef struct hang {
   fb_joint_kind kind;
@@ -243,6 +244,32 @@ static const struct {
      1,
      1,
      {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_RIGID, 0, PANEL}, {FB_JOINT_SPHERICAL, 1 + TIP, RIGID}}},
+    /* 43: wheels on hinges; 44: and on the ground; 45: rotors inside bodies; 46: both */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, WHEEL},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_REVOLUTE, 2, WHEEL}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 1, WHEEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_REVOLUTE, 0, MAST}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
+    {FB_EFFECTS_LINEAR, 1, 1, {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_UNIVERSAL, 0, HUB}, {FB_JOINT_REVOLUTE, 1, WHEEL}}},
+    /* 47: a wheel beside a loop */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_UNIVERSAL, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 2, RIGID},
+      {FB_JOINT_REVOLUTE, 0, WHEEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -270,7 +297,8 @@ static const struct {
              {33, FB_JOINT_SPHERICAL, -1, 2 + TIP + RUBS},
              {33, FB_JOINT_UNIVERSAL, 0, 1 + TIP + RUBS},
              {34, FB_JOINT_SCREW, 0, 3 + TIP + RUBS},
-             {35, FB_JOINT_REVOLUTE, -1, 0 + RUBS}};
+             {35, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
+             {47, FB_JOINT_SPHERICAL, 1 + TIP, 3}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -296,8 +324,26 @@ static int need(fb_status status, const char *what)
   return 1;
 }
 
-/* A rigid body with a beam of that many modes on it, 0: none. */
-static void build_model(fb_body *body, unsigned effects, int gravity, int modes, int plain)
+/* Rotors inside a body: two on the frame, one at its tip if it has one, else one of given momentum; friction. */
+static void build_rotors(fb_body_desc *level, int tip)
+{
+  level->n_rotor = tip > 0 ? 3 : 2;
+  for (int r = 0; r < level->n_rotor; r++) {
+    fb_rotor *const rotor = &level->rotor[r];
+    rotor->node = r == 2 ? tip : 0;
+    rotor->axis[0] = (fb_real)random_number();
+    rotor->axis[1] = FB_R(1.0);
+    rotor->axis[2] = (fb_real)random_number();
+    rotor->inertia = FB_R(0.1);
+    rotor->damping = FB_R(0.002);
+    rotor->friction = r == 0 ? FB_R(0.0) : FB_R(0.01);
+    rotor->friction_speed = FB_R(2.0);
+    rotor->given = tip == 0 && r == 1;
+  }
+}
+
+/* A rigid body with a beam of that many modes on it, 0: none; with rotors if they are asked for. */
+static void build_model(fb_body *body, unsigned effects, int gravity, int modes, int plain, int rotors)
 {
   static fb_shape shape;
   static fb_body_work body_work;
@@ -308,7 +354,7 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
   static fb_modes_desc keep;
   static fb_body_desc level;
   fb_real center[3], inertia[6] = {9, 11, 14, 0, 0, 0};
-  int tip;
+  int tip = 0;
   for (int i = 0; i < 3; i++) {
     center[i] = plain ? (i == 0 ? FB_R(0.5) : FB_R(0.0)) : (fb_real)(0.3 * random_number());
     inertia[i] = plain ? (i == 0 ? FB_R(4.0) : FB_R(9.0)) : inertia[i] + (fb_real)random_number();
@@ -344,6 +390,9 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
   }
   if (modes > 0) {
     need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, boom.length), "tip");
+  }
+  if (rotors) {
+    build_rotors(&level, modes > 0 ? tip : 0);
   }
   need(fb_body_init(body, &body_work, &shape, &level), "body");
   if (modes == 2 && hard > 1) { /* as modes of a part that are not orthogonal */
@@ -460,11 +509,38 @@ static void build_loop(int which, int l)
   desc.n_loop++;
 }
 
+/* A wheel about its z axis, which is that of its hinge. */
+static void build_wheel(fb_body *body, int gravity)
+{
+  static fb_shape shape;
+  static fb_body_work body_work;
+  static fb_body_desc level;
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {FB_R(0.3), FB_R(0.3), FB_R(0.5), 0, 0, 0};
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_RIGID | (gravity ? FB_EFFECT_GRAVITY : 0u);
+  level.base = FB_BASE_PRESCRIBED;
+  level.gravity[1] = gravity ? FB_R(0.5) : FB_R(0.0);
+  level.gravity[2] = gravity ? FB_R(-2.0) : FB_R(0.0);
+  need(fb_shape_init(&shape, 0), "shape");
+  need(fb_shape_add_rigid(&shape, FB_R(3.0), center, inertia), "wheel");
+  need(fb_body_init(body, &body_work, &shape, &level), "wheel");
+}
+
+static int is_wheel(int k)
+{
+  return desc.model[k] == WHEEL;
+}
+
 static void build(int which)
 {
-  build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2);
-  build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4, which < 2);
-  build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2);
+  build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2, 0);
+  build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4, which < 2, 0);
+  build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2, 0);
+  build_wheel(&model[WHEEL], trees[which].gravity);
+  if (which >= 43) {
+    build_model(&model[HUB], 0, trees[which].gravity, 0, 0, 1);
+    build_model(&model[MAST], trees[which].effects, trees[which].gravity, 4, 0, 1);
+  }
   memset(&desc, 0, sizeof desc);
   desc.allow_long_step = hard > 1 && which == 16;
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
@@ -478,6 +554,13 @@ static void build(int which)
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
       build_joint(&desc.joint[k], &trees[which].link[k], trees[which].turned);
+      if (is_wheel(k)) { /* about its own z axis, through its mass center; it turns freely */
+        memset(desc.joint[k].child_attitude, 0, sizeof desc.joint[k].child_attitude);
+        memset(desc.joint[k].child_position, 0, sizeof desc.joint[k].child_position);
+        memset(desc.joint[k].stiffness, 0, sizeof desc.joint[k].stiffness);
+        memset(desc.joint[k].rest, 0, sizeof desc.joint[k].rest);
+        desc.joint[k].damping[0] = FB_R(0.005); /* which would brake it too much in a step */
+      }
       if (flags & RUBS) {
         build_rubbing(&desc.joint[k]);
       }
@@ -500,7 +583,7 @@ static void write_members(void)
   for (int k = 0; k < desc.n_body; k++) {
     const int axes = mechanism.joint[k].n_axis, n = model[desc.model[k]].n;
     const int free = desc.joint[k].mode[0] == FB_AXIS_FREE;
-    printf("LOAD(%d)\n", k);
+    printf(is_wheel(k) ? "" : "LOAD(%d)\n", k);
     if (desc.joint[k].kind == FB_JOINT_FREE) {
       printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k,
              k, k);
@@ -513,6 +596,7 @@ static void write_members(void)
       printf("MEMBER(%d, x, PLACE)\n", k);
     }
     printf(axes > 0 && free ? "MEMBER(%d, p, MOMENTUM)\n" : "", k);
+    printf(model[desc.model[k]].n_rotor > 0 ? "ROTORS(%d)\n" : "", k);
     printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\nMODAL(%d)\n" : "", k, k, k);
   }
 }
@@ -561,7 +645,19 @@ typedef struct pair {
   int n, kind;
 } pair;
 
-enum { PLACE, ATTITUDE, MOMENTUM, MODE, MODE_MOMENTUM, VALUE, FRAME, LOST, KINDS };
+enum {
+  PLACE,
+  ATTITUDE,
+  MOMENTUM,
+  MODE,
+  MODE_MOMENTUM,
+  VALUE,
+  FRAME,
+  ANGLE,
+  SPUN,
+  LOST,
+  KINDS
+}; /* ANGLE, SPUN: of rotors */
 
 static fb_system_state state;
 static generated_state own;
@@ -591,7 +687,9 @@ static void compare(void)
   for (int k = 0; k < n_piece; k++) {
     const pair *const p = &piece[k];
     for (int i = 0; i < p->n; i++) {
-      difference[p->kind] = fmax(difference[p->kind], fabs((double)p->own[i] - (double)p->theirs[i]));
+      const double apart = (double)p->own[i] - (double)p->theirs[i];
+      difference[p->kind] =
+          fmax(difference[p->kind], fabs(p->kind == ANGLE ? atan2(sin(apart), cos(apart)) : apart)); /* of a turn */
       extreme[p->kind] = fmax(extreme[p->kind], fabs((double)p->theirs[i]));
     }
   }
@@ -612,7 +710,11 @@ static void start(double speed)
     }
     fb_quat_from_rotvec(motion[k].quat, turn);
     for (int i = 0; i < 6; i++) {
-      motion[k].speed[i] = (fb_real)(speed * random_number());
+      motion[k].speed[i] = (fb_real)((is_wheel(k) ? 200 : 1) * speed * random_number());
+    }
+    for (int r = 0; r < body->n_rotor; r++) {
+      motion[k].rotor_speed[r] = (fb_real)(200 * speed * random_number());
+      motion[k].rotor_angle[r] = (fb_real)random_number();
     }
     for (int a = 0; a < body->n; a++) {
       motion[k].q[a] = (fb_real)(0.05 / sqrt(hard) * (double)body->deflection_limit / (double)body->reach[a] / body->n *
@@ -630,15 +732,32 @@ static void start(double speed)
   take_state(0);
 }
 
+static const fb_load *load_on(const fb_system_input *in, int k)
+{
+  int i = 0;
+  while (i + 1 < in->n_load && in->load[i].body != k) {
+    i++;
+  }
+  return &in->load[i].load;
+}
+
+static inline void take_motors(fb_real *mine, const fb_rotor_input *in, int n)
+{
+  for (int r = 0; r < n; r++) {
+    mine[r] = in[r].torque + in[r].momentum; /* one of them is zero */
+  }
+}
+
 /* What drives the library becomes what drives the step. */
 static void give(generated_input *mine, const fb_system_input *in)
 {
 #define MEMBER(k, member, kind)
-#define LOAD(k)                                                              \
-  memcpy(mine->body_##k.force, in->load[k].load.force, 3 * sizeof(fb_real)); \
-  memcpy(mine->body_##k.torque, in->load[k].load.torque, 3 * sizeof(fb_real));
+#define LOAD(k)                                                             \
+  memcpy(mine->body_##k.force, load_on(in, k)->force, 3 * sizeof(fb_real)); \
+  memcpy(mine->body_##k.torque, load_on(in, k)->torque, 3 * sizeof(fb_real));
 #define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
 #define MODAL(k)
+#define ROTORS(k) take_motors(mine->body_##k.rotor_motor, in->rotor[k], model[desc.model[k]].n_rotor);
 #define DRIVE(k)                                                                 \
   memcpy(mine->body_##k.value, in->drive[k].value, sizeof mine->body_##k.value); \
   memcpy(mine->body_##k.rate, in->drive[k].rate, sizeof mine->body_##k.rate);
@@ -648,6 +767,7 @@ static void give(generated_input *mine, const fb_system_input *in)
 #undef MOTOR
 #undef MODAL
 #undef DRIVE
+#undef ROTORS
 }
 
 static void load(fb_system_input *in, generated_input *mine, double t)
@@ -655,13 +775,21 @@ static void load(fb_system_input *in, generated_input *mine, double t)
   const double far = desc.n_loop > 0 ? 0.1 : 1; /* that a crank turns */
   memset(in, 0, sizeof *in);
   memset(mine, 0, sizeof *mine);
-  in->n_load = desc.n_body;
   for (int k = 0; k < desc.n_body; k++) {
-    in->load[k].body = k;
-    in->load[k].load.axes = FB_AXES_BODY;
+    fb_load *const act = &in->load[in->n_load].load;
+    if (!is_wheel(k)) { /* loads on a wheel would turn with it */
+      in->load[in->n_load++].body = k;
+      act->axes = FB_AXES_BODY;
+    }
+    for (int r = 0; r < model[desc.model[k]].n_rotor; r++) {
+      const fb_real motor = (fb_real)(0.5 * sin(2 * t + r + k));
+      const int given = model[desc.model[k]].rotor[r].given;
+      in->rotor[k][r].torque = given ? FB_R(0.0) : motor;
+      in->rotor[k][r].momentum = given ? motor : FB_R(0.0);
+    }
     for (int i = 0; i < 3; i++) {
-      in->load[k].load.force[i] = (fb_real)(2 * sin(t + i + 2 * k));
-      in->load[k].load.torque[i] = (fb_real)(2 * cos(2 * t + i + k));
+      act->force[i] = is_wheel(k) ? FB_R(0.0) : (fb_real)(2 * sin(t + i + 2 * k));
+      act->torque[i] = is_wheel(k) ? FB_R(0.0) : (fb_real)(2 * cos(2 * t + i + k));
       in->drive[k].torque[i] = desc.joint[k].mode[0] == FB_AXIS_FREE && mechanism.joint[k].kind != FB_JOINT_FREE &&
                                        i < mechanism.joint[k].n_axis
                                    ? (fb_real)(2 * sin(3 * t + i - k))
@@ -851,6 +979,7 @@ static int modal(void)
 #define LOAD(k)
 #define MOTOR(k)
 #define DRIVE(k)
+#define ROTORS(k)
 #define MODAL(k)                                                                          \
   for (int sign = -1; sign < 2; sign += 2) {                                              \
     const double before = (double)own.body_##k.pi[0];                                     \
@@ -875,6 +1004,7 @@ static int modal(void)
 #undef MOTOR
 #undef MODAL
 #undef DRIVE
+#undef ROTORS
   return good;
 }
 
@@ -910,7 +1040,9 @@ static int refusals(void)
     for (int i = 0; i < piece[k].n; i++) {
       const fb_real kept = piece[k].own[i];
       piece[k].own[i] = piece[k].theirs[i] = (fb_real)NAN;
-      good &= piece[k].kind == VALUE || refused(NULL, NULL, small, FB_OK, "a number of the state that is none");
+      good &= piece[k].kind == VALUE || (piece[k].kind == SPUN /* one that is given is not read */
+                                             ? alike(NULL, NULL, small, "a momentum of a rotor that is none")
+                                             : refused(NULL, NULL, small, FB_OK, "a number of the state that is none"));
       piece[k].own[i] = piece[k].theirs[i] = kept;
       if (piece[k].kind == MODE) {
         piece[k].own[i] = piece[k].theirs[i] = FB_R(100.0);
@@ -1008,12 +1140,16 @@ int main(int argc, char **argv)
 #define MEMBER(k, member, kind) add(own.body_##k.member, state.link[k].member, sizeof own.body_##k.member, kind);
 #define MODAL(k)
 #define DRIVE(k)
+#define ROTORS(k)                                                                                                  \
+  add(own.body_##k.rotor_angle, state.link[k].q + model[desc.model[k]].n, sizeof own.body_##k.rotor_angle, ANGLE); \
+  add(own.body_##k.rotor_momentum, state.link[k].pi + model[desc.model[k]].n, sizeof own.body_##k.rotor_momentum, SPUN);
 #include "members.h"
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
 #undef MODAL
 #undef DRIVE
+#undef ROTORS
   for (int loaded = 0; loaded < 2; loaded++) {
     start(0.3);
     worst = fmax(worst, fly(loaded));

@@ -64,7 +64,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41 | 43 | 46)
     compile
     write $trees --single
     compile
@@ -113,7 +113,7 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41; do
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
   small=$([ $tree != 22 ] || echo -DLOAD=1e-4) # jumps of a crank, which loops refuse
@@ -151,6 +151,10 @@ arm=$count
 [ "$arm" -le $bound_arm ] || fail "arm of two links that bend: $arm instructions, more than $bound_arm"
 steps 21 's.body_0.p[0] = 0.3;' without
 bars=$count
+steps 45 "s.body_0.p[5] = 3; s.body_0.rotor_momentum[0] = 9; s.body_1.rotor_momentum[2] = 3;" without
+turning=$count
+steps 43 "s.body_0.p[5] = 3; s.body_1.x[0] = s.body_2.x[0] = s.body_3.x[0] = 0.3; s.body_1.p[0] = 0.05;"
+wheels=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
 steps 28 "$turns s.body_1.p[0] = 0.03;" without
 deploys=$count
@@ -246,6 +250,13 @@ refuse_loop() {
   refused=$((refused + 1))
 }
 refuse "a loop between what flies and the ground" none.h "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
+grounded 'loop pin spherical hub array.tip
+end
+rotor fly hub
+  axis 1 0 0
+  inertia 0.1
+end'
+refuse_loop "rotors beside loops"
 grounded 'loop pin screw hub array.tip
   pitch 1
   stiffness 1
@@ -276,7 +287,13 @@ try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
-refuse "wheel: it looks the same" none.h "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end"
+refuse "motor and momentum of a rotor: .* (line" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "motor constant 1" "end"
+refuse "hub: a rotor with an imbalance" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
+scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "rotor fly hub" "axis 1 0 0" "inertia 0.1" "speed 100" "end"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+grep -q 'rotor_motor\[1\]' "$out/generated.h" || fail "a scene's rotor has no motor"
+mv "$out/generated.h" "$out/code.h"
+compile
 balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 1.1 1.2\nend\njoint ball%s spherical hub ball%s\nend\n' $k $k $k; done)
 refuse "25 axes of joints: choose at most 24" none.h "$balls"
 refuse "28 axes of joints and modes that move a joint: choose at most 24" none.h "$(printf '%s' "$balls" | sed 's/hub ball8/array.tip ball8/')"
@@ -291,4 +308,4 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$ou
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge; $refused scenes refused"

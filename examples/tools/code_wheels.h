@@ -1,0 +1,313 @@
+/* code_wheels.h - wheels of a tree, whole bodies that look the same at all angles of their hinge and rotors inside bodies:
+   what they add to its step limit, E11.41 and E11.50. Included by code_tree.h. */
+#ifndef CODE_WHEELS_H
+#define CODE_WHEELS_H
+
+/* Whether what the library looks at, or the caller, needs a rotor or a wheel. */
+static int tree_has_wheels(void)
+{
+  int has = 0;
+  for (int k = 0; k < tree.n; k++) {
+    has |= tree_is_wheel(k) || tree.link[k].model->n_rotor > 0;
+  }
+  return has;
+}
+
+/* Axis of the hinge of a wheel, its axes: i 2; across it: i 0, 1. */
+static double tree_wheel_axis(int k, int i, int j)
+{
+  return i == 2 ? tree_snap((double)tree.link[k].joint->A[3 + j], 1.0)
+                : tree_snap((double)tree.link[k].joint->child_axes[3 * j + i], 1.0);
+}
+
+/* L^-1 r into z: r the momenta of root and axes by the unit wrench f of body k. */
+static void tree_write_unit(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
+                            code_value wrench[6], const char *name, int k)
+{
+  code_value right[CODE_ROWS];
+  code_sum s;
+  char word[40];
+  tree_nothing(right, CODE_ROWS);
+  for (int j = k, from = -1; j >= 0; from = j, j = tree.link[j].parent) {
+    const tree_link *const L = &tree.link[j];
+    if (from >= 0) {
+      code_value up[6];
+      tree_nothing(up, 6);
+      snprintf(word, sizeof word, "%s%c%d", name, 'f', from);
+      tree_write_to_parent(w, up, &tree.link[from], wrench, word, k);
+      memcpy(wrench, up, sizeof up);
+    }
+    for (int a = 0; a < L->axes; a++) {
+      right[L->row + a] = tree_write_along(w, L->A[a], wrench, code_variable("b%d_%s_%d", k, name, L->row + a));
+    }
+    for (int i = 0; i < 6 && j == tree.root; i++) {
+      right[i] = wrench[i];
+    }
+  }
+  for (int i = 0; i < f->n; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, right[order[i]]);
+    for (int m = 0; m < i; m++) {
+      code_add(&s, -1.0, f->low[i][m], z[m]);
+    }
+    z[i] = code_end(w, &s, code_variable("b%d_%sz_%d", k, name, i));
+  }
+}
+
+/* s += z D^-1 y */
+static void tree_add_unit(const code *w, code_sum *s, const code_factor *f, const code_value z[CODE_ROWS],
+                          const code_value y[CODE_ROWS], const char *name, int k)
+{
+  for (int i = 0; i < f->n; i++) {
+    code_sum one;
+    code_value product;
+    code_begin(&one);
+    code_add(&one, 1.0, z[i], y[i]);
+    product = code_end(w, &one, code_variable("b%d_%s_%d", k, name, i));
+    code_add(s, 1.0, f->share[i], product);
+  }
+}
+
+/* E11.41 of a wheel: its nutation, half (G0 + G1) + sqrt(half (G0 - G1)^2 + G2^2) times inertia and spin, G the mobility
+   across its axis in the whole; it turns across its axis by across_k. */
+static void tree_write_wheel(const code *w, const code_factor *f, const int *order, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  static code_value z[2][CODE_ROWS];
+  code_value about, across[3], G[3], half;
+  char name[16], number[40];
+  code_sum s;
+  for (int i = 0; i < 2; i++) {
+    code_value wrench[6];
+    tree_nothing(wrench, 6);
+    for (int j = 0; j < 3; j++) {
+      wrench[3 + j] = code_constant(tree_wheel_axis(k, i, j));
+    }
+    snprintf(name, sizeof name, "u%d", i);
+    tree_write_unit(w, f, order, z[i], wrench, name, k);
+  }
+  for (int i = 0; i < 3; i++) {
+    snprintf(name, sizeof name, "g%d", i);
+    code_begin(&s);
+    tree_add_unit(w, &s, f, z[i == 1], z[i != 0], name, k);
+    G[i] = code_variable("b%d_G%d", k, i);
+    code_declare(w, &s, G[i].name);
+  }
+  code_begin(&s);
+  code_add_one(&s, 0.5, G[0]);
+  code_add_one(&s, -0.5, G[1]);
+  half = code_variable("b%d_half", k);
+  code_declare(w, &s, half.name);
+  code_begin(&s);
+  for (int j = 0; j < 3; j++) {
+    code_add_one(&s, tree_wheel_axis(k, 2, j), L->V[3 + j]);
+  }
+  about = code_variable("b%d_about", k);
+  code_declare(w, &s, about.name);
+  for (int j = 0; j < 3; j++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, L->V[3 + j]);
+    code_add_one(&s, -tree_wheel_axis(k, 2, j), about);
+    across[j] = code_end(w, &s, code_variable("b%d_across_%c", k, tree_axis[j]));
+  }
+  tree_write_norm(w, "across", k, across);
+  code_number(number, w, (double)tree.system->rotor[k]);
+  fprintf(w->out, "    nutation += %s * (", number);
+  code_template(w, "`0.5` * (");
+  fprintf(w->out, "%s + %s) + ", G[0].name, G[1].name);
+  code_template(w, "sqrt~(");
+  fprintf(w->out, "%s * %s + %s * %s)) * ", half.name, half.name, G[2].name, G[2].name);
+  code_template(w, "fabs~(");
+  fprintf(w->out, "%s);\n", about.name);
+}
+
+/* Are rotors r and i on the same section? */
+static int tree_same_section(const fb_body *body, int r, int i)
+{
+  const fb_rotor *const a = &body->rotor[r], *const b = &body->rotor[i];
+  return a->moves == b->moves && (!a->moves || a->node == b->node);
+}
+
+/* Rotation of the section of rotor r by coordinates, J_i = turn^T B(e_i), about axis i. */
+static void tree_write_section(const code *w, code_value J[3][FB_MAX_MODES], int r)
+{
+  for (int i = 0; i < 3; i++) {
+    code_value unit[3], bent[3];
+    char name[16];
+    code_sum s;
+    tree_nothing(unit, 3);
+    unit[i] = code_constant(1.0);
+    snprintf(name, sizeof name, "e%d", i);
+    code_write_rotor_bent(w, bent, unit, name, r);
+    for (int a = 0; a < w->n; a++) {
+      code_begin(&s);
+      for (int j = 0; j < 3; j++) {
+        code_add(&s, 1.0, code_rotor.turn[r][j][a], bent[j]);
+      }
+      J[i][a] = code_end(w, &s, code_variable("r%d_J%d_%d", r, i, a));
+    }
+  }
+}
+
+/* W: mobility of the section of rotor r of body k in the whole: r^T M^-1 r, and of its own modes J M^-1 J^T. */
+static void tree_write_mobility(const code *w, const code_factor *f, const int *order, code_value W[6], int r, int k)
+{
+  static code_value z[3][CODE_ROWS], J[3][FB_MAX_MODES], turned[3][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  const int moves = L->model->rotor[r].moves;
+  char name[16];
+  code_sum s;
+  for (int i = 0; i < 3; i++) {
+    for (int a = 0; a < FB_MAX_MODES; a++) {
+      J[i][a] = turned[i][a] = code_constant(0.0);
+    }
+  }
+  if (moves) {
+    code own = tree_enter(w, k);
+    own.indent = w->indent;
+    code_rotor = tree_rotors[k];
+    tree_write_section(&own, J, r);
+    for (int i = 0; i < 3; i++) {
+      snprintf(name, sizeof name, "r%d_MJ%d", r, i);
+      code_write_solve(&own, turned[i], J[i], name);
+    }
+    tree_leave(k);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_value wrench[6];
+    for (int j = 0; j < 6; j++) {
+      code_begin(&s);
+      code_add_one(&s, j == 3 + i ? 1.0 : 0.0, code_constant(1.0));
+      for (int a = 0; a < L->n && moves; a++) {
+        code_add(&s, -1.0, L->rates.lambda[j][a], turned[i][a]);
+      }
+      wrench[j] = code_end(w, &s, code_variable("b%d_r%d_F%d%d", k, r, i, j));
+    }
+    snprintf(name, sizeof name, "r%du%d", r, i);
+    tree_write_unit(w, f, order, z[i], wrench, name, k);
+  }
+  for (int e = 0; e < 6; e++) {
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    code_begin(&s);
+    snprintf(name, sizeof name, "r%dw%d", r, e);
+    tree_add_unit(w, &s, f, z[row[e]], z[column[e]], name, k);
+    for (int a = 0; a < L->n && moves; a++) {
+      code_add(&s, 1.0, J[row[e]][a], turned[column[e]][a]);
+    }
+    W[e] = code_end(w, &s, code_variable("b%d_r%d_W%d", k, r, e));
+  }
+}
+
+static const int tree_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}; /* elements of W */
+
+/* H.adj(W) H as bK_rR_square, of which the root is the frequency of nutation. */
+static void tree_write_square(const code *w, const code_value W[6], const code_value H[3], int r, int k)
+{
+  code_value y[3];
+  code_sum s;
+  for (int a = 0; a < 3; a++) { /* rows of adj(W) */
+    code_begin(&s);
+    for (int b = 0; b < 3; b++) {
+      const int i = (a + 1) % 3, j = (a + 2) % 3, l = (b + 1) % 3, m = (b + 2) % 3;
+      code_value minor;
+      code_sum one;
+      code_begin(&one);
+      code_add(&one, 1.0, W[tree_packed[i][l]], W[tree_packed[j][m]]);
+      code_add(&one, -1.0, W[tree_packed[i][m]], W[tree_packed[j][l]]);
+      minor = code_end(w, &one, code_variable("b%d_r%d_M%d%d", k, r, a, b));
+      code_add(&s, 1.0, minor, H[b]);
+    }
+    y[a] = code_end(w, &s, code_variable("b%d_r%d_y%d", k, r, a));
+  }
+  code_begin(&s);
+  for (int a = 0; a < 3; a++) {
+    code_add(&s, 1.0, H[a], y[a]);
+  }
+  code_declare(w, &s, code_variable("b%d_r%d_square", k, r).name);
+}
+
+/* E11.50 of the rotors on the section of rotor r of body k. */
+static void tree_write_rotor_spin(const code *w, const code_factor *f, const int *order, int r, int k)
+{
+  const fb_body *const body = tree.link[k].model;
+  const code_rotors *const own = &tree_rotors[k];
+  code_value W[6], H[3];
+  code_sum s, spin;
+  tree_write_mobility(w, f, order, W, r, k);
+  code_begin(&spin);
+  for (int i = r; i < body->n_rotor; i++) {
+    const fb_rotor *const rotor = &body->rotor[i];
+    const double slope = (double)rotor->damping +
+                         (rotor->friction > FB_R(0.0) ? (double)rotor->friction / (double)rotor->friction_speed : 0.0);
+    if (!tree_same_section(body, r, i) || !(slope > 0.0)) {
+      continue;
+    }
+    code_add_one(&spin, slope / (double)rotor->inertia, code_constant(1.0));
+    for (int a = 0; a < 3; a++) {
+      code_begin(&s);
+      for (int b = 0; b < 3; b++) {
+        code_add(&s, 1.0, W[tree_packed[a][b]], own->axis[i][b]);
+      }
+      code_add(&spin, slope, own->axis[i][a], code_end(w, &s, code_variable("b%d_r%d_Wa%d", k, i, a)));
+    }
+  }
+  for (int a = 0; a < 3; a++) {
+    code_begin(&s);
+    for (int i = r; i < body->n_rotor; i++) {
+      if (tree_same_section(body, r, i)) {
+        code_add(&s, 1.0, own->axis[i][a], own->momentum[i]);
+      }
+    }
+    H[a] = code_end(w, &s, code_variable("b%d_r%d_H%d", k, r, a));
+  }
+  tree_write_square(w, W, H, r, k);
+  code_declare(w, &spin, code_variable("b%d_r%d_brake", k, r).name);
+  fprintf(w->out, "    nutation += b%d_r%d_brake + ", k, r);
+  code_template(w, "`0.5` * sqrt~(%W");
+  fprintf(w->out, "b%d_r%d_square", k, r);
+  code_template(w, " > `0`%,");
+  fprintf(w->out, "b%d_r%d_square", k, r);
+  code_template(w, "%!);\n");
+}
+
+/* What all of them add to the fastest rotation, in `nutation`. */
+static void tree_write_nutation(const code *w, const code_factor *f, const int *order)
+{
+  code_template(w, "    $ nutation = %z;\n");
+  for (int k = 0; k < tree.n; k++) {
+    const fb_body *const body = tree.link[k].model;
+    if (tree_is_wheel(k)) {
+      tree_write_wheel(w, f, order, k);
+    }
+    for (int r = 0; r < body->n_rotor; r++) {
+      int known = 0;
+      for (int i = 0; i < r; i++) {
+        known |= tree_same_section(body, r, i);
+      }
+      if (!known) {
+        tree_write_rotor_spin(w, f, order, r, k);
+      }
+    }
+  }
+}
+
+/* E11.26 body by body; of wheels about their axes alone. */
+static void tree_write_wheel_turns(const code *w)
+{
+  for (int k = 0; k < tree.n; k++) {
+    char axis[3][40];
+    for (int j = 0; j < 3 && tree_is_wheel(k); j++) {
+      code_number(axis[j], w, tree_wheel_axis(k, 2, j));
+    }
+    code_template(w, "      {\n");
+    for (int j = 0; j < 3; j++) {
+      fprintf(w->out, "        const %s %c = dt * (w[%d] - first[%d]);\n", code_real(w), 'a' + j, 3 * k + j, 3 * k + j);
+    }
+    if (tree_is_wheel(k)) {
+      fprintf(w->out, "        const %s about = %s * a + %s * b + %s * c;\n", code_real(w), axis[0], axis[1], axis[2]);
+    }
+    code_template(w, tree_is_wheel(k) ? "        far |= !%((about * about <= `0.25`)%);\n      }\n"
+                                      : "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n");
+  }
+}
+#endif
