@@ -59,9 +59,7 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
 {
   const char *what = choice->implicit ? sdirk_refusal(&engine.system) : NULL;
   tree_refusal(text, &engine.system, engine.body, names);
-  what = what || !choice->lanes ? what
-         : choice->implicit     ? "lanes by integrator sdirk: choose rk4"
-                                : tree_lanes_refusal(&engine.system);
+  what = !what && choice->lanes && choice->implicit ? "lanes by integrator sdirk: choose rk4" : what;
   if (!text[0] && what) {
     snprintf(text, 200, "%s", what);
   }

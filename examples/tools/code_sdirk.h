@@ -18,7 +18,7 @@ typedef struct sdirk_link {
 static sdirk_link sdirk[FB_MAX_BODIES];
 
 /* What of a system has no L-stable step here; NULL: nothing. */
-static const char *sdirk_refusal(const fb_system *system)
+static inline const char *sdirk_refusal(const fb_system *system)
 {
   if (system->carries_rotors) {
     return "rotors by integrator sdirk: choose integrator rk4";

@@ -310,9 +310,21 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* What of rotors in a system cannot be written; NULL: nothing. */
-static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body)
+/* What of rotors in body k, or of a wheel, cannot be written; NULL: nothing. Their mobility (E11.41, E11.50) is that of
+   bodies whose modes move no joint between them and the root. */
+static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body, int k)
 {
+  const int wheel = system->has_rotors && !system->allow_long_step && system->rotor[k] > FB_R(0.0);
+  int moved = 0;
+  for (int j = k; j >= 0 && system->joint[j].kind != FB_JOINT_FREE; j = system->joint[j].parent) {
+    moved |= system->joint[j].moves;
+  }
+  for (int c = k + 1; c < system->n_body; c++) {
+    moved |= system->joint[c].parent == k && system->joint[c].kind != FB_JOINT_FREE && system->joint[c].moves;
+  }
+  if (moved && (wheel || body->n_rotor > 0)) {
+    return "a rotor where modes move a joint: put the joint on a node that none moves, or the rotor elsewhere";
+  }
   return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
 }
 
@@ -331,7 +343,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
            : roots == 2 ? "a second free body: each tree is a file of its own"
            : roots > 0 && tree_is_given(&system->joint[k])
                ? "a prescribed axis beside a free body: prescribe axes of what hangs on the ground"
-               : tree_rotors_refusal(system, &body[system->model[k]]);
+               : tree_rotors_refusal(system, &body[system->model[k]], k);
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
