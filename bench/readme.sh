@@ -302,6 +302,12 @@ firmware() {
   } | block firmware
 }
 
+# Of the reports of both checks of generated steps.
+code() {
+  { make -s check-code && make -s check-code_tree; } > "$out/code"
+  { echo '```'; sed -n -e 's/^ok *code_tree: /scene --code: /' -e 's/^ok *code: /reduce --code: /' -e '/--code: /s/; /\n  /gp' "$out/code"; echo '```'; } | block code
+}
+
 compile() {
   make -s build/flexbeam
   { echo '```'; sh bench/compile.sh; echo '```'; } | block compile
@@ -330,7 +336,7 @@ if [ $# -gt 0 ]; then # one part alone
   exit
 fi
 for part in hil accuracy advice advise flags hard campaign speedup scene hostile faults coverage program figures spinup forms table1 system \
-  exact leigh blade identities peers instructions single sizes compile aero firmware; do
+  exact leigh blade identities peers instructions single sizes compile aero firmware code; do
   "$part"
 done
 echo "tables, program and pictures of the documents regenerated"
