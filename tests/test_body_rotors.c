@@ -720,7 +720,7 @@ TEST(bad_rotors_are_refused)
       fb_real *const value = given ? &input.rotor[r].momentum : &input.rotor[r].torque;
       *value = FB_R(1.0);
       for (int i = 0; i < (int)FB_INTEGRATOR_COUNT; i++) {
-        FBT_INT_EQ(step((fb_integrator)i, 1e-3), FB_ERR_VALUE);
+        FBT_INT_EQ(step(i, 1e-3), FB_ERR_VALUE);
       }
       *value = FB_R(0.0);
     }

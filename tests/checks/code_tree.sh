@@ -203,7 +203,7 @@ try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
 awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 > 0.3 && own - $2 < 1e-11 && $2 - own < 1e-11) }' "$out/way.csv" ||
   fail "from its start: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
 
-printf 'integrator sdirk\nstep 0.01\n' >> "$out/scene.txt"
+scene 'integrator sdirk' 'step 0.01'
 call='generated_step(&s, 0, 0, 1)'
 main
 try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
