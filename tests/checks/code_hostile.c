@@ -300,6 +300,7 @@ static int prepare(void)
 #ifdef TREE /* prescribed values go as their rates say */
 #define MEMBER(k, member, kind)
 #define LOAD(k)
+#define ROTORS(k)
 #define MOTOR(k)
 #define MODAL(k)
 #define DRIVE(k)                                                                              \
