@@ -2140,6 +2140,8 @@ static void tree_write_start(const code *w, const fb_system_state *start)
       tree_write_start_of(w, k, "p", x->p, free ? 6 : L->axes);
       tree_write_start_of(w, k, "q", x->q, L->n);
       tree_write_start_of(w, k, "pi", x->pi, L->n);
+      tree_write_start_of(w, k, "rotor_angle", x->q + L->n, L->model->n_rotor);
+      tree_write_start_of(w, k, "rotor_momentum", x->pi + L->n, L->model->n_rotor);
     }
   }
   fputs("}\n", w->out);

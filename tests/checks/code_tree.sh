@@ -192,7 +192,7 @@ mv "$out/generated.h" "$out/code.h"
 compile
 # NAME_start is where the scene starts: 1,000 steps from there end where the scene does
 line='  start 1 0.3 0.2
-' scene "output angle coordinate hinge 1"
+' scene "output angle coordinate hinge 1" "rotor fly hub" "axis 0.3 0 1" "inertia 4" "speed 30" "end"
 sed -i -e 's/^body hub.*/&\n  start_attitude 0 0 1 30\n  start_spin 0.1 0.05 0.02\n  start_velocity 1 2 3/' -e 's/^body array.*/&\n  start_mode 1 0.02 0.1/' \
   -e 's/^duration 1/duration 0.1\nstep 0.0001\nintegrator rk4/' "$out/scene.txt"
 try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
