@@ -251,6 +251,7 @@ refuse_loop() {
 }
 refuse "a loop between what flies and the ground" none.h "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
 grounded 'loop pin spherical hub array.tip
+  position 4.8 0 0
 end
 rotor fly hub
   axis 1 0 0
@@ -258,6 +259,7 @@ rotor fly hub
 end'
 refuse_loop "rotors beside loops"
 grounded 'loop pin screw hub array.tip
+  position 4.8 0 0
   pitch 1
   stiffness 1
 end'
@@ -265,10 +267,12 @@ try "$out/scene" "$out/bars.txt" --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
 grounded 'loop pin revolute hub array.tip
+  position 4.8 0 0
   mode locked
 end'
 refuse_loop "a loop with a locked or prescribed axis"
 grounded 'loop pin spherical hub array.tip
+  position 4.8 0 0
 end
 integrator sdirk
 step 0.01'
@@ -281,7 +285,7 @@ line='  mode locked
 ' refuse "array: a locked axis" none.h
 effects="large damping" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move, beside loops" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
-  "loop pin spherical hub array.tip" "end"
+  "loop pin spherical hub array.tip" "position 4.8 0 0" "end"
 refuse "tail: a rotor where modes move a joint" none.h "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end"
 refuse "array: a rotor where modes move a joint" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
   "rotor fly array" "axis 1 0 0" "inertia 0.1" "end"
