@@ -59,7 +59,7 @@ static void summarize_part(const model_part *part, const fb_modes *modes)
   }
 }
 
-static void summarize(const char *file)
+static void summarize(const char *file, int steps)
 {
   fprintf(stderr, "%s: %s, %d modes, %d nodes, mass %.6g kg\n", file, model.name, model_body.n, model_body.n_node,
           (double)model_body.mass);
@@ -77,7 +77,9 @@ static void summarize(const char *file)
     fprintf(stderr, "  rotor %d  %s: %.6g %s, which the header has not: by %s\n", k, model.rotor[k].text.name,
             model_body.rotor[k].given ? model.rotor[k].momentum : model.rotor[k].text.speed,
             model_body.rotor[k].given ? "N m s" : "rad/s at the start",
-            model_body.rotor[k].given ? "fb_input.rotor" : "fb_state_rotor_set");
+            model_body.rotor[k].given ? (steps ? "rotor_motor of the input" : "fb_input.rotor")
+            : steps                   ? "rotor_momentum, L and pi of the state"
+                                      : "fb_state_rotor_set");
   }
   fprintf(stderr, "  %d terms of Lambda, %d of S\n", model_body.n_lambda, model_body.n_S);
 }
@@ -211,7 +213,7 @@ int reduce_main(int argc, char **argv)
     fprintf(stderr, "reduce: %s: %s: %s\n", file, what, refusal_text(status));
     return 1;
   }
-  summarize(file);
+  summarize(file, steps);
   if (!read_loads(&o.choice.loads, o.loads)) {
     return 2;
   }

@@ -122,8 +122,8 @@ line "line frame 0 0 0 1 2" "geometric 1 1  1 0 0 0 0 0 0 0 1 0 0 0" |
   refuse 0 "the second order of a component is given by line, by geometric or by quadratic, not by two of them"
 line "geometric 1 1 1 0 0" | refuse 10 "stiffness by accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz, number 4 of 12"
 whole linear "component b" "modes 20" end "component c" "modes 5" end | refuse 4 "a component wants modes"
-whole linear "stations x" | refuse 4 "no such word for a body of parts (beam, component, node): stations"
-whole linear "end" | refuse 4 "no such word for a body of parts (beam, component, node): end"
+whole linear "stations x" | refuse 4 "no such word for a body of parts (hub, beam, component, node): stations"
+whole linear "end" | refuse 4 "no such word for a body of parts (hub, beam, component, node): end"
 whole linear "beam a" "$(echo "$boom" | sed s/0.1.1000/0\ 1\ 0/)" end | refuse 0 "beam a, its modes: "
 for k in 1 2 3 4 5 6 7 8 9; do
   echo "component c$k"
