@@ -1555,11 +1555,10 @@ static void tree_write_pushed(const code *w)
   }
 }
 
-/* Rates of a vector, angular velocities of the bodies. */
-static void tree_write_evaluation(const code *w)
+/* Places, velocities and momenta of a vector. */
+static void tree_write_velocities(const code *w)
 {
   tree_write_names(w);
-  tree_write_given_names(w, "in");
   code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
@@ -1577,6 +1576,13 @@ static void tree_write_evaluation(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_write_q_dot(w, k);
   }
+}
+
+/* Rates of a vector, angular velocities of the bodies. */
+static void tree_write_evaluation(const code *w)
+{
+  tree_write_given_names(w, "in");
+  tree_write_velocities(w);
   rows_write_loads(w);
   rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
@@ -2424,6 +2430,7 @@ static void tree_write_step(const code *w)
 }
 
 #include "code_sdirk.h"
+#include "code_motion.h"
 
 /* Rotation vector; of all lanes by that of one body. */
 static void tree_write_vector(const code *w)
@@ -2491,8 +2498,12 @@ static void tree_write_declarations(const code *w, int lanes, int started)
   code_template(w, tree_status_end);
   tree_write_types(w);
   tree_write_model_type(w);
+  if (!tree.quiet) {
+    motion_write_types(w);
+  }
   code_template(w, started ? "/* Where the scene starts. */\n" : "/* At zero coordinates, at rest. */\n");
   code_template(w, tree.implicit ? sdirk_declarations : tree_declarations);
+  code_template(w, tree.quiet ? "" : motion_declaration);
   if (lanes) {
     code lane = *w;
     lane.lanes = CODE_LANES;
@@ -2575,6 +2586,9 @@ static int tree_write_functions(const code *w)
     sdirk_write_step(w);
   } else {
     tree_write_step(w);
+  }
+  if (!w->lanes && !tree.quiet) {
+    good = motion_write_functions(w) && good;
   }
   return good;
 }

@@ -1153,7 +1153,8 @@ static void model_line(text_file *t, const char *word)
   } else if (parts && strcmp(word, "component") == 0) {
     model_block(t, MODEL_COMPONENT);
   } else {
-    text_fail(t, "no such word for a %s: %s", parts ? "body of parts (hub, beam, component, node)" : "rigid body", word);
+    text_fail(t, "no such word for a %s: %s", parts ? "body of parts (hub, beam, component, node)" : "rigid body",
+              word);
   }
 }
 

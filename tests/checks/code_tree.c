@@ -599,6 +599,17 @@ static void write_members(void)
     printf(model[desc.model[k]].n_rotor > 0 ? "ROTORS(%d)\n" : "", k);
     printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\nMODAL(%d)\n" : "", k, k, k);
   }
+  printf("#ifdef SEEN\n");
+  for (int k = 0; k < desc.n_body; k++) {
+    const fb_joint *const joint = &mechanism.joint[k];
+    const int turns = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL;
+    printf("SEEN(%d, position, pose[%d].rho)\nSEEN(%d, v, motion[%d].v)\nSEEN(%d, w, motion[%d].w)\nTURNED(%d)\n", k, k,
+           k, k, k, k, k);
+    printf(joint->n_axis > 0 && !turns ? "SEEN(%d, speed, joint[%d].speed)\n" : "", k, k);
+    printf(model[desc.model[k]].n > 0 ? "SEEN(%d, q_dot, motion[%d].q_dot)\n" : "", k, k);
+    printf(model[desc.model[k]].n_rotor > 0 ? "SEEN(%d, rotor_speed, motion[%d].rotor_speed)\n" : "", k, k);
+  }
+  printf("#endif\n");
 }
 
 int main(int argc, char **argv)
@@ -1128,6 +1139,58 @@ static int jumps(void)
   return seen[0] == 0 && seen[1] > 5 && seen[2] > 5;
 }
 
+/* Numbers of one member of the motion beside those of the library. */
+static int is_seen(const fb_real *mine, const fb_real *theirs, size_t n, const char *what)
+{
+  for (size_t i = 0; i < n; i++) {
+    const double size = 1.0 + fabs((double)theirs[i]);
+    if (!(fabs((double)mine[i] - (double)theirs[i]) <= TOLERANCE * size)) {
+      printf("%s[%d]: %.17g, by the library %.17g\n", what, (int)i, (double)mine[i], (double)theirs[i]);
+      return 0;
+    }
+  }
+  return 1;
+}
+
+/* Where the bodies are and how they move at the state that the last flight ended at. */
+static int seen(void)
+{
+  static fb_system_motion motion;
+  static generated_motion mine;
+  fb_real R[9];
+  int good = 1;
+  take_state(0);
+  need(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), "motion");
+  if (generated_motion_eval(&mine, &own, NULL) != generated_ok ||
+      generated_motion_eval(NULL, &own, NULL) != generated_null ||
+      generated_motion_eval(&mine, NULL, NULL) != generated_null) {
+    printf("motion: a status\n");
+    return 0;
+  }
+#define SEEN(k, member, theirs)                                                                                    \
+  good &= is_seen(mine.body_##k.member, motion.theirs, sizeof mine.body_##k.member / sizeof *mine.body_##k.member, \
+                  #k " " #member);
+#define TURNED(k)                           \
+  fb_quat_to_mat33(R, motion.pose[k].quat); \
+  good &= is_seen(mine.body_##k.R, R, 9, #k " R");
+#define LOAD(k)
+#define MOTOR(k)
+#define MEMBER(k, member, kind)
+#define MODAL(k)
+#define DRIVE(k)
+#define ROTORS(k)
+#include "members.h"
+#undef SEEN
+#undef TURNED
+#undef MEMBER
+#undef LOAD
+#undef MOTOR
+#undef MODAL
+#undef DRIVE
+#undef ROTORS
+  return good;
+}
+
 int main(int argc, char **argv)
 {
   double worst = 0;
@@ -1159,6 +1222,6 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return refusals() && limits() && modal() && jumps() && worst <= TOLERANCE ? 0 : 1;
+  return seen() && refusals() && limits() && modal() && jumps() && worst <= TOLERANCE ? 0 : 1;
 }
 #endif
