@@ -328,10 +328,19 @@ static const char *tree_rotors_refusal(const fb_system *system, const fb_body *b
   return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
 }
 
+/* Does body k hang on a free one? */
+static int tree_hangs_on_free(const fb_system *system, int k)
+{
+  while (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].parent >= 0) {
+    k = system->joint[k].parent;
+  }
+  return system->joint[k].kind == FB_JOINT_FREE;
+}
+
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
-  int roots = 0, axes = 0, modes = 0;
+  int roots = 0, axes = 0, modes = 0, given = 0;
   text[0] = '\0';
   for (int k = 0; k < system->n_body && !text[0]; k++) {
     const char *what = tree_body_refusal(&body[system->model[k]]);
@@ -339,10 +348,11 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     roots += system->joint[k].kind == FB_JOINT_FREE;
     modes += body[system->model[k]].n;
     axes += system->joint[k].kind == FB_JOINT_FREE ? 0 : system->joint[k].n_axis;
+    given += tree_is_given(&system->joint[k]);
     what = what         ? what
            : roots == 2 ? "a second free body: each tree is a file of its own"
-           : roots > 0 && tree_is_given(&system->joint[k])
-               ? "a prescribed axis beside a free body: prescribe axes of what hangs on the ground"
+           : tree_is_given(&system->joint[k]) && tree_hangs_on_free(system, k)
+               ? "a prescribed axis of what flies: prescribe axes of what hangs on the ground"
                : tree_rotors_refusal(system, &body[system->model[k]], k);
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
@@ -352,8 +362,8 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     snprintf(text, 200, "%d axes of joints%s: choose at most %d", axes + tree_open_modes(system, body),
              tree_open_modes(system, body) > 0 ? " and modes that move a joint" : "", CODE_ROWS - 6);
   }
-  if (!text[0] && roots + axes + modes == 0) {
-    snprintf(text, 200, "nothing can move: choose a joint with an axis, or modes");
+  if (!text[0] && roots + axes - given + modes == 0) {
+    snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
   }
   if (!text[0] && (rows_refusal(system) || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",

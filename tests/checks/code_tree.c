@@ -270,6 +270,24 @@ static const struct {
       {FB_JOINT_UNIVERSAL, -1, PANEL},
       {FB_JOINT_REVOLUTE, 2, RIGID},
       {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 48: a wheel on the frame of a body that carries another one on its tip, rotors beside; 49: a prescribed crank with a
+       loop on the ground beside a free tree with a wheel */
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, PANEL},
+      {FB_JOINT_REVOLUTE, 1 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, 1, WHEEL},
+      {FB_JOINT_REVOLUTE, 0, HUB}}},
+    {FB_EFFECTS_FULL,
+     0,
+     PLANE,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID | GIVEN},
+      {FB_JOINT_REVOLUTE, 1, PANEL},
+      {FB_JOINT_REVOLUTE, -1, RIGID | RUBS},
+      {FB_JOINT_REVOLUTE, 0, WHEEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -298,7 +316,8 @@ static const struct {
              {33, FB_JOINT_UNIVERSAL, 0, 1 + TIP + RUBS},
              {34, FB_JOINT_SCREW, 0, 3 + TIP + RUBS},
              {35, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
-             {47, FB_JOINT_SPHERICAL, 1 + TIP, 3}};
+             {47, FB_JOINT_SPHERICAL, 1 + TIP, 3},
+             {49, FB_JOINT_REVOLUTE, 2 + TIP, 3 + RUBS}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
