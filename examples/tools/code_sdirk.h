@@ -25,7 +25,7 @@ static inline const char *sdirk_refusal(const fb_system *system)
   }
   for (int k = 0; k < system->n_body && system->has_rotors && !system->allow_long_step; k++) {
     if (system->rotor[k] > FB_R(0.0)) {
-      return "wheels by integrator sdirk, whose limit is not written: allow long steps";
+      return "wheels by integrator sdirk, whose limit is not written: choose integrator rk4";
     }
   }
   for (int k = 0; k < system->n_body; k++) {

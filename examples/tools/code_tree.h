@@ -322,8 +322,13 @@ static const char *tree_rotors_refusal(const fb_system *system, const fb_body *b
   for (int c = k + 1; c < system->n_body; c++) {
     moved |= system->joint[c].parent == k && system->joint[c].kind != FB_JOINT_FREE && system->joint[c].moves;
   }
-  if (moved && (wheel || body->n_rotor > 0)) {
+  if (moved && body->n_rotor > 0) {
     return "a rotor where modes move a joint: put the joint on a node that none moves, or the rotor elsewhere";
+  }
+  if (moved && wheel) {
+    return "it looks the same at all angles of its hinge, a wheel, where modes move a joint: allow long steps, or "
+           "change "
+           "none moves";
   }
   return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
 }

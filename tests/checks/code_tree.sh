@@ -288,7 +288,7 @@ line='  mode prescribed
 effects="large damping" refuse "array: effects large" none.h
 refuse "tail: a joint on a node that modes move, beside loops" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
   "loop pin spherical hub array.tip" "position 4.8 0 0" "end"
-refuse "tail: a rotor where modes move a joint" none.h "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end"
+refuse "tail: it looks the same at all angles of its hinge, a wheel" none.h "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end"
 refuse "array: a rotor where modes move a joint" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
   "rotor fly array" "axis 1 0 0" "inertia 0.1" "end"
 scene "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
