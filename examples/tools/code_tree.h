@@ -327,8 +327,7 @@ static const char *tree_rotors_refusal(const fb_system *system, const fb_body *b
   }
   if (moved && wheel) {
     return "it looks the same at all angles of its hinge, a wheel, where modes move a joint: put the joint on a node "
-           "that "
-           "none moves";
+           "that none moves";
   }
   return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
 }
