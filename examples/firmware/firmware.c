@@ -1,11 +1,12 @@
 /* firmware - a 1 kHz attitude loop in flight code: a satellite whose model comes from ROM (a header that `reduce` made;
-   with -DGENERATED=1 the step that `reduce --code` made: craft.h) is turned by 10 degrees; gyros and a star tracker on the hub, wheels that give the torque, a wing that swings. The
-   controller runs the same body as its estimator: what the sensors say of the hub turns the estimated one, the wing of
-   the estimate then moves as the real one does, and its rates damp it. Run twice, without and with that damper.
-   The plant stands in for the satellite; the controller sees its sensors alone. Everything is in static memory, and
-   nothing that builds models is linked. The same program runs on the desktop and on a board, bit for bit (the digest).
-   Checks: the attitude at the end within 0.01 degrees; the estimate within a tenth of the swing; the swing of the tip
-   at the end with the damper less than a quarter of that without. Exit: 0 well, 1 a step failed or a check did. */
+   with -DGENERATED=1 the step that `reduce --code` made: craft.h) is turned by 10 degrees; gyros and a star tracker on
+   the hub, wheels that give the torque, a wing that swings. The controller runs the same body as its estimator: what
+   the sensors say of the hub turns the estimated one, the wing of the estimate then moves as the real one does, and its
+   rates damp it. Run twice, without and with that damper. The plant stands in for the satellite; the controller sees
+   its sensors alone. Everything is in static memory, and nothing that builds models is linked. The same program runs on
+   the desktop and on a board, bit for bit (the digest). Checks: the attitude at the end within 0.01 degrees; the
+   estimate within a tenth of the swing; the swing of the tip at the end with the damper less than a quarter of that
+   without. Exit: 0 well, 1 a step failed or a check did. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include "board/board.h"

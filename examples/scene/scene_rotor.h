@@ -1,4 +1,5 @@
-/* scene_rotor.h - reads rotors of the bodies of a scene: wheels without a body and a joint of their own. See scene.h. */
+/* scene_rotor.h - reads rotors of the bodies of a scene: wheels without a body and a joint of their own. See scene.h.
+   */
 #ifndef SCENE_ROTOR_H
 #define SCENE_ROTOR_H
 #include "scene_joint.h"
@@ -143,7 +144,8 @@ static scene_rotor *scene_name_rotor(text_file *t, scene *s, int *like)
   return rotor;
 }
 
-/* rotor NAME NODE, its lines, end; rotor NAME like OTHER X Y Z; or rotor BODY.NAME, further lines of that rotor of the body's description, end */
+/* rotor NAME NODE, its lines, end; rotor NAME like OTHER X Y Z; or rotor BODY.NAME, further lines of that rotor of the
+   body's description, end */
 static void scene_read_rotor(text_file *t, scene *s)
 {
   const char *const next = t->at + strspn(t->at, " ");

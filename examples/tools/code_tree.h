@@ -1,11 +1,10 @@
-/* code_tree.h - writes the rk4 step of bodies on joints, a tree with or without loops (code_rows.h), as C99 of its own, straight-line: the equations and
-   checks of fb_system_rk4_step, in the words of code.h, which writes what a body has by itself; of a tree the step of SDIRK, too
-   (code_sdirk.h). Include flexbeam.h first.
-
-   The velocities: modes are eliminated within their body (E8.11) unless they move a joint (code_node.h), the composite inertia of all that hangs on a joint
-   gives the matrix of the speeds of the root and of the joints, factored by L D L^T, constant pivots first: for few
-   joints that takes less arithmetic than the articulated inertias of E9.4, since the composite mass of rigid bodies
-   stays a number and their first moment a vector. */
+/* code_tree.h - writes the rk4 step of bodies on joints, a tree with or without loops (code_rows.h), as C99 of its own,
+   straight-line: the equations and checks of fb_system_rk4_step, in the words of code.h, which writes what a body has
+   by itself; of a tree the step of SDIRK, too (code_sdirk.h). Include flexbeam.h first. The velocities: modes are
+   eliminated within their body (E8.11) unless they move a joint (code_node.h), the composite inertia of all that hangs
+   on a joint gives the matrix of the speeds of the root and of the joints, factored by L D L^T, constant pivots first:
+   for few joints that takes less arithmetic than the articulated inertias of E9.4, since the composite mass of rigid
+   bodies stays a number and their first moment a vector. */
 #ifndef CODE_TREE_H
 #define CODE_TREE_H
 #include "code.h"
