@@ -200,6 +200,7 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_DETAIL_PART(k) ((void)0)
 #endif
 #define FBI_REFUSE(status, what, index, have, need) FBI_REFUSE_AT(status, what, index, have, need, FB_R(0.0))
+#define FBI_WORD_NO_ROTOR "torque and momentum of rotors that the body (of a system: of this index) has not, equal to"
 #define FBI_WORD_NO_NODE "node (of a load: that of this index), from 0, below"
 
 /* Every public function that takes a pointer begins with one. With FB_WITH_DETAIL it tells whose refusals follow; those
@@ -4940,16 +4941,14 @@ static int fbi_has_imbalance(const fb_body *body)
   return sum > FB_R(0.0);
 }
 
-/* A rotor that the body does not have has no motor: a torque would do nothing. */
-static fb_status fbi_no_rotors_check(const fb_body *body, const fb_rotor_input *input)
+/* Does the input drive rotors that the body does not have? It would do nothing. */
+static int fbi_has_motors_beyond(const fb_body *body, const fb_rotor_input *input)
 {
+  int some = 0;
   for (int r = body->n_rotor; r < FB_MAX_ROTORS; r++) {
-    if (!(input[r].torque == FB_R(0.0) && input[r].momentum == FB_R(0.0))) {
-      return FBI_REFUSE(FB_ERR_VALUE, "input: torque [N m] or momentum [N m s] of a rotor that the body has not", r,
-                        input[r].torque, FB_R(0.0));
-    }
+    some |= !(input[r].torque == FB_R(0.0) && input[r].momentum == FB_R(0.0));
   }
-  return FB_OK;
+  return some;
 }
 #endif
 
@@ -4964,12 +4963,20 @@ static int fbi_is_distributed(const fb_input *input)
 #endif
 }
 
-static FBI_NOINLINE fb_status fbi_input_look(const fb_body *body, const fb_input *input)
+static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 {
+  if (!input) {
+    return FB_OK;
+  }
   if (fbi_is_distributed(input) && !fbi_is_large(body)) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION", -1,
                       FB_R(0.0), FB_R(0.0));
   }
+#if FB_WITH_ROTORS
+  if (fbi_has_motors_beyond(body, input->rotor)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_NO_ROTOR, -1, FB_R(0.0), FB_R(0.0));
+  }
+#endif
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
     if (input->load[i].node < 0 || input->load[i].node >= body->n_node) {
@@ -4981,16 +4988,7 @@ static FBI_NOINLINE fb_status fbi_input_look(const fb_body *body, const fb_input
       return FBI_REFUSE(FB_ERR_NOT_FINITE, "load: force [N] or torque [N m], finite", i, FB_R(0.0), FB_R(0.0));
     }
   }
-#if FB_WITH_ROTORS
-  return fbi_no_rotors_check(body, input->rotor);
-#else
   return FB_OK;
-#endif
-}
-
-static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
-{
-  return input ? fbi_input_look(body, input) : FB_OK;
 }
 
 /* 1 if the frame of the momenta moves with the mass center: free bodies in momentum form. */
@@ -10887,8 +10885,9 @@ static FBI_NOINLINE fb_status fbi_links_rotors_check(const fb_system *system, co
   fb_status status = FB_OK;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     const fb_body *const model = fbi_model(system, body, k);
-    status = fbi_no_rotors_check(model, input->rotor[k]);
-    status = status == FB_OK && model->n_rotor > 0 ? fbi_rotors_check(model, input->rotor[k]) : status;
+    status = fbi_has_motors_beyond(model, input->rotor[k])
+                 ? FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_NO_ROTOR, k, FB_R(0.0), FB_R(0.0))
+                 : fbi_rotors_check(model, input->rotor[k]);
   }
   return status;
 }
@@ -10976,6 +10975,7 @@ static fb_status fbi_system_lines_check(const fb_system *system, const fb_body *
 
 static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
+  fb_status status = FB_OK;
   if (!input) {
     return FB_OK;
   }
@@ -11001,14 +11001,9 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
     }
   }
 #if FB_WITH_ROTORS
-  {
-    const fb_status status = fbi_links_rotors_check(system, body, input);
-    if (status != FB_OK) {
-      return status;
-    }
-  }
+  status = fbi_links_rotors_check(system, body, input);
 #endif
-  return fbi_system_lines_check(system, body, input);
+  return status == FB_OK ? fbi_system_lines_check(system, body, input) : status;
 }
 
 /* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: q_dot of modes that carry no children is
