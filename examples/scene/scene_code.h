@@ -1,5 +1,5 @@
-/* scene_code.h - writes the step of the bodies and joints of a scene, of SDIRK where it says so, else of rk4, as C of its own: scene --code. See scene.h and
-   ../tools/code_tree.h. */
+/* scene_code.h - writes the step of the bodies and joints of a scene as C of its own, of SDIRK where it says so, else of
+   rk4: scene --code. See scene.h and ../tools/code_tree.h. */
 #ifndef SCENE_CODE_H
 #define SCENE_CODE_H
 #include "scene_run.h"

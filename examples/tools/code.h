@@ -1,5 +1,6 @@
 /* code.h - writes the rk4 step of one body as C99 of its own, straight-line: what code_model.h knows of a fb_body, and
-   code_line.h of its lines, in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include flexbeam.h first. */
+   code_line.h of its lines, in the words of code_text.h. The equations and checks are those of fb_rk4_step. Include
+   flexbeam.h first. */
 #ifndef CODE_H
 #define CODE_H
 #include "code_lanes.h"
@@ -630,13 +631,7 @@ static void code_write_pi_dot(const code *w)
 {
   static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
   const fb_body *const body = code_model.body;
-  code_read_sparse(K, &body->K, w->n);
-  memset(C, 0, sizeof C);
-#if FB_WITH_DAMPING
-  if (body->effects & FB_EFFECT_DAMPING) {
-    code_read_sparse(C, &body->C, w->n);
-  }
-#endif
+  code_read_springs(K, C, body);
   for (int a = 0; a < w->n; a++) {
     code_begin(&code_force[a]);
     for (int b = 0; b < w->n; b++) {

@@ -1,5 +1,5 @@
-/* code_drive.h - prescribed axes in the step that code_tree.h writes: the check of their values before it (fb_drive in flexbeam.h),
-   and where they are after it. Part of code_tree.h. */
+/* code_drive.h - prescribed axes in the step that code_tree.h writes: the check of their values before it (fb_drive in
+   flexbeam.h), and where they are after it. Part of code_tree.h. */
 #ifndef CODE_DRIVE_H
 #define CODE_DRIVE_H
 
@@ -16,9 +16,9 @@ static const char drive_check[] =
     "  return turns && change < `1e6` ? fabs~(change - turn * (%s)(long)(change / turn + `0.5`)) : change;\n}\n\n"
     "static @_status @_drive_check(%s x, const %s *from, const %s *at, const %s *to, %s dt, int turns)\n{\n"
     "  const %s *const middle = at ? at : from;\n"
-    "  const %s rounding = `@e` * fabs~(to[0]), known = `@e` * fabs~(x), ra = fabs~(from[1]), rb = fabs~(to[1]);\n"
+    "  const %s rounding = %e * fabs~(to[0]), known = %e * fabs~(x), ra = fabs~(from[1]), rb = fabs~(to[1]);\n"
     "  const %s ends = ra > rb ? ra : rb, rate = fabs~(middle[1]), fastest = rate > ends ? rate : ends;\n"
-    "  const %s most = `2` * dt * fastest + `8` * (`@e` + (rounding > known ? rounding : known));\n"
+    "  const %s most = `2` * dt * fastest + `8` * (%e + (rounding > known ? rounding : known));\n"
     "  const int same = (from[1] > `0`) == (to[1] > `0`) && !(from[0] < to[0]) && !(from[0] > to[0]);\n"
     "  int far = !(@_drive_change(x, from[0], turns) <= most);\n"
     "  if (!(fabs~(from[0]) + fabs~(to[0]) + fabs~(middle[0]) + ra + rb + rate <= @_huge)) {\n    return "
@@ -29,24 +29,6 @@ static const char drive_check[] =
     "most);\n"
     "  } else {\n    far |= !(fabs~(to[0] - from[0]) <= most);\n  }\n"
     "  return far || (same && dt * ra > rounding && dt * rb > rounding) ? @_contradiction : @_ok;\n}\n";
-
-/* Once of one body: lanes have it from there, unless they are alone. */
-static void drive_write_check(const code *w)
-{
-  char text[sizeof drive_check + 120], number[40];
-  size_t n = 0;
-  snprintf(number, sizeof number, "%.17g", w->single ? (double)FLT_EPSILON : DBL_EPSILON);
-  for (const char *c = drive_check; *c && n < sizeof text - 40; c++) {
-    if (c[0] == '@' && c[1] == 'e') {
-      n += (size_t)snprintf(text + n, sizeof text - n, "%s", number);
-      c++;
-    } else {
-      text[n++] = *c;
-    }
-  }
-  text[n] = '\0';
-  code_template(w, text);
-}
 
 /* One member of what acts, of a lane or of all there is. */
 static void drive_write_pair(const code *w, const char *name, const char *of, int k)
@@ -62,8 +44,8 @@ static const char drive_refused[] = "  {\n    const @_status given = @_drives_ch
 /* The check of all axes, and the values after the step. */
 static void drive_write_functions(const code *w)
 {
-  if (!w->lanes) {
-    drive_write_check(w);
+  if (!w->lanes) { /* lanes have it from there */
+    code_template(w, drive_check);
   }
   code_template(w,
                 "\nstatic @_status @_drives_check(const @_state *state, const @_input *start, const @_input *middle,\n"

@@ -1,8 +1,9 @@
-/* code_lanes.h - the step of code.h for several bodies of one description at once, one to a lane: the types of lanes, vectors
-   of the compiler, and what puts both together. The equations are those of code.h, written a second time with vectors.
+/* code_lanes.h - the step of code.h for several bodies of one description at once, one to a lane: the types of lanes,
+   vectors of the compiler, and what puts both together. The equations are those of code.h, written a second time with
+   vectors.
 
-   A vector step is of all lanes or of none: where a check fails in a lane, every lane takes the step of one body instead,
-   which tells its status. Both have the same operations in the same order, hence the same bits. */
+   A vector step is of all lanes or of none: where a check fails in a lane, every lane takes the step of one body
+   instead, which tells its status. Both have the same operations in the same order, hence the same bits. */
 #ifndef CODE_LANES_H
 #define CODE_LANES_H
 #include "code_text.h"

@@ -109,6 +109,19 @@ static void code_read_sparse(double A[FB_MAX_MODES][FB_MAX_MODES], const fb_spar
   }
 }
 
+/* Stiffness and damping of the modes. */
+static void code_read_springs(double K[FB_MAX_MODES][FB_MAX_MODES], double C[FB_MAX_MODES][FB_MAX_MODES],
+                              const fb_body *body)
+{
+  code_read_sparse(K, &body->K, body->n);
+  memset(C, 0, sizeof(double) * FB_MAX_MODES * FB_MAX_MODES);
+#if FB_WITH_DAMPING
+  if (body->effects & FB_EFFECT_DAMPING) {
+    code_read_sparse(C, &body->C, body->n);
+  }
+#endif
+}
+
 static void code_read_mass(const fb_body *body)
 {
   if (!body->unit_mass || code_model.large) {

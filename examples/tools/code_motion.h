@@ -1,5 +1,5 @@
-/* code_motion.h - the motion of all bodies of a tree at a state, in the words of code_tree.h: sensors of a controller that has
-   the generated step alone. Part of code_tree.h, which includes it. */
+/* code_motion.h - the motion of all bodies of a tree at a state, in the words of code_tree.h: sensors of a controller
+   that has the generated step alone. Part of code_tree.h, which includes it. */
 #ifndef CODE_MOTION_H
 #define CODE_MOTION_H
 

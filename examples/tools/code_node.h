@@ -1,10 +1,10 @@
-/* code_node.h - joints on nodes that modes move, in the step that code_tree.h writes and whose words it uses: the equations of
-   fb_system_rk4_step. Part of code_tree.h.
+/* code_node.h - joints on nodes that modes move, in the step that code_tree.h writes and whose words it uses: the
+   equations of fb_system_rk4_step. Part of code_tree.h.
 
-   The rates of modes that move such a node are speeds of the tree like those of axes: each turns and moves what hangs on the node
-   by a twist Phi_a = (J_u,a + n x J_phi,a, J_phi,a) about O of the body, its axes, as if axes lay between the body and the child.
-   They are therefore rows of the matrix of the speeds, with M_aa' of the body and Lambda of it on the axes further in, and
-   not eliminated within the body: it has its M_rr in place of S. */
+   The rates of modes that move such a node are speeds of the tree like those of axes: each turns and moves what hangs
+   on the node by a twist Phi_a = (J_u,a + n x J_phi,a, J_phi,a) about O of the body, its axes, as if axes lay between
+   the body and the child. They are therefore rows of the matrix of the speeds, with M_aa' of the body and Lambda of it
+   on the axes further in, and not eliminated within the body: it has its M_rr in place of S. */
 #ifndef CODE_NODE_H
 #define CODE_NODE_H
 

@@ -108,13 +108,7 @@ static void sdirk_write_E(const code *w, int k)
   code_factor *const f = &sdirk[k].E;
   code_sum s;
   code_read_sparse(M, &body->M, body->n);
-  code_read_sparse(K, &body->K, body->n);
-  memset(C, 0, sizeof C);
-#if FB_WITH_DAMPING
-  if (body->effects & FB_EFFECT_DAMPING) {
-    code_read_sparse(C, &body->C, body->n);
-  }
-#endif
+  code_read_springs(K, C, body);
   f->n = body->n;
   for (int a = 0; a < body->n; a++) {
     snprintf(f->label[a], sizeof f->label[a], "%d", a);
@@ -251,7 +245,7 @@ static void sdirk_write_stiffness(const code *w, int k, int a)
   sdirk[k].g2K[a] = sdirk_write_times(w, *K, sdirk_g(1.0, 1), code_variable("b%d_x_%d_ggk", k, a));
 }
 
-/* Component i of the turn whose quaternion has a rate: 2 quat^* o rate, own axes. */
+/* E4.4: component i of the turn whose quaternion has a rate, 2 quat^* o rate, own axes. */
 static void sdirk_add_turn(code_sum *s, int at, const code_value rate[4], int i)
 {
   const int y = (i + 1) % 3, z = (i + 2) % 3;
@@ -265,7 +259,7 @@ static void sdirk_add_turn(code_sum *s, int at, const code_value rate[4], int i)
   code_add(s, 2.0, quat[1 + z], rate[1 + y]);
 }
 
-/* s += component i of the rate of the quaternion at a place by an angular velocity v, own axes: 1/2 quat o (0, v) */
+/* E4.4: s += component i of the rate of the quaternion at a place by an angular velocity v, own axes, 1/2 quat o (0, v) */
 static void sdirk_add_quat_rate(code_sum *s, int at, const code_value v[3], int i)
 {
   code_value quat[4];
@@ -418,13 +412,7 @@ static void sdirk_take_modes(const code *w, int k)
   const tree_link *const L = &tree.link[k];
   code_value move[FB_MAX_MODES];
   code_sum s;
-  code_read_sparse(K, &L->model->K, L->n);
-  memset(C, 0, sizeof C);
-#if FB_WITH_DAMPING
-  if (L->model->effects & FB_EFFECT_DAMPING) {
-    code_read_sparse(C, &L->model->C, L->n);
-  }
-#endif
+  code_read_springs(K, C, L->model);
   for (int a = 0; a < L->n; a++) {
     code_begin(&s);
     code_add_one(&s, 1.0, sdirk_rest(L->q + a));

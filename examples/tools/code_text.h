@@ -397,6 +397,9 @@ static void code_template(const code *w, const char *text)
       c++;
       if (*c == '%') {
         fputc('%', w->out);
+      } else if (*c == 'e') { /* rounding of the precision */
+        code_number(number, w, w->single ? (double)FLT_EPSILON : DBL_EPSILON);
+        fputs(number, w->out);
       } else if (!code_model_text(w, *c) && !code_lane_text(w, *c)) {
         fprintf(w->out, "%d", code_place(w, *c));
       }

@@ -1049,13 +1049,7 @@ static void tree_write_modes(const code *w, int k)
   static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
-  code_read_sparse(K, &L->model->K, L->n);
-  memset(C, 0, sizeof C);
-#if FB_WITH_DAMPING
-  if (L->model->effects & FB_EFFECT_DAMPING) {
-    code_read_sparse(C, &L->model->C, L->n);
-  }
-#endif
+  code_read_springs(K, C, L->model);
   for (int a = 0; a < L->n; a++) {
     code_begin(&code_force[a]);
     for (int b = 0; b < L->n; b++) {
@@ -2240,7 +2234,7 @@ static const char tree_frame[] =
     "  @_keep(@r.x, @r.lost_x, step);\n"
     "  if (pushed) {\n    @_keep(@r.u, @r.lost_u, change);\n  }\n"
     "  for (int i = 0; i < 3 && pushed; i++) {\n"
-    "    const $ rest = @_faint + @e * fabs~(change[i]);\n"
+    "    const $ rest = @_faint + `4` * %e * fabs~(change[i]);\n"
     "    const $ lost = %Ffabs~(@r.lost_u[i]) < @_faint%:@r.lost_u[i]%;;\n"
     "    @r.lost_u[i] = %Ffabs~(@r.u[i]) < rest%:lost%;;\n"
     "    @r.u[i] = %Ffabs~(@r.u[i]) < rest%:@r.u[i]%;;\n  }\n"
@@ -2261,13 +2255,9 @@ static void tree_write_flight(const code *w)
     fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    next.body_%d.lost_x[i] += %s * ", tree.root, number);
     code_template(w, "(old[i] - own[i] + d[@_PLACE + i]);\n  }\n");
   }
-  code_number(number, w, 4.0 * (w->single ? (double)FLT_EPSILON : DBL_EPSILON));
   for (const char *c = tree_frame; *c; c++) {
     if (*c == '@' && c[1] == 'r') {
       n += (size_t)snprintf(text + n, sizeof text - n, "next.body_%d", tree.root);
-      c++;
-    } else if (*c == '@' && c[1] == 'e') {
-      n += (size_t)snprintf(text + n, sizeof text - n, "%s", number);
       c++;
     } else {
       text[n++] = *c;
@@ -2662,7 +2652,7 @@ static int tree_write_alone(const code *w)
   tree_write_types(&wide);
   tree_write_model_type(&wide);
   if (tree.n_given > 0) {
-    drive_write_check(w);
+    code_template(w, drive_check);
   }
   good = tree_write_functions(&wide);
   code_lanes_template(w, tree_steps);

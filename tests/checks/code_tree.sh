@@ -53,23 +53,33 @@ compile() {
   try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
 }
 
+# larger A: of it and worst
+larger() {
+  printf '%s\n%s\n' "$1" "$worst" | sort -g | tail -n 1
+}
+
+# both TREE [OPTION]: without warnings in both precisions; single precision agrees, sets worst
+both() {
+  compile
+  write "$1" --single ${2:-}
+  compile
+  agree "$1" -O1 --single
+}
+
 largest=0
 single=0
 trees=0
 while "$out/write" $trees --members > /dev/null; do
   write $trees
   agree $trees -O0
-  largest=$(printf '%s\n%s\n' "$largest" "$worst" | sort -g | tail -n 1)
+  largest=$(larger $largest)
   cp "$out/code.h" "$out/first.h"
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
   2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41 | 43 | 46 | 48)
-    compile
-    write $trees --single
-    compile
-    agree $trees -O1 --single
-    single=$(printf '%s\n%s\n' "$single" "$worst" | sort -g | tail -n 1)
+    both $trees
+    single=$(larger $single)
     ;;
   esac
   trees=$((trees + 1))
@@ -85,20 +95,17 @@ while [ $implicit -lt 21 ]; do
   write $implicit --sdirk
   scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
   agree $implicit -O0
-  largest_sdirk=$(printf '%s\n%s\n' "$largest_sdirk" "$worst" | sort -g | tail -n 1)
+  largest_sdirk=$(larger $largest_sdirk)
   case $implicit in
   0 | 4 | 16 | 17 | 20)
     scheme=-DSDIRK
     agree $implicit -O0
-    largest_sdirk=$(printf '%s\n%s\n' "$largest_sdirk" "$worst" | sort -g | tail -n 1)
+    largest_sdirk=$(larger $largest_sdirk)
     compile
     ;;
   6 | 7 | 8 | 11 | 18)
-    compile
-    write $implicit --sdirk --single
-    compile
-    agree $implicit -O1 --single
-    single_sdirk=$(printf '%s\n%s\n' "$single_sdirk" "$worst" | sort -g | tail -n 1)
+    both $implicit --sdirk
+    single_sdirk=$(larger $single_sdirk)
     ;;
   esac
   implicit=$((implicit + 1))
