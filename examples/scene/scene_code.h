@@ -103,9 +103,11 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes)
     return 2;
   }
   status = system_start(s);
+  status = status == FB_OK ? scene_look(s, 0) : status;
   if (status != FB_OK) {
     return 1 + scene_failed(s, "the start", status);
   }
+  scene_tell_moved(s, stderr);
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
