@@ -23,7 +23,8 @@ static const char help[] =
     "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
     "  --code FILE       writes the step of its bodies on joints as C of its own, FILE.h, and does not run: of sdirk\n"
     "                    where the scene says so, else of rk4; functions are called as FILE; with --single for single\n"
-    "                    precision, with --lanes for several at once, too\n"
+    "                    precision, with --lanes for several at once, too; with --loads LIST for a force and a\n"
+    "                    torque at each of these nodes, BODY.NODE,.., which its load lines then are\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -50,7 +51,7 @@ static const char help[] =
 
 typedef struct command {
   scene_options options;
-  const char *code;
+  const char *code, *loads;
   int n_set;
   char name[SCENE_PARAMETERS][TEXT_NAME];
   scene_setting set[SCENE_PARAMETERS];
@@ -84,6 +85,10 @@ static int read_option(void *to, const char *name, const char *text)
   command *const c = (command *)to;
   if (strcmp(name, "--set") == 0) {
     return read_setting(c, text);
+  }
+  if (strcmp(name, "--loads") == 0) {
+    c->loads = text;
+    return 0;
   }
   if (strcmp(name, "--frame-count") == 0) {
     double n = 0;
@@ -272,8 +277,11 @@ int scene_main(int argc, char **argv)
   c.options.progress = quiet ? NULL : stderr;
   c.options.live = isatty(2);
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
-  if (!failed && (single || lanes) && !c.code) {
-    return fail(single ? "--single belongs to --code" : "--lanes belongs to --code", "");
+  if (!failed && (single || lanes || c.loads) && !c.code) {
+    return fail(single  ? "--single belongs to --code"
+                : lanes ? "--lanes belongs to --code"
+                        : "--loads belongs to --code",
+                "");
   }
   if (!failed && c.code &&
       (c.options.csv || c.options.margins || c.options.linear || c.options.picture || c.options.animation ||
@@ -283,7 +291,7 @@ int scene_main(int argc, char **argv)
   if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code) != 0) {
     return 2;
   }
-  failed = failed ? failed : c.code ? scene_write_code(s, c.code, single, lanes) : run_scene(s, &c.options);
+  failed = failed ? failed : c.code ? scene_write_code(s, c.code, single, lanes, c.loads) : run_scene(s, &c.options);
   if (failed) {
     if (s->message[0]) {
       fprintf(stderr, "scene: %s\n", s->message);

@@ -33,8 +33,8 @@ static void scene_read_parameter(text_file *t, scene *s)
   t->n_named = ++s->n_parameter;
 }
 
-/* Node, or -1 after a complaint. */
-static int scene_node_of(text_file *t, const scene_body *body, const char *name)
+/* Node by name or number, -1: none. */
+static int scene_find_node(const scene_body *body, const char *name)
 {
   char *end;
   const long number = strtol(name, &end, 10);
@@ -46,11 +46,17 @@ static int scene_node_of(text_file *t, const scene_body *body, const char *name)
       return k;
     }
   }
-  if (strcmp(name, "origin") == 0) {
-    return 0;
+  return strcmp(name, "origin") == 0 ? 0 : -1;
+}
+
+/* Node, or -1 after a complaint. */
+static int scene_node_of(text_file *t, const scene_body *body, const char *name)
+{
+  const int node = scene_find_node(body, name);
+  if (node < 0) {
+    text_fail(t, "body %s has no node %s", body->name, name);
   }
-  text_fail(t, "body %s has no node %s", body->name, name);
-  return -1;
+  return node;
 }
 
 /* BODY or BODY.PART; part: what is behind the point, empty if there is none. */

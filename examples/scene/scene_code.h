@@ -17,16 +17,69 @@ static int scene_code_rotors(const scene *s)
   return n;
 }
 
-/* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. */
-static int scene_code_refused(scene *s)
+/* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
+   0: it has been said which is none. */
+static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *list)
 {
-  char all[TEXT_MESSAGE] = "";
+  for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+    const int n = (int)strcspn(at, ",");
+    char name[2 * TEXT_NAME], *part;
+    int body = 0, node = -1;
+    snprintf(name, sizeof name, "%.*s", n, at);
+    part = name + strcspn(name, ".");
+    part += *part ? (*part = '\0', 1) : 0;
+    while (body < s->n_body && strcmp(s->body[body].name, name) != 0) {
+      body++;
+    }
+    if (body < s->n_body) {
+      node = *part ? scene_find_node(&s->body[body], part) : 0;
+    }
+    if (node < 0 || nodes[body] >> node & 1u) {
+      scene_fail(s, "--loads wants nodes, BODY.NODE or BODY for its origin, each once: %.*s", n, at);
+      return 0;
+    }
+    nodes[body] |= 1u << node;
+  }
+  return 1;
+}
+
+/* How many lines load nodes that are no inputs yet, which `list` then names. */
+static int scene_code_loads(char list[200], const scene *s, const unsigned loads[FB_MAX_BODIES])
+{
+  unsigned told[FB_MAX_BODIES];
+  int n = 0;
+  memcpy(told, loads, sizeof told);
+  list[0] = '\0';
+  for (int k = 0; k < s->n_load; k++) {
+    const int body = s->load[k].body, node = s->load[k].node;
+    const char *const name = s->body[body].node_name[node];
+    const size_t at = strlen(list);
+    if (told[body] >> node & 1u) {
+      continue;
+    }
+    told[body] |= 1u << node;
+    n++;
+    if (node == 0 || name[0]) {
+      snprintf(list + at, 200 - at, "%s%s%s%s", at > 0 ? "," : "", s->body[body].name, node > 0 ? "." : "",
+               node > 0 ? name : "");
+    } else {
+      snprintf(list + at, 200 - at, "%s%s.%d", at > 0 ? "," : "", s->body[body].name, node);
+    }
+  }
+  return n;
+}
+
+/* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. Loads at
+   nodes that --loads names are inputs. */
+static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
+{
+  char all[TEXT_MESSAGE] = "", list[200], load[300];
+  const int n_load = scene_code_loads(list, s, loads);
   const struct {
     int n, line; /* of the first; 0: none of its own */
     const char *what;
   } other[] = {
-      {s->n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"),
-       "load and nudge: the caller gives forces and torques at the origin of each body as input"},
+      {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
       {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
       {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
       {s->n_drive, s->drive[0].line,
@@ -38,6 +91,7 @@ static int scene_code_refused(scene *s)
       {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
+  snprintf(load, sizeof load, "load and nudge: the caller gives them as input, by --loads %s", list);
   for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {
     const size_t n = strlen(all);
     if (other[k].n > 0) {
@@ -59,6 +113,9 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
 {
   const char *what = choice->implicit ? sdirk_refusal(&engine.system) : NULL;
   tree_refusal(text, &engine.system, engine.body, names);
+  if (!text[0]) {
+    acts_refusal(text, &engine.system, names, choice->loads);
+  }
   what = !what && choice->lanes && choice->implicit ? "lanes by integrator sdirk: choose rk4" : what;
   if (!text[0] && what) {
     snprintf(text, 200, "%s", what);
@@ -79,18 +136,19 @@ static int scene_code_name(char name[64], const char *file)
          strncmp(name, "FB_", 3) != 0;
 }
 
-/* Writes the step to a file; a status of main, 2 and a message for what cannot be written. */
-static int scene_write_code(scene *s, const char *file, int single, int lanes)
+/* Writes the step to a file; loads: nodes that have some (NULL: none). A status of main, 2 and a message for what cannot be
+   written. */
+static int scene_write_code(scene *s, const char *file, int single, int lanes, const char *loads)
 {
   static const scene_options nothing;
   const char *names[FB_MAX_BODIES];
   char name[64], text[200];
-  const tree_choice choice = {name, single, lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK};
+  tree_choice choice = {name, single, lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK, {0}};
   FILE *out;
   fb_status status;
   int good;
   memset(&engine, 0, sizeof engine);
-  if (scene_code_refused(s)) {
+  if (!scene_code_nodes(s, choice.loads, loads) || scene_code_refused(s, choice.loads)) {
     return 2;
   }
   if (!scene_code_name(name, file)) {

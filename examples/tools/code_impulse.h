@@ -122,7 +122,7 @@ static void rows_write_node_turn(const code *w, rows_end *end, int n, code_value
   square = code_end(w, &s, code_variable("%ssq", name.name));
   end->scale = code_is_constant(&square) ? code_constant(1.0 / square.c) : code_variable("%ssc", name.name);
   if (!code_is_constant(&square)) {
-    fprintf(w->out, "  const %s %s = ", code_real(w), end->scale.name);
+    fprintf(w->out, "%*sconst %s %s = ", w->indent, "", code_real(w), end->scale.name);
     code_template(w, "`1` / ");
     fprintf(w->out, "%s;\n", square.name);
   }

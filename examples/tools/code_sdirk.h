@@ -617,7 +617,7 @@ static void sdirk_write_between(const code *w)
   for (int k = 0; k < tree.n; k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
-        const char *const name = tree_inputs[m].name;
+        const char *const name = tree_input_name(m);
         fprintf(w->out, "  for (int i = 0; i < %d; i++) {\n", tree_input_size(k, m));
         fprintf(w->out, "    in->body_%d.%s[i] += c * (b->body_%d.%s[i] - a->body_%d.%s[i]);\n  }\n", k, name, k, name,
                 k, name);

@@ -40,8 +40,9 @@ typedef struct tree_choice { /* what is to be written */
   const char *name;
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
   int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
-  const fb_system_state *start; /* where NAME_start puts it, NULL: at zero coordinates, at rest */
-  int implicit;                 /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
+  const fb_system_state *start;  /* where NAME_start puts it, NULL: at zero coordinates, at rest */
+  int implicit;                  /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
+  unsigned loads[FB_MAX_BODIES]; /* bits of the nodes that have a load, of each body; that of O says nothing */
 } tree_choice;
 
 static struct tree {
@@ -62,6 +63,7 @@ static struct tree {
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
+  const unsigned *loads; /* of tree_choice */
 } tree;
 
 static const char tree_axis[3] = {'x', 'y', 'z'};
@@ -1242,6 +1244,8 @@ static int tree_needs_load(int k)
   return tree.link[k].parent < 0 && (k == tree.root || most > 0);
 }
 
+#include "code_acts.h"
+
 /* Forces of the caller: E9.15, added to the rates. */
 static void tree_write_loads(const code *w)
 {
@@ -1257,6 +1261,7 @@ static void tree_write_loads(const code *w)
                     ? code_constant(0.0)
                     : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
+    acts_write_nodes(&inner, F[k], k);
   }
   for (int k = tree.n - 1; k >= 0; k--) {
     const tree_link *const L = &tree.link[k];
@@ -1880,30 +1885,6 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
 #include "code_close.h"
 #include "code_drive.h"
 
-enum { TREE_INPUTS = 7, TREE_MODAL = 5 };
-
-static const struct {
-  const char *name, *what;
-} tree_inputs[TREE_INPUTS] = {
-    {"force", "[N] at O, body axes"},
-    {"torque", "[N m]"},
-    {"motor", "[N m], [N] of each axis, on the body and back on its parent"},
-    {"value", "[rad], [m] of its axis, which is prescribed"},
-    {"rate", "[rad/s], [m/s]"},
-    {"modal", "generalized forces of the modes"},
-    {"rotor_motor", "[N m] on each rotor, and back on the body; [N m s] where its momentum is given"}};
-
-/* How many numbers of that kind act on link k. */
-static int tree_input_size(int k, int m)
-{
-  const tree_link *const L = &tree.link[k];
-  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n, L->model->n_rotor};
-  if (m < 2 && tree_is_wheel(k)) {
-    return 0;
-  }
-  return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
-}
-
 static int tree_has_state(int k)
 {
   return k == tree.root || tree.link[k].axes + tree.link[k].given > 0 ||
@@ -2051,8 +2032,8 @@ static void tree_write_types(const code *w)
     fputs("  struct {\n", w->out);
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
-        fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_inputs[m].name, tree_input_size(k, m),
-                tree_inputs[m].what);
+        fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_input_name(m), tree_input_size(k, m),
+                tree_input_what(m));
       }
     }
     fprintf(w->out, "  } body_%d;\n", k);
@@ -2101,7 +2082,7 @@ static void tree_write_input_check(const code *w)
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
         code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
-        fprintf(w->out, "in->body_%d.%s, %d)", k, tree_inputs[m].name, tree_input_size(k, m));
+        fprintf(w->out, "in->body_%d.%s, %d)", k, tree_input_name(m), tree_input_size(k, m));
       }
     }
   }
@@ -2669,6 +2650,7 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   code_numbers.n = 0;
   tree_read(system, body, names, choice->implicit);
   tree.places = choice->table;
+  tree.loads = choice->loads;
   tree.quiet = choice->lanes == TREE_LANES_ALONE;
   if (tree.quiet) {
     return tree_write_alone(&w);

@@ -34,8 +34,8 @@ body() {
 
 # tree NUMBER OPTIONS [OPTION...]: of code_tree.c, of the compiler
 tree() {
-  "$out/write" "$1" --members > "$out/members.h"
-  "$out/write" "$1" $2 > "$out/code.h" || fail "tree $1 is not written"
+  "$out/write" "$1" --members --loads > "$out/members.h"
+  "$out/write" "$1" --loads $2 > "$out/code.h" || fail "tree $1 is not written"
   what="tree $1 $2"
   shift 2
   attack "$what" -DTREE "$@"

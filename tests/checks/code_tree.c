@@ -409,6 +409,9 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
   }
   if (modes > 0) {
     need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, boom.length), "tip");
+  } else {
+    const fb_real ahead[3] = {FB_R(0.7), FB_R(-0.4), FB_R(0.2)}, still[3] = {0, 0, 0};
+    need(fb_shape_add_node(&shape, &tip, ahead, still, still), "node");
   }
   if (rotors) {
     build_rotors(&level, modes > 0 ? tip : 0);
@@ -596,8 +599,8 @@ static void build(int which)
 }
 
 #ifdef WRITE
-/* Members of the state and the input, for the program that steps the tree. */
-static void write_members(void)
+/* Members of the state and the input, for the program that steps the tree; acts: with loads at nodes. */
+static void write_members(int acts)
 {
   for (int k = 0; k < desc.n_body; k++) {
     const int axes = mechanism.joint[k].n_axis, n = model[desc.model[k]].n;
@@ -618,7 +621,11 @@ static void write_members(void)
     printf(model[desc.model[k]].n_rotor > 0 ? "ROTORS(%d)\n" : "", k);
     printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\nMODAL(%d)\n" : "", k, k, k);
   }
-  printf("#ifdef SEEN\n");
+  printf("#ifdef ACT\n");
+  for (int k = 0; k < desc.n_body && acts; k++) {
+    printf(is_wheel(k) ? "" : "ACT(%d)\n", k);
+  }
+  printf("#endif\n#ifdef SEEN\n");
   for (int k = 0; k < desc.n_body; k++) {
     const fb_joint *const joint = &mechanism.joint[k];
     const int turns = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL;
@@ -637,16 +644,18 @@ int main(int argc, char **argv)
   const int which = argc > 1 ? atoi(argv[1]) : 0;
   tree_choice choice = {.name = "generated"};
   char text[200];
+  int acts = 0;
   if (which >= TREES) {
     return 3;
   }
   for (int k = 2; k < argc; k++) {
     choice.implicit |= strcmp(argv[k], "--sdirk") == 0;
+    acts |= strcmp(argv[k], "--loads") == 0;
   }
   hard = choice.implicit ? HARD : 1;
   build(which);
   if (argc > 2 && strcmp(argv[2], "--members") == 0) {
-    write_members();
+    write_members(acts);
     return 0;
   }
   tree_refusal(text, &mechanism, model, names);
@@ -657,6 +666,9 @@ int main(int argc, char **argv)
   for (int k = 2; k < argc; k++) {
     choice.single |= strcmp(argv[k], "--single") == 0;
     choice.lanes |= strcmp(argv[k], "--lanes") == 0;
+  }
+  for (int k = 0; k < desc.n_body; k++) { /* at the tip, of a rigid body at another place */
+    choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
   }
   if (choice.implicit && sdirk_refusal(&mechanism)) {
     fprintf(stderr, "tree %d: %s\n", which, sdirk_refusal(&mechanism));
@@ -762,13 +774,16 @@ static void start(double speed)
   take_state(0);
 }
 
-static const fb_load *load_on(const fb_system_input *in, int k)
+/* The load on that node of body k. */
+static const fb_load *load_on(const fb_system_input *in, int k, int node)
 {
-  int i = 0;
-  while (i + 1 < in->n_load && in->load[i].body != k) {
-    i++;
+  static const fb_load none;
+  for (int i = 0; i < in->n_load; i++) {
+    if (in->load[i].body == k && in->load[i].load.node == node) {
+      return &in->load[i].load;
+    }
   }
-  return &in->load[i].load;
+  return &none;
 }
 
 static inline void take_motors(fb_real *mine, const fb_rotor_input *in, int n)
@@ -782,22 +797,38 @@ static inline void take_motors(fb_real *mine, const fb_rotor_input *in, int n)
 static void give(generated_input *mine, const fb_system_input *in)
 {
 #define MEMBER(k, member, kind)
-#define LOAD(k)                                                             \
-  memcpy(mine->body_##k.force, load_on(in, k)->force, 3 * sizeof(fb_real)); \
-  memcpy(mine->body_##k.torque, load_on(in, k)->torque, 3 * sizeof(fb_real));
+#define LOAD(k)                                                                \
+  memcpy(mine->body_##k.force, load_on(in, k, 0)->force, 3 * sizeof(fb_real)); \
+  memcpy(mine->body_##k.torque, load_on(in, k, 0)->torque, 3 * sizeof(fb_real));
 #define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
 #define MODAL(k)
 #define ROTORS(k) take_motors(mine->body_##k.rotor_motor, in->rotor[k], model[desc.model[k]].n_rotor);
 #define DRIVE(k)                                                                 \
   memcpy(mine->body_##k.value, in->drive[k].value, sizeof mine->body_##k.value); \
   memcpy(mine->body_##k.rate, in->drive[k].rate, sizeof mine->body_##k.rate);
+#define ACT(k)                                                                   \
+  memcpy(mine->body_##k.force_1, load_on(in, k, 1)->force, 3 * sizeof(fb_real)); \
+  memcpy(mine->body_##k.torque_1, load_on(in, k, 1)->torque, 3 * sizeof(fb_real));
 #include "members.h"
+#undef ACT
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
 #undef MODAL
 #undef DRIVE
 #undef ROTORS
+}
+
+/* A load at the node of body k. */
+static inline void act(fb_system_load *on, int k, double t)
+{
+  on->body = k;
+  on->load.node = 1;
+  on->load.axes = FB_AXES_BODY;
+  for (int i = 0; i < 3; i++) {
+    on->load.force[i] = (fb_real)(0.5 * cos(t + 2 * i + k));
+    on->load.torque[i] = (fb_real)(0.5 * sin(3 * t + i + 2 * k));
+  }
 }
 
 static void load(fb_system_input *in, generated_input *mine, double t)
@@ -831,6 +862,21 @@ static void load(fb_system_input *in, generated_input *mine, double t)
       in->drive[k].acceleration[0] = (fb_real)(-0.4 * far * sin(2 * t));
     }
   }
+#define ACT(k) act(&in->load[in->n_load++], k, t);
+#define MEMBER(k, member, kind)
+#define LOAD(k)
+#define MOTOR(k)
+#define MODAL(k)
+#define DRIVE(k)
+#define ROTORS(k)
+#include "members.h"
+#undef ACT
+#undef MEMBER
+#undef LOAD
+#undef MOTOR
+#undef MODAL
+#undef DRIVE
+#undef ROTORS
   give(mine, in);
 }
 

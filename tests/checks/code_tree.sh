@@ -17,15 +17,15 @@ bound_deploys=22500 # four bars on a free hub (241,282)
 bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
 bound_booms_sdirk=36500 # (137,730)
 bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (46,735)
-sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
+sizes="-DFB_MAX_LOADS=16 -DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $sizes -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
-# write TREE [--single] [--lanes]
+# write TREE [--single] [--lanes]: with loads at nodes
 write() {
-  "$out/write" "$1" --members > "$out/members.h"
-  "$out/write" "$1" ${2:-} ${3:-} > "$out/code.h" || fail "tree $1 is not written"
+  "$out/write" "$1" --members --loads > "$out/members.h"
+  "$out/write" "$1" --loads ${2:-} ${3:-} > "$out/code.h" || fail "tree $1 is not written"
 }
 
 # agree TREE OPTIMIZATION [--single]: what was written with the library; scheme: options of the compiler; sets worst
@@ -135,7 +135,7 @@ done
 # steps TREE STATE [without|--sdirk]: sets count; without the first step, at angles of zero, whose sines are cheaper
 steps() {
   option=${3:-}
-  write "$1" ${option#without}
+  "$out/write" "$1" ${option#without} > "$out/code.h" || fail "tree $1 is not written"
   sed "s/return \(generated_step.*\)1);.*/$2 for (int k = 0; k < 50; k++) { if (\1 1e-3)) { return 1; } } return 0; }/" \
     "$out/main.c" > "$out/count.c"
   (ulimit -t 5 && try gcc $c99 -O2 -I"$out" -o "$out/count" "$out/count.c" -lm -Wl,-z,now) || fail "tree $1: more than 5 s to compile"
@@ -232,6 +232,24 @@ refuse() {
   refused=$((refused + 1))
 }
 refuse "--code: load and nudge" none.h "load hub base force 1 0 0"
+# loads at nodes: their lines are inputs where --loads names them
+scene "load array.tip base force 1 0 0" "load hub.side dead torque 1 0 0" "load hub base force 1 0 0"
+try "$out/scene" "$out/scene.txt" --loads hub.side,array.tip,hub --code "$out/generated.h"
+[ "$(grep -c 'force_1\[3\]\|torque_1\[3\]' "$out/generated.h")" = 4 ] || fail "loads at nodes are no inputs"
+mv "$out/generated.h" "$out/code.h"
+compile
+# refuse_loads LIST WORDS: of the scene above
+refuse_loads() {
+  ! "$out/scene" "$out/scene.txt" --loads "$1" --code "$out/none.h" 2> "$out/log" && grep -q -e "$2" "$out/log" || fail "--loads $1: $(tail -n 1 "$out/log")"
+  refused=$((refused + 1))
+}
+refuse_loads array.tip "load and nudge: the caller gives them as input, by --loads hub.side,hub (line"
+for list in "" hub.none none.side hub.2 hub.side,hub.side hub.side,; do
+  refuse_loads "$list" "nodes, BODY.NODE or BODY for its origin, each once"
+done
+! "$out/scene" "$out/scene.txt" --loads hub 2> "$out/log" && grep -q -e "--loads belongs to --code" "$out/log" || fail "--loads alone"
+scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "load wheel base torque 0 0 1"
+refuse_loads wheel "wheel: loads would turn with it, a wheel"
 refuse "--code: event" none.h "event 1 lock hinge 1"
 refuse "--code: spring" none.h "spring strut hub array.tip" "stiffness 1" "end"
 refuse "--code: load and nudge: .* (line 24); spring: .* (line 22); event: .* (line 21)" none.h "event 1 lock hinge 1" "spring strut hub array.tip" "end" \
