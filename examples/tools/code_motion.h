@@ -46,7 +46,7 @@ static void motion_assign(const code *w, code_sum *s, int k, const char *member,
 static void motion_write_link(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
-  const int flies = tree.root >= 0 && tree_flies(k) && !tree.stands;
+  const int flies = tree.root >= 0 && tree_flies(k);
   code_sum s;
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++) {
