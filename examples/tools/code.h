@@ -1494,18 +1494,19 @@ static const char code_matrix[] =
     "  R[3] = xy + wz;\n  R[4] = `1` - (xx + zz);\n  R[5] = yz - wx;\n"
     "  R[6] = xz - wy;\n  R[7] = yz + wx;\n  R[8] = `1` - (xx + yy);\n}\n\n";
 
-static const char code_turns[] =
+static const char code_turn[] =
     "/* y = R x by the quaternion of R */\n"
     "static void @_turn($ *y, const $ *q, const $ *x)\n{\n"
     "  const $ two = `2` / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
     "  const $ t0 = q[2] * x[2] - q[3] * x[1], t1 = q[3] * x[0] - q[1] * x[2], t2 = q[1] * x[1] - q[2] * x[0];\n"
     "  y[0] = x[0] + two * (q[0] * t0 + q[2] * t2 - q[3] * t1);\n"
     "  y[1] = x[1] + two * (q[0] * t1 + q[3] * t0 - q[1] * t2);\n"
-    "  y[2] = x[2] + two * (q[0] * t2 + q[1] * t1 - q[2] * t0);\n}\n\n"
-    "/* y = R^T x */\n"
-    "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
-    "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
-    "  @_turn(y, back, x);\n}\n";
+    "  y[2] = x[2] + two * (q[0] * t2 + q[1] * t1 - q[2] * t0);\n}\n";
+
+static const char code_turn_back[] = "\n/* y = R^T x */\n"
+                                     "static void @_turn_back($ *y, const $ *q, const $ *x)\n{\n"
+                                     "  const $ back[4] = {q[0], -q[1], -q[2], -q[3]};\n"
+                                     "  @_turn(y, back, x);\n}\n";
 
 static const char code_norm[] = "\nstatic $ @_norm(const $ *x)\n{\n"
                                 "  return sqrt~(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);\n}\n";
@@ -2035,9 +2036,13 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   code_template(w, code_declarations);
   code_template(w, code_read_types);
   code_template(w, w->rotors > 0 ? "  $ rotor_speed[%R]; /* [rad/s] relative to the node */\n" : "");
+  code_template(w, "} @_motion;\n\n");
+  code_template(w, code_node_type);
   code_template(w, code_read_types_end);
   if (code_model.first < 6) {
-    code_template(w, code_read_energy_types);
+    code_template(w, "\n");
+    code_template(w, code_energy_type);
+    code_template(w, code_energy_declaration);
   }
   if (lanes) {
     code lane = *w;
@@ -2060,7 +2065,8 @@ static int code_write_functions(const code *w)
   code_write_of_loads(w, " &&\n                 @(in->force_#, 3) && @(in->torque_#, 3)");
   fputs(");\n}\n\n", w->out);
   code_template(w, code_matrix);
-  code_template(w, code_turns);
+  code_template(w, code_turn);
+  code_template(w, code_turn_back);
   code_template(w, w->lanes ? "" : code_norm);
   if (code_model.first > 0) {
     code_write_nothing(w);

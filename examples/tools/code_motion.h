@@ -1,5 +1,5 @@
-/* code_motion.h - the motion of all bodies of a tree at a state, in the words of code_tree.h: sensors of a controller
-   that has the generated step alone. Part of code_tree.h, which includes it. */
+/* code_motion.h - the motion of all bodies of a tree and of their nodes at a state, in the words of code_tree.h: sensors of a
+   controller that has the generated step alone. Part of code_tree.h, which includes it. */
 #ifndef CODE_MOTION_H
 #define CODE_MOTION_H
 
@@ -29,11 +29,19 @@ static void motion_write_types(const code *w)
     fprintf(w->out, "  } body_%d;\n", k);
   }
   code_template(w, "} @_motion;\n\n");
+  code_template(w, code_node_type);
+  code_template(w, code_energy_type);
 }
 
-static const char motion_declaration[] =
+static const char motion_declarations[] =
     "/* Where the bodies are and how they move at a state, with the rates of prescribed axes (NULL: zero). */\n"
-    "@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in);\n";
+    "@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in);\n"
+    "/* A node of body_0, body_1, ..: 0 is its O, the others are those of its description in their order. quat may "
+    "have "
+    "either\n   sign. @_value: no such body or node. */\n"
+    "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int body, int node);\n"
+    "/* Of all bodies and of the springs and stops of joints, at the same rates. */\n"
+    "@_status @_energy_eval(@_energy *energy, const @_state *state, const @_input *in);\n";
 
 static void motion_assign(const code *w, code_sum *s, int k, const char *member, int i)
 {
@@ -150,12 +158,88 @@ static const char motion_eval[] =
     "    return @_not_finite;\n  }\n"
     "  *motion = next;\n  return @_ok;\n}\n";
 
+/* Displacement and rotation of a node that modes move; at: of all nodes of all links. */
+static void motion_write_node(const code *w, int at)
+{
+  char of[16];
+  const int k = at / FB_MAX_NODES;
+  const code own = tree_enter(w, k);
+  code_of_names = "";
+  snprintf(of, sizeof of, "%d_", k);
+  code_write_node_of(&own, of, at % FB_MAX_NODES);
+}
+
+/* Tables of all nodes. */
+static void motion_write_places(const code *w)
+{
+  char number[40];
+  int n = 0;
+  code_template(w, "  static const int first[@_BODIES + 1] = {0");
+  for (int k = 0; k < tree.n; k++) {
+    n += tree.link[k].model->n_node;
+    fprintf(w->out, ", %d", n);
+  }
+  code_template(w, "};\n  static const $ place[][3] = {");
+  for (int k = 0; k < tree.n; k++) {
+    const fb_body *const body = tree.link[k].model;
+    for (int i = 0; i < 3 * body->n_node; i++) {
+      code_number(number, w, (double)body->node[i / 3].r[i % 3]);
+      fprintf(w->out, "%s%s%s", i % 3 > 0 ? ", " : k + i > 0 ? ",\n    {" : "{", number, i % 3 == 2 ? "}" : "");
+    }
+  }
+  fputs("};\n", w->out);
+}
+
+static const char motion_node[] =
+    "  $ q[4], s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n"
+    "  const $ *x_O, *R, *v_O, *w_O;\n"
+    "  @_node own;\n"
+    "  if (!out || !state || !motion) {\n    return @_null;\n  }\n"
+    "  if (body < 0 || body >= @_BODIES || node < 0 || node >= first[body + 1] - first[body]) {\n"
+    "    return @_value;\n  }\n"
+    "  memcpy(s, place[first[body] + node], sizeof s);\n";
+
+static int motion_write_nodes(const code *w)
+{
+  int good = 1;
+  for (int at = 0; at < tree.n * FB_MAX_NODES; at++) {
+    if (fbi_node_moves(tree.link[at / FB_MAX_NODES].model, at % FB_MAX_NODES)) {
+      good = code_write_pruned(w, motion_write_node, at) && good;
+    }
+  }
+  code_template(w, "\n/* E8.20 */\n@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int "
+                   "body, int node)\n{\n");
+  motion_write_places(w);
+  code_template(w, motion_node);
+  for (int k = 0; k < tree.n; k++) {
+    const char *const members[4][2] = {{"x_O", "position"}, {"R", "R"}, {"v_O", "v"}, {"w_O", "w"}};
+    if (k > 0) {
+      fprintf(w->out, "  if (body == %d) {\n", k);
+    }
+    for (int i = 0; i < 4; i++) {
+      fprintf(w->out, "%s  %s = motion->body_%d.%s;\n", k > 0 ? "  " : "", members[i][0], k, members[i][1]);
+    }
+    fputs(k > 0 ? "  }\n" : "", w->out);
+  }
+  for (int at = 0; at < tree.n * FB_MAX_NODES; at++) {
+    const int k = at / FB_MAX_NODES, node = at % FB_MAX_NODES;
+    if (fbi_node_moves(tree.link[k].model, node)) {
+      fprintf(w->out, "  if (body == %d && node == %d) {\n    ", k, node);
+      code_template(w, "@_node_");
+      fprintf(w->out, "%d_%d(u, phi, u_dot, phi_dot, state->body_%d.q, motion->body_%d.q_dot);\n  }\n", k, node, k, k);
+    }
+  }
+  code_template(w, "  @_quat(q, R);\n");
+  code_template(w, code_read_node);
+  return good;
+}
+
 /* 0: there is no temporary file, see errno. */
 static int motion_write_functions(const code *w)
 {
   const int limited = tree.limited, good = (tree.limited = 0, code_write_pruned(w, motion_write_at, 0));
   tree.limited = limited;
   code_template(w, motion_eval);
-  return good;
+  return motion_write_nodes(w) && good;
 }
 #endif

@@ -12,23 +12,23 @@ static const char code_read_types[] = "\ntypedef struct @_motion {\n"
                                       "  $ v[3], w[3]; /* [m/s], [rad/s] of O, body axes */\n"
                                       "  $ q_dot[%m];\n";
 
+static const char code_node_type[] = "typedef struct @_node { /* inertial axes */\n"
+                                     "  $ position[3], quat[4];         /* [m], attitude of the section */\n"
+                                     "  $ velocity[3], angular_rate[3]; /* [m/s], [rad/s] */\n"
+                                     "} @_node;\n\n";
+
+static const char code_energy_type[] = "typedef struct @_energy {\n"
+                                       "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
+                                       "} @_energy;\n\n";
+
 static const char code_read_types_end[] =
-    "} @_motion;\n\n"
-    "typedef struct @_node { /* inertial axes */\n"
-    "  $ position[3], quat[4];          /* [m], attitude of the section */\n"
-    "  $ velocity[3], angular_rate[3]; /* [m/s], [rad/s] */\n"
-    "} @_node;\n\n"
     "/* Time derivatives of rho, quat, u, L, q, pi; rho_dot is the velocity of O. */\n"
     "@_status @_rates_eval(%M@_state *rate, const @_state *state, const @_input *in);\n"
     "@_status @_motion_eval(%M@_motion *motion, const @_state *state, const @_input *in);\n"
     "/* Node 0 is O, the others are those of the description in its order. @_value: no such node. */\n"
     "@_status @_node_eval(%M@_node *out, const @_state *state, const @_motion *motion, int node);\n";
 
-static const char code_read_energy_types[] =
-    "\ntypedef struct @_energy {\n"
-    "  $ kinetic, strain, gravity; /* [J]; gravity is that of the description */\n"
-    "} @_energy;\n\n"
-    "@_status @_energy_eval(%M@_energy *energy, const @_state *state);\n";
+static const char code_energy_declaration[] = "@_status @_energy_eval(%M@_energy *energy, const @_state *state);\n";
 
 static void code_write_center_rate(const code *w, int unused)
 {
@@ -95,7 +95,8 @@ static const char code_read_rotation[] =
     "    turn[0] = `2` * half;\n"
     "  }\n";
 
-static void code_write_node(const code *w, int k)
+/* of: what begins the number of a node. */
+static void code_write_node_of(const code *w, const char *of, int k)
 {
   const fb_node *const node = &code_model.body->node[k];
   const fb_real *chi = NULL, *chi_theta = NULL;
@@ -107,7 +108,7 @@ static void code_write_node(const code *w, int k)
 #endif
   fprintf(w->out, "\n/* E8.14: displacement [m] and rotation of node %d with their rates, body axes */\n", k);
   code_template(w, "static void @_node_");
-  fprintf(w->out, "%d", k);
+  fprintf(w->out, "%s%d", of, k);
   code_template(w, w->large
                        ? "($ *u, $ *turn, $ *u_dot, $ *spin, const $ *q, const $ *q_dot)\n{\n  $ phi[3], phi_dot[3];\n"
                        : "($ *u, $ *phi, $ *u_dot, $ *phi_dot, const $ *q, const $ *q_dot)\n{\n");
@@ -120,6 +121,11 @@ static void code_write_node(const code *w, int k)
     code_template(w, code_read_rotation);
   }
   fputs("}\n", w->out);
+}
+
+static void code_write_node(const code *w, int k)
+{
+  code_write_node_of(w, "", k);
 }
 
 /* Axes of a line and body axes: element i, j of the matrix that takes the former to the latter. */
@@ -478,20 +484,22 @@ static void code_write_energy(const code *w)
                    "  if (!@_is_finite(w, 3)) {\n    return @_not_finite;\n  }\n  *energy = own;\n  return @_ok;\n}\n");
 }
 
+/* The end of a node's motion by that of O: x_O, v_O and w_O, q of its axes, in body axes s the place, u, phi the displacement and
+   rotation. */
 static const char code_read_node[] =
     "  for (int i = 0; i < 3; i++) {\n    s[i] += u[i];\n  }\n"
     "  share = `1` / (`1` + `0.25` * (phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2]));\n"
     "  for (int i = 0; i < 3; i++) {\n"
     "    const int y = i < 2 ? i + 1 : 0, z = i > 0 ? i - 1 : 2;\n"
-    "    v[i] = motion->v[i] + motion->w[y] * s[z] - motion->w[z] * s[y] + u_dot[i];\n"
-    "    w[i] = motion->w[i] + share * (phi_dot[i] + `0.5` * (phi[y] * phi_dot[z] - phi[z] * phi_dot[y]));\n"
+    "    v[i] = v_O[i] + w_O[y] * s[z] - w_O[z] * s[y] + u_dot[i];\n"
+    "    w[i] = w_O[i] + share * (phi_dot[i] + `0.5` * (phi[y] * phi_dot[z] - phi[z] * phi_dot[y]));\n"
     "  }\n"
     "  @_turn(own.position, q, s);\n"
     "  @_turn(own.velocity, q, v);\n"
     "  @_turn(own.angular_rate, q, w);\n"
     "  share = sqrt~(share);\n"
     "  for (int i = 0; i < 3; i++) {\n"
-    "    own.position[i] += state->rho[i];\n"
+    "    own.position[i] += x_O[i];\n"
     "    phi[i] *= `0.5`;\n  }\n"
     "  own.quat[0] = share * (q[0] - q[1] * phi[0] - q[2] * phi[1] - q[3] * phi[2]);\n"
     "  own.quat[1] = share * (q[1] + q[0] * phi[0] + q[2] * phi[2] - q[3] * phi[1]);\n"
@@ -544,14 +552,15 @@ static int code_write_nodes(const code *w)
       w->large
           ? "};\n  $ s[3], v[3], u[3] = {`0`}, turn[4] = {`1`}, u_dot[3] = {`0`}, spin[3] = {`0`};\n  int sound = 1;\n"
           : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
+  code_template(w, w->large ? "  const $ *q;\n" : "  const $ *q, *x_O, *v_O, *w_O;\n");
   code_template(w, "  $ x[%N];\n"
-                   "  const $ *q;\n"
                    "  @_node own;\n"
                    "  if (!out || !state || !motion%Q) {\n    return @_null;\n  }\n");
   fprintf(w->out, "  if (node < 0 || node >= %d) {\n", body->n_node);
   code_template(w, "    return @_value;\n  }\n  @_enter(%Ax, state);\n"
                    "  if (!@_is_finite(x, %N)) {\n    return @_not_finite;\n  }\n"
                    "  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
+  code_template(w, w->large ? "" : "  x_O = state->rho;\n  v_O = motion->v;\n  w_O = motion->w;\n");
   for (int k = 1; k < body->n_node; k++) {
     fprintf(w->out, "  if (node == %d) {\n", k);
     code_template(w, w->large && body->node[k].line.line > 0 ? "    sound = @_node_" : "    @_node_");

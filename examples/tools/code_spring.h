@@ -24,19 +24,22 @@ static int rows_has_sprung_ball(void)
   return has;
 }
 
-static const char rows_vector[] =
-    "\n/* E4.5: rotation vector of a rotation matrix, by the quaternion's largest component */\n"
-    "static void @_turned($ *v, const $ *R)\n{\n"
+static const char rows_quat[] =
+    "\n/* quaternion of a rotation matrix, by its largest component */\n"
+    "static void @_quat($ *q, const $ *R)\n{\n"
     "  const $ x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1];\n"
     "  const $ yz = R[5] + R[7], xz = R[2] + R[6], xy = R[1] + R[3];\n"
     "  const $ four[16] = {`1` + R[0] + R[4] + R[8], x, y, z, x, `1` + R[0] - R[4] - R[8], xy, xz,\n"
     "                      y, xy, `1` - R[0] + R[4] - R[8], yz, z, xz, yz, `1` - R[0] - R[4] + R[8]};\n"
-    "  $ q[4], s;\n"
+    "  $ s;\n"
     "  int k = 0;\n"
     "  for (int i = 1; i < 4; i++) {\n    k = four[5 * i] > four[5 * k] ? i : k;\n  }\n"
     "  s = (four[4 * k] < `0` ? `-0.5` : `0.5`) / sqrt~(four[5 * k]);\n"
-    "  for (int i = 0; i < 4; i++) {\n    q[i] = s * four[4 * k + i];\n  }\n"
-    "  @_vector(v, q);\n}\n";
+    "  for (int i = 0; i < 4; i++) {\n    q[i] = s * four[4 * k + i];\n  }\n}\n";
+
+static const char rows_vector[] = "\n/* E4.5: rotation vector of a rotation matrix */\n"
+                                  "static void @_turned($ *v, const $ *R)\n{\n  $ q[4];\n"
+                                  "  @_quat(q, R);\n  @_vector(v, q);\n}\n";
 
 static int rows_are_sprung(void)
 {
@@ -178,6 +181,17 @@ static void tree_template(const code *w, const char *text, const char *of)
   code_template(w, all);
 }
 
+/* How far an axis whose coordinate is called `of` is in its stops. */
+static void rows_write_depth(const code *w, const fb_joint *joint, int a, const char *of)
+{
+  char text[400];
+  snprintf(text, sizeof text,
+           "  const $ #low = #x - `%.17g`;\n  const $ #high = #x - `%.17g`;\n"
+           "  const $ #deep = (%%W#low < `0`%%,#low%%!) + (%%W#high > `0`%%,#high%%!);\n",
+           (double)joint->stop[a][0], (double)joint->stop[a][1]);
+  tree_template(w, text, of);
+}
+
 /* s += friction (E9.28) and stops (E9.29) of an axis whose coordinate is called `of`, at `speed`. */
 static void tree_add_rubbing(const code *w, code_sum *s, const fb_joint *joint, int a, code_value speed, const char *of)
 {
@@ -197,11 +211,7 @@ static void tree_add_rubbing(const code *w, code_sum *s, const fb_joint *joint, 
     code_add(s, -1.0, code_variable("%s_rub", of), code_variable("%s_u", of));
   }
   if (stiffness > 0.0) {
-    snprintf(text, sizeof text,
-             "  const $ #low = #x - `%.17g`;\n  const $ #high = #x - `%.17g`;\n"
-             "  const $ #deep = (%%W#low < `0`%%,#low%%!) + (%%W#high > `0`%%,#high%%!);\n",
-             (double)joint->stop[a][0], (double)joint->stop[a][1]);
-    tree_template(w, text, of);
+    rows_write_depth(w, joint, a, of);
     snprintf(text, sizeof text,
              "  const $ #in = (%%W#low < `0`%%,-#u%%!) + (%%W#high > `0`%%,#u%%!);\n"
              "  const $ #hold = `1` + `%.17g` * #in;\n  const $ #stop = %%W#hold > `0`%%,#hold%%!;\n",

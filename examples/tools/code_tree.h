@@ -2415,6 +2415,7 @@ static void tree_write_step(const code *w)
 
 #include "code_sdirk.h"
 #include "code_motion.h"
+#include "code_energy.h"
 
 /* Rotation vector; of all lanes by that of one body. */
 static void tree_write_vector(const code *w)
@@ -2447,7 +2448,9 @@ static void tree_write_rotations(const code *w)
 {
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, free || ball ? code_matrix : "");
-  code_template(w, free ? code_turns : "");
+  code_template(w, free || !w->lanes ? code_turn : "");
+  code_template(w, free ? code_turn_back : "");
+  code_template(w, w->lanes ? "" : rows_quat);
   code_template(w, !w->lanes && ((free && !tree.looped && !tree.implicit) || tree_has_sprung_ball()) ? code_norm : "");
   if (tree_has_sprung_ball()) {
     tree_write_vector(w);
@@ -2487,7 +2490,7 @@ static void tree_write_declarations(const code *w, int lanes, int started)
   }
   code_template(w, started ? "/* Where the scene starts. */\n" : "/* At zero coordinates, at rest. */\n");
   code_template(w, tree.implicit ? sdirk_declarations : tree_declarations);
-  code_template(w, tree.quiet ? "" : motion_declaration);
+  code_template(w, tree.quiet ? "" : motion_declarations);
   if (lanes) {
     code lane = *w;
     lane.lanes = CODE_LANES;
@@ -2572,7 +2575,7 @@ static int tree_write_functions(const code *w)
     tree_write_step(w);
   }
   if (!w->lanes && !tree.quiet) {
-    good = motion_write_functions(w) && good;
+    good = motion_write_functions(w) && energy_write_functions(w) && good;
   }
   return good;
 }

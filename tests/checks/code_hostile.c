@@ -5,7 +5,7 @@
      a status, one of those that the text names, and what was to be changed is as before,
      or 0, and all that was written is finite.
    With lanes that word is in one lane: each lane has the status and the bits of its single step.
-   TREE: a tree, whose text has the step alone; LOOPS: with loops; SDIRK: its L-stable one. NUMBER: double or float. PRESCRIBED: base, without energy. */
+   TREE: a tree, without rates; LOOPS: with loops; SDIRK: its L-stable one. NUMBER: double or float. PRESCRIBED: base, without energy. */
 #define generated_IMPLEMENTATION
 #include "code.h"
 #include <math.h>
@@ -170,10 +170,19 @@ static void judge_reads(const subject *s, int word, const char *how)
 static void judge_reads(const subject *s, int word, const char *how)
 {
   generated_motion motion;
+  generated_energy energy;
   int status;
   memset(&motion, 0x5a, sizeof motion);
+  memset(&energy, 0x5a, sizeof energy);
   status = generated_motion_eval(&motion, &s->state, &s->input[0]);
   judge_read(status, &motion, sizeof motion, "motion", word, how);
+  for (int body = 0; body < 3 && status == generated_ok; body++) {
+    generated_node node;
+    memset(&node, 0x5a, sizeof node);
+    judge_read(generated_node_eval(&node, &s->state, &motion, body, 1), &node, sizeof node, "node", word, how);
+  }
+  status = generated_energy_eval(&energy, &s->state, &s->input[0]);
+  judge_read(status, &energy, sizeof energy, "energy", word, how);
 }
 #endif
 

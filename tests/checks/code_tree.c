@@ -826,8 +826,8 @@ static inline void act(fb_system_load *on, int k, double t)
   on->load.node = 1;
   on->load.axes = FB_AXES_BODY;
   for (int i = 0; i < 3; i++) {
-    on->load.force[i] = (fb_real)(0.2 * cos(t + 2 * i + k));
-    on->load.torque[i] = (fb_real)(0.2 * sin(3 * t + i + 2 * k));
+    on->load.force[i] = (fb_real)(0.5 * sin(9 * t + 2 * i + k));
+    on->load.torque[i] = (fb_real)(0.5 * cos(7 * t + i + 2 * k));
   }
 }
 
@@ -1217,18 +1217,70 @@ static int is_seen(const fb_real *mine, const fb_real *theirs, size_t n, const c
   return 1;
 }
 
-/* Where the bodies are and how they move at the state of the library. */
-static int seen(void)
+/* All nodes, and what is none. */
+static int nodes_seen(const fb_system_motion *motion, const generated_motion *mine)
+{
+  fb_node_motion theirs;
+  generated_node node;
+  fb_real R[9], own_R[9];
+  int good = 1;
+  for (int k = 0; k < desc.n_body; k++) {
+    const fb_body *const body = &model[desc.model[k]];
+    for (int at = 0; at < body->n_node; at++) {
+      need(fb_body_node_motion_eval(body, &theirs, &motion->pose[k], &motion->motion[k], at), "node");
+      good &= generated_node_eval(&node, &own, mine, k, at) == generated_ok;
+      fb_quat_to_mat33(R, theirs.quat);
+      fb_quat_to_mat33(own_R, node.quat);
+      good &= is_seen(node.position, theirs.position, 3, "node position") && is_seen(own_R, R, 9, "node attitude") &&
+              is_seen(node.velocity, theirs.velocity, 3, "node velocity") &&
+              is_seen(node.angular_rate, theirs.angular_rate, 3, "node angular rate");
+    }
+    good &= generated_node_eval(&node, &own, mine, k, body->n_node) == generated_value &&
+            generated_node_eval(&node, &own, mine, k, -1) == generated_value;
+  }
+  good &= generated_node_eval(&node, &own, mine, desc.n_body, 0) == generated_value &&
+          generated_node_eval(&node, &own, mine, -1, 0) == generated_value &&
+          generated_node_eval(NULL, &own, mine, 0, 0) == generated_null &&
+          generated_node_eval(&node, NULL, mine, 0, 0) == generated_null &&
+          generated_node_eval(&node, &own, NULL, 0, 0) == generated_null;
+  if (!good) {
+    printf("nodes\n");
+  }
+  return good;
+}
+
+static int energy_seen(const fb_system_input *in, const generated_input *acts)
+{
+  fb_energy theirs;
+  generated_energy mine;
+  fb_real a[3], b[3], size;
+  need(fb_system_energy_eval(&mechanism, model, &work, &theirs, &state, in), "energy");
+  if (generated_energy_eval(&mine, &own, acts) != generated_ok ||
+      generated_energy_eval(NULL, &own, acts) != generated_null ||
+      generated_energy_eval(&mine, NULL, acts) != generated_null) {
+    printf("energy: a status\n");
+    return 0;
+  }
+  size = theirs.kinetic + theirs.strain; /* what rounding is of */
+  for (int i = 0; i < 3; i++) {
+    a[i] = (i == 0 ? mine.kinetic : i == 1 ? mine.strain : mine.gravity) / (FB_R(1.0) + size);
+    b[i] = (i == 0 ? theirs.kinetic : i == 1 ? theirs.strain : theirs.gravity) / (FB_R(1.0) + size);
+  }
+  return is_seen(a, b, 3, "energy");
+}
+
+/* Where the bodies and their nodes are, how they move and their energy at the state of the library, under what acts. */
+static int seen(const fb_system_input *in, const generated_input *acts)
 {
   static fb_system_motion motion;
   static generated_motion mine;
   fb_real R[9];
   int good = 1;
   take_state(0);
-  need(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), "motion");
-  if (generated_motion_eval(&mine, &own, NULL) != generated_ok ||
-      generated_motion_eval(NULL, &own, NULL) != generated_null ||
-      generated_motion_eval(&mine, NULL, NULL) != generated_null) {
+  need(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, in), "motion");
+  if (generated_motion_eval(&mine, &own, acts) != generated_ok ||
+      generated_motion_eval(NULL, &own, acts) != generated_null ||
+      generated_motion_eval(&mine, NULL, acts) != generated_null) {
     printf("motion: a status\n");
     return 0;
   }
@@ -1253,15 +1305,25 @@ static int seen(void)
 #undef MODAL
 #undef DRIVE
 #undef ROTORS
-  return good;
+  return nodes_seen(&motion, &mine) && energy_seen(in, acts) && good;
 }
 
-/* At the end of the last flight, and at a start. */
+/* At the end of a flight and at its start, at rest of what is prescribed and under loads. */
 static int all_seen(void)
 {
-  const int good = seen();
+  static fb_system_input in;
+  static generated_input mine;
+  int good = seen(NULL, NULL);
   start(0.3);
-  return seen() && good;
+  good &= seen(NULL, NULL);
+  load(&in, &mine, 0.7);
+  for (int k = 0; k < desc.n_body; k++) {
+    if (desc.joint[k].mode[0] != FB_AXIS_FREE) { /* where it is */
+      in.drive[k].value[0] = state.link[k].x[0];
+    }
+  }
+  give(&mine, &in);
+  return seen(&in, &mine) && good;
 }
 
 int main(int argc, char **argv)

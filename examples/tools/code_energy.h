@@ -1,0 +1,185 @@
+/* code_energy.h - the energy of a tree at a state, in the words of code_tree.h, by the motion of its bodies (code_motion.h):
+   that of fb_system_energy_eval. Part of code_tree.h. */
+#ifndef CODE_ENERGY_H
+#define CODE_ENERGY_H
+
+static struct energy_sums {
+  code_sum kinetic, strain, gravity;
+} energy_sums;
+
+/* Kinetic energy of a body, (V.S V + e.M^-1 e)/2 with e = Lambda^T V + M q_dot, and of its rotors, h^2/2J (E8.43). */
+static void energy_write_kinetic(const code *w, int k)
+{
+  static double M[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_value V[6], P[6], e[FB_MAX_MODES], y[FB_MAX_MODES];
+  code own;
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    V[i] = code_variable("m->body_%d.%s[%d]", k, i < 3 ? "v" : "w", i % 3);
+  }
+  tree_write_momentum(w, P, L->rates.S, V, NULL, "kP", k);
+  own = tree_enter(w, k);
+  code_read_sparse(M, &L->model->M, L->n);
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    for (int i = 0; i < 6; i++) {
+      code_add(&s, 1.0, code_now.lambda[i][a], V[i]);
+    }
+    for (int b = 0; b < L->n; b++) {
+      code_value q_dot = code_constant(1.0);
+      snprintf(q_dot.name, sizeof q_dot.name, "m->body_%d.q_dot[%d]", k, b);
+      code_add_one(&s, M[a][b], q_dot);
+    }
+    e[a] = code_end(&own, &s, code_variable("ke_%d", a));
+  }
+  code_write_solve(&own, y, e, "ky");
+  tree_leave(k);
+  for (int i = 0; i < 6; i++) {
+    code_add(&energy_sums.kinetic, 0.5, V[i], P[i]);
+  }
+  for (int a = 0; a < L->n; a++) {
+    code_add(&energy_sums.kinetic, 0.5, e[a], y[a]);
+  }
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    const code_value h = tree_rotors[k].momentum[r];
+    code_add(&energy_sums.kinetic, 0.5 / (double)L->model->rotor[r].inertia, h, h);
+  }
+}
+
+/* q.K q/2 of a body and -g.(m rho + R c). */
+static void energy_write_potential(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code own;
+  code_read_sparse(K, &L->model->K, L->n);
+  for (int a = 0; a < L->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_add(&energy_sums.strain, (a == b ? 0.5 : 1.0) * K[a][b], code_variable("b%d_q_%d", k, a),
+               code_variable("b%d_q_%d", k, b));
+    }
+  }
+  if (!tree_has_gravity(L->model)) {
+    return;
+  }
+  own = tree_enter(w, k);
+  for (int i = 0; i < 3; i++) {
+    code_write_value(&own, i);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_value position = code_constant(1.0), R = position;
+    snprintf(position.name, sizeof position.name, "m->body_%d.position[%d]", k, i);
+    code_add_one(&energy_sums.gravity, -code_gravity(i) * (double)L->model->mass, position);
+    for (int j = 0; j < 3; j++) {
+      snprintf(R.name, sizeof R.name, "m->body_%d.R[%d]", k, 3 * i + j);
+      code_add(&energy_sums.gravity, -code_gravity(i), R, code_now.value[j]);
+    }
+  }
+  tree_leave(k);
+}
+
+/* Spring and stop of a joint's axis at x, called `of`: k (x - rest)^2/2, k depth^2/2. */
+static void energy_write_axis(const code *w, const fb_joint *joint, int a, code_value x, const char *of)
+{
+  const code_value stretch = code_variable("%s_far", of), depth = code_variable("%s_deep", of);
+  code_sum s;
+  code_begin(&s);
+  code_add_one(&s, 1.0, x);
+  code_add_one(&s, -(double)joint->rest[a], code_constant(1.0));
+  code_declare(w, &s, stretch.name);
+  code_add(&energy_sums.strain, 0.5 * (double)joint->stiffness[a], stretch, stretch);
+  if (joint->stop_stiffness[a] > FB_R(0.0)) {
+    rows_write_depth(w, joint, a, of);
+    code_add(&energy_sums.strain, 0.5 * (double)joint->stop_stiffness[a], depth, depth);
+  }
+}
+
+/* Springs and stops of a joint of the tree. */
+static void energy_write_joint(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  const int ball = L->joint->kind == FB_JOINT_SPHERICAL;
+  if (ball && L->joint->stiffness[0] > FB_R(0.0)) {
+    fprintf(w->out, "  %s phi%d[3];\n", code_real(w), k);
+    code_template(w, "  @_vector(");
+    fprintf(w->out, "phi%d, x + %d);\n", k, L->x);
+  }
+  for (int a = 0; a < L->axes + L->given && rows_is_sprung(L->joint); a++) {
+    const code_value x = code_variable("b%d_x_%d", k, a);
+    energy_write_axis(w, L->joint, a, ball ? code_variable("phi%d[%d]", k, a) : x, x.name);
+  }
+}
+
+/* Of one that closes a loop. */
+static void energy_write_loop(const code *w, int j)
+{
+  const fb_joint *const joint = constraint.loop[j].joint;
+  const int ball = joint->kind == FB_JOINT_SPHERICAL;
+  const int known = fbi_traits(joint)->pitched && fabs((double)joint->pitch) > 0.0; /* its angle, by the row */
+  if (!rows_is_sprung(joint)) {
+    return;
+  }
+  rows_write_frames(w, j);
+  if (ball && joint->stiffness[0] > FB_R(0.0)) {
+    rows_write_ball(w, j);
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    const code_value x = code_variable("l%d_x_%d", j, i);
+    if (!ball && !known) {
+      rows_write_coordinate(w, j, i);
+    }
+    energy_write_axis(w, joint, i, ball ? code_variable("l%d_x[%d]", j, i) : x, x.name);
+  }
+}
+
+static void energy_write_at(const code *w, int unused)
+{
+  (void)unused;
+  code_template(w, "\nstatic void @_energy_at(@_energy *energy, const @_motion *m, const $ *x, const @_state *s, const "
+                   "@_input *in)\n{\n  (void)x, (void)s, (void)in;\n");
+  code_begin(&energy_sums.kinetic);
+  code_begin(&energy_sums.strain);
+  code_begin(&energy_sums.gravity);
+  for (int k = 0; k < tree.n; k++) {
+    if (tree.link[k].given) {
+      fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0];\n", code_real(w), k, k);
+    }
+  }
+  tree_write_names(w);
+  tree_write_places(w);
+  for (int k = 0; k < tree.n; k++) {
+    tree_write_body(w, k);
+    energy_write_kinetic(w, k);
+    energy_write_potential(w, k);
+    energy_write_joint(w, k);
+  }
+  for (int j = 0; j < constraint.n_loop; j++) {
+    energy_write_loop(w, j);
+  }
+  code_assign(w, &energy_sums.kinetic, "energy->kinetic");
+  code_assign(w, &energy_sums.strain, "energy->strain");
+  code_assign(w, &energy_sums.gravity, "energy->gravity");
+  fputs("}\n", w->out);
+}
+
+static const char energy_eval[] =
+    "\n@_status @_energy_eval(@_energy *energy, const @_state *state, const @_input *in)\n{\n"
+    "  $ x[@_N], all[3];\n  @_motion motion;\n  @_energy own;\n  @_status status;\n"
+    "  if (!energy) {\n    return @_null;\n  }\n"
+    "  status = @_motion_eval(&motion, state, in);\n"
+    "  if (status != @_ok) {\n    return status;\n  }\n"
+    "  @_enter(x, state);\n"
+    "  @_energy_at(&own, &motion, x, state, in);\n"
+    "  all[0] = own.kinetic;\n  all[1] = own.strain;\n  all[2] = own.gravity;\n"
+    "  if (!@_is_finite(all, 3)) {\n    return @_not_finite;\n  }\n"
+    "  *energy = own;\n  return @_ok;\n}\n";
+
+/* 0: there is no temporary file, see errno. */
+static int energy_write_functions(const code *w)
+{
+  const int good = code_write_pruned(w, energy_write_at, 0);
+  code_template(w, energy_eval);
+  return good;
+}
+#endif
