@@ -1,4 +1,4 @@
-/* Trees of random bodies on joints. With WRITE: usage: write TREE [--single], prints the generated step of that tree
+/* Trees of random bodies on joints. With WRITE: usage: write TREE [--single] [--loads] .., prints the generated step of that tree
    (list below), exit 3 if there is none. Else: TREE is stepped beside fb_system_rk4_step, unloaded and loaded; the largest
    difference of each kind of variable relative to its extreme is printed and at most TOLERANCE, energy and momentum stay
    as they do there, and what the library refuses is refused. */
