@@ -141,11 +141,7 @@ static void energy_write_at(const code *w, int unused)
   code_begin(&energy_sums.kinetic);
   code_begin(&energy_sums.strain);
   code_begin(&energy_sums.gravity);
-  for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
-      fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0];\n", code_real(w), k, k);
-    }
-  }
+  motion_write_given(w);
   tree_write_names(w);
   tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {

@@ -124,19 +124,25 @@ static void motion_write_speeds(const code *w, int k)
   }
 }
 
+/* Places of prescribed axes in the state, and their rates. */
+static void motion_write_given(const code *w)
+{
+  for (int k = 0; k < tree.n; k++) {
+    if (tree.link[k].given) {
+      fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0];\n", code_real(w), k, k);
+      fprintf(w->out, "  const %s b%d_v_0 = in ? in->body_%d.rate[0] : ", code_real(w), k, k);
+      code_template(w, "%z;\n");
+    }
+  }
+}
+
 static void motion_write_at(const code *w, int unused)
 {
   (void)unused;
   code_template(w, "\nstatic @_status @_motion_at(@_motion *m, const $ *x, const @_state *s, const @_input *in)\n{\n"
                    "  const int pushed = 1;\n  (void)s, (void)in, (void)pushed;\n");
   code_template(w, tree.root >= 0 ? "  $ R_root[9];\n  @_matrix(R_root, x);\n" : "");
-  for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
-      fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0], b%d_v_0 = in ? in->body_%d.rate[0] : ", code_real(w), k, k,
-              k, k);
-      code_template(w, "%z;\n");
-    }
-  }
+  motion_write_given(w);
   tree_write_velocities(w);
   fputs("\n  /* E9.2, E9.5: places and velocities */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
