@@ -2,18 +2,7 @@
    takes: for tests/checks/hostile.c, which spoils it by a list, and tests/fuzz/api.c, which spoils it at random. */
 #ifndef HOSTILE_H
 #define HOSTILE_H
-#define FB_MAX_MODES 8
-#define FB_MAX_NODES 3
-#define FB_MAX_LOADS 2
-#define FB_MAX_ELEMENTS 3
-#define FB_MAX_STATIONS 4
-#define FB_MAX_LUMPS 2
-#define FB_MAX_BODIES 2
-#define FB_MAX_LOOPS 1
-#define FB_MAX_ROWS 6
-#define FB_MAX_SPEEDS 20
-#define FB_MAX_EXACT 6
-#define FB_WITH_DETAIL 1
+#include "hostile_sizes.h"
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <limits.h>
@@ -22,6 +11,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What a valid call takes; `kept` is how it was. */
 static struct world {
