@@ -360,7 +360,7 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_shape_select, fb_shape_select(p[0], p[1], p[2], i[0]), 1, OUT(fb_shape), MODEL(natural), IN(coordinate),        \
     WHOLE(2))                                                                                                          \
   F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
-  F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), 1, OUT(fb_body), WORK(build_work),               \
+  F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, OUT(fb_body), WORK(build_work),            \
     IN(build_desc), IN(build_beam), IN(build_modes), WHOLE(2))                                                         \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
   F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \
