@@ -274,7 +274,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page:
+build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -295,6 +295,14 @@ ci:
 check-hil: build/examples/hil_plant build/examples/hil_controller
 
 check-aero: build/examples/wing_goland build/examples/ground_resonance build/examples/rotor_flight
+
+# The library of check-hostile and check-faults, under sanitizers: in single precision; in double with all forms.
+check-hostile check-faults: build/sanitized/single.o build/sanitized/forms.o
+
+SANITIZE = gcc $(FLAGS) -Werror -O1 -fsanitize=address,undefined -fno-sanitize-recover=all
+
+build/sanitized/%.o: tests/checks/hostile_sizes.h $(LIBRARY) | build/sanitized
+	echo '#include "flexbeam.h"' | $(SANITIZE) -include $< -DFLEXBEAM_IMPLEMENTATION $(if $(findstring single,$@),-DFB_SINGLE=1,-DFB_WITH_FORMS=1) -c -o $@ -x c -
 
 check-fmu: build/flexbeam
 

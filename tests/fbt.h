@@ -30,19 +30,24 @@ typedef struct fbt_case {
   const char *name;
   void (*run)(void);
   int forms; /* 1: FB_WITH_FORMS makes a difference: test_runner --forms runs these alone */
+  int lasts; /* 1: shows no line or branch of the library that others do not: test_runner --brief leaves it out */
 } fbt_case;
 
 #define FBT_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
 /* At file scope: the array has one element for each of `count` enumerators, else it does not compile. */
 #define FBT_ONE_EACH(array, count) typedef char array##_one_each[FBT_COUNT(array) == (int)(count) ? 1 : -1]
 #define TEST(name) static void name(void)
-#define RUN(name)  \
-  {                \
-#name, name, 0 \
+#define RUN(name)     \
+  {                   \
+#name, name, 0, 0 \
   }
 #define RUN_FORMS(name) \
   {                     \
-#name, name, 1      \
+#name, name, 1, 0   \
+  }
+#define RUN_LONG(name) \
+  {                    \
+#name, name, 0, 1  \
   }
 #define SUITE(section, ...)                        \
   void fbt_suite_##section(void);                  \

@@ -918,7 +918,7 @@ SUITE(advise_formulas, RUN_FORMS(selection_takes_rows_and_pairs), RUN(selected_m
       RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
       RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),
       RUN(modes_answer_as_oscillators), RUN(a_rate_too_small_to_matter_changes_no_advice), RUN(advice_knows_no_axes),
-      RUN(advice_takes_as_many_modes_as_there_can_be), RUN(modes_are_taken_by_what_they_give),
+      RUN_LONG(advice_takes_as_many_modes_as_there_can_be), RUN(modes_are_taken_by_what_they_give),
       RUN(velocities_are_those_of_a_prescribed_base), RUN(bending_and_speed_have_their_phases),
       RUN(large_deflection_has_no_error_of_the_field), RUN(modes_beside_lines_keep_the_error_of_the_field),
       RUN(large_deflection_takes_the_modes_that_it_drives), RUN(accelerations_stiffen_and_soften),

@@ -312,5 +312,5 @@ TEST(advice_on_wheels_refuses_nonsense)
 
 SUITE(advise_rotors, RUN(nutation_drives_the_modes), RUN(wheels_couple_the_planes_of_booms),
       RUN(advised_steps_take_wheels), RUN(nutation_goes_to_and_fro), RUN(advice_on_wheels_refuses_nonsense),
-      RUN(advice_on_wheels_meets_its_tolerance))
+      RUN_LONG(advice_on_wheels_meets_its_tolerance))
 #endif

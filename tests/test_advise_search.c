@@ -1104,7 +1104,7 @@ TEST(advice_refuses_nonsense)
 SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_the_cheapest_that_adds_up),
       RUN(integrators_have_their_scenes), RUN(advised_steps_are_within_the_limit),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(drives_may_end_within_a_step),
-      RUN(unknown_ends_are_met_at_their_worst), RUN(known_ends_are_met_by_steps),
+      RUN_LONG(unknown_ends_are_met_at_their_worst), RUN_LONG(known_ends_are_met_by_steps),
       RUN(loads_may_be_taken_away_within_a_step), RUN(drives_leave_free_vibrations_behind),
       RUN(advised_steps_and_points_are_enough), RUN(errors_and_steps_add_up),
       RUN(search_stops_at_the_cheapest_that_will_do), RUN(search_tries_each_part_of_a_frame_once),
@@ -1112,4 +1112,5 @@ SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
       RUN(search_gives_up_bodies_that_miss_alike), RUN(scenes_may_refuse_large_deflection),
       RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
-      RUN(advice_meets_its_tolerance), RUN(two_booms_take_the_modes_that_the_load_drives), RUN(advice_refuses_nonsense))
+      RUN(advice_meets_its_tolerance), RUN_LONG(two_booms_take_the_modes_that_the_load_drives),
+      RUN(advice_refuses_nonsense))

@@ -499,5 +499,5 @@ TEST(orbits_that_are_none_are_refused)
 SUITE(analyse_orbit, RUN(rigid_satellites_hang_by_principal_axes), RUN(symmetric_satellites_keep_their_angle),
       RUN(satellites_librate_as_debra_and_delp_say), RUN(loads_in_orbit_are_borne_by_the_gradient),
       RUN(gyrostats_in_orbit_tilt), RUN(particles_on_springs_obey_hill), RUN(booms_along_the_vertical_bend_faster),
-      RUN(satellites_stay_in_their_steady_state), RUN(linear_models_answer_as_the_satellite_does),
+      RUN_LONG(satellites_stay_in_their_steady_state), RUN(linear_models_answer_as_the_satellite_does),
       RUN(pins_hold_pendulums_above_a_center), RUN(orbits_that_are_none_are_refused))

@@ -760,4 +760,4 @@ TEST(integrals_of_a_pair_stand_in_both_places)
 SUITE(body_particles, RUN(coordinates_have_any_unit), RUN(size_and_reach_are_those_of_the_particles),
       RUN(integrals_of_a_pair_stand_in_both_places), RUN(accelerations_agree_with_a_particle_model),
       RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
-      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(bodies_do_not_depend_on_the_units))
+      RUN_LONG(each_set_of_effects_follows_its_own_lagrangian), RUN(bodies_do_not_depend_on_the_units))

@@ -317,5 +317,5 @@ TEST(threads_turn_about_themselves)
 }
 
 SUITE(exact_flight, RUN(flight_at_any_speed_moves_as_rest_does), RUN(thrust_takes_the_frame_along),
-      RUN(pushed_beams_take_up_the_impulse), RUN(threads_turn_about_themselves), RUN(free_flight_keeps_momentum),
+      RUN_LONG(pushed_beams_take_up_the_impulse), RUN(threads_turn_about_themselves), RUN(free_flight_keeps_momentum),
       RUN(free_fall_is_not_felt), RUN(rigid_flight_is_straight), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy))

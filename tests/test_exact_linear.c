@@ -637,7 +637,7 @@ TEST(the_check_word_of_a_exact_beam_sees_every_byte)
 
 SUITE(exact_linear, RUN(linear_beams_follow_the_unit_of_time), RUN(the_check_word_of_a_exact_beam_sees_every_byte),
       RUN(states_that_are_not_numbers_are_refused), RUN(models_with_impossible_counts_are_refused),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand), RUN(linear_beams_move_as_the_beam_does),
+      RUN_LONG(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand), RUN_LONG(linear_beams_move_as_the_beam_does),
       RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
       RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(exact_beam_refuses_bad_input))

@@ -875,7 +875,7 @@ SUITE(exact_spectrum, RUN(curvature_may_jump_beside_a_node), RUN(an_element_that
       RUN(any_unit_gives_the_same_frequency), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
       RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
       RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN_LONG(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
       RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
       RUN(columns_buckle_at_eulers_load), RUN(columns_have_as_many_unstable_directions_as_loads_exceeded),
       RUN(rigid_strains_are_no_unstable_directions), RUN(columns_bend_to_the_side_they_are_nudged_to),

@@ -932,7 +932,7 @@ SUITE(integrate_order, RUN(flight_speed_does_not_matter), RUN(the_speed_of_a_pre
       RUN(the_mass_center_goes_where_momentum_leads_it), RUN(positions_are_sums_without_loss),
       RUN(the_faintest_loads_add_up), RUN(slender_bodies_keep_their_energy), RUN_FORMS(integrators_know_no_axes),
       RUN(integrators_of_systems_know_no_axes), RUN_FORMS(inputs_between_two_are_on_the_way),
-      RUN(what_is_tiny_becomes_zero), RUN(each_integrator_converges_at_its_order),
+      RUN(what_is_tiny_becomes_zero), RUN_LONG(each_integrator_converges_at_its_order),
       RUN(midpoint_keeps_energy_and_momentum), RUN(rk4_converges_with_order_four),
       RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(decay_reaches_zero_without_subnormals),

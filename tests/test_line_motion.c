@@ -846,7 +846,7 @@ TEST(joined_lines_hang_on_each_other)
   }
 }
 
-SUITE(line_motion, RUN(line_forces_are_the_gradient_of_the_energy), RUN(power_of_loads_is_the_rate_of_energy),
-      RUN(accelerations_of_lines_are_derivatives_of_velocities), RUN(lines_conserve_energy_and_momentum),
-      RUN(joined_lines_hang_on_each_other), RUN(lines_move_as_the_exact_beam),
+SUITE(line_motion, RUN_LONG(line_forces_are_the_gradient_of_the_energy), RUN_LONG(power_of_loads_is_the_rate_of_energy),
+      RUN_LONG(accelerations_of_lines_are_derivatives_of_velocities), RUN(lines_conserve_energy_and_momentum),
+      RUN(joined_lines_hang_on_each_other), RUN_LONG(lines_move_as_the_exact_beam),
       RUN(lines_that_twist_move_as_the_exact_beam))

@@ -199,5 +199,5 @@ TEST(the_45_degree_bend_as_a_body)
   fbt_figure("45 degree bend, by the displacement of the tip", "p05_bend45", most);
 }
 
-SUITE(line_statics, RUN(a_moment_bends_a_line_into_circles), RUN(elastica_under_tip_loads),
-      RUN(elastica_under_heavy_dead_loads), RUN(the_45_degree_bend_as_a_body))
+SUITE(line_statics, RUN(a_moment_bends_a_line_into_circles), RUN_LONG(elastica_under_tip_loads),
+      RUN(elastica_under_heavy_dead_loads), RUN_LONG(the_45_degree_bend_as_a_body))

@@ -1,7 +1,7 @@
 /* Runs every suite and closes with "N passed, N failed". Optional argument:
    only the tests whose section/name or section/topic/name contains it (`body/`
    is all tests of that section); --forms: only those for which FB_WITH_FORMS
-   makes a difference; --figures: print the measured figures, fields separated
+   makes a difference; --brief: all but those that last; --figures: print the measured figures, fields separated
    by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
@@ -33,7 +33,7 @@
 SUITES(DECLARE)
 
 static int passed, failed, claims_failed;
-static int figures, forms_alone;
+static int figures, forms_alone, brief;
 static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
 
@@ -73,7 +73,7 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
     char path[128];
     snprintf(path, sizeof path, "%s/%s", section, cases[i].name);
     path[strcspn(path, "_/")] = '/'; /* a topic of the section */
-    if (strstr(path, only) == NULL || (forms_alone && !cases[i].forms)) {
+    if (strstr(path, only) == NULL || (forms_alone && !cases[i].forms) || (brief && cases[i].lasts)) {
       continue;
     }
     claims_failed = 0;
@@ -226,7 +226,8 @@ int main(int argc, char **argv)
 {
   figures = argc > 1 && strcmp(argv[1], "--figures") == 0;
   forms_alone = argc > 1 && strcmp(argv[1], "--forms") == 0;
-  only = argc > 1 && !figures && !forms_alone ? argv[1] : "";
+  brief = argc > 1 && strcmp(argv[1], "--brief") == 0;
+  only = argc > 1 && !figures && !forms_alone && !brief ? argv[1] : "";
   if (!figures) {
     printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
   }

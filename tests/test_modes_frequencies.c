@@ -738,10 +738,10 @@ TEST(torsion_without_polar_inertia_leaves_the_rest)
 
 SUITE(modes_frequencies, RUN(torsion_without_polar_inertia_leaves_the_rest),
       RUN(columns_buckle_under_the_published_loads), RUN(preload_changes_the_frequencies_as_in_a_stiff_string),
-      RUN(timoshenko_beams_have_the_published_frequencies), RUN(beam_frequencies_match_the_closed_form),
+      RUN_LONG(timoshenko_beams_have_the_published_frequencies), RUN(beam_frequencies_match_the_closed_form),
       RUN(frequencies_converge_with_order_eight_and_six), RUN(element_coordinates_converge_with_order_four_and_two),
       RUN(tip_mass_lowers_the_frequencies_as_published), RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found),
       RUN(tapered_beam_has_the_published_frequencies), RUN(a_body_beside_the_axis_couples_bending_and_torsion),
       RUN(a_beam_without_mass_has_the_modes_of_its_tip_body), RUN(frequencies_do_not_depend_on_the_units),
       RUN(preloads_add_up_to_the_tension), RUN(columns_buckle_below_the_body_that_they_carry),
-      RUN(free_beams_keep_the_digits_of_their_low_modes), RUN(modes_for_a_spin_hold_the_modes_under_tension))
+      RUN(free_beams_keep_the_digits_of_their_low_modes), RUN_LONG(modes_for_a_spin_hold_the_modes_under_tension))

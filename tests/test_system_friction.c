@@ -357,7 +357,8 @@ TEST(friction_and_stops_are_checked)
   FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
 }
 
-SUITE(system_friction, RUN(friction_stops_a_wheel_as_in_closed_form), RUN(stops_return_an_impact_as_in_closed_form),
-      RUN(friction_and_stops_take_the_energy_that_they_say), RUN(stops_bound_the_step),
-      RUN(implicit_steps_rest_in_friction_and_on_stops), RUN(linear_models_hold_friction_and_stops),
-      RUN(friction_and_stops_are_checked), RUN(stops_bound_the_step_beside_rotors))
+SUITE(system_friction, RUN_LONG(friction_stops_a_wheel_as_in_closed_form),
+      RUN(stops_return_an_impact_as_in_closed_form), RUN(friction_and_stops_take_the_energy_that_they_say),
+      RUN(stops_bound_the_step), RUN(implicit_steps_rest_in_friction_and_on_stops),
+      RUN(linear_models_hold_friction_and_stops), RUN(friction_and_stops_are_checked),
+      RUN(stops_bound_the_step_beside_rotors))

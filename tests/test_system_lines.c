@@ -643,9 +643,9 @@ TEST(systems_refuse_steps_that_a_bent_line_does_not_allow)
   FBT_TRUE(FB_SINGLE || (longer > 2.0 && least > 0.9));
 }
 
-SUITE(system_lines, RUN(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
+SUITE(system_lines, RUN_LONG(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
       RUN(rates_of_systems_with_lines_are_those_of_hamilton), RUN(accelerations_of_systems_with_lines_are_rates),
       RUN(lines_of_every_kind_carry_their_bodies), RUN(momenta_of_lines_give_back_the_speeds),
       RUN(a_line_alone_is_the_single_body), RUN(systems_with_lines_keep_energy_and_momentum),
       RUN(a_latch_on_a_line_conserves_momentum), RUN(power_of_distributed_loads_on_systems_is_the_rate_of_energy),
-      RUN(systems_refuse_distributed_loads_that_fail), RUN(systems_refuse_steps_that_a_bent_line_does_not_allow))
+      RUN(systems_refuse_distributed_loads_that_fail), RUN_LONG(systems_refuse_steps_that_a_bent_line_does_not_allow))

@@ -621,8 +621,9 @@ TEST(internal_loads_of_systems_that_are_not_known_are_refused)
   FBT_INT_EQ(n, 7);
 }
 
-SUITE(system_machines, RUN(double_pendulums_of_lines_follow_the_reference), RUN(folded_booms_unfold_as_finer_ones_do),
-      RUN(hinged_rotors_turn_as_finer_ones_do), RUN(slider_cranks_turn_as_finer_ones_do),
-      RUN(every_joint_on_lines_is_the_same_eliminated_kept_or_closing_a_loop), RUN(rows_hold_nodes_of_lines),
+SUITE(system_machines, RUN(double_pendulums_of_lines_follow_the_reference),
+      RUN_LONG(folded_booms_unfold_as_finer_ones_do), RUN(hinged_rotors_turn_as_finer_ones_do),
+      RUN_LONG(slider_cranks_turn_as_finer_ones_do),
+      RUN_LONG(every_joint_on_lines_is_the_same_eliminated_kept_or_closing_a_loop), RUN(rows_hold_nodes_of_lines),
       RUN(joint_forces_on_lines_carry_what_hangs_on_them), RUN(reactions_on_lines_are_the_sum_of_joint_forces),
       RUN(internal_loads_of_systems_reach_the_hub), RUN(internal_loads_of_systems_that_are_not_known_are_refused))

@@ -279,4 +279,4 @@ TEST(a_parallelogram_passes_its_flat_positions)
 
 SUITE(system_references, RUN(tops_follow_the_references), RUN(pendulums_of_rods_follow_their_equations),
       RUN(gimbal_has_the_published_eigenvalues), RUN(flexible_double_pendulum_follows_the_reference),
-      RUN(slider_crank_follows_the_reference), RUN(a_parallelogram_passes_its_flat_positions))
+      RUN_LONG(slider_crank_follows_the_reference), RUN_LONG(a_parallelogram_passes_its_flat_positions))

@@ -1291,7 +1291,7 @@ TEST(systems_with_rotors_spin_steadily)
 #define INSIDE_ANALYSED
 #endif
 #define INSIDE                                                                                             \
-  , RUN(rotors_in_systems_are_wheels_on_hinges), RUN(rotors_move_alike_with_kept_joints),                  \
+  , RUN_LONG(rotors_in_systems_are_wheels_on_hinges), RUN(rotors_move_alike_with_kept_joints),             \
       RUN(systems_with_rotors_keep_energy_and_momentum), RUN(work_of_rotors_is_in_the_energy),             \
       RUN(friction_brakes_rotors_of_systems_in_closed_form), RUN(given_momenta_turn_systems_against_them), \
       RUN(unbalanced_rotors_shake_systems), RUN(satellites_with_wheels_and_arrays_take_long_steps),        \

@@ -982,8 +982,8 @@ TEST(heavy_loads_hang_on_light_chains)
 SUITE(system_trees, RUN(accelerations_are_the_rates_of_velocities), RUN(systems_keep_energy_and_momentum),
       RUN(momenta_give_back_the_speeds), RUN(methods_agree_on_as_many_modes_as_there_can_be),
       RUN(heavy_loads_hang_on_light_chains), RUN(a_dense_matrix_may_be_full), RUN(specks_swing_as_large_bodies_do),
-      RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(systems_know_no_units), RUN(flight_speed_changes_nothing),
+      RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(systems_know_no_units), RUN_LONG(flight_speed_changes_nothing),
       RUN(driven_roots_fly_as_they_stand), RUN(fast_systems_keep_their_angular_momentum),
       RUN(every_set_keeps_the_momenta_of_free_systems), RUN(a_full_system_balances_its_energy),
       RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop), RUN(the_three_methods_agree),
-      RUN(a_cut_beam_behaves_as_the_whole))
+      RUN_LONG(a_cut_beam_behaves_as_the_whole))

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Every program and test compiles without a warning: gcc in C99 and single, in C17 and double precision, clang in C99 and
-# double, in C11 and single; the library and its tests as C++11, too, by g++ in single and clang++ in double. clang has all its warnings from the syntax. gcc has more from the flow in optimized code, the same in
+# Every program compiles without a warning: gcc in C99 and single, in C17 and double precision, clang in C99 and double, in C11
+# and single; the tests by gcc in C17 and single, as C++11 by clang++ in double; others build them by gcc and clang in C99 and
+# double, by clang in single, by g++ (`make test`, suite.sh, memory.sh). clang has all its warnings from the syntax. gcc has more from the flow in optimized code, the same in
 # either precision: that of the examples is looked at by `make ci`, which builds them, that of the benchmarks and hard cases
 # here, without the library (FLEXBEAM_IMPL_INCLUDED) unless they use its inside; that of the tests and of the library by
 # suite.sh, removed.sh and `make test`, and here by -O3 for a single mode, where arrays are shortest.
@@ -22,9 +23,7 @@ compile() {
   count=$((count + 1))
 }
 
-for single in 0 1; do
-  compile gcc -std=c99 $WARNINGS_C -O3 -DFB_SINGLE=$single -DFB_WITH_FORMS=1 -DFB_MAX_MODES=1 -c "$out/impl.c"
-done
+compile gcc -std=c99 $WARNINGS_C -O3 -DFB_WITH_FORMS=1 -DFB_MAX_MODES=1 -c "$out/impl.c"
 for points in 2 6 10; do # lines shorter than those that have a kernel of their own
   compile gcc -std=c99 $WARNINGS_C -O2 -DFB_MAX_POINTS=$points -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0 -DFB_WITH_ANALYSE=0 -c "$out/impl.c"
 done
@@ -42,13 +41,14 @@ for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the
   compile gcc -fsyntax-only -std=c99 $WARNINGS_C bench/bench_peers_${peer%:*}.c
 done
 for single in 0 1; do
-  for file in tests/test_*.c $programs; do
+  for file in $programs; do
     for cc in $([ $single = 1 ] && echo gcc:c99 clang:c11 || echo gcc:c17 clang:c99); do
       compile ${cc%:*} -std=${cc#*:} -fsyntax-only $WARNINGS_C -DFB_SINGLE=$single $file
     done
   done
-  for file in tests/test_*.c; do
-    compile $([ $single = 1 ] && echo g++ || echo clang++) -fsyntax-only -x c++ -std=c++11 -DFB_SINGLE=$single $file
-  done
+done
+for file in tests/test_*.c; do
+  compile gcc -std=c17 -fsyntax-only $WARNINGS_C -DFB_SINGLE=1 $file
+  compile clang++ -fsyntax-only -x c++ -std=c++11 $file
 done
 ok "$count compilations without a warning (gcc, clang; double, single; C99, C11, C17, C++11)"

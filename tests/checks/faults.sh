@@ -6,7 +6,9 @@ need gcc gcc
 result=
 for build in "1 0" "0 1"; do # FB_SINGLE, FB_WITH_FORMS
   set -- $build
-  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$1 -DFB_WITH_FORMS=$2 -o "$out/faults" tests/checks/faults.c -lm
+  library=build/sanitized/$([ $1 = 1 ] && echo single || echo forms).o # of make
+  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$1 -DFB_WITH_FORMS=$2 -DFLEXBEAM_IMPL_INCLUDED \
+    -o "$out/faults" tests/checks/faults.c "$library" -lm
   "$out/faults" > "$out/table$1$2.txt" 2>&1 || {
     cat "$out/table$1$2.txt"
     fail "FB_SINGLE=$1, FB_WITH_FORMS=$2: the above"

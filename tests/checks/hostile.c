@@ -14,10 +14,8 @@ static int is_kept(const function *f, const call *c, int skip)
   for (int k = 0; k < MOST && f->argument[k].role; k++) {
     const argument *a = &f->argument[k];
     const unsigned char *at = k != skip && is_pointer(a) ? (const unsigned char *)c->p[c->role[k]] : NULL;
-    for (size_t byte = 0; at && strchr("oO", a->role) && byte < a->size; byte++) {
-      if (at[byte] != pattern) {
-        return 0;
-      }
+    if (at && strchr("oO", a->role) && (at[0] != pattern || memcmp(at, at + 1, a->size - 1) != 0)) {
+      return 0; /* not every byte is the pattern */
     }
     if (at && strchr("sb", a->role) && memcmp(at, (char *)&kept + ((char *)a->at - (char *)&w), a->size) != 0) {
       return 0;
@@ -153,7 +151,7 @@ static void refuse(const function *f, int where)
     }
   } else if (f->has_status && status != FB_ERR_NULL) {
     wrong(f, "is not refused", where, 0, "NULL");
-  } else if (!is_kept(f, &c, where) || FB_FABS(number) > FB_R(0.0)) {
+  } else if (!is_kept(f, &c, where) || fabs((double)number) > 0.0) {
     wrong(f, "does something", where, 0, "NULL");
   }
 }

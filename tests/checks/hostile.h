@@ -2,18 +2,7 @@
    takes: for tests/checks/hostile.c, which spoils it by a list, and tests/fuzz/api.c, which spoils it at random. */
 #ifndef HOSTILE_H
 #define HOSTILE_H
-#define FB_MAX_MODES 8
-#define FB_MAX_NODES 3
-#define FB_MAX_LOADS 2
-#define FB_MAX_ELEMENTS 3
-#define FB_MAX_STATIONS 4
-#define FB_MAX_LUMPS 2
-#define FB_MAX_BODIES 2
-#define FB_MAX_LOOPS 1
-#define FB_MAX_ROWS 6
-#define FB_MAX_SPEEDS 20
-#define FB_MAX_EXACT 6
-#define FB_WITH_DETAIL 1
+#include "hostile_sizes.h"
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <limits.h>
@@ -22,6 +11,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What a valid call takes; `kept` is how it was. */
 static struct world {
@@ -370,7 +360,7 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_shape_select, fb_shape_select(p[0], p[1], p[2], i[0]), 1, OUT(fb_shape), MODEL(natural), IN(coordinate),        \
     WHOLE(2))                                                                                                          \
   F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
-  F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), 1, OUT(fb_body), WORK(build_work),               \
+  F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, OUT(fb_body), WORK(build_work),            \
     IN(build_desc), IN(build_beam), IN(build_modes), WHOLE(2))                                                         \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
   F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \

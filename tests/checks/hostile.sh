@@ -8,7 +8,9 @@ sed -n 's/^FB_API .*[ *]\(fb_[a-zA-Z0-9_]*\)(.*/\1/p' flexbeam.h | sort > "$out/
 result=
 for build in "1 0" "0 1"; do # FB_SINGLE, FB_WITH_FORMS
   set -- $build
-  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$1 -DFB_WITH_FORMS=$2 -o "$out/hostile" tests/checks/hostile.c -lm
+  library=build/sanitized/$([ $1 = 1 ] && echo single || echo forms).o # of make
+  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$1 -DFB_WITH_FORMS=$2 -DFLEXBEAM_IMPL_INCLUDED \
+    -o "$out/hostile" tests/checks/hostile.c "$library" -lm
   "$out/hostile" > "$out/calls" 2>&1 || {
     grep -v '^fb_[a-zA-Z0-9_]* [0-9]*$' "$out/calls" | head -n 40
     fail "FB_SINGLE=$1, FB_WITH_FORMS=$2: the above"

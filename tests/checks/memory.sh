@@ -3,5 +3,5 @@
 # same lines run; what they read was written by the same lines.
 . tests/checks/common.sh
 need clang "clang libclang-rt-14-dev, or the version of clang"
-sanitized clang memory -O2 -DFB_SINGLE=0
+sanitized clang memory
 ok "tests passed under the memory sanitizer: double $passed"

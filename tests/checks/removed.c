@@ -1,4 +1,4 @@
-/* Size of fb_body, and which effects this build refuses; with removed= it is the object that removed.sh measures. */
+/* Size of fb_body, and which effects this build refuses; removed.sh measures its object. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>

@@ -5,7 +5,7 @@
 need gcc gcc
 need g++ g++
 need clang clang
-try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
+try gcc $c99 -O0 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 sed 's/effects full damping/effects large damping/' examples/satellite.txt > "$out/large.txt"
 grep -q 'effects large' "$out/large.txt" || fail "examples/satellite.txt has no effects full damping"
 # again NAME SOURCE SINGLE: the header is included, written again, and compared
@@ -17,7 +17,7 @@ again() {
   try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
   cmp -s "$out/rom.h" "$out/again.h" || fail "$1, $([ $3 = 1 ] && echo single || echo double): not every number comes back"
 }
-try gcc $c99 -O1 -o "$out/rotors" tests/checks/rom_rotors.c -lm
+try gcc $c99 -O0 -o "$out/rotors" tests/checks/rom_rotors.c -lm
 for taken in fb_body fbi_dot FB_OK; do # names of the library
   ! "$out/reduce" examples/satellite.txt --name $taken --out "$out/taken.h" 2> "$out/log" || fail "--name $taken is taken"
   grep -q "those of the library.*$taken" "$out/log" || fail "--name $taken: $(cat "$out/log")"
@@ -37,12 +37,12 @@ for single in 0 1; do
   again rotors rotors $single
 done
 for capacity in FB_MAX_POINTS=8 FB_MAX_LINE_ROWS=5 FB_MAX_LINE_TABLE=935; do # 18, 6 and 936 are wanted
-  try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
+  try clang $c99 -O0 -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
   ! "$out/small" "$out/large.txt" --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite with lines"
   grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
 done
 for capacity in FB_MAX_LAMBDA=20 FB_MAX_S=40 FB_MAX_RUNS=5; do # 48, 111 and 16 are wanted
-  try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
+  try clang $c99 -O0 -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
   ! "$out/small" examples/satellite.txt --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite"
   grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
 done

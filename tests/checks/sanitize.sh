@@ -3,5 +3,5 @@
 # single the same lines run by the same indices; check-hostile and check-faults run every function in both.
 . tests/checks/common.sh
 need gcc gcc
-sanitized gcc address,undefined -O1 -DFB_SINGLE=0
+sanitized gcc address,undefined
 ok "tests passed under the address and undefined-behavior sanitizers: double $passed"

@@ -6,15 +6,15 @@
 need g++ g++
 need clang clang
 result=
-# compiler, FB_SINGLE, FB_WITH_FORMS, FBT_SHORT, which tests
-for run in "clang 1 1 0" "g++ 0 1 1 --forms"; do
+# compiler, FB_SINGLE, FB_WITH_FORMS, FBT_SHORT, optimization, which tests
+for run in "clang 1 1 0 -O2" "g++ 0 1 1 -O1 --forms"; do
   set -- $run
-  options="-O2 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3 -DFBT_SHORT=$4"
+  options="$5 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3 -DFBT_SHORT=$4"
   case $1 in
   g++) try g++ -x c++ -std=c++11 $base $options -o "$out/runner" tests/test_*.c -lm ;;
   *) try $1 $c99 $options -o "$out/runner" tests/test_*.c -lm ;;
   esac
-  try "$out/runner" ${5:-}
+  try "$out/runner" ${6:-}
   result="$result, $1 $([ $2 = 1 ] && echo single || echo double)$([ $3 = 0 ] || echo ' forms') $(tail -n 1 "$out/log" | cut -d ' ' -f 1)"
 done
 ok "tests passed:${result#,}"
