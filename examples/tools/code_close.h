@@ -44,7 +44,12 @@ static void rows_write_axes(const code *w, int k)
   for (int a = 0; a < L->n; a++) {
     char target[32];
     code_begin(&s);
-    rows_add(&s, 1.0, k, a, rows_pushed);
+    if (!L->open) {
+      rows_add(&s, 1.0, k, a, rows_pushed);
+    }
+    for (int r = 0; r < constraint.n && L->open; r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->mode_row + a]);
+    }
     snprintf(target, sizeof target, "move[%d]", L->pi + a);
     code_assign(&inner, &s, target);
   }
@@ -137,7 +142,9 @@ static void rows_write_move(const code *w, int unused)
     tree_write_pushed(w);
   }
   tree_write_places(w);
+  tree.spins = "in && !places";
   tree_write_bodies(w);
+  tree.spins = "in";
   tree_write_inertias(w);
   tree_write_solve(w, 1);
   for (int k = 0; k < tree.n; k++) {
@@ -173,14 +180,14 @@ static const char rows_close_head[] =
 static void rows_still(const code *w, int at, int n, int k, const char *member)
 {
   (void)k;
-  if (member[0] == 'p') {
+  if (member[0] == 'p' || strcmp(member, "rotor_momentum") == 0) {
     fprintf(w->out, "  memset(still + %d, 0, %d * sizeof *still);\n", at, n);
   }
 }
 
 static void rows_moved(const code *w, int at, int n, const char *member, int places)
 {
-  if ((member[0] != 'p') == places) {
+  if ((member[0] != 'p') == places && member[0] != 'r') {
     fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n    d[i] += move[i];\n  }\n", at, at + n);
   }
   if (places && strcmp(member, "quat") == 0) {

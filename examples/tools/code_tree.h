@@ -55,6 +55,7 @@ static struct tree {
   int n_rotor;         /* inside bodies */
   int places;          /* of a table of numbers */
   int limited;         /* 1: what is being written tells the step limit */
+  const char *spins;   /* the condition on which rotors have their given momenta */
   int implicit, given; /* 1: SDIRK; of that, where the speeds of prescribed axes are in the vector */
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
@@ -70,6 +71,15 @@ static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
 static int tree_solved[CODE_ROWS]; /* order of elimination of code_solver */
 
 #include "code_rows.h"
+
+static struct
+    tree_node { /* of a link: of the node that carries it, where modes move that; of its body, where it is open */
+  rows_end end;
+  code_value twist[FB_MAX_MODES][6]; /* Phi, by modes of the parent */
+  code_value I[21], passed[6],
+      rest[6]; /* what hangs on the node, about O of the parent: inertia; what last was passed on; at rest */
+  code_value M_rr[21], spin[6]; /* of an open body; the momenta of its rotors */
+} tree_nodes[FB_MAX_BODIES];
 
 /* ---- vectors and matrices of values */
 
@@ -211,6 +221,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   memset(&tree, 0, sizeof tree);
   tree.implicit = implicit;
   tree.limited = !system->allow_long_step;
+  tree.spins = "in";
   tree.system = system;
   tree.body = body;
   tree.names = names;
@@ -275,9 +286,6 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
 static const char *tree_joint_refusal(const fb_system *system, int k)
 {
   const fb_joint *const joint = &system->joint[k];
-  if (joint->moves && system->n_loop > 0) {
-    return "a joint on a node that modes move, beside loops: hang it on the frame or on a rigid body";
-  }
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
     if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
       return "a locked axis, or a prescribed one of several: choose mode free, or a rigid joint";
@@ -309,28 +317,6 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* What of rotors in body k, or of a wheel, cannot be written; NULL: nothing. Their mobility (E11.41, E11.50) is that of
-   bodies whose modes move no joint between them and the root. */
-static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body, int k)
-{
-  const int wheel = system->has_rotors && !system->allow_long_step && system->rotor[k] > FB_R(0.0);
-  int moved = 0;
-  for (int j = k; j >= 0 && system->joint[j].kind != FB_JOINT_FREE; j = system->joint[j].parent) {
-    moved |= system->joint[j].moves;
-  }
-  for (int c = k + 1; c < system->n_body; c++) {
-    moved |= system->joint[c].parent == k && system->joint[c].kind != FB_JOINT_FREE && system->joint[c].moves;
-  }
-  if (moved && body->n_rotor > 0) {
-    return "a rotor where modes move a joint: put the joint on a node that none moves, or the rotor elsewhere";
-  }
-  if (moved && wheel) {
-    return "it looks the same at all angles of its hinge, a wheel, where modes move a joint: put the joint on a node "
-           "that none moves";
-  }
-  return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
-}
-
 /* Does body k hang on a free one? */
 static int tree_hangs_on_free(const fb_system *system, int k)
 {
@@ -356,7 +342,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
            : roots == 2 ? "a second free body: each tree is a file of its own"
            : tree_is_given(&system->joint[k]) && tree_hangs_on_free(system, k)
                ? "a prescribed axis of what flies: prescribe axes of what hangs on the ground"
-               : tree_rotors_refusal(system, &body[system->model[k]], k);
+               : NULL;
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -580,7 +566,7 @@ static void tree_write_body(const code *w, int k)
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
   snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
-  code_write_rotors(&own, L->spun, motor);
+  code_write_rotors(&own, L->spun, tree.spins, motor);
   code_write_own_pi(&own, code_now.pi);
   tree_rotors[k] = code_rotor;
   code_write_solve(&own, code_now.pb, code_now.pi, "b");
@@ -1000,6 +986,9 @@ static void tree_write_velocity(const code *w, int k)
   code_sum s;
   for (int i = 0; i < L->axes + L->given; i++) {
     L->u[i] = tree_right[L->row + i];
+  }
+  for (int a = 0; a < L->n && L->open; a++) {
+    L->rates.q_dot[a] = tree_right[L->mode_row + a];
   }
   if (k == tree.root) {
     memcpy(L->V, tree_right, sizeof L->V);

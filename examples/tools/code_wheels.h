@@ -20,14 +20,18 @@ static double tree_wheel_axis(int k, int i, int j)
                 : tree_snap((double)tree.link[k].joint->child_axes[3 * j + i], 1.0);
 }
 
-/* L^-1 r into z: r the momenta of root and axes by the unit wrench f of body k. */
+/* L^-1 r into z: r the momenta of root, axes and modes that move joints by the unit wrench f of body k and, where that is
+   open, what it does to its modes. */
 static void tree_write_unit(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
-                            code_value wrench[6], const char *name, int k)
+                            code_value wrench[6], const code_value *modes, const char *name, int k)
 {
   code_value right[CODE_ROWS];
   code_sum s;
   char word[40];
   tree_nothing(right, CODE_ROWS);
+  for (int a = 0; modes && a < tree.link[k].n && tree.link[k].open; a++) {
+    right[tree.link[k].mode_row + a] = modes[a];
+  }
   for (int j = k, from = -1; j >= 0; from = j, j = tree.link[j].parent) {
     const tree_link *const L = &tree.link[j];
     if (from >= 0) {
@@ -36,6 +40,10 @@ static void tree_write_unit(const code *w, const code_factor *f, const int *orde
       snprintf(word, sizeof word, "%s%c%d", name, 'f', from);
       tree_write_to_parent(w, up, &tree.link[from], wrench, word, k);
       memcpy(wrench, up, sizeof up);
+      for (int a = 0; a < L->n && tree.link[from].moves; a++) {
+        right[L->mode_row + a] = tree_write_along(w, tree_nodes[from].twist[a], wrench,
+                                                  code_variable("b%d_%s_%d", k, name, L->mode_row + a));
+      }
     }
     for (int a = 0; a < L->axes; a++) {
       right[L->row + a] = tree_write_along(w, L->A[a], wrench, code_variable("b%d_%s_%d", k, name, L->row + a));
@@ -84,7 +92,7 @@ static void tree_write_wheel(const code *w, const code_factor *f, const int *ord
       wrench[3 + j] = code_constant(tree_wheel_axis(k, i, j));
     }
     snprintf(name, sizeof name, "u%d", i);
-    tree_write_unit(w, f, order, z[i], wrench, name, k);
+    tree_write_unit(w, f, order, z[i], wrench, NULL, name, k);
   }
   for (int i = 0; i < 3; i++) {
     snprintf(name, sizeof name, "g%d", i);
@@ -149,7 +157,8 @@ static void tree_write_section(const code *w, code_value J[3][FB_MAX_MODES], int
   }
 }
 
-/* W: mobility of the section of rotor r of body k in the whole: r^T M^-1 r, and of its own modes J M^-1 J^T. */
+/* W: mobility of the section of rotor r of body k in the whole: r^T M^-1 r, and of its own modes J M^-1 J^T unless they
+   are speeds of the tree. */
 static void tree_write_mobility(const code *w, const code_factor *f, const int *order, code_value W[6], int r, int k)
 {
   static code_value z[3][CODE_ROWS], J[3][FB_MAX_MODES], turned[3][FB_MAX_MODES];
@@ -167,7 +176,7 @@ static void tree_write_mobility(const code *w, const code_factor *f, const int *
     own.indent = w->indent;
     code_rotor = tree_rotors[k];
     tree_write_section(&own, J, r);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && !L->open; i++) {
       snprintf(name, sizeof name, "r%d_MJ%d", r, i);
       code_write_solve(&own, turned[i], J[i], name);
     }
@@ -184,7 +193,7 @@ static void tree_write_mobility(const code *w, const code_factor *f, const int *
       wrench[j] = code_end(w, &s, code_variable("b%d_r%d_F%d%d", k, r, i, j));
     }
     snprintf(name, sizeof name, "r%du%d", r, i);
-    tree_write_unit(w, f, order, z[i], wrench, name, k);
+    tree_write_unit(w, f, order, z[i], wrench, J[i], name, k);
   }
   for (int e = 0; e < 6; e++) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
