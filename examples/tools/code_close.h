@@ -70,6 +70,23 @@ static void rows_write_root_displaced(const code *w)
   code_template(w, "    @_turn(move + @_PLACE, x, step);\n");
 }
 
+/* P and L of the free root by the impulses from the ground. */
+static void rows_write_root_momenta(const code *w)
+{
+  code inner = *w;
+  code_sum s;
+  inner.indent = 4;
+  code_template(w, "    $ push[6];\n");
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    for (int r = 0; r < constraint.n; r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[i]);
+    }
+    code_assign(&inner, &s, code_variable("push[%d]", i).name);
+  }
+  code_template(w, "    @_turn(move + @_P, x, push);\n    @_turn(move + @_L, x, push + 3);\n");
+}
+
 /* The coordinates of a joint and of modes by the displacements. */
 static void rows_write_displaced(const code *w, int k)
 {
@@ -104,7 +121,12 @@ static void rows_write_gap(const code *w)
   code_template(w, "    $ gap = %z, size = %z;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (k == tree.root) {
+    if (k == tree.root && tree.tied) {
+      for (int i = 0; i < 9; i++) {
+        R[k][i] = code_variable("R[%d]", i);
+        rho[k][i % 3] = code_variable("x[%d]", L->p + 6 + i % 3);
+      }
+    } else if (k == tree.root) {
       rows_unit(R[k]);
       tree_nothing(rho[k], 3);
     } else if (L->parent < 0) {
@@ -159,6 +181,9 @@ static void rows_write_move(const code *w, int unused)
   for (int k = 0; k < tree.n; k++) {
     rows_write_axes(w, k);
   }
+  if (tree.tied) {
+    rows_write_root_momenta(w);
+  }
   rows_write_gap(w);
   fputs("  }\n", w->out);
   for (int j = 0; j < 2 * constraint.n_loop && tree.n_given > 0; j++) {
@@ -206,7 +231,7 @@ static void rows_placed(const code *w, int at, int n, int k, const char *member)
 
 static void rows_pushed_on(const code *w, int at, int n, int k, const char *member)
 {
-  if (k != tree.root || strcmp(member, "p") != 0) { /* rows within the tree leave its momentum */
+  if (k != tree.root || tree.tied || strcmp(member, "p") != 0) { /* rows within the tree leave its momentum */
     rows_moved(w, at, n, member, 0);
   }
 }

@@ -218,8 +218,13 @@ static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], 
   tree_nothing(rho, 3);
   for (; k != on; k = tree.link[k].parent) {
     const tree_link *const L = &tree.link[k];
-    rows_write_turned(w, rho, L->C, 0, rho, L->s, code_variable("%s%dp", name.name, k));
-    rows_write_product(w, R, L->C, 0, R, code_variable("%s%d", name.name, k));
+    code_value C[9], s[3];
+    for (int i = 0; i < 9; i++) {
+      C[i] = k == tree.root ? code_variable("R[%d]", i) : L->C[i];
+      s[i % 3] = k == tree.root ? code_variable("x[%d]", L->p + 6 + i % 3) : L->s[i % 3];
+    }
+    rows_write_turned(w, rho, C, 0, rho, s, code_variable("%s%dp", name.name, k));
+    rows_write_product(w, R, C, 0, R, code_variable("%s%d", name.name, k));
   }
 }
 

@@ -61,6 +61,7 @@ static struct tree {
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
+  int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
 } tree;
@@ -269,7 +270,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->row = L->given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open + tree.n_given : L->row;
     tree.n_given += L->given;
   }
-  tree.has_R = (tree.has_R || tree.pulled || implicit) && tree.root >= 0;
+  tree.has_R = (tree.has_R || tree.pulled || implicit || system->tied == 2) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
@@ -277,6 +278,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   }
   tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
+  tree.tied = tree.root >= 0 && system->tied == 2;
+  tree.stands |= tree.tied;
   tree.given = tree.size;
   tree.size += implicit ? tree.n_given : 0;
   rows_read(system);
@@ -1845,6 +1848,12 @@ static int tree_has_sprung_ball(void)
   return has || rows_has_sprung_ball();
 }
 
+/* Does the frame of the free tree go where its mass center does, or come to rest? */
+static int tree_leads(void)
+{
+  return tree.root >= 0 && !tree.tied;
+}
+
 /* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
 typedef void tree_piece(const code *w, int at, int n, int k, const char *member);
 
@@ -2001,6 +2010,9 @@ static const char tree_status_end[] =
     "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
     "   joint or the body does not use is left out. */\n";
 
+static const char tree_tied_state[] = "    $ x[3];      /* [m] position of O, inertial axes */\n"
+                                      "    $ lost_x[3]; /* what it has lost by rounding */\n";
+
 static const char tree_free_state[] =
     "    $ x[3];                  /* [m] position of O, inertial axes */\n"
     "    $ u[3];                  /* [m/s] velocity of the frame that momenta are relative to, inertial axes */\n"
@@ -2022,7 +2034,7 @@ static void tree_write_types(const code *w)
     if (tree_has_state(k)) {
       fprintf(w->out, "  struct { /* %s, %s */\n", tree.names[k], tree_kinds[(int)L->joint->kind]);
       if (k == tree.root) {
-        code_template(w, tree_free_state);
+        code_template(w, tree.tied ? tree_tied_state : tree_free_state);
       }
       code_template(w, L->given ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
       tree_pieces(w, k, tree_declare);
@@ -2110,6 +2122,9 @@ static void tree_write_enter(const code *w)
   if (tree.root >= 0) {
     code_template(w, "  @_turn_back(x + 4, x, x + @_L);\n");
   }
+  if (tree.tied) {
+    fprintf(w->out, "  memcpy(x + %d, s->body_%d.x, 3 * sizeof *x);\n", tree.link[tree.root].p + 6, tree.root);
+  }
   fputs("}\n", w->out);
 }
 
@@ -2138,7 +2153,7 @@ static void tree_write_start(const code *w, const fb_system_state *start)
     }
     if (x) {
       tree_write_start_of(w, k, "x", x->x, free ? 3 : ball ? 0 : L->axes + L->given);
-      tree_write_start_of(w, k, "u", x->u, free ? 3 : 0);
+      tree_write_start_of(w, k, "u", x->u, free && !tree.tied ? 3 : 0);
       tree_write_start_of(w, k, "p", x->p, free ? 6 : L->axes);
       tree_write_start_of(w, k, "q", x->q, L->n);
       tree_write_start_of(w, k, "pi", x->pi, L->n);
@@ -2229,6 +2244,18 @@ static const char tree_frame[] =
     "    @r.u[i] = %Ffabs~(@r.u[i]) < rest%:@r.u[i]%;;\n  }\n"
     "  status = status == @_ok && !(@_is_finite(@r.x, 3) && @_is_finite(@r.u, 3)) ? @_not_finite : status;\n";
 
+/* Place of O where the frame stands still for ever. */
+static void tree_write_tied_place(const code *w)
+{
+  const int k = tree.root, at = tree.link[k].p + 6;
+  fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    step[i] = d[%d + i] - x[%d + i];\n  }\n", at, at);
+  code_template(w, "  @_keep(");
+  fprintf(w->out, "next.body_%d.x, next.body_%d.lost_x, step);\n", k, k);
+  code_template(w, "  status = status == @_ok && !@_is_finite(");
+  fprintf(w->out, "next.body_%d.x, 3)", k);
+  code_template(w, " ? @_not_finite : status;\n");
+}
+
 /* Place of O and velocity of the frame: E11.23. */
 static void tree_write_flight(const code *w)
 {
@@ -2265,7 +2292,12 @@ static void tree_write_end_momenta(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_sum_momenta);
   }
+  code_template(w, tree.tied ? "  for (int i = 0; i < 3; i++) {\n    d[@_PLACE + i] += x[@_PLACE + i];\n  }\n" : "");
   code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
+  if (tree.tied) {
+    tree_write_tied_place(w);
+    return;
+  }
   if (tree.looped) {
     tree_write_reframe(w);
   }
@@ -2280,13 +2312,13 @@ static void tree_write_end(const code *w)
   int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, const $ *x");
-  code_template(w, tree.root >= 0 ? ", const $ *before, %s dt, int pushed" : "");
+  code_template(w, tree_leads() ? ", const $ *before, %s dt, int pushed" : "");
   code_template(w, constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
                                     : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
-  code_template(w, tree.root >= 0 ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : "");
+  code_template(w, tree_leads() ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : tree.tied ? "  $ step[3];\n" : "");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
-  code_template(w, (tree.looped || tree.implicit) && tree.stands ? "  (void)before;\n" : "");
-  if (tree.root >= 0) {
+  code_template(w, (tree.looped || tree.implicit) && tree.stands && !tree.tied ? "  (void)before;\n" : "");
+  if (tree_leads()) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
     code_template(w, tree.looped || tree.implicit ? "" : "  @_align(%Ad, x, before, pushed);\n");
   }
@@ -2385,12 +2417,12 @@ static void tree_write_step(const code *w)
   int always;
   code_template(w, tree_step_head);
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
-  code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
+  code_template(w, tree_leads() ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
   code_template(w, tree.n_given > 0 ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
-  code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
+  code_template(w, tree_leads() ? "  @_center(%Acenter, x);\n" : "");
   always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !always) {
@@ -2416,7 +2448,7 @@ static void tree_write_step(const code *w)
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
   code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed" : "");
+  code_template(w, tree_leads() ? ", center, dt, pushed" : "");
   code_template(w, constraint.n > 0 ? ", end)" : ")");
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }
@@ -2561,9 +2593,11 @@ static int tree_write_functions(const code *w)
     good = code_write_pruned(w, rows_write_move, 0) && good;
     rows_write_close(w);
   }
-  if (tree.root >= 0) {
+  if (tree_leads()) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
+  }
+  if (tree.root >= 0) {
     if (!tree.looped && !tree.implicit) {
       tree_write_align(w);
     }

@@ -342,6 +342,21 @@ static const struct {
       {FB_JOINT_REVOLUTE, 0 + TIP, HUB},
       {FB_JOINT_UNIVERSAL, 0, HUB},
       {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 59 to 62: loops that tie what flies to the ground: an arm; a body that a crank carries and a joint on a node that modes
+       move; by its root, with rotors and a loop of its own; a pendulum */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_SPHERICAL, 0 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID | GIVEN},
+      {FB_JOINT_REVOLUTE, -1, PANEL}}},
+    {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_UNIVERSAL, 0, MAST}, {FB_JOINT_SPHERICAL, 0, RIGID}}},
+    {FB_EFFECTS_FULL, 1, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_REVOLUTE, 0, WHEEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -378,7 +393,13 @@ static const struct {
              {55, FB_JOINT_SPHERICAL, 1, 3 + TIP},
              {56, FB_JOINT_SPHERICAL, 2, 3},
              {57, FB_JOINT_SPHERICAL, 1 + TIP, 2},
-             {58, FB_JOINT_SPHERICAL, 1, 2}};
+             {58, FB_JOINT_SPHERICAL, 1, 2},
+             {59, FB_JOINT_SPHERICAL, -1, 1 + TIP},
+             {60, FB_JOINT_SPHERICAL, 2, 1},
+             {60, FB_JOINT_UNIVERSAL, 3 + TIP, 0 + TIP},
+             {61, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
+             {61, FB_JOINT_SPHERICAL, 1 + TIP, 2},
+             {62, FB_JOINT_SPHERICAL, -1, 1}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -665,8 +686,8 @@ static void write_members(void)
     const int free = desc.joint[k].mode[0] == FB_AXIS_FREE;
     printf(is_wheel(k) ? "" : "LOAD(%d)\n", k);
     if (desc.joint[k].kind == FB_JOINT_FREE) {
-      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k,
-             k, k);
+      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\n", k, k);
+      printf(mechanism.tied < 2 ? "MEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n" : "", k, k);
     } else if (axes > 0) {
       printf(desc.joint[k].mode[0] == FB_AXIS_FREE ? "MOTOR(%d)\n" : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n", k, k);
     }
@@ -815,7 +836,7 @@ static void start(double speed)
   }
   need(fb_system_state_init(&mechanism, model, &state, &work, motion, NULL), "state");
   for (int k = 0; k < desc.n_body; k++) {
-    for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE; i++) {
+    for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE && mechanism.tied < 2; i++) {
       state.link[k].u[i] += (fb_real)(0.1 * (i - 1.5)); /* the whole drifts: as of another observer */
     }
   }

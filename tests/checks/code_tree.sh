@@ -77,7 +77,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41 | 43 | 46 | 48 | 52 | 53 | 55 | 58)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41 | 43 | 46 | 48 | 52 | 53 | 55 | 58 | 60)
     both $trees
     single=$(larger $single)
     ;;
@@ -120,10 +120,14 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58; do
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
-  small=$([ $tree != 22 ] && [ $tree != 49 ] || echo -DLOAD=1e-4) # jumps of a crank, which loops refuse
+  case $tree in # jumps of a crank, and gaps, which loops refuse
+  22 | 49) small=-DLOAD=1e-4 ;;
+  60 | 61) small=-DLOAD=1e-3 ;;
+  *) small= ;;
+  esac
   compile
   lanes -O1 1 double
   lanes -O1 4 double
@@ -256,7 +260,11 @@ refuse_loop() {
   ! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q -e "$1" "$out/log" || fail "$1: $(tail -n 1 "$out/log")"
   refused=$((refused + 1))
 }
-refuse "a loop between what flies and the ground" none.h "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
+scene "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+! grep -q 'lost_u' "$out/generated.h" || fail "a frame that stands still has a velocity"
+mv "$out/generated.h" "$out/code.h"
+compile
 grounded 'loop pin spherical hub array.tip
   position 4.8 0 0
 end
