@@ -1069,13 +1069,13 @@ static void rows_write_norm(const code *w, const char *name, int k, const code_v
 static void rows_write_check(const code *w, const char *when)
 {
   int n = 0;
-  if (tree.n_given == 0 || constraint.n == 0) {
+  if (tree.n_driven == 0 || constraint.n == 0) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
   code_template(w, w->lanes ? "!%((" : "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
+    if (tree.link[k].given && !tree.link[k].locked) {
       fputs(n++ > 0 ? " + " : "", w->out);
       code_template(w, "fabs~(");
       fprintf(w->out, "b%d_v_0)", k);

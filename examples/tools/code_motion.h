@@ -123,7 +123,9 @@ static void motion_write_at(const code *w, int unused)
                    "  const int pushed = 1;\n  (void)s, (void)in, (void)pushed;\n");
   code_template(w, tree.root >= 0 ? "  $ R_root[9];\n  @_matrix(R_root, x);\n" : "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
+    if (tree.link[k].locked) {
+      fprintf(w->out, "  const %s b%d_x_0 = x[%d];\n", code_real(w), k, tree.link[k].x);
+    } else if (tree.link[k].given) {
       fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0], b%d_v_0 = in ? in->body_%d.rate[0] : ", code_real(w), k, k,
               k, k);
       code_template(w, "%z;\n");

@@ -18,11 +18,11 @@ enum {
 typedef struct tree_link {
   const fb_body *model;
   const fb_joint *joint;
-  int parent, n;   /* link or -1; modes */
-  int x, p, q, pi; /* where its coordinates and momenta are in the vector */
-  int angle, spun; /* those of its rotors */
-  int axes, row;   /* scalar or spherical axes; row of the first one in the system of equations */
-  int given;       /* 1: its axis is prescribed, and not among the others: row behind theirs */
+  int parent, n;     /* link or -1; modes */
+  int x, p, q, pi;   /* where its coordinates and momenta are in the vector */
+  int angle, spun;   /* those of its rotors */
+  int axes, row;     /* scalar or spherical axes; row of the first one in the system of equations */
+  int given, locked; /* 1: its axis is prescribed or locked, and not among the others: row behind theirs; locked */
   int moves, open,
       mode_row; /* 1: modes move the node that carries it; it carries such one: row of its modes (code_node.h) */
   code_value D[9], at[3];        /* joint's axes on the parent, its origin there */
@@ -51,7 +51,8 @@ static struct tree {
   int n, size, root;   /* links; numbers in the vector; the free link, -1: none */
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
-  int n_given, n_open; /* prescribed axes; modes of bodies that are open */
+  int n_given, n_open; /* axes that are prescribed or locked; modes of bodies that are open */
+  int n_driven, flown; /* axes that are prescribed; 1: such ones of the free tree */
   int n_rotor;         /* inside bodies */
   int places;          /* of a table of numbers */
   int limited;         /* 1: what is being written tells the step limit */
@@ -201,10 +202,10 @@ static int tree_has_gravity(const fb_body *body)
 #endif
 }
 
-/* Is the axis of a joint, which has no other, prescribed? */
+/* Is the axis of a joint, which has no other, prescribed or locked? */
 static int tree_is_given(const fb_joint *joint)
 {
-  return joint->kind != FB_JOINT_FREE && joint->n_axis == 1 && joint->mode[0] == FB_AXIS_PRESCRIBED;
+  return joint->kind != FB_JOINT_FREE && joint->n_axis == 1 && joint->mode[0] != FB_AXIS_FREE;
 }
 
 /* Does link k hang on the free root? */
@@ -239,6 +240,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
     L->n = L->model->n;
     L->given = tree_is_given(L->joint);
+    L->locked = L->given && L->joint->mode[0] == FB_AXIS_LOCKED;
     L->moves = L->parent >= 0 && L->joint->moves;
     if (L->moves) {
       tree.link[L->parent].open = 1;
@@ -246,7 +248,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->axes = L->joint->kind == FB_JOINT_FREE || L->given ? 0 : L->joint->n_axis;
     L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
     L->x = k == tree.root ? 0 : tree.size;
-    L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes);
+    L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes + L->locked);
     tree.size = k == tree.root ? tree.size : L->p + L->axes;
     L->q = tree.size;
     L->pi = L->q + L->n;
@@ -269,6 +271,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree_link *const L = &tree.link[k];
     L->row = L->given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open + tree.n_given : L->row;
     tree.n_given += L->given;
+    tree.n_driven += L->given && !L->locked;
+    tree.flown |= L->given && !L->locked && tree_flies(k);
   }
   tree.has_R = (tree.has_R || tree.pulled || implicit || system->tied == 2) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
@@ -290,8 +294,8 @@ static const char *tree_joint_refusal(const fb_system *system, int k)
 {
   const fb_joint *const joint = &system->joint[k];
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
-    if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
-      return "a locked axis, or a prescribed one of several: choose mode free, or a rigid joint";
+    if (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1) {
+      return "a locked or prescribed axis of several: choose mode free, or joints of one axis each";
     }
   }
   return NULL;
@@ -320,15 +324,6 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* Does body k hang on a free one? */
-static int tree_hangs_on_free(const fb_system *system, int k)
-{
-  while (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].parent >= 0) {
-    k = system->joint[k].parent;
-  }
-  return system->joint[k].kind == FB_JOINT_FREE;
-}
-
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -341,11 +336,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     modes += body[system->model[k]].n;
     axes += system->joint[k].kind == FB_JOINT_FREE ? 0 : system->joint[k].n_axis;
     given += tree_is_given(&system->joint[k]);
-    what = what         ? what
-           : roots == 2 ? "a second free body: each tree is a file of its own"
-           : tree_is_given(&system->joint[k]) && tree_hangs_on_free(system, k)
-               ? "a prescribed axis of what flies: prescribe axes of what hangs on the ground"
-               : NULL;
+    what = what ? what : roots == 2 ? "a second free body: each tree is a file of its own" : NULL;
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -507,7 +498,10 @@ static void tree_write_place(const code *w, int k)
 static void tree_write_given_names(const code *w, const char *moves)
 {
   for (int k = 0; k < tree.n; k++) {
-    for (int i = 0; i < 2 && tree.link[k].given; i++) {
+    if (tree.link[k].locked) {
+      fprintf(w->out, "  const %s b%d_x_0 = x[%d];\n", code_real(w), k, tree.link[k].x);
+    }
+    for (int i = 0; i < 2 && tree.link[k].given && !tree.link[k].locked; i++) {
       fprintf(w->out, "  const %s b%d_%s_0 = %s ? in->body_%d.%s[0] : ", code_real(w), k, i ? "v" : "x",
               i ? moves : "in", k, i ? "rate" : "value");
       code_template(w, "%z;\n");
@@ -863,7 +857,7 @@ static void tree_write_given(const code *w, int n)
 {
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    for (int i = 0; i < n && L->given; i++) {
+    for (int i = 0; i < n && L->given && !L->locked; i++) {
       code_sum s;
       code_begin(&s);
       code_add_one(&s, 1.0, tree_right[i]);
@@ -871,7 +865,7 @@ static void tree_write_given(const code *w, int n)
       tree_right[i] = code_end(w, &s, code_variable("y_%d_%d", i, k));
     }
     if (L->given) {
-      tree_right[L->row] = code_variable("b%d_v_0", k);
+      tree_right[L->row] = L->locked ? code_constant(0.0) : code_variable("b%d_v_0", k);
     }
   }
 }
@@ -1208,6 +1202,9 @@ static void tree_write_axes(const code *w, int k)
     tree_write_ball(w, k);
     return;
   }
+  if (L->locked) {
+    tree_assign_one(w, code_constant(0.0), L->x);
+  }
   for (int a = 0; a < L->axes; a++) {
     const code_value x = code_variable("b%d_x_%d", k, a);
     char target[32];
@@ -1421,7 +1418,7 @@ static void tree_write_impacts(const code *w)
   int n = 0;
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    for (int a = 0; a < L->axes + L->given; a++) {
+    for (int a = 0; a < L->axes + L->given - L->locked; a++) {
       if (L->joint->rubs && L->joint->stop_loss[a] > FB_R(0.0)) {
         code_template(w, n++ == 0 ? "    $ hit = %z;\n    const $ " : "    const $ ");
         code_number(number, w, (double)L->joint->stop_loss[a]);
@@ -1636,8 +1633,10 @@ static void tree_write_center(const code *w, int unused)
   code_sum s;
   (void)unused;
   code_template(w, "\n/* E9.22: first moment of mass of the whole about O of the root, body axes */\n"
-                   "static void @_center(%M$ *c, const $ *x)\n{\n%V");
+                   "static void @_center(%M$ *c, const $ *x");
+  code_template(w, tree.flown ? ", const @_input *in)\n{\n%V" : ")\n{\n%V");
   tree_write_names(w);
+  tree_write_given_names(w, "in");
   tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {
     code own;
@@ -1734,8 +1733,10 @@ static void tree_write_drift(const code *w, int unused)
   (void)unused;
   code_template(w,
                 "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
-                "static @_NOINLINE void @_drift(%M$ *d, const $ *x, const $ *change)\n{\n%V  $ R[9], moved[3];\n");
+                "static @_NOINLINE void @_drift(%M$ *d, const $ *x, const $ *change");
+  code_template(w, tree.flown ? ", const @_input *in)\n{\n%V  $ R[9], moved[3];\n" : ")\n{\n%V  $ R[9], moved[3];\n");
   tree_write_names(w);
+  tree_write_given_names(w, "in");
   code_template(w, "  @_matrix(R, x);\n");
   tree_write_places(w);
   for (int i = 0; i < 3; i++) {
@@ -1864,6 +1865,8 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
   if (ball || L->axes > 0) {
     f(w, L->x, ball ? 4 : L->axes, k, ball ? "quat" : "x");
     f(w, L->p, k == tree.root ? 6 : L->axes, k, "p");
+  } else if (L->locked) {
+    f(w, L->x, 1, k, "x");
   }
   if (L->n > 0) {
     f(w, L->q, L->n, k, "q");
@@ -1895,7 +1898,7 @@ static const struct {
 static int tree_input_size(int k, int m)
 {
   const tree_link *const L = &tree.link[k];
-  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given, L->given, L->n, L->model->n_rotor};
+  const int size[TREE_INPUTS] = {3, 3, L->axes, L->given - L->locked, L->given - L->locked, L->n, L->model->n_rotor};
   if (m < 2 && tree_is_wheel(k)) {
     return 0;
   }
@@ -2000,7 +2003,7 @@ static const char tree_status[] =
 /* One more, where it can be. */
 static const char *tree_contradiction(void)
 {
-  return tree.n_given > 0   ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
+  return tree.n_driven > 0  ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
          : constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n"
                             : "";
 }
@@ -2036,7 +2039,7 @@ static void tree_write_types(const code *w)
       if (k == tree.root) {
         code_template(w, tree.tied ? tree_tied_state : tree_free_state);
       }
-      code_template(w, L->given ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
+      code_template(w, L->given && !L->locked ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
       tree_pieces(w, k, tree_declare);
       fprintf(w->out, "  } body_%d;\n", k);
     }
@@ -2198,7 +2201,10 @@ static const char tree_drift_lanes[] =
     "    if (!%(moved <= `0`%)) {\n"
     "      $ still[@_N];\n"
     "      memcpy(still, d, sizeof still);\n"
-    "      @_drift(%Ad, d, change);\n"
+    "      @_drift(%Ad, d, change";
+
+static const char tree_drift_lanes_end[] =
+    ");\n"
     "      for (int i = 0; i < @_N; i++) {\n        d[i] = @_either(moved > `0`, d[i], still[i]);\n      }\n    }\n  "
     "}\n";
 
@@ -2221,7 +2227,9 @@ static void tree_write_reframe(const code *w)
   }
   code_template(w, w->lanes ? tree_drift_lanes
                             : "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
-                              "    @_drift(%Ad, d, change);\n  }\n");
+                              "    @_drift(%Ad, d, change");
+  code_template(w, tree.flown ? ", in" : "");
+  code_template(w, w->lanes ? tree_drift_lanes_end : ");\n  }\n");
   if (!tree.stands && !tree.looped) {
     code_template(w, "  for (int i = 0; i < 3 && pushed; i++) {\n    d[@_P + i] = -x[@_P + i]");
     if (w->single) {
@@ -2302,7 +2310,7 @@ static void tree_write_end_momenta(const code *w)
     tree_write_reframe(w);
   }
   if (tree.root >= 0) {
-    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
+    code_template(w, tree.stands ? "" : tree.flown ? "  @_center(%Aafter, d, in);\n" : "  @_center(%Aafter, d);\n");
     tree_write_flight(w);
   }
 }
@@ -2313,8 +2321,9 @@ static void tree_write_end(const code *w)
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, const $ *x");
   code_template(w, tree_leads() ? ", const $ *before, %s dt, int pushed" : "");
-  code_template(w, constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                                    : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, constraint.n > 0 || tree.flown
+                       ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                       : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
   code_template(w, tree_leads() ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : tree.tied ? "  $ step[3];\n" : "");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
   code_template(w, (tree.looped || tree.implicit) && tree.stands && !tree.tied ? "  (void)before;\n" : "");
@@ -2419,10 +2428,12 @@ static void tree_write_step(const code *w)
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree_leads() ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
-  code_template(w, tree.n_given > 0 ? drive_refused : "");
+  code_template(w, tree.n_driven > 0 ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
-  code_template(w, tree_leads() ? "  @_center(%Acenter, x);\n" : "");
+  code_template(w, !tree_leads() ? ""
+                   : tree.flown  ? "  @_center(%Acenter, x, start);\n"
+                                 : "  @_center(%Acenter, x);\n");
   always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !always) {
@@ -2447,10 +2458,10 @@ static void tree_write_step(const code *w)
   code_template(w, tree_step_rest);
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
-  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
+  code_template(w, tree.n_driven > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
   code_template(w, tree_leads() ? ", center, dt, pushed" : "");
-  code_template(w, constraint.n > 0 ? ", end)" : ")");
-  code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
+  code_template(w, constraint.n > 0 || tree.flown ? ", end)" : ")");
+  code_template(w, tree.n_driven > 0 ? ");\n}\n" : ";\n}\n");
 }
 
 #include "code_sdirk.h"
@@ -2605,7 +2616,7 @@ static int tree_write_functions(const code *w)
   }
   tree_write_enter(w);
   tree_write_end(w);
-  if (tree.n_given > 0) {
+  if (tree.n_driven > 0) {
     drive_write_functions(w);
   }
   if (tree.implicit) {
@@ -2674,7 +2685,7 @@ static int tree_write_alone(const code *w)
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
-  if (tree.n_given > 0) {
+  if (tree.n_driven > 0) {
     code_template(w, drive_check);
   }
   good = tree_write_functions(&wide);

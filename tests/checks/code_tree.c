@@ -14,8 +14,8 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, TIP = 8 };
-/* With RIGID..: GIVEN: the axis of its joint is prescribed; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
+enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
+/* With RIGID..: GIVEN: the axis of its joint is prescribed; LOCKED: it is that; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
    same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside */
 
 typedef struct hang {
@@ -357,6 +357,36 @@ static const struct {
       {FB_JOINT_REVOLUTE, -1, PANEL}}},
     {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_UNIVERSAL, 0, MAST}, {FB_JOINT_SPHERICAL, 0, RIGID}}},
     {FB_EFFECTS_FULL, 1, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 63 to 66: axes of what flies that are prescribed: of arms; beside a loop; and locked ones, with one on the ground */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM | GIVEN},
+      {FB_JOINT_SCREW, 0, PANEL},
+      {FB_JOINT_PRISMATIC, 2, RIGID | GIVEN}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, RIGID | GIVEN},
+      {FB_JOINT_SPHERICAL, 1, RIGID},
+      {FB_JOINT_UNIVERSAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM | LOCKED | RUBS},
+      {FB_JOINT_REVOLUTE, 1, WHEEL},
+      {FB_JOINT_REVOLUTE, 0, PANEL | GIVEN},
+      {FB_JOINT_SCREW, -1, RIGID | LOCKED}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, PANEL | GIVEN},
+      {FB_JOINT_PRISMATIC, 1 + TIP, RIGID | LOCKED},
+      {FB_JOINT_REVOLUTE, 2, BOOM}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -399,7 +429,8 @@ static const struct {
              {60, FB_JOINT_UNIVERSAL, 3 + TIP, 0 + TIP},
              {61, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
              {61, FB_JOINT_SPHERICAL, 1 + TIP, 2},
-             {62, FB_JOINT_SPHERICAL, -1, 1}};
+             {62, FB_JOINT_SPHERICAL, -1, 1},
+             {64, FB_JOINT_SPHERICAL, 2, 3 + TIP}};
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -650,7 +681,7 @@ static void build(int which)
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent % TIP;
     desc.joint[k].parent_node = trees[which].link[k].parent >= TIP;
-    desc.joint[k].mode[0] = !(flags & GIVEN) ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
+    desc.joint[k].mode[0] = flags & GIVEN ? FB_AXIS_PRESCRIBED : flags & LOCKED ? FB_AXIS_LOCKED : FB_AXIS_FREE;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
@@ -689,7 +720,10 @@ static void write_members(void)
       printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\n", k, k);
       printf(mechanism.tied < 2 ? "MEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n" : "", k, k);
     } else if (axes > 0) {
-      printf(desc.joint[k].mode[0] == FB_AXIS_FREE ? "MOTOR(%d)\n" : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n", k, k);
+      printf(free                                      ? "MOTOR(%d)\n"
+             : desc.joint[k].mode[0] == FB_AXIS_LOCKED ? "MEMBER(%d, x, PLACE)\n"
+                                                       : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n",
+             k, k);
     }
     if (desc.joint[k].kind == FB_JOINT_FREE || desc.joint[k].kind == FB_JOINT_SPHERICAL) {
       printf("MEMBER(%d, quat, ATTITUDE)\n", k);
@@ -907,7 +941,7 @@ static void load(fb_system_input *in, generated_input *mine, double t)
                                    ? (fb_real)(2 * sin(3 * t + i - k))
                                    : FB_R(0.0);
     }
-    if (desc.joint[k].mode[0] != FB_AXIS_FREE) {
+    if (desc.joint[k].mode[0] == FB_AXIS_PRESCRIBED) {
       in->drive[k].value[0] = (fb_real)(far * (0.3 * t + 0.1 * sin(2 * t)));
       in->drive[k].rate[0] = (fb_real)(far * (0.3 + 0.2 * cos(2 * t)));
       in->drive[k].acceleration[0] = (fb_real)(-0.4 * far * sin(2 * t));
@@ -1175,7 +1209,7 @@ static int jump(double x, const double *at[3], double dt, const char *what)
   fb_status status;
   generated_status same;
   for (int k = 0; k < desc.n_body; k++) {
-    state.link[k].x[0] = desc.joint[k].mode[0] == FB_AXIS_FREE ? state.link[k].x[0] : (fb_real)x;
+    state.link[k].x[0] = desc.joint[k].mode[0] != FB_AXIS_PRESCRIBED ? state.link[k].x[0] : (fb_real)x;
   }
   for (int i = 0; i < 3; i++) {
     memset(&in[i], 0, sizeof in[i]);
@@ -1183,7 +1217,7 @@ static int jump(double x, const double *at[3], double dt, const char *what)
     in[i].n_load = desc.n_body;
     for (int k = 0; k < desc.n_body; k++) {
       in[i].load[k].body = k;
-      if (desc.joint[k].mode[0] != FB_AXIS_FREE && at[i]) {
+      if (desc.joint[k].mode[0] == FB_AXIS_PRESCRIBED && at[i]) {
         in[i].drive[k].value[0] = (fb_real)at[i][0];
         in[i].drive[k].rate[0] = (fb_real)at[i][1];
       }
@@ -1213,7 +1247,7 @@ static int jumps(void)
   const double dt = 1e-3, turn = 6.283185307179586;
   int seen[3] = {0}, driven = 0;
   for (int k = 0; k < desc.n_body; k++) {
-    driven |= desc.joint[k].mode[0] != FB_AXIS_FREE;
+    driven |= desc.joint[k].mode[0] == FB_AXIS_PRESCRIBED;
   }
   if (!driven || desc.n_loop > 0) {
     return 1;
