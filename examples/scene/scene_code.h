@@ -17,6 +17,16 @@ static int scene_code_rotors(const scene *s)
   return n;
 }
 
+/* How many springs an actuator pulls. */
+static int scene_code_pulls(const scene *s)
+{
+  int n = 0;
+  for (int k = 0; k < s->n_spring; k++) {
+    n += s->spring[k].pulls;
+  }
+  return n;
+}
+
 /* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. */
 static int scene_code_refused(scene *s)
 {
@@ -35,7 +45,7 @@ static int scene_code_refused(scene *s)
       {scene_code_rotors(s), text_seen(&s->seen, "rotor"),
        "motor and momentum of a rotor: the caller gives them as input"},
       {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
-      {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
+      {scene_code_pulls(s), text_seen(&s->seen, "spring"), "pull of a spring: choose a spring without an actuator"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {

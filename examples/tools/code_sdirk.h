@@ -45,6 +45,9 @@ static inline const char *sdirk_refusal(const fb_system *system)
       return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
     }
   }
+  if (system->n_spring > 0) {
+    return "springs between points by integrator sdirk: choose integrator rk4";
+  }
   return system->n_loop > 0 ? "loops by integrator sdirk: choose a tree, or integrator rk4" : NULL;
 }
 

@@ -324,6 +324,23 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
+/* What of springs between points is not written; NULL: nothing. */
+static const char *spans_refusal(const fb_system *system)
+{
+  for (int j = 0; j < system->n_spring; j++) {
+    for (int side = 0; side < 2; side++) {
+      int k = system->spring[j].body[side];
+      while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
+        k = system->joint[k].parent;
+      }
+      if (k >= 0 && system->spring[j].body[1 - side] < 0 && system->tied < 2) {
+        return "a spring between what flies and the ground: choose points of bodies";
+      }
+    }
+  }
+  return NULL;
+}
+
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -348,11 +365,11 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
   }
-  if (!text[0] && (rows_refusal(system) || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
+  if (!text[0] && (rows_refusal(system) || spans_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",
-             rows_refusal(system)   ? rows_refusal(system)
-             : system->n_spring > 0 ? "springs between points: choose springs of joints"
-                                    : "method multipliers: choose recursive");
+             rows_refusal(system)    ? rows_refusal(system)
+             : spans_refusal(system) ? spans_refusal(system)
+                                     : "method multipliers: choose recursive");
   }
 }
 
@@ -795,6 +812,7 @@ static code_value tree_write_along(const code *w, const code_value a[6], const c
 }
 
 #include "code_node.h"
+#include "code_span.h"
 
 /* Elements of the matrix of axis a of link k. */
 static void tree_write_column(const code *w, int k, int a)
@@ -1053,6 +1071,7 @@ static void tree_write_modes(const code *w, int k)
   tree_rotors[k] = code_rotor;
   tree_leave(k);
   rows_add_modes(w, code_force, k);
+  spans_add_modes(code_force, k);
   node_add_modes(w, code_force, k);
   fputs("\n  /* E8.17 */\n", w->out);
   for (int a = 0; a < L->n; a++) {
@@ -1513,8 +1532,13 @@ static void tree_write_limit(const code *w)
   }
   tree_write_impacts(w);
   rows_write_impacts(w);
+  code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    spans_write_bound(&inner, &code_solver, tree_solved, j);
+  }
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
-  fprintf(w->out, "    g = fastest%s + %s;\n", tree_has_wheels() ? " + nutation" : "", number);
+  fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
+  code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
@@ -1580,6 +1604,7 @@ static void tree_write_evaluation(const code *w)
   tree_write_given_names(w, "in");
   tree_write_velocities(w);
   rows_write_loads(w);
+  spans_write_loads(w);
   rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].n + tree.link[k].model->n_rotor > 0 && !tree.link[k].open) {

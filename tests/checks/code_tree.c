@@ -387,6 +387,20 @@ static const struct {
       {FB_JOINT_REVOLUTE, 0, PANEL | GIVEN},
       {FB_JOINT_PRISMATIC, 1 + TIP, RIGID | LOCKED},
       {FB_JOINT_REVOLUTE, 2, BOOM}}},
+    /* 67 to 69: springs between points: of booms and the hub that carries them; on nodes that modes move and that carry
+       joints, to the ground; beside a loop that ties what flies, and without length */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_UNIVERSAL, 0, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, BOOM}, {FB_JOINT_REVOLUTE, 0 + TIP, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_SPHERICAL, -1, RIGID}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -430,7 +444,16 @@ static const struct {
              {61, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
              {61, FB_JOINT_SPHERICAL, 1 + TIP, 2},
              {62, FB_JOINT_SPHERICAL, -1, 1},
-             {64, FB_JOINT_SPHERICAL, 2, 3 + TIP}};
+             {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
+             {69, FB_JOINT_SPHERICAL, 0, 2}};
+/* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
+static const struct {
+  int tree, body[2];
+  double length;
+} springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0}, {67, {0, 1 + TIP}, 9.0},  {67, {2, 2 + TIP}, 7.0},
+               {68, {0 + TIP, 2}, 1.5},       {68, {-1, 1 + TIP}, 12.0}, {69, {0 + TIP, -1}, 0.0},
+               {69, {1 + TIP, 2}, 2.0}};
+enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -663,6 +686,22 @@ static int is_wheel(int k)
   return desc.model[k] == WHEEL;
 }
 
+static void build_spring(int j)
+{
+  fb_spring *const spring = &desc.spring[desc.n_spring++];
+  for (int side = 0; side < 2; side++) {
+    const int on = springs[j].body[side];
+    spring->body[side] = on >= TIP ? on - TIP : on;
+    spring->node[side] = on >= TIP;
+    for (int i = 0; i < 3; i++) {
+      spring->position[side][i] = (fb_real)random_number();
+    }
+  }
+  spring->stiffness = FB_R(3.0);
+  spring->length = (fb_real)springs[j].length;
+  spring->damping = springs[j].length > 0 ? FB_R(0.7) : FB_R(0.0);
+}
+
 static void build(int which)
 {
   build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2, 0);
@@ -703,6 +742,11 @@ static void build(int which)
   for (int l = 0; l < LOOPS; l++) {
     if (loops[l].tree == which) {
       build_loop(which, l);
+    }
+  }
+  for (int j = 0; j < SPRINGS; j++) {
+    if (springs[j].tree == which) {
+      build_spring(j);
     }
   }
   need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system with its loops");
