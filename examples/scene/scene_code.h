@@ -17,6 +17,16 @@ static int scene_code_rotors(const scene *s)
   return n;
 }
 
+/* How many springs an actuator pulls. */
+static int scene_code_pulls(const scene *s)
+{
+  int n = 0;
+  for (int k = 0; k < s->n_spring; k++) {
+    n += s->spring[k].pulls;
+  }
+  return n;
+}
+
 /* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
    0: it has been said which is none. */
 static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *list)
@@ -88,7 +98,7 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
       {scene_code_rotors(s), text_seen(&s->seen, "rotor"),
        "motor and momentum of a rotor: the caller gives them as input"},
       {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
-      {s->n_spring, text_seen(&s->seen, "spring"), "spring: choose stiffness and damping of joints"},
+      {scene_code_pulls(s), text_seen(&s->seen, "spring"), "pull of a spring: choose a spring without an actuator"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   snprintf(load, sizeof load, "load and nudge: the caller gives them as input, by --loads %s", list);

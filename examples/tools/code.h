@@ -1378,7 +1378,7 @@ static void code_write_rates(const code *w, int unused)
   if (code_model.first > 0) {
     code_template(w, "  @_matrix(R, x);\n");
   }
-  code_write_rotors(w, code_place(w, 'g'), "rotor_motor");
+  code_write_rotors(w, code_place(w, 'g'), "in", "rotor_motor");
   code_write_own_pi(w, code_now.pi);
   if (w->large) {
     code_write_large(w);

@@ -20,7 +20,7 @@ static const struct {
 static int tree_input_size(int k, int m)
 {
   const tree_link *const L = &tree.link[k];
-  const int size[TREE_AT_NODES] = {3, 3, L->axes, L->given, L->given, L->n, L->model->n_rotor};
+  const int size[TREE_AT_NODES] = {3, 3, L->axes, L->given - L->locked, L->given - L->locked, L->n, L->model->n_rotor};
   if (m < 2 && tree_is_wheel(k)) {
     return 0;
   }

@@ -44,7 +44,12 @@ static void rows_write_axes(const code *w, int k)
   for (int a = 0; a < L->n; a++) {
     char target[32];
     code_begin(&s);
-    rows_add(&s, 1.0, k, a, rows_pushed);
+    if (!L->open) {
+      rows_add(&s, 1.0, k, a, rows_pushed);
+    }
+    for (int r = 0; r < constraint.n && L->open; r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->mode_row + a]);
+    }
     snprintf(target, sizeof target, "move[%d]", L->pi + a);
     code_assign(&inner, &s, target);
   }
@@ -63,6 +68,23 @@ static void rows_write_root_displaced(const code *w)
     code_assign(w, &s, code_variable("step[%d]", i).name);
   }
   code_template(w, "    @_turn(move + @_PLACE, x, step);\n");
+}
+
+/* P and L of the free root by the impulses from the ground. */
+static void rows_write_root_momenta(const code *w)
+{
+  code inner = *w;
+  code_sum s;
+  inner.indent = 4;
+  code_template(w, "    $ push[6];\n");
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    for (int r = 0; r < constraint.n; r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[i]);
+    }
+    code_assign(&inner, &s, code_variable("push[%d]", i).name);
+  }
+  code_template(w, "    @_turn(move + @_P, x, push);\n    @_turn(move + @_L, x, push + 3);\n");
 }
 
 /* The coordinates of a joint and of modes by the displacements. */
@@ -99,7 +121,12 @@ static void rows_write_gap(const code *w)
   code_template(w, "    $ gap = %z, size = %z;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (k == tree.root) {
+    if (k == tree.root && tree.tied) {
+      for (int i = 0; i < 9; i++) {
+        R[k][i] = code_variable("R[%d]", i);
+        rho[k][i % 3] = code_variable("x[%d]", L->p + 6 + i % 3);
+      }
+    } else if (k == tree.root) {
       rows_unit(R[k]);
       tree_nothing(rho[k], 3);
     } else if (L->parent < 0) {
@@ -132,12 +159,14 @@ static void rows_write_move(const code *w, int unused)
   code_template(w, rows_move_head);
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
-  code_template(w, tree.n_given > 0 ? "" : "  (void)in;\n");
+  code_template(w, tree.n_driven > 0 ? "" : "  (void)in;\n");
   if (tree.looped) {
     tree_write_pushed(w);
   }
   tree_write_places(w);
+  tree.spins = "in && !places";
   tree_write_bodies(w);
+  tree.spins = "in";
   tree_write_inertias(w);
   tree_write_solve(w, 1);
   for (int k = 0; k < tree.n; k++) {
@@ -152,9 +181,12 @@ static void rows_write_move(const code *w, int unused)
   for (int k = 0; k < tree.n; k++) {
     rows_write_axes(w, k);
   }
+  if (tree.tied) {
+    rows_write_root_momenta(w);
+  }
   rows_write_gap(w);
   fputs("  }\n", w->out);
-  for (int j = 0; j < 2 * constraint.n_loop && tree.n_given > 0; j++) {
+  for (int j = 0; j < 2 * constraint.n_loop && tree.n_driven > 0; j++) {
     rows_write_velocity(w, j / 2, j % 2);
   }
   rows_write_check(w, "!places && ");
@@ -173,14 +205,14 @@ static const char rows_close_head[] =
 static void rows_still(const code *w, int at, int n, int k, const char *member)
 {
   (void)k;
-  if (member[0] == 'p') {
+  if (member[0] == 'p' || strcmp(member, "rotor_momentum") == 0) {
     fprintf(w->out, "  memset(still + %d, 0, %d * sizeof *still);\n", at, n);
   }
 }
 
 static void rows_moved(const code *w, int at, int n, const char *member, int places)
 {
-  if ((member[0] != 'p') == places) {
+  if ((member[0] != 'p') == places && member[0] != 'r') {
     fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n    d[i] += move[i];\n  }\n", at, at + n);
   }
   if (places && strcmp(member, "quat") == 0) {
@@ -199,7 +231,7 @@ static void rows_placed(const code *w, int at, int n, int k, const char *member)
 
 static void rows_pushed_on(const code *w, int at, int n, int k, const char *member)
 {
-  if (k != tree.root || strcmp(member, "p") != 0) { /* rows within the tree leave its momentum */
+  if (k != tree.root || tree.tied || strcmp(member, "p") != 0) { /* rows within the tree leave its momentum */
     rows_moved(w, at, n, member, 0);
   }
 }
@@ -245,7 +277,7 @@ static void rows_write_lanes(const code *w)
   fprintf(w->out, "    %s_rows_solve(own, matrix, rest, above);\n", w->name);
   code_template(w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
                    "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n    }\n  }\n}\n");
-  code_template(w, tree.n_given > 0 ? rows_hold : "");
+  code_template(w, tree.n_driven > 0 ? rows_hold : "");
 }
 
 /* Sizes, kinds of rows (fbi_rows_alike) and the solution of their equations. */
@@ -266,8 +298,8 @@ static void rows_write_functions(const code *w)
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"
                              : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`");
-  code_template(w, tree.n_given == 0 ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
+  code_template(w, tree.n_driven == 0 ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
   code_template(w, rows_functions);
-  code_template(w, tree.n_given > 0 ? rows_hold : "");
+  code_template(w, tree.n_driven > 0 ? rows_hold : "");
 }
 #endif

@@ -54,7 +54,7 @@ static void drive_write_functions(const code *w)
                 "  if (!start || !end || start == end) {\n    return @_ok;\n  }\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    if (!L->given) {
+    if (!L->given || L->locked) {
       continue;
     }
     if (w->lanes) {
@@ -76,7 +76,7 @@ static void drive_write_functions(const code *w)
   code_template(w, "  return status;\n}\n\nstatic @_status @_drives_take(@_state *state, const @_input *end, @_status "
                    "status)\n{\n  if (status == @_ok) {\n");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
+    if (tree.link[k].given && !tree.link[k].locked) {
       fprintf(w->out, "    state->body_%d.x[0] = end ? end->body_%d.value[0] : ", k, k);
       code_template(w, "%z;\n");
     }

@@ -133,6 +133,37 @@ static void energy_write_loop(const code *w, int j)
   }
 }
 
+/* Of a spring between points, k (l - l_0)^2/2. */
+static void energy_write_span(const code *w, int j)
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  const int common = spans_common(j);
+  const code_value stretch = code_variable("e%d_far", j);
+  code_value x[2][3];
+  code_sum s, square;
+  spans_write_point(w, j, 0, common, x[0]);
+  spans_write_point(w, j, 1, common, x[1]);
+  code_begin(&square);
+  for (int i = 0; i < 3; i++) {
+    code_value step;
+    code_begin(&s);
+    code_add_one(&s, 1.0, x[1][i]);
+    code_add_one(&s, -1.0, x[0][i]);
+    step = code_end(w, &s, code_variable("e%d_step%c", j, tree_axis[i]));
+    code_add(&square, 1.0, step, step);
+  }
+  code_declare(w, &square, code_variable("e%d_square", j).name);
+  code_template(w, "  const $ ");
+  fprintf(w->out, "e%d_length = ", j);
+  code_template(w, "sqrt~(");
+  fprintf(w->out, "e%d_square);\n", j);
+  code_begin(&s);
+  code_add_one(&s, 1.0, code_variable("e%d_length", j));
+  code_add_one(&s, -(double)spring->length, code_constant(1.0));
+  code_declare(w, &s, stretch.name);
+  code_add(&energy_sums.strain, 0.5 * (double)spring->stiffness, stretch, stretch);
+}
+
 static void energy_write_at(const code *w, int unused)
 {
   (void)unused;
@@ -142,6 +173,7 @@ static void energy_write_at(const code *w, int unused)
   code_begin(&energy_sums.strain);
   code_begin(&energy_sums.gravity);
   motion_write_given(w);
+  code_template(w, tree.tied ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
   tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {
@@ -152,6 +184,9 @@ static void energy_write_at(const code *w, int unused)
   }
   for (int j = 0; j < constraint.n_loop; j++) {
     energy_write_loop(w, j);
+  }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    energy_write_span(w, j);
   }
   code_assign(w, &energy_sums.kinetic, "energy->kinetic");
   code_assign(w, &energy_sums.strain, "energy->strain");

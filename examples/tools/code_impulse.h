@@ -218,8 +218,13 @@ static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], 
   tree_nothing(rho, 3);
   for (; k != on; k = tree.link[k].parent) {
     const tree_link *const L = &tree.link[k];
-    rows_write_turned(w, rho, L->C, 0, rho, L->s, code_variable("%s%dp", name.name, k));
-    rows_write_product(w, R, L->C, 0, R, code_variable("%s%d", name.name, k));
+    code_value C[9], s[3];
+    for (int i = 0; i < 9; i++) {
+      C[i] = k == tree.root ? code_variable("R[%d]", i) : L->C[i];
+      s[i % 3] = k == tree.root ? code_variable("x[%d]", L->p + 6 + i % 3) : L->s[i % 3];
+    }
+    rows_write_turned(w, rho, C, 0, rho, s, code_variable("%s%dp", name.name, k));
+    rows_write_product(w, R, C, 0, R, code_variable("%s%d", name.name, k));
   }
 }
 
@@ -372,7 +377,7 @@ static void rows_write_taken(const code *w, code_value taken[6], int r, int s)
   code_sum sum;
   tree_nothing(taken, 6);
   memcpy(row->eff[s], row->pure[s], sizeof row->eff[s]);
-  if (end->link >= 0 && end->moves) {
+  if (end->link >= 0 && end->moves && !tree.link[end->link].open) {
     const tree_link *const L = &tree.link[end->link];
     const code own = tree_enter(w, end->link);
     code_of_names = "";
@@ -408,7 +413,25 @@ static void rows_write_root(const code *w, int r, const code_value f[6], code_su
   }
 }
 
-/* From link k to `on`: a wrench y on the axes, added to the coefficients of row r; its size on them to bound[]. */
+/* The wrench f of a row on modes that move the node of link k, about O of its parent, added to the row. */
+static void rows_write_passed(const code *w, int r, int k, const code_value f[6], code_sum *bound, char word)
+{
+  const int first = tree.link[tree.link[k].parent].mode_row;
+  for (int a = 0; a < tree.link[tree.link[k].parent].n; a++) {
+    code_value *const c = &constraint.row[r].coefficient[first + a];
+    code_sum s;
+    code_begin(&s);
+    code_add_one(&s, 1.0, *c);
+    for (int i = 0; i < 6; i++) {
+      code_add(&s, 1.0, tree_nodes[k].twist[a][i], f[i]);
+      code_add(&bound[first + a], 1.0, f[i], f[i]);
+    }
+    *c = code_end(w, &s, code_variable("g%d_%cn%d_%d", r, word, k, a));
+  }
+}
+
+/* From link k to `on`: a wrench y on the axes and on modes that move joints, added to the coefficients of row r; its
+   size on them to bound[]. */
 static void rows_write_along(const code *w, int r, int k, int on, const code_value y[6], code_sum *bound, char word)
 {
   rows_row *const row = &constraint.row[r];
@@ -431,11 +454,14 @@ static void rows_write_along(const code *w, int r, int k, int on, const code_val
     if (k == tree.root) {
       rows_write_root(w, r, f, bound, word);
     }
-    if (L->parent >= 0 && L->parent != on) {
+    if (L->parent >= 0 && (L->parent != on || L->moves)) {
       tree_nothing(up, 6);
       snprintf(name, sizeof name, "g%d%c", r, word);
       tree_write_to_parent(w, up, L, f, name, k);
       memcpy(f, up, sizeof f);
+    }
+    if (L->moves) {
+      rows_write_passed(w, r, k, f, bound, word);
     }
   }
 }
@@ -448,6 +474,22 @@ static code_value rows_square(const code *w, const code_value *x, int n, code_va
     code_add(&s, 1.0, x[i], x[i]);
   }
   return code_end(w, &s, name);
+}
+
+/* What side s of row r does to the modes of an open body, added to its coefficients. */
+static void rows_write_open(const code *w, int r, int s, code_sum *bound)
+{
+  rows_row *const row = &constraint.row[r];
+  const int k = constraint.loop[row->loop].end[s].link;
+  for (int a = 0; k >= 0 && tree.link[k].open && a < tree.link[k].n; a++) {
+    code_value *const c = &row->coefficient[tree.link[k].mode_row + a];
+    code_sum sum;
+    code_begin(&sum);
+    code_add_one(&sum, 1.0, *c);
+    code_add_one(&sum, 1.0, row->e[s][a]);
+    code_add(&bound[tree.link[k].mode_row + a], 1.0, row->e[s][a], row->e[s][a]);
+    *c = code_end(w, &sum, code_variable("g%d_o%d_%d", r, s, a));
+  }
 }
 
 /* Wrenches of row r and what they do to the axes. Does it move anything? */
@@ -463,6 +505,7 @@ static int rows_write_row(const code *w, int r, code_sum *bound)
   for (int s = 0; s < 2; s++) {
     rows_write_side(w, r, s);
     rows_write_along(w, r, l->end[s].link, l->common, row->pure[s], bound, s ? 'P' : 'p');
+    rows_write_open(w, r, s, bound);
   }
   memcpy(row->direct, row->coefficient, sizeof row->direct);
   for (int s = 0; s < 2; s++) {
@@ -490,14 +533,15 @@ static void rows_write_bound(const code *w, int r, code_sum *bound, const code_f
   char target[32];
   code_begin(&s);
   for (int k = 0; k < f->n; k++) {
-    if (tree.root >= 0 && order[k] < 6) {
+    const int mode = order[k] >= (tree.root >= 0 ? 6 : 0) + tree.n_axis; /* as if twists were of 1 */
+    if ((tree.root >= 0 && order[k] < 6) || mode) {
       const code_value size = code_end(w, &bound[order[k]], code_variable("g%d_B%d", r, order[k]));
       code_add(&s, 1.0, size, f->share[k]);
     }
     for (int j = 0; j < tree.n; j++) {
       const tree_link *const L = &tree.link[j];
       const int a = order[k] - L->row;
-      if (a >= 0 && a < L->axes && bound[order[k]].n + (fabs(bound[order[k]].constant) > 0) > 0) {
+      if (!mode && a >= 0 && a < L->axes && bound[order[k]].n + (fabs(bound[order[k]].constant) > 0) > 0) {
         code_value size = code_end(w, &bound[order[k]], code_variable("g%d_B%d", r, order[k]));
         const code_value twist = rows_square(w, L->A[a], 6, code_variable("g%d_A%d", r, order[k]));
         code_sum product;
@@ -580,7 +624,7 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
   for (int side = 0; side < 2; side++) {
     const int link = constraint.loop[row->loop].end[side].link;
     for (int a = 0; link >= 0 && a < tree.link[link].n; a++) {
-      code_add(&s, 1.0, row->bent[side][a], code_variable("b%d_p_%d", link, a));
+      code_add(&s, 1.0, row->bent[side][a], tree.link[link].rates.pi[a]);
     }
   }
   if (closes) {
@@ -719,7 +763,7 @@ static void rows_write_momenta(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   code_sum s;
-  for (int i = 0; i < 6 && rows_push(k); i++) {
+  for (int i = 0; i < 6 && rows_push(k) && !L->open; i++) { /* else tree_write_own_momentum */
     code_begin(&s);
     code_add_one(&s, 1.0, L->own[i]);
     rows_add(&s, -1.0, k, i, rows_eff);
@@ -1025,13 +1069,13 @@ static void rows_write_norm(const code *w, const char *name, int k, const code_v
 static void rows_write_check(const code *w, const char *when)
 {
   int n = 0;
-  if (tree.n_given == 0 || constraint.n == 0) {
+  if (tree.n_driven == 0 || constraint.n == 0) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
   code_template(w, w->lanes ? "!%((" : "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
+    if (tree.link[k].given && !tree.link[k].locked) {
       fputs(n++ > 0 ? " + " : "", w->out);
       code_template(w, "fabs~(");
       fprintf(w->out, "b%d_v_0)", k);

@@ -54,7 +54,7 @@ static void motion_assign(const code *w, code_sum *s, int k, const char *member,
 static void motion_write_link(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
-  const int flies = tree.root >= 0 && tree_flies(k);
+  const int flies = tree.root >= 0 && tree_flies(k) && !tree.tied;
   code_sum s;
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++) {
@@ -128,7 +128,9 @@ static void motion_write_speeds(const code *w, int k)
 static void motion_write_given(const code *w)
 {
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
+    if (tree.link[k].locked) {
+      fprintf(w->out, "  const %s b%d_x_0 = x[%d];\n", code_real(w), k, tree.link[k].x);
+    } else if (tree.link[k].given) {
       fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0];\n", code_real(w), k, k);
       fprintf(w->out, "  const %s b%d_v_0 = in ? in->body_%d.rate[0] : ", code_real(w), k, k);
       code_template(w, "%z;\n");

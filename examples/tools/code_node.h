@@ -8,15 +8,6 @@
 #ifndef CODE_NODE_H
 #define CODE_NODE_H
 
-static struct
-    tree_node { /* of a link: of the node that carries it, where modes move that; of its body, where it is open */
-  rows_end end;
-  code_value twist[FB_MAX_MODES][6]; /* Phi, by modes of the parent */
-  code_value I[21], passed[6],
-      rest[6];         /* what hangs on the node, about O of the parent: inertia; what last was passed on; at rest */
-  code_value M_rr[21]; /* of an open body */
-} tree_nodes[FB_MAX_BODIES];
-
 /* ---- places */
 
 /* Joint's axes D on the parent and its origin `at` there. */
@@ -63,7 +54,7 @@ static void tree_write_places(const code *w)
 
 /* ---- bodies by themselves */
 
-/* M_rr of an open body in place of S; nothing of it is at rest. */
+/* M_rr of an open body in place of S; of it only rotors have momentum at rest. */
 static void node_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
@@ -98,9 +89,16 @@ static void node_write_body(const code *w, int k)
       M[e] = code_constant(0.0);
     }
   }
+  tree_nothing(tree_nodes[k].spin, 6);
+  code_rotor = tree_rotors[k];
+  for (int i = 0; i < 3; i++) { /* E8.60 */
+    code_begin(&s);
+    code_add_rotors(&s, 1.0, i);
+    tree_nodes[k].spin[3 + i] = code_end(&own, &s, code_variable("O_%c", tree_axis[i]));
+  }
   tree_leave(k);
   memcpy(L->I, M, sizeof L->I);
-  tree_nothing(L->b, 6);
+  memcpy(L->b, tree_nodes[k].spin, sizeof L->b);
 }
 
 static void tree_write_bodies(const code *w)
@@ -278,7 +276,7 @@ static void node_write_modes(const code *w, int k)
     snprintf(word, sizeof word, "M%d", a);
     tree_write_climb(w, k, L->axes + L->given, L->mode_row + a, f, word);
     code_begin(&s);
-    code_add_one(&s, 1.0, code_variable("b%d_p_%d", k, a));
+    code_add_one(&s, 1.0, L->rates.pi[a]);
     for (int c = k + 1; c < tree.n; c++) {
       for (int i = 0; i < 6 && tree.link[c].parent == k && tree.link[c].moves; i++) {
         code_add(&s, -1.0, tree_nodes[c].twist[a][i], tree_nodes[c].rest[i]);
@@ -310,7 +308,6 @@ static void tree_write_own_momentum(const code *w, int k)
   tree_link *const L = &tree.link[k];
   code_sum s;
   for (int a = 0; a < L->n && L->open; a++) {
-    L->rates.q_dot[a] = tree_right[L->mode_row + a];
     code_begin(&s);
     code_add_one(&s, 1.0, L->rates.q_dot[a]);
     for (int i = 0; i < 6; i++) {
@@ -320,6 +317,8 @@ static void tree_write_own_momentum(const code *w, int k)
   }
   for (int i = 0; i < 6 && L->open; i++) {
     code_begin(&s);
+    code_add_one(&s, 1.0, tree_nodes[k].spin[i]);
+    rows_add(&s, -1.0, k, i, rows_eff);
     for (int a = 0; a < L->n; a++) {
       code_add(&s, 1.0, L->rates.lambda[i][a], L->rates.q_dot[a]);
     }

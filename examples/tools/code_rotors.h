@@ -145,15 +145,15 @@ static void code_write_rotor_axis(const code *w, int r)
   }
 }
 
-/* Axes and momenta of all rotors, whose momenta begin at a place of the vector x; motor: member of what acts. */
-static void code_write_rotors(const code *w, int place, const char *motor)
+/* Axes and momenta of all rotors, whose momenta begin at a place of the vector x; motor: member of what acts, where `when`. */
+static void code_write_rotors(const code *w, int place, const char *when, const char *motor)
 {
   const fb_body *const body = code_model.body;
   fputs(body->n_rotor > 0 ? "\n  /* E8.41: momenta and axes of rotors, body axes */\n" : "", w->out);
   for (int r = 0; r < body->n_rotor; r++) {
     code_rotor.momentum[r] = code_variable("r%d_h", r);
     fprintf(w->out, "%*sconst %s %s = ", w->indent, "", code_real(w), code_variable("r%d_motor", r).name);
-    fprintf(w->out, "in ? in->%s[%d] : ", motor, r);
+    fprintf(w->out, "%s ? in->%s[%d] : ", when, motor, r);
     code_template(w, "%z;\n");
     fprintf(w->out, "%*sconst %s %s = ", w->indent, "", code_real(w), code_rotor.momentum[r].name);
     if (body->rotor[r].given) {

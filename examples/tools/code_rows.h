@@ -68,9 +68,6 @@ static const char *rows_refusal(const fb_system *system)
 {
   const char *what = NULL;
   int n = 0;
-  if (system->tied == 2 && system->method != FB_METHOD_MULTIPLIERS) {
-    what = "a loop between what flies and the ground: hang all of it on the ground by joints";
-  }
   for (int j = 0; j < system->n_loop && !what; j++) {
     const fb_joint *const joint = &system->joint[system->n_body + j];
     what = rows_joint_refusal(joint);

@@ -18,6 +18,15 @@ typedef struct sdirk_link {
 static sdirk_link sdirk[FB_MAX_BODIES];
 
 /* What of a system has no L-stable step here; NULL: nothing. */
+static inline int sdirk_is_held(const fb_system *system, int k)
+{
+  const fb_axis_mode mode = tree_is_given(&system->joint[k]) ? system->joint[k].mode[0] : FB_AXIS_FREE;
+  while (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].parent >= 0) {
+    k = system->joint[k].parent;
+  }
+  return mode == FB_AXIS_LOCKED || (mode == FB_AXIS_PRESCRIBED && system->joint[k].kind == FB_JOINT_FREE);
+}
+
 static inline const char *sdirk_refusal(const fb_system *system)
 {
   if (system->carries_rotors) {
@@ -32,6 +41,12 @@ static inline const char *sdirk_refusal(const fb_system *system)
     if (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].moves) {
       return "a joint on a node that modes move by integrator sdirk: choose integrator rk4";
     }
+    if (sdirk_is_held(system, k)) {
+      return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
+    }
+  }
+  if (system->n_spring > 0) {
+    return "springs between points by integrator sdirk: choose integrator rk4";
   }
   return system->n_loop > 0 ? "loops by integrator sdirk: choose a tree, or integrator rk4" : NULL;
 }

@@ -18,11 +18,11 @@ enum {
 typedef struct tree_link {
   const fb_body *model;
   const fb_joint *joint;
-  int parent, n;   /* link or -1; modes */
-  int x, p, q, pi; /* where its coordinates and momenta are in the vector */
-  int angle, spun; /* those of its rotors */
-  int axes, row;   /* scalar or spherical axes; row of the first one in the system of equations */
-  int given;       /* 1: its axis is prescribed, and not among the others: row behind theirs */
+  int parent, n;     /* link or -1; modes */
+  int x, p, q, pi;   /* where its coordinates and momenta are in the vector */
+  int angle, spun;   /* those of its rotors */
+  int axes, row;     /* scalar or spherical axes; row of the first one in the system of equations */
+  int given, locked; /* 1: its axis is prescribed or locked, and not among the others: row behind theirs; locked */
   int moves, open,
       mode_row; /* 1: modes move the node that carries it; it carries such one: row of its modes (code_node.h) */
   code_value D[9], at[3];        /* joint's axes on the parent, its origin there */
@@ -52,15 +52,18 @@ static struct tree {
   int n, size, root;   /* links; numbers in the vector; the free link, -1: none */
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
-  int n_given, n_open; /* prescribed axes; modes of bodies that are open */
+  int n_given, n_open; /* axes that are prescribed or locked; modes of bodies that are open */
+  int n_driven, flown; /* axes that are prescribed; 1: such ones of the free tree */
   int n_rotor;         /* inside bodies */
   int places;          /* of a table of numbers */
   int limited;         /* 1: what is being written tells the step limit */
+  const char *spins;   /* the condition on which rotors have their given momenta */
   int implicit, given; /* 1: SDIRK; of that, where the speeds of prescribed axes are in the vector */
   int quiet;           /* 1: motors and prescribed axes are all that acts */
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
+  int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
   const unsigned *loads; /* of tree_choice */
@@ -72,6 +75,15 @@ static code_value tree_matrix[CODE_ROWS][CODE_ROWS], tree_right[CODE_ROWS];
 static int tree_solved[CODE_ROWS]; /* order of elimination of code_solver */
 
 #include "code_rows.h"
+
+static struct
+    tree_node { /* of a link: of the node that carries it, where modes move that; of its body, where it is open */
+  rows_end end;
+  code_value twist[FB_MAX_MODES][6]; /* Phi, by modes of the parent */
+  code_value I[21], passed[6],
+      rest[6]; /* what hangs on the node, about O of the parent: inertia; what last was passed on; at rest */
+  code_value M_rr[21], spin[6]; /* of an open body; the momenta of its rotors */
+} tree_nodes[FB_MAX_BODIES];
 
 /* ---- vectors and matrices of values */
 
@@ -192,10 +204,10 @@ static int tree_has_gravity(const fb_body *body)
 #endif
 }
 
-/* Is the axis of a joint, which has no other, prescribed? */
+/* Is the axis of a joint, which has no other, prescribed or locked? */
 static int tree_is_given(const fb_joint *joint)
 {
-  return joint->kind != FB_JOINT_FREE && joint->n_axis == 1 && joint->mode[0] == FB_AXIS_PRESCRIBED;
+  return joint->kind != FB_JOINT_FREE && joint->n_axis == 1 && joint->mode[0] != FB_AXIS_FREE;
 }
 
 /* Does link k hang on the free root? */
@@ -213,6 +225,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   memset(&tree, 0, sizeof tree);
   tree.implicit = implicit;
   tree.limited = !system->allow_long_step;
+  tree.spins = "in";
   tree.system = system;
   tree.body = body;
   tree.names = names;
@@ -229,6 +242,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
     L->n = L->model->n;
     L->given = tree_is_given(L->joint);
+    L->locked = L->given && L->joint->mode[0] == FB_AXIS_LOCKED;
     L->moves = L->parent >= 0 && L->joint->moves;
     if (L->moves) {
       tree.link[L->parent].open = 1;
@@ -236,7 +250,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->axes = L->joint->kind == FB_JOINT_FREE || L->given ? 0 : L->joint->n_axis;
     L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
     L->x = k == tree.root ? 0 : tree.size;
-    L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes);
+    L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes + L->locked);
     tree.size = k == tree.root ? tree.size : L->p + L->axes;
     L->q = tree.size;
     L->pi = L->q + L->n;
@@ -259,8 +273,10 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree_link *const L = &tree.link[k];
     L->row = L->given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open + tree.n_given : L->row;
     tree.n_given += L->given;
+    tree.n_driven += L->given && !L->locked;
+    tree.flown |= L->given && !L->locked && tree_flies(k);
   }
-  tree.has_R = (tree.has_R || tree.pulled || implicit) && tree.root >= 0;
+  tree.has_R = (tree.has_R || tree.pulled || implicit || system->tied == 2) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
@@ -268,6 +284,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   }
   tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
+  tree.tied = tree.root >= 0 && system->tied == 2;
+  tree.stands |= tree.tied;
   tree.given = tree.size;
   tree.size += implicit ? tree.n_given : 0;
   rows_read(system);
@@ -277,12 +295,9 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
 static const char *tree_joint_refusal(const fb_system *system, int k)
 {
   const fb_joint *const joint = &system->joint[k];
-  if (joint->moves && system->n_loop > 0) {
-    return "a joint on a node that modes move, beside loops: hang it on the frame or on a rigid body";
-  }
   for (int i = 0; i < 3 && i < joint->n_axis; i++) {
-    if (joint->mode[i] == FB_AXIS_LOCKED || (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1)) {
-      return "a locked axis, or a prescribed one of several: choose mode free, or a rigid joint";
+    if (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1) {
+      return "a locked or prescribed axis of several: choose mode free, or joints of one axis each";
     }
   }
   return NULL;
@@ -311,35 +326,21 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* What of rotors in body k, or of a wheel, cannot be written; NULL: nothing. Their mobility (E11.41, E11.50) is that of
-   bodies whose modes move no joint between them and the root. */
-static const char *tree_rotors_refusal(const fb_system *system, const fb_body *body, int k)
+/* What of springs between points is not written; NULL: nothing. */
+static const char *spans_refusal(const fb_system *system)
 {
-  const int wheel = system->has_rotors && !system->allow_long_step && system->rotor[k] > FB_R(0.0);
-  int moved = 0;
-  for (int j = k; j >= 0 && system->joint[j].kind != FB_JOINT_FREE; j = system->joint[j].parent) {
-    moved |= system->joint[j].moves;
+  for (int j = 0; j < system->n_spring; j++) {
+    for (int side = 0; side < 2; side++) {
+      int k = system->spring[j].body[side];
+      while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
+        k = system->joint[k].parent;
+      }
+      if (k >= 0 && system->spring[j].body[1 - side] < 0 && system->tied < 2) {
+        return "a spring between what flies and the ground: choose points of bodies";
+      }
+    }
   }
-  for (int c = k + 1; c < system->n_body; c++) {
-    moved |= system->joint[c].parent == k && system->joint[c].kind != FB_JOINT_FREE && system->joint[c].moves;
-  }
-  if (moved && body->n_rotor > 0) {
-    return "a rotor where modes move a joint: put the joint on a node that none moves, or the rotor elsewhere";
-  }
-  if (moved && wheel) {
-    return "it looks the same at all angles of its hinge, a wheel, where modes move a joint: put the joint on a node "
-           "that none moves";
-  }
-  return body->n_rotor > 0 && system->n_loop > 0 ? "rotors beside loops: choose a tree, or wheels on hinges" : NULL;
-}
-
-/* Does body k hang on a free one? */
-static int tree_hangs_on_free(const fb_system *system, int k)
-{
-  while (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].parent >= 0) {
-    k = system->joint[k].parent;
-  }
-  return system->joint[k].kind == FB_JOINT_FREE;
+  return NULL;
 }
 
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
@@ -354,11 +355,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
     modes += body[system->model[k]].n;
     axes += system->joint[k].kind == FB_JOINT_FREE ? 0 : system->joint[k].n_axis;
     given += tree_is_given(&system->joint[k]);
-    what = what         ? what
-           : roots == 2 ? "a second free body: each tree is a file of its own"
-           : tree_is_given(&system->joint[k]) && tree_hangs_on_free(system, k)
-               ? "a prescribed axis of what flies: prescribe axes of what hangs on the ground"
-               : tree_rotors_refusal(system, &body[system->model[k]], k);
+    what = what ? what : roots == 2 ? "a second free body: each tree is a file of its own" : NULL;
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -370,11 +367,11 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
   }
-  if (!text[0] && (rows_refusal(system) || system->n_spring > 0 || system->method == FB_METHOD_MULTIPLIERS)) {
+  if (!text[0] && (rows_refusal(system) || spans_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",
-             rows_refusal(system)   ? rows_refusal(system)
-             : system->n_spring > 0 ? "springs between points: choose springs of joints"
-                                    : "method multipliers: choose recursive");
+             rows_refusal(system)    ? rows_refusal(system)
+             : spans_refusal(system) ? spans_refusal(system)
+                                     : "method multipliers: choose recursive");
   }
 }
 
@@ -520,7 +517,10 @@ static void tree_write_place(const code *w, int k)
 static void tree_write_given_names(const code *w, const char *moves)
 {
   for (int k = 0; k < tree.n; k++) {
-    for (int i = 0; i < 2 && tree.link[k].given; i++) {
+    if (tree.link[k].locked) {
+      fprintf(w->out, "  const %s b%d_x_0 = x[%d];\n", code_real(w), k, tree.link[k].x);
+    }
+    for (int i = 0; i < 2 && tree.link[k].given && !tree.link[k].locked; i++) {
       fprintf(w->out, "  const %s b%d_%s_0 = %s ? in->body_%d.%s[0] : ", code_real(w), k, i ? "v" : "x",
               i ? moves : "in", k, i ? "rate" : "value");
       code_template(w, "%z;\n");
@@ -582,7 +582,7 @@ static void tree_write_body(const code *w, int k)
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
   snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
-  code_write_rotors(&own, L->spun, motor);
+  code_write_rotors(&own, L->spun, tree.spins, motor);
   code_write_own_pi(&own, code_now.pi);
   tree_rotors[k] = code_rotor;
   code_write_solve(&own, code_now.pb, code_now.pi, "b");
@@ -814,6 +814,7 @@ static code_value tree_write_along(const code *w, const code_value a[6], const c
 }
 
 #include "code_node.h"
+#include "code_span.h"
 
 /* Elements of the matrix of axis a of link k. */
 static void tree_write_column(const code *w, int k, int a)
@@ -876,7 +877,7 @@ static void tree_write_given(const code *w, int n)
 {
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    for (int i = 0; i < n && L->given; i++) {
+    for (int i = 0; i < n && L->given && !L->locked; i++) {
       code_sum s;
       code_begin(&s);
       code_add_one(&s, 1.0, tree_right[i]);
@@ -884,7 +885,7 @@ static void tree_write_given(const code *w, int n)
       tree_right[i] = code_end(w, &s, code_variable("y_%d_%d", i, k));
     }
     if (L->given) {
-      tree_right[L->row] = code_variable("b%d_v_0", k);
+      tree_right[L->row] = L->locked ? code_constant(0.0) : code_variable("b%d_v_0", k);
     }
   }
 }
@@ -1003,6 +1004,9 @@ static void tree_write_velocity(const code *w, int k)
   for (int i = 0; i < L->axes + L->given; i++) {
     L->u[i] = tree_right[L->row + i];
   }
+  for (int a = 0; a < L->n && L->open; a++) {
+    L->rates.q_dot[a] = tree_right[L->mode_row + a];
+  }
   if (k == tree.root) {
     memcpy(L->V, tree_right, sizeof L->V);
     return;
@@ -1069,6 +1073,7 @@ static void tree_write_modes(const code *w, int k)
   tree_rotors[k] = code_rotor;
   tree_leave(k);
   rows_add_modes(w, code_force, k);
+  spans_add_modes(code_force, k);
   node_add_modes(w, code_force, k);
   fputs("\n  /* E8.17 */\n", w->out);
   for (int a = 0; a < L->n; a++) {
@@ -1217,6 +1222,9 @@ static void tree_write_axes(const code *w, int k)
   if (L->joint->kind == FB_JOINT_SPHERICAL) {
     tree_write_ball(w, k);
     return;
+  }
+  if (L->locked) {
+    tree_assign_one(w, code_constant(0.0), L->x);
   }
   for (int a = 0; a < L->axes; a++) {
     const code_value x = code_variable("b%d_x_%d", k, a);
@@ -1434,7 +1442,7 @@ static void tree_write_impacts(const code *w)
   int n = 0;
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    for (int a = 0; a < L->axes + L->given; a++) {
+    for (int a = 0; a < L->axes + L->given - L->locked; a++) {
       if (L->joint->rubs && L->joint->stop_loss[a] > FB_R(0.0)) {
         code_template(w, n++ == 0 ? "    $ hit = %z;\n    const $ " : "    const $ ");
         code_number(number, w, (double)L->joint->stop_loss[a]);
@@ -1529,8 +1537,13 @@ static void tree_write_limit(const code *w)
   }
   tree_write_impacts(w);
   rows_write_impacts(w);
+  code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    spans_write_bound(&inner, &code_solver, tree_solved, j);
+  }
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
-  fprintf(w->out, "    g = fastest%s + %s;\n", tree_has_wheels() ? " + nutation" : "", number);
+  fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
+  code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
@@ -1596,6 +1609,7 @@ static void tree_write_evaluation(const code *w)
   tree_write_given_names(w, "in");
   tree_write_velocities(w);
   rows_write_loads(w);
+  spans_write_loads(w);
   rows_write_check(w, "");
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].n + tree.link[k].model->n_rotor > 0 && !tree.link[k].open) {
@@ -1649,8 +1663,10 @@ static void tree_write_center(const code *w, int unused)
   code_sum s;
   (void)unused;
   code_template(w, "\n/* E9.22: first moment of mass of the whole about O of the root, body axes */\n"
-                   "static void @_center(%M$ *c, const $ *x)\n{\n%V");
+                   "static void @_center(%M$ *c, const $ *x");
+  code_template(w, tree.flown ? ", const @_input *in)\n{\n%V" : ")\n{\n%V");
   tree_write_names(w);
+  tree_write_given_names(w, "in");
   tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {
     code own;
@@ -1747,8 +1763,10 @@ static void tree_write_drift(const code *w, int unused)
   (void)unused;
   code_template(w,
                 "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
-                "static @_NOINLINE void @_drift(%M$ *d, const $ *x, const $ *change)\n{\n%V  $ R[9], moved[3];\n");
+                "static @_NOINLINE void @_drift(%M$ *d, const $ *x, const $ *change");
+  code_template(w, tree.flown ? ", const @_input *in)\n{\n%V  $ R[9], moved[3];\n" : ")\n{\n%V  $ R[9], moved[3];\n");
   tree_write_names(w);
+  tree_write_given_names(w, "in");
   code_template(w, "  @_matrix(R, x);\n");
   tree_write_places(w);
   for (int i = 0; i < 3; i++) {
@@ -1861,6 +1879,12 @@ static int tree_has_sprung_ball(void)
   return has || rows_has_sprung_ball();
 }
 
+/* Does the frame of the free tree go where its mass center does, or come to rest? */
+static int tree_leads(void)
+{
+  return tree.root >= 0 && !tree.tied;
+}
+
 /* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
 typedef void tree_piece(const code *w, int at, int n, int k, const char *member);
 
@@ -1871,6 +1895,8 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
   if (ball || L->axes > 0) {
     f(w, L->x, ball ? 4 : L->axes, k, ball ? "quat" : "x");
     f(w, L->p, k == tree.root ? 6 : L->axes, k, "p");
+  } else if (L->locked) {
+    f(w, L->x, 1, k, "x");
   }
   if (L->n > 0) {
     f(w, L->q, L->n, k, "q");
@@ -1983,7 +2009,7 @@ static const char tree_status[] =
 /* One more, where it can be. */
 static const char *tree_contradiction(void)
 {
-  return tree.n_given > 0   ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
+  return tree.n_driven > 0  ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
          : constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n"
                             : "";
 }
@@ -1992,6 +2018,9 @@ static const char tree_status_end[] =
     "} @_status;\n\n"
     "/* All that changes: members of fb_system_state.link[k] in body_k, in the same axes and units; a member that the\n"
     "   joint or the body does not use is left out. */\n";
+
+static const char tree_tied_state[] = "    $ x[3];      /* [m] position of O, inertial axes */\n"
+                                      "    $ lost_x[3]; /* what it has lost by rounding */\n";
 
 static const char tree_free_state[] =
     "    $ x[3];                  /* [m] position of O, inertial axes */\n"
@@ -2014,9 +2043,9 @@ static void tree_write_types(const code *w)
     if (tree_has_state(k)) {
       fprintf(w->out, "  struct { /* %s, %s */\n", tree.names[k], tree_kinds[(int)L->joint->kind]);
       if (k == tree.root) {
-        code_template(w, tree_free_state);
+        code_template(w, tree.tied ? tree_tied_state : tree_free_state);
       }
-      code_template(w, L->given ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
+      code_template(w, L->given && !L->locked ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
       tree_pieces(w, k, tree_declare);
       fprintf(w->out, "  } body_%d;\n", k);
     }
@@ -2102,6 +2131,9 @@ static void tree_write_enter(const code *w)
   if (tree.root >= 0) {
     code_template(w, "  @_turn_back(x + 4, x, x + @_L);\n");
   }
+  if (tree.tied) {
+    fprintf(w->out, "  memcpy(x + %d, s->body_%d.x, 3 * sizeof *x);\n", tree.link[tree.root].p + 6, tree.root);
+  }
   fputs("}\n", w->out);
 }
 
@@ -2130,7 +2162,7 @@ static void tree_write_start(const code *w, const fb_system_state *start)
     }
     if (x) {
       tree_write_start_of(w, k, "x", x->x, free ? 3 : ball ? 0 : L->axes + L->given);
-      tree_write_start_of(w, k, "u", x->u, free ? 3 : 0);
+      tree_write_start_of(w, k, "u", x->u, free && !tree.tied ? 3 : 0);
       tree_write_start_of(w, k, "p", x->p, free ? 6 : L->axes);
       tree_write_start_of(w, k, "q", x->q, L->n);
       tree_write_start_of(w, k, "pi", x->pi, L->n);
@@ -2175,7 +2207,10 @@ static const char tree_drift_lanes[] =
     "    if (!%(moved <= `0`%)) {\n"
     "      $ still[@_N];\n"
     "      memcpy(still, d, sizeof still);\n"
-    "      @_drift(%Ad, d, change);\n"
+    "      @_drift(%Ad, d, change";
+
+static const char tree_drift_lanes_end[] =
+    ");\n"
     "      for (int i = 0; i < @_N; i++) {\n        d[i] = @_either(moved > `0`, d[i], still[i]);\n      }\n    }\n  "
     "}\n";
 
@@ -2198,7 +2233,9 @@ static void tree_write_reframe(const code *w)
   }
   code_template(w, w->lanes ? tree_drift_lanes
                             : "  if (fabs~(change[0]) + fabs~(change[1]) + fabs~(change[2]) > `0`) {\n"
-                              "    @_drift(%Ad, d, change);\n  }\n");
+                              "    @_drift(%Ad, d, change");
+  code_template(w, tree.flown ? ", in" : "");
+  code_template(w, w->lanes ? tree_drift_lanes_end : ");\n  }\n");
   if (!tree.stands && !tree.looped) {
     code_template(w, "  for (int i = 0; i < 3 && pushed; i++) {\n    d[@_P + i] = -x[@_P + i]");
     if (w->single) {
@@ -2220,6 +2257,18 @@ static const char tree_frame[] =
     "    @r.lost_u[i] = %Ffabs~(@r.u[i]) < rest%:lost%;;\n"
     "    @r.u[i] = %Ffabs~(@r.u[i]) < rest%:@r.u[i]%;;\n  }\n"
     "  status = status == @_ok && !(@_is_finite(@r.x, 3) && @_is_finite(@r.u, 3)) ? @_not_finite : status;\n";
+
+/* Place of O where the frame stands still for ever. */
+static void tree_write_tied_place(const code *w)
+{
+  const int k = tree.root, at = tree.link[k].p + 6;
+  fprintf(w->out, "  for (int i = 0; i < 3; i++) {\n    step[i] = d[%d + i] - x[%d + i];\n  }\n", at, at);
+  code_template(w, "  @_keep(");
+  fprintf(w->out, "next.body_%d.x, next.body_%d.lost_x, step);\n", k, k);
+  code_template(w, "  status = status == @_ok && !@_is_finite(");
+  fprintf(w->out, "next.body_%d.x, 3)", k);
+  code_template(w, " ? @_not_finite : status;\n");
+}
 
 /* Place of O and velocity of the frame: E11.23. */
 static void tree_write_flight(const code *w)
@@ -2257,12 +2306,17 @@ static void tree_write_end_momenta(const code *w)
   for (int k = 0; k < tree.n; k++) {
     tree_pieces(w, k, tree_sum_momenta);
   }
+  code_template(w, tree.tied ? "  for (int i = 0; i < 3; i++) {\n    d[@_PLACE + i] += x[@_PLACE + i];\n  }\n" : "");
   code_template(w, constraint.n > 0 ? "  status = status == @_ok ? @_close(d, in) : status;\n" : "");
+  if (tree.tied) {
+    tree_write_tied_place(w);
+    return;
+  }
   if (tree.looped) {
     tree_write_reframe(w);
   }
   if (tree.root >= 0) {
-    code_template(w, tree.stands ? "" : "  @_center(%Aafter, d);\n");
+    code_template(w, tree.stands ? "" : tree.flown ? "  @_center(%Aafter, d, in);\n" : "  @_center(%Aafter, d);\n");
     tree_write_flight(w);
   }
 }
@@ -2272,13 +2326,14 @@ static void tree_write_end(const code *w)
   int balls = tree.root >= 0 || tree_has_joint(FB_JOINT_SPHERICAL);
   code_template(w, "\n/* The end of the step, from x by the increments d: the state, if it passes the checks. */\n"
                    "static @_status @_end(%M@_state *state, $ *d, const $ *x");
-  code_template(w, tree.root >= 0 ? ", const $ *before, %s dt, int pushed" : "");
-  code_template(w, constraint.n > 0 ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
-                                    : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
-  code_template(w, tree.root >= 0 ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : "");
+  code_template(w, tree_leads() ? ", const $ *before, %s dt, int pushed" : "");
+  code_template(w, constraint.n > 0 || tree.flown
+                       ? ", const @_input *in)\n{\n  @_state next = *state;\n  @_status status = @_ok;\n"
+                       : ")\n{\n  @_state next = *state;\n  @_status status = @_ok;\n");
+  code_template(w, tree_leads() ? "  $ change[3] = {%z, %z, %z}, step[3];\n" : tree.tied ? "  $ step[3];\n" : "");
   code_template(w, balls ? "%V  $ norm2;\n" : "%V");
-  code_template(w, (tree.looped || tree.implicit) && tree.stands ? "  (void)before;\n" : "");
-  if (tree.root >= 0) {
+  code_template(w, (tree.looped || tree.implicit) && tree.stands && !tree.tied ? "  (void)before;\n" : "");
+  if (tree_leads()) {
     code_template(w, tree.stands ? "" : "  $ after[3], old[3], own[3];\n");
     code_template(w, tree.looped || tree.implicit ? "" : "  @_align(%Ad, x, before, pushed);\n");
   }
@@ -2377,12 +2432,14 @@ static void tree_write_step(const code *w)
   int always;
   code_template(w, tree_step_head);
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
-  code_template(w, tree.root >= 0 ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
+  code_template(w, tree_leads() ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
-  code_template(w, tree.n_given > 0 ? drive_refused : "");
+  code_template(w, tree.n_driven > 0 ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
-  code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
+  code_template(w, !tree_leads() ? ""
+                   : tree.flown  ? "  @_center(%Acenter, x, start);\n"
+                                 : "  @_center(%Acenter, x);\n");
   always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !always) {
@@ -2407,10 +2464,10 @@ static void tree_write_step(const code *w)
   code_template(w, tree_step_rest);
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
-  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
-  code_template(w, tree.root >= 0 ? ", center, dt, pushed" : "");
-  code_template(w, constraint.n > 0 ? ", end)" : ")");
-  code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
+  code_template(w, tree.n_driven > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
+  code_template(w, tree_leads() ? ", center, dt, pushed" : "");
+  code_template(w, constraint.n > 0 || tree.flown ? ", end)" : ")");
+  code_template(w, tree.n_driven > 0 ? ");\n}\n" : ";\n}\n");
 }
 
 #include "code_sdirk.h"
@@ -2556,9 +2613,11 @@ static int tree_write_functions(const code *w)
     good = code_write_pruned(w, rows_write_move, 0) && good;
     rows_write_close(w);
   }
-  if (tree.root >= 0) {
+  if (tree_leads()) {
     good = code_write_pruned(w, tree_write_center, 0) && good;
     good = code_write_pruned(w, tree_write_drift, 0) && good;
+  }
+  if (tree.root >= 0) {
     if (!tree.looped && !tree.implicit) {
       tree_write_align(w);
     }
@@ -2566,7 +2625,7 @@ static int tree_write_functions(const code *w)
   }
   tree_write_enter(w);
   tree_write_end(w);
-  if (tree.n_given > 0) {
+  if (tree.n_driven > 0) {
     drive_write_functions(w);
   }
   if (tree.implicit) {
@@ -2635,7 +2694,7 @@ static int tree_write_alone(const code *w)
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
-  if (tree.n_given > 0) {
+  if (tree.n_driven > 0) {
     code_template(w, drive_check);
   }
   good = tree_write_functions(&wide);

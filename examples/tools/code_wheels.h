@@ -1,5 +1,6 @@
 /* code_wheels.h - wheels of a tree, whole bodies that look the same at all angles of their hinge and rotors inside bodies:
-   what they add to its step limit, E11.41 and E11.50. Included by code_tree.h. */
+   what they add to its step limit, E11.41 and E11.50; and what springs between points add, E11.42. Included by
+   code_tree.h. */
 #ifndef CODE_WHEELS_H
 #define CODE_WHEELS_H
 
@@ -20,14 +21,16 @@ static double tree_wheel_axis(int k, int i, int j)
                 : tree_snap((double)tree.link[k].joint->child_axes[3 * j + i], 1.0);
 }
 
-/* L^-1 r into z: r the momenta of root and axes by the unit wrench f of body k. */
-static void tree_write_unit(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
-                            code_value wrench[6], const char *name, int k)
+/* Momenta of root, axes and modes that move joints by the wrench of body k and, where that is open, what it does to its
+   modes. */
+static void tree_write_share(const code *w, code_value right[CODE_ROWS], code_value wrench[6], const code_value *modes,
+                             const char *name, int k)
 {
-  code_value right[CODE_ROWS];
-  code_sum s;
   char word[40];
   tree_nothing(right, CODE_ROWS);
+  for (int a = 0; modes && a < tree.link[k].n && tree.link[k].open; a++) {
+    right[tree.link[k].mode_row + a] = modes[a];
+  }
   for (int j = k, from = -1; j >= 0; from = j, j = tree.link[j].parent) {
     const tree_link *const L = &tree.link[j];
     if (from >= 0) {
@@ -36,6 +39,10 @@ static void tree_write_unit(const code *w, const code_factor *f, const int *orde
       snprintf(word, sizeof word, "%s%c%d", name, 'f', from);
       tree_write_to_parent(w, up, &tree.link[from], wrench, word, k);
       memcpy(wrench, up, sizeof up);
+      for (int a = 0; a < L->n && tree.link[from].moves; a++) {
+        right[L->mode_row + a] = tree_write_along(w, tree_nodes[from].twist[a], wrench,
+                                                  code_variable("b%d_%s_%d", k, name, L->mode_row + a));
+      }
     }
     for (int a = 0; a < L->axes; a++) {
       right[L->row + a] = tree_write_along(w, L->A[a], wrench, code_variable("b%d_%s_%d", k, name, L->row + a));
@@ -44,6 +51,13 @@ static void tree_write_unit(const code *w, const code_factor *f, const int *orde
       right[i] = wrench[i];
     }
   }
+}
+
+/* z = L^-1 of momenta */
+static void tree_write_forward(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
+                               const code_value right[CODE_ROWS], const char *name, int k)
+{
+  code_sum s;
   for (int i = 0; i < f->n; i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, right[order[i]]);
@@ -52,6 +66,15 @@ static void tree_write_unit(const code *w, const code_factor *f, const int *orde
     }
     z[i] = code_end(w, &s, code_variable("b%d_%sz_%d", k, name, i));
   }
+}
+
+/* Both, of one wrench. */
+static void tree_write_unit(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
+                            code_value wrench[6], const code_value *modes, const char *name, int k)
+{
+  code_value right[CODE_ROWS];
+  tree_write_share(w, right, wrench, modes, name, k);
+  tree_write_forward(w, f, order, z, right, name, k);
 }
 
 /* s += z D^-1 y */
@@ -84,7 +107,7 @@ static void tree_write_wheel(const code *w, const code_factor *f, const int *ord
       wrench[3 + j] = code_constant(tree_wheel_axis(k, i, j));
     }
     snprintf(name, sizeof name, "u%d", i);
-    tree_write_unit(w, f, order, z[i], wrench, name, k);
+    tree_write_unit(w, f, order, z[i], wrench, NULL, name, k);
   }
   for (int i = 0; i < 3; i++) {
     snprintf(name, sizeof name, "g%d", i);
@@ -149,7 +172,8 @@ static void tree_write_section(const code *w, code_value J[3][FB_MAX_MODES], int
   }
 }
 
-/* W: mobility of the section of rotor r of body k in the whole: r^T M^-1 r, and of its own modes J M^-1 J^T. */
+/* W: mobility of the section of rotor r of body k in the whole: r^T M^-1 r, and of its own modes J M^-1 J^T unless they
+   are speeds of the tree. */
 static void tree_write_mobility(const code *w, const code_factor *f, const int *order, code_value W[6], int r, int k)
 {
   static code_value z[3][CODE_ROWS], J[3][FB_MAX_MODES], turned[3][FB_MAX_MODES];
@@ -167,7 +191,7 @@ static void tree_write_mobility(const code *w, const code_factor *f, const int *
     own.indent = w->indent;
     code_rotor = tree_rotors[k];
     tree_write_section(&own, J, r);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && !L->open; i++) {
       snprintf(name, sizeof name, "r%d_MJ%d", r, i);
       code_write_solve(&own, turned[i], J[i], name);
     }
@@ -184,7 +208,7 @@ static void tree_write_mobility(const code *w, const code_factor *f, const int *
       wrench[j] = code_end(w, &s, code_variable("b%d_r%d_F%d%d", k, r, i, j));
     }
     snprintf(name, sizeof name, "r%du%d", r, i);
-    tree_write_unit(w, f, order, z[i], wrench, name, k);
+    tree_write_unit(w, f, order, z[i], wrench, J[i], name, k);
   }
   for (int e = 0; e < 6; e++) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
@@ -289,6 +313,131 @@ static void tree_write_nutation(const code *w, const code_factor *f, const int *
       }
     }
   }
+}
+
+/* Momenta by a unit force along axis i of the common body on the point of a side of spring j, in `right`; what it does to
+   the modes e of its body and, unless that is open, M^-1 of it. */
+static void spans_write_side(const code *w, code_value right[CODE_ROWS], code_value e[FB_MAX_MODES],
+                             code_value bent[FB_MAX_MODES], int i, int side, int j)
+{
+  const struct tree_span *const span = &tree_spans[j];
+  const int k = span->end[side].link, n = k >= 0 ? tree.link[k].n : 0;
+  code_value force[3], wrench[6];
+  char name[24];
+  code_sum s;
+  tree_nothing(right, CODE_ROWS);
+  tree_nothing(e, FB_MAX_MODES);
+  tree_nothing(bent, FB_MAX_MODES);
+  for (int c = 0; c < 3; c++) {
+    force[c] = span->R[side][3 * i + c];
+    force[c].c *= side ? -1.0 : 1.0;
+  }
+  for (int a = 0; a < n && span->end[side].moves; a++) {
+    code_begin(&s);
+    for (int c = 0; c < 3; c++) {
+      code_add(&s, 1.0, span->slope[side][a][c], force[c]);
+    }
+    e[a] = code_end(w, &s, code_variable("e%d_%de%d_%d", j, side, i, a));
+  }
+  if (n > 0 && span->end[side].moves && !tree.link[k].open) {
+    code own = tree_enter(w, k);
+    own.indent = w->indent;
+    snprintf(name, sizeof name, "e%d_%dM%d", j, side, i);
+    code_write_solve(&own, bent, e, name);
+    tree_leave(k);
+  }
+  for (int c = 0; c < 6 && k >= 0; c++) {
+    code_begin(&s);
+    if (c < 3) {
+      code_add_one(&s, 1.0, force[c]);
+    } else {
+      tree_add_cross(&s, 1.0, span->point[side], force, c - 3);
+    }
+    for (int a = 0; a < n; a++) {
+      code_add(&s, -1.0, tree.link[k].rates.lambda[c][a], bent[a]);
+    }
+    wrench[c] = code_end(w, &s, code_variable("e%d_%dw%d_%d", j, side, i, c));
+  }
+  if (k >= 0) {
+    snprintf(name, sizeof name, "e%d_%du%d", j, side, i);
+    tree_write_share(w, right, wrench, e, name, k);
+  }
+}
+
+/* The same of both points, in z = L^-1 of the momenta; e: on modes that are not among the speeds. */
+static void spans_write_unit(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
+                             code_value e[2][FB_MAX_MODES], code_value bent[2][FB_MAX_MODES], int i, int j)
+{
+  const rows_end *const end = tree_spans[j].end;
+  code_value right[2][CODE_ROWS];
+  char name[24];
+  code_sum s;
+  spans_write_side(w, right[0], e[0], bent[0], i, 0, j);
+  spans_write_side(w, right[1], e[1], bent[1], i, 1, j);
+  for (int c = 0; c < CODE_ROWS; c++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, right[0][c]);
+    code_add_one(&s, 1.0, right[1][c]);
+    right[0][c] = code_end(w, &s, code_variable("e%d_r%d_%d", j, i, c));
+  }
+  for (int a = 0; a < FB_MAX_MODES && end[0].link == end[1].link; a++) { /* modes of one body know both */
+    code_begin(&s);
+    code_add_one(&s, 1.0, e[0][a]);
+    code_add_one(&s, 1.0, e[1][a]);
+    e[0][a] = e[1][a] = code_end(w, &s, code_variable("e%d_both%d_%d", j, i, a));
+  }
+  for (int side = 0; side < 2; side++) {
+    if (end[side].link >= 0 && tree.link[end[side].link].open) {
+      tree_nothing(e[side], FB_MAX_MODES);
+    }
+  }
+  snprintf(name, sizeof name, "e%du%d", j, i);
+  tree_write_forward(w, f, order, z, right[0], name, 0);
+}
+
+/* E11.42 of spring j, in `elastic` and `damped`: W the mobility of its points, k d.W d + (T/l) (tr W - d.W d), c d.W d. */
+static void spans_write_bound(const code *w, const code_factor *f, const int *order, int j)
+{
+  static code_value z[3][CODE_ROWS], e[3][2][FB_MAX_MODES], bent[3][2][FB_MAX_MODES];
+  const fb_spring *const spring = &tree.system->spring[j];
+  const int bare = spans_is_bare(j);
+  code_value W;
+  char name[24], stiffness[40], damping[40];
+  code_sum s, along, trace;
+  code_begin(&along);
+  code_begin(&trace);
+  for (int i = 0; i < 3; i++) {
+    spans_write_unit(w, f, order, z[i], e[i], bent[i], i, j);
+    for (int l = bare ? i : 0; l <= i; l++) {
+      code_sum one;
+      snprintf(name, sizeof name, "e%dw%d%d", j, i, l);
+      code_begin(&s);
+      tree_add_unit(w, &s, f, z[i], z[l], name, 0);
+      for (int a = 0; a < 2 * FB_MAX_MODES; a++) {
+        code_add(&s, 1.0, e[i][a % 2][a / 2], bent[l][a % 2][a / 2]);
+      }
+      W = code_end(w, &s, code_variable("e%d_W%d%d", j, i, l));
+      code_add_one(&trace, i == l ? 1.0 : 0.0, W);
+      if (!bare) {
+        code_begin(&one);
+        code_add(&one, 1.0, W, tree_spans[j].along[l]);
+        W = code_end(w, &one, code_variable("e%d_Wd%d%d", j, i, l));
+        code_add(&along, i == l ? 1.0 : 2.0, W, tree_spans[j].along[i]);
+      }
+    }
+  }
+  code_declare(w, &trace, code_variable("e%d_trace", j).name);
+  code_number(stiffness, w, (double)spring->stiffness);
+  code_number(damping, w, (double)spring->damping);
+  if (bare) {
+    fprintf(w->out, "    stiffening += %s * e%d_trace;\n", stiffness, j);
+    return;
+  }
+  code_declare(w, &along, code_variable("e%d_mobile", j).name);
+  fprintf(w->out, "    stiffening += %s * e%d_mobile + ", stiffness, j);
+  code_template(w, "fabs~(");
+  fprintf(w->out, "e%d_tension) * e%d_share * (e%d_trace - e%d_mobile);\n", j, j, j, j);
+  fprintf(w->out, "    damped += %s * e%d_mobile;\n", damping, j);
 }
 
 /* E11.26 body by body; of wheels about their axes alone. */

@@ -29,7 +29,7 @@ static double number(int a, int b, int c)
   return x - floor(x);
 }
 
-#ifndef LOAD /* range of loads, and of values that are prescribed */
+#ifndef LOAD /* range of loads, and of values that are prescribed; a hundredth of it that of states of trees */
 #define LOAD 0.1
 #endif
 #ifdef TREE
@@ -44,7 +44,7 @@ static void begin(void)
   for (int k = 0; k < generated_LANES; k++) {
     generated_start(&single[k]);
     for (int i = 0; i < (int)(sizeof single[k] / sizeof(NUMBER)); i++) {
-      *at(&single[k], i) += (NUMBER)(1e-3 * number(k, i, 0));
+      *at(&single[k], i) += (NUMBER)(1e-2 * LOAD * number(k, i, 0));
     }
     generated_lanes_put(&lanes, k, &single[k]);
   }

@@ -14,8 +14,8 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, TIP = 8 };
-/* With RIGID..: GIVEN: the axis of its joint is prescribed; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
+enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
+/* With RIGID..: GIVEN: the axis of its joint is prescribed; LOCKED: it is that; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
    same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside */
 
 typedef struct hang {
@@ -288,6 +288,119 @@ static const struct {
       {FB_JOINT_REVOLUTE, 1, PANEL},
       {FB_JOINT_REVOLUTE, -1, RIGID | RUBS},
       {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 50 to 52: rotors and wheels where modes move a joint: behind it, and on the body that carries it */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, MAST},
+      {FB_JOINT_UNIVERSAL, 1 + TIP, HUB},
+      {FB_JOINT_REVOLUTE, 1 + TIP, WHEEL}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, MAST},
+      {FB_JOINT_REVOLUTE, 0 + TIP, HUB},
+      {FB_JOINT_RIGID, 0 + TIP, PANEL},
+      {FB_JOINT_REVOLUTE, 2, WHEEL}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_REVOLUTE, 0 + TIP, MAST}, {FB_JOINT_REVOLUTE, 0, HUB}}},
+    /* 53 to 56: loops beside joints on nodes that modes move: between what hangs there and the ground, the body that
+       carries it, and what flies; 57 and 58: beside rotors, on the body of a loop and on one that carries it */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL}, {FB_JOINT_SPHERICAL, 0 + TIP, PANEL}, {FB_JOINT_UNIVERSAL, -1, RIGID}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_SPHERICAL, -1, PANEL}, {FB_JOINT_UNIVERSAL, 0 + TIP, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM | RUBS}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, BOOM},
+      {FB_JOINT_REVOLUTE, 0 + TIP, RIGID},
+      {FB_JOINT_UNIVERSAL, 0, RIGID},
+      {FB_JOINT_RIGID, 2, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN},
+      {FB_JOINT_SPHERICAL, 0, PANEL},
+      {FB_JOINT_REVOLUTE, 1 + TIP, RIGID},
+      {FB_JOINT_PRISMATIC, -1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, HUB}, {FB_JOINT_SPHERICAL, 0, MAST}, {FB_JOINT_UNIVERSAL, -1, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, MAST},
+      {FB_JOINT_REVOLUTE, 0 + TIP, HUB},
+      {FB_JOINT_UNIVERSAL, 0, HUB},
+      {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 59 to 62: loops that tie what flies to the ground: an arm; a body that a crank carries and a joint on a node that modes
+       move; by its root, with rotors and a loop of its own; a pendulum */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_SPHERICAL, 0 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID | GIVEN},
+      {FB_JOINT_REVOLUTE, -1, PANEL}}},
+    {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_UNIVERSAL, 0, MAST}, {FB_JOINT_SPHERICAL, 0, RIGID}}},
+    {FB_EFFECTS_FULL, 1, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 63 to 66: axes of what flies that are prescribed: of arms; beside a loop; and locked ones, with one on the ground */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM | GIVEN},
+      {FB_JOINT_SCREW, 0, PANEL},
+      {FB_JOINT_PRISMATIC, 2, RIGID | GIVEN}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, RIGID | GIVEN},
+      {FB_JOINT_SPHERICAL, 1, RIGID},
+      {FB_JOINT_UNIVERSAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM | LOCKED | RUBS},
+      {FB_JOINT_REVOLUTE, 1, WHEEL},
+      {FB_JOINT_REVOLUTE, 0, PANEL | GIVEN},
+      {FB_JOINT_SCREW, -1, RIGID | LOCKED}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, PANEL | GIVEN},
+      {FB_JOINT_PRISMATIC, 1 + TIP, RIGID | LOCKED},
+      {FB_JOINT_REVOLUTE, 2, BOOM}}},
+    /* 67 to 69: springs between points: of booms and the hub that carries them; on nodes that modes move and that carry
+       joints, to the ground; beside a loop that ties what flies, and without length */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_UNIVERSAL, 0, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0 + TIP, BOOM}, {FB_JOINT_REVOLUTE, 0 + TIP, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_SPHERICAL, -1, RIGID}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -317,7 +430,30 @@ static const struct {
              {34, FB_JOINT_SCREW, 0, 3 + TIP + RUBS},
              {35, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
              {47, FB_JOINT_SPHERICAL, 1 + TIP, 3},
-             {49, FB_JOINT_REVOLUTE, 2 + TIP, 3 + RUBS}};
+             {49, FB_JOINT_REVOLUTE, 2 + TIP, 3 + RUBS},
+             {53, FB_JOINT_SPHERICAL, 1 + TIP, 2},
+             {54, FB_JOINT_SPHERICAL, 0 + TIP, 2 + TIP + RUBS},
+             {54, FB_JOINT_CYLINDRICAL, -1, 1},
+             {55, FB_JOINT_SPHERICAL, 1, 3 + TIP},
+             {56, FB_JOINT_SPHERICAL, 2, 3},
+             {57, FB_JOINT_SPHERICAL, 1 + TIP, 2},
+             {58, FB_JOINT_SPHERICAL, 1, 2},
+             {59, FB_JOINT_SPHERICAL, -1, 1 + TIP},
+             {60, FB_JOINT_SPHERICAL, 2, 1},
+             {60, FB_JOINT_UNIVERSAL, 3 + TIP, 0 + TIP},
+             {61, FB_JOINT_REVOLUTE, -1, 0 + RUBS},
+             {61, FB_JOINT_SPHERICAL, 1 + TIP, 2},
+             {62, FB_JOINT_SPHERICAL, -1, 1},
+             {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
+             {69, FB_JOINT_SPHERICAL, 0, 2}};
+/* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
+static const struct {
+  int tree, body[2];
+  double length;
+} springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0}, {67, {0, 1 + TIP}, 9.0},  {67, {2, 2 + TIP}, 7.0},
+               {68, {0 + TIP, 2}, 1.5},       {68, {-1, 1 + TIP}, 12.0}, {69, {0 + TIP, -1}, 0.0},
+               {69, {1 + TIP, 2}, 2.0}};
+enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
 
@@ -553,6 +689,22 @@ static int is_wheel(int k)
   return desc.model[k] == WHEEL;
 }
 
+static void build_spring(int j)
+{
+  fb_spring *const spring = &desc.spring[desc.n_spring++];
+  for (int side = 0; side < 2; side++) {
+    const int on = springs[j].body[side];
+    spring->body[side] = on >= TIP ? on - TIP : on;
+    spring->node[side] = on >= TIP;
+    for (int i = 0; i < 3; i++) {
+      spring->position[side][i] = (fb_real)random_number();
+    }
+  }
+  spring->stiffness = FB_R(3.0);
+  spring->length = (fb_real)springs[j].length;
+  spring->damping = springs[j].length > 0 ? FB_R(0.7) : FB_R(0.0);
+}
+
 static void build(int which)
 {
   build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2, 0);
@@ -571,7 +723,7 @@ static void build(int which)
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent % TIP;
     desc.joint[k].parent_node = trees[which].link[k].parent >= TIP;
-    desc.joint[k].mode[0] = !(flags & GIVEN) ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
+    desc.joint[k].mode[0] = flags & GIVEN ? FB_AXIS_PRESCRIBED : flags & LOCKED ? FB_AXIS_LOCKED : FB_AXIS_FREE;
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
@@ -595,6 +747,11 @@ static void build(int which)
       build_loop(which, l);
     }
   }
+  for (int j = 0; j < SPRINGS; j++) {
+    if (springs[j].tree == which) {
+      build_spring(j);
+    }
+  }
   need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system with its loops");
 }
 
@@ -607,10 +764,13 @@ static void write_members(int acts)
     const int free = desc.joint[k].mode[0] == FB_AXIS_FREE;
     printf(is_wheel(k) ? "" : "LOAD(%d)\n", k);
     if (desc.joint[k].kind == FB_JOINT_FREE) {
-      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\nMEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n", k, k,
-             k, k);
+      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\n", k, k);
+      printf(mechanism.tied < 2 ? "MEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n" : "", k, k);
     } else if (axes > 0) {
-      printf(desc.joint[k].mode[0] == FB_AXIS_FREE ? "MOTOR(%d)\n" : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n", k, k);
+      printf(free                                      ? "MOTOR(%d)\n"
+             : desc.joint[k].mode[0] == FB_AXIS_LOCKED ? "MEMBER(%d, x, PLACE)\n"
+                                                       : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n",
+             k, k);
     }
     if (desc.joint[k].kind == FB_JOINT_FREE || desc.joint[k].kind == FB_JOINT_SPHERICAL) {
       printf("MEMBER(%d, quat, ATTITUDE)\n", k);
@@ -766,7 +926,7 @@ static void start(double speed)
   }
   need(fb_system_state_init(&mechanism, model, &state, &work, motion, NULL), "state");
   for (int k = 0; k < desc.n_body; k++) {
-    for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE; i++) {
+    for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE && mechanism.tied < 2; i++) {
       state.link[k].u[i] += (fb_real)(0.1 * (i - 1.5)); /* the whole drifts: as of another observer */
     }
   }
@@ -856,7 +1016,7 @@ static void load(fb_system_input *in, generated_input *mine, double t)
                                    ? (fb_real)(2 * sin(3 * t + i - k))
                                    : FB_R(0.0);
     }
-    if (desc.joint[k].mode[0] != FB_AXIS_FREE) {
+    if (desc.joint[k].mode[0] == FB_AXIS_PRESCRIBED) {
       in->drive[k].value[0] = (fb_real)(far * (0.3 * t + 0.1 * sin(2 * t)));
       in->drive[k].rate[0] = (fb_real)(far * (0.3 + 0.2 * cos(2 * t)));
       in->drive[k].acceleration[0] = (fb_real)(-0.4 * far * sin(2 * t));
@@ -1139,7 +1299,7 @@ static int jump(double x, const double *at[3], double dt, const char *what)
   fb_status status;
   generated_status same;
   for (int k = 0; k < desc.n_body; k++) {
-    state.link[k].x[0] = desc.joint[k].mode[0] == FB_AXIS_FREE ? state.link[k].x[0] : (fb_real)x;
+    state.link[k].x[0] = desc.joint[k].mode[0] != FB_AXIS_PRESCRIBED ? state.link[k].x[0] : (fb_real)x;
   }
   for (int i = 0; i < 3; i++) {
     memset(&in[i], 0, sizeof in[i]);
@@ -1147,7 +1307,7 @@ static int jump(double x, const double *at[3], double dt, const char *what)
     in[i].n_load = desc.n_body;
     for (int k = 0; k < desc.n_body; k++) {
       in[i].load[k].body = k;
-      if (desc.joint[k].mode[0] != FB_AXIS_FREE && at[i]) {
+      if (desc.joint[k].mode[0] == FB_AXIS_PRESCRIBED && at[i]) {
         in[i].drive[k].value[0] = (fb_real)at[i][0];
         in[i].drive[k].rate[0] = (fb_real)at[i][1];
       }
@@ -1177,7 +1337,7 @@ static int jumps(void)
   const double dt = 1e-3, turn = 6.283185307179586;
   int seen[3] = {0}, driven = 0;
   for (int k = 0; k < desc.n_body; k++) {
-    driven |= desc.joint[k].mode[0] != FB_AXIS_FREE;
+    driven |= desc.joint[k].mode[0] == FB_AXIS_PRESCRIBED;
   }
   if (!driven || desc.n_loop > 0) {
     return 1;

@@ -77,7 +77,7 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41 | 43 | 46 | 48)
+  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 37 | 38 | 41 | 43 | 46 | 48 | 52 | 53 | 55 | 58 | 60 | 63 | 67)
     both $trees
     single=$(larger $single)
     ;;
@@ -120,10 +120,14 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49; do
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69; do
   write $tree --lanes
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
-  small=$([ $tree != 22 ] && [ $tree != 49 ] || echo -DLOAD=1e-4) # jumps of a crank, which loops refuse
+  case $tree in # jumps of a crank, and gaps, which loops refuse
+  22 | 49 | 64) small=-DLOAD=1e-4 ;;
+  60 | 61 | 69) small=-DLOAD=1e-3 ;;
+  *) small= ;;
+  esac
   compile
   lanes -O1 1 double
   lanes -O1 4 double
@@ -251,8 +255,14 @@ done
 scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "load wheel base torque 0 0 1"
 refuse_loads wheel "wheel: loads would turn with it, a wheel"
 refuse "--code: event" none.h "event 1 lock hinge 1"
-refuse "--code: spring" none.h "spring strut hub array.tip" "stiffness 1" "end"
-refuse "--code: load and nudge: .* (line 24); spring: .* (line 22); event: .* (line 21)" none.h "event 1 lock hinge 1" "spring strut hub array.tip" "end" \
+scene "spring strut hub array.tip" "stiffness 1" "length 3" "damping 0.1" "end" "spring line hub array.tip" "stiffness 1" "end"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
+refuse "a spring between what flies and the ground" none.h "spring strut ground array.tip" "stiffness 1" "end"
+refuse "springs between points by integrator sdirk" none.h "spring strut hub array.tip" "stiffness 1" "end" "integrator sdirk" "step 0.01"
+refuse "--code: pull of a spring" none.h "spring strut hub array.tip" "stiffness 1" "pull constant 1" "end"
+refuse "--code: load and nudge: .* (line 25); pull of a spring: .* (line 22); event: .* (line 21)" none.h "event 1 lock hinge 1" "spring strut hub array.tip" "pull constant 1" "end" \
   "load hub base force 1 0 0"
 grounded() {
   scene
@@ -274,7 +284,11 @@ refuse_loop() {
   ! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q -e "$1" "$out/log" || fail "$1: $(tail -n 1 "$out/log")"
   refused=$((refused + 1))
 }
-refuse "a loop between what flies and the ground" none.h "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
+scene "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+! grep -q 'lost_u' "$out/generated.h" || fail "a frame that stands still has a velocity"
+mv "$out/generated.h" "$out/code.h"
+compile
 grounded 'loop pin spherical hub array.tip
   position 4.8 0 0
 end
@@ -282,7 +296,9 @@ rotor fly hub
   axis 1 0 0
   inertia 0.1
 end'
-refuse_loop "rotors beside loops"
+try "$out/scene" "$out/bars.txt" --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
 grounded 'loop pin screw hub array.tip
   position 4.8 0 0
   pitch 1
@@ -306,17 +322,19 @@ refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 line='  motor 1 constant 2
 ' refuse "--code: motor" none.h
-line='  mode locked
-' refuse "array: a locked axis" none.h
-line='  mode prescribed
-' refuse "array: a prescribed axis of what flies" none.h
+for mode in locked prescribed; do
+  line="  mode $mode
+"
+  scene
+  try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+  mv "$out/generated.h" "$out/code.h"
+  compile
+  refuse "tail: a locked or prescribed axis of several" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end universal hub tail" "mode free $mode" "end"
+done
+line=
 effects="large damping" refuse "array: effects large" none.h
-refuse "tail: a joint on a node that modes move, beside loops" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
-  "loop pin spherical hub array.tip" "position 4.8 0 0" "end"
-refuse "tail: it looks the same at all angles of its hinge, a wheel" none.h "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end"
-refuse "array: a rotor where modes move a joint" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end" \
+scene "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end" \
   "rotor fly array" "axis 1 0 0" "inertia 0.1" "end"
-scene "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end rigid array.tip tail" "end"
 try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile

@@ -1,0 +1,229 @@
+/* code_span.h - springs and dampers between points of a tree, in the step that code_tree.h writes and whose words it uses:
+   E9.26 and what they add to the step limit, E11.42. Part of code_tree.h. */
+#ifndef CODE_SPAN_H
+#define CODE_SPAN_H
+
+static struct tree_span {                            /* of a spring */
+  rows_end end[2];                                   /* the nodes of its points */
+  code_value R[2][9];                                /* axes of their bodies to those of the body that both hang on */
+  code_value point[2][3], slope[2][FB_MAX_MODES][3]; /* from O and what modes do to it, body axes */
+  code_value along[3], tension;
+} tree_spans[FB_MAX_SPRINGS];
+
+/* ---- places */
+
+/* The point of a side, what modes do to it, and its place x in the axes of the common body. */
+static void spans_write_point(const code *w, int j, int side, int common, code_value x[3])
+{
+  struct tree_span *const span = &tree_spans[j];
+  const fb_spring *const spring = &tree.system->spring[j];
+  rows_end *const end = &span->end[side];
+  const code_value name = code_variable("e%d_%d", j, side);
+  code_value arm[3], rho[3];
+  code_sum s;
+  end->link = spring->body[side];
+  end->moves = 0;
+  rows_unit(end->N);
+  tree_nothing(end->n, 3);
+  if (end->link >= 0) {
+    rows_write_node(w, end, end->link, spring->node[side], name);
+  }
+  for (int i = 0; i < 3; i++) {
+    arm[i] = code_constant((double)spring->position[side][i]);
+  }
+  rows_write_turned(w, arm, end->N, 0, arm, NULL, code_variable("%sa", name.name));
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, end->n[i]);
+    code_add_one(&s, 1.0, arm[i]);
+    span->point[side][i] = code_end(w, &s, code_variable("%so%c", name.name, tree_axis[i]));
+  }
+  for (int a = 0; end->link >= 0 && end->moves && a < tree.link[end->link].n; a++) {
+    for (int i = 0; i < 3; i++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, end->Ju[a][i]);
+      tree_add_cross(&s, 1.0, end->Jphi[a], arm, i);
+      span->slope[side][a][i] = code_end(w, &s, code_variable("%sg%d%c", name.name, a, tree_axis[i]));
+    }
+  }
+  rows_write_chain(w, span->R[side], rho, end->link, common, code_variable("%sc", name.name));
+  rows_write_turned(w, x, span->R[side], 0, span->point[side], rho, code_variable("%sx", name.name));
+}
+
+/* Velocity of the point of a side, in the axes of the common body. */
+static void spans_write_velocity(const code *w, int j, int side, code_value v[3])
+{
+  const struct tree_span *const span = &tree_spans[j];
+  const rows_end *const end = &span->end[side];
+  const tree_link *const L = &tree.link[end->link < 0 ? 0 : end->link];
+  code_sum s;
+  tree_nothing(v, 3);
+  for (int i = 0; i < 3 && end->link >= 0; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, L->V[i]);
+    tree_add_cross(&s, 1.0, L->V + 3, span->point[side], i);
+    for (int a = 0; a < L->n && end->moves; a++) {
+      code_add(&s, 1.0, span->slope[side][a][i], L->rates.q_dot[a]);
+    }
+    v[i] = code_end(w, &s, code_variable("e%d_%dv%c", j, side, tree_axis[i]));
+  }
+  rows_write_turned(w, v, span->R[side], 0, v, NULL, code_variable("e%d_%dV", j, side));
+}
+
+/* Length of spring j, of `step` from its first point to the other, and its direction; refused where they meet. */
+static void spans_write_length(const code *w, int j, const code_value step[3], code_value x[2][3])
+{
+  const code_value length = code_variable("e%d_length", j);
+  code_sum s;
+  code_begin(&s);
+  for (int i = 0; i < 3; i++) {
+    code_add(&s, 1.0, step[i], step[i]);
+  }
+  code_declare(w, &s, code_variable("e%d_square", j).name);
+  fprintf(w->out, "  const %s %s = ", code_real(w), length.name);
+  code_template(w, "sqrt~(");
+  fprintf(w->out, "e%d_square);\n", j);
+  code_template(w, "  if (!%((");
+  fprintf(w->out, "%s", length.name);
+  code_template(w, " > `16` * %e * (%z");
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, x[i / 3][i % 3]);
+    code_template(w, " + fabs~(%z + ");
+    code_expression(w, &s, 40);
+    fputs(")", w->out);
+  }
+  code_template(w, "))%)) {\n    return @_range;\n  }\n");
+  fprintf(w->out, "  const %s e%d_share = ", code_real(w), j);
+  code_template(w, "`1` / ");
+  fprintf(w->out, "%s;\n", length.name);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add(&s, 1.0, step[i], code_variable("e%d_share", j));
+    tree_spans[j].along[i] = code_end(w, &s, code_variable("e%d_d%c", j, tree_axis[i]));
+  }
+}
+
+/* Is it a spring without length and damper, whose force is that of the step? It has no direction. */
+static int spans_is_bare(int j)
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  return !(spring->length > FB_R(0.0)) && !(spring->damping > FB_R(0.0));
+}
+
+/* The force on its first point, axes of the common body, by the step between the points x and their velocities v. */
+static void spans_write_force(const code *w, int j, code_value force[3], const code_value step[3], code_value x[2][3],
+                              code_value v[2][3])
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  struct tree_span *const span = &tree_spans[j];
+  code_value rate;
+  code_sum s;
+  for (int i = 0; i < 3 && spans_is_bare(j); i++) {
+    force[i] = step[i];
+    force[i].c *= (double)spring->stiffness;
+  }
+  if (spans_is_bare(j)) {
+    return;
+  }
+  spans_write_length(w, j, step, x);
+  code_begin(&s);
+  for (int i = 0; i < 3; i++) {
+    code_add(&s, 1.0, span->along[i], v[1][i]);
+    code_add(&s, -1.0, span->along[i], v[0][i]);
+  }
+  rate = code_end(w, &s, code_variable("e%d_rate", j));
+  code_begin(&s);
+  code_add_one(&s, (double)spring->stiffness, code_variable("e%d_length", j));
+  code_add_one(&s, -(double)spring->stiffness * (double)spring->length, code_constant(1.0));
+  code_add_one(&s, (double)spring->damping, rate);
+  span->tension = code_variable("e%d_tension", j);
+  code_declare(w, &s, span->tension.name);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add(&s, 1.0, span->tension, span->along[i]);
+    force[i] = code_end(w, &s, code_variable("e%d_f%c", j, tree_axis[i]));
+  }
+}
+
+/* The force on a side and its modes, added to the load of the body. */
+static void spans_write_push(const code *w, int j, int side, const code_value force[3])
+{
+  struct tree_span *const span = &tree_spans[j];
+  rows_end *const end = &span->end[side];
+  const code_value name = code_variable("e%d_%d", j, side);
+  code_value f[3];
+  code_sum s;
+  if (end->link < 0) {
+    return;
+  }
+  rows_write_turned(w, f, span->R[side], 1, force, NULL, code_variable("%sf", name.name));
+  for (int i = 0; i < 3; i++) {
+    f[i].c *= side ? -1.0 : 1.0;
+  }
+  for (int a = 0; a < tree.link[end->link].n && end->moves; a++) {
+    code_begin(&s);
+    for (int i = 0; i < 3; i++) {
+      code_add(&s, 1.0, span->slope[side][a][i], f[i]);
+    }
+    end->pushed[a] = code_end(w, &s, code_variable("%sp%d", name.name, a));
+  }
+  for (int i = 0; i < 6; i++) {
+    code_value *const F = &tree.link[end->link].F[i];
+    code_begin(&s);
+    code_add_one(&s, 1.0, *F);
+    if (i < 3) {
+      code_add_one(&s, 1.0, f[i]);
+    } else {
+      tree_add_cross(&s, 1.0, span->point[side], f, i - 3);
+    }
+    *F = code_end(w, &s, code_variable("%sF%s", name.name, code_rows[i]));
+  }
+}
+
+/* The body that both points of spring j hang on, -1: the ground. */
+static int spans_common(int j)
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  int common = spring->body[0];
+  while (!rows_hangs(spring->body[1], common)) {
+    common = tree.link[common].parent;
+  }
+  return common;
+}
+
+/* E9.26 of all springs: loads on the bodies. */
+static void spans_write_loads(const code *w)
+{
+  fputs(tree.system->n_spring > 0 ? "\n  /* E9.26: springs between points */\n" : "", w->out);
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    const int common = spans_common(j);
+    code_value x[2][3], v[2][3], step[3], force[3];
+    code_sum s;
+    for (int side = 0; side < 2; side++) {
+      spans_write_point(w, j, side, common, x[side]);
+      spans_write_velocity(w, j, side, v[side]);
+    }
+    for (int i = 0; i < 3; i++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, x[1][i]);
+      code_add_one(&s, -1.0, x[0][i]);
+      step[i] = code_end(w, &s, code_variable("e%d_s%c", j, tree_axis[i]));
+    }
+    spans_write_force(w, j, force, step, x, v);
+    spans_write_push(w, j, 0, force);
+    spans_write_push(w, j, 1, force);
+  }
+}
+
+/* What they do to the modes of link k. */
+static void spans_add_modes(code_sum *force, int k)
+{
+  for (int j = 0; j < 2 * tree.system->n_spring; j++) {
+    const rows_end *const end = &tree_spans[j / 2].end[j % 2];
+    for (int a = 0; a < tree.link[k].n && end->link == k && end->moves; a++) {
+      code_add_one(&force[a], 1.0, end->pushed[a]);
+    }
+  }
+}
+#endif
