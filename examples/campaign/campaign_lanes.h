@@ -237,7 +237,7 @@ static int lanes_input_place(int k)
 {
   int at = 0;
   for (int j = 0; j < k; j++) {
-    at += tree.link[j].axes + 2 * tree.link[j].given;
+    at += tree.link[j].axes + 2 * (tree.link[j].given - tree.link[j].locked);
   }
   return at;
 }
@@ -358,7 +358,7 @@ static void lanes_act(double *input, int lane, double t, double side)
       for (int i = 0; i < L->axes; i++) {
         to[i * wide] = (double)drive.torque[i];
       }
-      if (L->given) {
+      if (L->given && !L->locked) {
         to[0] = (double)drive.value[0];
         to[wide] = (double)drive.rate[0];
       }

@@ -364,7 +364,7 @@ static void spans_write_side(const code *w, code_value right[CODE_ROWS], code_va
   }
 }
 
-/* The same of both points, in z = L^-1 of the momenta; e: on modes that are not among the speeds. */
+/* The same of both points, in z = L^-1 of the momenta. */
 static void spans_write_unit(const code *w, const code_factor *f, const int *order, code_value z[CODE_ROWS],
                              code_value e[2][FB_MAX_MODES], code_value bent[2][FB_MAX_MODES], int i, int j)
 {
@@ -385,11 +385,6 @@ static void spans_write_unit(const code *w, const code_factor *f, const int *ord
     code_add_one(&s, 1.0, e[0][a]);
     code_add_one(&s, 1.0, e[1][a]);
     e[0][a] = e[1][a] = code_end(w, &s, code_variable("e%d_both%d_%d", j, i, a));
-  }
-  for (int side = 0; side < 2; side++) {
-    if (end[side].link >= 0 && tree.link[end[side].link].open) {
-      tree_nothing(e[side], FB_MAX_MODES);
-    }
   }
   snprintf(name, sizeof name, "e%du%d", j, i);
   tree_write_forward(w, f, order, z, right[0], name, 0);
