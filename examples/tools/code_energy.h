@@ -7,6 +7,17 @@ static struct energy_sums {
   code_sum kinetic, strain, gravity;
 } energy_sums;
 
+/* An element of a member of the motion of body k; that is no name of a body. */
+static code_value energy_motion(int k, const char *member, int i)
+{
+  const char *const of = code_of_names;
+  code_value v;
+  code_of_names = "";
+  v = code_variable("m->body_%d.%s[%d]", k, member, i);
+  code_of_names = of;
+  return v;
+}
+
 /* Kinetic energy of a body, (V.S V + e.M^-1 e)/2 with e = Lambda^T V + M q_dot, and of its rotors, h^2/2J (E8.43). */
 static void energy_write_kinetic(const code *w, int k)
 {
@@ -16,7 +27,7 @@ static void energy_write_kinetic(const code *w, int k)
   code own;
   code_sum s;
   for (int i = 0; i < 6; i++) {
-    V[i] = code_variable("m->body_%d.%s[%d]", k, i < 3 ? "v" : "w", i % 3);
+    V[i] = energy_motion(k, i < 3 ? "v" : "w", i % 3);
   }
   tree_write_momentum(w, P, L->rates.S, V, NULL, "kP", k);
   own = tree_enter(w, k);
@@ -27,9 +38,7 @@ static void energy_write_kinetic(const code *w, int k)
       code_add(&s, 1.0, code_now.lambda[i][a], V[i]);
     }
     for (int b = 0; b < L->n; b++) {
-      code_value q_dot = code_constant(1.0);
-      snprintf(q_dot.name, sizeof q_dot.name, "m->body_%d.q_dot[%d]", k, b);
-      code_add_one(&s, M[a][b], q_dot);
+      code_add_one(&s, M[a][b], energy_motion(k, "q_dot", b));
     }
     e[a] = code_end(&own, &s, code_variable("ke_%d", a));
   }
@@ -68,12 +77,9 @@ static void energy_write_potential(const code *w, int k)
     code_write_value(&own, i);
   }
   for (int i = 0; i < 3; i++) {
-    code_value position = code_constant(1.0), R = position;
-    snprintf(position.name, sizeof position.name, "m->body_%d.position[%d]", k, i);
-    code_add_one(&energy_sums.gravity, -code_gravity(i) * (double)L->model->mass, position);
+    code_add_one(&energy_sums.gravity, -code_gravity(i) * (double)L->model->mass, energy_motion(k, "position", i));
     for (int j = 0; j < 3; j++) {
-      snprintf(R.name, sizeof R.name, "m->body_%d.R[%d]", k, 3 * i + j);
-      code_add(&energy_sums.gravity, -code_gravity(i), R, code_now.value[j]);
+      code_add(&energy_sums.gravity, -code_gravity(i), energy_motion(k, "R", 3 * i + j), code_now.value[j]);
     }
   }
   tree_leave(k);
