@@ -130,8 +130,7 @@ for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 
   esac
   compile
   lanes -O0 1 double
-  lanes -O0 4 double
-  ! grep -q avx2 /proc/cpuinfo || lanes "-O2 -mavx2" 4 double
+  lanes "$(grep -q avx2 /proc/cpuinfo && echo "-O2 -mavx2" || echo -O0)" 4 double
   write $tree --single --lanes
   lanes -O0 8 float
 done
