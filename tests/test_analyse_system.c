@@ -762,6 +762,6 @@ SUITE(analyse_system, RUN(pulled_apart_free_bodies_rest), RUN(linear_models_of_s
       RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
       RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
       RUN(a_driven_base_is_a_system_of_one), RUN(opposite_pulls_hold_a_free_body),
-      RUN(sleeping_tops_tilt_in_closed_form), RUN_LONG(shafts_with_disks_whirl_in_closed_form),
+      RUN(sleeping_tops_tilt_in_closed_form), RUN(shafts_with_disks_whirl_in_closed_form),
       RUN(linear_models_follow_the_unit_of_time), RUN(poses_drift_as_the_frame_goes_on),
       RUN(linear_models_answer_as_the_system_does))

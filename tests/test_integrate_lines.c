@@ -623,6 +623,6 @@ SUITE(integrate_lines, RUN_LONG(each_integrator_keeps_its_order_when_lines_bend_
       RUN(undeformed_lines_have_the_limit_of_their_function), RUN(steps_of_bent_lines_within_the_limit_are_stable),
       RUN(newton_contracts_with_lines), RUN(long_steps_find_the_elastica),
       RUN(implicit_steps_follow_the_slow_swing_of_bent_lines), RUN(lines_spin_at_ten_times_their_frequency),
-      RUN(tips_swing_past_half_a_turn), RUN_LONG(exponential_steps_know_the_deflection),
+      RUN(tips_swing_past_half_a_turn), RUN(exponential_steps_know_the_deflection),
       RUN(intervals_of_lines_turn_so_far_and_no_farther), RUN(committed_states_of_lines_pass_their_check),
       RUN(steppers_take_the_steps_of_lines), RUN(pins_hold_what_rounding_keeps))

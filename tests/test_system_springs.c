@@ -612,6 +612,6 @@ TEST(forces_of_the_state_see_where_bodies_fly)
 SUITE(system_springs, RUN(springs_between_points_balance_energy), RUN(springs_between_points_act_alike_by_every_method),
       RUN(andrews_squeezer_moves_as_published), RUN(springs_between_points_bound_the_step),
       RUN(actuators_and_lengths_are_channels_of_linear_models), RUN(springs_bound_the_step_where_they_are),
-      RUN(springs_whose_points_meet_are_refused), RUN(springs_are_checked),
-      RUN_LONG(forces_of_the_state_act_as_springs_do), RUN(forces_of_the_state_keep_the_order),
-      RUN(forces_of_the_state_are_checked), RUN(forces_of_the_state_see_where_bodies_fly) ON_TIPS)
+      RUN(springs_whose_points_meet_are_refused), RUN(springs_are_checked), RUN(forces_of_the_state_act_as_springs_do),
+      RUN(forces_of_the_state_keep_the_order), RUN(forces_of_the_state_are_checked),
+      RUN(forces_of_the_state_see_where_bodies_fly) ON_TIPS)

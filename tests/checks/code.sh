@@ -16,7 +16,7 @@ bound_lines=37000 # 6 modes and 6 points of a geometrically exact line
 bound_board_6=7500 # on a Cortex-M4F, single precision
 bound_board_12=19000
 flags="-DFB_MAX_MODES=12 -DFB_MAX_NODES=8 -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
-try gcc $c99 -O1 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
+try gcc $c99 -O0 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 

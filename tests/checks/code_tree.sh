@@ -18,7 +18,7 @@ bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
 bound_booms_sdirk=36500 # (137,730)
 bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (46,735)
 sizes="-DFB_MAX_LOADS=16 -DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
-try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
+try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O0 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $sizes -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
@@ -129,11 +129,10 @@ for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 
   *) small= ;;
   esac
   compile
-  lanes -O1 1 double
-  lanes -O1 4 double
-  ! grep -q avx2 /proc/cpuinfo || lanes "-O2 -mavx2" 4 double
+  lanes -O0 1 double
+  lanes "$(grep -q avx2 /proc/cpuinfo && echo "-O2 -mavx2" || echo -O0)" 4 double
   write $tree --single --lanes
-  lanes -O1 8 float
+  lanes -O0 8 float
 done
 
 # steps TREE STATE [without|--sdirk]: sets count; without the first step, at angles of zero, whose sines are cheaper
@@ -185,7 +184,7 @@ call='generated_step(&s, 0, 0, 0, 1)'
 main
 
 # Scenes: one that is written, compiled and the same as before; then each with something that is refused.
-try gcc $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
+try gcc $c99 -O0 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
 # scene LINE...: hub and array, with other lines at the end
 scene() {
   {
