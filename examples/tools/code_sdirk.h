@@ -29,14 +29,6 @@ static inline int sdirk_is_held(const fb_system *system, int k)
 
 static inline const char *sdirk_refusal(const fb_system *system)
 {
-  if (system->carries_rotors) {
-    return "rotors by integrator sdirk: choose integrator rk4";
-  }
-  for (int k = 0; k < system->n_body && system->has_rotors && !system->allow_long_step; k++) {
-    if (system->rotor[k] > FB_R(0.0)) {
-      return "wheels by integrator sdirk, whose limit is not written: choose integrator rk4";
-    }
-  }
   for (int k = 0; k < system->n_body; k++) {
     if (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].moves) {
       return "a joint on a node that modes move by integrator sdirk: choose integrator rk4";
@@ -539,6 +531,37 @@ static void sdirk_take_root(const code *w)
   }
 }
 
+/* E11.51 of the rotors of link k: friction -c s as at the end of the stage, dh = r_h/(1 + g rate c/most), c at most
+   `most`; angle r + g dh / inertia. */
+static void sdirk_take_rotors(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    const fb_rotor *const rotor = &L->model->rotor[r];
+    const double dry = rotor->friction > FB_R(0.0) ? (double)rotor->friction / (double)rotor->friction_speed : 0.0;
+    const double slows = rotor->given ? 0.0 : (double)rotor->damping + dry;
+    const code_value kept = code_variable("b%d_r%d_dh", k, r);
+    code_value held;
+    code_sum s;
+    if (!(slows > 0.0)) {
+      tree_assign_one(w, sdirk_rest(L->spun + r), L->spun + r);
+      tree_assign_one(w, sdirk_rest(L->angle + r), L->angle + r);
+      continue;
+    }
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_constant(1.0));
+    code_add_one(&s, (double)rotor->rate * (double)rotor->damping / slows, sdirk_g(1.0, 0));
+    code_add(&s, dry > 0.0 ? (double)rotor->rate / slows : 0.0, sdirk_g(1.0, 0), code_variable("b%d_r%d_rub", k, r));
+    held = code_end(w, &s, code_variable("b%d_r%d_held", k, r));
+    fprintf(w->out, "  const %s %s = %s / %s;\n", code_real(w), kept.name, sdirk_rest(L->spun + r).name, held.name);
+    tree_assign_one(w, kept, L->spun + r);
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->angle + r));
+    code_add(&s, 1.0 / (double)rotor->inertia, sdirk_g(1.0, 0), kept);
+    sdirk_take(w, &s, L->angle + r);
+  }
+}
+
 static const char sdirk_correct_head[] =
     "\n/* E11.13: correction `rate` of the rates k of a stage at the vector x under what acts; w: angular velocities "
     "of "
@@ -571,6 +594,7 @@ static void sdirk_write_correct(const code *w, int unused)
   sdirk_write_solve(w);
   fputs("\n  /* dk_v = r_v + z, dk_p = r_p - g K dk_v - C z */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
+    sdirk_take_rotors(w, k);
     sdirk_take_modes(w, k);
     sdirk_take_axes(w, k);
   }
@@ -661,12 +685,6 @@ static const char sdirk_stage_loop[] =
     "  for (int j = 0; j < n && status == @_ok; j++) {\n"
     "    for (int i = 0; i < @_N; i++) {\n      at[i] = base[i] + g * k[i];\n    }\n";
 
-static const char sdirk_stage_turns[] =
-    "    for (int i = 0; i < 3 * @_BODIES && j == n - 1 && status == @_ok; i += 3) {\n"
-    "      const $ a = dt * (w[i] - first[i]), b = dt * (w[i + 1] - first[i + 1]), c = dt * (w[i + 2] - first[i + "
-    "2]);\n"
-    "      status = a * a + b * b + c * c <= `0.25` ? @_ok : @_step_length;\n    }\n";
-
 static const char sdirk_stage_end[] = "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
                                       "    if (j == 0 || j == n - 1) {\n      last = @_size(&bent, rate, g);\n"
                                       "      begins = j == 0 ? last : begins;\n    }\n  }\n"
@@ -677,8 +695,15 @@ static const char sdirk_stage_check[] =
     "  change = @_size(&bent_all, k, g);\n"
     "  change = `1e-2` * begins > `1e-4` * change ? `1e-2` * begins : `1e-4` * change;\n"
     "  bent_all = `1e-2` * bent_all;\n"
-    "  return n > 1 && (last > (change > floor ? change : floor) || bent > (bent_all > least ? bent_all : least))\n"
-    "             ? @_convergence\n             : @_ok;\n}\n";
+    "  status = n > 1 && (last > (change > floor ? change : floor) || bent > (bent_all > least ? bent_all : least))\n"
+    "               ? @_convergence\n               : @_ok;\n";
+
+/* E11.25 of the momenta of rotors, by precision. */
+static const char *const sdirk_settled[2] = {
+    "    status = n > 1 && fabs~(g * rate[i]) > `0.01` * fabs~(g * k[i]) + `1.4901161193847656e-8` * fabs~(at[i]) + "
+    "@_tiny\n                 ? @_convergence\n                 : status;\n  }\n",
+    "    status = n > 1 && fabs~(g * rate[i]) > `0.01` * fabs~(g * k[i]) + `3.4526698e-4` * fabs~(at[i]) + @_tiny\n"
+    "                 ? @_convergence\n                 : status;\n  }\n"};
 
 /* of E11.25, by precision */
 static const char *const sdirk_floors[2] = {
@@ -710,8 +735,7 @@ static const char sdirk_step_rest[] =
     "  for (int i = 0; i < @_N; i++) {\n    sum[i] = ahead * k[i];\n    base[i] = x[i] + ahead * k[i];\n  }\n"
     "  status = @_stage(k, first, base, end, g, dt, @_ITERATIONS);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
-    "  for (int i = 0; i < @_N; i++) {\n    sum[i] += g * k[i];\n  }\n"
-    "  return ";
+    "  for (int i = 0; i < @_N; i++) {\n    sum[i] += g * k[i];\n  }\n";
 
 static const char sdirk_drives[] = "  status = @_drives_check(state, start, NULL, end, dt);\n"
                                    "  if (status != @_ok) {\n    return status;\n  }\n";
@@ -735,7 +759,11 @@ static void sdirk_write_stage(const code *w)
   code_template(w, sdirk_stage_loop);
   code_template(w, tree.root >= 0 ? "    @_turn_back(at + 4, at, at + @_L);\n" : "");
   code_template(w, "    status = @_correct(rate, w, k, at, in, g);\n");
-  code_template(w, limited ? sdirk_stage_turns : "");
+  if (limited) {
+    code_template(w, "    if (j == n - 1 && status == @_ok) {\n      int far = 0;\n");
+    tree_write_turns(w);
+    code_template(w, "      status = far ? @_step_length : @_ok;\n    }\n");
+  }
   code_template(w, sdirk_stage_end);
   code_template(w, limited ? "" : "  (void)first, (void)dt;\n");
   code_template(w, tree.root >= 0 && !tree.stands
@@ -743,6 +771,14 @@ static void sdirk_write_stage(const code *w)
                          "* k[@_P + i];\n  }\n"
                        : "");
   code_template(w, sdirk_stage_check);
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    if (L->model->n_rotor > 0) {
+      fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n", L->spun, L->spun + L->model->n_rotor);
+      code_template(w, sdirk_settled[w->single]);
+    }
+  }
+  fputs("  return status;\n}\n", w->out);
 }
 
 static void sdirk_write_step(const code *w)
@@ -756,6 +792,8 @@ static void sdirk_write_step(const code *w)
   code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);
   code_template(w, sdirk_step_rest);
+  tree_write_given_momenta(w);
+  fputs("  return ", w->out);
   code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(state, sum, x" : "@_end(state, sum, x");
   code_template(w, tree.root >= 0 ? ", center, dt, 1)" : ")");
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");

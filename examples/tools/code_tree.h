@@ -1532,6 +1532,7 @@ static void tree_write_limit(const code *w)
     }
   }
   if (tree.implicit) {
+    code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
     code_template(w, sdirk_longest);
     return;
   }
@@ -2405,10 +2406,19 @@ static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at t
                                        "    if (stage > 0) {\n      int far = 0;\n";
 
 static const char tree_step_turns[] = "      @_UNROLL\n"
-                                      "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
-                                      "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
-                                      "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+                                      "      for (int i = 0; i < 3 * @_BODIES; i += 3) {\n"
+                                      "        const $ a = dt * (w[i] - first[i]), b = dt * (w[i + 1] - first[i + "
+                                      "1]), c = dt * (w[i + 2] - first[i + 2]);\n"
                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
+
+static void tree_write_turns(const code *w)
+{
+  if (tree.system->has_rotors) {
+    tree_write_wheel_turns(w);
+  } else {
+    code_template(w, tree_step_turns);
+  }
+}
 
 static const char tree_step_far[] = "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
@@ -2454,11 +2464,7 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   if (limited) {
     code_template(w, tree_step_limits);
-    if (tree.system->has_rotors) {
-      tree_write_wheel_turns(w);
-    } else {
-      code_template(w, tree_step_turns);
-    }
+    tree_write_turns(w);
     code_template(w, tree_step_far);
   }
   code_template(w, tree_step_rest);
