@@ -4,7 +4,8 @@
    A stage is solved by Newton corrections of fixed number (E11.13), each of a function that evaluates the rates and goes
    on with the residual r = f - k: (M + g C + g^2 K) z = g r_p - g^2 K r_v. Positions, Lambda and S are those of the
    evaluation; modes are eliminated within their body by E = M + g C + g^2 K, of S is left
-   S + Lambda (M^-1 - E^-1) Lambda^T, summed from the tips and factored as M is. Names of the correction begin with n. */
+   S + Lambda (M^-1 - E^-1) Lambda^T, summed from the tips and factored as M is; modes that move a joint have g C + g^2 K
+   in their rows of the matrix (code_node.h). Names of the correction begin with n. */
 #ifndef CODE_SDIRK_H
 #define CODE_SDIRK_H
 
@@ -17,7 +18,6 @@ typedef struct sdirk_link {
 
 static sdirk_link sdirk[FB_MAX_BODIES];
 
-/* What of a system has no L-stable step here; NULL: nothing. */
 static inline int sdirk_is_held(const fb_system *system, int k)
 {
   const fb_axis_mode mode = tree_is_given(&system->joint[k]) ? system->joint[k].mode[0] : FB_AXIS_FREE;
@@ -27,12 +27,10 @@ static inline int sdirk_is_held(const fb_system *system, int k)
   return mode == FB_AXIS_LOCKED || (mode == FB_AXIS_PRESCRIBED && system->joint[k].kind == FB_JOINT_FREE);
 }
 
+/* What of a system has no L-stable step here; NULL: nothing. */
 static inline const char *sdirk_refusal(const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
-    if (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].moves) {
-      return "a joint on a node that modes move by integrator sdirk: choose integrator rk4";
-    }
     if (sdirk_is_held(system, k)) {
       return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
     }
@@ -85,7 +83,7 @@ static code_value sdirk_write_times(const code *w, code_value x, code_value y, c
 /* Place of the speed of a prescribed axis in the vector. */
 static int sdirk_given_at(int k)
 {
-  return tree.given + tree.link[k].row - (tree.root >= 0 ? 6 : 0) - tree.n_axis;
+  return tree.given + tree.link[k].row - (tree.root >= 0 ? 6 : 0) - tree.n_axis - tree.n_open;
 }
 
 /* ---- modes */
@@ -107,6 +105,23 @@ static void sdirk_write_eliminated(const code *w, int k, code_value *y, const co
   code_of_names = before;
 }
 
+/* Right side of the modes of a body, g r_p - g^2 K r_v. */
+static void sdirk_write_right(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  code_read_springs(K, C, L->model);
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    code_add(&s, 1.0, sdirk_g(1.0, 0), sdirk_rest(L->pi + a));
+    for (int b = 0; b < L->n; b++) {
+      code_add(&s, -1.0, sdirk_g(K[a][b], 1), sdirk_rest(L->q + b));
+    }
+    sdirk[k].right[a] = code_end(w, &s, code_variable("right_%d", a));
+  }
+}
+
 /* E of a body and its factors. */
 static void sdirk_write_E(const code *w, int k)
 {
@@ -126,12 +141,6 @@ static void sdirk_write_E(const code *w, int k)
       code_add_one(&s, 1.0, sdirk_g(K[a][b], 1));
       f->S[a][b] = f->S[b][a] = code_end(w, &s, code_variable("E_%d_%d", a, b));
     }
-    code_begin(&s); /* g r_p - g^2 K r_v */
-    code_add(&s, 1.0, sdirk_g(1.0, 0), sdirk_rest(tree.link[k].pi + a));
-    for (int b = 0; b < body->n; b++) {
-      code_add(&s, -1.0, sdirk_g(K[a][b], 1), sdirk_rest(tree.link[k].q + b));
-    }
-    sdirk[k].right[a] = code_end(w, &s, code_variable("right_%d", a));
   }
   for (int a = 0; a < body->n; a++) {
     code_write_pivot(w, f, a);
@@ -187,17 +196,18 @@ static void sdirk_write_soft(const code *w, int k, code_value soft[6][FB_MAX_MOD
   }
 }
 
-/* Inertia and momentum at rest of a body, its modes eliminated. */
+/* Inertia and momentum at rest of a body, its modes eliminated; of an open one M_rr and nothing. */
 static void sdirk_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
   code_value soft[6][FB_MAX_MODES], x[FB_MAX_MODES];
   code_sum s;
-  memcpy(L->I, code_now.S, sizeof L->I);
+  memcpy(L->I, L->open ? tree_nodes[k].M_rr : code_now.S, sizeof L->I);
   tree_nothing(L->b, 6);
-  if (L->n > 0) {
-    snprintf(tree_prefix, sizeof tree_prefix, "nb%d_", k);
+  snprintf(tree_prefix, sizeof tree_prefix, "nb%d_", k);
+  sdirk_write_right(&own, k);
+  if (L->n > 0 && !L->open) {
     sdirk_write_E(&own, k);
     sdirk_write_soft(&own, k, soft);
     sdirk_write_eliminated(&own, k, x, sdirk[k].right, "p");
@@ -337,6 +347,26 @@ static void sdirk_write_axes(const code *w, int k)
   }
 }
 
+/* The matrix of the modes of an open body, of which M is there already. */
+static void sdirk_write_open(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  code_read_springs(K, C, L->model);
+  for (int a = 0; a < L->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_value *const H = &tree_matrix[L->mode_row + b][L->mode_row + a];
+      code_begin(&s);
+      code_add_one(&s, 1.0, *H);
+      code_add_one(&s, 1.0, sdirk_g(C[a][b], 0));
+      code_add_one(&s, 1.0, sdirk_g(K[a][b], 1));
+      *H = code_end(w, &s, code_variable("nE_%d_%d", L->mode_row + a, L->mode_row + b));
+      tree_matrix[L->mode_row + a][L->mode_row + b] = *H;
+    }
+  }
+}
+
 /* The matrix and right side of a free root. */
 static void sdirk_write_root(const code *w)
 {
@@ -363,7 +393,7 @@ static void sdirk_write_root(const code *w)
 static void sdirk_write_solve(const code *w)
 {
   static char names[CODE_ROWS][CODE_NAME];
-  const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
+  const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open;
   int order[CODE_ROWS];
   code_sum s;
   for (int i = 0; i < n + tree.n_given; i++) {
@@ -374,10 +404,17 @@ static void sdirk_write_solve(const code *w)
     for (int a = 0; a < tree.link[k].axes; a++) {
       tree_write_column(w, k, a);
     }
+    if (tree.link[k].open) {
+      node_write_modes(w, k);
+      node_write_right(w, k, sdirk[k].right);
+    }
   }
   code_of_names = "";
   for (int k = 0; k < tree.n; k++) {
     sdirk_write_axes(w, k);
+    if (tree.link[k].open) {
+      sdirk_write_open(w, k);
+    }
   }
   if (tree.root >= 0) {
     sdirk_write_root(w);
@@ -392,7 +429,8 @@ static void sdirk_write_solve(const code *w)
     tree_link *const L = &tree.link[k];
     code_value e[FB_MAX_MODES];
     tree_write_velocity(w, k);
-    for (int a = 0; a < L->n; a++) {
+    memcpy(sdirk[k].dq_dot, tree_right + L->mode_row, (size_t)(L->open ? L->n : 0) * sizeof *tree_right);
+    for (int a = 0; a < L->n && !L->open; a++) {
       code_begin(&s);
       code_add_one(&s, 1.0, sdirk[k].right[a]);
       for (int i = 0; i < 6; i++) {
@@ -400,7 +438,9 @@ static void sdirk_write_solve(const code *w)
       }
       e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
     }
-    sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+    if (!L->open) {
+      sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+    }
   }
   code_of_names = "";
 }

@@ -974,7 +974,12 @@ static void tree_write_solve(const code *w, int closes)
     }
     tree_write_right(w, k);
     if (tree.link[k].open) {
+      code_value p[FB_MAX_MODES];
+      for (int a = 0; a < tree.link[k].n; a++) {
+        p[a] = tree.link[k].rates.pi[a];
+      }
       node_write_modes(w, k);
+      node_write_right(w, k, p);
     }
   }
   if (tree.root >= 0) {

@@ -91,19 +91,19 @@ single_sdirk=0
 implicit=0
 call='generated_step(&s, 0, 0, 1)'
 main
-for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 43 44 45 46; do
+for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 36 37 38 39 40 41 42 43 44 45 46 48; do
   write $tree --sdirk
   scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
   agree $tree -O0
   largest_sdirk=$(larger $largest_sdirk)
   case $tree in
-  0 | 4 | 16 | 17 | 20 | 45) # of 45 some steps are refused as the friction of its rotors has not settled
+  0 | 4 | 16 | 17 | 20 | 36 | 39 | 45) # of 45 some steps are refused as the friction of its rotors has not settled
     scheme="-DSDIRK -Dgenerated_ITERATIONS=$([ $tree = 45 ] && echo 4 || echo 2)"
     agree $tree -O0
     largest_sdirk=$(larger $largest_sdirk)
     compile
     ;;
-  6 | 7 | 8 | 11 | 18 | 43)
+  6 | 7 | 8 | 11 | 18 | 38 | 43)
     both $tree --sdirk
     single_sdirk=$(larger $single_sdirk)
     ;;
