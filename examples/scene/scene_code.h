@@ -126,7 +126,6 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
   if (!text[0]) {
     acts_refusal(text, &engine.system, names, choice->loads);
   }
-  what = !what && choice->lanes && choice->implicit ? "lanes by integrator sdirk: choose rk4" : what;
   if (!text[0] && what) {
     snprintf(text, 200, "%s", what);
   }

@@ -245,7 +245,7 @@ static void sdirk_write_stiffness(const code *w, int k, int a)
   *K = code_constant((double)joint->stiffness[a]);
   *C = code_constant((double)joint->damping[a]);
   if (stiffness > 0.0) {
-    tree_template(w, loss > 0.0 ? "" : "  const $ #stop = `1`;\n", of);
+    tree_template(w, loss > 0.0 ? "" : "  const $ #stop = %z + `1`;\n", of);
     tree_template(w, "  const $ #firm = (%W#deep < `0`%,#stop%!) + (%W#deep > `0`%,#stop%!);\n", of);
     tree_template(w, loss > 0.0 ? "  const $ #size = fabs~(#deep);\n" : "", of);
     code_begin(&s);
@@ -606,13 +606,15 @@ static const char sdirk_correct_head[] =
     "\n/* E11.13: correction `rate` of the rates k of a stage at the vector x under what acts; w: angular velocities "
     "of "
     "the bodies. */\n"
-    "static @_NOINLINE @_status @_correct($ *rate, $ *w, const $ *k, const $ *x, const @_input *in, %s g)\n{\n"
-    "  const int pushed = 1;\n  const $ g2 = g * g;\n";
+    "static @_NOINLINE @_status @_correct(%M$ *rate, $ *w, const $ *k, const $ *x, const @_input *in, %s part)\n{\n%V"
+    "  const int pushed = 1;\n";
 
 static void sdirk_write_correct(const code *w, int unused)
 {
   (void)unused;
   code_template(w, sdirk_correct_head);
+  code_template(w, w->lanes ? "  const $ g = %z + part;\n" : "  const $ g = part;\n");
+  code_template(w, "  const $ g2 = g * g;\n");
   tree_write_evaluation(w);
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].given) {
@@ -664,7 +666,7 @@ static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k
   }
   code_begin(&s);
   for (int a = 0; a < L->n; a++) {
-    code_add_one(&s, (double)L->model->reach[a], code_variable("fabs%s(k[%d])", w->single ? "f" : "", L->q + a));
+    code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "k", k, a));
   }
   if (L->n > 0) {
     snprintf(name, sizeof name, "bent_%d", k);
@@ -677,21 +679,21 @@ static void sdirk_write_size(const code *w)
 {
   static code_sum moved, bent;
   code_template(w, "\n/* E11.24: squared size of the increment g k [rad^2]; bent: that of the modes */\n"
-                   "static $ @_size($ *bent, const $ *k, $ g)\n{\n");
+                   "static void @_size($ *moved, $ *bent, const $ *k, %s g)\n{\n");
   code_begin(&moved);
   code_begin(&bent);
   for (int k = 0; k < tree.n; k++) {
     sdirk_add_size(w, &moved, &bent, k);
   }
-  code_declare(w, &moved, "moved");
+  code_declare(w, &moved, "turned");
   code_declare(w, &bent, "all");
-  code_template(w, "  (void)k;\n  *bent = g * g * all;\n  return g * g * moved;\n}\n");
+  code_template(w, "  (void)k;\n  *moved = g * g * turned;\n  *bent = g * g * all;\n}\n");
 }
 
 /* What acts at the first stage. */
 static void sdirk_write_between(const code *w)
 {
-  code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, $ c)\n{\n  *in = *a;\n  "
+  code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, %s c)\n{\n  *in = *a;\n  "
                    "(void)b, (void)c;\n");
   for (int k = 0; k < tree.n; k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
@@ -717,8 +719,8 @@ static const char sdirk_declarations[] =
 
 static const char sdirk_stage[] =
     "\n/* E11.13: the rates k of a stage, so that k = f(base + g k), from their first guess. */\n"
-    "static @_status @_stage($ *k, const $ *first, const $ *base, const @_input *in, $ g, $ dt, int n)\n{\n"
-    "  $ at[@_N], rate[@_N] = {`0`}, w[3 * @_BODIES], bent = `0`, bent_all, begins = `0`, last = `0`, change;\n"
+    "static @_status @_stage(%M$ *k, const $ *first, const $ *base, const @_input *in, %s g, %s dt, int n)\n{\n%V"
+    "  $ at[@_N], rate[@_N]%Z, w[3 * @_BODIES], bent = %z, bent_all, begins = %z, last = %z, change;\n"
     "  @_status status = @_ok;\n";
 
 static const char sdirk_stage_loop[] =
@@ -726,54 +728,54 @@ static const char sdirk_stage_loop[] =
     "    for (int i = 0; i < @_N; i++) {\n      at[i] = base[i] + g * k[i];\n    }\n";
 
 static const char sdirk_stage_end[] = "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
-                                      "    if (j == 0 || j == n - 1) {\n      last = @_size(&bent, rate, g);\n"
-                                      "      begins = j == 0 ? last : begins;\n    }\n  }\n"
+                                      "    if (j == 0 || j == n - 1) {\n      @_size(&last, &bent, rate, g);\n    }\n"
+                                      "    if (j == 0) {\n      begins = last;\n    }\n  }\n"
                                       "  if (status != @_ok) {\n    return status;\n  }\n";
 
+/* E11.25: a correction that is small by one of its bounds is. */
 static const char sdirk_stage_check[] =
     "\n  /* E11.25 */\n"
-    "  change = @_size(&bent_all, k, g);\n"
-    "  change = `1e-2` * begins > `1e-4` * change ? `1e-2` * begins : `1e-4` * change;\n"
-    "  bent_all = `1e-2` * bent_all;\n"
-    "  status = n > 1 && (last > (change > floor ? change : floor) || bent > (bent_all > least ? bent_all : least))\n"
-    "               ? @_convergence\n               : @_ok;\n";
+    "  @_size(&change, &bent_all, k, g);\n"
+    "  if (n > 1 && !%((((last > `1e-2` * begins) & (last > `1e-4` * change) & (last > floor)) |\n"
+    "                 ((bent > `1e-2` * bent_all) & (bent > least))) == 0%)) {\n"
+    "    return @_convergence;\n  }\n";
 
-/* E11.25 of the momenta of rotors, by precision. */
-static const char *const sdirk_settled[2] = {
-    "    status = n > 1 && fabs~(g * rate[i]) > `0.01` * fabs~(g * k[i]) + `1.4901161193847656e-8` * fabs~(at[i]) + "
-    "@_tiny\n                 ? @_convergence\n                 : status;\n  }\n",
-    "    status = n > 1 && fabs~(g * rate[i]) > `0.01` * fabs~(g * k[i]) + `3.4526698e-4` * fabs~(at[i]) + @_tiny\n"
-    "                 ? @_convergence\n                 : status;\n  }\n"};
+/* E11.25 of the momenta of rotors. */
+static const char sdirk_settled[] =
+    "    if (n > 1 && !%((fabs~(g * rate[i]) > `0.01` * fabs~(g * k[i]) + root * fabs~(at[i]) + @_tiny) == 0%)) {\n"
+    "      return @_convergence;\n    }\n  }\n";
 
-/* of E11.25, by precision */
+/* of E11.25, by precision; root: of the rounding */
 static const char *const sdirk_floors[2] = {
-    "  const $ floor = `2.220446049250313e-18`, least = `7.888609052210118e-31`;\n",
-    "  const $ floor = `1.1920929e-9`, least = `2.2737367544323206e-13`;\n"};
+    "  const %s floor = `2.220446049250313e-18`, least = `7.888609052210118e-31`;\n",
+    "  const %s floor = `1.1920929e-9`, least = `2.2737367544323206e-13`;\n"};
+static const char *const sdirk_roots[2] = {"  const %s root = `1.4901161193847656e-8`;\n",
+                                           "  const %s root = `3.4526698e-4`;\n"};
 
 static const char sdirk_step_head[] =
     "\n/* E11.14 */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *end, $ dt)\n{\n"
-    "  const $ c = `0.29289321881345248`, g = c * dt, ahead = (`1` - c) * dt;\n"
+    "%S@_status @_step(%M@_state *state, const @_input *start, const @_input *end, %s dt)\n{\n"
+    "  const %s c = `0.29289321881345248`, g = c * dt, ahead = (`1` - c) * dt;\n"
     "  const @_input *in = start;\n  @_input between;\n"
-    "  $ x[@_N], base[@_N], k[@_N] = {`0`}, sum[@_N], first[3 * @_BODIES]";
+    "  $ x[@_N], base[@_N], k[@_N]%Z, sum[@_N], first[3 * @_BODIES]";
 
 static const char sdirk_step_begin[] =
     "  @_status status = @_ok;\n"
-    "  if (!state || (start != NULL) != (end != NULL)) {\n    return @_null;\n  }\n"
+    "  if (!state || (start != NULL) != (end != NULL)%Q) {\n    return @_null;\n  }\n"
     "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
     "  if (!@_input_is_finite(start) || !@_input_is_finite(end)) {\n    return @_not_finite;\n  }\n"
     "  @_enter(x, state);\n"
     "  if (start != end) {\n    @_between(&between, start, end, c);\n    in = &between;\n  }\n";
 
 static const char sdirk_step_limits[] = "\n  /* step limit at the start */\n"
-                                        "  status = @_rates_at(sum, first, &longest, x, start, 1);\n"
-                                        "  status = status == @_ok && !(dt <= longest) ? @_step_length : status;\n";
+                                        "  status = @_rates_at(%Asum, first, &longest, x, start, 1);\n"
+                                        "  status = status == @_ok && !%((dt <= longest)%) ? @_step_length : status;\n";
 
 static const char sdirk_step_rest[] =
-    "  status = status == @_ok ? @_stage(k, first, x, in, g, dt, @_ITERATIONS + 1) : status;\n"
+    "  status = status == @_ok ? @_stage(%Ak, first, x, in, g, dt, @_ITERATIONS + 1) : status;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  for (int i = 0; i < @_N; i++) {\n    sum[i] = ahead * k[i];\n    base[i] = x[i] + ahead * k[i];\n  }\n"
-    "  status = @_stage(k, first, base, end, g, dt, @_ITERATIONS);\n"
+    "  status = @_stage(%Ak, first, base, end, g, dt, @_ITERATIONS);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  for (int i = 0; i < @_N; i++) {\n    sum[i] += g * k[i];\n  }\n";
 
@@ -786,6 +788,7 @@ static int sdirk_write_functions(const code *w)
   int good = !tree.limited || code_write_pruned(w, tree_write_rates, 0);
   tree.limited = 0;
   good = code_write_pruned(w, sdirk_write_correct, 0) && good;
+  tree.limited = !tree.system->allow_long_step;
   sdirk_write_size(w);
   sdirk_write_between(w);
   return good;
@@ -796,9 +799,11 @@ static void sdirk_write_stage(const code *w)
   const int limited = !tree.system->allow_long_step;
   code_template(w, sdirk_stage);
   code_template(w, sdirk_floors[w->single]);
+  code_template(w, tree.n_rotor > 0 ? sdirk_roots[w->single] : "");
+  code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n" : "");
   code_template(w, sdirk_stage_loop);
   code_template(w, tree.root >= 0 ? "    @_turn_back(at + 4, at, at + @_L);\n" : "");
-  code_template(w, "    status = @_correct(rate, w, k, at, in, g);\n");
+  code_template(w, "    status = @_correct(%Arate, w, k, at, in, g);\n");
   if (limited) {
     code_template(w, "    if (j == n - 1 && status == @_ok) {\n      int far = 0;\n");
     tree_write_turns(w);
@@ -815,26 +820,29 @@ static void sdirk_write_stage(const code *w)
     const tree_link *const L = &tree.link[k];
     if (L->model->n_rotor > 0) {
       fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n", L->spun, L->spun + L->model->n_rotor);
-      code_template(w, sdirk_settled[w->single]);
+      code_template(w, sdirk_settled);
     }
   }
-  fputs("  return status;\n}\n", w->out);
+  code_template(w, "  return @_ok;\n}\n");
 }
 
 static void sdirk_write_step(const code *w)
 {
   sdirk_write_stage(w);
   code_template(w, sdirk_step_head);
-  code_template(w, tree.system->allow_long_step ? " = {`0`}" : ", longest = `0`");
+  code_template(w, tree.system->allow_long_step ? "%Z" : ", longest = %z");
   code_template(w, tree.root >= 0 ? ", center[3];\n" : ";\n");
   code_template(w, sdirk_step_begin);
+  if (w->lanes) {
+    code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
+  }
   code_template(w, tree.n_given > 0 ? sdirk_drives : "");
-  code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
+  code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);
   code_template(w, sdirk_step_rest);
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
-  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(state, sum, x" : "@_end(state, sum, x");
+  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
   code_template(w, tree.root >= 0 ? ", center, dt, 1)" : ")");
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }

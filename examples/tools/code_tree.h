@@ -1493,9 +1493,12 @@ static void rows_write_impacts(const code *w)
 }
 
 /* Of SDIRK: |w| dt <= 1/10, and what stiffens. */
-static const char sdirk_longest[] =
+static const char *const sdirk_longest[2] = {
     "    g = sqrt~(stiffening);\n    bound = g > `10` * fastest ? g : `10` * fastest;\n"
-    "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n";
+    "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n",
+    "    g = sqrt~(stiffening);\n    bound = @_either(g > `10` * fastest, g, `10` * fastest);\n"
+    "    *longest = %Wbound * @_huge > `1`%, `1` / bound%! +\n"
+    "               %Fbound * @_huge > `1`%:%Wbound >= `0`%, %z + @_huge%!%;;\n  }\n"};
 
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
@@ -1538,7 +1541,7 @@ static void tree_write_limit(const code *w)
   }
   if (tree.implicit) {
     code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
-    code_template(w, sdirk_longest);
+    code_template(w, sdirk_longest[w->lanes != 0]);
     return;
   }
   tree_write_impacts(w);
@@ -2179,6 +2182,17 @@ static void tree_write_start(const code *w, const fb_system_state *start)
   fputs("}\n", w->out);
 }
 
+/* Magnitude of mode a of link k in a vector. */
+static code_value tree_write_size(const code *w, const char *of, int k, int a)
+{
+  if (!w->lanes) {
+    return code_variable("fabs%s(%s[%d])", w->single ? "f" : "", of, tree.link[k].q + a);
+  }
+  code_template(w, "  const $ ");
+  fprintf(w->out, "size_%d_%d = %s_wide_abs(%s[%d]);\n", k, a, w->name, of, tree.link[k].q + a);
+  return code_variable("size_%d_%d", k, a);
+}
+
 /* Deflection of each body within its limit. */
 static void tree_write_range(const code *w)
 {
@@ -2188,13 +2202,7 @@ static void tree_write_range(const code *w)
     code_sum s;
     code_begin(&s);
     for (int a = 0; a < L->n; a++) {
-      if (w->lanes) {
-        code_template(w, "  const $ ");
-        fprintf(w->out, "size_%d_%d = %s_wide_abs(d[%d]);\n", k, a, w->name, L->q + a);
-      }
-      code_add_one(&s, (double)L->model->reach[a],
-                   w->lanes ? code_variable("size_%d_%d", k, a)
-                            : code_variable("fabs%s(d[%d])", w->single ? "f" : "", L->q + a));
+      code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
     }
     if (L->n > 0) {
       snprintf(target, sizeof target, "bent_%d", k);
@@ -2718,7 +2726,7 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0};
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit};
   int good;
   code_numbers.n = 0;
   tree_read(system, body, names, choice->implicit);

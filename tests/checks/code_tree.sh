@@ -22,10 +22,10 @@ try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/c
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $sizes -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
-# write TREE [--single] [--lanes]: with loads at nodes
+# write TREE [--single] [--lanes] [--sdirk]: with loads at nodes
 write() {
   "$out/write" "$1" --members --loads > "$out/members.h"
-  "$out/write" "$1" --loads ${2:-} ${3:-} > "$out/code.h" || fail "tree $1 is not written"
+  "$out/write" "$1" --loads ${2:-} ${3:-} ${4:-} > "$out/code.h" || fail "tree $1 is not written"
 }
 
 # agree TREE OPTIMIZATION [--single]: what was written with the library; scheme: options of the compiler; sets worst
@@ -120,21 +120,38 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69; do
-  write $tree --lanes
+# all_lanes [--sdirk]: of one tree
+all_lanes() {
+  write $tree --lanes ${1:-}
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
+  compile
+  lanes -O1 1 double
+  lanes -O1 4 double
+  ! grep -q avx2 /proc/cpuinfo || lanes "-O2 -mavx2" 4 double
+  write $tree --single --lanes ${1:-}
+  lanes -O1 8 float
+}
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69; do
   case $tree in # jumps of a crank, and gaps, which loops refuse
   22 | 49 | 64) small=-DLOAD=1e-4 ;;
   60 | 61 | 69) small=-DLOAD=1e-3 ;;
   *) small= ;;
   esac
-  compile
-  lanes -O1 1 double
-  lanes -O1 4 double
-  ! grep -q avx2 /proc/cpuinfo || lanes "-O2 -mavx2" 4 double
-  write $tree --single --lanes
-  lanes -O1 8 float
+  all_lanes
 done
+call='generated_step(&s, 0, 0, 1)'
+main
+for tree in 5 6 8 12 18 19 20 38 41 43 46; do
+  case $tree in
+  18 | 20 | 41) small="-DSDIRK -DHELD=1" ;; # jumps of what is prescribed
+  46) small="-DSDIRK -Dgenerated_ITERATIONS=3" ;;
+  5 | 38) small="-DSDIRK -DRESTLESS" ;;
+  *) small=-DSDIRK ;;
+  esac
+  all_lanes --sdirk
+done
+call='generated_step(&s, 0, 0, 0, 1)'
+main
 
 # steps TREE STATE [without|--sdirk]: sets count; without the first step, at angles of zero, whose sines are cheaper
 steps() {
@@ -221,10 +238,12 @@ try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
 grep -q 'their step of sdirk, by the equations of fb_system_sdirk_step' "$out/generated.h" || fail "the head of a step of SDIRK"
 mv "$out/generated.h" "$out/code.h"
 compile
+try "$out/scene" "$out/scene.txt" --lanes --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
 call='generated_step(&s, 0, 0, 0, 1)'
 main
 refused=0
-! "$out/scene" "$out/scene.txt" --lanes --code "$out/none.h" 2> "$out/log" && grep -q "lanes by integrator sdirk" "$out/log" || fail "lanes of SDIRK: $(tail -n 1 "$out/log")"
 # refuse WHAT FILE [LINE...]
 refuse() {
   what=$1 file=$2
