@@ -17,6 +17,8 @@ bound_deploys=22500 # four bars on a free hub (241,282)
 bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
 bound_booms_sdirk=36500 # (137,730)
 bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (46,735)
+bound_wheels_sdirk=43500 # two wheels and a boom on it (LIBWHEELS)
+bound_arm_sdirk=27500 # two links of 2 modes, the second one on the tip of the first (LIBARM)
 sizes="-DFB_MAX_LOADS=16 -DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
@@ -198,6 +200,12 @@ booms_sdirk=$count
 steps 2 "$turns s.body_1.x[0] = 0.01;" --sdirk
 stiff_sdirk=$count
 [ "$stiff_sdirk" -le $bound_stiff_sdirk ] || fail "SDIRK, a stiff hinge: $stiff_sdirk instructions, more than $bound_stiff_sdirk"
+steps 43 "s.body_0.p[5] = 3; s.body_1.x[0] = s.body_2.x[0] = s.body_3.x[0] = 0.01; s.body_1.p[0] = 0.05;" --sdirk
+wheels_sdirk=$count
+[ "$wheels_sdirk" -le $bound_wheels_sdirk ] || fail "SDIRK, two wheels and a boom: $wheels_sdirk instructions, more than $bound_wheels_sdirk"
+steps 36 's.body_0.x[0] = 0.03; s.body_1.x[0] = 0.02; s.body_0.p[0] = 0.5; s.body_0.q[0] = 0.001;' --sdirk
+arm_sdirk=$count
+[ "$arm_sdirk" -le $bound_arm_sdirk ] || fail "SDIRK, arm of two links that bend: $arm_sdirk instructions, more than $bound_arm_sdirk"
 call='generated_step(&s, 0, 0, 0, 1)'
 main
 
@@ -378,7 +386,16 @@ mv "$out/generated.h" "$out/code.h"
 compile
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
 ! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
+# on a free joint it is a tree, also of sdirk: 1,000 steps end where the scene does
+printf 'duration 0.1\nstep 0.0001\nintegrator sdirk\nbody hub beam\n  length 4\n  stations x mass EI_y EI_z\n    0 3 400 3000\n  end\n  hub 800  0 0 0  400 300 500\n  modes bend_y 2\n  damping 0.01\n  effects full damping\n  start_mode 1 0.01\n  start_spin 0.1 0.2 0.05\nend\njoint base free ground hub\nend\noutput q mode hub 1\n' > "$out/one.txt"
+try "$out/scene" "$out/one.txt" --code "$out/generated.h"
+try "$out/scene" "$out/one.txt" --out "$out/way.csv"
+printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 1e-4)) { return 1; } } printf("%%.17g\\n", s.body_0.q[0]); return 0; }\n' > "$out/way.c"
+try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
+"$out/way" > "$out/end.txt" || fail "one body by sdirk: a step is refused"
+awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 * $2 > 1e-8 && own - $2 < 1e-11 && $2 - own < 1e-11) }' "$out/way.csv" ||
+  fail "one body by sdirk: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge, $wheels_sdirk with wheels, $arm_sdirk for the arm; $refused scenes refused"
