@@ -113,8 +113,9 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
     return scene_fail(s, "--code: %s", all);
   }
   if (!scene_is_system(s)) {
-    return scene_fail(s, "--code: one body without a joint: flexbeam reduce --code writes its step of rk4; on a joint of kind free "
-                         "to the ground it is a tree, of rk4 or sdirk");
+    return scene_fail(
+        s, "--code: one body without a joint: flexbeam reduce --code writes its step of rk4; on a joint of kind free "
+           "to the ground it is a tree, of rk4 or sdirk");
   }
   return 0;
 }

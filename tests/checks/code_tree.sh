@@ -17,8 +17,8 @@ bound_deploys=22500 # four bars on a free hub (241,282)
 bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
 bound_booms_sdirk=36500 # (137,730)
 bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (46,735)
-bound_wheels_sdirk=43500 # two wheels and a boom on it (LIBWHEELS)
-bound_arm_sdirk=27500 # two links of 2 modes, the second one on the tip of the first (LIBARM)
+bound_wheels_sdirk=43500 # two wheels and a boom on it (143,803 by the library)
+bound_arm_sdirk=27500 # two links of 2 modes, the second one on the tip of the first (111,358)
 sizes="-DFB_MAX_LOADS=16 -DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
