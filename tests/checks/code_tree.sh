@@ -93,7 +93,7 @@ single_sdirk=0
 implicit=0
 call='generated_step(&s, 0, 0, 1)'
 main
-for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 36 37 38 39 40 41 42 43 44 45 46 48; do
+for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 36 37 38 39 40 41 42 43 44 45 46 48 50 51 52; do
   write $tree --sdirk
   scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
   agree $tree -O0
