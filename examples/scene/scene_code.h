@@ -113,7 +113,9 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
     return scene_fail(s, "--code: %s", all);
   }
   if (!scene_is_system(s)) {
-    return scene_fail(s, "--code: one body without a joint: flexbeam reduce --code writes its step");
+    return scene_fail(
+        s, "--code: one body without a joint: flexbeam reduce --code writes its step of rk4; on a joint of kind free "
+           "to the ground it is a tree, of rk4 or sdirk");
   }
   return 0;
 }
@@ -126,7 +128,6 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
   if (!text[0]) {
     acts_refusal(text, &engine.system, names, choice->loads);
   }
-  what = !what && choice->lanes && choice->implicit ? "lanes by integrator sdirk: choose rk4" : what;
   if (!text[0] && what) {
     snprintf(text, 200, "%s", what);
   }

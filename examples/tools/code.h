@@ -2156,9 +2156,16 @@ static int code_write_lanes(const code *w)
 static inline int code_write(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
                              void (*coordinate)(FILE *, int))
 {
-  const code w = {
-      out, choice->name, choice->single, body->n, (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0, 2, choice->vary,
-      0,   body->n_rotor};
+  const code w = {out,
+                  choice->name,
+                  choice->single,
+                  body->n,
+                  (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0,
+                  2,
+                  choice->vary,
+                  0,
+                  body->n_rotor,
+                  0};
   int good;
   code_read(body, choice->hub[0]);
   code_loads_choose(choice->loads);

@@ -28,8 +28,8 @@ static const char code_lanes_declarations[] =
     "/* @_step of each lane; status: of each, or NULL. Returns @_ok, or the first that is not: such a lane stays as it "
     "was,\n"
     "   the others go on. As long as there is one all take the time of single steps: put another state there. */\n"
-    "@_status @_lanes_step(%L@_lanes_state *state, const @_lanes_input *start, const @_lanes_input *middle,\n"
-    "                      const @_lanes_input *end, %s dt, @_status status[@_LANES]);\n";
+    "@_status @_lanes_step(%L@_lanes_state *state, const @_lanes_input *start, %mconst @_lanes_input *end,\n"
+    "                      %s dt, @_status status[@_LANES]);\n";
 
 static const char code_lanes_if[] = "\n#if defined(__GNUC__) && !defined(__cplusplus) && @_LANES > 1\n"
                                     "#define @_WIDE 1\n";
@@ -104,28 +104,28 @@ static const char code_lanes_put_model[] =
 
 static const char code_lanes_together[] =
     "\n/* The step of all lanes by vectors; another status than @_ok: nothing has changed. */\n"
-    "static @_status @_lanes_together(%L@_lanes_state *state, const @_lanes_input *const in[3], %s dt)\n{\n"
+    "static @_status @_lanes_together(%L@_lanes_state *state, const @_lanes_input *const in[%c], %s dt)\n{\n"
     "  @_wide_state wide;\n"
-    "  @_wide_input acts[3];\n"
-    "  const @_wide_input *given[3];\n"
+    "  @_wide_input acts[%c];\n"
+    "  const @_wide_input *given[%c];\n"
     "  @_status status;\n"
     "%C"
     "  memcpy(&wide, state, sizeof wide);\n"
-    "  for (int k = 0; k < 3; k++) {\n"
+    "  for (int k = 0; k < %c; k++) {\n"
     "    given[k] = k > 0 && in[k] == in[0]     ? given[0]\n"
     "               : k > 0 && in[k] == in[k - 1] ? given[k - 1]\n"
     "               : in[k]                       ? &acts[k]\n"
     "                                             : NULL;\n"
     "    if (given[k] == &acts[k]) {\n      memcpy(&acts[k], in[k], sizeof acts[k]);\n    }\n  }\n"
-    "  status = @_wide_step(%B&wide, given[0], given[1], given[2], dt);\n"
+    "  status = @_wide_step(%B&wide, %g, dt);\n"
     "  if (status == @_ok) {\n    memcpy(state, &wide, sizeof wide);\n  }\n"
     "  return status;\n}\n"
     "#endif\n";
 
 static const char code_lanes_step[] =
-    "\n@_status @_lanes_step(%L@_lanes_state *state, const @_lanes_input *start, const @_lanes_input *middle,\n"
-    "                      const @_lanes_input *end, %s dt, @_status status[@_LANES])\n{\n"
-    "  const @_lanes_input *const in[3] = {start, middle, end};\n"
+    "\n@_status @_lanes_step(%L@_lanes_state *state, const @_lanes_input *start, %mconst @_lanes_input *end,\n"
+    "                      %s dt, @_status status[@_LANES])\n{\n"
+    "  const @_lanes_input *const in[%c] = {start, %iend};\n"
     "  @_status worst = @_ok;\n"
     "  if (!state%Q) {\n    for (int k = 0; k < @_LANES && status; k++) {\n      status[k] = @_null;\n    }\n"
     "    return @_null;\n  }\n"
@@ -136,15 +136,15 @@ static const char code_lanes_step[] =
     "#endif\n"
     "  for (int k = 0; k < @_LANES; k++) {\n"
     "    @_state own;\n"
-    "    @_input acts[3];\n"
-    "    const @_input *given[3];\n"
+    "    @_input acts[%c];\n"
+    "    const @_input *given[%c];\n"
     "    @_status one;\n"
     "%D"
-    "    for (int i = 0; i < 3; i++) {\n"
+    "    for (int i = 0; i < %c; i++) {\n"
     "      given[i] = i > 0 && in[i] == in[0] ? given[0] : in[i] ? &acts[i] : NULL;\n"
     "      if (in[i]) {\n        @_lanes_back(&acts[i], in[i], sizeof acts[i], k);\n      }\n    }\n"
     "    @_lanes_take(&own, state, k);\n"
-    "    one = @_step(%E&own, given[0], given[1], given[2], dt);\n"
+    "    one = @_step(%E&own, %g, dt);\n"
     "    @_lanes_put(state, k, &own);\n"
     "    worst = worst == @_ok ? one : worst;\n"
     "    if (status) {\n      status[k] = one;\n    }\n  }\n"
@@ -169,6 +169,10 @@ static void code_lanes_template(const code *w, const char *text)
       piece[1] = *++c;
       own = *c == 'I'   ? (w->single ? "int" : "long long")
             : *c == 'H' ? (w->single ? "0x7fffffff" : "0x7fffffffffffffff")
+            : *c == 'c' ? (w->ends ? "2" : "3")
+            : *c == 'm' ? (w->ends ? "" : "const @_lanes_input *middle, ")
+            : *c == 'i' ? (w->ends ? "" : "middle, ")
+            : *c == 'g' ? (w->ends ? "given[0], given[1]" : "given[0], given[1], given[2]")
                         : NULL;
       for (size_t k = 0; k < sizeof varied / sizeof *varied; k++) {
         own = varied[k].letter == *c ? (w->vary ? varied[k].text : "") : own;

@@ -234,7 +234,24 @@ static void tree_write_climb(const code *w, int k, int n, int column, code_value
   }
 }
 
-/* Elements of the matrix in the columns of the modes of an open body, and their right side. */
+/* Right side of the modes of an open body: their momenta p less what hangs on their nodes has at rest. */
+static void node_write_right(const code *w, int k, const code_value *p)
+{
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, p[a]);
+    for (int c = k + 1; c < tree.n; c++) {
+      for (int i = 0; i < 6 && tree.link[c].parent == k && tree.link[c].moves; i++) {
+        code_add(&s, -1.0, tree_nodes[c].twist[a][i], tree_nodes[c].rest[i]);
+      }
+    }
+    tree_right[L->mode_row + a] = code_end(w, &s, code_variable("y_%d", L->mode_row + a));
+  }
+}
+
+/* Elements of the matrix in the columns of the modes of an open body. */
 static void node_write_modes(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
@@ -275,14 +292,6 @@ static void node_write_modes(const code *w, int k)
     }
     snprintf(word, sizeof word, "M%d", a);
     tree_write_climb(w, k, L->axes + L->given, L->mode_row + a, f, word);
-    code_begin(&s);
-    code_add_one(&s, 1.0, L->rates.pi[a]);
-    for (int c = k + 1; c < tree.n; c++) {
-      for (int i = 0; i < 6 && tree.link[c].parent == k && tree.link[c].moves; i++) {
-        code_add(&s, -1.0, tree_nodes[c].twist[a][i], tree_nodes[c].rest[i]);
-      }
-    }
-    tree_right[L->mode_row + a] = code_end(w, &s, code_variable("y_%d", L->mode_row + a));
   }
 }
 

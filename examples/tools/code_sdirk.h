@@ -4,7 +4,8 @@
    A stage is solved by Newton corrections of fixed number (E11.13), each of a function that evaluates the rates and goes
    on with the residual r = f - k: (M + g C + g^2 K) z = g r_p - g^2 K r_v. Positions, Lambda and S are those of the
    evaluation; modes are eliminated within their body by E = M + g C + g^2 K, of S is left
-   S + Lambda (M^-1 - E^-1) Lambda^T, summed from the tips and factored as M is. Names of the correction begin with n. */
+   S + Lambda (M^-1 - E^-1) Lambda^T, summed from the tips and factored as M is; modes that move a joint have g C + g^2 K
+   in their rows of the matrix (code_node.h). Names of the correction begin with n. */
 #ifndef CODE_SDIRK_H
 #define CODE_SDIRK_H
 
@@ -17,7 +18,6 @@ typedef struct sdirk_link {
 
 static sdirk_link sdirk[FB_MAX_BODIES];
 
-/* What of a system has no L-stable step here; NULL: nothing. */
 static inline int sdirk_is_held(const fb_system *system, int k)
 {
   const fb_axis_mode mode = tree_is_given(&system->joint[k]) ? system->joint[k].mode[0] : FB_AXIS_FREE;
@@ -27,20 +27,10 @@ static inline int sdirk_is_held(const fb_system *system, int k)
   return mode == FB_AXIS_LOCKED || (mode == FB_AXIS_PRESCRIBED && system->joint[k].kind == FB_JOINT_FREE);
 }
 
+/* What of a system has no L-stable step here; NULL: nothing. */
 static inline const char *sdirk_refusal(const fb_system *system)
 {
-  if (system->carries_rotors) {
-    return "rotors by integrator sdirk: choose integrator rk4";
-  }
-  for (int k = 0; k < system->n_body && system->has_rotors && !system->allow_long_step; k++) {
-    if (system->rotor[k] > FB_R(0.0)) {
-      return "wheels by integrator sdirk, whose limit is not written: choose integrator rk4";
-    }
-  }
   for (int k = 0; k < system->n_body; k++) {
-    if (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].moves) {
-      return "a joint on a node that modes move by integrator sdirk: choose integrator rk4";
-    }
     if (sdirk_is_held(system, k)) {
       return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
     }
@@ -93,7 +83,7 @@ static code_value sdirk_write_times(const code *w, code_value x, code_value y, c
 /* Place of the speed of a prescribed axis in the vector. */
 static int sdirk_given_at(int k)
 {
-  return tree.given + tree.link[k].row - (tree.root >= 0 ? 6 : 0) - tree.n_axis;
+  return tree.given + tree.link[k].row - (tree.root >= 0 ? 6 : 0) - tree.n_axis - tree.n_open;
 }
 
 /* ---- modes */
@@ -115,6 +105,23 @@ static void sdirk_write_eliminated(const code *w, int k, code_value *y, const co
   code_of_names = before;
 }
 
+/* Right side of the modes of a body, g r_p - g^2 K r_v. */
+static void sdirk_write_right(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  code_read_springs(K, C, L->model);
+  for (int a = 0; a < L->n; a++) {
+    code_begin(&s);
+    code_add(&s, 1.0, sdirk_g(1.0, 0), sdirk_rest(L->pi + a));
+    for (int b = 0; b < L->n; b++) {
+      code_add(&s, -1.0, sdirk_g(K[a][b], 1), sdirk_rest(L->q + b));
+    }
+    sdirk[k].right[a] = code_end(w, &s, code_variable("right_%d", a));
+  }
+}
+
 /* E of a body and its factors. */
 static void sdirk_write_E(const code *w, int k)
 {
@@ -134,12 +141,6 @@ static void sdirk_write_E(const code *w, int k)
       code_add_one(&s, 1.0, sdirk_g(K[a][b], 1));
       f->S[a][b] = f->S[b][a] = code_end(w, &s, code_variable("E_%d_%d", a, b));
     }
-    code_begin(&s); /* g r_p - g^2 K r_v */
-    code_add(&s, 1.0, sdirk_g(1.0, 0), sdirk_rest(tree.link[k].pi + a));
-    for (int b = 0; b < body->n; b++) {
-      code_add(&s, -1.0, sdirk_g(K[a][b], 1), sdirk_rest(tree.link[k].q + b));
-    }
-    sdirk[k].right[a] = code_end(w, &s, code_variable("right_%d", a));
   }
   for (int a = 0; a < body->n; a++) {
     code_write_pivot(w, f, a);
@@ -195,17 +196,18 @@ static void sdirk_write_soft(const code *w, int k, code_value soft[6][FB_MAX_MOD
   }
 }
 
-/* Inertia and momentum at rest of a body, its modes eliminated. */
+/* Inertia and momentum at rest of a body, its modes eliminated; of an open one M_rr and nothing. */
 static void sdirk_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
   code_value soft[6][FB_MAX_MODES], x[FB_MAX_MODES];
   code_sum s;
-  memcpy(L->I, code_now.S, sizeof L->I);
+  memcpy(L->I, L->open ? tree_nodes[k].M_rr : code_now.S, sizeof L->I);
   tree_nothing(L->b, 6);
-  if (L->n > 0) {
-    snprintf(tree_prefix, sizeof tree_prefix, "nb%d_", k);
+  snprintf(tree_prefix, sizeof tree_prefix, "nb%d_", k);
+  sdirk_write_right(&own, k);
+  if (L->n > 0 && !L->open) {
     sdirk_write_E(&own, k);
     sdirk_write_soft(&own, k, soft);
     sdirk_write_eliminated(&own, k, x, sdirk[k].right, "p");
@@ -243,7 +245,7 @@ static void sdirk_write_stiffness(const code *w, int k, int a)
   *K = code_constant((double)joint->stiffness[a]);
   *C = code_constant((double)joint->damping[a]);
   if (stiffness > 0.0) {
-    tree_template(w, loss > 0.0 ? "" : "  const $ #stop = `1`;\n", of);
+    tree_template(w, loss > 0.0 ? "" : "  const $ #stop = %z + `1`;\n", of);
     tree_template(w, "  const $ #firm = (%W#deep < `0`%,#stop%!) + (%W#deep > `0`%,#stop%!);\n", of);
     tree_template(w, loss > 0.0 ? "  const $ #size = fabs~(#deep);\n" : "", of);
     code_begin(&s);
@@ -345,6 +347,26 @@ static void sdirk_write_axes(const code *w, int k)
   }
 }
 
+/* The matrix of the modes of an open body, of which M is there already. */
+static void sdirk_write_open(const code *w, int k)
+{
+  static double K[FB_MAX_MODES][FB_MAX_MODES], C[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  code_read_springs(K, C, L->model);
+  for (int a = 0; a < L->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_value *const H = &tree_matrix[L->mode_row + b][L->mode_row + a];
+      code_begin(&s);
+      code_add_one(&s, 1.0, *H);
+      code_add_one(&s, 1.0, sdirk_g(C[a][b], 0));
+      code_add_one(&s, 1.0, sdirk_g(K[a][b], 1));
+      *H = code_end(w, &s, code_variable("nE_%d_%d", L->mode_row + a, L->mode_row + b));
+      tree_matrix[L->mode_row + a][L->mode_row + b] = *H;
+    }
+  }
+}
+
 /* The matrix and right side of a free root. */
 static void sdirk_write_root(const code *w)
 {
@@ -371,7 +393,7 @@ static void sdirk_write_root(const code *w)
 static void sdirk_write_solve(const code *w)
 {
   static char names[CODE_ROWS][CODE_NAME];
-  const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
+  const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open;
   int order[CODE_ROWS];
   code_sum s;
   for (int i = 0; i < n + tree.n_given; i++) {
@@ -382,10 +404,17 @@ static void sdirk_write_solve(const code *w)
     for (int a = 0; a < tree.link[k].axes; a++) {
       tree_write_column(w, k, a);
     }
+    if (tree.link[k].open) {
+      node_write_modes(w, k);
+      node_write_right(w, k, sdirk[k].right);
+    }
   }
   code_of_names = "";
   for (int k = 0; k < tree.n; k++) {
     sdirk_write_axes(w, k);
+    if (tree.link[k].open) {
+      sdirk_write_open(w, k);
+    }
   }
   if (tree.root >= 0) {
     sdirk_write_root(w);
@@ -400,7 +429,8 @@ static void sdirk_write_solve(const code *w)
     tree_link *const L = &tree.link[k];
     code_value e[FB_MAX_MODES];
     tree_write_velocity(w, k);
-    for (int a = 0; a < L->n; a++) {
+    memcpy(sdirk[k].dq_dot, tree_right + L->mode_row, (size_t)(L->open ? L->n : 0) * sizeof *tree_right);
+    for (int a = 0; a < L->n && !L->open; a++) {
       code_begin(&s);
       code_add_one(&s, 1.0, sdirk[k].right[a]);
       for (int i = 0; i < 6; i++) {
@@ -408,7 +438,9 @@ static void sdirk_write_solve(const code *w)
       }
       e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
     }
-    sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+    if (!L->open) {
+      sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+    }
   }
   code_of_names = "";
 }
@@ -539,17 +571,50 @@ static void sdirk_take_root(const code *w)
   }
 }
 
+/* E11.51 of the rotors of link k: friction -c s as at the end of the stage, dh = r_h/(1 + g rate c/most), c at most
+   `most`; angle r + g dh / inertia. */
+static void sdirk_take_rotors(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    const fb_rotor *const rotor = &L->model->rotor[r];
+    const double dry = rotor->friction > FB_R(0.0) ? (double)rotor->friction / (double)rotor->friction_speed : 0.0;
+    const double slows = rotor->given ? 0.0 : (double)rotor->damping + dry;
+    const code_value kept = code_variable("b%d_r%d_dh", k, r);
+    code_value held;
+    code_sum s;
+    if (!(slows > 0.0)) {
+      tree_assign_one(w, sdirk_rest(L->spun + r), L->spun + r);
+      tree_assign_one(w, sdirk_rest(L->angle + r), L->angle + r);
+      continue;
+    }
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_constant(1.0));
+    code_add_one(&s, (double)rotor->rate * (double)rotor->damping / slows, sdirk_g(1.0, 0));
+    code_add(&s, dry > 0.0 ? (double)rotor->rate / slows : 0.0, sdirk_g(1.0, 0), code_variable("b%d_r%d_rub", k, r));
+    held = code_end(w, &s, code_variable("b%d_r%d_held", k, r));
+    fprintf(w->out, "  const %s %s = %s / %s;\n", code_real(w), kept.name, sdirk_rest(L->spun + r).name, held.name);
+    tree_assign_one(w, kept, L->spun + r);
+    code_begin(&s);
+    code_add_one(&s, 1.0, sdirk_rest(L->angle + r));
+    code_add(&s, 1.0 / (double)rotor->inertia, sdirk_g(1.0, 0), kept);
+    sdirk_take(w, &s, L->angle + r);
+  }
+}
+
 static const char sdirk_correct_head[] =
     "\n/* E11.13: correction `rate` of the rates k of a stage at the vector x under what acts; w: angular velocities "
     "of "
     "the bodies. */\n"
-    "static @_NOINLINE @_status @_correct($ *rate, $ *w, const $ *k, const $ *x, const @_input *in, %s g)\n{\n"
-    "  const int pushed = 1;\n  const $ g2 = g * g;\n";
+    "static @_NOINLINE @_status @_correct(%M$ *rate, $ *w, const $ *k, const $ *x, const @_input *in, %s part)\n{\n%V"
+    "  const int pushed = 1;\n";
 
 static void sdirk_write_correct(const code *w, int unused)
 {
   (void)unused;
   code_template(w, sdirk_correct_head);
+  code_template(w, w->lanes ? "  const $ g = %z + part;\n" : "  const $ g = part;\n");
+  code_template(w, "  const $ g2 = g * g;\n");
   tree_write_evaluation(w);
   for (int k = 0; k < tree.n; k++) {
     if (tree.link[k].given) {
@@ -571,6 +636,7 @@ static void sdirk_write_correct(const code *w, int unused)
   sdirk_write_solve(w);
   fputs("\n  /* dk_v = r_v + z, dk_p = r_p - g K dk_v - C z */\n", w->out);
   for (int k = 0; k < tree.n; k++) {
+    sdirk_take_rotors(w, k);
     sdirk_take_modes(w, k);
     sdirk_take_axes(w, k);
   }
@@ -600,7 +666,7 @@ static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k
   }
   code_begin(&s);
   for (int a = 0; a < L->n; a++) {
-    code_add_one(&s, (double)L->model->reach[a], code_variable("fabs%s(k[%d])", w->single ? "f" : "", L->q + a));
+    code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "k", k, a));
   }
   if (L->n > 0) {
     snprintf(name, sizeof name, "bent_%d", k);
@@ -613,21 +679,21 @@ static void sdirk_write_size(const code *w)
 {
   static code_sum moved, bent;
   code_template(w, "\n/* E11.24: squared size of the increment g k [rad^2]; bent: that of the modes */\n"
-                   "static $ @_size($ *bent, const $ *k, $ g)\n{\n");
+                   "static void @_size($ *moved, $ *bent, const $ *k, %s g)\n{\n");
   code_begin(&moved);
   code_begin(&bent);
   for (int k = 0; k < tree.n; k++) {
     sdirk_add_size(w, &moved, &bent, k);
   }
-  code_declare(w, &moved, "moved");
+  code_declare(w, &moved, "turned");
   code_declare(w, &bent, "all");
-  code_template(w, "  (void)k;\n  *bent = g * g * all;\n  return g * g * moved;\n}\n");
+  code_template(w, "  (void)k;\n  *moved = g * g * turned;\n  *bent = g * g * all;\n}\n");
 }
 
 /* What acts at the first stage. */
 static void sdirk_write_between(const code *w)
 {
-  code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, $ c)\n{\n  *in = *a;\n  "
+  code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, %s c)\n{\n  *in = *a;\n  "
                    "(void)b, (void)c;\n");
   for (int k = 0; k < tree.n; k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
@@ -653,65 +719,65 @@ static const char sdirk_declarations[] =
 
 static const char sdirk_stage[] =
     "\n/* E11.13: the rates k of a stage, so that k = f(base + g k), from their first guess. */\n"
-    "static @_status @_stage($ *k, const $ *first, const $ *base, const @_input *in, $ g, $ dt, int n)\n{\n"
-    "  $ at[@_N], rate[@_N] = {`0`}, w[3 * @_BODIES], bent = `0`, bent_all, begins = `0`, last = `0`, change;\n"
+    "static @_status @_stage(%M$ *k, const $ *first, const $ *base, const @_input *in, %s g, %s dt, int n)\n{\n%V"
+    "  $ at[@_N], rate[@_N]%Z, w[3 * @_BODIES], bent = %z, bent_all, begins = %z, last = %z, change;\n"
     "  @_status status = @_ok;\n";
 
 static const char sdirk_stage_loop[] =
     "  for (int j = 0; j < n && status == @_ok; j++) {\n"
     "    for (int i = 0; i < @_N; i++) {\n      at[i] = base[i] + g * k[i];\n    }\n";
 
-static const char sdirk_stage_turns[] =
-    "    for (int i = 0; i < 3 * @_BODIES && j == n - 1 && status == @_ok; i += 3) {\n"
-    "      const $ a = dt * (w[i] - first[i]), b = dt * (w[i + 1] - first[i + 1]), c = dt * (w[i + 2] - first[i + "
-    "2]);\n"
-    "      status = a * a + b * b + c * c <= `0.25` ? @_ok : @_step_length;\n    }\n";
-
 static const char sdirk_stage_end[] = "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
-                                      "    if (j == 0 || j == n - 1) {\n      last = @_size(&bent, rate, g);\n"
-                                      "      begins = j == 0 ? last : begins;\n    }\n  }\n"
+                                      "    if (j == 0 || j == n - 1) {\n      @_size(&last, &bent, rate, g);\n    }\n"
+                                      "    if (j == 0) {\n      begins = last;\n    }\n  }\n"
                                       "  if (status != @_ok) {\n    return status;\n  }\n";
 
+/* E11.25: a correction that is small by one of its bounds is. */
 static const char sdirk_stage_check[] =
     "\n  /* E11.25 */\n"
-    "  change = @_size(&bent_all, k, g);\n"
-    "  change = `1e-2` * begins > `1e-4` * change ? `1e-2` * begins : `1e-4` * change;\n"
-    "  bent_all = `1e-2` * bent_all;\n"
-    "  return n > 1 && (last > (change > floor ? change : floor) || bent > (bent_all > least ? bent_all : least))\n"
-    "             ? @_convergence\n             : @_ok;\n}\n";
+    "  @_size(&change, &bent_all, k, g);\n"
+    "  if (n > 1 && !%((((last > `1e-2` * begins) & (last > `1e-4` * change) & (last > floor)) |\n"
+    "                 ((bent > `1e-2` * bent_all) & (bent > least))) == 0%)) {\n"
+    "    return @_convergence;\n  }\n";
 
-/* of E11.25, by precision */
+/* E11.25 of the momenta of rotors. */
+static const char sdirk_settled[] =
+    "    if (n > 1 && !%((fabs~(g * rate[i]) > `0.01` * fabs~(g * k[i]) + root * fabs~(at[i]) + @_tiny) == 0%)) {\n"
+    "      return @_convergence;\n    }\n  }\n";
+
+/* of E11.25, by precision; root: of the rounding */
 static const char *const sdirk_floors[2] = {
-    "  const $ floor = `2.220446049250313e-18`, least = `7.888609052210118e-31`;\n",
-    "  const $ floor = `1.1920929e-9`, least = `2.2737367544323206e-13`;\n"};
+    "  const %s floor = `2.220446049250313e-18`, least = `7.888609052210118e-31`;\n",
+    "  const %s floor = `1.1920929e-9`, least = `2.2737367544323206e-13`;\n"};
+static const char *const sdirk_roots[2] = {"  const %s root = `1.4901161193847656e-8`;\n",
+                                           "  const %s root = `3.4526698e-4`;\n"};
 
 static const char sdirk_step_head[] =
     "\n/* E11.14 */\n"
-    "@_status @_step(@_state *state, const @_input *start, const @_input *end, $ dt)\n{\n"
-    "  const $ c = `0.29289321881345248`, g = c * dt, ahead = (`1` - c) * dt;\n"
+    "%S@_status @_step(%M@_state *state, const @_input *start, const @_input *end, %s dt)\n{\n"
+    "  const %s c = `0.29289321881345248`, g = c * dt, ahead = (`1` - c) * dt;\n"
     "  const @_input *in = start;\n  @_input between;\n"
-    "  $ x[@_N], base[@_N], k[@_N] = {`0`}, sum[@_N], first[3 * @_BODIES]";
+    "  $ x[@_N], base[@_N], k[@_N]%Z, sum[@_N], first[3 * @_BODIES]";
 
 static const char sdirk_step_begin[] =
     "  @_status status = @_ok;\n"
-    "  if (!state || (start != NULL) != (end != NULL)) {\n    return @_null;\n  }\n"
+    "  if (!state || (start != NULL) != (end != NULL)%Q) {\n    return @_null;\n  }\n"
     "  if (!(dt > `0` && dt < @_huge)) {\n    return @_value;\n  }\n"
     "  if (!@_input_is_finite(start) || !@_input_is_finite(end)) {\n    return @_not_finite;\n  }\n"
     "  @_enter(x, state);\n"
     "  if (start != end) {\n    @_between(&between, start, end, c);\n    in = &between;\n  }\n";
 
 static const char sdirk_step_limits[] = "\n  /* step limit at the start */\n"
-                                        "  status = @_rates_at(sum, first, &longest, x, start, 1);\n"
-                                        "  status = status == @_ok && !(dt <= longest) ? @_step_length : status;\n";
+                                        "  status = @_rates_at(%Asum, first, &longest, x, start, 1);\n"
+                                        "  status = status == @_ok && !%((dt <= longest)%) ? @_step_length : status;\n";
 
 static const char sdirk_step_rest[] =
-    "  status = status == @_ok ? @_stage(k, first, x, in, g, dt, @_ITERATIONS + 1) : status;\n"
+    "  status = status == @_ok ? @_stage(%Ak, first, x, in, g, dt, @_ITERATIONS + 1) : status;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  for (int i = 0; i < @_N; i++) {\n    sum[i] = ahead * k[i];\n    base[i] = x[i] + ahead * k[i];\n  }\n"
-    "  status = @_stage(k, first, base, end, g, dt, @_ITERATIONS);\n"
+    "  status = @_stage(%Ak, first, base, end, g, dt, @_ITERATIONS);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
-    "  for (int i = 0; i < @_N; i++) {\n    sum[i] += g * k[i];\n  }\n"
-    "  return ";
+    "  for (int i = 0; i < @_N; i++) {\n    sum[i] += g * k[i];\n  }\n";
 
 static const char sdirk_drives[] = "  status = @_drives_check(state, start, NULL, end, dt);\n"
                                    "  if (status != @_ok) {\n    return status;\n  }\n";
@@ -722,6 +788,7 @@ static int sdirk_write_functions(const code *w)
   int good = !tree.limited || code_write_pruned(w, tree_write_rates, 0);
   tree.limited = 0;
   good = code_write_pruned(w, sdirk_write_correct, 0) && good;
+  tree.limited = !tree.system->allow_long_step;
   sdirk_write_size(w);
   sdirk_write_between(w);
   return good;
@@ -732,10 +799,16 @@ static void sdirk_write_stage(const code *w)
   const int limited = !tree.system->allow_long_step;
   code_template(w, sdirk_stage);
   code_template(w, sdirk_floors[w->single]);
+  code_template(w, tree.n_rotor > 0 ? sdirk_roots[w->single] : "");
+  code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n" : "");
   code_template(w, sdirk_stage_loop);
   code_template(w, tree.root >= 0 ? "    @_turn_back(at + 4, at, at + @_L);\n" : "");
-  code_template(w, "    status = @_correct(rate, w, k, at, in, g);\n");
-  code_template(w, limited ? sdirk_stage_turns : "");
+  code_template(w, "    status = @_correct(%Arate, w, k, at, in, g);\n");
+  if (limited) {
+    code_template(w, "    if (j == n - 1 && status == @_ok) {\n      int far = 0;\n");
+    tree_write_turns(w);
+    code_template(w, "      status = far ? @_step_length : @_ok;\n    }\n");
+  }
   code_template(w, sdirk_stage_end);
   code_template(w, limited ? "" : "  (void)first, (void)dt;\n");
   code_template(w, tree.root >= 0 && !tree.stands
@@ -743,20 +816,33 @@ static void sdirk_write_stage(const code *w)
                          "* k[@_P + i];\n  }\n"
                        : "");
   code_template(w, sdirk_stage_check);
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    if (L->model->n_rotor > 0) {
+      fprintf(w->out, "  for (int i = %d; i < %d; i++) {\n", L->spun, L->spun + L->model->n_rotor);
+      code_template(w, sdirk_settled);
+    }
+  }
+  code_template(w, "  return @_ok;\n}\n");
 }
 
 static void sdirk_write_step(const code *w)
 {
   sdirk_write_stage(w);
   code_template(w, sdirk_step_head);
-  code_template(w, tree.system->allow_long_step ? " = {`0`}" : ", longest = `0`");
+  code_template(w, tree.system->allow_long_step ? "%Z" : ", longest = %z");
   code_template(w, tree.root >= 0 ? ", center[3];\n" : ";\n");
   code_template(w, sdirk_step_begin);
+  if (w->lanes) {
+    code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
+  }
   code_template(w, tree.n_given > 0 ? sdirk_drives : "");
-  code_template(w, tree.root >= 0 ? "  @_center(center, x);\n" : "");
+  code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);
   code_template(w, sdirk_step_rest);
-  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(state, sum, x" : "@_end(state, sum, x");
+  tree_write_given_momenta(w);
+  fputs("  return ", w->out);
+  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
   code_template(w, tree.root >= 0 ? ", center, dt, 1)" : ")");
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }

@@ -33,6 +33,7 @@ typedef struct code {
   int vary;
   int lanes;  /* 0: one body; CODE_LANES: types of several, by lanes; CODE_WIDE: their step by vectors (code_lanes.h) */
   int rotors; /* of the one body; of a tree 0, whose bodies have their own */
+  int ends;   /* 1: a step is told what acts at its start and end, 0: at its middle, too */
 } code;
 
 enum { CODE_LANES = 1, CODE_WIDE = 2 };
@@ -315,9 +316,10 @@ static int code_model_text(const code *w, char letter)
 /* A prefix: of what is for lanes, where what follows it is not common to all. */
 static void code_prefix(const code *w, const char *text)
 {
-  static const char *const common[] = {"_status",      "_ok",    "_null",          "_value",    "_not_finite",
-                                       "_step_length", "_range", "_UNROLL",        "_NOINLINE", "_huge",
-                                       "_tiny",        "_faint", "_contradiction", "_ROWS",     "_loose"};
+  static const char *const common[] = {"_status",      "_ok",        "_null",          "_value",    "_not_finite",
+                                       "_step_length", "_range",     "_UNROLL",        "_NOINLINE", "_huge",
+                                       "_tiny",        "_faint",     "_contradiction", "_ROWS",     "_loose",
+                                       "_convergence", "_ITERATIONS"};
   const char *suffix = w->lanes == CODE_WIDE ? "_wide" : w->lanes ? "_lanes" : "";
   for (size_t k = 0; k < sizeof common / sizeof *common; k++) {
     const size_t length = strlen(common[k]);

@@ -974,7 +974,12 @@ static void tree_write_solve(const code *w, int closes)
     }
     tree_write_right(w, k);
     if (tree.link[k].open) {
+      code_value p[FB_MAX_MODES];
+      for (int a = 0; a < tree.link[k].n; a++) {
+        p[a] = tree.link[k].rates.pi[a];
+      }
       node_write_modes(w, k);
+      node_write_right(w, k, p);
     }
   }
   if (tree.root >= 0) {
@@ -1488,9 +1493,12 @@ static void rows_write_impacts(const code *w)
 }
 
 /* Of SDIRK: |w| dt <= 1/10, and what stiffens. */
-static const char sdirk_longest[] =
+static const char *const sdirk_longest[2] = {
     "    g = sqrt~(stiffening);\n    bound = g > `10` * fastest ? g : `10` * fastest;\n"
-    "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n";
+    "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n",
+    "    g = sqrt~(stiffening);\n    bound = @_either(g > `10` * fastest, g, `10` * fastest);\n"
+    "    *longest = %Wbound * @_huge > `1`%, `1` / bound%! +\n"
+    "               %Fbound * @_huge > `1`%:%Wbound >= `0`%, %z + @_huge%!%;;\n  }\n"};
 
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
@@ -1532,7 +1540,8 @@ static void tree_write_limit(const code *w)
     }
   }
   if (tree.implicit) {
-    code_template(w, sdirk_longest);
+    code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
+    code_template(w, sdirk_longest[w->lanes != 0]);
     return;
   }
   tree_write_impacts(w);
@@ -2173,6 +2182,17 @@ static void tree_write_start(const code *w, const fb_system_state *start)
   fputs("}\n", w->out);
 }
 
+/* Magnitude of mode a of link k in a vector. */
+static code_value tree_write_size(const code *w, const char *of, int k, int a)
+{
+  if (!w->lanes) {
+    return code_variable("fabs%s(%s[%d])", w->single ? "f" : "", of, tree.link[k].q + a);
+  }
+  code_template(w, "  const $ ");
+  fprintf(w->out, "size_%d_%d = %s_wide_abs(%s[%d]);\n", k, a, w->name, of, tree.link[k].q + a);
+  return code_variable("size_%d_%d", k, a);
+}
+
 /* Deflection of each body within its limit. */
 static void tree_write_range(const code *w)
 {
@@ -2182,13 +2202,7 @@ static void tree_write_range(const code *w)
     code_sum s;
     code_begin(&s);
     for (int a = 0; a < L->n; a++) {
-      if (w->lanes) {
-        code_template(w, "  const $ ");
-        fprintf(w->out, "size_%d_%d = %s_wide_abs(d[%d]);\n", k, a, w->name, L->q + a);
-      }
-      code_add_one(&s, (double)L->model->reach[a],
-                   w->lanes ? code_variable("size_%d_%d", k, a)
-                            : code_variable("fabs%s(d[%d])", w->single ? "f" : "", L->q + a));
+      code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
     }
     if (L->n > 0) {
       snprintf(target, sizeof target, "bent_%d", k);
@@ -2405,10 +2419,19 @@ static const char tree_step_limits[] = "\n    /* E11.15, E11.26: step limit at t
                                        "    if (stage > 0) {\n      int far = 0;\n";
 
 static const char tree_step_turns[] = "      @_UNROLL\n"
-                                      "      for (int k = 0; k < 3 * @_BODIES; k += 3) {\n"
-                                      "        const $ a = dt * (w[k] - first[k]), b = dt * (w[k + 1] - first[k + "
-                                      "1]), c = dt * (w[k + 2] - first[k + 2]);\n"
+                                      "      for (int i = 0; i < 3 * @_BODIES; i += 3) {\n"
+                                      "        const $ a = dt * (w[i] - first[i]), b = dt * (w[i + 1] - first[i + "
+                                      "1]), c = dt * (w[i + 2] - first[i + 2]);\n"
                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
+
+static void tree_write_turns(const code *w)
+{
+  if (tree.system->has_rotors) {
+    tree_write_wheel_turns(w);
+  } else {
+    code_template(w, tree_step_turns);
+  }
+}
 
 static const char tree_step_far[] = "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
@@ -2454,11 +2477,7 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   if (limited) {
     code_template(w, tree_step_limits);
-    if (tree.system->has_rotors) {
-      tree_write_wheel_turns(w);
-    } else {
-      code_template(w, tree_step_turns);
-    }
+    tree_write_turns(w);
     code_template(w, tree_step_far);
   }
   code_template(w, tree_step_rest);
@@ -2707,7 +2726,7 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0};
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit};
   int good;
   code_numbers.n = 0;
   tree_read(system, body, names, choice->implicit);

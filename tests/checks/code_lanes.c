@@ -1,5 +1,5 @@
 /* The lanes of a generated step against its single steps, bit for bit: each lane its own state, loads and parameters (code.sh,
-   which generates code.h with --lanes, and with --vary where VARY is defined; code_tree.sh: TREE, and ROOT, its free body). A lane that is refused tells the status of the
+   which generates code.h with --lanes, and with --vary where VARY is defined; code_tree.sh: TREE, and ROOT, its free body; SDIRK, HELD, RESTLESS). A lane that is refused tells the status of the
    single step and stays as it was, the others go on. Also C++11. */
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -21,6 +21,18 @@ static generated_lanes_model lanes_model;
 #define LANES
 #endif
 typedef generated_status status;
+#ifndef HELD /* 1: what acts does not change in a step */
+#define HELD 0
+#endif
+#ifdef SDIRK /* which is told the start and the end alone */
+#define BY(start, end) start, end
+#define FIRST(i, earlier, now) ((i) % 2 || HELD ? (now) : (earlier))
+enum { LONG = 100000 };
+#else
+#define BY(start, end) start, start, end
+#define FIRST(i, earlier, now) ((i) % 2 ? (now) : NULL)
+enum { LONG = 10 };
+#endif
 
 /* A number from 0 to 1 by lane, step and place. */
 static double number(int a, int b, int c)
@@ -119,28 +131,31 @@ static int same(int k)
 /* A step of lanes and of single ones. */
 static int step(int i, NUMBER dt, int refused)
 {
-  generated_lanes_input all;
+  generated_lanes_input all, earlier;
   status found[generated_LANES], worst;
   int good = 1;
   memset(&all, 0, sizeof all);
+  memset(&earlier, 0, sizeof earlier);
   for (int k = 0; k < generated_LANES; k++) {
     generated_input own;
     load(&own, &all, k, i);
+    load(&own, &earlier, k, i + STEPS);
   }
 #ifdef generated_WIDE
   if (refused < 0) { /* by vectors, not one by one */
-    const generated_lanes_input *const in[3] = {i % 2 ? &all : NULL, i % 2 ? &all : NULL, &all};
+    const generated_lanes_input *const in[] = {BY(FIRST(i, &earlier, &all), &all)};
     generated_lanes_state copy = lanes;
     good &= generated_lanes_together(LANES & copy, in, dt) == generated_ok;
   }
 #endif
-  worst = generated_lanes_step(LANES & lanes, i % 2 ? &all : NULL, i % 2 ? &all : NULL, &all, dt, found);
+  worst = generated_lanes_step(LANES & lanes, BY(FIRST(i, &earlier, &all), &all), dt, found);
   good &= (worst == generated_ok) == (refused < 0);
   for (int k = 0; k < generated_LANES; k++) {
-    generated_input own;
+    generated_input own, before;
     status one;
     load(&own, &all, k, i);
-    one = generated_step(GIVEN(k) & single[k], i % 2 ? &own : NULL, i % 2 ? &own : NULL, &own, dt);
+    load(&before, &earlier, k, i + STEPS);
+    one = generated_step(GIVEN(k) & single[k], BY(FIRST(i, &before, &own), &own), dt);
     good &= found[k] == one && (one == generated_ok) == (k != refused) && same(k);
   }
   if (!good) {
@@ -152,12 +167,12 @@ static int step(int i, NUMBER dt, int refused)
 /* A step that the first lane alone refuses as too long, just so: the vectors notice, too. */
 static int limit(void)
 {
-  double low = 2e-4, high = 10;
+  double low = 2e-4, high = LONG;
   int good = 1;
   for (int i = 0; i < 60 && high > low * (1 + 1e-5); i++) {
     generated_state copy = single[0];
     const double middle = sqrt(low * high);
-    if (generated_step(GIVEN(0) & copy, NULL, NULL, NULL, (NUMBER)middle) == generated_ok) {
+    if (generated_step(GIVEN(0) & copy, BY(NULL, NULL), (NUMBER)middle) == generated_ok) {
       low = middle;
     } else {
       high = middle;
@@ -167,10 +182,10 @@ static int limit(void)
     generated_lanes_state all = lanes;
     const NUMBER dt = (NUMBER)(beyond ? high : low);
     status told[generated_LANES];
-    (void)generated_lanes_step(LANES & all, NULL, NULL, NULL, dt, told);
+    (void)generated_lanes_step(LANES & all, BY(NULL, NULL), dt, told);
     for (int k = 0; k < generated_LANES; k++) {
       generated_state copy = single[k], own;
-      good &= generated_step(GIVEN(k) & copy, NULL, NULL, NULL, dt) == told[k];
+      good &= generated_step(GIVEN(k) & copy, BY(NULL, NULL), dt) == told[k];
       generated_lanes_take(&own, &all, k);
       good &= memcmp(&own, &copy, sizeof own) == 0;
     }
@@ -195,9 +210,9 @@ static int drift(NUMBER dt)
       generated_lanes_put(&lanes, k, &single[k]);
     }
     for (int i = 0; i < 3; i++) {
-      good &= generated_lanes_step(&lanes, NULL, NULL, NULL, dt, NULL) == generated_ok;
+      good &= generated_lanes_step(&lanes, BY(NULL, NULL), dt, NULL) == generated_ok;
       for (int k = 0; k < generated_LANES; k++) {
-        good &= generated_step(&single[k], NULL, NULL, NULL, dt) == generated_ok && same(k);
+        good &= generated_step(&single[k], BY(NULL, NULL), dt) == generated_ok && same(k);
       }
     }
   }
@@ -205,6 +220,46 @@ static int drift(NUMBER dt)
     printf("nothing acts\n");
   }
   return good;
+}
+#endif
+
+#ifdef RESTLESS
+/* Loads on the first lane alone that grow until a correction of it is not small: the vectors notice, too. */
+static int restless(void)
+{
+  int good = 1, seen = 0;
+  for (double size = 1; size < 1e9; size *= 2) {
+    generated_lanes_state all;
+    generated_lanes_input in;
+    status told[generated_LANES];
+    begin();
+    all = lanes;
+    memset(&in, 0, sizeof in);
+    for (int k = 0; k < generated_LANES; k++) {
+      generated_input own;
+      load(&own, &in, k, 1);
+      for (int a = 0; a < (int)(sizeof own / sizeof(NUMBER)) && k == 0; a++) {
+        *at(&in, a * generated_LANES) *= (NUMBER)size;
+      }
+    }
+    (void)generated_lanes_step(&all, &in, &in, (NUMBER)2e-2, told);
+    for (int k = 0; k < generated_LANES; k++) {
+      generated_state copy = single[k], mine;
+      generated_input own;
+      load(&own, &in, k, 1);
+      for (int a = 0; a < (int)(sizeof own / sizeof(NUMBER)) && k == 0; a++) {
+        *at(&own, a) *= (NUMBER)size;
+      }
+      good &= generated_step(&copy, &own, &own, (NUMBER)2e-2) == told[k];
+      generated_lanes_take(&mine, &all, k);
+      good &= memcmp(&mine, &copy, sizeof mine) == 0;
+    }
+    seen |= told[0] == generated_convergence;
+  }
+  if (!good || !seen) {
+    printf("a correction that is not small, seen: %d\n", seen);
+  }
+  return good && seen;
 }
 #endif
 
@@ -221,6 +276,9 @@ int main(void)
 #ifdef ROOT
   good = good && drift(dt);
 #endif
+#ifdef RESTLESS
+  good = good && restless();
+#endif
   for (int k = 0; k < generated_LANES && good; k++) { /* too far, and not finite */
     const generated_state before = single[k];
     spoil(k);
@@ -230,13 +288,13 @@ int main(void)
     generated_lanes_put(&lanes, k, &single[k]);
     good = good && step(k, dt, -1);
   }
-  good = good && generated_lanes_step(LANES NULL, NULL, NULL, NULL, dt, NULL) == generated_null;
-  good = good && generated_lanes_step(LANES NULL, NULL, NULL, NULL, dt, told) == generated_null;
+  good = good && generated_lanes_step(LANES NULL, BY(NULL, NULL), dt, NULL) == generated_null;
+  good = good && generated_lanes_step(LANES NULL, BY(NULL, NULL), dt, told) == generated_null;
   for (int k = 0; k < generated_LANES; k++) {
     good = good && told[k] == generated_null;
   }
-  good = good && generated_lanes_step(LANES & lanes, NULL, NULL, NULL, 0, NULL) == generated_value;
-  good = good && generated_lanes_step(LANES & lanes, NULL, NULL, NULL, 10, NULL) == generated_step_length;
+  good = good && generated_lanes_step(LANES & lanes, BY(NULL, NULL), 0, NULL) == generated_value;
+  good = good && generated_lanes_step(LANES & lanes, BY(NULL, NULL), LONG, NULL) == generated_step_length;
   for (int k = 0; k < generated_LANES; k++) {
     good = good && same(k);
   }

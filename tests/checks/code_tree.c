@@ -479,8 +479,9 @@ static int need(fb_status status, const char *what)
   return 1;
 }
 
-/* Rotors inside a body: two on the frame, one at its tip if it has one, else one of given momentum; friction. */
-static void build_rotors(fb_body_desc *level, int tip)
+/* Rotors inside a body: two on the frame, one at its tip if it has one, else one of given momentum; friction, which brakes
+   that many times as much. */
+static void build_rotors(fb_body_desc *level, int tip, double brake)
 {
   level->n_rotor = tip > 0 ? 3 : 2;
   for (int r = 0; r < level->n_rotor; r++) {
@@ -490,15 +491,15 @@ static void build_rotors(fb_body_desc *level, int tip)
     rotor->axis[1] = FB_R(1.0);
     rotor->axis[2] = (fb_real)random_number();
     rotor->inertia = FB_R(0.1);
-    rotor->damping = FB_R(0.002);
-    rotor->friction = r == 0 ? FB_R(0.0) : FB_R(0.01);
+    rotor->damping = (fb_real)(0.002 * brake);
+    rotor->friction = r == 0 ? FB_R(0.0) : (fb_real)(0.01 * brake);
     rotor->friction_speed = FB_R(2.0);
     rotor->given = tip == 0 && r == 1;
   }
 }
 
-/* A rigid body with a beam of that many modes on it, 0: none; with rotors if they are asked for. */
-static void build_model(fb_body *body, unsigned effects, int gravity, int modes, int plain, int rotors)
+/* A rigid body with a beam of that many modes on it, 0: none; with rotors if their friction is not 0. */
+static void build_model(fb_body *body, unsigned effects, int gravity, int modes, int plain, double rotors)
 {
   static fb_shape shape;
   static fb_body_work body_work;
@@ -549,8 +550,8 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     const fb_real ahead[3] = {FB_R(0.7), FB_R(-0.4), FB_R(0.2)}, still[3] = {0, 0, 0};
     need(fb_shape_add_node(&shape, &tip, ahead, still, still), "node");
   }
-  if (rotors) {
-    build_rotors(&level, modes > 0 ? tip : 0);
+  if (rotors > 0) {
+    build_rotors(&level, modes > 0 ? tip : 0, rotors);
   }
   need(fb_body_init(body, &body_work, &shape, &level), "body");
   if (modes == 2 && hard > 1) { /* as modes of a part that are not orthogonal */
@@ -712,11 +713,12 @@ static void build(int which)
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2, 0);
   build_wheel(&model[WHEEL], trees[which].gravity);
   if (which >= 43) {
-    build_model(&model[HUB], 0, trees[which].gravity, 0, 0, 1);
-    build_model(&model[MAST], trees[which].effects, trees[which].gravity, 4, 0, 1);
+    const double brake = which == 45 ? hard : 1; /* which bounds shorter steps unless longer ones are allowed */
+    build_model(&model[HUB], 0, trees[which].gravity, 0, 0, brake);
+    build_model(&model[MAST], trees[which].effects, trees[which].gravity, 4, 0, brake);
   }
   memset(&desc, 0, sizeof desc);
-  desc.allow_long_step = hard > 1 && which == 16;
+  desc.allow_long_step = hard > 1 && (which == 16 || which == 45);
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
     const int flags = trees[which].link[k].model;
     desc.model[desc.n_body] = flags % GIVEN;
@@ -1197,6 +1199,12 @@ static int limits(void)
     }
     give(&mine, &in);
     good &= mechanism.joint[0].n_axis == 0 || alike(&in, &mine, dt, "a torque that turns it too far");
+    load(&in, &mine, 0);
+    for (int k = 0; k < desc.n_body; k++) {
+      in.drive[k].torque[0] = is_wheel(k) ? (fb_real)(pow(3, power) * 0.25) / (dt * dt) : in.drive[k].torque[0];
+    }
+    give(&mine, &in);
+    good &= alike(&in, &mine, dt, "motors that turn wheels too far");
   }
   return good;
 }
