@@ -7,17 +7,6 @@ static struct energy_sums {
   code_sum kinetic, strain, gravity;
 } energy_sums;
 
-/* An element of a member of the motion of body k; that is no name of a body. */
-static code_value energy_motion(int k, const char *member, int i)
-{
-  const char *const of = code_of_names;
-  code_value v;
-  code_of_names = "";
-  v = code_variable("m->body_%d.%s[%d]", k, member, i);
-  code_of_names = of;
-  return v;
-}
-
 /* Kinetic energy of a body, (V.S V + e.M^-1 e)/2 with e = Lambda^T V + M q_dot, and of its rotors, h^2/2J (E8.43). */
 static void energy_write_kinetic(const code *w, int k)
 {
@@ -27,7 +16,7 @@ static void energy_write_kinetic(const code *w, int k)
   code own;
   code_sum s;
   for (int i = 0; i < 6; i++) {
-    V[i] = energy_motion(k, i < 3 ? "v" : "w", i % 3);
+    V[i] = code_plain("m->body_%d.%s[%d]", k, i < 3 ? "v" : "w", i % 3);
   }
   tree_write_momentum(w, P, L->rates.S, V, NULL, "kP", k);
   own = tree_enter(w, k);
@@ -38,7 +27,7 @@ static void energy_write_kinetic(const code *w, int k)
       code_add(&s, 1.0, code_now.lambda[i][a], V[i]);
     }
     for (int b = 0; b < L->n; b++) {
-      code_add_one(&s, M[a][b], energy_motion(k, "q_dot", b));
+      code_add_one(&s, M[a][b], code_plain("m->body_%d.q_dot[%d]", k, b));
     }
     e[a] = code_end(&own, &s, code_variable("ke_%d", a));
   }
@@ -77,9 +66,10 @@ static void energy_write_potential(const code *w, int k)
     code_write_value(&own, i);
   }
   for (int i = 0; i < 3; i++) {
-    code_add_one(&energy_sums.gravity, -code_gravity(i) * (double)L->model->mass, energy_motion(k, "position", i));
+    code_add_one(&energy_sums.gravity, -code_gravity(i) * (double)L->model->mass,
+                 code_plain("m->body_%d.position[%d]", k, i));
     for (int j = 0; j < 3; j++) {
-      code_add(&energy_sums.gravity, -code_gravity(i), energy_motion(k, "R", 3 * i + j), code_now.value[j]);
+      code_add(&energy_sums.gravity, -code_gravity(i), code_plain("m->body_%d.R[%d]", k, 3 * i + j), code_now.value[j]);
     }
   }
   tree_leave(k);

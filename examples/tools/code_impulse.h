@@ -379,10 +379,14 @@ static void rows_write_taken(const code *w, code_value taken[6], int r, int s)
   memcpy(row->eff[s], row->pure[s], sizeof row->eff[s]);
   if (end->link >= 0 && end->moves && !tree.link[end->link].open) {
     const tree_link *const L = &tree.link[end->link];
-    const code own = tree_enter(w, end->link);
-    code_of_names = "";
-    code_write_solve(&own, row->bent[s], row->e[s], code_variable("%sw", name.name).name);
-    tree_leave(end->link);
+    if (constraint.by) {
+      constraint.by(w, end->link, row->bent[s], row->e[s], code_variable("%sw", name.name).name);
+    } else {
+      const code own = tree_enter(w, end->link);
+      code_of_names = "";
+      code_write_solve(&own, row->bent[s], row->e[s], code_variable("%sw", name.name).name);
+      tree_leave(end->link);
+    }
     for (int i = 0; i < 6; i++) {
       code_begin(&sum);
       for (int a = 0; a < L->n; a++) {
@@ -637,7 +641,7 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
 /* Multiplier of row r as a value */
 static code_value rows_mu(int r)
 {
-  return constraint.row[r].acts < 0 ? code_constant(0.0) : code_variable("mu[%d]", constraint.row[r].acts);
+  return constraint.row[r].acts < 0 ? code_constant(0.0) : code_plain("mu[%d]", constraint.row[r].acts);
 }
 
 /* The speeds under the constraints, in place of code_write_substitution. */

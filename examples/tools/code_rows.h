@@ -40,8 +40,12 @@ typedef struct rows_row {
   int acts;                                             /* its place among those that move anything, -1: none */
 } rows_row;
 
+/* y = E^-1 x, x on the modes of link k; tag: of the names of y. */
+typedef void rows_solve(const code *w, int k, code_value *y, const code_value *x, const char *tag);
+
 static struct rows { /* the rows of all loops */
   int n, n_loop, acting;
+  rows_solve *by; /* how modes take them; NULL: by M, in the correction of SDIRK by its matrix */
   rows_loop loop[FB_MAX_LOOPS];
   rows_row row[ROWS_MOST];
 } constraint;

@@ -5,7 +5,8 @@
    on with the residual r = f - k: (M + g C + g^2 K) z = g r_p - g^2 K r_v. Positions, Lambda and S are those of the
    evaluation; modes are eliminated within their body by E = M + g C + g^2 K, of S is left
    S + Lambda (M^-1 - E^-1) Lambda^T, summed from the tips and factored as M is; modes that move a joint have g C + g^2 K
-   in their rows of the matrix (code_node.h). Names of the correction begin with n. */
+   in their rows of the matrix (code_node.h). Loops hold in each correction, A z = 0, by the rows of the evaluation and
+   the factors of this matrix (code_impulse.h). Names of the correction begin with n. */
 #ifndef CODE_SDIRK_H
 #define CODE_SDIRK_H
 
@@ -35,32 +36,18 @@ static inline const char *sdirk_refusal(const fb_system *system)
       return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
     }
   }
-  if (system->n_spring > 0) {
-    return "springs between points by integrator sdirk: choose integrator rk4";
-  }
-  return system->n_loop > 0 ? "loops by integrator sdirk: choose a tree, or integrator rk4" : NULL;
-}
-
-/* A variable that is not of the correction. */
-static code_value sdirk_plain(const char *name, int at)
-{
-  const char *const names = code_of_names;
-  code_value v;
-  code_of_names = "";
-  v = at < 0 ? code_variable("%s", name) : code_variable("%s_%d", name, at);
-  code_of_names = names;
-  return v;
+  return system->n_spring > 0 ? "springs between points by integrator sdirk: choose integrator rk4" : NULL;
 }
 
 /* Residual of a number of the vector. */
 static code_value sdirk_rest(int at)
 {
-  return sdirk_plain("res", at);
+  return code_plain("res_%d", at);
 }
 
 static code_value sdirk_g(double c, int square)
 {
-  code_value g = sdirk_plain(square ? "g2" : "g", -1);
+  code_value g = code_plain(square ? "g2" : "g");
   g.c = c;
   return g;
 }
@@ -421,7 +408,16 @@ static void sdirk_write_solve(const code *w)
   }
   code_of_names = "n";
   tree_write_factors(w, order, names, n);
-  code_write_substitution(w, &code_solver, names);
+  if (constraint.n > 0) {
+    constraint.by = sdirk_write_eliminated;
+    for (int k = 0; k < tree.n; k++) {
+      memcpy(tree.link[k].rates.pi, sdirk[k].right, sizeof sdirk[k].right);
+    }
+    rows_write_solve(w, &code_solver, order, names, 0);
+    constraint.by = NULL;
+  } else {
+    code_write_substitution(w, &code_solver, names);
+  }
   for (int i = 0; i < n; i++) {
     tree_right[order[i]] = code_solver.x[i];
   }
@@ -436,6 +432,7 @@ static void sdirk_write_solve(const code *w)
       for (int i = 0; i < 6; i++) {
         code_add(&s, -1.0, L->rates.lambda[i][a], L->V[i]);
       }
+      rows_add(&s, 1.0, k, a, rows_pushed);
       e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
     }
     if (!L->open) {
@@ -831,19 +828,20 @@ static void sdirk_write_step(const code *w)
   sdirk_write_stage(w);
   code_template(w, sdirk_step_head);
   code_template(w, tree.system->allow_long_step ? "%Z" : ", longest = %z");
-  code_template(w, tree.root >= 0 ? ", center[3];\n" : ";\n");
+  code_template(w, tree_leads() ? ", center[3];\n" : ";\n");
   code_template(w, sdirk_step_begin);
   if (w->lanes) {
     code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
   }
   code_template(w, tree.n_given > 0 ? sdirk_drives : "");
-  code_template(w, tree.root >= 0 ? "  @_center(%Acenter, x);\n" : "");
+  code_template(w, tree_leads() ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);
   code_template(w, sdirk_step_rest);
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
   code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
-  code_template(w, tree.root >= 0 ? ", center, dt, 1)" : ")");
+  code_template(w, tree_leads() ? ", center, dt, 1" : "");
+  code_template(w, constraint.n > 0 ? ", end)" : ")");
   code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
 }
 #endif

@@ -76,17 +76,39 @@ static code_value code_constant(double c)
 
 static const char *code_of_names = ""; /* of the names of variables */
 
+static code_value code_named(const char *prefix, const char *format, va_list list)
+{
+  code_value v = {1.0, ""};
+  const int at = snprintf(v.name, sizeof v.name, "%s", prefix);
+  vsnprintf(v.name + at, sizeof v.name - (size_t)at, format, list);
+  return v;
+}
+
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
 static code_value
 code_variable(const char *format, ...)
 {
-  code_value v = {1.0, ""};
   va_list list;
-  const int at = snprintf(v.name, sizeof v.name, "%s", code_of_names);
+  code_value v;
   va_start(list, format);
-  vsnprintf(v.name + at, sizeof v.name - (size_t)at, format, list);
+  v = code_named(code_of_names, format, list);
+  va_end(list);
+  return v;
+}
+
+/* One that is the same whatever body or correction is written. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+static code_value
+code_plain(const char *format, ...)
+{
+  va_list list;
+  code_value v;
+  va_start(list, format);
+  v = code_named("", format, list);
   va_end(list);
   return v;
 }

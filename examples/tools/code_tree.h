@@ -1492,13 +1492,30 @@ static void rows_write_impacts(const code *w)
   }
 }
 
-/* Of SDIRK: |w| dt <= 1/10, and what stiffens. */
+/* Of SDIRK: |w| dt <= 1/10, what stiffens, and the springs and dampers of loops, which no iteration matrix has. */
 static const char *const sdirk_longest[2] = {
-    "    g = sqrt~(stiffening);\n    bound = g > `10` * fastest ? g : `10` * fastest;\n"
+    "    bound = g > `10` * fastest ? g : `10` * fastest;\n"
     "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n",
-    "    g = sqrt~(stiffening);\n    bound = @_either(g > `10` * fastest, g, `10` * fastest);\n"
+    "    bound = @_either(g > `10` * fastest, g, `10` * fastest);\n"
     "    *longest = %Wbound * @_huge > `1`%, `1` / bound%! +\n"
     "               %Fbound * @_huge > `1`%:%Wbound >= `0`%, %z + @_huge%!%;;\n  }\n"};
+
+static void sdirk_write_longest(const code *w)
+{
+  const double elastic = (double)tree.system->limit_kept_elastic, damping = (double)tree.system->limit_kept_damping;
+  char number[40];
+  code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
+  code_number(number, w, elastic);
+  code_template(w, "    g = sqrt~(stiffening");
+  fprintf(w->out, elastic > 0.0 ? " + %s);\n" : ");\n", number);
+  if (damping > 0.0) {
+    code_number(number, w, damping);
+    code_template(w, w->lanes ? "    bound = %z + " : "    bound = ");
+    fprintf(w->out, "%s;\n", number);
+    code_template(w, w->lanes ? "    g = @_either(g > bound, g, bound);\n" : "    g = g > bound ? g : bound;\n");
+  }
+  code_template(w, sdirk_longest[w->lanes != 0]);
+}
 
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
@@ -1539,13 +1556,12 @@ static void tree_write_limit(const code *w)
       tree_write_larger(w, "stiffening", "stiff", k);
     }
   }
+  rows_write_impacts(w);
   if (tree.implicit) {
-    code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
-    code_template(w, sdirk_longest[w->lanes != 0]);
+    sdirk_write_longest(w);
     return;
   }
   tree_write_impacts(w);
-  rows_write_impacts(w);
   code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
   for (int j = 0; j < tree.system->n_spring; j++) {
     spans_write_bound(&inner, &code_solver, tree_solved, j);

@@ -629,7 +629,7 @@ static void build_loop(int which, int l)
   loop->pitch = at.kind == FB_JOINT_SCREW ? FB_R(0.3) : FB_R(0.0);
   for (int i = 0; i < 3 && (loops[l].child & RUBS); i++) {
     loop->stiffness[i] = FB_R(10.0);
-    loop->damping[i] = FB_R(0.4);
+    loop->damping[i] = which == 54 && hard > 1 ? FB_R(40.0) : FB_R(0.4); /* which bounds steps of SDIRK */
   }
   if ((loops[l].child & RUBS) && at.kind != FB_JOINT_SPHERICAL) {
     loop->rest[0] = FB_R(0.05);
