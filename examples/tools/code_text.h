@@ -102,7 +102,7 @@ code_variable(const char *format, ...)
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
-static code_value
+static inline code_value
 code_plain(const char *format, ...)
 {
   va_list list;
