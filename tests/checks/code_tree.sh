@@ -286,6 +286,7 @@ try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
 refuse "a spring between what flies and the ground" none.h "spring strut ground array.tip" "stiffness 1" "end"
+refuse "a spring between what flies and the ground, or what hangs" none.h "body arm rigid" "hub 1 0 0 0 1 1 1" "end" "joint arm revolute ground arm" "end" "spring strut arm array.tip" "stiffness 1" "end"
 refuse "springs between points by integrator sdirk" none.h "spring strut hub array.tip" "stiffness 1" "end" "integrator sdirk" "step 0.01"
 refuse "--code: pull of a spring" none.h "spring strut hub array.tip" "stiffness 1" "pull constant 1" "end"
 refuse "--code: load and nudge: .* (line 25); pull of a spring: .* (line 22); event: .* (line 21)" none.h "event 1 lock hinge 1" "spring strut hub array.tip" "pull constant 1" "end" \
