@@ -401,6 +401,11 @@ static const struct {
      0,
      1,
      {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_SPHERICAL, -1, RIGID}}},
+    /* 70: a beam that a loop holds altogether, beside a prescribed crank */
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -445,7 +450,8 @@ static const struct {
              {61, FB_JOINT_SPHERICAL, 1 + TIP, 2},
              {62, FB_JOINT_SPHERICAL, -1, 1},
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
-             {69, FB_JOINT_SPHERICAL, 0, 2}};
+             {69, FB_JOINT_SPHERICAL, 0, 2},
+             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
 static const struct {
   int tree, body[2];
