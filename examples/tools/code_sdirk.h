@@ -22,10 +22,7 @@ static sdirk_link sdirk[FB_MAX_BODIES];
 static inline int sdirk_is_held(const fb_system *system, int k)
 {
   const fb_axis_mode mode = tree_is_given(&system->joint[k]) ? system->joint[k].mode[0] : FB_AXIS_FREE;
-  while (system->joint[k].kind != FB_JOINT_FREE && system->joint[k].parent >= 0) {
-    k = system->joint[k].parent;
-  }
-  return mode == FB_AXIS_LOCKED || (mode == FB_AXIS_PRESCRIBED && system->joint[k].kind == FB_JOINT_FREE);
+  return mode == FB_AXIS_LOCKED || (mode == FB_AXIS_PRESCRIBED && tree_is_free(system, k));
 }
 
 /* What of a system has no L-stable step here; NULL: nothing. */

@@ -326,18 +326,22 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* What of springs between points is not written; NULL: nothing. */
+/* Does body k, -1 the ground, hang on a free root? Of a system that is not read yet. */
+static int tree_is_free(const fb_system *system, int k)
+{
+  while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
+    k = system->joint[k].parent;
+  }
+  return k >= 0;
+}
+
+/* What of springs between points is not written; NULL: nothing. The step of what flies does not know where it is. */
 static const char *spans_refusal(const fb_system *system)
 {
-  for (int j = 0; j < system->n_spring; j++) {
-    for (int side = 0; side < 2; side++) {
-      int k = system->spring[j].body[side];
-      while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
-        k = system->joint[k].parent;
-      }
-      if (k >= 0 && system->spring[j].body[1 - side] < 0 && system->tied < 2) {
-        return "a spring between what flies and the ground: choose points of bodies";
-      }
+  for (int j = 0; j < system->n_spring && system->tied < 2; j++) {
+    const int *const on = system->spring[j].body;
+    if (tree_is_free(system, on[0]) != tree_is_free(system, on[1])) {
+      return "a spring between what flies and the ground, or what hangs on that: choose points of one tree";
     }
   }
   return NULL;

@@ -401,6 +401,11 @@ static const struct {
      0,
      1,
      {{FB_JOINT_FREE, -1, PANEL}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_SPHERICAL, -1, RIGID}}},
+    /* 70: a beam that a loop holds altogether, beside a prescribed crank */
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -445,7 +450,8 @@ static const struct {
              {61, FB_JOINT_SPHERICAL, 1 + TIP, 2},
              {62, FB_JOINT_SPHERICAL, -1, 1},
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
-             {69, FB_JOINT_SPHERICAL, 0, 2}};
+             {69, FB_JOINT_SPHERICAL, 0, 2},
+             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
 static const struct {
   int tree, body[2];
@@ -758,34 +764,41 @@ static void build(int which)
 }
 
 #ifdef WRITE
+/* A line WORD(k, ..) of them, if there is one. */
+static void write_member(int is, const char *word, int k, const char *rest)
+{
+  if (is) {
+    printf("%s(%d%s)\n", word, k, rest);
+  }
+}
+
 /* Members of the state and the input, for the program that steps the tree; acts: with loads at nodes. */
 static void write_members(int acts)
 {
   for (int k = 0; k < desc.n_body; k++) {
-    const int axes = mechanism.joint[k].n_axis, n = model[desc.model[k]].n;
-    const int free = desc.joint[k].mode[0] == FB_AXIS_FREE;
-    printf(is_wheel(k) ? "" : "LOAD(%d)\n", k);
-    if (desc.joint[k].kind == FB_JOINT_FREE) {
-      printf("MEMBER(%d, x, PLACE)\nMEMBER(%d, lost_x, LOST)\n", k, k);
-      printf(mechanism.tied < 2 ? "MEMBER(%d, u, FRAME)\nMEMBER(%d, lost_u, LOST)\n" : "", k, k);
-    } else if (axes > 0) {
-      printf(free                                      ? "MOTOR(%d)\n"
-             : desc.joint[k].mode[0] == FB_AXIS_LOCKED ? "MEMBER(%d, x, PLACE)\n"
-                                                       : "DRIVE(%d)\nMEMBER(%d, x, VALUE)\n",
-             k, k);
-    }
-    if (desc.joint[k].kind == FB_JOINT_FREE || desc.joint[k].kind == FB_JOINT_SPHERICAL) {
-      printf("MEMBER(%d, quat, ATTITUDE)\n", k);
-    } else if (axes > 0 && free) {
-      printf("MEMBER(%d, x, PLACE)\n", k);
-    }
-    printf(axes > 0 && free ? "MEMBER(%d, p, MOMENTUM)\n" : "", k);
-    printf(model[desc.model[k]].n_rotor > 0 ? "ROTORS(%d)\n" : "", k);
-    printf(n > 0 ? "MEMBER(%d, q, MODE)\nMEMBER(%d, pi, MODE_MOMENTUM)\nMODAL(%d)\n" : "", k, k, k);
+    const fb_joint_desc *const joint = &desc.joint[k];
+    const int moves = mechanism.joint[k].n_axis > 0, n = model[desc.model[k]].n;
+    const int root = joint->kind == FB_JOINT_FREE, is_free = moves && joint->mode[0] == FB_AXIS_FREE;
+    const int turns = root || joint->kind == FB_JOINT_SPHERICAL, locked = joint->mode[0] == FB_AXIS_LOCKED;
+    write_member(!is_wheel(k), "LOAD", k, "");
+    write_member(root, "MEMBER", k, ", x, PLACE");
+    write_member(root, "MEMBER", k, ", lost_x, LOST");
+    write_member(root && mechanism.tied < 2, "MEMBER", k, ", u, FRAME");
+    write_member(root && mechanism.tied < 2, "MEMBER", k, ", lost_u, LOST");
+    write_member(is_free && !root, "MOTOR", k, "");
+    write_member(moves && !is_free && !locked, "DRIVE", k, "");
+    write_member(moves && !is_free, "MEMBER", k, locked ? ", x, PLACE" : ", x, VALUE");
+    write_member(turns, "MEMBER", k, ", quat, ATTITUDE");
+    write_member(is_free && !turns, "MEMBER", k, ", x, PLACE");
+    write_member(is_free, "MEMBER", k, ", p, MOMENTUM");
+    write_member(model[desc.model[k]].n_rotor > 0, "ROTORS", k, "");
+    write_member(n > 0, "MEMBER", k, ", q, MODE");
+    write_member(n > 0, "MEMBER", k, ", pi, MODE_MOMENTUM");
+    write_member(n > 0, "MODAL", k, "");
   }
   printf("#ifdef ACT\n");
-  for (int k = 0; k < desc.n_body && acts; k++) {
-    printf(is_wheel(k) ? "" : "ACT(%d)\n", k);
+  for (int k = 0; k < desc.n_body; k++) {
+    write_member(acts && !is_wheel(k), "ACT", k, "");
   }
   printf("#endif\n#ifdef SEEN\n");
   for (int k = 0; k < desc.n_body; k++) {
@@ -793,9 +806,15 @@ static void write_members(int acts)
     const int turns = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL;
     printf("SEEN(%d, position, pose[%d].rho)\nSEEN(%d, v, motion[%d].v)\nSEEN(%d, w, motion[%d].w)\nTURNED(%d)\n", k, k,
            k, k, k, k, k);
-    printf(joint->n_axis > 0 && !turns ? "SEEN(%d, speed, joint[%d].speed)\n" : "", k, k);
-    printf(model[desc.model[k]].n > 0 ? "SEEN(%d, q_dot, motion[%d].q_dot)\n" : "", k, k);
-    printf(model[desc.model[k]].n_rotor > 0 ? "SEEN(%d, rotor_speed, motion[%d].rotor_speed)\n" : "", k, k);
+    if (joint->n_axis > 0 && !turns) {
+      printf("SEEN(%d, speed, joint[%d].speed)\n", k, k);
+    }
+    if (model[desc.model[k]].n > 0) {
+      printf("SEEN(%d, q_dot, motion[%d].q_dot)\n", k, k);
+    }
+    if (model[desc.model[k]].n_rotor > 0) {
+      printf("SEEN(%d, rotor_speed, motion[%d].rotor_speed)\n", k, k);
+    }
   }
   printf("#endif\n");
 }
