@@ -41,11 +41,14 @@ static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char 
     while (body < s->n_body && strcmp(s->body[body].name, name) != 0) {
       body++;
     }
-    if (body < s->n_body) {
+    if (body < s->n_body && at[n - 1] != '.') {
       node = *part ? scene_find_node(&s->body[body], part) : 0;
     }
     if (node < 0 || nodes[body] >> node & 1u) {
-      scene_fail(s, "--loads wants nodes, BODY.NODE or BODY for its origin, each once: %.*s", n, at);
+      scene_fail(s, "--loads wants nodes, BODY.NODE or BODY for its origin, each once: %.*s%s", n, at,
+                 body == s->n_body ? " (no such body)"
+                 : node < 0        ? " (the body has no such node)"
+                                   : " (twice)");
       return 0;
     }
     nodes[body] |= 1u << node;
