@@ -95,12 +95,6 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
       {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
       {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
       {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
-      {s->n_drive, s->drive[0].line,
-       "motor, value and rate: the caller gives the torques of motors, and value and rate of an axis "
-       "with mode prescribed, as input"},
-      {scene_code_rotors(s), text_seen(&s->seen, "rotor"),
-       "motor and momentum of a rotor: the caller gives them as input"},
-      {s->n_control, text_seen(&s->seen, "control"), "control: the caller gives the torques of motors as input"},
       {scene_code_pulls(s), text_seen(&s->seen, "spring"), "pull of a spring: choose a spring without an actuator"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
@@ -121,6 +115,23 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
            "to the ground it is a tree, of rk4 or sdirk");
   }
   return 0;
+}
+
+/* Lines in whose place the step has inputs; where the scene starts they count. */
+static void scene_code_tell(const scene *s)
+{
+  const struct {
+    int n, line; /* of the first */
+    const char *what;
+  } given[] = {{s->n_drive, s->drive[0].line, "motor, value and rate of joints"},
+               {scene_code_rotors(s), text_seen(&s->seen, "rotor"), "motor and momentum of rotors"},
+               {s->n_control, text_seen(&s->seen, "control"), "control"}};
+  for (int k = 0; k < (int)(sizeof given / sizeof *given); k++) {
+    if (given[k].n > 0) {
+      fprintf(stderr, "--code: %s (from line %d) are inputs of the step, which the caller gives\n", given[k].what,
+              given[k].line);
+    }
+  }
 }
 
 /* What of its bodies and joints is not written, in text; "": nothing. */
@@ -180,6 +191,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes, c
     return 1 + scene_failed(s, "the start", status);
   }
   scene_tell_moved(s, stderr);
+  scene_code_tell(s);
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
