@@ -92,6 +92,9 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
     int n, line; /* of the first; 0: none of its own */
     const char *what;
   } other[] = {
+      {!scene_is_system(s) && !s->is_exact, 0,
+       "one body without a joint: flexbeam reduce --code writes its step of rk4; on a joint of kind free to the "
+       "ground it is a tree, of rk4 or sdirk"},
       {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
       {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
       {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
@@ -106,15 +109,7 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
                other[k].line);
     }
   }
-  if (all[0]) {
-    return scene_fail(s, "--code: %s", all);
-  }
-  if (!scene_is_system(s)) {
-    return scene_fail(
-        s, "--code: one body without a joint: flexbeam reduce --code writes its step of rk4; on a joint of kind free "
-           "to the ground it is a tree, of rk4 or sdirk");
-  }
-  return 0;
+  return all[0] ? scene_fail(s, "--code: %s", all) : 0;
 }
 
 /* Lines in whose place the step has inputs; where the scene starts they count. */
