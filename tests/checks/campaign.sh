@@ -386,9 +386,9 @@ apart() {
 apart "$out/library.csv" "$out/lanes1.csv"
 awk "BEGIN { exit !($apart > 0 && $apart < 1e-9) }" || fail "lanes and the library differ by $apart"
 first=$apart
-# a free body, and one on a spherical joint with a spring
-sed -e 's/^body base rigid/&\n  hub 20 0 0.01 0 2 2 3\n  node 0 0.3 0 back/' -e '/^joint turn/,/^end/d' -e '/^parameter rate/d' -e '/^output way/d' -e '/^measure least/d' "$out/arm.txt" > "$out/free.txt"
-printf 'body ball rigid\n  hub 1 0.1 0 0 0.02 0.03 0.04\nend\njoint socket spherical base.back ball\n  stiffness 2\n  damping 0.01\nend\n' >> "$out/free.txt"
+# a free body, one on a locked hinge and one on a spherical joint with a spring
+sed -e 's/^body base rigid/&\n  hub 20 0 0.01 0 2 2 3\n  node 0 0.3 0 back/' -e 's/^body arm beam/body keel rigid\n  hub 1 0 0.1 0 0.1 0.2 0.2\nend\n&/' -e '/^joint turn/,/^end/d' -e '/^parameter rate/d' -e '/^output way/d' -e '/^measure least/d' "$out/arm.txt" > "$out/free.txt"
+printf 'joint bolt revolute base keel\n  mode locked\n  start 1 0.4\nend\nbody ball rigid\n  hub 1 0.1 0 0 0.02 0.03 0.04\nend\njoint socket spherical base.back ball\n  stiffness 2\n  damping 0.01\nend\n' >> "$out/free.txt"
 printf 'scene free.txt\nruns 12\nvary factor list 1 2\nvary force list 1 3 200\nvary work list 0.5 0.5\n' > "$out/free_lanes.txt"
 expect 1 $campaign "$out/free_lanes.txt" --jobs 2 --pictures 0 --out "$out/free_library.csv"
 for lanes in 1 4; do
