@@ -133,28 +133,13 @@ static void energy_write_loop(const code *w, int j)
 static void energy_write_span(const code *w, int j)
 {
   const fb_spring *const spring = &tree.system->spring[j];
-  const int common = spans_common(j);
   const code_value stretch = code_variable("e%d_far", j);
-  code_value x[2][3];
-  code_sum s, square;
-  spans_write_point(w, j, 0, common, x[0]);
-  spans_write_point(w, j, 1, common, x[1]);
-  code_begin(&square);
-  for (int i = 0; i < 3; i++) {
-    code_value step;
-    code_begin(&s);
-    code_add_one(&s, 1.0, x[1][i]);
-    code_add_one(&s, -1.0, x[0][i]);
-    step = code_end(w, &s, code_variable("e%d_step%c", j, tree_axis[i]));
-    code_add(&square, 1.0, step, step);
-  }
-  code_declare(w, &square, code_variable("e%d_square", j).name);
-  code_template(w, "  const $ ");
-  fprintf(w->out, "e%d_length = ", j);
-  code_template(w, "sqrt~(");
-  fprintf(w->out, "e%d_square);\n", j);
+  code_value x[2][3], step[3], length;
+  code_sum s;
+  spans_write_step(w, j, x, step);
+  length = spans_write_norm(w, j, step);
   code_begin(&s);
-  code_add_one(&s, 1.0, code_variable("e%d_length", j));
+  code_add_one(&s, 1.0, length);
   code_add_one(&s, -(double)spring->length, code_constant(1.0));
   code_declare(w, &s, stretch.name);
   code_add(&energy_sums.strain, 0.5 * (double)spring->stiffness, stretch, stretch);

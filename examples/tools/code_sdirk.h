@@ -19,6 +19,7 @@ typedef struct sdirk_link {
 
 static sdirk_link sdirk[FB_MAX_BODIES];
 
+/* Is the axis of joint k locked, or prescribed where it flies? */
 static inline int sdirk_is_held(const fb_system *system, int k)
 {
   const fb_axis_mode mode = tree_is_given(&system->joint[k]) ? system->joint[k].mode[0] : FB_AXIS_FREE;

@@ -70,8 +70,34 @@ static void spans_write_velocity(const code *w, int j, int side, code_value v[3]
   rows_write_turned(w, v, span->R[side], 0, v, NULL, code_variable("e%d_%dV", j, side));
 }
 
-/* Length of spring j, of `step` from its first point to the other, and its direction; refused where they meet. */
-static void spans_write_length(const code *w, int j, const code_value step[3], code_value x[2][3])
+/* The body that both points of spring j hang on, -1: the ground. */
+static int spans_common(int j)
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  int common = spring->body[0];
+  while (!rows_hangs(spring->body[1], common)) {
+    common = tree.link[common].parent;
+  }
+  return common;
+}
+
+/* Places x of both points in the axes of the common body, and the step from the first to the other. */
+static void spans_write_step(const code *w, int j, code_value x[2][3], code_value step[3])
+{
+  const int common = spans_common(j);
+  code_sum s;
+  spans_write_point(w, j, 0, common, x[0]);
+  spans_write_point(w, j, 1, common, x[1]);
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, x[1][i]);
+    code_add_one(&s, -1.0, x[0][i]);
+    step[i] = code_end(w, &s, code_variable("e%d_s%c", j, tree_axis[i]));
+  }
+}
+
+/* Length of a step */
+static code_value spans_write_norm(const code *w, int j, const code_value step[3])
 {
   const code_value length = code_variable("e%d_length", j);
   code_sum s;
@@ -83,6 +109,14 @@ static void spans_write_length(const code *w, int j, const code_value step[3], c
   fprintf(w->out, "  const %s %s = ", code_real(w), length.name);
   code_template(w, "sqrt~(");
   fprintf(w->out, "e%d_square);\n", j);
+  return length;
+}
+
+/* Length of spring j, of `step` from its first point to the other, and its direction; refused where they meet. */
+static void spans_write_length(const code *w, int j, const code_value step[3], code_value x[2][3])
+{
+  const code_value length = spans_write_norm(w, j, step);
+  code_sum s;
   code_template(w, "  if (!%((");
   fprintf(w->out, "%s", length.name);
   code_template(w, " > `16` * %e * (%z");
@@ -181,35 +215,15 @@ static void spans_write_push(const code *w, int j, int side, const code_value fo
   }
 }
 
-/* The body that both points of spring j hang on, -1: the ground. */
-static int spans_common(int j)
-{
-  const fb_spring *const spring = &tree.system->spring[j];
-  int common = spring->body[0];
-  while (!rows_hangs(spring->body[1], common)) {
-    common = tree.link[common].parent;
-  }
-  return common;
-}
-
 /* E9.26 of all springs: loads on the bodies. */
 static void spans_write_loads(const code *w)
 {
   fputs(tree.system->n_spring > 0 ? "\n  /* E9.26: springs between points */\n" : "", w->out);
   for (int j = 0; j < tree.system->n_spring; j++) {
-    const int common = spans_common(j);
     code_value x[2][3], v[2][3], step[3], force[3];
-    code_sum s;
-    for (int side = 0; side < 2; side++) {
-      spans_write_point(w, j, side, common, x[side]);
-      spans_write_velocity(w, j, side, v[side]);
-    }
-    for (int i = 0; i < 3; i++) {
-      code_begin(&s);
-      code_add_one(&s, 1.0, x[1][i]);
-      code_add_one(&s, -1.0, x[0][i]);
-      step[i] = code_end(w, &s, code_variable("e%d_s%c", j, tree_axis[i]));
-    }
+    spans_write_step(w, j, x, step);
+    spans_write_velocity(w, j, 0, v[0]);
+    spans_write_velocity(w, j, 1, v[1]);
     spans_write_force(w, j, force, step, x, v);
     spans_write_push(w, j, 0, force);
     spans_write_push(w, j, 1, force);

@@ -76,13 +76,13 @@ static int tree_solved[CODE_ROWS]; /* order of elimination of code_solver */
 
 #include "code_rows.h"
 
-static struct
-    tree_node { /* of a link: of the node that carries it, where modes move that; of its body, where it is open */
+/* Of a link: of the node that carries it, where modes move that; of its body, where it is open. */
+static struct tree_node {
   rows_end end;
   code_value twist[FB_MAX_MODES][6]; /* Phi, by modes of the parent */
-  code_value I[21], passed[6],
-      rest[6]; /* what hangs on the node, about O of the parent: inertia; what last was passed on; at rest */
-  code_value M_rr[21], spin[6]; /* of an open body; the momenta of its rotors */
+  code_value I[21], rest[6];         /* what hangs on the node, about O of the parent: inertia, momentum at rest */
+  code_value passed[6];              /* what last was passed on */
+  code_value M_rr[21], spin[6];      /* of an open body; the momenta of its rotors */
 } tree_nodes[FB_MAX_BODIES];
 
 /* ---- vectors and matrices of values */
@@ -1504,6 +1504,7 @@ static const char *const sdirk_longest[2] = {
     "    *longest = %Wbound * @_huge > `1`%, `1` / bound%! +\n"
     "               %Fbound * @_huge > `1`%:%Wbound >= `0`%, %z + @_huge%!%;;\n  }\n"};
 
+/* E11.15 of SDIRK, g the largest frequency of what is in no iteration matrix. */
 static void sdirk_write_longest(const code *w)
 {
   const double elastic = (double)tree.system->limit_kept_elastic, damping = (double)tree.system->limit_kept_damping;
