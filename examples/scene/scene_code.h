@@ -57,7 +57,7 @@ static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char 
 }
 
 /* How many lines load nodes that are no inputs yet, which `list` then names. */
-static int scene_code_loads(char list[200], const scene *s, const unsigned loads[FB_MAX_BODIES])
+static int scene_code_loads(char list[TEXT_MESSAGE], const scene *s, const unsigned loads[FB_MAX_BODIES])
 {
   unsigned told[FB_MAX_BODIES];
   int n = 0;
@@ -73,10 +73,10 @@ static int scene_code_loads(char list[200], const scene *s, const unsigned loads
     told[body] |= 1u << node;
     n++;
     if (node == 0 || name[0]) {
-      snprintf(list + at, 200 - at, "%s%s%s%s", at > 0 ? "," : "", s->body[body].name, node > 0 ? "." : "",
+      snprintf(list + at, TEXT_MESSAGE - at, "%s%s%s%s", at > 0 ? "," : "", s->body[body].name, node > 0 ? "." : "",
                node > 0 ? name : "");
     } else {
-      snprintf(list + at, 200 - at, "%s%s.%d", at > 0 ? "," : "", s->body[body].name, node);
+      snprintf(list + at, TEXT_MESSAGE - at, "%s%s.%d", at > 0 ? "," : "", s->body[body].name, node);
     }
   }
   return n;
@@ -86,7 +86,7 @@ static int scene_code_loads(char list[200], const scene *s, const unsigned loads
    nodes that --loads names are inputs. */
 static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
 {
-  char all[TEXT_MESSAGE] = "", list[200], load[300];
+  char all[TEXT_MESSAGE] = "", list[TEXT_MESSAGE], load[TEXT_MESSAGE + 80];
   const int n_load = scene_code_loads(list, s, loads);
   const struct {
     int n, line; /* of the first; 0: none of its own */

@@ -323,6 +323,12 @@ mv "$out/generated.h" "$out/code.h"
 compile
 call='generated_step(&s, 0, 0, 0, 1)'
 main
+# written SCENE: it compiles
+written() {
+  try "$out/scene" "$out/$1.txt" --code "$out/generated.h"
+  mv "$out/generated.h" "$out/code.h"
+  compile
+}
 refused=0
 # refuse WHAT FILE [LINE...]
 refuse() {
@@ -355,9 +361,7 @@ scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub whee
 refuse_loads wheel "wheel: loads would turn with it, a wheel"
 refuse "--code: event" none.h "event 1 lock hinge 1"
 scene "spring strut hub array.tip" "stiffness 1" "length 3" "damping 0.1" "end" "spring line hub array.tip" "stiffness 1" "end"
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
-mv "$out/generated.h" "$out/code.h"
-compile
+written scene
 refuse "a spring between what flies and the ground" none.h "spring strut ground array.tip" "stiffness 1" "end"
 refuse "a spring between what flies and the ground, or what hangs" none.h "body arm rigid" "hub 1 0 0 0 1 1 1" "end" "joint arm revolute ground arm" "end" "spring strut arm array.tip" "stiffness 1" "end"
 refuse "springs between points by integrator sdirk" none.h "spring strut hub array.tip" "stiffness 1" "end" "integrator sdirk" "step 0.01"
@@ -377,9 +381,7 @@ joint tail revolute ground tail
 end
 loop pin revolute array.tip tail
 end'
-try "$out/scene" "$out/bars.txt" --code "$out/generated.h"
-mv "$out/generated.h" "$out/code.h"
-compile
+written bars
 refuse_loop() {
   ! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q -e "$1" "$out/log" || fail "$1: $(tail -n 1 "$out/log")"
   refused=$((refused + 1))
@@ -396,17 +398,13 @@ rotor fly hub
   axis 1 0 0
   inertia 0.1
 end'
-try "$out/scene" "$out/bars.txt" --code "$out/generated.h"
-mv "$out/generated.h" "$out/code.h"
-compile
+written bars
 grounded 'loop pin screw hub array.tip
   position 4.8 0 0
   pitch 1
   stiffness 1
 end'
-try "$out/scene" "$out/bars.txt" --code "$out/generated.h"
-mv "$out/generated.h" "$out/code.h"
-compile
+written bars
 grounded 'loop pin revolute hub array.tip
   position 4.8 0 0
   mode locked
@@ -418,18 +416,14 @@ for mode in locked prescribed; do
   line="  mode $mode
 "
   scene
-  try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
-  mv "$out/generated.h" "$out/code.h"
-  compile
+  written scene
   refuse "tail: a locked or prescribed axis of several" none.h "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end universal hub tail" "mode free $mode" "end"
 done
 line=
 effects="large damping" refuse "array: effects large" none.h
 scene "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end" \
   "rotor fly array" "axis 1 0 0" "inertia 0.1" "end"
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
-mv "$out/generated.h" "$out/code.h"
-compile
+written scene
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 refuse "hub: a rotor with an imbalance" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
 scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "rotor fly hub" "axis 1 0 0" "inertia 0.1" "speed 100" "end"
@@ -445,9 +439,7 @@ printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint we
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint turn revolute ground hub\n  mode prescribed\nend\n' > "$out/still.txt"
 ! "$out/scene" "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move by itself" "$out/log" || fail "a crank alone: $(cat "$out/log")"
 printf 'duration 1\nbody hub beam\n  length 4\n  stations x mass EI_y EI_z\n    0 3 400 3000\n  end\n  modes bend_y 2\nend\njoint weld rigid ground hub\nend\n' > "$out/clamped.txt"
-try "$out/scene" "$out/clamped.txt" --code "$out/generated.h"
-mv "$out/generated.h" "$out/code.h"
-compile
+written clamped
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
 ! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
 # on a free joint it is a tree, also of sdirk: 1,000 steps end where the scene does
