@@ -121,15 +121,20 @@ lanes() {
   try gcc $c99 $1 -DTREE $root -Dgenerated_LANES=$2 -DNUMBER=$3 $small -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
   "$out/run" || fail "tree $tree: $2 lanes are not the single steps"
 }
-# all_lanes [--sdirk]: of one tree
+# all_lanes [--sdirk]: of one tree; with optimization of some, which takes five times as long to compile
+avx=$(grep -q avx2 /proc/cpuinfo && echo -mavx2 || true)
 all_lanes() {
+  case $tree in
+  5 | 12 | 20 | 31 | 43 | 61) level=-O2 ;;
+  *) level=-O0 ;;
+  esac
   write $tree --lanes ${1:-}
   root=$(sed -n 's/^MEMBER(\([0-9]\), lost_x.*/-DROOT=body_\1/p' "$out/members.h")
   compile
   lanes -O0 1 double
-  lanes "$(grep -q avx2 /proc/cpuinfo && echo "-O2 -mavx2" || echo -O0)" 4 double
+  lanes "$level $avx" 4 double
   write $tree --single --lanes ${1:-}
-  lanes -O0 8 float
+  lanes "-O0 $avx" 8 float
 }
 for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69 70; do
   case $tree in # jumps of a crank, and gaps, which loops refuse
