@@ -20345,6 +20345,17 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 /* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
    node; cell, an integration interval; chain, a beam along a polygon of points. */
 
+/* Axes of a description from a quaternion. Elements that are 0, 1 or -1 but for its round-off are so exactly: what is
+   turned by right angles then has no terms of round-off, which steps would take for couplings. */
+static void fbi_axes_from_quat(fb_real R[9], const fb_real quat[4])
+{
+  fb_quat_to_mat33(R, quat);
+  for (int i = 0; i < 9; i++) {
+    const fb_real whole = R[i] > FB_R(0.5) ? FB_R(1.0) : R[i] < -FB_R(0.5) ? -FB_R(1.0) : FB_R(0.0);
+    R[i] = FB_FABS(R[i] - whole) <= FB_R(4.0) * FB_EPSILON ? whole : R[i];
+  }
+}
+
 #define FBI_WORD_ATTITUDE "attitude, a quaternion whose length can be brought to 1, or all zero"
 
 /* Unit quaternion of a desc's attitude; all zeros mean identity. */
@@ -21133,7 +21144,7 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   }
 
   /* Axes and mass */
-  fb_quat_to_mat33(checked.axes, quat);
+  fbi_axes_from_quat(checked.axes, quat);
   checked.mass = fbi_beam_mass(&checked);
   if (!(checked.mass > FB_R(0.0))) {
     return FBI_REFUSE(FB_ERR_VALUE, "mass [kg] of all stations and lumps, above", -1, checked.mass, FB_R(0.0));
@@ -23990,7 +24001,7 @@ static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
     phi[1] = angle * (axis[0] / across);
   }
   fb_quat_from_rotvec(quat, phi);
-  fb_quat_to_mat33(R, quat);
+  fbi_axes_from_quat(R, quat);
 }
 
 /* Fields of all modes between two points of an imported line, chord axes x along e: E6.1 between their displacements
@@ -27516,7 +27527,7 @@ static void fbi_joint_twists(fb_joint *joint)
 static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
 {
   const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_quat_to_mat33(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
+  fbi_axes_from_quat(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
 }
 
 /* A side of a joint has an axis, which is one, or an attitude, or neither. */

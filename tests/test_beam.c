@@ -654,6 +654,39 @@ TEST(bad_beams_are_refused_and_leave_the_output_alone)
   FBT_TRUE(memcmp(&beam, &pattern, sizeof beam) == 0);
 }
 
+/* >>beam: axes turned by right angles, one after the other, are exactly those of the body, in another order and
+   direction: no element is the round-off of a sine. Axes at another angle keep what is theirs. */
+TEST(right_angles_leave_no_round_off)
+{
+  const double pi = 3.14159265358979324;
+  uniform_desc(&desc, 2);
+  for (int turns = 0; turns < 64; turns++) {
+    fb_real quat[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)}, R[9];
+    int whole = 0;
+    for (int axis = 0; axis < 3; axis++) {
+      const fb_real before[4] = {quat[0], quat[1], quat[2], quat[3]};
+      fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, by[4];
+      turn[axis] = (fb_real)(pi / 2 * (turns >> 2 * axis & 3));
+      fb_quat_from_rotvec(by, turn);
+      fb_quat_mul(quat, before, by);
+    }
+    memcpy(desc.attitude, quat, sizeof quat);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    fb_quat_to_mat33(R, quat);
+    FBT_BELOW(fbt_difference(beam.axes, R, 9), 4.0 * EPS);
+    for (int i = 0; i < 9; i++) {
+      const double size = fabs((double)beam.axes[i]);
+      whole += !(size > 0) || !(size < 1 || size > 1);
+    }
+    FBT_INT_EQ(whole, 9);
+  }
+  memset(desc.attitude, 0, sizeof desc.attitude);
+  desc.attitude[0] = FB_R(1.0);
+  desc.attitude[3] = FB_R(16.0) * FB_EPSILON;
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_NEAR_REL(beam.axes[3], 32.0 * EPS, 1e-3);
+}
+
 /* >>beam: the largest desc is accepted; a beam without mass of its own may carry bodies; the attitude is
    normalized, and all zero means none. */
 TEST(good_beams_keep_their_desc)
@@ -1013,4 +1046,5 @@ SUITE(beam, RUN(a_pretwisted_beam_bends_as_its_sections_turn), RUN(offset_center
       RUN(a_chain_follows_its_points), RUN(element_matrices_match_the_textbook_ones),
       RUN(rigid_motion_of_an_element_gives_no_strain), RUN(tapered_stations_integrate_exactly),
       RUN(sections_are_interpolated_between_stations), RUN(lumped_bodies_must_have_a_physical_inertia),
-      RUN(bad_beams_are_refused_and_leave_the_output_alone), RUN(good_beams_keep_their_desc))
+      RUN(bad_beams_are_refused_and_leave_the_output_alone), RUN(right_angles_leave_no_round_off),
+      RUN(good_beams_keep_their_desc))
