@@ -187,6 +187,19 @@ static double code_chop(double x, double size)
   return fabs(x) <= 1024.0 * DBL_EPSILON * size ? 0.0 : code_snap(x);
 }
 
+/* Size of element e of S, of the undeformed body: below its round-off it is that of a sum that cancels. */
+static double code_size(const fb_body *body, int e)
+{
+  const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
+  return sqrt(fabs((double)body->S0[fb_sym6_index(i, i)] * (double)body->S0[fb_sym6_index(j, j)]));
+}
+
+/* x as a coefficient of the body, or zero where it is round-off of `size` */
+static double code_whole(double x, double size)
+{
+  return fabs(x) <= 16.0 * DBL_EPSILON * size ? 0.0 : x;
+}
+
 /* M_rr_ij, in which what S and Lambda M^-1 Lambda^T have in common is gone: coefficients of round-off become zero. */
 static void code_make_M(code_poly *p, code_poly *size, int i, int j)
 {
@@ -196,7 +209,7 @@ static void code_make_M(code_poly *p, code_poly *size, int i, int j)
     code_products_add(p, i, j, 0);
     code_products_add(size, i, j, 1);
   }
-  p->constant = code_chop(p->constant, size->constant);
+  p->constant = code_whole(code_chop(p->constant, size->constant), code_size(code_model.body, fb_sym6_index(i, j)));
   for (int a = 0; a < code_model.n; a++) {
     p->linear[a] = code_chop(p->linear[a], size->linear[a]);
     for (int b = 0; b < code_model.n; b++) {
@@ -334,8 +347,9 @@ static void code_make_center(const fb_body *body)
   memset(&p, 0, sizeof p);
   for (int i = 0; i < 3; i++) {
     const char name[4] = {'c', '_', (char)('x' + i), 0};
-    p.constant = (double)code_center(body)[i];
-    code_poly_hub(&p, fb_sym6_index((i + 1) % 3, 3 + (i + 2) % 3)); /* row v, column w of M_rr: -c^ */
+    const int e = fb_sym6_index((i + 1) % 3, 3 + (i + 2) % 3); /* row v, column w of M_rr: -c^ */
+    p.constant = code_whole((double)code_center(body)[i], code_size(body, e));
+    code_poly_hub(&p, e);
     for (int b = 0; b < body->n; b++) {
       p.linear[b] = code_model.lambda[i].constant[b];
       for (int a = 0; a < body->n; a++) {

@@ -592,10 +592,7 @@ static void tree_write_body(const code *w, int k)
   code_write_solve(&own, code_now.pb, code_now.pi, "b");
   code_write_inertia(&own);
   for (int e = 0; e < 21 && code_model.constant_S; e++) {
-    const double size = sqrt(fabs((double)L->model->S0[fb_sym6_index(fbi_sym6_row[e], fbi_sym6_row[e])] *
-                                  (double)L->model->S0[fb_sym6_index(fbi_sym6_column[e], fbi_sym6_column[e])]));
-    const double c = (double)L->model->S0[e];
-    code_now.S[e] = code_constant(fabs(c) <= 16.0 * DBL_EPSILON * size ? 0.0 : c);
+    code_now.S[e] = code_constant(code_whole((double)L->model->S0[e], code_size(L->model, e)));
   }
   for (int i = 0; i < 6; i++) {
     code_begin(&s);
