@@ -9,6 +9,7 @@
 #include "code_read.h"
 #include "code_rotors.h"
 #include "code_text.h"
+#include "../common/output.h"
 
 /* What an evaluation has written so far. */
 typedef struct code_rates {
@@ -48,7 +49,7 @@ static void code_write_state(const code *w)
 static void code_write_lambda(const code *w)
 {
   code_sum s;
-  fputs("\n  /* E8.9: Lambda(q), momenta of the frame by rates of the modes */\n", w->out);
+  fputs(w->n > 0 ? "\n  /* E8.9: Lambda(q), momenta of the frame by rates of the modes */\n" : "", w->out);
   for (int i = 0; i < 6; i++) {
     for (int b = 0; b < w->n; b++) {
       code_begin(&s);
@@ -231,9 +232,12 @@ static void code_write_S(const code *w, int e)
 
 static void code_write_inertia(const code *w)
 {
-  fputs("\n  /* gradients of M_rr(q): of moments of inertia M, second moments of mass E, halved where of M_w_w and E "
-        "*/\n",
-        w->out);
+  fputs(
+      w->n > 0
+          ? "\n  /* gradients of M_rr(q): of moments of inertia M, second moments of mass E, halved where of M_w_w and "
+            "E */\n"
+          : "",
+      w->out);
   memset(code_now.valued, 0, sizeof code_now.valued);
   for (int k = 0; k < code_model.n_poly; k++) {
     code_write_slope(w, k);
@@ -2003,9 +2007,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   static const char *const bases[3] = {"free", "pinned", "prescribed"};
   const unsigned crc = fbi_body_crc(body, w->single);
   fprintf(w->out, "/* %s - made by reduce --code from ", w->name);
-  for (const char *c = source; *c; c++) { /* not to end the comment */
-    fputc(*c == '*' ? '?' : *c, w->out);
-  }
+  output_source(w->out, source);
   fprintf(w->out,
           " with flexbeam %s, %s precision, model 0x%08X: a body\n"
           "   of %d modes on a %s base and its step of rk4, by the equations of fb_rk4_step (E8.9: "

@@ -2104,9 +2104,7 @@ static void tree_write_head(const code *w, const char *source, unsigned crc)
 {
   const char *const scheme = tree.implicit ? "sdirk" : "rk4";
   fprintf(w->out, "/* %s - made by scene --code from ", w->name);
-  for (const char *c = source; *c; c++) { /* not to end the comment */
-    fputc(*c == '*' ? '?' : *c, w->out);
-  }
+  output_source(w->out, source);
   fprintf(w->out,
           " with flexbeam %s, %s precision, model 0x%08X: %d\n   bodies on joints and their step of %s, by the "
           "equations of fb_system_%s_step (%s: tests/reference/THEORY.md).\n"

@@ -3,6 +3,7 @@
 #ifndef ROM_H
 #define ROM_H
 #include "config.h"
+#include "../common/output.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -370,9 +371,7 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
 {
   rom r = {out, single, 0};
   fprintf(out, "/* %s - made by reduce from ", name);
-  for (const char *c = source; *c; c++) { /* not to end the comment */
-    fputc(*c == '*' ? '?' : *c, out);
-  }
+  output_source(out, source);
   fprintf(out, " for flexbeam %s; include flexbeam.h first. C99, or C++20.\n", FB_VERSION);
   rom_capacities(&r, body);
   fprintf(
