@@ -19137,6 +19137,20 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
   return s * s * sum;
 }
 
+/* E11.25 of modes, which are small against what moves them. They have converged if the last correction is at most a
+   tenth of their increment, or round-off. That of stiff modes passes through zero, so they also have if the next one,
+   smaller by the ratio of the last two corrections of all, is at most 3e-4 of their deflection or 3e-7 of all increments.
+   Squares. */
+static fb_status fbi_modes_check(fb_real before, fb_real last, fb_real change, fb_real bent, fb_real bent_change,
+                                 fb_real deflection)
+{
+  const fb_real bound = fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON);
+  const fb_real next = FB_R(1e-7) * fbi_larger(deflection, FB_R(1e-6) * change);
+  return bent > bound && !(last * bent <= before * next)
+             ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(bent), FB_SQRT(bound))
+             : FB_OK;
+}
+
 /* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
    (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
    K, C: modes, springs and dampers of the tree's joints, their friction and stops; M at the present positions.
@@ -19148,7 +19162,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
                                   const fb_system_input *input, fb_real g, fb_real dt, int iterations)
 {
   fb_status status = FB_OK;
-  fb_real first = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change;
+  fb_real first = FB_R(0.0), before = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change, deflection;
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     /* Rates f at base + g k */
     fbi_system_advance(&w->stage, base, g, k, system, w, body);
@@ -19176,7 +19190,8 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     if (status == FB_OK) {
       fbi_newton_take(&w->rate, w, system, body, &w->stage, g);
       fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, w, body);
-      last = i == 0 || i == iterations - 1 ? fbi_rates_size(&bent, &w->rate, system, w, body, g) : last;
+      before = last;
+      last = fbi_rates_size(&bent, &w->rate, system, w, body, g);
       first = i == 0 ? last : first;
     }
   }
@@ -19184,10 +19199,9 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
   /* Convergence (E11.25) */
   if (status == FB_OK && iterations > 1) {
     change = fbi_rates_size(&bent_change, k, system, w, body, g);
+    (void)fbi_rates_size(&deflection, &w->stage, system, w, body, FB_R(1.0));
     status = fbi_stage_check(first, last, change);
-    if (bent > fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON)) {
-      status = FB_ERR_CONVERGENCE; /* separately: small against a free-flying body's motion */
-    }
+    status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
 #if FB_WITH_ROTORS
     for (int i = 0; i < system->n_body && system->carries_rotors && status == FB_OK; i++) {
       if (!fbi_rotors_have_settled(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
@@ -20346,11 +20360,11 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
    node; cell, an integration interval; chain, a beam along a polygon of points. */
 
 /* Axes of a description from a quaternion. Elements that are 0, 1 or -1 but for its round-off are so exactly: what is
-   turned by right angles then has no terms of round-off, which steps would take for couplings. */
+   turned by right angles then has no terms of round-off, which steps would take for couplings. Small angles stay. */
 static void fbi_axes_from_quat(fb_real R[9], const fb_real quat[4])
 {
   fb_quat_to_mat33(R, quat);
-  for (int i = 0; i < 9; i++) {
+  for (int i = 0; i < 9 && R[0] + R[4] + R[8] < FB_R(2.5); i++) {
     const fb_real whole = R[i] > FB_R(0.5) ? FB_R(1.0) : R[i] < -FB_R(0.5) ? -FB_R(1.0) : FB_R(0.0);
     R[i] = FB_FABS(R[i] - whole) <= FB_R(4.0) * FB_EPSILON ? whole : R[i];
   }

@@ -102,6 +102,53 @@ TEST(a_fast_sled_does_not_hide_what_bends)
   FBT_TRUE(taken > 2 && refused > 2);
 }
 
+/* The modes of a stiff rod on the hinge of a hub that spins, driven to and fro, after 200 steps, and the largest of any of
+   them on the way; 0 where a step is refused. */
+static int on_spinning_hub(double q[3], double *most, double spin, double dt, int iterations)
+{
+  fb_status status = FB_OK;
+  fresh();
+  rigid(&model[0], 20.0, 0.1, 0.0, 0.0, 4.0, 3.0, 5.0);
+  second = 0.05; /* 400 times as stiff as at 1 */
+  body_desc.zeta[0] = body_desc.zeta[1] = body_desc.zeta[2] = FB_R(0.005);
+  flexible(&model[1], 2, 1, 0, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
+  second = 1.0;
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_REVOLUTE, 0, 1);
+  desc.joint[1].stiffness[0] = FB_R(3.0);
+  desc.joint[1].damping[0] = FB_R(0.05);
+  start[0].speed[3] = FB_R(0.1);
+  start[0].speed[4] = FB_R(0.05);
+  start[0].speed[5] = (fb_real)spin;
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+  *most = 0.0;
+  for (int k = 0; k < 200 && status == FB_OK; k++) {
+    input.drive[1].torque[0] = (fb_real)(0.01 * sin(3.0 * k * dt));
+    status = fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, (fb_real)dt, iterations);
+    for (int a = 0; a < 3; a++) {
+      q[a] = (double)state.link[1].q[a];
+      *most = fmax(*most, fabs(q[a]));
+    }
+  }
+  return status == FB_OK;
+}
+
+/* E11.25: stiff modes that follow what moves them come to rest again and again, where a tenth of their increment is
+   nothing. Two iterations take all steps and lead where thirty do. */
+TEST(stiff_modes_that_hardly_move_are_no_failure)
+{
+  for (int k = 0; k < 9; k++) {
+    const double spin = (double[]){0.0, 1.0, 3.0}[k % 3], dt = (double[]){0.01, 0.005, 0.002}[k / 3];
+    double q[3], fine[3], most;
+    FBT_TRUE(on_spinning_hub(q, &most, spin, dt, 2));
+    FBT_TRUE(on_spinning_hub(fine, &most, spin, dt, 30));
+    for (int a = 0; a < 3; a++) {
+      FBT_NEAR_ABS(q[a], fine[a], FBT_TOL(1e-3, 1e-2) * most);
+    }
+  }
+}
+
 /* E11.27, E11.28: a thin tube, 10 m long, as the only body of a system, tumbling with a little spin about its axis, in
    steps of a tenth of the limit: spin about the axis and energy stay, down to inertias of 1e-8 (single 1e-4) to one,
    but for rounding of L times what the thin axis makes of it. */
@@ -648,4 +695,5 @@ SUITE(system_steps, RUN(inputs_are_linear_between_the_ends_of_a_step),
       RUN(the_limit_finds_the_fastest_body), RUN(strained_bodies_converge_in_a_system),
       RUN(one_iteration_is_enough_about_a_stretched_beam), RUN(systems_converge_with_the_order_of_the_integrator),
       RUN(steps_that_have_not_converged_say_so), RUN(a_fast_sled_does_not_hide_what_bends),
-      RUN(steps_that_turn_too_far_are_refused), RUN(thin_tubes_keep_calm), RUN(systems_lose_nothing_by_short_steps))
+      RUN(stiff_modes_that_hardly_move_are_no_failure), RUN(steps_that_turn_too_far_are_refused),
+      RUN(thin_tubes_keep_calm), RUN(systems_lose_nothing_by_short_steps))
