@@ -700,6 +700,11 @@ static void sdirk_write_between(const code *w)
       }
     }
   }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    if (spans_is_pulled(j)) {
+      fprintf(w->out, "  in->pull_%d += c * (b->pull_%d - a->pull_%d);\n", j, j, j);
+    }
+  }
   fputs("}\n", w->out);
 }
 

@@ -43,6 +43,7 @@ typedef struct tree_choice { /* what is to be written */
   const fb_system_state *start;  /* where NAME_start puts it, NULL: at zero coordinates, at rest */
   int implicit;                  /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
   unsigned loads[FB_MAX_BODIES]; /* bits of the nodes that have a load, of each body; that of O says nothing */
+  unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring between points has an actuator */
 } tree_choice;
 
 static struct tree {
@@ -66,7 +67,7 @@ static struct tree {
   int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
-  const unsigned *loads; /* of tree_choice */
+  const tree_choice *choice;
 } tree;
 
 static const char tree_axis[3] = {'x', 'y', 'z'};
@@ -219,11 +220,28 @@ static int tree_flies(int k)
   return k == tree.root;
 }
 
-/* Places of all links in the vector, and what the whole is. */
-static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, int implicit)
+/* Has spring j between points an actuator? */
+static int spans_is_pulled(int j)
 {
+  return tree.choice->pulls[j];
+}
+
+static int spans_are_pulled(const fb_system *system)
+{
+  int pulled = 0;
+  for (int j = 0; j < system->n_spring; j++) {
+    pulled |= spans_is_pulled(j);
+  }
+  return pulled;
+}
+
+/* Places of all links in the vector, and what the whole is. */
+static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, const tree_choice *choice)
+{
+  const int implicit = choice->implicit;
   memset(&tree, 0, sizeof tree);
   tree.implicit = implicit;
+  tree.choice = choice;
   tree.limited = !system->allow_long_step;
   tree.spins = "in";
   tree.system = system;
@@ -282,7 +300,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.link[tree.root].p = tree.size;
     tree.size += TREE_PUSHED;
   }
-  tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
+  tree.work = tree.n_axis + tree.n_rotor > 0 || spans_are_pulled(system) ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
   tree.tied = tree.root >= 0 && system->tied == 2;
   tree.stands |= tree.tied;
@@ -1326,6 +1344,7 @@ static void tree_write_loads(const code *w)
       }
     }
   }
+  spans_add_power(&work);
   if (tree.work >= 0) {
     char target[32];
     snprintf(target, sizeof target, "rate[%d]", tree.work);
@@ -2095,6 +2114,13 @@ static void tree_write_types(const code *w)
     fprintf(w->out, "  } body_%d;\n", k);
     n++;
   }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    if (spans_is_pulled(j)) {
+      fprintf(w->out, "  %s pull_%d; /* [N] of the actuator of spring %d, which draws its points together */\n",
+              code_real(w), j, j);
+      n++;
+    }
+  }
   code_template(w, n > 0 ? "" : "  $ none;\n");
   code_template(w, "} @_input;\n\n");
 }
@@ -2138,6 +2164,12 @@ static void tree_write_input_check(const code *w)
         code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
         fprintf(w->out, "in->body_%d.%s, %d)", k, tree_input_name(m), tree_input_size(k, m));
       }
+    }
+  }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    if (spans_is_pulled(j)) {
+      code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
+      fprintf(w->out, "&in->pull_%d, 1)", j);
     }
   }
   fputs(n > 0 ? ");\n}\n\n" : "1);\n}\n\n", w->out);
@@ -2745,9 +2777,8 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit};
   int good;
   code_numbers.n = 0;
-  tree_read(system, body, names, choice->implicit);
+  tree_read(system, body, names, choice);
   tree.places = choice->table;
-  tree.loads = choice->loads;
   tree.quiet = choice->lanes == TREE_LANES_ALONE;
   if (tree.quiet) {
     return tree_write_alone(&w);
