@@ -40,9 +40,9 @@ typedef struct tree_choice { /* what is to be written */
   const char *name;
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
   int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
-  const fb_system_state *start;  /* where NAME_start puts it, NULL: at zero coordinates, at rest */
-  int implicit;                  /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
-  unsigned loads[FB_MAX_BODIES]; /* bits of the nodes that have a load, of each body; that of O says nothing */
+  const fb_system_state *start;        /* where NAME_start puts it, NULL: at zero coordinates, at rest */
+  int implicit;                        /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
+  unsigned loads[FB_MAX_BODIES];       /* bits of the nodes that have a load, of each body; that of O says nothing */
   unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring between points has an actuator */
 } tree_choice;
 
