@@ -43,11 +43,11 @@ static void scene_code_known(char text[TEXT_MESSAGE], const scene_body *body)
 static void scene_code_no_node(scene *s, const char *name, const char *part, int body, int node)
 {
   char known[TEXT_MESSAGE];
-  if (body == s->n_body) {
-    scene_fail(s,
-               name[0] ? "--loads %s%s%s: there is no body %s; choose BODY.NODE, or BODY for its origin"
-                       : "--loads: a name is missing; choose BODY.NODE, or BODY for its origin, with commas",
-               name, part[0] ? "." : "", part, name);
+  if (!name[0]) {
+    scene_fail(s, "--loads: a name is missing; choose BODY.NODE, or BODY for its origin, with commas");
+  } else if (body == s->n_body) {
+    scene_fail(s, "--loads %s%s%s: there is no body %s; choose BODY.NODE, or BODY for its origin", name,
+               part[0] ? "." : "", part, name);
   } else if (node >= 0) {
     scene_fail(s, "--loads %s%s%s: named twice; choose each node once", name, part[0] ? "." : "", part);
   } else {

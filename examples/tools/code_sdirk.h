@@ -34,7 +34,7 @@ static inline const char *sdirk_refusal(const fb_system *system)
       return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
     }
   }
-  return system->n_spring > 0 ? "springs between points by integrator sdirk: choose integrator rk4" : NULL;
+  return NULL;
 }
 
 /* Residual of a number of the vector. */

@@ -1512,7 +1512,8 @@ static void rows_write_impacts(const code *w)
   }
 }
 
-/* Of SDIRK: |w| dt <= 1/10, what stiffens, and the springs and dampers of loops, which no iteration matrix has. */
+/* Of SDIRK: |w| dt <= 1/10, what stiffens, and the springs and dampers of loops and between points, which no iteration
+   matrix has. */
 static const char *const sdirk_longest[2] = {
     "    bound = g > `10` * fastest ? g : `10` * fastest;\n"
     "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n",
@@ -1524,15 +1525,16 @@ static const char *const sdirk_longest[2] = {
 static void sdirk_write_longest(const code *w)
 {
   const double elastic = (double)tree.system->limit_kept_elastic, damping = (double)tree.system->limit_kept_damping;
+  const char *const damped = tree.system->n_spring > 0 ? " + damped" : "";
   char number[40];
   code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
   code_number(number, w, elastic);
   code_template(w, "    g = sqrt~(stiffening");
   fprintf(w->out, elastic > 0.0 ? " + %s);\n" : ");\n", number);
-  if (damping > 0.0) {
+  if (damping > 0.0 || damped[0]) {
     code_number(number, w, damping);
     code_template(w, w->lanes ? "    bound = %z + " : "    bound = ");
-    fprintf(w->out, "%s;\n", number);
+    fprintf(w->out, "%s%s;\n", number, damped);
     code_template(w, w->lanes ? "    g = @_either(g > bound, g, bound);\n" : "    g = g > bound ? g : bound;\n");
   }
   code_template(w, sdirk_longest[w->lanes != 0]);
@@ -1578,15 +1580,15 @@ static void tree_write_limit(const code *w)
     }
   }
   rows_write_impacts(w);
+  code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    spans_write_bound(&inner, &code_solver, tree_solved, j);
+  }
   if (tree.implicit) {
     sdirk_write_longest(w);
     return;
   }
   tree_write_impacts(w);
-  code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
-  for (int j = 0; j < tree.system->n_spring; j++) {
-    spans_write_bound(&inner, &code_solver, tree_solved, j);
-  }
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
   code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
