@@ -12,6 +12,17 @@ static struct tree_span {                            /* of a spring */
 
 /* ---- places */
 
+/* The body that both points of spring j hang on, -1: the ground. */
+static int spans_common(int j)
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  int common = spring->body[0];
+  while (!rows_hangs(spring->body[1], common)) {
+    common = tree.link[common].parent;
+  }
+  return common;
+}
+
 /* The point of a side, what modes do to it, and its place x in the axes of the common body. */
 static void spans_write_point(const code *w, int j, int side, int common, code_value x[3])
 {
@@ -56,6 +67,8 @@ static void spans_write_velocity(const code *w, int j, int side, code_value v[3]
   const struct tree_span *const span = &tree_spans[j];
   const rows_end *const end = &span->end[side];
   const tree_link *const L = &tree.link[end->link < 0 ? 0 : end->link];
+  const int moves = tree.moored && spans_common(j) < 0 && end->link >= 0 && tree_flies(end->link);
+  code_value frame[3];
   code_sum s;
   tree_nothing(v, 3);
   for (int i = 0; i < 3 && end->link >= 0; i++) {
@@ -67,18 +80,10 @@ static void spans_write_velocity(const code *w, int j, int side, code_value v[3]
     }
     v[i] = code_end(w, &s, code_variable("e%d_%dv%c", j, side, tree_axis[i]));
   }
-  rows_write_turned(w, v, span->R[side], 0, v, NULL, code_variable("e%d_%dV", j, side));
-}
-
-/* The body that both points of spring j hang on, -1: the ground. */
-static int spans_common(int j)
-{
-  const fb_spring *const spring = &tree.system->spring[j];
-  int common = spring->body[0];
-  while (!rows_hangs(spring->body[1], common)) {
-    common = tree.link[common].parent;
+  for (int i = 0; i < 3; i++) {
+    frame[i] = moves ? code_variable("x[%d]", tree.link[tree.root].p + TREE_PUSHED + 3 + i) : code_constant(0.0);
   }
-  return common;
+  rows_write_turned(w, v, span->R[side], 0, v, frame, code_variable("e%d_%dV", j, side));
 }
 
 /* Places x of both points in the axes of the common body, and the step from the first to the other. */

@@ -12,8 +12,9 @@
 enum {
   TREE_OWN = 4,
   TREE_ROOT = 7,
-  TREE_PUSHED = 9
-}; /* of a free root: where h is, numbers at the head, at the tail */
+  TREE_PUSHED = 9,
+  TREE_MOORED = 6
+}; /* of a free root: where h is, numbers at the head, at the tail, behind these where springs lead to the ground */
 
 typedef struct tree_link {
   const fb_body *model;
@@ -65,6 +66,7 @@ static struct tree {
   int has_R;           /* the attitude of the root is needed */
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
   int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
+  int moored; /* springs lead from what flies to what does not: WHERE is where O is, FRAME how fast its frame */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
   const tree_choice *choice;
@@ -235,6 +237,26 @@ static int spans_are_pulled(const fb_system *system)
   return pulled;
 }
 
+/* Does body k, -1 the ground, hang on a free root? Of a system that is not read yet. */
+static int tree_is_free(const fb_system *system, int k)
+{
+  while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
+    k = system->joint[k].parent;
+  }
+  return k >= 0;
+}
+
+/* Does a spring lead from what flies to the ground, or to what hangs on that? */
+static int spans_moor(const fb_system *system)
+{
+  int moored = 0;
+  for (int j = 0; j < system->n_spring; j++) {
+    const int *const on = system->spring[j].body;
+    moored |= tree_is_free(system, on[0]) != tree_is_free(system, on[1]);
+  }
+  return moored;
+}
+
 /* Places of all links in the vector, and what the whole is. */
 static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, const tree_choice *choice)
 {
@@ -294,15 +316,16 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.n_driven += L->given && !L->locked;
     tree.flown |= L->given && !L->locked && tree_flies(k);
   }
-  tree.has_R = (tree.has_R || tree.pulled || implicit || system->tied == 2) && tree.root >= 0;
+  tree.tied = tree.root >= 0 && system->tied == 2;
+  tree.moored = tree.root >= 0 && !tree.tied && spans_moor(system);
+  tree.has_R = (tree.has_R || tree.pulled || implicit || tree.tied || tree.moored) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
-    tree.size += TREE_PUSHED;
+    tree.size += TREE_PUSHED + (tree.moored ? TREE_MOORED : 0);
   }
   tree.work = tree.n_axis + tree.n_rotor > 0 || spans_are_pulled(system) ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
-  tree.tied = tree.root >= 0 && system->tied == 2;
   tree.stands |= tree.tied;
   tree.given = tree.size;
   tree.size += implicit ? tree.n_given : 0;
@@ -344,27 +367,6 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* Does body k, -1 the ground, hang on a free root? Of a system that is not read yet. */
-static int tree_is_free(const fb_system *system, int k)
-{
-  while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
-    k = system->joint[k].parent;
-  }
-  return k >= 0;
-}
-
-/* What of springs between points is not written; NULL: nothing. The step of what flies does not know where it is. */
-static const char *spans_refusal(const fb_system *system)
-{
-  for (int j = 0; j < system->n_spring && system->tied < 2; j++) {
-    const int *const on = system->spring[j].body;
-    if (tree_is_free(system, on[0]) != tree_is_free(system, on[1])) {
-      return "a spring between what flies and the ground, or what hangs on that: choose points of one tree";
-    }
-  }
-  return NULL;
-}
-
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -389,11 +391,8 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
   }
-  if (!text[0] && (rows_refusal(system) || spans_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
-    snprintf(text, 200, "%s",
-             rows_refusal(system)    ? rows_refusal(system)
-             : spans_refusal(system) ? spans_refusal(system)
-                                     : "method multipliers: choose recursive");
+  if (!text[0] && (rows_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
+    snprintf(text, 200, "%s", rows_refusal(system) ? rows_refusal(system) : "method multipliers: choose recursive");
   }
 }
 
@@ -1386,6 +1385,11 @@ static const char tree_root_rates[] = "    }\n"
                                       "    @_turn(rate + @_P, x, load);\n"
                                       "    @_turn(rate + @_L, x, h_dot);\n";
 
+static const char tree_root_moored[] =
+    "    @_turn(rate + @_WHERE, x, v);\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      rate[@_WHERE + i] += x[@_FRAME + i];\n      rate[@_FRAME + i] = %z;\n    }\n";
+
 /* Rates of a free root: E9.14, E11.27. */
 static void tree_write_root(const code *w)
 {
@@ -1417,6 +1421,7 @@ static void tree_write_root(const code *w)
   code_template(w, tree_root_turned);
   code_template(w, tree.looped ? "" : "      rate[4 + i] += h_dot[i];\n");
   code_template(w, tree_root_rates);
+  code_template(w, tree.moored ? tree_root_moored : "");
   code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
                                : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
@@ -2193,6 +2198,12 @@ static void tree_write_enter(const code *w)
   if (tree.tied) {
     fprintf(w->out, "  memcpy(x + %d, s->body_%d.x, 3 * sizeof *x);\n", tree.link[tree.root].p + 6, tree.root);
   }
+  if (tree.moored) {
+    code_template(w, "  memcpy(x + @_WHERE, s->");
+    fprintf(w->out, "body_%d.x, 3 * sizeof *x);\n", tree.root);
+    code_template(w, "  memcpy(x + @_FRAME, s->");
+    fprintf(w->out, "body_%d.u, 3 * sizeof *x);\n", tree.root);
+  }
   fputs("}\n", w->out);
 }
 
@@ -2513,7 +2524,7 @@ static void tree_write_step(const code *w)
   code_template(w, !tree_leads() ? ""
                    : tree.flown  ? "  @_center(%Acenter, x, start);\n"
                                  : "  @_center(%Acenter, x);\n");
-  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
+  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped || tree.moored);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !always) {
     code_template(w, w->lanes ? tree_pushed_lanes
@@ -2644,6 +2655,12 @@ static void tree_write_sizes(const code *w)
     fprintf(w->out, "%d, ", P + 3);
     code_template(w, "@_PLACE = ");
     fprintf(w->out, "%d", P + 6);
+    if (tree.moored) {
+      code_template(w, ", @_WHERE = ");
+      fprintf(w->out, "%d, ", P + TREE_PUSHED);
+      code_template(w, "@_FRAME = ");
+      fprintf(w->out, "%d", P + TREE_PUSHED + 3);
+    }
   }
   fputs(" };\n\n", w->out);
 }

@@ -423,6 +423,29 @@ static const struct {
       {FB_JOINT_REVOLUTE, 0 + TIP, BOOM},
       {FB_JOINT_REVOLUTE, 0 + TIP, RIGID | GIVEN},
       {FB_JOINT_PRISMATIC, 2, RIGID}}},
+    /* 74 to 78: springs from what flies to the ground and to what hangs on that: a tethered satellite with a boom; a payload
+       that four hold; with gravity, to a beam on the ground and to a prescribed crank; beside a loop; a frame that stands, with
+       rotors */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL, 1, 0, {{FB_JOINT_FREE, -1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL},
+      {FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_SPHERICAL, 1 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 0, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_REVOLUTE, 0 + TIP, HUB}, {FB_JOINT_PRISMATIC, -1, BOOM}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -468,7 +491,8 @@ static const struct {
              {62, FB_JOINT_SPHERICAL, -1, 1},
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
-             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP}};
+             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
+             {77, FB_JOINT_SPHERICAL, 1, 2}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper; with an
    actuator, or nothing but that; MET: pulled, between the origins of the second body's joint, which meet at zero coordinates */
 enum { IDLE, PULLED, MUSCLE, MET };
@@ -476,13 +500,39 @@ static const struct {
   int tree, body[2];
   double length;
   int pull;
-} springs[] = {
-    {67, {1 + TIP, 2 + TIP}, 8.0, IDLE}, {67, {0, 1 + TIP}, 9.0, IDLE},   {67, {2, 2 + TIP}, 7.0, IDLE},
-    {67, {1 + TIP, 1 + TIP}, 1.0, IDLE}, {68, {0 + TIP, 2}, 1.5, IDLE},   {68, {-1, 1 + TIP}, 12.0, IDLE},
-    {69, {0 + TIP, -1}, 0.0, IDLE},      {69, {1 + TIP, 2}, 2.0, IDLE},   {71, {-1, 0}, 1.0, PULLED},
-    {71, {0, 2}, 0.0, MUSCLE},           {71, {1, 2 + TIP}, 0.0, PULLED}, {71, {0, 1}, 1.0, IDLE},
-    {72, {1, 2}, 6.0, PULLED},           {72, {0, 2 + TIP}, 0.0, PULLED}, {73, {0 + TIP, 1 + TIP}, 8.0, IDLE},
-    {73, {0 + TIP, 3}, 2.0, PULLED},     {73, {-1, 2}, 0.0, MUSCLE},      {73, {2, 3}, 0.0, MET}};
+} springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0, IDLE},
+               {67, {0, 1 + TIP}, 9.0, IDLE},
+               {67, {2, 2 + TIP}, 7.0, IDLE},
+               {67, {1 + TIP, 1 + TIP}, 1.0, IDLE},
+               {68, {0 + TIP, 2}, 1.5, IDLE},
+               {68, {-1, 1 + TIP}, 12.0, IDLE},
+               {69, {0 + TIP, -1}, 0.0, IDLE},
+               {69, {1 + TIP, 2}, 2.0, IDLE},
+               {71, {-1, 0}, 1.0, PULLED},
+               {71, {0, 2}, 0.0, MUSCLE},
+               {71, {1, 2 + TIP}, 0.0, PULLED},
+               {71, {0, 1}, 1.0, IDLE},
+               {72, {1, 2}, 6.0, PULLED},
+               {72, {0, 2 + TIP}, 0.0, PULLED},
+               {73, {0 + TIP, 1 + TIP}, 8.0, IDLE},
+               {73, {0 + TIP, 3}, 2.0, PULLED},
+               {73, {-1, 2}, 0.0, MUSCLE},
+               {73, {2, 3}, 0.0, MET},
+               {74, {-1, 0}, 2.0, IDLE},
+               {74, {1 + TIP, -1}, 9.0, PULLED},
+               {75, {-1, 0 + TIP}, 1.0, IDLE},
+               {75, {0, -1}, 0.0, IDLE},
+               {75, {-1, 0}, 0.0, PULLED},
+               {75, {-1, 0}, 2.0, IDLE},
+               {76, {0 + TIP, 1 + TIP}, 2.0, IDLE},
+               {76, {2, 0}, 0.0, MUSCLE},
+               {76, {3, 1}, 1.0, PULLED},
+               {76, {-1, 2 + TIP}, 6.0, IDLE},
+               {77, {1 + TIP, 3}, 5.0, IDLE},
+               {77, {0 + TIP, -1}, 4.0, PULLED},
+               {77, {0, 2}, 1.0, IDLE},
+               {78, {0 + TIP, 2 + TIP}, 5.0, PULLED},
+               {78, {1, -1}, 0.0, IDLE}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
