@@ -439,7 +439,7 @@ static const struct {
      0,
      1,
      {{FB_JOINT_FREE, -1, RIGID},
-      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_REVOLUTE, 0, PANEL},
       {FB_JOINT_SPHERICAL, 0, RIGID},
       {FB_JOINT_REVOLUTE, -1, RIGID}}},
     {FB_EFFECTS_SPIN,
@@ -492,7 +492,7 @@ static const struct {
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
              {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
-             {77, FB_JOINT_SPHERICAL, 1, 2}};
+             {77, FB_JOINT_SPHERICAL, 1 + TIP, 2}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper; with an
    actuator, or nothing but that; MET: pulled, between the origins of the second body's joint, which meet at zero coordinates */
 enum { IDLE, PULLED, MUSCLE, MET };
