@@ -14,6 +14,7 @@ bound_booms=16000 # two booms of 4 modes on it (59,567)
 bound_arm=12000 # two links of 2 modes on hinges, the second one on the tip of the first (46,130)
 bound_bars=8500 # four bars in a plane (193,287)
 bound_deploys=22500 # four bars on a free hub (241,282)
+bound_tether=27500 # a hub on two tethers and a boom of 4 modes (75,976)
 bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
 bound_booms_sdirk=36500 # (137,730)
 bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (46,735)
@@ -194,6 +195,9 @@ wheels=$count
 steps 28 "$turns s.body_1.p[0] = 0.03;" without
 deploys=$count
 [ "$deploys" -le $bound_deploys ] || fail "four bars on a hub: $deploys instructions, more than $bound_deploys"
+steps 74 "$turns s.body_1.q[0] = 0.01;" without
+tether=$count
+[ "$tether" -le $bound_tether ] || fail "a hub on tethers: $tether instructions, more than $bound_tether"
 call='generated_step(&s, 0, 0, 1)'
 main
 steps 0 "$turns s.body_1.x[0] = 0.3;" --sdirk
@@ -573,4 +577,4 @@ awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 * $2 > 1e-8 && own - $2 
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge, $wheels_sdirk with wheels, $arm_sdirk for the arm; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $tether for a hub on two tethers, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge, $wheels_sdirk with wheels, $arm_sdirk for the arm; $refused scenes refused"
