@@ -257,7 +257,25 @@ static int spans_moor(const fb_system *system)
   return moored;
 }
 
-/* Places of all links in the vector, and what the whole is. */
+/* What the whole is, and the tail of the vector. */
+static void tree_read_whole(const fb_system *system, int implicit)
+{
+  tree.tied = tree.root >= 0 && system->tied == 2;
+  tree.moored = tree.root >= 0 && !tree.tied && spans_moor(system);
+  tree.has_R = (tree.has_R || tree.pulled || implicit || tree.tied || tree.moored) && tree.root >= 0;
+  tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
+  if (tree.root >= 0) {
+    tree.link[tree.root].p = tree.size;
+    tree.size += TREE_PUSHED + (tree.moored ? TREE_MOORED : 0);
+  }
+  tree.work = tree.n_axis + tree.n_rotor > 0 || spans_are_pulled(system) ? tree.size++ : -1;
+  tree.looped = tree.root >= 0 && system->n_loop > 0;
+  tree.stands |= tree.tied;
+  tree.given = tree.size;
+  tree.size += implicit ? tree.n_given : 0;
+}
+
+/* Places of all links in the vector. */
 static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, const tree_choice *choice)
 {
   const int implicit = choice->implicit;
@@ -316,19 +334,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.n_driven += L->given && !L->locked;
     tree.flown |= L->given && !L->locked && tree_flies(k);
   }
-  tree.tied = tree.root >= 0 && system->tied == 2;
-  tree.moored = tree.root >= 0 && !tree.tied && spans_moor(system);
-  tree.has_R = (tree.has_R || tree.pulled || implicit || tree.tied || tree.moored) && tree.root >= 0;
-  tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
-  if (tree.root >= 0) {
-    tree.link[tree.root].p = tree.size;
-    tree.size += TREE_PUSHED + (tree.moored ? TREE_MOORED : 0);
-  }
-  tree.work = tree.n_axis + tree.n_rotor > 0 || spans_are_pulled(system) ? tree.size++ : -1;
-  tree.looped = tree.root >= 0 && system->n_loop > 0;
-  tree.stands |= tree.tied;
-  tree.given = tree.size;
-  tree.size += implicit ? tree.n_given : 0;
+  tree_read_whole(system, implicit);
   rows_read(system);
 }
 
