@@ -140,7 +140,7 @@ static void lanes_refusal(char text[200], const scene *s)
 static int lanes_write(FILE *out, const scene *s, int places)
 {
   const char *names[FB_MAX_BODIES];
-  const tree_choice choice = {"lanes", 0, TREE_LANES_ALONE, places, NULL, 0, {0}};
+  const tree_choice choice = {"lanes", 0, TREE_LANES_ALONE, places, NULL, 0, {0}, {0}};
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }

@@ -17,14 +17,43 @@ static int scene_code_rotors(const scene *s)
   return n;
 }
 
-/* How many springs an actuator pulls. */
-static int scene_code_pulls(const scene *s)
+/* Springs that an actuator pulls, by a line of their own or a controller; line of the first, 0: there is none. */
+static int scene_code_pulls(unsigned char pulls[FB_MAX_SPRINGS], const scene *s)
 {
-  int n = 0;
-  for (int k = 0; k < s->n_spring; k++) {
-    n += s->spring[k].pulls;
+  int line = 0;
+  for (int k = s->n_spring - 1; k >= 0; k--) {
+    pulls[k] = s->spring[k].pulls || s->spring[k].control >= 0;
+    line = pulls[k] ? s->spring[k].line : line;
   }
-  return n;
+  return line;
+}
+
+/* What a body has for nodes, in text. */
+static void scene_code_known(char text[TEXT_MESSAGE], const scene_body *body)
+{
+  size_t n = (size_t)snprintf(text, TEXT_MESSAGE, body->n_node > 1 ? ": 1 to %d" : ", and no more", body->n_node - 1);
+  for (int k = 1; k < body->n_node && n < TEXT_MESSAGE / 2; k++) {
+    if (body->node_name[k][0]) {
+      n += (size_t)snprintf(text + n, TEXT_MESSAGE - n, ", %s", body->node_name[k]);
+    }
+  }
+}
+
+/* Says what is wrong with a body or node of --loads. */
+static void scene_code_no_node(scene *s, const char *name, const char *part, int body, int node)
+{
+  char known[TEXT_MESSAGE];
+  if (!name[0]) {
+    scene_fail(s, "--loads: a name is missing; choose BODY.NODE, or BODY for its origin, with commas");
+  } else if (body == s->n_body) {
+    scene_fail(s, "--loads %s%s%s: there is no body %s; choose BODY.NODE, or BODY for its origin", name,
+               part[0] ? "." : "", part, name);
+  } else if (node >= 0) {
+    scene_fail(s, "--loads %s%s%s: named twice; choose each node once", name, part[0] ? "." : "", part);
+  } else {
+    scene_code_known(known, &s->body[body]);
+    scene_fail(s, "--loads %s.%s: body %s has no such node; choose %s for its origin%s", name, part, name, name, known);
+  }
 }
 
 /* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
@@ -45,10 +74,7 @@ static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char 
       node = *part ? scene_find_node(&s->body[body], part) : 0;
     }
     if (node < 0 || nodes[body] >> node & 1u) {
-      scene_fail(s, "--loads wants nodes, BODY.NODE or BODY for its origin, each once: %.*s%s", n, at,
-                 body == s->n_body ? " (no such body)"
-                 : node < 0        ? " (the body has no such node)"
-                                   : " (twice)");
+      scene_code_no_node(s, name, part, body, node);
       return 0;
     }
     nodes[body] |= 1u << node;
@@ -98,7 +124,6 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
       {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
       {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
       {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
-      {scene_code_pulls(s), text_seen(&s->seen, "spring"), "pull of a spring: choose a spring without an actuator"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   snprintf(load, sizeof load, "load and nudge: the caller gives them as input, by --loads %s", list);
@@ -112,20 +137,27 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
   return all[0] ? scene_fail(s, "--code: %s", all) : 0;
 }
 
-/* Lines in whose place the step has inputs; where the scene starts they count. */
+/* Lines in whose place the step has inputs; where the scene starts they count. And the integrator, where it is left to the
+   program. */
 static void scene_code_tell(const scene *s)
 {
+  unsigned char pulls[FB_MAX_SPRINGS];
+  const int pulled = scene_code_pulls(pulls, s);
   const struct {
     int n, line; /* of the first */
     const char *what;
   } given[] = {{s->n_drive, s->drive[0].line, "motor, value and rate of joints"},
                {scene_code_rotors(s), text_seen(&s->seen, "rotor"), "motor and momentum of rotors"},
+               {pulled > 0, pulled, "pull of springs"},
                {s->n_control, text_seen(&s->seen, "control"), "control"}};
   for (int k = 0; k < (int)(sizeof given / sizeof *given); k++) {
     if (given[k].n > 0) {
       fprintf(stderr, "--code: %s (from line %d) are inputs of the step, which the caller gives\n", given[k].what,
               given[k].line);
     }
+  }
+  if (s->integrator_auto && !(s->step > 0)) { /* with a step auto is that */
+    fprintf(stderr, "--code: integrator auto: the step is that of rk4; for stiff joints and modes choose sdirk\n");
   }
 }
 
@@ -163,7 +195,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes, c
   static const scene_options nothing;
   const char *names[FB_MAX_BODIES];
   char name[64], text[200];
-  tree_choice choice = {name, single, lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK, {0}};
+  tree_choice choice = {name, single, lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK, {0}, {0}};
   FILE *out;
   fb_status status;
   int good;
@@ -171,6 +203,7 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes, c
   if (!scene_code_nodes(s, choice.loads, loads) || scene_code_refused(s, choice.loads)) {
     return 2;
   }
+  scene_code_pulls(choice.pulls, s);
   if (!scene_code_name(name, file)) {
     return 1 + scene_fail(s,
                           "--code %s: the step is called as its file, whose name wants to be a C identifier of at most "

@@ -26,7 +26,7 @@ static int tree_input_size(int k, int m)
   }
   if (m >= TREE_AT_NODES) { /* force and torque of each node but O */
     const int node = (m - TREE_AT_NODES) / 2;
-    return node > 0 && tree.loads[k] >> node & 1u ? 3 : 0;
+    return node > 0 && tree.choice->loads[k] >> node & 1u ? 3 : 0;
   }
   return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
 }
@@ -99,7 +99,7 @@ static void acts_write_node(const code *w, code_value F[6], int k, int at)
 static void acts_write_nodes(const code *w, code_value F[6], int k)
 {
   for (int at = 1; at < tree.link[k].model->n_node; at++) {
-    if (tree.loads[k] >> at & 1u) {
+    if (tree.choice->loads[k] >> at & 1u) {
       acts_write_node(w, F, k, at);
     }
   }

@@ -154,7 +154,7 @@ static void energy_write_at(const code *w, int unused)
   code_begin(&energy_sums.strain);
   code_begin(&energy_sums.gravity);
   motion_write_given(w);
-  code_template(w, tree.tied ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
+  code_template(w, tree.tied || tree.moored ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
   tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {

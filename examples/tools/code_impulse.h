@@ -214,6 +214,7 @@ static int rows_hangs(int k, int of)
 /* Axes R and place rho of link k as another one sees it that it hangs on. */
 static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], int k, int on, code_value name)
 {
+  const int place = tree.moored ? TREE_PUSHED : TREE_PUSHED - 3;
   rows_unit(R);
   tree_nothing(rho, 3);
   for (; k != on; k = tree.link[k].parent) {
@@ -221,7 +222,7 @@ static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], 
     code_value C[9], s[3];
     for (int i = 0; i < 9; i++) {
       C[i] = k == tree.root ? code_variable("R[%d]", i) : L->C[i];
-      s[i % 3] = k == tree.root ? code_variable("x[%d]", L->p + 6 + i % 3) : L->s[i % 3];
+      s[i % 3] = k == tree.root ? code_variable("x[%d]", L->p + place + i % 3) : L->s[i % 3];
     }
     rows_write_turned(w, rho, C, 0, rho, s, code_variable("%s%dp", name.name, k));
     rows_write_product(w, R, C, 0, R, code_variable("%s%d", name.name, k));

@@ -34,7 +34,7 @@ static inline const char *sdirk_refusal(const fb_system *system)
       return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
     }
   }
-  return system->n_spring > 0 ? "springs between points by integrator sdirk: choose integrator rk4" : NULL;
+  return NULL;
 }
 
 /* Residual of a number of the vector. */
@@ -563,6 +563,13 @@ static void sdirk_take_root(const code *w)
     code_add_one(&s, 1.0, sdirk_rest(L->p + 6 + i));
     code_add_one(&s, tree.stands ? 1.0 : 0.0, move[i]);
     sdirk_take(w, &s, L->p + 6 + i);
+    if (tree.moored) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, sdirk_rest(L->p + TREE_PUSHED + i));
+      code_add_one(&s, 1.0, move[i]);
+      sdirk_take(w, &s, L->p + TREE_PUSHED + i);
+      tree_assign_one(w, sdirk_rest(L->p + TREE_PUSHED + 3 + i), L->p + TREE_PUSHED + 3 + i);
+    }
   }
 }
 
@@ -700,6 +707,11 @@ static void sdirk_write_between(const code *w)
       }
     }
   }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    if (spans_is_pulled(j)) {
+      fprintf(w->out, "  in->pull_%d += c * (b->pull_%d - a->pull_%d);\n", j, j, j);
+    }
+  }
   fputs("}\n", w->out);
 }
 
@@ -777,6 +789,9 @@ static const char sdirk_step_rest[] =
 static const char sdirk_drives[] = "  status = @_drives_check(state, start, NULL, end, dt);\n"
                                    "  if (status != @_ok) {\n    return status;\n  }\n";
 
+/* The frame moves from the first guess on. */
+static const char sdirk_moored[] = "  memcpy(k + @_WHERE, x + @_FRAME, 3 * sizeof *k);\n";
+
 /* The functions of code_tree.h in place of its rates. 0: there is no temporary file, see errno. */
 static int sdirk_write_functions(const code *w)
 {
@@ -831,6 +846,7 @@ static void sdirk_write_step(const code *w)
   if (w->lanes) {
     code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
   }
+  code_template(w, tree.moored ? sdirk_moored : "");
   code_template(w, tree.n_given > 0 ? sdirk_drives : "");
   code_template(w, tree_leads() ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);

@@ -1,5 +1,5 @@
-/* code_span.h - springs and dampers between points of a tree, in the step that code_tree.h writes and whose words it uses:
-   E9.26 and what they add to the step limit, E11.42. Part of code_tree.h. */
+/* code_span.h - springs, dampers and actuators between points of a tree, in the step that code_tree.h writes and whose words
+   it uses: E9.26. What they add to the step limit, E11.42, is in code_wheels.h. Part of code_tree.h. */
 #ifndef CODE_SPAN_H
 #define CODE_SPAN_H
 
@@ -7,10 +7,21 @@ static struct tree_span {                            /* of a spring */
   rows_end end[2];                                   /* the nodes of its points */
   code_value R[2][9];                                /* axes of their bodies to those of the body that both hang on */
   code_value point[2][3], slope[2][FB_MAX_MODES][3]; /* from O and what modes do to it, body axes */
-  code_value along[3], tension;
+  code_value along[3], rate;
 } tree_spans[FB_MAX_SPRINGS];
 
 /* ---- places */
+
+/* The body that both points of spring j hang on, -1: the ground. */
+static int spans_common(int j)
+{
+  const fb_spring *const spring = &tree.system->spring[j];
+  int common = spring->body[0];
+  while (!rows_hangs(spring->body[1], common)) {
+    common = tree.link[common].parent;
+  }
+  return common;
+}
 
 /* The point of a side, what modes do to it, and its place x in the axes of the common body. */
 static void spans_write_point(const code *w, int j, int side, int common, code_value x[3])
@@ -56,6 +67,8 @@ static void spans_write_velocity(const code *w, int j, int side, code_value v[3]
   const struct tree_span *const span = &tree_spans[j];
   const rows_end *const end = &span->end[side];
   const tree_link *const L = &tree.link[end->link < 0 ? 0 : end->link];
+  const int moves = tree.moored && spans_common(j) < 0 && end->link >= 0 && tree_flies(end->link);
+  code_value frame[3];
   code_sum s;
   tree_nothing(v, 3);
   for (int i = 0; i < 3 && end->link >= 0; i++) {
@@ -67,18 +80,10 @@ static void spans_write_velocity(const code *w, int j, int side, code_value v[3]
     }
     v[i] = code_end(w, &s, code_variable("e%d_%dv%c", j, side, tree_axis[i]));
   }
-  rows_write_turned(w, v, span->R[side], 0, v, NULL, code_variable("e%d_%dV", j, side));
-}
-
-/* The body that both points of spring j hang on, -1: the ground. */
-static int spans_common(int j)
-{
-  const fb_spring *const spring = &tree.system->spring[j];
-  int common = spring->body[0];
-  while (!rows_hangs(spring->body[1], common)) {
-    common = tree.link[common].parent;
+  for (int i = 0; i < 3; i++) {
+    frame[i] = moves ? code_variable("x[%d]", tree.link[tree.root].p + TREE_PUSHED + 3 + i) : code_constant(0.0);
   }
-  return common;
+  rows_write_turned(w, v, span->R[side], 0, v, frame, code_variable("e%d_%dV", j, side));
 }
 
 /* Places x of both points in the axes of the common body, and the step from the first to the other. */
@@ -112,14 +117,24 @@ static code_value spans_write_norm(const code *w, int j, const code_value step[3
   return length;
 }
 
-/* Length of spring j, of `step` from its first point to the other, and its direction; refused where they meet. */
-static void spans_write_length(const code *w, int j, const code_value step[3], code_value x[2][3])
+/* Is it a spring without length and damper, whose force is that of the step? */
+static int spans_is_plain(int j)
 {
-  const code_value length = spans_write_norm(w, j, step);
+  const fb_spring *const spring = &tree.system->spring[j];
+  return !(spring->length > FB_R(0.0)) && !(spring->damping > FB_R(0.0));
+}
+
+/* And one without an actuator? It has no direction. */
+static int spans_is_bare(int j)
+{
+  return spans_is_plain(j) && !spans_is_pulled(j);
+}
+
+/* What the length of spring j is compared with: its points at x meet below that. */
+static void spans_write_rounding(const code *w, code_value x[2][3])
+{
   code_sum s;
-  code_template(w, "  if (!%((");
-  fprintf(w->out, "%s", length.name);
-  code_template(w, " > `16` * %e * (%z");
+  code_template(w, "`16` * %e * (%z");
   for (int i = 0; i < 6; i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, x[i / 3][i % 3]);
@@ -127,22 +142,35 @@ static void spans_write_length(const code *w, int j, const code_value step[3], c
     code_expression(w, &s, 40);
     fputs(")", w->out);
   }
-  code_template(w, "))%)) {\n    return @_range;\n  }\n");
-  fprintf(w->out, "  const %s e%d_share = ", code_real(w), j);
-  code_template(w, "`1` / ");
-  fprintf(w->out, "%s;\n", length.name);
+  fputs(")", w->out);
+}
+
+/* 1 / length of spring j, refused where its points meet. An actuator alone may rest there: 0, no direction. */
+static void spans_write_share(const code *w, int j, code_value x[2][3])
+{
+  const int plain = spans_is_plain(j);
+  char of[16];
+  snprintf(of, sizeof of, "e%d", j);
+  tree_template(w, plain ? "  const $ #least = " : "  if (!%((#length > ", of);
+  spans_write_rounding(w, x);
+  tree_template(w,
+                plain ? ";\n  if (!%(((#length > #least) | (fabs~(#pull) <= `0`))%)) {\n    return @_range;\n  }\n"
+                        "  const $ #share = %W#length > #least%,`1` / #length%!;\n"
+                      : ")%)) {\n    return @_range;\n  }\n  const $ #share = `1` / #length;\n",
+                of);
+}
+
+/* Length of spring j, of `step` from its first point to the other, and its direction. */
+static void spans_write_length(const code *w, int j, const code_value step[3], code_value x[2][3])
+{
+  code_sum s;
+  spans_write_norm(w, j, step);
+  spans_write_share(w, j, x);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
     code_add(&s, 1.0, step[i], code_variable("e%d_share", j));
     tree_spans[j].along[i] = code_end(w, &s, code_variable("e%d_d%c", j, tree_axis[i]));
   }
-}
-
-/* Is it a spring without length and damper, whose force is that of the step? It has no direction. */
-static int spans_is_bare(int j)
-{
-  const fb_spring *const spring = &tree.system->spring[j];
-  return !(spring->length > FB_R(0.0)) && !(spring->damping > FB_R(0.0));
 }
 
 /* The force on its first point, axes of the common body, by the step between the points x and their velocities v. */
@@ -151,7 +179,7 @@ static void spans_write_force(const code *w, int j, code_value force[3], const c
 {
   const fb_spring *const spring = &tree.system->spring[j];
   struct tree_span *const span = &tree_spans[j];
-  code_value rate;
+  const code_value tension = code_variable("e%d_tension", j), pull = code_variable("e%d_pull", j);
   code_sum s;
   for (int i = 0; i < 3 && spans_is_bare(j); i++) {
     force[i] = step[i];
@@ -160,22 +188,26 @@ static void spans_write_force(const code *w, int j, code_value force[3], const c
   if (spans_is_bare(j)) {
     return;
   }
+  if (spans_is_pulled(j)) {
+    fprintf(w->out, "  const %s %s = in ? in->pull_%d : ", code_real(w), pull.name, j);
+    code_template(w, "%z;\n");
+  }
   spans_write_length(w, j, step, x);
   code_begin(&s);
   for (int i = 0; i < 3; i++) {
     code_add(&s, 1.0, span->along[i], v[1][i]);
     code_add(&s, -1.0, span->along[i], v[0][i]);
   }
-  rate = code_end(w, &s, code_variable("e%d_rate", j));
+  span->rate = code_end(w, &s, code_variable("e%d_rate", j));
   code_begin(&s);
   code_add_one(&s, (double)spring->stiffness, code_variable("e%d_length", j));
   code_add_one(&s, -(double)spring->stiffness * (double)spring->length, code_constant(1.0));
-  code_add_one(&s, (double)spring->damping, rate);
-  span->tension = code_variable("e%d_tension", j);
-  code_declare(w, &s, span->tension.name);
+  code_add_one(&s, (double)spring->damping, span->rate);
+  code_add_one(&s, spans_is_pulled(j) ? 1.0 : 0.0, pull);
+  code_declare(w, &s, tension.name);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
-    code_add(&s, 1.0, span->tension, span->along[i]);
+    code_add(&s, 1.0, tension, span->along[i]);
     force[i] = code_end(w, &s, code_variable("e%d_f%c", j, tree_axis[i]));
   }
 }
@@ -227,6 +259,14 @@ static void spans_write_loads(const code *w)
     spans_write_force(w, j, force, step, x, v);
     spans_write_push(w, j, 0, force);
     spans_write_push(w, j, 1, force);
+  }
+}
+
+/* The power of their actuators, -pull times rate. */
+static void spans_add_power(code_sum *power)
+{
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    code_add(power, spans_is_pulled(j) ? -1.0 : 0.0, code_variable("e%d_pull", j), tree_spans[j].rate);
   }
 }
 

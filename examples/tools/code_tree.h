@@ -12,8 +12,9 @@
 enum {
   TREE_OWN = 4,
   TREE_ROOT = 7,
-  TREE_PUSHED = 9
-}; /* of a free root: where h is, numbers at the head, at the tail */
+  TREE_PUSHED = 9,
+  TREE_MOORED = 6
+}; /* of a free root: where h is, numbers at the head, at the tail, behind these where springs lead to the ground */
 
 typedef struct tree_link {
   const fb_body *model;
@@ -40,9 +41,10 @@ typedef struct tree_choice { /* what is to be written */
   const char *name;
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it */
   int table;         /* places of a table of the numbers in which systems of this form differ (code_numbers), 0: none */
-  const fb_system_state *start;  /* where NAME_start puts it, NULL: at zero coordinates, at rest */
-  int implicit;                  /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
-  unsigned loads[FB_MAX_BODIES]; /* bits of the nodes that have a load, of each body; that of O says nothing */
+  const fb_system_state *start;        /* where NAME_start puts it, NULL: at zero coordinates, at rest */
+  int implicit;                        /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
+  unsigned loads[FB_MAX_BODIES];       /* bits of the nodes that have a load, of each body; that of O says nothing */
+  unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring between points has an actuator */
 } tree_choice;
 
 static struct tree {
@@ -64,9 +66,10 @@ static struct tree {
   int has_R;           /* the attitude of the root is needed */
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
   int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
+  int moored; /* springs lead from what flies to what does not: WHERE is where O is, FRAME how fast its frame */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
-  const unsigned *loads; /* of tree_choice */
+  const tree_choice *choice;
 } tree;
 
 static const char tree_axis[3] = {'x', 'y', 'z'};
@@ -219,11 +222,66 @@ static int tree_flies(int k)
   return k == tree.root;
 }
 
-/* Places of all links in the vector, and what the whole is. */
-static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, int implicit)
+/* Has spring j between points an actuator? */
+static int spans_is_pulled(int j)
 {
+  return tree.choice->pulls[j];
+}
+
+static int spans_are_pulled(const fb_system *system)
+{
+  int pulled = 0;
+  for (int j = 0; j < system->n_spring; j++) {
+    pulled |= spans_is_pulled(j);
+  }
+  return pulled;
+}
+
+/* Does body k, -1 the ground, hang on a free root? Of a system that is not read yet. */
+static int tree_is_free(const fb_system *system, int k)
+{
+  while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
+    k = system->joint[k].parent;
+  }
+  return k >= 0;
+}
+
+/* Does a spring lead from what flies to the ground, or to what hangs on that? */
+static int spans_moor(const fb_system *system)
+{
+  int moored = 0;
+  for (int j = 0; j < system->n_spring; j++) {
+    const int *const on = system->spring[j].body;
+    moored |= tree_is_free(system, on[0]) != tree_is_free(system, on[1]);
+  }
+  return moored;
+}
+
+/* What the whole is, and the tail of the vector. */
+static void tree_read_whole(const fb_system *system, int implicit)
+{
+  tree.tied = tree.root >= 0 && system->tied == 2;
+  tree.moored = tree.root >= 0 && !tree.tied && spans_moor(system);
+  tree.has_R = (tree.has_R || tree.pulled || implicit || tree.tied || tree.moored) && tree.root >= 0;
+  tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
+  if (tree.root >= 0) {
+    tree.link[tree.root].p = tree.size;
+    tree.size += TREE_PUSHED + (tree.moored ? TREE_MOORED : 0);
+  }
+  tree.work = tree.n_axis + tree.n_rotor > 0 || spans_are_pulled(system) ? tree.size++ : -1;
+  tree.looped = tree.root >= 0 && system->n_loop > 0;
+  tree.stands |= tree.tied;
+  tree.given = tree.size;
+  tree.size += implicit ? tree.n_given : 0;
+}
+
+/* Places of all links in the vector. */
+static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, const tree_choice *choice)
+{
+  const int implicit = choice->implicit;
   memset(&tree, 0, sizeof tree);
   tree.implicit = implicit;
+  tree.choice = choice;
   tree.limited = !system->allow_long_step;
   tree.spins = "in";
   tree.system = system;
@@ -276,18 +334,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.n_driven += L->given && !L->locked;
     tree.flown |= L->given && !L->locked && tree_flies(k);
   }
-  tree.has_R = (tree.has_R || tree.pulled || implicit || system->tied == 2) && tree.root >= 0;
-  tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
-  if (tree.root >= 0) {
-    tree.link[tree.root].p = tree.size;
-    tree.size += TREE_PUSHED;
-  }
-  tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
-  tree.looped = tree.root >= 0 && system->n_loop > 0;
-  tree.tied = tree.root >= 0 && system->tied == 2;
-  tree.stands |= tree.tied;
-  tree.given = tree.size;
-  tree.size += implicit ? tree.n_given : 0;
+  tree_read_whole(system, implicit);
   rows_read(system);
 }
 
@@ -326,27 +373,6 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
   return n;
 }
 
-/* Does body k, -1 the ground, hang on a free root? Of a system that is not read yet. */
-static int tree_is_free(const fb_system *system, int k)
-{
-  while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
-    k = system->joint[k].parent;
-  }
-  return k >= 0;
-}
-
-/* What of springs between points is not written; NULL: nothing. The step of what flies does not know where it is. */
-static const char *spans_refusal(const fb_system *system)
-{
-  for (int j = 0; j < system->n_spring && system->tied < 2; j++) {
-    const int *const on = system->spring[j].body;
-    if (tree_is_free(system, on[0]) != tree_is_free(system, on[1])) {
-      return "a spring between what flies and the ground, or what hangs on that: choose points of one tree";
-    }
-  }
-  return NULL;
-}
-
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -371,11 +397,8 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
   }
-  if (!text[0] && (rows_refusal(system) || spans_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
-    snprintf(text, 200, "%s",
-             rows_refusal(system)    ? rows_refusal(system)
-             : spans_refusal(system) ? spans_refusal(system)
-                                     : "method multipliers: choose recursive");
+  if (!text[0] && (rows_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
+    snprintf(text, 200, "%s", rows_refusal(system) ? rows_refusal(system) : "method multipliers: choose recursive");
   }
 }
 
@@ -1326,6 +1349,7 @@ static void tree_write_loads(const code *w)
       }
     }
   }
+  spans_add_power(&work);
   if (tree.work >= 0) {
     char target[32];
     snprintf(target, sizeof target, "rate[%d]", tree.work);
@@ -1367,6 +1391,11 @@ static const char tree_root_rates[] = "    }\n"
                                       "    @_turn(rate + @_P, x, load);\n"
                                       "    @_turn(rate + @_L, x, h_dot);\n";
 
+static const char tree_root_moored[] =
+    "    @_turn(rate + @_WHERE, x, v);\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "      rate[@_WHERE + i] += x[@_FRAME + i];\n      rate[@_FRAME + i] = %z;\n    }\n";
+
 /* Rates of a free root: E9.14, E11.27. */
 static void tree_write_root(const code *w)
 {
@@ -1398,6 +1427,7 @@ static void tree_write_root(const code *w)
   code_template(w, tree_root_turned);
   code_template(w, tree.looped ? "" : "      rate[4 + i] += h_dot[i];\n");
   code_template(w, tree_root_rates);
+  code_template(w, tree.moored ? tree_root_moored : "");
   code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
                                : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
@@ -1493,7 +1523,8 @@ static void rows_write_impacts(const code *w)
   }
 }
 
-/* Of SDIRK: |w| dt <= 1/10, what stiffens, and the springs and dampers of loops, which no iteration matrix has. */
+/* Of SDIRK: |w| dt <= 1/10, what stiffens, and the springs and dampers of loops and between points, which no iteration
+   matrix has. */
 static const char *const sdirk_longest[2] = {
     "    bound = g > `10` * fastest ? g : `10` * fastest;\n"
     "    *longest = !(bound >= `0`) ? `0` : bound * @_huge > `1` ? `1` / bound : @_huge;\n  }\n",
@@ -1505,15 +1536,16 @@ static const char *const sdirk_longest[2] = {
 static void sdirk_write_longest(const code *w)
 {
   const double elastic = (double)tree.system->limit_kept_elastic, damping = (double)tree.system->limit_kept_damping;
+  const char *const damped = tree.system->n_spring > 0 ? " + damped" : "";
   char number[40];
   code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
   code_number(number, w, elastic);
   code_template(w, "    g = sqrt~(stiffening");
   fprintf(w->out, elastic > 0.0 ? " + %s);\n" : ");\n", number);
-  if (damping > 0.0) {
+  if (damping > 0.0 || damped[0]) {
     code_number(number, w, damping);
     code_template(w, w->lanes ? "    bound = %z + " : "    bound = ");
-    fprintf(w->out, "%s;\n", number);
+    fprintf(w->out, "%s%s;\n", number, damped);
     code_template(w, w->lanes ? "    g = @_either(g > bound, g, bound);\n" : "    g = g > bound ? g : bound;\n");
   }
   code_template(w, sdirk_longest[w->lanes != 0]);
@@ -1559,15 +1591,15 @@ static void tree_write_limit(const code *w)
     }
   }
   rows_write_impacts(w);
+  code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    spans_write_bound(&inner, &code_solver, tree_solved, j);
+  }
   if (tree.implicit) {
     sdirk_write_longest(w);
     return;
   }
   tree_write_impacts(w);
-  code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
-  for (int j = 0; j < tree.system->n_spring; j++) {
-    spans_write_bound(&inner, &code_solver, tree_solved, j);
-  }
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
   code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
@@ -2095,6 +2127,13 @@ static void tree_write_types(const code *w)
     fprintf(w->out, "  } body_%d;\n", k);
     n++;
   }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    if (spans_is_pulled(j)) {
+      fprintf(w->out, "  %s pull_%d; /* [N] of the actuator of spring %d, which draws its points together */\n",
+              code_real(w), j, j);
+      n++;
+    }
+  }
   code_template(w, n > 0 ? "" : "  $ none;\n");
   code_template(w, "} @_input;\n\n");
 }
@@ -2140,6 +2179,12 @@ static void tree_write_input_check(const code *w)
       }
     }
   }
+  for (int j = 0; j < tree.system->n_spring; j++) {
+    if (spans_is_pulled(j)) {
+      code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
+      fprintf(w->out, "&in->pull_%d, 1)", j);
+    }
+  }
   fputs(n > 0 ? ");\n}\n\n" : "1);\n}\n\n", w->out);
 }
 
@@ -2158,6 +2203,12 @@ static void tree_write_enter(const code *w)
   }
   if (tree.tied) {
     fprintf(w->out, "  memcpy(x + %d, s->body_%d.x, 3 * sizeof *x);\n", tree.link[tree.root].p + 6, tree.root);
+  }
+  if (tree.moored) {
+    code_template(w, "  memcpy(x + @_WHERE, s->");
+    fprintf(w->out, "body_%d.x, 3 * sizeof *x);\n", tree.root);
+    code_template(w, "  memcpy(x + @_FRAME, s->");
+    fprintf(w->out, "body_%d.u, 3 * sizeof *x);\n", tree.root);
   }
   fputs("}\n", w->out);
 }
@@ -2479,7 +2530,7 @@ static void tree_write_step(const code *w)
   code_template(w, !tree_leads() ? ""
                    : tree.flown  ? "  @_center(%Acenter, x, start);\n"
                                  : "  @_center(%Acenter, x);\n");
-  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped);
+  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped || tree.moored);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !always) {
     code_template(w, w->lanes ? tree_pushed_lanes
@@ -2610,6 +2661,12 @@ static void tree_write_sizes(const code *w)
     fprintf(w->out, "%d, ", P + 3);
     code_template(w, "@_PLACE = ");
     fprintf(w->out, "%d", P + 6);
+    if (tree.moored) {
+      code_template(w, ", @_WHERE = ");
+      fprintf(w->out, "%d, ", P + TREE_PUSHED);
+      code_template(w, "@_FRAME = ");
+      fprintf(w->out, "%d", P + TREE_PUSHED + 3);
+    }
   }
   fputs(" };\n\n", w->out);
 }
@@ -2745,9 +2802,8 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit};
   int good;
   code_numbers.n = 0;
-  tree_read(system, body, names, choice->implicit);
+  tree_read(system, body, names, choice);
   tree.places = choice->table;
-  tree.loads = choice->loads;
   tree.quiet = choice->lanes == TREE_LANES_ALONE;
   if (tree.quiet) {
     return tree_write_alone(&w);

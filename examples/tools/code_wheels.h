@@ -396,6 +396,7 @@ static void spans_write_bound(const code *w, const code_factor *f, const int *or
   static code_value z[3][CODE_ROWS], e[3][2][FB_MAX_MODES], bent[3][2][FB_MAX_MODES];
   const fb_spring *const spring = &tree.system->spring[j];
   const int bare = spans_is_bare(j);
+  const int plain = spans_is_plain(j); /* T/l is known where the points meet, and W along nothing is 0 */
   code_value W;
   char name[24], stiffness[40], damping[40];
   code_sum s, along, trace;
@@ -429,10 +430,19 @@ static void spans_write_bound(const code *w, const code_factor *f, const int *or
     return;
   }
   code_declare(w, &along, code_variable("e%d_mobile", j).name);
-  fprintf(w->out, "    stiffening += %s * e%d_mobile + ", stiffness, j);
+  fputs("    stiffening += ", w->out);
+  if (spring->stiffness > FB_R(0.0)) {
+    fprintf(w->out, "%s * e%d_mobile + ", stiffness, j);
+  }
   code_template(w, "fabs~(");
+  if (plain) {
+    fprintf(w->out, "%s + e%d_pull * e%d_share) * (e%d_trace - e%d_mobile);\n", stiffness, j, j, j, j);
+    return;
+  }
   fprintf(w->out, "e%d_tension) * e%d_share * (e%d_trace - e%d_mobile);\n", j, j, j, j);
-  fprintf(w->out, "    damped += %s * e%d_mobile;\n", damping, j);
+  if (spring->damping > FB_R(0.0)) {
+    fprintf(w->out, "    damped += %s * e%d_mobile;\n", damping, j);
+  }
 }
 
 /* E11.26 body by body; of wheels about their axes alone. */

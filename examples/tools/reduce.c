@@ -137,16 +137,43 @@ static const char *vary_refusal(const code_choice *choice)
   return code_vary_refusal(choice, &model_body, model.hub ? model.hub_mass : 0.0);
 }
 
+/* Why a node cannot have loads; NULL: it can. text: what it is made of */
+static const char *load_refusal(char text[TEXT_MESSAGE], const char *name, int node, int namesakes, int twice)
+{
+  size_t n;
+  if (!name[0]) {
+    return "--loads: a name is missing; choose names or numbers of nodes, with commas";
+  }
+  if (node == 0) {
+    return "--loads: the load on the origin is an input anyway; leave it out";
+  }
+  if (node > 0) {
+    return twice           ? "--loads: a node is named twice; choose each once"
+           : namesakes > 1 ? "--loads: several nodes have this name; choose one by its number"
+                           : NULL;
+  }
+  if (model_body.n_node < 2) {
+    return "--loads: the body has no node but its origin; give it one";
+  }
+  n = (size_t)snprintf(text, TEXT_MESSAGE, "--loads: there is no such node; choose 1 to %d", model_body.n_node - 1);
+  for (int k = 1; k < model_body.n_node && n < TEXT_MESSAGE / 2; k++) {
+    n += (size_t)snprintf(text + n, TEXT_MESSAGE - n, model.node_name[k][0] ? ", %s" : "%s", model.node_name[k]);
+  }
+  return text;
+}
+
 /* Nodes by names or numbers in a list with commas; 0: it has been said which is none. */
 static int read_loads(unsigned *nodes, const char *list)
 {
   for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
-    char name[TEXT_NAME];
+    char name[TEXT_NAME], text[TEXT_MESSAGE];
+    const char *what;
     int namesakes = 0, node;
     snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
     node = name[0] ? model_find_node(&namesakes, name) : -1;
-    if (node < 1 || namesakes > 1 || *nodes >> node & 1u) {
-      fail("--loads wants names or numbers of nodes but the origin, each once", name);
+    what = load_refusal(text, name, node, namesakes, node > 0 && *nodes >> node & 1u);
+    if (what) {
+      fail(what, name);
       return 0;
     }
     *nodes |= 1u << node;

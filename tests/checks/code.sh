@@ -264,8 +264,15 @@ refuse_loads() {
   [ ! -e "$out/none.h" ] || fail "--loads $2: a file is written"
 }
 cp "$out/random.txt" "$out/other.txt"
-for list in 0 origin 9 nowhere 1,1 "" 1,; do
-  refuse_loads "wants names or numbers" "$list"
+for list in 0 origin; do
+  refuse_loads "the load on the origin is an input anyway" $list
+done
+for list in 9 nowhere; do
+  refuse_loads "there is no such node; choose 1 to .*: $list" $list
+done
+refuse_loads "a node is named twice" 1,1
+for list in "" 1,; do
+  refuse_loads "a name is missing" "$list"
 done
 refuse_loads "an option of --code" 1 --single
 sed -i 's/^effects.*/effects large damping/' "$out/other.txt"

@@ -406,6 +406,46 @@ static const struct {
      0,
      1,
      {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
+    /* 71 to 73: springs with actuators: an arm with muscles, one of which is nothing else; a payload on springs and actuators
+       on a boom that flies; on nodes that modes move and that carry joints, beside a prescribed axis */
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, RIGID}, {FB_JOINT_UNIVERSAL, 1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_SPHERICAL, 1 + TIP, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0 + TIP, BOOM},
+      {FB_JOINT_REVOLUTE, 0 + TIP, RIGID | GIVEN},
+      {FB_JOINT_PRISMATIC, 2, RIGID}}},
+    /* 74 to 78: springs from what flies to the ground and to what hangs on that: a tethered satellite with a boom; a payload
+       that four hold; with gravity, to a beam on the ground and to a prescribed crank; beside a loop; a frame that stands, with
+       rotors */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 0, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL, 1, 0, {{FB_JOINT_FREE, -1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, PANEL},
+      {FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_SPHERICAL, 1 + TIP, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, PANEL},
+      {FB_JOINT_SPHERICAL, 0, RIGID},
+      {FB_JOINT_REVOLUTE, -1, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_REVOLUTE, 0 + TIP, HUB}, {FB_JOINT_PRISMATIC, -1, BOOM}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -451,14 +491,48 @@ static const struct {
              {62, FB_JOINT_SPHERICAL, -1, 1},
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
-             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP}};
-/* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
+             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
+             {77, FB_JOINT_SPHERICAL, 1 + TIP, 2}};
+/* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper; with an
+   actuator, or nothing but that; MET: pulled, between the origins of the second body's joint, which meet at zero coordinates */
+enum { IDLE, PULLED, MUSCLE, MET };
 static const struct {
   int tree, body[2];
   double length;
-} springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0}, {67, {0, 1 + TIP}, 9.0}, {67, {2, 2 + TIP}, 7.0},
-               {67, {1 + TIP, 1 + TIP}, 1.0}, {68, {0 + TIP, 2}, 1.5}, {68, {-1, 1 + TIP}, 12.0},
-               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0}};
+  int pull;
+} springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0, IDLE},
+               {67, {0, 1 + TIP}, 9.0, IDLE},
+               {67, {2, 2 + TIP}, 7.0, IDLE},
+               {67, {1 + TIP, 1 + TIP}, 1.0, IDLE},
+               {68, {0 + TIP, 2}, 1.5, IDLE},
+               {68, {-1, 1 + TIP}, 12.0, IDLE},
+               {69, {0 + TIP, -1}, 0.0, IDLE},
+               {69, {1 + TIP, 2}, 2.0, IDLE},
+               {71, {-1, 0}, 1.0, PULLED},
+               {71, {0, 2}, 0.0, MUSCLE},
+               {71, {1, 2 + TIP}, 0.0, PULLED},
+               {71, {0, 1}, 1.0, IDLE},
+               {72, {1, 2}, 6.0, PULLED},
+               {72, {0, 2 + TIP}, 0.0, PULLED},
+               {73, {0 + TIP, 1 + TIP}, 8.0, IDLE},
+               {73, {0 + TIP, 3}, 2.0, PULLED},
+               {73, {-1, 2}, 0.0, MUSCLE},
+               {73, {2, 3}, 0.0, MET},
+               {74, {-1, 0}, 2.0, IDLE},
+               {74, {1 + TIP, -1}, 9.0, PULLED},
+               {75, {-1, 0 + TIP}, 1.0, IDLE},
+               {75, {0, -1}, 0.0, IDLE},
+               {75, {-1, 0}, 0.0, PULLED},
+               {75, {-1, 0}, 2.0, IDLE},
+               {76, {0 + TIP, 1 + TIP}, 2.0, IDLE},
+               {76, {2, 0}, 0.0, MUSCLE},
+               {76, {3, 1}, 1.0, PULLED},
+               {76, {-1, 2 + TIP}, 6.0, IDLE},
+               {77, {1 + TIP, 3}, 5.0, IDLE},
+               {77, {0 + TIP, -1}, 4.0, PULLED},
+               {77, {0, 2}, 1.0, IDLE},
+               {78, {0 + TIP, 2 + TIP}, 5.0, PULLED},
+               {78, {1, -1}, 0.0, IDLE}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
@@ -467,6 +541,8 @@ static fb_body model[MODELS];
 static fb_system_desc desc;
 static fb_system mechanism;
 static fb_system_work work;
+static unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring has an actuator */
+static int met = -1;                        /* one whose points meet at zero coordinates */
 static double hard = 1; /* factor of the stiffness of joints and modes; SDIRK: far beyond what rk4 resolves */
 
 static double random_number(void)
@@ -707,9 +783,30 @@ static void build_spring(int j)
       spring->position[side][i] = (fb_real)random_number();
     }
   }
-  spring->stiffness = FB_R(3.0);
+  if (springs[j].pull == MET) {
+    memcpy(spring->position[0], desc.joint[spring->body[1]].position, sizeof spring->position[0]);
+    memcpy(spring->position[1], desc.joint[spring->body[1]].child_position, sizeof spring->position[1]);
+    met = desc.n_spring - 1;
+  }
+  spring->stiffness = springs[j].pull == MUSCLE           ? FB_R(0.0)
+                      : hard > 1 && springs[j].tree == 68 ? FB_R(1500.0)
+                                                          : FB_R(3.0);
   spring->length = (fb_real)springs[j].length;
   spring->damping = springs[j].length > 0 ? FB_R(0.7) : FB_R(0.0);
+  if (hard > 1 && springs[j].tree == 71 && springs[j].length > 0) {
+    spring->damping = FB_R(600.0); /* which bounds steps of SDIRK, as the stiffness of that of 68 does */
+  }
+}
+
+/* Springs of a tree, and which of them are pulled. */
+static void build_springs(int which)
+{
+  for (int j = 0; j < SPRINGS; j++) {
+    if (springs[j].tree == which) {
+      pulls[desc.n_spring] = springs[j].pull != IDLE;
+      build_spring(j);
+    }
+  }
 }
 
 static void build(int which)
@@ -755,11 +852,7 @@ static void build(int which)
       build_loop(which, l);
     }
   }
-  for (int j = 0; j < SPRINGS; j++) {
-    if (springs[j].tree == which) {
-      build_spring(j);
-    }
-  }
+  build_springs(which);
   need(fb_system_init(&mechanism, &work, model, &desc, MODELS), "system with its loops");
 }
 
@@ -775,11 +868,13 @@ static void write_member(int is, const char *word, int k, const char *rest)
 /* Members of the state and the input, for the program that steps the tree; acts: with loads at nodes. */
 static void write_members(int acts)
 {
+  int motors = 0;
   for (int k = 0; k < desc.n_body; k++) {
     const fb_joint_desc *const joint = &desc.joint[k];
     const int moves = mechanism.joint[k].n_axis > 0, n = model[desc.model[k]].n;
     const int root = joint->kind == FB_JOINT_FREE, is_free = moves && joint->mode[0] == FB_AXIS_FREE;
     const int turns = root || joint->kind == FB_JOINT_SPHERICAL, locked = joint->mode[0] == FB_AXIS_LOCKED;
+    motors |= (is_free && !root) || model[desc.model[k]].n_rotor > 0;
     write_member(!is_wheel(k), "LOAD", k, "");
     write_member(root, "MEMBER", k, ", x, PLACE");
     write_member(root, "MEMBER", k, ", lost_x, LOST");
@@ -796,6 +891,12 @@ static void write_members(int acts)
     write_member(n > 0, "MEMBER", k, ", pi, MODE_MOMENTUM");
     write_member(n > 0, "MODAL", k, "");
   }
+  printf("#ifdef PULL\n");
+  for (int j = 0; j < desc.n_spring; j++) {
+    write_member(pulls[j], "PULL", j, "");
+    motors |= pulls[j];
+  }
+  printf("#endif\n#ifdef WORK\n%s#endif\n", motors ? "WORK\n" : "");
   printf("#ifdef ACT\n");
   for (int k = 0; k < desc.n_body; k++) {
     write_member(acts && !is_wheel(k), "ACT", k, "");
@@ -851,6 +952,7 @@ int main(int argc, char **argv)
   for (int k = 0; k < desc.n_body; k++) { /* at the tip, of a rigid body at another place */
     choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
   }
+  memcpy(choice.pulls, pulls, sizeof pulls);
   if (choice.implicit && sdirk_refusal(&mechanism)) {
     fprintf(stderr, "tree %d: %s\n", which, sdirk_refusal(&mechanism));
     return 4;
@@ -878,6 +980,7 @@ enum {
   FRAME,
   ANGLE,
   SPUN,
+  WORKED,
   LOST,
   KINDS
 }; /* ANGLE, SPUN: of rotors */
@@ -987,10 +1090,12 @@ static void give(generated_input *mine, const fb_system_input *in)
 #define DRIVE(k)                                                                 \
   memcpy(mine->body_##k.value, in->drive[k].value, sizeof mine->body_##k.value); \
   memcpy(mine->body_##k.rate, in->drive[k].rate, sizeof mine->body_##k.rate);
+#define PULL(j) mine->pull_##j = in->pull[j];
 #define ACT(k)                                                                   \
   memcpy(mine->body_##k.force_1, load_on(in, k, 1)->force, 3 * sizeof(fb_real)); \
   memcpy(mine->body_##k.torque_1, load_on(in, k, 1)->torque, 3 * sizeof(fb_real));
 #include "members.h"
+#undef PULL
 #undef ACT
 #undef MEMBER
 #undef LOAD
@@ -1042,6 +1147,9 @@ static void load(fb_system_input *in, generated_input *mine, double t)
       in->drive[k].rate[0] = (fb_real)(far * (0.3 + 0.2 * cos(2 * t)));
       in->drive[k].acceleration[0] = (fb_real)(-0.4 * far * sin(2 * t));
     }
+  }
+  for (int j = 0; j < desc.n_spring; j++) {
+    in->pull[j] = pulls[j] ? (fb_real)(2 * sin(2 * t + 3 * j + 1)) : FB_R(0.0);
   }
 #define ACT(k) act(&in->load[in->n_load++], k, t);
 #define MEMBER(k, member, kind)
@@ -1194,22 +1302,34 @@ static int alike(const fb_system_input *in, const generated_input *mine, fb_real
   return 1;
 }
 
-/* The step limit of a motion, on both sides of it, and the limit of rotation in a step. */
+/* On both sides of the step limit under what acts. */
+static int bounded(const fb_system_input *in, const generated_input *mine)
+{
+  const double off = FB_SINGLE ? 1e-2 : 1e-6;
+  fb_system_limit now;
+  need(fb_system_limit_eval(&mechanism, model, &work, &now, &state, in), "limit");
+#ifdef SDIRK
+  now.rk4 = now.sdirk;
+#endif
+  return alike(in, mine, (fb_real)((1 - off) * (double)now.rk4), "below the limit") &
+         alike(in, mine, (fb_real)((1 + off) * (double)now.rk4), "beyond the limit");
+}
+
+/* The step limit of a motion, also with actuators, and the limit of rotation in a step. */
 static int limits(void)
 {
   static fb_system_input in;
   static generated_input mine;
-  const double off = FB_SINGLE ? 1e-2 : 1e-6;
   const fb_real dt = FB_R(1e-4);
-  fb_system_limit now;
   int good = 1;
   start(0.5);
-  need(fb_system_limit_eval(&mechanism, model, &work, &now, &state, NULL), "limit");
-#ifdef SDIRK
-  now.rk4 = now.sdirk;
-#endif
-  good &= alike(NULL, NULL, (fb_real)((1 - off) * (double)now.rk4), "below the limit");
-  good &= alike(NULL, NULL, (fb_real)((1 + off) * (double)now.rk4), "beyond the limit");
+  good &= bounded(NULL, NULL);
+  memset(&in, 0, sizeof in);
+  for (int j = 0; j < desc.n_spring; j++) {
+    in.pull[j] = pulls[j] && j != met ? FB_R(30.0) : FB_R(0.0);
+  }
+  give(&mine, &in);
+  good &= bounded(&in, &mine);
   start(0.1);
   for (int power = -2; power < 3; power++) {
     load(&in, &mine, 0);
@@ -1226,6 +1346,22 @@ static int limits(void)
     good &= alike(&in, &mine, dt, "motors that turn wheels too far");
   }
   return good;
+}
+
+/* A spring whose points meet: without its actuator, its step limit on both sides; with it refused. */
+static int meets(void)
+{
+  static fb_system_input in;
+  static generated_input mine;
+  int good;
+  need(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), "state at zero");
+  generated_start(&own);
+  good = bounded(NULL, NULL);
+  memset(&in, 0, sizeof in);
+  memset(&mine, 0, sizeof mine);
+  in.pull[met] = FB_R(0.1);
+  give(&mine, &in);
+  return refused(&in, &mine, FB_R(1e-4), FB_ERR_RANGE, "points that meet, pulled") && good;
 }
 
 /* A modal force alone changes the conjugate momentum by itself times the step; loops may hold what it moves. */
@@ -1528,7 +1664,9 @@ int main(int argc, char **argv)
 #define ROTORS(k)                                                                                                  \
   add(own.body_##k.rotor_angle, state.link[k].q + model[desc.model[k]].n, sizeof own.body_##k.rotor_angle, ANGLE); \
   add(own.body_##k.rotor_momentum, state.link[k].pi + model[desc.model[k]].n, sizeof own.body_##k.rotor_momentum, SPUN);
+#define WORK add(&own.motor_work, &state.motor_work, sizeof own.motor_work, WORKED);
 #include "members.h"
+#undef WORK
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
@@ -1544,6 +1682,7 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return all_seen() && refusals() && limits() && modal() && jumps() && worst <= TOLERANCE ? 0 : 1;
+  return all_seen() && refusals() && limits() && modal() && jumps() && (met < 0 || meets()) && worst <= TOLERANCE ? 0
+                                                                                                                  : 1;
 }
 #endif
