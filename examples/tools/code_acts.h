@@ -20,7 +20,8 @@ static const struct {
 static int tree_input_size(int k, int m)
 {
   const tree_link *const L = &tree.link[k];
-  const int size[TREE_AT_NODES] = {3, 3, L->axes, L->given - L->locked, L->given - L->locked, L->n, L->model->n_rotor};
+  const int valued = tree_is_valued(L) ? L->axes : 0, rated = L->driven > 0 ? L->axes : 0;
+  const int size[TREE_AT_NODES] = {3, 3, tree_momenta_of(L), valued, rated, L->n, L->model->n_rotor};
   if (m < 2 && tree_is_wheel(k)) {
     return 0;
   }

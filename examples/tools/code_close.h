@@ -23,24 +23,33 @@ static void rows_write_axes(const code *w, int k)
   inner.indent = 4;
   for (int a = 0; a < L->axes; a++) {
     code_begin(&s);
-    for (int r = 0; r < constraint.n; r++) {
-      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->row + a]);
+    for (int r = 0; r < constraint.n && tree_is_free(L, a); r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->row[a]]);
     }
     p[a] = code_end(&inner, &s, code_variable("b%d_dp_%d", k, a));
   }
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+  if (tree_is_ball(L) && L->free > 0) {
     code_value child[9];
     rows_constants(child, L->joint->child_axes, 9);
     tree_write_turned(&inner, p, child, 0, p, "mb", k);
     tree_write_view(&inner, p, p, "mg", k, 0);
   }
-  for (int a = 0; a < L->axes; a++) {
+  for (int a = 0; a < tree_momenta_of(L); a++) {
     char target[32];
     code_begin(&s);
     code_add_one(&s, 1.0, p[a]);
     snprintf(target, sizeof target, "move[%d]", L->p + a);
     code_assign(&inner, &s, target);
   }
+}
+
+/* The momenta of a link's modes by the impulses. */
+static void rows_write_modes(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  code inner = *w;
+  inner.indent = 4;
   for (int a = 0; a < L->n; a++) {
     char target[32];
     code_begin(&s);
@@ -95,14 +104,14 @@ static void rows_write_displaced(const code *w, int k)
   char target[32];
   code_sum s;
   inner.indent = 4;
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+  if (tree_is_ball(L) && L->free > 0) {
     tree_write_quat_rate(&inner, "move", L->x, L->u);
   } else if (k == tree.root) {
     rows_write_root_displaced(&inner);
   }
   for (int a = 0; a < L->axes + L->n; a++) {
     const int mode = a - L->axes;
-    if (mode >= 0 || L->joint->kind != FB_JOINT_SPHERICAL) {
+    if (mode >= 0 || (!tree_is_ball(L) && tree_is_free(L, a))) {
       code_begin(&s);
       code_add_one(&s, 1.0, mode < 0 ? L->u[a] : L->rates.q_dot[mode]);
       snprintf(target, sizeof target, "move[%d]", mode < 0 ? L->x + a : L->q + mode);
@@ -180,6 +189,7 @@ static void rows_write_move(const code *w, int unused)
   fputs("  } else {\n", w->out);
   for (int k = 0; k < tree.n; k++) {
     rows_write_axes(w, k);
+    rows_write_modes(w, k);
   }
   if (tree.tied) {
     rows_write_root_momenta(w);

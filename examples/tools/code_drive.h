@@ -31,11 +31,32 @@ static const char drive_check[] =
     "  return far || (same && dt * ra > rounding && dt * rb > rounding) ? @_contradiction : @_ok;\n}\n";
 
 /* One member of what acts, of a lane or of all there is. */
-static void drive_write_pair(const code *w, const char *name, const char *of, int k)
+static void drive_write_pair(const code *w, const char *name, const char *of, int k, int a)
 {
   const char *const lane = w->lanes ? "[lane]" : "";
-  fprintf(w->out, "    const %s %s[2] = {%s->body_%d.value[0]%s, %s->body_%d.rate[0]%s};\n", code_scalar(w), name, of,
-          k, lane, of, k, lane);
+  fprintf(w->out, "    const %s %s[2] = {%s->body_%d.value[%d]%s, %s->body_%d.rate[%d]%s};\n", code_scalar(w), name, of,
+          k, a, lane, of, k, a, lane);
+}
+
+/* The check of axis a of link k. */
+static void drive_write_axis(const code *w, int k, int a)
+{
+  const fbi_joint_traits *const is = fbi_traits(tree.link[k].joint);
+  if (w->lanes) {
+    fprintf(w->out, "  for (int lane = 0; lane < %s_LANES && status == %s_ok; lane++) {\n", w->name, w->name);
+  } else {
+    code_template(w, "  if (status == @_ok) {\n");
+  }
+  drive_write_pair(w, "from", "start", k, a);
+  drive_write_pair(w, "to", "end", k, a);
+  fprintf(w->out,
+          w->lanes ? "    const %s at[2] = {middle ? middle->body_%d.value[%d][lane] : 0, middle ? "
+                     "middle->body_%d.rate[%d][lane] : 0};\n"
+                   : "    const %s at[2] = {middle ? middle->body_%d.value[%d] : 0, middle ? "
+                     "middle->body_%d.rate[%d] : 0};\n",
+          code_scalar(w), k, a, k, a);
+  fprintf(w->out, "    status = %s_drive_check(state->body_%d.x[%d]%s, from, middle ? at : NULL, to, dt, %d);\n  }\n",
+          w->name, k, a, w->lanes ? "[lane]" : "", (a == is->angle || a == is->tilt) && !is->pitched);
 }
 
 static const char drive_refused[] = "  {\n    const @_status given = @_drives_check(state, start, middle, end, dt);\n"
@@ -53,32 +74,20 @@ static void drive_write_functions(const code *w)
                 "  @_status status = @_ok;\n"
                 "  if (!start || !end || start == end) {\n    return @_ok;\n  }\n");
   for (int k = 0; k < tree.n; k++) {
-    const tree_link *const L = &tree.link[k];
-    if (!L->given || L->locked) {
-      continue;
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      if (tree_is_driven(&tree.link[k], a) && tree_is_valued(&tree.link[k])) {
+        drive_write_axis(w, k, a);
+      }
     }
-    if (w->lanes) {
-      fprintf(w->out, "  for (int lane = 0; lane < %s_LANES && status == %s_ok; lane++) {\n", w->name, w->name);
-    } else {
-      code_template(w, "  if (status == @_ok) {\n");
-    }
-    drive_write_pair(w, "from", "start", k);
-    drive_write_pair(w, "to", "end", k);
-    fprintf(w->out,
-            w->lanes ? "    const %s at[2] = {middle ? middle->body_%d.value[0][lane] : 0, middle ? "
-                       "middle->body_%d.rate[0][lane] : 0};\n"
-                     : "    const %s at[2] = {middle ? middle->body_%d.value[0] : 0, middle ? "
-                       "middle->body_%d.rate[0] : 0};\n",
-            code_scalar(w), k, k);
-    fprintf(w->out, "    status = %s_drive_check(state->body_%d.x[0]%s, from, middle ? at : NULL, to, dt, %d);\n  }\n",
-            w->name, k, w->lanes ? "[lane]" : "", L->joint->kind == FB_JOINT_REVOLUTE);
   }
   code_template(w, "  return status;\n}\n\nstatic @_status @_drives_take(@_state *state, const @_input *end, @_status "
                    "status)\n{\n  if (status == @_ok) {\n");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given && !tree.link[k].locked) {
-      fprintf(w->out, "    state->body_%d.x[0] = end ? end->body_%d.value[0] : ", k, k);
-      code_template(w, "%z;\n");
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      if (tree_is_driven(&tree.link[k], a) && tree_is_valued(&tree.link[k])) {
+        fprintf(w->out, "    state->body_%d.x[%d] = end ? end->body_%d.value[%d] : ", k, a, k, a);
+        code_template(w, "%z;\n");
+      }
     }
   }
   code_template(w, "  }\n  return status;\n}\n");

@@ -101,7 +101,7 @@ static void energy_write_joint(const code *w, int k)
     code_template(w, "  @_vector(");
     fprintf(w->out, "phi%d, x + %d);\n", k, L->x);
   }
-  for (int a = 0; a < L->axes + L->given && rows_is_sprung(L->joint); a++) {
+  for (int a = 0; a < L->axes && rows_is_sprung(L->joint); a++) {
     const code_value x = code_variable("b%d_x_%d", k, a);
     energy_write_axis(w, L->joint, a, ball ? code_variable("phi%d[%d]", k, a) : x, x.name);
   }
@@ -153,7 +153,7 @@ static void energy_write_at(const code *w, int unused)
   code_begin(&energy_sums.kinetic);
   code_begin(&energy_sums.strain);
   code_begin(&energy_sums.gravity);
-  motion_write_given(w);
+  tree_write_given_names(w, NULL);
   code_template(w, tree.tied ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
   tree_write_places(w);

@@ -445,13 +445,13 @@ static void rows_write_along(const code *w, int r, int k, int on, const code_val
   memcpy(f, y, sizeof f);
   for (; k != on; k = tree.link[k].parent) {
     const tree_link *const L = &tree.link[k];
-    for (int a = 0; a < L->axes + L->given; a++) {
-      code_value *const c = &row->coefficient[L->row + a];
+    for (int a = 0; a < L->axes; a++) {
+      code_value *const c = &row->coefficient[L->row[a]];
       code_begin(&s);
       code_add_one(&s, 1.0, *c);
       for (int i = 0; i < 6; i++) {
         code_add(&s, 1.0, L->A[a][i], f[i]);
-        code_add(&bound[L->row + a], 1.0, f[i], f[i]);
+        code_add(&bound[L->row[a]], 1.0, f[i], f[i]);
       }
       *c = code_end(w, &s, code_variable("g%d_%c%d_%d", r, word, k, a));
     }
@@ -544,8 +544,11 @@ static void rows_write_bound(const code *w, int r, code_sum *bound, const code_f
     }
     for (int j = 0; j < tree.n; j++) {
       const tree_link *const L = &tree.link[j];
-      const int a = order[k] - L->row;
-      if (!mode && a >= 0 && a < L->axes && bound[order[k]].n + (fabs(bound[order[k]].constant) > 0) > 0) {
+      int a = 0;
+      while (a < L->axes && L->row[a] != order[k]) {
+        a++;
+      }
+      if (!mode && a < L->axes && bound[order[k]].n + (fabs(bound[order[k]].constant) > 0) > 0) {
         code_value size = code_end(w, &bound[order[k]], code_variable("g%d_B%d", r, order[k]));
         const code_value twist = rows_square(w, L->A[a], 6, code_variable("g%d_A%d", r, order[k]));
         code_sum product;
@@ -1079,10 +1082,12 @@ static void rows_write_check(const code *w, const char *when)
   fprintf(w->out, "  if (%s", when);
   code_template(w, w->lanes ? "!%((" : "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given && !tree.link[k].locked) {
-      fputs(n++ > 0 ? " + " : "", w->out);
-      code_template(w, "fabs~(");
-      fprintf(w->out, "b%d_v_0)", k);
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      if (tree_is_driven(&tree.link[k], a)) {
+        fputs(n++ > 0 ? " + " : "", w->out);
+        code_template(w, "fabs~(");
+        fprintf(w->out, "b%d_v_%d)", k, a);
+      }
     }
   }
   code_template(w, w->lanes ? ") <= `0`%)) {\n    $ most[@_ROWS];\n" : " > `0`) {\n    $ most[@_ROWS];\n");
