@@ -168,7 +168,7 @@ static void rows_write_move(const code *w, int unused)
   code_template(w, rows_move_head);
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
-  code_template(w, tree.n_driven > 0 ? "" : "  (void)in;\n");
+  code_template(w, rows_are_driven() ? "" : "  (void)in;\n");
   if (tree.looped) {
     tree_write_pushed(w);
   }
@@ -196,7 +196,7 @@ static void rows_write_move(const code *w, int unused)
   }
   rows_write_gap(w);
   fputs("  }\n", w->out);
-  for (int j = 0; j < 2 * constraint.n_loop && tree.n_driven > 0; j++) {
+  for (int j = 0; j < 2 * constraint.n_loop && rows_are_driven(); j++) {
     rows_write_velocity(w, j / 2, j % 2);
   }
   rows_write_check(w, "!places && ");
@@ -287,7 +287,7 @@ static void rows_write_lanes(const code *w)
   fprintf(w->out, "    %s_rows_solve(own, matrix, rest, above);\n", w->name);
   code_template(w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
                    "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n    }\n  }\n}\n");
-  code_template(w, tree.n_driven > 0 ? rows_hold : "");
+  code_template(w, rows_are_driven() ? rows_hold : "");
 }
 
 /* Sizes, kinds of rows (fbi_rows_alike) and the solution of their equations. */
@@ -308,8 +308,8 @@ static void rows_write_functions(const code *w)
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"
                              : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`");
-  code_template(w, tree.n_driven == 0 ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
+  code_template(w, !rows_are_driven() ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
   code_template(w, rows_functions);
-  code_template(w, tree.n_driven > 0 ? rows_hold : "");
+  code_template(w, rows_are_driven() ? rows_hold : "");
 }
 #endif

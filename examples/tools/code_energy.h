@@ -112,7 +112,6 @@ static void energy_write_loop(const code *w, int j)
 {
   const fb_joint *const joint = constraint.loop[j].joint;
   const int ball = joint->kind == FB_JOINT_SPHERICAL;
-  const int known = fbi_traits(joint)->pitched && fabs((double)joint->pitch) > 0.0; /* its angle, by the row */
   if (!rows_is_sprung(joint)) {
     return;
   }
@@ -122,7 +121,7 @@ static void energy_write_loop(const code *w, int j)
   }
   for (int i = 0; i < joint->n_axis; i++) {
     const code_value x = code_variable("l%d_x_%d", j, i);
-    if (!ball && !known) {
+    if (!ball && !rows_is_known(joint)) {
       rows_write_coordinate(w, j, i);
     }
     energy_write_axis(w, joint, i, ball ? code_variable("l%d_x[%d]", j, i) : x, x.name);

@@ -302,13 +302,26 @@ static void rows_write_frames(const code *w, int j)
   if (fbi_traits(l->joint)->pitched) {
     l->miss = rows_write_screw(w, j);
   }
+  if (rows_held(l->joint) == 4) {
+    rows_write_lock(w, j);
+  }
 }
 
 /* ---- the rows */
 
-/* Force and torque of row r at the joint's origin on the child, P axes: a translation, a right angle, a screw (E9.8). */
-static void rows_direction(code_value force[3], code_value torque[3], const rows_loop *l, int hold)
+/* b x a of axis i */
+static void rows_across(code_value torque[3], const code_value b[3], int i)
 {
+  const int y = (i + 1) % 3, z = (i + 2) % 3;
+  torque[y] = b[z];
+  torque[z] = rows_minus(b[y]);
+}
+
+/* Force and torque of a row at the joint's origin on the child, P axes: a translation, a right angle, a screw, an axis
+   that turns (E9.8). */
+static void rows_direction(code_value force[3], code_value torque[3], const rows_loop *l, const rows_row *row)
+{
+  const int hold = row->hold;
   tree_nothing(force, 3);
   tree_nothing(torque, 3);
   if (hold == ROWS_SCREW) {
@@ -316,11 +329,12 @@ static void rows_direction(code_value force[3], code_value torque[3], const rows
     torque[2] = code_constant(-(double)l->joint->pitch);
   } else if (hold < 3) {
     force[hold] = code_constant(1.0);
-  } else { /* b x a */
-    const int i = (hold - 3) / 3, y = (i + 1) % 3, z = (i + 2) % 3;
-    const code_value *const b = l->b[(hold - 3) % 3];
-    torque[y] = b[z];
-    torque[z] = rows_minus(b[y]);
+  } else if (hold < ROWS_SCREW) {
+    rows_across(torque, l->b[(hold - 3) % 3], (hold - 3) / 3);
+  } else if (l->joint->kind == FB_JOINT_SPHERICAL && l->joint->mode[row->axis] == FB_AXIS_LOCKED) {
+    rows_across(torque, l->lock[row->axis], row->axis);
+  } else {
+    rows_axis(force, torque, l, row->axis);
   }
 }
 
@@ -333,7 +347,7 @@ static void rows_write_side(const code *w, int r, int s)
   const code_value name = code_variable("g%d_%d", r, s);
   code_value force[3], torque[3], f[3], t[3];
   code_sum sum;
-  rows_direction(force, torque, l, row->hold);
+  rows_direction(force, torque, l, row);
   for (int i = 0; i < 3; i++) {
     code_begin(&sum);
     code_add_one(&sum, 1.0, torque[i]);
@@ -523,9 +537,11 @@ static int rows_write_row(const code *w, int r, code_sum *bound)
   for (int i = 0; i < CODE_ROWS; i++) {
     acts |= !code_is_zero(&row->coefficient[i]);
   }
-  row->value = row->hold == ROWS_SCREW ? l->miss
-               : row->hold < 3         ? l->step[row->hold]
-                                       : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
+  acts |= row->axis >= 0 && l->joint->mode[row->axis] == FB_AXIS_PRESCRIBED; /* or what moves nothing has a speed */
+  row->value = row->axis >= 0            ? rows_write_given(w, row)
+               : row->hold == ROWS_SCREW ? l->miss
+               : row->hold < 3           ? l->step[row->hold]
+                                         : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
   return acts;
 }
 
@@ -636,6 +652,9 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
   }
   if (closes) {
     code_add(&s, 1.0, code_variable("closes"), row->value);
+  }
+  if (row->axis >= 0 && !constraint.by && constraint.loop[row->loop].joint->mode[row->axis] == FB_AXIS_PRESCRIBED) {
+    code_add_one(&s, -1.0, code_variable("l%d_r_%d", row->loop, row->axis));
   }
   snprintf(target, sizeof target, "c[%d]", row->acts);
   code_assign(w, &s, target);
@@ -892,6 +911,15 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
         along[2].c *= -(double)l->joint->pitch;
         code_add_one(&s, 1.0, along[i]);
         tree_add_cross(&rate[i], 1.0, l->end[0].spin, along, i);
+      } else if (hold == ROWS_TURN) { /* which turns with the parent */
+        code_value unused[3], axis[3], turns;
+        code_sum one;
+        rows_direction(unused, axis, l, &constraint.row[r]);
+        code_add(&s, 1.0, rows_mu(r), axis[i]);
+        code_begin(&one);
+        tree_add_cross(&one, 1.0, l->end[0].spin, axis, i);
+        turns = code_end(w, &one, code_variable("l%d_tg%d%c", j, r, tree_axis[i]));
+        code_add(&rate[i], 1.0, rows_mu(r), turns);
       } else if (hold >= 3) {
         const int of = (hold - 3) / 3;
         const code_value *const b = l->b[(hold - 3) % 3], *const b_rate = b_dot[(hold - 3) % 3];
@@ -1072,11 +1100,17 @@ static void rows_write_norm(const code *w, const char *name, int k, const code_v
   fputs(";\n", w->out);
 }
 
+/* Are there loops, and prescribed speeds? */
+static int rows_are_driven(void)
+{
+  return constraint.n > 0 && tree.n_driven + constraint.n_driven > 0;
+}
+
 /* Tells rows that were left out and do not hold, where prescribed speeds can contradict them; `when`: a condition. */
 static void rows_write_check(const code *w, const char *when)
 {
   int n = 0;
-  if (tree.n_driven == 0 || constraint.n == 0) {
+  if (!rows_are_driven()) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
@@ -1088,6 +1122,14 @@ static void rows_write_check(const code *w, const char *when)
         code_template(w, "fabs~(");
         fprintf(w->out, "b%d_v_%d)", k, a);
       }
+    }
+  }
+  for (int r = 0; r < constraint.n; r++) {
+    const rows_row *const row = &constraint.row[r];
+    if (row->axis >= 0 && constraint.loop[row->loop].joint->mode[row->axis] == FB_AXIS_PRESCRIBED) {
+      fputs(n++ > 0 ? " + " : "", w->out);
+      code_template(w, "fabs~(");
+      fprintf(w->out, "l%d_r_%d)", row->loop, row->axis);
     }
   }
   code_template(w, w->lanes ? ") <= `0`%)) {\n    $ most[@_ROWS];\n" : " > `0`) {\n    $ most[@_ROWS];\n");

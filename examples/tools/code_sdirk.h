@@ -702,13 +702,13 @@ static void sdirk_write_between(const code *w)
 {
   code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, %s c)\n{\n  *in = *a;\n  "
                    "(void)b, (void)c;\n");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
-        const char *const name = tree_input_name(m);
+        const char *const name = tree_input_name(m), *const part = tree_part(k);
         fprintf(w->out, "  for (int i = 0; i < %d; i++) {\n", tree_input_size(k, m));
-        fprintf(w->out, "    in->body_%d.%s[i] += c * (b->body_%d.%s[i] - a->body_%d.%s[i]);\n  }\n", k, name, k, name,
-                k, name);
+        fprintf(w->out, "    in->%s.%s[i] += c * (b->%s.%s[i] - a->%s.%s[i]);\n  }\n", part, name, part, name, part,
+                name);
       }
     }
   }
@@ -843,7 +843,7 @@ static void sdirk_write_step(const code *w)
   if (w->lanes) {
     code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
   }
-  code_template(w, tree.n_valued > 0 ? sdirk_drives : "");
+  code_template(w, tree_is_told() ? sdirk_drives : "");
   code_template(w, !tree_leads() ? ""
                    : tree.flown  ? "  @_center(%Acenter, x, start);\n"
                                  : "  @_center(%Acenter, x);\n");

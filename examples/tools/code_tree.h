@@ -340,6 +340,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   }
   tree_read_rows();
   tree.has_R = (tree.has_R || tree.pulled || implicit || system->tied == 2) && tree.root >= 0;
+  rows_read(system, &tree.size);
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
@@ -351,7 +352,6 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   tree.stands |= tree.tied;
   tree.given = tree.size;
   tree.size += implicit ? tree.n_valued : 0;
-  rows_read(system);
 }
 
 /* What of a joint is not written, with what would be right; NULL: nothing. */
@@ -579,6 +579,28 @@ static void tree_write_place(const code *w, int k)
   tree_write_twists(w, k);
 }
 
+/* Names of where axes of loops are locked, of the values l_t and rates l_r of those that are prescribed. */
+static void rows_write_given_names(const code *w, const char *moves)
+{
+  for (int r = 0; r < constraint.n; r++) {
+    const rows_row *const row = &constraint.row[r];
+    const rows_loop *const l = &constraint.loop[row->loop];
+    const int j = row->loop, i = row->axis, ball = l->joint->kind == FB_JOINT_SPHERICAL;
+    if (i < 0 || (ball && l->joint->mode[i] == FB_AXIS_LOCKED)) {
+      continue;
+    }
+    if (l->joint->mode[i] == FB_AXIS_LOCKED) {
+      fprintf(w->out, "  const %s l%d_t_%d = x[%d];\n", code_real(w), j, i, l->hold + i);
+      continue;
+    }
+    for (int rate = ball; rate < 2; rate++) {
+      fprintf(w->out, "  const %s l%d_%s_%d = %s ? in->loop_%d.%s[%d] : ", code_real(w), j, rate ? "r" : "t", i,
+              rate ? moves : "in", j, rate ? "rate" : "value", i);
+      code_template(w, "%z;\n");
+    }
+  }
+}
+
 /* Name of the place of axis a of link k, which is prescribed or locked; seen: at a state s. */
 static void tree_write_given_place(const code *w, int k, int a, int seen)
 {
@@ -610,6 +632,7 @@ static void tree_write_given_names(const code *w, const char *moves)
       }
     }
   }
+  rows_write_given_names(w, moves ? moves : "in");
 }
 
 /* Names of what is in the vector. */
@@ -1609,7 +1632,7 @@ static void rows_write_impacts(const code *w)
   for (int j = 0; j < constraint.n_loop; j++) {
     const fb_joint *const joint = constraint.loop[j].joint;
     for (int i = 0; i < joint->n_axis; i++) {
-      if (joint->stop_loss[i] > FB_R(0.0)) {
+      if (joint->mode[i] == FB_AXIS_FREE && joint->stop_loss[i] > FB_R(0.0)) {
         code_template(w, n++ == 0 ? "    $ knock = %z;\n    const $ " : "    const $ ");
         code_number(number, w, (double)joint->stop_loss[i]);
         snprintf(name, sizeof name, "knock_%d", 8 * j + i);
@@ -1797,6 +1820,12 @@ static void tree_write_evaluation(const code *w)
     code_begin(&s);
     code_add_one(&s, 1.0, tree.link[i / 3].V[3 + i % 3]);
     code_assign(w, &s, code_variable("w[%d]", i).name);
+  }
+  for (int j = 0; j < constraint.n_loop; j++) {
+    const rows_loop *const l = &constraint.loop[j];
+    for (int i = 0; i < rows_held(l->joint); i++) {
+      tree_assign_one(w, code_constant(0.0), l->hold + i);
+    }
   }
 }
 
@@ -2060,11 +2089,37 @@ static int tree_leads(void)
 /* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
 typedef void tree_piece(const code *w, int at, int n, int k, const char *member);
 
+/* Bodies and, behind them as in fb_system, the joints that close loops. */
+static int tree_parts(void)
+{
+  return tree.n + tree.system->n_loop;
+}
+
+static const char *tree_part(int k)
+{
+  static char name[24];
+  snprintf(name, sizeof name, k < tree.n ? "body_%d" : "loop_%d", k < tree.n ? k : k - tree.n);
+  return name;
+}
+
+static void rows_pieces(const code *w, int k, tree_piece *f)
+{
+  const rows_loop *const l = &constraint.loop[k - tree.n];
+  const int n = rows_held(&tree.system->joint[k]);
+  if (n > 0) {
+    f(w, l->hold, n, k, n == 4 ? "hold_quat" : "hold");
+  }
+}
+
 static void tree_pieces(const code *w, int k, tree_piece *f)
 {
-  const tree_link *const L = &tree.link[k];
+  const tree_link *const L = &tree.link[k < tree.n ? k : 0];
   const int ball = tree_is_ball(L) || k == tree.root, places = k == tree.root ? 4 : tree_places_of(L);
   const int momenta = k == tree.root ? 6 : tree_momenta_of(L);
+  if (k >= tree.n) {
+    rows_pieces(w, k, f);
+    return;
+  }
   if (places > 0) {
     f(w, L->x, places, k, ball ? "quat" : "x");
   }
@@ -2091,9 +2146,9 @@ static int tree_has_state(int k)
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
 {
-  (void)at, (void)k;
+  (void)at;
   fprintf(w->out, "    %s %s[%d]", code_real(w), member, n);
-  if (w->single) {
+  if (w->single && k < tree.n) {
     fprintf(w->out, ", lost_%s[%d]", member, n);
   }
   fputs(";\n", w->out);
@@ -2102,7 +2157,8 @@ static void tree_declare(const code *w, int at, int n, int k, const char *member
 static void tree_take(const code *w, int at, int n, int k, const char *member)
 {
   (void)n;
-  fprintf(w->out, "  memcpy(x + %d, s->body_%d.%s, sizeof s->body_%d.%s);\n", at, k, member, k, member);
+  fprintf(w->out, "  memcpy(x + %d, s->%s.%s, ", at, tree_part(k), member);
+  fprintf(w->out, "sizeof s->%s.%s);\n", tree_part(k), member);
 }
 
 static void tree_give(const code *w, int at, int n, int k, const char *member)
@@ -2136,7 +2192,9 @@ static void tree_sum(const code *w, int at, int n, int k, const char *member)
 
 static void tree_sum_places(const code *w, int at, int n, int k, const char *member)
 {
-  if (member[0] != 'p') {
+  if (k >= tree.n) { /* which stays */
+    fprintf(w->out, "  memcpy(d + %d, x + %d, %d * sizeof *d);\n", at, at, n);
+  } else if (member[0] != 'p') {
     tree_sum(w, at, n, k, member);
   }
 }
@@ -2178,10 +2236,16 @@ static const char tree_status[] =
     "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
     "  @_range = -10       /* a deflection has left the range of the model */\n";
 
+/* Are there prescribed values? */
+static int tree_is_told(void)
+{
+  return tree.n_valued + constraint.n_valued > 0;
+}
+
 /* One more, where it can be. */
 static const char *tree_contradiction(void)
 {
-  return tree.n_valued > 0  ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
+  return tree_is_told()     ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
          : constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n"
                             : "";
 }
@@ -2206,9 +2270,8 @@ static const char tree_declarations[] =
     "   it was. */\n"
     "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
-static void tree_write_types(const code *w)
+static void tree_write_state_type(const code *w)
 {
-  int n;
   code_template(w, "typedef struct @_state {\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
@@ -2224,23 +2287,41 @@ static void tree_write_types(const code *w)
       fprintf(w->out, "  } body_%d;\n", k);
     }
   }
+  for (int k = tree.n; k < tree_parts(); k++) {
+    if (rows_held(&tree.system->joint[k]) > 0) {
+      fprintf(w->out, "  struct { /* where its axes are locked */\n");
+      tree_pieces(w, k, tree_declare);
+      fprintf(w->out, "  } %s;\n", tree_part(k));
+    }
+  }
   code_template(w, tree.work >= 0 ? "  $ motor_work; /* [J] */\n} @_state;\n\n" : "} @_state;\n\n");
-  n = 0;
+}
+
+/* What acts on a body or on the joint of a loop. 0: nothing. */
+static int tree_write_input_of(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k < tree.n ? k : 0];
+  if (k < tree.n ? tree.quiet && L->axes + L->model->n_rotor == 0 : tree_input_size(k, TREE_RATE) == 0) {
+    return 0;
+  }
+  fputs("  struct {\n", w->out);
+  for (int m = 0; m < TREE_INPUTS; m++) {
+    if (tree_input_size(k, m) > 0) {
+      fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_input_name(m), tree_input_size(k, m),
+              tree_input_what(m));
+    }
+  }
+  fprintf(w->out, "  } %s;\n", tree_part(k));
+  return 1;
+}
+
+static void tree_write_types(const code *w)
+{
+  int n = 0;
+  tree_write_state_type(w);
   code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
-  for (int k = 0; k < tree.n; k++) {
-    const tree_link *const L = &tree.link[k];
-    if (tree.quiet && L->axes + L->model->n_rotor == 0) {
-      continue;
-    }
-    fputs("  struct {\n", w->out);
-    for (int m = 0; m < TREE_INPUTS; m++) {
-      if (tree_input_size(k, m) > 0) {
-        fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_input_name(m), tree_input_size(k, m),
-                tree_input_what(m));
-      }
-    }
-    fprintf(w->out, "  } body_%d;\n", k);
-    n++;
+  for (int k = 0; k < tree_parts(); k++) {
+    n += tree_write_input_of(w, k);
   }
   code_template(w, n > 0 ? "" : "  $ none;\n");
   code_template(w, "} @_input;\n\n");
@@ -2279,11 +2360,11 @@ static void tree_write_input_check(const code *w)
 {
   int n = 0;
   code_template(w, "static int @_input_is_finite(const @_input *in)\n{\n  return !in || (");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
         code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
-        fprintf(w->out, "in->body_%d.%s, %d)", k, tree_input_name(m), tree_input_size(k, m));
+        fprintf(w->out, "in->%s.%s, %d)", tree_part(k), tree_input_name(m), tree_input_size(k, m));
       }
     }
   }
@@ -2297,7 +2378,7 @@ static void tree_write_enter(const code *w)
   code_template(
       w, " coordinates and\n   momenta of the joint, those of the modes; of the root P, L and its place; work. */\n"
          "static void @_enter($ *x, const @_state *s)\n{\n  memset(x, 0, @_N * sizeof *x);\n  (void)s;\n");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     tree_pieces(w, k, tree_take);
   }
   if (tree.root >= 0) {
@@ -2316,7 +2397,7 @@ static void tree_write_start_of(const code *w, int k, const char *member, const 
   for (int i = 0; i < n; i++) {
     if (fabs((double)x[i]) > 0.0) {
       code_number(number, w, (double)x[i]);
-      fprintf(w->out, "  state->body_%d.%s[%d] = %s;\n", k, member, i, number);
+      fprintf(w->out, "  state->%s.%s[%d] = %s;\n", tree_part(k), member, i, number);
     }
   }
 }
@@ -2340,6 +2421,14 @@ static void tree_write_start(const code *w, const fb_system_state *start)
       tree_write_start_of(w, k, "pi", x->pi, L->n);
       tree_write_start_of(w, k, "rotor_angle", x->q + L->n, L->model->n_rotor);
       tree_write_start_of(w, k, "rotor_momentum", x->pi + L->n, L->model->n_rotor);
+    }
+  }
+  for (int k = tree.n; k < tree_parts(); k++) {
+    const int n = rows_held(&tree.system->joint[k]);
+    if (n == 4) {
+      tree_write_start_of(w, k, "hold_quat", start ? start->hold_quat[k] : unit, 4);
+    } else if (start) {
+      tree_write_start_of(w, k, "hold", start->hold[k], n);
     }
   }
   fputs("}\n", w->out);
@@ -2518,7 +2607,7 @@ static void tree_write_end(const code *w)
     tree_pieces(w, k, tree_units);
   }
   code_template(w, "  if (status != @_ok) {\n    return status;\n  }\n");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     tree_pieces(w, k, tree_sum_places);
   }
   for (int k = 0; k < tree.n; k++) {
@@ -2620,7 +2709,7 @@ static void tree_write_step(const code *w)
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree_leads() ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
-  code_template(w, tree.n_valued > 0 ? drive_refused : "");
+  code_template(w, tree_is_told() ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, !tree_leads() ? ""
@@ -2686,7 +2775,7 @@ static void tree_write_align(const code *w)
 static void tree_write_rotations(const code *w)
 {
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
-  code_template(w, free || ball ? code_matrix : "");
+  code_template(w, free || ball || rows_has_locked_ball() ? code_matrix : "");
   code_template(w, free || !w->lanes ? code_turn : "");
   code_template(w, free ? code_turn_back : "");
   code_template(w, w->lanes ? "" : rows_quat);
@@ -2807,8 +2896,11 @@ static int tree_write_functions(const code *w)
   }
   tree_write_enter(w);
   tree_write_end(w);
-  if (tree.n_valued > 0) {
+  if (tree_is_told()) {
     drive_write_functions(w);
+  }
+  if (tree.n_valued > 0) {
+    drive_write_take(w);
   }
   if (tree.implicit) {
     sdirk_write_step(w);
@@ -2876,7 +2968,7 @@ static int tree_write_alone(const code *w)
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
-  if (tree.n_valued > 0) {
+  if (tree_is_told()) {
     code_template(w, drive_check);
   }
   good = tree_write_functions(&wide);

@@ -443,6 +443,46 @@ static const struct {
       {FB_JOINT_SPHERICAL, 0, BOOM | GIVEN},
       {FB_JOINT_UNIVERSAL, 0, PANEL | GIVEN_2},
       {FB_JOINT_UNIVERSAL, 2, RIGID | LOCKED_2}}},
+    /* 76 to 83: axes of loops that are prescribed and locked: a crank that the loop's joint turns; universal, cylindrical,
+       spherical joints, a screw; one that ties what flies; one on the joint that it turns */
+    {FB_EFFECTS_FULL,
+     0,
+     PLANE,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, -1, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_UNIVERSAL, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 2, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_UNIVERSAL, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 0, BOOM},
+      {FB_JOINT_UNIVERSAL, 2, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 1, RIGID}}},
+    {FB_EFFECTS_SPIN,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 1, RIGID}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_UNIVERSAL, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 1, RIGID},
+      {FB_JOINT_UNIVERSAL, 2, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
+    {FB_EFFECTS_FULL, 0, DOOR, {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -489,7 +529,15 @@ static const struct {
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
              {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
-             {74, FB_JOINT_SPHERICAL, 2 + TIP, 3}};
+             {74, FB_JOINT_SPHERICAL, 2 + TIP, 3},
+             {76, FB_JOINT_REVOLUTE, 1 + TIP, 2 + GIVEN},
+             {77, FB_JOINT_UNIVERSAL, 1 + TIP, 3 + LOCKED_2 + RUBS},
+             {78, FB_JOINT_CYLINDRICAL, 1 + TIP, 3 + LOCKED + GIVEN_2},
+             {79, FB_JOINT_SPHERICAL, -1, 2 + LOCKED},
+             {80, FB_JOINT_SPHERICAL, -1, 2 + GIVEN},
+             {81, FB_JOINT_SCREW, 0, 3 + TIP + LOCKED + RUBS},
+             {82, FB_JOINT_UNIVERSAL, -1, 1 + TIP + GIVEN_2 + RUBS},
+             {83, FB_JOINT_REVOLUTE, -1, 0 + GIVEN}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
 static const struct {
   int tree, body[2];
@@ -652,6 +700,12 @@ static void build_joint(fb_joint_desc *joint, const hang *link, int turned)
   }
 }
 
+static void build_modes(fb_joint_desc *joint, int flags)
+{
+  joint->mode[0] = flags & GIVEN ? FB_AXIS_PRESCRIBED : flags & LOCKED ? FB_AXIS_LOCKED : FB_AXIS_FREE;
+  joint->mode[1] = flags & GIVEN_2 ? FB_AXIS_PRESCRIBED : flags & LOCKED_2 ? FB_AXIS_LOCKED : FB_AXIS_FREE;
+}
+
 /* A loop by joint frames that coincide at zero coordinates of the tree, which is built without it. */
 static void build_loop(int which, int l)
 {
@@ -665,6 +719,7 @@ static void build_loop(int which, int l)
   need(fb_system_state_init(&mechanism, model, &zero, &work, NULL, NULL), "state at zero");
   need(fb_system_motion_eval(&mechanism, model, &work, &motion, &zero, NULL), "poses at zero");
   build_joint(loop, &at, 0);
+  build_modes(loop, loops[l].child);
   loop->kind = at.kind;
   loop->parent = on;
   loop->child = of;
@@ -769,8 +824,7 @@ static void build(int which)
     desc.joint[k].kind = trees[which].link[k].kind;
     desc.joint[k].parent = trees[which].link[k].parent % TIP;
     desc.joint[k].parent_node = trees[which].link[k].parent >= TIP;
-    desc.joint[k].mode[0] = flags & GIVEN ? FB_AXIS_PRESCRIBED : flags & LOCKED ? FB_AXIS_LOCKED : FB_AXIS_FREE;
-    desc.joint[k].mode[1] = flags & GIVEN_2 ? FB_AXIS_PRESCRIBED : flags & LOCKED_2 ? FB_AXIS_LOCKED : FB_AXIS_FREE;
+    build_modes(&desc.joint[k], flags);
     if (which < 2) {
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
@@ -832,7 +886,14 @@ static void write_member(int is, const char *word, int k, const char *rest)
 /* Members of the state and the input, for the program that steps the tree; acts: with loads at nodes. */
 static void write_members(int acts)
 {
-  printf("#ifndef PART\n#define PART(k, member, i, kind)\n#endif\n#ifndef RATE\n#define RATE(k)\n#endif\n");
+  printf("#ifndef PART\n#define PART(k, member, i, kind)\n#endif\n#ifndef RATE\n#define RATE(k)\n#endif\n"
+         "#ifndef STEER\n#define STEER(j, member)\n#endif\n#ifndef HOLD\n#define HOLD(j, member)\n#endif\n");
+  for (int j = 0; j < desc.n_loop; j++) {
+    const int k = desc.n_body + j, ball = mechanism.joint[k].kind == FB_JOINT_SPHERICAL;
+    write_member(count(k, FB_AXIS_PRESCRIBED) > 0 && !ball, "STEER", j, ", value");
+    write_member(count(k, FB_AXIS_PRESCRIBED) > 0, "STEER", j, ", rate");
+    write_member(count(k, FB_AXIS_LOCKED) > 0, "HOLD", j, ball ? ", hold_quat" : ", hold");
+  }
   for (int k = 0; k < desc.n_body; k++) {
     const fb_joint *const joint = &mechanism.joint[k];
     const int root = joint->kind == FB_JOINT_FREE, n = model[desc.model[k]].n;
@@ -879,7 +940,7 @@ static void write_members(int acts)
       printf("SEEN(%d, rotor_speed, motion[%d].rotor_speed)\n", k, k);
     }
   }
-  printf("#endif\n#undef PART\n#undef RATE\n");
+  printf("#endif\n#undef PART\n#undef RATE\n#undef STEER\n#undef HOLD\n");
 }
 
 int main(int argc, char **argv)
@@ -1049,6 +1110,7 @@ static void give(generated_input *mine, const fb_system_input *in)
 #define ROTORS(k) take_motors(mine->body_##k.rotor_motor, in->rotor[k], model[desc.model[k]].n_rotor);
 #define DRIVE(k) memcpy(mine->body_##k.value, in->drive[k].value, sizeof mine->body_##k.value);
 #define RATE(k) memcpy(mine->body_##k.rate, in->drive[k].rate, sizeof mine->body_##k.rate);
+#define STEER(j, member) memcpy(mine->loop_##j.member, in->drive[desc.n_body + j].member, sizeof mine->loop_##j.member);
 #define ACT(k)                                                                   \
   memcpy(mine->body_##k.force_1, load_on(in, k, 1)->force, 3 * sizeof(fb_real)); \
   memcpy(mine->body_##k.torque_1, load_on(in, k, 1)->torque, 3 * sizeof(fb_real));
@@ -1074,9 +1136,23 @@ static inline void act(fb_system_load *on, int k, double t)
   }
 }
 
+/* What is prescribed of joints and loops. */
+static void drive(fb_system_input *in, double t)
+{
+  for (int k = 0; k < desc.n_body + desc.n_loop; k++) {
+    for (int i = 0; i < 3 && count(k, FB_AXIS_PRESCRIBED) > 0; i++) {
+      const double by = (desc.n_loop > 0 ? 0.1 : 1) * (1 - 0.4 * i); /* that a crank turns */
+      if (mechanism.joint[k].mode[i] == FB_AXIS_PRESCRIBED) {
+        in->drive[k].value[i] = (fb_real)(by * (0.3 * t + 0.1 * sin(2 * t)));
+        in->drive[k].rate[i] = (fb_real)(by * (0.3 + 0.2 * cos(2 * t)));
+        in->drive[k].acceleration[i] = (fb_real)(-0.4 * by * sin(2 * t));
+      }
+    }
+  }
+}
+
 static void load(fb_system_input *in, generated_input *mine, double t)
 {
-  const double far = desc.n_loop > 0 ? 0.1 : 1; /* that a crank turns */
   memset(in, 0, sizeof *in);
   memset(mine, 0, sizeof *mine);
   for (int k = 0; k < desc.n_body; k++) {
@@ -1099,15 +1175,8 @@ static void load(fb_system_input *in, generated_input *mine, double t)
                                    ? (fb_real)(2 * sin(3 * t + i - k))
                                    : FB_R(0.0);
     }
-    for (int i = 0; i < 3 && count(k, FB_AXIS_PRESCRIBED) > 0; i++) {
-      const double by = far * (1 - 0.4 * i);
-      if (mechanism.joint[k].mode[i] == FB_AXIS_PRESCRIBED) {
-        in->drive[k].value[i] = (fb_real)(by * (0.3 * t + 0.1 * sin(2 * t)));
-        in->drive[k].rate[i] = (fb_real)(by * (0.3 + 0.2 * cos(2 * t)));
-        in->drive[k].acceleration[i] = (fb_real)(-0.4 * by * sin(2 * t));
-      }
-    }
   }
+  drive(in, t);
 #define ACT(k) act(&in->load[in->n_load++], k, t);
 #define MEMBER(k, member, kind)
 #define LOAD(k)
@@ -1591,6 +1660,7 @@ int main(int argc, char **argv)
 #define MOTOR(k)
 #define MEMBER(k, member, kind) add(own.body_##k.member, state.link[k].member, sizeof own.body_##k.member, kind);
 #define PART(k, member, i, kind) add(own.body_##k.member + i, state.link[k].member + i, sizeof(fb_real), kind);
+#define HOLD(j, member) add(own.loop_##j.member, state.member[desc.n_body + j], sizeof own.loop_##j.member, VALUE);
 #define MODAL(k)
 #define DRIVE(k)
 #define ROTORS(k)                                                                                                  \
