@@ -27,6 +27,16 @@ static int scene_code_pulls(const scene *s)
   return n;
 }
 
+/* Line of the first motor on a loop's joint, 0: there is none. */
+static int scene_code_motor(const scene *s)
+{
+  int line = 0;
+  for (int k = 0; k < s->n_drive && line == 0; k++) {
+    line = s->drive[k].kind == SCENE_MOTOR && s->joint[s->drive[k].joint].loop ? s->drive[k].line : 0;
+  }
+  return line;
+}
+
 /* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
    0: it has been said which is none. */
 static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *list)
@@ -99,6 +109,7 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
       {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
       {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
       {scene_code_pulls(s), text_seen(&s->seen, "spring"), "pull of a spring: choose a spring without an actuator"},
+      {scene_code_motor(s) > 0, scene_code_motor(s), "motor of a loop: choose one on a joint of the tree"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   snprintf(load, sizeof load, "load and nudge: the caller gives them as input, by --loads %s", list);

@@ -554,6 +554,11 @@ grounded 'loop pin revolute hub array.tip
   mode locked
 end'
 written bars
+grounded 'loop pin revolute hub array.tip
+  position 4.8 0 0
+  motor 1 constant 1
+end'
+! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q "motor of a loop: choose one on a joint of the tree (line" "$out/log" || fail "a motor of a loop: $(cat "$out/log")"
 refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 for mode in locked prescribed; do
