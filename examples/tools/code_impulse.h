@@ -228,7 +228,7 @@ static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], 
   }
 }
 
-/* Joint axes of the child, P axes. */
+/* Joint axes of the child, P axes; what a screw misses by them, and those of a spherical joint that is locked. */
 static void rows_write_child_axes(const code *w, int j)
 {
   rows_loop *const l = &constraint.loop[j];
@@ -239,6 +239,12 @@ static void rows_write_child_axes(const code *w, int j)
     }
     rows_write_turned(w, b, l->end[1].N, 0, b, NULL, code_variable("l%d_c%c", j, tree_axis[c]));
     rows_write_turned(w, l->b[c], l->end[1].D, 1, b, NULL, code_variable("l%d_b%c", j, tree_axis[c]));
+  }
+  if (fbi_traits(l->joint)->pitched) {
+    l->miss = rows_write_screw(w, j);
+  }
+  if (rows_held(l->joint) == 4) {
+    rows_write_lock(w, j);
   }
 }
 
@@ -299,12 +305,6 @@ static void rows_write_frames(const code *w, int j)
     l->step[i] = code_end(w, &s, code_variable("l%d_step%c", j, tree_axis[i]));
   }
   rows_write_child_axes(w, j);
-  if (fbi_traits(l->joint)->pitched) {
-    l->miss = rows_write_screw(w, j);
-  }
-  if (rows_held(l->joint) == 4) {
-    rows_write_lock(w, j);
-  }
 }
 
 /* ---- the rows */

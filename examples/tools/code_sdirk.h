@@ -370,13 +370,36 @@ static void sdirk_write_root(const code *w)
   }
 }
 
+/* Velocities of the bodies and speeds of their modes by z. */
+static void sdirk_write_speeds(const code *w)
+{
+  code_sum s;
+  for (int k = 0; k < tree.n; k++) {
+    tree_link *const L = &tree.link[k];
+    code_value e[FB_MAX_MODES];
+    tree_write_velocity(w, k);
+    memcpy(sdirk[k].dq_dot, tree_right + L->mode_row, (size_t)(L->open ? L->n : 0) * sizeof *tree_right);
+    for (int a = 0; a < L->n && !L->open; a++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, sdirk[k].right[a]);
+      for (int i = 0; i < 6; i++) {
+        code_add(&s, -1.0, L->rates.lambda[i][a], L->V[i]);
+      }
+      rows_add(&s, 1.0, k, a, rows_pushed);
+      e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
+    }
+    if (!L->open) {
+      sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+    }
+  }
+}
+
 /* Speeds z of the root, the axes and, by the velocities of their bodies, of the modes. */
 static void sdirk_write_solve(const code *w)
 {
   static char names[CODE_ROWS][CODE_NAME];
   const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open;
   int order[CODE_ROWS];
-  code_sum s;
   for (int i = 0; i < n + tree.n_given; i++) {
     tree_nothing(tree_matrix[i], n + tree.n_given);
   }
@@ -417,24 +440,7 @@ static void sdirk_write_solve(const code *w)
   for (int i = 0; i < n; i++) {
     tree_right[order[i]] = code_solver.x[i];
   }
-  for (int k = 0; k < tree.n; k++) {
-    tree_link *const L = &tree.link[k];
-    code_value e[FB_MAX_MODES];
-    tree_write_velocity(w, k);
-    memcpy(sdirk[k].dq_dot, tree_right + L->mode_row, (size_t)(L->open ? L->n : 0) * sizeof *tree_right);
-    for (int a = 0; a < L->n && !L->open; a++) {
-      code_begin(&s);
-      code_add_one(&s, 1.0, sdirk[k].right[a]);
-      for (int i = 0; i < 6; i++) {
-        code_add(&s, -1.0, L->rates.lambda[i][a], L->V[i]);
-      }
-      rows_add(&s, 1.0, k, a, rows_pushed);
-      e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
-    }
-    if (!L->open) {
-      sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
-    }
-  }
+  sdirk_write_speeds(w);
   code_of_names = "";
 }
 
