@@ -20,7 +20,7 @@ typedef int lanes_steps(const void *model, void *state, const void *input, doubl
 
 typedef struct lanes_output { /* c + gain.state, or the value of a prescribed axis */
   double c;
-  int n, drive; /* drive: joint whose axis it is, -1: none */
+  int n, drive, axis; /* drive: joint whose axis it is, -1: none */
   struct {
     int at;
     double gain;
@@ -226,8 +226,8 @@ static int lanes_state_place(int k, char member)
   int at = 0;
   for (int j = 0; j < k + (member != 'u'); j++) {
     const tree_link *const L = &tree.link[j];
-    const int frame = j == tree.root ? 12 : 0, p = j == tree.root ? 6 : L->axes;
-    const int x = j == tree.root || L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes + L->given;
+    const int frame = j == tree.root ? 12 : 0, p = j == tree.root ? 6 : tree_momenta_of(L);
+    const int x = j == tree.root || tree_is_ball(L) ? 4 : L->axes;
     at += frame + (j < k || member != 'x' ? x : 0) + (j < k || member == 'q' ? p : 0) + (j < k ? 2 * L->n : 0);
   }
   return at;
@@ -237,7 +237,9 @@ static int lanes_input_place(int k)
 {
   int at = 0;
   for (int j = 0; j < k; j++) {
-    at += tree.link[j].axes + 2 * (tree.link[j].given - tree.link[j].locked);
+    for (int m = 0; m < TREE_AT_NODES; m++) { /* of loads there are none */
+      at += tree_input_size(j, m);
+    }
   }
   return at;
 }
@@ -247,14 +249,14 @@ static void lanes_take_state(double *state, int lane, int wide)
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     const fb_link_state *const from = &engine.system_state.link[k];
-    const int ball = k == tree.root || L->joint->kind == FB_JOINT_SPHERICAL;
+    const int ball = k == tree.root || tree_is_ball(L);
     double *const x = state + lanes_state_place(k, 'x') * wide + lane;
     double *const p = state + lanes_state_place(k, 'p') * wide + lane;
     double *const q = state + lanes_state_place(k, 'q') * wide + lane;
-    for (int i = 0; i < (ball ? 4 : L->axes + L->given); i++) {
+    for (int i = 0; i < (ball ? 4 : L->axes); i++) {
       x[i * wide] = (double)(ball ? from->quat[i] : from->x[i]);
     }
-    for (int i = 0; i < (k == tree.root ? 6 : L->axes); i++) {
+    for (int i = 0; i < (k == tree.root ? 6 : tree_momenta_of(L)); i++) {
       p[i * wide] = (double)from->p[i];
     }
     for (int i = 0; i < 12 && k == tree.root; i++) {
@@ -286,8 +288,9 @@ static void lanes_output_init(lanes_output *out, const scene *s, const scene_out
   out->drive = -1;
   if (o->quantity == SCENE_COORDINATE) {
     const int at = s->joint[o->at].at;
-    out->drive = tree.link[at].given ? o->at : -1;
-    if (!tree.link[at].given) {
+    out->axis = o->axis;
+    out->drive = tree.link[at].joint->mode[o->axis] != FB_AXIS_FREE ? o->at : -1;
+    if (out->drive < 0) {
       lanes_add_term(out, lanes_state_place(at, 'x') + o->axis, 1);
     }
     return;
@@ -353,14 +356,16 @@ static void lanes_act(double *input, int lane, double t, double side)
   for (int j = 0; j < s->n_joint; j++) {
     const tree_link *const L = &tree.link[s->joint[j].at];
     double *const to = input + lanes_input_place(s->joint[j].at) * wide + lane;
-    if (L->axes + L->given > 0) {
-      const fb_drive drive = lanes_drive(&lanes.lane[lane], j, t, side);
-      for (int i = 0; i < L->axes; i++) {
+    const int motors = tree_momenta_of(L) * wide, values = tree_is_valued(L) ? L->axes * wide : 0;
+    const fb_drive drive = lanes_drive(&lanes.lane[lane], j, t, side);
+    for (int i = 0; i < L->axes; i++) {
+      if (tree_is_free(L, i)) {
         to[i * wide] = (double)drive.torque[i];
+      } else if (tree_is_driven(L, i)) {
+        to[motors + values + i * wide] = (double)drive.rate[i];
       }
-      if (L->given && !L->locked) {
-        to[0] = (double)drive.value[0];
-        to[wide] = (double)drive.rate[0];
+      if (tree_is_driven(L, i) && values > 0) {
+        to[motors + i * wide] = (double)drive.value[i];
       }
     }
   }
@@ -459,7 +464,7 @@ static double lanes_value(const lanes_lane *lane, int k, int at, double t)
   for (int i = 0; i < out->n; i++) {
     value += out->term[i].gain * lanes.state[out->term[i].at * lanes.wide + k];
   }
-  return out->drive < 0 ? value : (double)lanes_drive(lane, out->drive, t, t + timing.slack).value[0];
+  return out->drive < 0 ? value : (double)lanes_drive(lane, out->drive, t, t + timing.slack).value[out->axis];
 }
 
 static void lanes_row(double t)

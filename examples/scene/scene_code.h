@@ -56,6 +56,16 @@ static void scene_code_no_node(scene *s, const char *name, const char *part, int
   }
 }
 
+/* Line of the first motor on a loop's joint, 0: there is none. */
+static int scene_code_motor(const scene *s)
+{
+  int line = 0;
+  for (int k = 0; k < s->n_drive && line == 0; k++) {
+    line = s->drive[k].kind == SCENE_MOTOR && s->joint[s->drive[k].joint].loop ? s->drive[k].line : 0;
+  }
+  return line;
+}
+
 /* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
    0: it has been said which is none. */
 static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *list)
@@ -124,6 +134,7 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
       {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
       {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
       {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
+      {scene_code_motor(s) > 0, scene_code_motor(s), "motor of a loop: choose one on a joint of the tree"},
       {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
       {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   snprintf(load, sizeof load, "load and nudge: the caller gives them as input, by --loads %s", list);
@@ -164,13 +175,9 @@ static void scene_code_tell(const scene *s)
 /* What of its bodies and joints is not written, in text; "": nothing. */
 static void scene_code_unwritten(char text[200], const char *const *names, const tree_choice *choice)
 {
-  const char *what = choice->implicit ? sdirk_refusal(&engine.system) : NULL;
   tree_refusal(text, &engine.system, engine.body, names);
   if (!text[0]) {
     acts_refusal(text, &engine.system, names, choice->loads);
-  }
-  if (!text[0] && what) {
-    snprintf(text, 200, "%s", what);
   }
 }
 

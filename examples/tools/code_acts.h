@@ -3,7 +3,7 @@
 #ifndef CODE_ACTS_H
 #define CODE_ACTS_H
 
-enum { TREE_MODAL = 5, TREE_AT_NODES = 7, TREE_INPUTS = TREE_AT_NODES + 2 * FB_MAX_NODES };
+enum { TREE_VALUE = 3, TREE_RATE, TREE_MODAL, TREE_AT_NODES = 7, TREE_INPUTS = TREE_AT_NODES + 2 * FB_MAX_NODES };
 
 static const struct {
   const char *name, *what;
@@ -16,11 +16,22 @@ static const struct {
     {"modal", "generalized forces of the modes"},
     {"rotor_motor", "[N m] on each rotor, and back on the body; [N m s] where its momentum is given"}};
 
-/* How many numbers of that kind act on link k. */
+/* How many numbers of that kind act on the joint of a loop. */
+static int rows_input_size(const fb_joint *joint, int m)
+{
+  const int driven = tree_count(joint, FB_AXIS_PRESCRIBED) > 0;
+  return driven && (m == TREE_RATE || (m == TREE_VALUE && joint->kind != FB_JOINT_SPHERICAL)) ? joint->n_axis : 0;
+}
+
+/* How many numbers of that kind act on link k, or on the joint of a loop behind them. */
 static int tree_input_size(int k, int m)
 {
-  const tree_link *const L = &tree.link[k];
-  const int size[TREE_AT_NODES] = {3, 3, L->axes, L->given - L->locked, L->given - L->locked, L->n, L->model->n_rotor};
+  const tree_link *const L = &tree.link[k < tree.n ? k : 0];
+  const int valued = tree_is_valued(L) ? L->axes : 0, rated = L->driven > 0 ? L->axes : 0;
+  const int size[TREE_AT_NODES] = {3, 3, tree_momenta_of(L), valued, rated, L->n, L->model->n_rotor};
+  if (k >= tree.n) {
+    return rows_input_size(&tree.system->joint[k], m);
+  }
   if (m < 2 && tree_is_wheel(k)) {
     return 0;
   }

@@ -23,24 +23,33 @@ static void rows_write_axes(const code *w, int k)
   inner.indent = 4;
   for (int a = 0; a < L->axes; a++) {
     code_begin(&s);
-    for (int r = 0; r < constraint.n; r++) {
-      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->row + a]);
+    for (int r = 0; r < constraint.n && tree_is_free(L, a); r++) {
+      code_add(&s, 1.0, rows_mu(r), constraint.row[r].direct[L->row[a]]);
     }
     p[a] = code_end(&inner, &s, code_variable("b%d_dp_%d", k, a));
   }
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+  if (tree_is_ball(L) && L->free > 0) {
     code_value child[9];
     rows_constants(child, L->joint->child_axes, 9);
     tree_write_turned(&inner, p, child, 0, p, "mb", k);
     tree_write_view(&inner, p, p, "mg", k, 0);
   }
-  for (int a = 0; a < L->axes; a++) {
+  for (int a = 0; a < tree_momenta_of(L); a++) {
     char target[32];
     code_begin(&s);
     code_add_one(&s, 1.0, p[a]);
     snprintf(target, sizeof target, "move[%d]", L->p + a);
     code_assign(&inner, &s, target);
   }
+}
+
+/* The momenta of a link's modes by the impulses. */
+static void rows_write_modes(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_sum s;
+  code inner = *w;
+  inner.indent = 4;
   for (int a = 0; a < L->n; a++) {
     char target[32];
     code_begin(&s);
@@ -95,14 +104,14 @@ static void rows_write_displaced(const code *w, int k)
   char target[32];
   code_sum s;
   inner.indent = 4;
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+  if (tree_is_ball(L) && L->free > 0) {
     tree_write_quat_rate(&inner, "move", L->x, L->u);
   } else if (k == tree.root) {
     rows_write_root_displaced(&inner);
   }
   for (int a = 0; a < L->axes + L->n; a++) {
     const int mode = a - L->axes;
-    if (mode >= 0 || L->joint->kind != FB_JOINT_SPHERICAL) {
+    if (mode >= 0 || (!tree_is_ball(L) && tree_is_free(L, a))) {
       code_begin(&s);
       code_add_one(&s, 1.0, mode < 0 ? L->u[a] : L->rates.q_dot[mode]);
       snprintf(target, sizeof target, "move[%d]", mode < 0 ? L->x + a : L->q + mode);
@@ -159,7 +168,7 @@ static void rows_write_move(const code *w, int unused)
   code_template(w, rows_move_head);
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
-  code_template(w, tree.n_driven > 0 ? "" : "  (void)in;\n");
+  code_template(w, rows_are_driven() ? "" : "  (void)in;\n");
   if (tree.looped) {
     tree_write_pushed(w);
   }
@@ -180,13 +189,14 @@ static void rows_write_move(const code *w, int unused)
   fputs("  } else {\n", w->out);
   for (int k = 0; k < tree.n; k++) {
     rows_write_axes(w, k);
+    rows_write_modes(w, k);
   }
   if (tree.tied) {
     rows_write_root_momenta(w);
   }
   rows_write_gap(w);
   fputs("  }\n", w->out);
-  for (int j = 0; j < 2 * constraint.n_loop && tree.n_driven > 0; j++) {
+  for (int j = 0; j < 2 * constraint.n_loop && rows_are_driven(); j++) {
     rows_write_velocity(w, j / 2, j % 2);
   }
   rows_write_check(w, "!places && ");
@@ -277,7 +287,7 @@ static void rows_write_lanes(const code *w)
   fprintf(w->out, "    %s_rows_solve(own, matrix, rest, above);\n", w->name);
   code_template(w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
                    "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n    }\n  }\n}\n");
-  code_template(w, tree.n_driven > 0 ? rows_hold : "");
+  code_template(w, rows_are_driven() ? rows_hold : "");
 }
 
 /* Sizes, kinds of rows (fbi_rows_alike) and the solution of their equations. */
@@ -298,8 +308,8 @@ static void rows_write_functions(const code *w)
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"
                              : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`");
-  code_template(w, tree.n_driven == 0 ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
+  code_template(w, !rows_are_driven() ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
   code_template(w, rows_functions);
-  code_template(w, tree.n_driven > 0 ? rows_hold : "");
+  code_template(w, rows_are_driven() ? rows_hold : "");
 }
 #endif

@@ -31,17 +31,40 @@ static const char drive_check[] =
     "  return far || (same && dt * ra > rounding && dt * rb > rounding) ? @_contradiction : @_ok;\n}\n";
 
 /* One member of what acts, of a lane or of all there is. */
-static void drive_write_pair(const code *w, const char *name, const char *of, int k)
+static void drive_write_pair(const code *w, const char *name, const char *of, int k, int a)
 {
-  const char *const lane = w->lanes ? "[lane]" : "";
-  fprintf(w->out, "    const %s %s[2] = {%s->body_%d.value[0]%s, %s->body_%d.rate[0]%s};\n", code_scalar(w), name, of,
-          k, lane, of, k, lane);
+  const char *const lane = w->lanes ? "[lane]" : "", *const part = tree_part(k);
+  fprintf(w->out, "    const %s %s[2] = {%s->%s.value[%d]%s, %s->%s.rate[%d]%s};\n", code_scalar(w), name, of, part, a,
+          lane, of, part, a, lane);
+}
+
+/* The check of axis a of joint k, of a loop not from where it is. */
+static void drive_write_axis(const code *w, int k, int a)
+{
+  const fbi_joint_traits *const is = fbi_traits(&tree.system->joint[k]);
+  const char *const part = tree_part(k), *const lane = w->lanes ? "[lane]" : "";
+  if (w->lanes) {
+    fprintf(w->out, "  for (int lane = 0; lane < %s_LANES && status == %s_ok; lane++) {\n", w->name, w->name);
+  } else {
+    code_template(w, "  if (status == @_ok) {\n");
+  }
+  drive_write_pair(w, "from", "start", k, a);
+  drive_write_pair(w, "to", "end", k, a);
+  fprintf(w->out, "    const %s at[2] = {middle ? middle->%s.value[%d]%s : 0, middle ? middle->%s.rate[%d]%s : 0};\n",
+          code_scalar(w), part, a, lane, part, a, lane);
+  fprintf(w->out, "    status = %s_drive_check(", w->name);
+  if (k < tree.n) {
+    fprintf(w->out, "state->%s.x[%d]%s, ", part, a, lane);
+  } else {
+    fputs("from[0], ", w->out);
+  }
+  fprintf(w->out, "from, middle ? at : NULL, to, dt, %d);\n  }\n", (a == is->angle || a == is->tilt) && !is->pitched);
 }
 
 static const char drive_refused[] = "  {\n    const @_status given = @_drives_check(state, start, middle, end, dt);\n"
                                     "    if (given != @_ok) {\n      return given;\n    }\n  }\n";
 
-/* The check of all axes, and the values after the step. */
+/* The check of all axes. */
 static void drive_write_functions(const code *w)
 {
   if (!w->lanes) { /* lanes have it from there */
@@ -52,33 +75,27 @@ static void drive_write_functions(const code *w)
                 "                              const @_input *end, %s dt)\n{\n"
                 "  @_status status = @_ok;\n"
                 "  if (!start || !end || start == end) {\n    return @_ok;\n  }\n");
-  for (int k = 0; k < tree.n; k++) {
-    const tree_link *const L = &tree.link[k];
-    if (!L->given || L->locked) {
-      continue;
+  for (int k = 0; k < tree_parts(); k++) {
+    for (int a = 0; a < tree_input_size(k, TREE_VALUE); a++) {
+      if (tree.system->joint[k].mode[a] == FB_AXIS_PRESCRIBED) {
+        drive_write_axis(w, k, a);
+      }
     }
-    if (w->lanes) {
-      fprintf(w->out, "  for (int lane = 0; lane < %s_LANES && status == %s_ok; lane++) {\n", w->name, w->name);
-    } else {
-      code_template(w, "  if (status == @_ok) {\n");
-    }
-    drive_write_pair(w, "from", "start", k);
-    drive_write_pair(w, "to", "end", k);
-    fprintf(w->out,
-            w->lanes ? "    const %s at[2] = {middle ? middle->body_%d.value[0][lane] : 0, middle ? "
-                       "middle->body_%d.rate[0][lane] : 0};\n"
-                     : "    const %s at[2] = {middle ? middle->body_%d.value[0] : 0, middle ? "
-                       "middle->body_%d.rate[0] : 0};\n",
-            code_scalar(w), k, k);
-    fprintf(w->out, "    status = %s_drive_check(state->body_%d.x[0]%s, from, middle ? at : NULL, to, dt, %d);\n  }\n",
-            w->name, k, w->lanes ? "[lane]" : "", L->joint->kind == FB_JOINT_REVOLUTE);
   }
-  code_template(w, "  return status;\n}\n\nstatic @_status @_drives_take(@_state *state, const @_input *end, @_status "
-                   "status)\n{\n  if (status == @_ok) {\n");
+  code_template(w, tree.n_valued > 0 ? "  return status;\n}\n" : "  (void)state;\n  return status;\n}\n");
+}
+
+/* Values after the step, of the tree alone: loops follow. */
+static void drive_write_take(const code *w)
+{
+  code_template(w, "\nstatic @_status @_drives_take(@_state *state, const @_input *end, @_status status)\n{\n"
+                   "  if (status == @_ok) {\n");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given && !tree.link[k].locked) {
-      fprintf(w->out, "    state->body_%d.x[0] = end ? end->body_%d.value[0] : ", k, k);
-      code_template(w, "%z;\n");
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      if (tree_is_driven(&tree.link[k], a) && tree_is_valued(&tree.link[k])) {
+        fprintf(w->out, "    state->body_%d.x[%d] = end ? end->body_%d.value[%d] : ", k, a, k, a);
+        code_template(w, "%z;\n");
+      }
     }
   }
   code_template(w, "  }\n  return status;\n}\n");

@@ -101,7 +101,7 @@ static void energy_write_joint(const code *w, int k)
     code_template(w, "  @_vector(");
     fprintf(w->out, "phi%d, x + %d);\n", k, L->x);
   }
-  for (int a = 0; a < L->axes + L->given && rows_is_sprung(L->joint); a++) {
+  for (int a = 0; a < L->axes && rows_is_sprung(L->joint); a++) {
     const code_value x = code_variable("b%d_x_%d", k, a);
     energy_write_axis(w, L->joint, a, ball ? code_variable("phi%d[%d]", k, a) : x, x.name);
   }
@@ -112,7 +112,6 @@ static void energy_write_loop(const code *w, int j)
 {
   const fb_joint *const joint = constraint.loop[j].joint;
   const int ball = joint->kind == FB_JOINT_SPHERICAL;
-  const int known = fbi_traits(joint)->pitched && fabs((double)joint->pitch) > 0.0; /* its angle, by the row */
   if (!rows_is_sprung(joint)) {
     return;
   }
@@ -122,7 +121,7 @@ static void energy_write_loop(const code *w, int j)
   }
   for (int i = 0; i < joint->n_axis; i++) {
     const code_value x = code_variable("l%d_x_%d", j, i);
-    if (!ball && !known) {
+    if (!ball && !rows_is_known(joint)) {
       rows_write_coordinate(w, j, i);
     }
     energy_write_axis(w, joint, i, ball ? code_variable("l%d_x[%d]", j, i) : x, x.name);
@@ -153,7 +152,7 @@ static void energy_write_at(const code *w, int unused)
   code_begin(&energy_sums.kinetic);
   code_begin(&energy_sums.strain);
   code_begin(&energy_sums.gravity);
-  motion_write_given(w);
+  tree_write_given_names(w, NULL);
   code_template(w, tree.tied || tree.moored ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
   tree_write_places(w);

@@ -229,7 +229,7 @@ static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], 
   }
 }
 
-/* Joint axes of the child, P axes. */
+/* Joint axes of the child, P axes; what a screw misses by them, and those of a spherical joint that is locked. */
 static void rows_write_child_axes(const code *w, int j)
 {
   rows_loop *const l = &constraint.loop[j];
@@ -240,6 +240,12 @@ static void rows_write_child_axes(const code *w, int j)
     }
     rows_write_turned(w, b, l->end[1].N, 0, b, NULL, code_variable("l%d_c%c", j, tree_axis[c]));
     rows_write_turned(w, l->b[c], l->end[1].D, 1, b, NULL, code_variable("l%d_b%c", j, tree_axis[c]));
+  }
+  if (fbi_traits(l->joint)->pitched) {
+    l->miss = rows_write_screw(w, j);
+  }
+  if (rows_held(l->joint) == 4) {
+    rows_write_lock(w, j);
   }
 }
 
@@ -300,16 +306,23 @@ static void rows_write_frames(const code *w, int j)
     l->step[i] = code_end(w, &s, code_variable("l%d_step%c", j, tree_axis[i]));
   }
   rows_write_child_axes(w, j);
-  if (fbi_traits(l->joint)->pitched) {
-    l->miss = rows_write_screw(w, j);
-  }
 }
 
 /* ---- the rows */
 
-/* Force and torque of row r at the joint's origin on the child, P axes: a translation, a right angle, a screw (E9.8). */
-static void rows_direction(code_value force[3], code_value torque[3], const rows_loop *l, int hold)
+/* b x a of axis i */
+static void rows_across(code_value torque[3], const code_value b[3], int i)
 {
+  const int y = (i + 1) % 3, z = (i + 2) % 3;
+  torque[y] = b[z];
+  torque[z] = rows_minus(b[y]);
+}
+
+/* Force and torque of a row at the joint's origin on the child, P axes: a translation, a right angle, a screw, an axis
+   that turns (E9.8). */
+static void rows_direction(code_value force[3], code_value torque[3], const rows_loop *l, const rows_row *row)
+{
+  const int hold = row->hold;
   tree_nothing(force, 3);
   tree_nothing(torque, 3);
   if (hold == ROWS_SCREW) {
@@ -317,11 +330,12 @@ static void rows_direction(code_value force[3], code_value torque[3], const rows
     torque[2] = code_constant(-(double)l->joint->pitch);
   } else if (hold < 3) {
     force[hold] = code_constant(1.0);
-  } else { /* b x a */
-    const int i = (hold - 3) / 3, y = (i + 1) % 3, z = (i + 2) % 3;
-    const code_value *const b = l->b[(hold - 3) % 3];
-    torque[y] = b[z];
-    torque[z] = rows_minus(b[y]);
+  } else if (hold < ROWS_SCREW) {
+    rows_across(torque, l->b[(hold - 3) % 3], (hold - 3) / 3);
+  } else if (l->joint->kind == FB_JOINT_SPHERICAL && l->joint->mode[row->axis] == FB_AXIS_LOCKED) {
+    rows_across(torque, l->lock[row->axis], row->axis);
+  } else {
+    rows_axis(force, torque, l, row->axis);
   }
 }
 
@@ -334,7 +348,7 @@ static void rows_write_side(const code *w, int r, int s)
   const code_value name = code_variable("g%d_%d", r, s);
   code_value force[3], torque[3], f[3], t[3];
   code_sum sum;
-  rows_direction(force, torque, l, row->hold);
+  rows_direction(force, torque, l, row);
   for (int i = 0; i < 3; i++) {
     code_begin(&sum);
     code_add_one(&sum, 1.0, torque[i]);
@@ -446,13 +460,13 @@ static void rows_write_along(const code *w, int r, int k, int on, const code_val
   memcpy(f, y, sizeof f);
   for (; k != on; k = tree.link[k].parent) {
     const tree_link *const L = &tree.link[k];
-    for (int a = 0; a < L->axes + L->given; a++) {
-      code_value *const c = &row->coefficient[L->row + a];
+    for (int a = 0; a < L->axes; a++) {
+      code_value *const c = &row->coefficient[L->row[a]];
       code_begin(&s);
       code_add_one(&s, 1.0, *c);
       for (int i = 0; i < 6; i++) {
         code_add(&s, 1.0, L->A[a][i], f[i]);
-        code_add(&bound[L->row + a], 1.0, f[i], f[i]);
+        code_add(&bound[L->row[a]], 1.0, f[i], f[i]);
       }
       *c = code_end(w, &s, code_variable("g%d_%c%d_%d", r, word, k, a));
     }
@@ -524,9 +538,11 @@ static int rows_write_row(const code *w, int r, code_sum *bound)
   for (int i = 0; i < CODE_ROWS; i++) {
     acts |= !code_is_zero(&row->coefficient[i]);
   }
-  row->value = row->hold == ROWS_SCREW ? l->miss
-               : row->hold < 3         ? l->step[row->hold]
-                                       : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
+  acts |= row->axis >= 0 && l->joint->mode[row->axis] == FB_AXIS_PRESCRIBED; /* or what moves nothing has a speed */
+  row->value = row->axis >= 0            ? rows_write_given(w, row)
+               : row->hold == ROWS_SCREW ? l->miss
+               : row->hold < 3           ? l->step[row->hold]
+                                         : l->b[(row->hold - 3) % 3][(row->hold - 3) / 3];
   return acts;
 }
 
@@ -545,8 +561,11 @@ static void rows_write_bound(const code *w, int r, code_sum *bound, const code_f
     }
     for (int j = 0; j < tree.n; j++) {
       const tree_link *const L = &tree.link[j];
-      const int a = order[k] - L->row;
-      if (!mode && a >= 0 && a < L->axes && bound[order[k]].n + (fabs(bound[order[k]].constant) > 0) > 0) {
+      int a = 0;
+      while (a < L->axes && L->row[a] != order[k]) {
+        a++;
+      }
+      if (!mode && a < L->axes && bound[order[k]].n + (fabs(bound[order[k]].constant) > 0) > 0) {
         code_value size = code_end(w, &bound[order[k]], code_variable("g%d_B%d", r, order[k]));
         const code_value twist = rows_square(w, L->A[a], 6, code_variable("g%d_A%d", r, order[k]));
         code_sum product;
@@ -634,6 +653,9 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
   }
   if (closes) {
     code_add(&s, 1.0, code_variable("closes"), row->value);
+  }
+  if (row->axis >= 0 && !constraint.by && constraint.loop[row->loop].joint->mode[row->axis] == FB_AXIS_PRESCRIBED) {
+    code_add_one(&s, -1.0, code_variable("l%d_r_%d", row->loop, row->axis));
   }
   snprintf(target, sizeof target, "c[%d]", row->acts);
   code_assign(w, &s, target);
@@ -890,6 +912,15 @@ static void rows_write_impulse(const code *w, int j, code_value f[3], code_value
         along[2].c *= -(double)l->joint->pitch;
         code_add_one(&s, 1.0, along[i]);
         tree_add_cross(&rate[i], 1.0, l->end[0].spin, along, i);
+      } else if (hold == ROWS_TURN) { /* which turns with the parent */
+        code_value unused[3], axis[3], turns;
+        code_sum one;
+        rows_direction(unused, axis, l, &constraint.row[r]);
+        code_add(&s, 1.0, rows_mu(r), axis[i]);
+        code_begin(&one);
+        tree_add_cross(&one, 1.0, l->end[0].spin, axis, i);
+        turns = code_end(w, &one, code_variable("l%d_tg%d%c", j, r, tree_axis[i]));
+        code_add(&rate[i], 1.0, rows_mu(r), turns);
       } else if (hold >= 3) {
         const int of = (hold - 3) / 3;
         const code_value *const b = l->b[(hold - 3) % 3], *const b_rate = b_dot[(hold - 3) % 3];
@@ -1070,20 +1101,36 @@ static void rows_write_norm(const code *w, const char *name, int k, const code_v
   fputs(";\n", w->out);
 }
 
+/* Are there loops, and prescribed speeds? */
+static int rows_are_driven(void)
+{
+  return constraint.n > 0 && tree.n_driven + constraint.n_driven > 0;
+}
+
 /* Tells rows that were left out and do not hold, where prescribed speeds can contradict them; `when`: a condition. */
 static void rows_write_check(const code *w, const char *when)
 {
   int n = 0;
-  if (tree.n_driven == 0 || constraint.n == 0) {
+  if (!rows_are_driven()) {
     return;
   }
   fprintf(w->out, "  if (%s", when);
   code_template(w, w->lanes ? "!%((" : "");
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given && !tree.link[k].locked) {
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      if (tree_is_driven(&tree.link[k], a)) {
+        fputs(n++ > 0 ? " + " : "", w->out);
+        code_template(w, "fabs~(");
+        fprintf(w->out, "b%d_v_%d)", k, a);
+      }
+    }
+  }
+  for (int r = 0; r < constraint.n; r++) {
+    const rows_row *const row = &constraint.row[r];
+    if (row->axis >= 0 && constraint.loop[row->loop].joint->mode[row->axis] == FB_AXIS_PRESCRIBED) {
       fputs(n++ > 0 ? " + " : "", w->out);
       code_template(w, "fabs~(");
-      fprintf(w->out, "b%d_v_0)", k);
+      fprintf(w->out, "l%d_r_%d)", row->loop, row->axis);
     }
   }
   code_template(w, w->lanes ? ") <= `0`%)) {\n    $ most[@_ROWS];\n" : " > `0`) {\n    $ most[@_ROWS];\n");

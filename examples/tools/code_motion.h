@@ -5,7 +5,7 @@
 
 static int motion_has_speed(const tree_link *L, int k)
 {
-  return k != tree.root && L->joint->kind != FB_JOINT_SPHERICAL && L->axes + L->given > 0;
+  return k != tree.root && L->joint->kind != FB_JOINT_SPHERICAL && L->axes > 0;
 }
 
 static void motion_write_types(const code *w)
@@ -17,7 +17,7 @@ static void motion_write_types(const code *w)
     code_template(w, "    $ position[3], R[9]; /* [m] of O, inertial axes; its axes to the inertial ones, by rows */\n"
                      "    $ v[3], w[3];        /* [m/s] of O, [rad/s], its axes */\n");
     if (motion_has_speed(L, k)) {
-      fprintf(w->out, "    %s speed[%d]; /* of the axes of its joint */\n", code_real(w), L->axes + L->given);
+      fprintf(w->out, "    %s speed[%d]; /* of the axes of its joint */\n", code_real(w), L->axes);
     }
     if (L->n > 0) {
       fprintf(w->out, "    %s q_dot[%d]; /* of its modes */\n", code_real(w), L->n);
@@ -98,7 +98,7 @@ static void motion_write_speeds(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   code_sum s;
-  for (int i = 0; i < L->axes + L->given && motion_has_speed(L, k); i++) {
+  for (int i = 0; i < L->axes && motion_has_speed(L, k); i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, L->u[i]);
     motion_assign(w, &s, k, "speed", i);
@@ -124,27 +124,13 @@ static void motion_write_speeds(const code *w, int k)
   }
 }
 
-/* Places of prescribed axes in the state, and their rates. */
-static void motion_write_given(const code *w)
-{
-  for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].locked) {
-      fprintf(w->out, "  const %s b%d_x_0 = x[%d];\n", code_real(w), k, tree.link[k].x);
-    } else if (tree.link[k].given) {
-      fprintf(w->out, "  const %s b%d_x_0 = s->body_%d.x[0];\n", code_real(w), k, k);
-      fprintf(w->out, "  const %s b%d_v_0 = in ? in->body_%d.rate[0] : ", code_real(w), k, k);
-      code_template(w, "%z;\n");
-    }
-  }
-}
-
 static void motion_write_at(const code *w, int unused)
 {
   (void)unused;
   code_template(w, "\nstatic @_status @_motion_at(@_motion *m, const $ *x, const @_state *s, const @_input *in)\n{\n"
                    "  const int pushed = 1;\n  (void)s, (void)in, (void)pushed;\n");
   code_template(w, tree.root >= 0 ? "  $ R_root[9];\n  @_matrix(R_root, x);\n" : "");
-  motion_write_given(w);
+  tree_write_given_names(w, NULL);
   tree_write_velocities(w);
   fputs("\n  /* E9.2, E9.5: places and velocities */\n", w->out);
   for (int k = 0; k < tree.n; k++) {

@@ -221,9 +221,9 @@ static void tree_write_climb(const code *w, int k, int n, int column, code_value
       memcpy(f, up, sizeof up);
       node_write_rows(w, from, column, f);
     }
-    for (int i = 0; i < L->axes + L->given; i++) {
+    for (int i = 0; i < L->axes; i++) {
       if (j < k || i < n) {
-        const int row = L->row + i;
+        const int row = L->row[i];
         tree_matrix[row][column] = tree_matrix[column][row] =
             tree_write_along(w, L->A[i], f, code_variable("H_%d_%d", column, row));
       }
@@ -291,7 +291,7 @@ static void node_write_modes(const code *w, int k)
       }
     }
     snprintf(word, sizeof word, "M%d", a);
-    tree_write_climb(w, k, L->axes + L->given, L->mode_row + a, f, word);
+    tree_write_climb(w, k, L->axes, L->mode_row + a, f, word);
   }
 }
 

@@ -8,7 +8,7 @@
 #ifndef CODE_ROWS_H
 #define CODE_ROWS_H
 
-enum { ROWS_MOST = 24, ROWS_SCREW = 12 }; /* rows; the hold of a screw, behind those of fbi_traits */
+enum { ROWS_MOST = 24, ROWS_SCREW = 12, ROWS_TURN }; /* rows; behind those of fbi_traits: a screw, an axis that turns */
 
 typedef struct rows_end { /* the node that carries one side of a loop */
   int link, moves;        /* -1: the ground; 1: modes move it */
@@ -26,10 +26,12 @@ typedef struct rows_loop {
   rows_end end[2];             /* parent, child */
   code_value step[3], b[3][3]; /* between the origins; axes of the child: P axes */
   code_value miss;             /* of a screw: slide less pitch times angle */
+  code_value lock[3][3];       /* axes of the child when a spherical joint was locked, the next one of each first */
+  int hold;                    /* place in the vector of the values where it is locked */
 } rows_loop;
 
 typedef struct rows_row {
-  int loop, hold;
+  int loop, hold, axis;                /* axis: which one is locked or prescribed, -1: none */
   code_value value, direct[CODE_ROWS]; /* what it is on the axes */
   code_value coefficient[CODE_ROWS];   /* with what the modes pass on */
   code_value Y[CODE_ROWS];
@@ -45,21 +47,13 @@ typedef void rows_solve(const code *w, int k, code_value *y, const code_value *x
 
 static struct rows { /* the rows of all loops */
   int n, n_loop, acting;
-  rows_solve *by; /* how modes take them; NULL: by M, in the correction of SDIRK by its matrix */
+  int n_driven, n_valued; /* prescribed axes; those that have a value */
+  rows_solve *by;         /* how modes take them; NULL: by M, in the correction of SDIRK by its matrix */
   rows_loop loop[FB_MAX_LOOPS];
   rows_row row[ROWS_MOST];
 } constraint;
 
 /* ---- what the description is */
-
-static const char *rows_joint_refusal(const fb_joint *joint)
-{
-  int free = 1;
-  for (int i = 0; i < 3 && i < joint->n_axis; i++) {
-    free = free && joint->mode[i] == FB_AXIS_FREE;
-  }
-  return free ? NULL : "a loop with a locked or prescribed axis: choose mode free";
-}
 
 /* Has the row a force? */
 static int rows_pushes(int hold)
@@ -67,23 +61,51 @@ static int rows_pushes(int hold)
   return hold < 3 || hold == ROWS_SCREW;
 }
 
+/* Rows of a joint that closes a loop, by their holds and axes: a slide that is given is held as any translation. */
+static int rows_of(rows_row *row, const fb_joint *joint)
+{
+  const fbi_joint_traits *const is = fbi_traits(joint);
+  int n = 0;
+  for (const int *hold = is->holds; *hold >= 0; hold++) {
+    row[n].axis = -1;
+    row[n++].hold = *hold;
+  }
+  if (is->pitched) {
+    row[n].axis = -1;
+    row[n++].hold = ROWS_SCREW;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (joint->mode[i] != FB_AXIS_FREE) {
+      row[n].axis = i;
+      row[n++].hold = i == is->slide ? 2 : ROWS_TURN;
+    }
+  }
+  return n;
+}
+
 /* What of the loops of a system is not written; NULL: nothing. */
 static const char *rows_refusal(const fb_system *system)
 {
-  const char *what = NULL;
+  static rows_row some[8];
   int n = 0;
-  for (int j = 0; j < system->n_loop && !what; j++) {
-    const fb_joint *const joint = &system->joint[system->n_body + j];
-    what = rows_joint_refusal(joint);
-    for (const int *hold = fbi_traits(joint)->holds; *hold >= 0; hold++) {
-      n++;
-    }
-    n += fbi_traits(joint)->pitched;
+  for (int j = 0; j < system->n_loop; j++) {
+    n += rows_of(some, &system->joint[system->n_body + j]);
   }
-  return what ? what : n > ROWS_MOST ? "more than 24 constraints of loops: choose fewer" : NULL;
+  return n > ROWS_MOST ? "more than 24 constraints of loops: choose fewer" : NULL;
 }
 
-static void rows_read(const fb_system *system)
+/* How many numbers of the vector tell where a joint is locked. */
+static int rows_held(const fb_joint *joint)
+{
+  int locked = 0;
+  for (int i = 0; i < joint->n_axis; i++) {
+    locked |= joint->mode[i] == FB_AXIS_LOCKED;
+  }
+  return !locked ? 0 : joint->kind == FB_JOINT_SPHERICAL ? 4 : joint->n_axis;
+}
+
+/* The rows, and where the vector, which has `size` numbers so far, has more. */
+static void rows_read(const fb_system *system, int *size)
 {
   memset(&constraint, 0, sizeof constraint);
   constraint.n_loop = system->n_loop;
@@ -93,15 +115,16 @@ static void rows_read(const fb_system *system)
     l->end[0].link = l->joint->parent;
     l->end[1].link = l->joint->child;
     l->first = constraint.n;
-    for (const int *hold = fbi_traits(l->joint)->holds; *hold >= 0; hold++) {
-      constraint.row[constraint.n].loop = j;
-      constraint.row[constraint.n++].hold = *hold;
+    l->n = rows_of(constraint.row + l->first, l->joint);
+    constraint.n += l->n;
+    l->hold = *size;
+    *size += rows_held(l->joint);
+    for (int r = l->first; r < constraint.n; r++) {
+      const int axis = constraint.row[r].axis, driven = axis >= 0 && l->joint->mode[axis] == FB_AXIS_PRESCRIBED;
+      constraint.row[r].loop = j;
+      constraint.n_driven += driven;
+      constraint.n_valued += driven && l->joint->kind != FB_JOINT_SPHERICAL;
     }
-    if (fbi_traits(l->joint)->pitched) {
-      constraint.row[constraint.n].loop = j;
-      constraint.row[constraint.n++].hold = ROWS_SCREW;
-    }
-    l->n = constraint.n - l->first;
   }
 }
 

@@ -19,24 +19,6 @@ typedef struct sdirk_link {
 
 static sdirk_link sdirk[FB_MAX_BODIES];
 
-/* Is the axis of joint k locked, or prescribed where it flies? */
-static inline int sdirk_is_held(const fb_system *system, int k)
-{
-  const fb_axis_mode mode = tree_is_given(&system->joint[k]) ? system->joint[k].mode[0] : FB_AXIS_FREE;
-  return mode == FB_AXIS_LOCKED || (mode == FB_AXIS_PRESCRIBED && tree_is_free(system, k));
-}
-
-/* What of a system has no L-stable step here; NULL: nothing. */
-static inline const char *sdirk_refusal(const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    if (sdirk_is_held(system, k)) {
-      return "a locked axis, or a prescribed one of what flies, by integrator sdirk: choose integrator rk4";
-    }
-  }
-  return NULL;
-}
-
 /* Residual of a number of the vector. */
 static code_value sdirk_rest(int at)
 {
@@ -65,10 +47,17 @@ static code_value sdirk_write_times(const code *w, code_value x, code_value y, c
   return code_end(w, &s, name);
 }
 
-/* Place of the speed of a prescribed axis in the vector. */
-static int sdirk_given_at(int k)
+/* Place of the speed of axis a of link k in the vector, which is prescribed and has a value; -1: it is not. */
+static int sdirk_given_at(int k, int a)
 {
-  return tree.given + tree.link[k].row - (tree.root >= 0 ? 6 : 0) - tree.n_axis - tree.n_open;
+  int at = tree.given;
+  for (int j = 0; j <= k; j++) {
+    const tree_link *const L = &tree.link[j];
+    for (int i = 0; i < (j < k ? L->axes : a); i++) {
+      at += tree_is_driven(L, i) && tree_is_valued(L);
+    }
+  }
+  return tree_is_driven(&tree.link[k], a) && tree_is_valued(&tree.link[k]) ? at : -1;
 }
 
 /* ---- modes */
@@ -305,14 +294,18 @@ static void sdirk_write_ball_rest(const code *w, code_value m[3], int k)
 static void sdirk_write_axes(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
-  const int ball = L->joint->kind == FB_JOINT_SPHERICAL;
+  const int ball = tree_is_ball(L);
   code_value m[3];
   code_sum s;
-  if (ball) {
+  if (ball && L->free > 0) {
     sdirk_write_ball_rest(w, m, k);
   }
   for (int a = 0; a < L->axes; a++) {
-    const int row = L->row + a;
+    const int row = L->row[a];
+    if (!tree_is_free(L, a)) {
+      tree_right[row] = code_constant(0.0);
+      continue;
+    }
     sdirk_write_stiffness(w, k, a);
     code_begin(&s);
     code_add_one(&s, 1.0, tree_matrix[row][row]);
@@ -326,9 +319,6 @@ static void sdirk_write_axes(const code *w, int k)
       code_add(&s, -1.0, L->A[a][i], L->b[i]);
     }
     tree_right[row] = code_end(w, &s, code_variable("ny_%d", row));
-  }
-  for (int a = 0; a < L->given; a++) {
-    tree_right[L->row] = code_constant(0.0);
   }
 }
 
@@ -374,20 +364,45 @@ static void sdirk_write_root(const code *w)
   }
 }
 
+/* Velocities of the bodies and speeds of their modes by z. */
+static void sdirk_write_speeds(const code *w)
+{
+  code_sum s;
+  for (int k = 0; k < tree.n; k++) {
+    tree_link *const L = &tree.link[k];
+    code_value e[FB_MAX_MODES];
+    tree_write_velocity(w, k);
+    memcpy(sdirk[k].dq_dot, tree_right + L->mode_row, (size_t)(L->open ? L->n : 0) * sizeof *tree_right);
+    for (int a = 0; a < L->n && !L->open; a++) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, sdirk[k].right[a]);
+      for (int i = 0; i < 6; i++) {
+        code_add(&s, -1.0, L->rates.lambda[i][a], L->V[i]);
+      }
+      rows_add(&s, 1.0, k, a, rows_pushed);
+      e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
+    }
+    if (!L->open) {
+      sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
+    }
+  }
+}
+
 /* Speeds z of the root, the axes and, by the velocities of their bodies, of the modes. */
 static void sdirk_write_solve(const code *w)
 {
   static char names[CODE_ROWS][CODE_NAME];
   const int n = (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open;
   int order[CODE_ROWS];
-  code_sum s;
   for (int i = 0; i < n + tree.n_given; i++) {
     tree_nothing(tree_matrix[i], n + tree.n_given);
   }
   code_of_names = "n";
   for (int k = 0; k < tree.n; k++) {
     for (int a = 0; a < tree.link[k].axes; a++) {
-      tree_write_column(w, k, a);
+      if (tree_is_free(&tree.link[k], a)) {
+        tree_write_column(w, k, a);
+      }
     }
     if (tree.link[k].open) {
       node_write_modes(w, k);
@@ -419,24 +434,7 @@ static void sdirk_write_solve(const code *w)
   for (int i = 0; i < n; i++) {
     tree_right[order[i]] = code_solver.x[i];
   }
-  for (int k = 0; k < tree.n; k++) {
-    tree_link *const L = &tree.link[k];
-    code_value e[FB_MAX_MODES];
-    tree_write_velocity(w, k);
-    memcpy(sdirk[k].dq_dot, tree_right + L->mode_row, (size_t)(L->open ? L->n : 0) * sizeof *tree_right);
-    for (int a = 0; a < L->n && !L->open; a++) {
-      code_begin(&s);
-      code_add_one(&s, 1.0, sdirk[k].right[a]);
-      for (int i = 0; i < 6; i++) {
-        code_add(&s, -1.0, L->rates.lambda[i][a], L->V[i]);
-      }
-      rows_add(&s, 1.0, k, a, rows_pushed);
-      e[a] = code_end(w, &s, code_variable("b%d_e_%d", k, a));
-    }
-    if (!L->open) {
-      sdirk_write_eliminated(w, k, sdirk[k].dq_dot, e, "z");
-    }
-  }
+  sdirk_write_speeds(w);
   code_of_names = "";
 }
 
@@ -509,16 +507,28 @@ static void sdirk_take_ball(const code *w, int k)
   }
 }
 
+/* Of one that is prescribed or locked. */
+static void sdirk_take_given_ball(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  for (int i = 0; i < 4; i++) {
+    tree_assign_one(w, L->driven > 0 ? sdirk_rest(L->x + i) : code_constant(0.0), L->x + i);
+  }
+}
+
 static void sdirk_take_axes(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
   code_sum s;
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
-    sdirk_take_ball(w, k);
+  if (tree_is_ball(L)) {
+    (L->free > 0 ? sdirk_take_ball : sdirk_take_given_ball)(w, k);
     return;
   }
   for (int a = 0; a < L->axes; a++) {
     code_value move;
+    if (!tree_is_free(L, a)) { /* nothing of it changes in a step */
+      continue;
+    }
     code_begin(&s);
     code_add_one(&s, 1.0, sdirk_rest(L->x + a));
     code_add_one(&s, 1.0, L->u[a]);
@@ -619,8 +629,10 @@ static void sdirk_write_correct(const code *w, int unused)
   code_template(w, "  const $ g2 = g * g;\n");
   tree_write_evaluation(w);
   for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].given) {
-      tree_assign_one(w, code_variable("b%d_v_0", k), sdirk_given_at(k));
+    for (int a = 0; a < tree.link[k].axes; a++) {
+      if (sdirk_given_at(k, a) >= 0) {
+        tree_assign_one(w, code_variable("b%d_v_%d", k, a), sdirk_given_at(k, a));
+      }
     }
   }
   fputs("\n  /* residual f - k */\n", w->out);
@@ -658,13 +670,13 @@ static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k
 {
   const tree_link *const L = &tree.link[k];
   const double gyration = (double)L->model->gyration, size = gyration > 0.0 ? 1.0 / gyration : 1.0;
-  const int ball = k == tree.root || L->joint->kind == FB_JOINT_SPHERICAL;
+  const int ball = k == tree.root || tree_is_ball(L);
   code_sum s;
   char name[24];
-  for (int i = 0; i < (ball ? 4 : L->axes + L->given); i++) {
-    const code_value x = code_variable("k[%d]", L->given ? sdirk_given_at(k) : L->x + i);
+  for (int i = 0; i < (ball ? 4 : L->axes); i++) {
+    const code_value x = code_variable("k[%d]", !ball && tree_is_driven(L, i) ? sdirk_given_at(k, i) : L->x + i);
     const int slides = !ball && i == fbi_traits(L->joint)->slide, turns = tree.system->rotor[k] > FB_R(0.0);
-    code_add(moved, ball ? 4.0 : turns ? 0.0 : slides ? size * size : 1.0, x, x);
+    code_add(moved, ball ? 4.0 : turns || L->joint->mode[i] == FB_AXIS_LOCKED ? 0.0 : slides ? size * size : 1.0, x, x);
   }
   code_begin(&s);
   for (int a = 0; a < L->n; a++) {
@@ -697,13 +709,13 @@ static void sdirk_write_between(const code *w)
 {
   code_template(w, "\nstatic void @_between(@_input *in, const @_input *a, const @_input *b, %s c)\n{\n  *in = *a;\n  "
                    "(void)b, (void)c;\n");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
-        const char *const name = tree_input_name(m);
+        const char *const name = tree_input_name(m), *const part = tree_part(k);
         fprintf(w->out, "  for (int i = 0; i < %d; i++) {\n", tree_input_size(k, m));
-        fprintf(w->out, "    in->body_%d.%s[i] += c * (b->body_%d.%s[i] - a->body_%d.%s[i]);\n  }\n", k, name, k, name,
-                k, name);
+        fprintf(w->out, "    in->%s.%s[i] += c * (b->%s.%s[i] - a->%s.%s[i]);\n  }\n", part, name, part, name, part,
+                name);
       }
     }
   }
@@ -847,15 +859,17 @@ static void sdirk_write_step(const code *w)
     code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
   }
   code_template(w, tree.moored ? sdirk_moored : "");
-  code_template(w, tree.n_given > 0 ? sdirk_drives : "");
-  code_template(w, tree_leads() ? "  @_center(%Acenter, x);\n" : "");
+  code_template(w, tree_is_told() ? sdirk_drives : "");
+  code_template(w, !tree_leads() ? ""
+                   : tree.flown  ? "  @_center(%Acenter, x, start);\n"
+                                 : "  @_center(%Acenter, x);\n");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);
   code_template(w, sdirk_step_rest);
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
-  code_template(w, tree.n_given > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
+  code_template(w, tree.n_valued > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
   code_template(w, tree_leads() ? ", center, dt, 1" : "");
-  code_template(w, constraint.n > 0 ? ", end)" : ")");
-  code_template(w, tree.n_given > 0 ? ");\n}\n" : ";\n}\n");
+  code_template(w, constraint.n > 0 || tree.flown ? ", end)" : ")");
+  code_template(w, tree.n_valued > 0 ? ");\n}\n" : ";\n}\n");
 }
 #endif

@@ -24,6 +24,16 @@ static int rows_has_sprung_ball(void)
   return has;
 }
 
+/* Is there one by a spherical joint that is locked? */
+static int rows_has_locked_ball(void)
+{
+  int has = 0;
+  for (int j = 0; j < constraint.n_loop; j++) {
+    has |= rows_held(constraint.loop[j].joint) == 4;
+  }
+  return has;
+}
+
 static const char rows_quat[] =
     "\n/* quaternion of a rotation matrix, by its largest component */\n"
     "static void @_quat($ *q, const $ *R)\n{\n"
@@ -125,6 +135,23 @@ static void rows_write_ball(const code *w, int j)
   fprintf(w->out, "l%d_x, l%d_R);\n", j, j);
 }
 
+/* name = turn, but for whole turns */
+static void rows_write_wrap(const code *w, const char *name, const char *turn)
+{
+  fprintf(w->out, "  const %s %s = ", code_real(w), name);
+  tree_call(w, "atan2");
+  tree_call(w, "sin");
+  fprintf(w->out, "%s), ", turn);
+  tree_call(w, "cos");
+  fprintf(w->out, "%s));\n", turn);
+}
+
+/* Is the angle of a joint known by its row? */
+static int rows_is_known(const fb_joint *joint)
+{
+  return fbi_traits(joint)->pitched && fabs((double)joint->pitch) > 0.0;
+}
+
 /* E9.8 of a screw: slide - pitch angle, but for whole turns. */
 static code_value rows_write_screw(const code *w, int j)
 {
@@ -133,7 +160,7 @@ static code_value rows_write_screw(const code *w, int j)
   const double pitch = (double)l->joint->pitch;
   const code_value turn = code_variable("l%d_turn", j), miss = code_variable("l%d_miss", j);
   code_sum s;
-  if (fabs(pitch) <= 0.0) {
+  if (!rows_is_known(l->joint)) {
     rows_declare_one(w, l->step[2], miss.name);
     return miss;
   }
@@ -142,15 +169,53 @@ static code_value rows_write_screw(const code *w, int j)
   code_add_one(&s, 1.0 / pitch, l->step[2]);
   code_add_one(&s, -1.0, code_variable("l%d_x_%d", j, angle));
   code_declare(w, &s, turn.name);
-  fprintf(w->out, "  const %s l%d_wrap = ", code_real(w), j);
-  tree_call(w, "atan2");
-  tree_call(w, "sin");
-  fprintf(w->out, "%s), ", turn.name);
-  tree_call(w, "cos");
-  fprintf(w->out, "%s));\n", turn.name);
+  rows_write_wrap(w, code_variable("l%d_wrap", j).name, turn.name);
   code_begin(&s);
   code_add_one(&s, pitch, code_variable("l%d_wrap", j));
   code_declare(w, &s, miss.name);
+  return miss;
+}
+
+/* Axes of the child of a spherical joint when it was locked, P axes: that behind each axis. */
+static void rows_write_lock(const code *w, int j)
+{
+  rows_loop *const l = &constraint.loop[j];
+  code_sum s;
+  fprintf(w->out, "  %s l%d_H[9];\n", code_real(w), j);
+  code_template(w, "  @_matrix(");
+  fprintf(w->out, "l%d_H, x + %d);\n", j, l->hold);
+  for (int i = 0; i < 3; i++) {
+    for (int c = 0; c < 3; c++) {
+      code_begin(&s);
+      for (int k = 0; k < 3; k++) {
+        code_add(&s, 1.0, code_variable("l%d_H[%d]", j, 3 * ((i + 1) % 3) + k), l->b[k][c]);
+      }
+      l->lock[i][c] = code_end(w, &s, code_variable("l%d_h%d%c", j, i, tree_axis[c]));
+    }
+  }
+}
+
+/* E9.8 of an axis that is locked or prescribed: how far it is from there, angles but for whole turns. */
+static code_value rows_write_given(const code *w, const rows_row *row)
+{
+  const rows_loop *const l = &constraint.loop[row->loop];
+  const int j = row->loop, i = row->axis;
+  const code_value off = code_variable("l%d_off_%d", j, i), miss = code_variable("l%d_miss_%d", j, i);
+  code_sum s;
+  if (l->joint->kind == FB_JOINT_SPHERICAL) { /* of a prescribed one the speeds alone are */
+    return l->joint->mode[i] == FB_AXIS_LOCKED ? l->lock[i][i] : code_constant(0.0);
+  }
+  if (!rows_is_known(l->joint)) {
+    rows_write_coordinate(w, j, i);
+  }
+  code_begin(&s);
+  code_add_one(&s, 1.0, code_variable("l%d_x_%d", j, i));
+  code_add_one(&s, -1.0, code_variable("l%d_t_%d", j, i));
+  code_declare(w, &s, off.name);
+  if (row->hold < 3) {
+    return off;
+  }
+  rows_write_wrap(w, miss.name, off.name);
   return miss;
 }
 
@@ -322,7 +387,6 @@ static void rows_write_springs(const code *w, int j, const code_value far[3])
 {
   const rows_loop *const l = &constraint.loop[j];
   const int ball = l->joint->kind == FB_JOINT_SPHERICAL;
-  const int known = fbi_traits(l->joint)->pitched && fabs((double)l->joint->pitch) > 0.0; /* its angle, by the row */
   if (!rows_is_sprung(l->joint)) {
     return;
   }
@@ -333,8 +397,11 @@ static void rows_write_springs(const code *w, int j, const code_value far[3])
     const code_value name = code_variable("l%d_x_%d", j, i);
     code_value force[3], torque[3], speed;
     code_sum s;
+    if (l->joint->mode[i] != FB_AXIS_FREE) {
+      continue;
+    }
     rows_axis(force, torque, l, i);
-    if (!ball && !known) {
+    if (!ball && !rows_is_known(l->joint)) {
       rows_write_coordinate(w, j, i);
     }
     speed = rows_write_speed(w, j, i, force, torque, far);

@@ -19,11 +19,11 @@ enum {
 typedef struct tree_link {
   const fb_body *model;
   const fb_joint *joint;
-  int parent, n;     /* link or -1; modes */
-  int x, p, q, pi;   /* where its coordinates and momenta are in the vector */
-  int angle, spun;   /* those of its rotors */
-  int axes, row;     /* scalar or spherical axes; row of the first one in the system of equations */
-  int given, locked; /* 1: its axis is prescribed or locked, and not among the others: row behind theirs; locked */
+  int parent, n;    /* link or -1; modes */
+  int x, p, q, pi;  /* where its coordinates and momenta are in the vector */
+  int angle, spun;  /* those of its rotors */
+  int axes, row[3]; /* scalar or spherical axes; rows in the system of equations, given ones behind the others */
+  int free, driven; /* of the axes; prescribed ones; the others are locked */
   int moves, open,
       mode_row; /* 1: modes move the node that carries it; it carries such one: row of its modes (code_node.h) */
   code_value D[9], at[3];        /* joint's axes on the parent, its origin there */
@@ -55,7 +55,8 @@ static struct tree {
   int always;          /* numbers that change whether or not something pushes: P, L, place, work are behind */
   int work, n_axis;    /* where the work of the motors is, number of axes */
   int n_given, n_open; /* axes that are prescribed or locked; modes of bodies that are open */
-  int n_driven, flown; /* axes that are prescribed; 1: such ones of the free tree */
+  int n_driven;        /* axes that are prescribed */
+  int n_valued, flown; /* those that have a value, not of spherical joints; 1: such ones of the free tree */
   int n_rotor;         /* inside bodies */
   int places;          /* of a table of numbers */
   int limited;         /* 1: what is being written tells the step limit */
@@ -207,10 +208,46 @@ static int tree_has_gravity(const fb_body *body)
 #endif
 }
 
-/* Is the axis of a joint, which has no other, prescribed or locked? */
-static int tree_is_given(const fb_joint *joint)
+/* Axes of a joint of that mode. */
+static int tree_count(const fb_joint *joint, fb_axis_mode mode)
 {
-  return joint->kind != FB_JOINT_FREE && joint->n_axis == 1 && joint->mode[0] != FB_AXIS_FREE;
+  int n = 0;
+  for (int i = 0; joint->kind != FB_JOINT_FREE && i < joint->n_axis; i++) {
+    n += joint->mode[i] == mode;
+  }
+  return n;
+}
+
+static int tree_is_free(const tree_link *L, int axis)
+{
+  return L->joint->mode[axis] == FB_AXIS_FREE;
+}
+
+static int tree_is_driven(const tree_link *L, int axis)
+{
+  return L->joint->mode[axis] == FB_AXIS_PRESCRIBED;
+}
+
+static int tree_is_ball(const tree_link *L)
+{
+  return L->joint->kind == FB_JOINT_SPHERICAL;
+}
+
+/* Of the axes of a link, how many places and momenta are in the vector: with what is given where others are not. */
+static int tree_places_of(const tree_link *L)
+{
+  return tree_is_ball(L) ? 4 : L->driven == L->axes ? 0 : L->axes;
+}
+
+static int tree_momenta_of(const tree_link *L)
+{
+  return L->free > 0 ? L->axes : 0;
+}
+
+/* Have its prescribed axes values? */
+static int tree_is_valued(const tree_link *L)
+{
+  return L->driven > 0 && !tree_is_ball(L);
 }
 
 /* Does link k hang on the free root? */
@@ -220,6 +257,68 @@ static int tree_flies(int k)
     k = tree.link[k].parent;
   }
   return k == tree.root;
+}
+
+/* A link, and where it is in the vector. */
+static void tree_read_link(int k)
+{
+  tree_link *const L = &tree.link[k];
+  L->joint = &tree.system->joint[k];
+  L->model = &tree.body[tree.system->model[k]];
+  L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
+  L->n = L->model->n;
+  L->axes = L->joint->kind == FB_JOINT_FREE ? 0 : L->joint->n_axis;
+  L->free = tree_count(L->joint, FB_AXIS_FREE);
+  L->driven = tree_count(L->joint, FB_AXIS_PRESCRIBED);
+  L->moves = L->parent >= 0 && L->joint->moves;
+  if (L->moves) {
+    tree.link[L->parent].open = 1;
+  }
+  L->x = k == tree.root ? 0 : tree.size;
+  L->p = L->x + tree_places_of(L);
+  tree.size = k == tree.root ? tree.size : L->p + tree_momenta_of(L);
+  L->q = tree.size;
+  L->pi = L->q + L->n;
+  L->angle = L->pi + L->n;
+  L->spun = L->angle + L->model->n_rotor;
+  tree.size = L->spun + L->model->n_rotor;
+  tree.n_rotor += L->model->n_rotor;
+}
+
+/* Rows of the system of equations: the root, axes that are free, modes of bodies that are open; what is given. */
+static void tree_read_rows(void)
+{
+  const int root = tree.root >= 0 ? 6 : 0;
+  for (int pass = 0; pass < 2; pass++) { /* free axes, others */
+    for (int k = 0; k < tree.n; k++) {
+      tree_link *const L = &tree.link[k];
+      for (int i = 0; i < L->axes; i++) {
+        if (tree_is_free(L, i) != pass) {
+          L->row[i] = root + tree.n_axis + (pass ? tree.n_open + tree.n_given++ : 0);
+          tree.n_axis += !pass;
+        }
+      }
+    }
+    for (int k = 0; k < tree.n && !pass; k++) {
+      tree.link[k].mode_row = root + tree.n_axis + tree.n_open;
+      tree.n_open += tree.link[k].open ? tree.link[k].n : 0;
+    }
+  }
+}
+
+/* What the whole is, by link k. */
+static void tree_read_whole(int k)
+{
+  const tree_link *const L = &tree.link[k];
+  const int flies = tree_flies(k);
+  tree.n_driven += L->driven;
+  tree.n_valued += tree_is_valued(L) ? L->driven : 0;
+  tree.flown |= tree_is_valued(L) && flies;
+  tree.mass += (double)L->model->mass;
+  tree.flying += flies ? (double)L->model->mass : 0.0;
+  tree.pulled |= tree_has_gravity(L->model);
+  tree.stands |= flies && L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
+  tree.has_R |= tree_is_ball(L);
 }
 
 /* Has spring j between points an actuator? */
@@ -238,7 +337,7 @@ static int spans_are_pulled(const fb_system *system)
 }
 
 /* Does body k, -1 the ground, hang on a free root? Of a system that is not read yet. */
-static int tree_is_free(const fb_system *system, int k)
+static int tree_hangs_free(const fb_system *system, int k)
 {
   while (k >= 0 && system->joint[k].kind != FB_JOINT_FREE) {
     k = system->joint[k].parent;
@@ -252,13 +351,13 @@ static int spans_moor(const fb_system *system)
   int moored = 0;
   for (int j = 0; j < system->n_spring; j++) {
     const int *const on = system->spring[j].body;
-    moored |= tree_is_free(system, on[0]) != tree_is_free(system, on[1]);
+    moored |= tree_hangs_free(system, on[0]) != tree_hangs_free(system, on[1]);
   }
   return moored;
 }
 
-/* What the whole is, and the tail of the vector. */
-static void tree_read_whole(const fb_system *system, int implicit)
+/* The tail of the vector, and what it depends on. */
+static void tree_read_tail(const fb_system *system, int implicit)
 {
   tree.tied = tree.root >= 0 && system->tied == 2;
   tree.moored = tree.root >= 0 && !tree.tied && spans_moor(system);
@@ -272,7 +371,7 @@ static void tree_read_whole(const fb_system *system, int implicit)
   tree.looped = tree.root >= 0 && system->n_loop > 0;
   tree.stands |= tree.tied;
   tree.given = tree.size;
-  tree.size += implicit ? tree.n_given : 0;
+  tree.size += implicit ? tree.n_valued : 0;
 }
 
 /* Places of all links in the vector. */
@@ -294,60 +393,19 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   }
   tree.size = tree.root >= 0 ? TREE_ROOT : 0;
   for (int k = 0; k < tree.n; k++) {
-    tree_link *const L = &tree.link[k];
-    L->joint = &system->joint[k];
-    L->model = &body[system->model[k]];
-    L->parent = L->joint->kind == FB_JOINT_FREE ? -1 : L->joint->parent;
-    L->n = L->model->n;
-    L->given = tree_is_given(L->joint);
-    L->locked = L->given && L->joint->mode[0] == FB_AXIS_LOCKED;
-    L->moves = L->parent >= 0 && L->joint->moves;
-    if (L->moves) {
-      tree.link[L->parent].open = 1;
-    }
-    L->axes = L->joint->kind == FB_JOINT_FREE || L->given ? 0 : L->joint->n_axis;
-    L->row = (tree.root >= 0 ? 6 : 0) + tree.n_axis;
-    L->x = k == tree.root ? 0 : tree.size;
-    L->p = L->x + (L->joint->kind == FB_JOINT_SPHERICAL ? 4 : L->axes + L->locked);
-    tree.size = k == tree.root ? tree.size : L->p + L->axes;
-    L->q = tree.size;
-    L->pi = L->q + L->n;
-    L->angle = L->pi + L->n;
-    L->spun = L->angle + L->model->n_rotor;
-    tree.size = L->spun + L->model->n_rotor;
-    tree.n_rotor += L->model->n_rotor;
-    tree.n_axis += L->axes;
-    tree.mass += (double)L->model->mass;
-    tree.flying += tree_flies(k) ? (double)L->model->mass : 0.0;
-    tree.pulled |= tree_has_gravity(L->model);
-    tree.stands |= tree_flies(k) && L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
-    tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
+    tree_read_link(k);
+    tree_read_whole(k);
   }
-  for (int k = 0; k < tree.n; k++) {
-    tree.link[k].mode_row = (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open;
-    tree.n_open += tree.link[k].open ? tree.link[k].n : 0;
-  }
-  for (int k = 0; k < tree.n; k++) {
-    tree_link *const L = &tree.link[k];
-    L->row = L->given ? (tree.root >= 0 ? 6 : 0) + tree.n_axis + tree.n_open + tree.n_given : L->row;
-    tree.n_given += L->given;
-    tree.n_driven += L->given && !L->locked;
-    tree.flown |= L->given && !L->locked && tree_flies(k);
-  }
-  tree_read_whole(system, implicit);
-  rows_read(system);
+  tree_read_rows();
+  rows_read(system, &tree.size);
+  tree_read_tail(system, implicit);
 }
 
 /* What of a joint is not written, with what would be right; NULL: nothing. */
-static const char *tree_joint_refusal(const fb_system *system, int k)
+static const char *tree_joint_refusal(const fb_joint *joint)
 {
-  const fb_joint *const joint = &system->joint[k];
-  for (int i = 0; i < 3 && i < joint->n_axis; i++) {
-    if (joint->mode[i] != FB_AXIS_FREE && joint->n_axis > 1) {
-      return "a locked or prescribed axis of several: choose mode free, or joints of one axis each";
-    }
-  }
-  return NULL;
+  const int given = joint->kind == FB_JOINT_FREE && joint->mode[0] != FB_AXIS_FREE;
+  return given ? "a free joint that is locked or prescribed: choose mode free, or hang its body on the ground" : NULL;
 }
 
 static const char *tree_body_refusal(const fb_body *body)
@@ -380,11 +438,11 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   text[0] = '\0';
   for (int k = 0; k < system->n_body && !text[0]; k++) {
     const char *what = tree_body_refusal(&body[system->model[k]]);
-    what = what ? what : tree_joint_refusal(system, k);
+    what = what ? what : tree_joint_refusal(&system->joint[k]);
     roots += system->joint[k].kind == FB_JOINT_FREE;
     modes += body[system->model[k]].n;
     axes += system->joint[k].kind == FB_JOINT_FREE ? 0 : system->joint[k].n_axis;
-    given += tree_is_given(&system->joint[k]);
+    given += tree_count(&system->joint[k], FB_AXIS_LOCKED) + tree_count(&system->joint[k], FB_AXIS_PRESCRIBED);
     what = what ? what : roots == 2 ? "a second free body: each tree is a file of its own" : NULL;
     if (what) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
@@ -424,7 +482,11 @@ static void tree_write_joint_turn(const code *w, code_value T[9], int k)
   for (int i = 0; i < 2; i++) {
     if (i == is->angle || i == is->tilt) {
       char angle[24];
-      snprintf(angle, sizeof angle, L->given ? "b%d_x_0" : "x[%d]", L->given ? k : L->x + i);
+      if (tree_is_free(L, i)) {
+        snprintf(angle, sizeof angle, "x[%d]", L->x + i);
+      } else {
+        snprintf(angle, sizeof angle, "b%d_x_%d", k, i);
+      }
       fprintf(w->out, "  const %s b%d_c%d = ", code_real(w), k, i);
       tree_call(w, "cos");
       fprintf(w->out, "%s);\n  const %s b%d_s%d = ", angle, code_real(w), k, i);
@@ -474,7 +536,7 @@ static void tree_write_twists(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const fbi_joint_traits *const is = fbi_traits(L->joint);
-  for (int a = 0; a < L->axes + L->given; a++) {
+  for (int a = 0; a < L->axes; a++) {
     double size = 0;
     for (int i = 0; i < 6; i++) {
       size = fmax(size, fabs((double)L->joint->A[6 * a + i]));
@@ -540,19 +602,60 @@ static void tree_write_place(const code *w, int k)
   tree_write_twists(w, k);
 }
 
-/* Names of what is prescribed; moves: the condition on which it has its rate. */
-static void tree_write_given_names(const code *w, const char *moves)
+/* Names of where axes of loops are locked, of the values l_t and rates l_r of those that are prescribed. */
+static void rows_write_given_names(const code *w, const char *moves)
 {
-  for (int k = 0; k < tree.n; k++) {
-    if (tree.link[k].locked) {
-      fprintf(w->out, "  const %s b%d_x_0 = x[%d];\n", code_real(w), k, tree.link[k].x);
+  for (int r = 0; r < constraint.n; r++) {
+    const rows_row *const row = &constraint.row[r];
+    const rows_loop *const l = &constraint.loop[row->loop];
+    const int j = row->loop, i = row->axis, ball = l->joint->kind == FB_JOINT_SPHERICAL;
+    if (i < 0 || (ball && l->joint->mode[i] == FB_AXIS_LOCKED)) {
+      continue;
     }
-    for (int i = 0; i < 2 && tree.link[k].given && !tree.link[k].locked; i++) {
-      fprintf(w->out, "  const %s b%d_%s_0 = %s ? in->body_%d.%s[0] : ", code_real(w), k, i ? "v" : "x",
-              i ? moves : "in", k, i ? "rate" : "value");
+    if (l->joint->mode[i] == FB_AXIS_LOCKED) {
+      fprintf(w->out, "  const %s l%d_t_%d = x[%d];\n", code_real(w), j, i, l->hold + i);
+      continue;
+    }
+    for (int rate = ball; rate < 2; rate++) {
+      fprintf(w->out, "  const %s l%d_%s_%d = %s ? in->loop_%d.%s[%d] : ", code_real(w), j, rate ? "r" : "t", i,
+              rate ? moves : "in", j, rate ? "rate" : "value", i);
       code_template(w, "%z;\n");
     }
   }
+}
+
+/* Name of the place of axis a of link k, which is prescribed or locked; seen: at a state s. */
+static void tree_write_given_place(const code *w, int k, int a, int seen)
+{
+  const tree_link *const L = &tree.link[k];
+  fprintf(w->out, "  const %s b%d_x_%d = ", code_real(w), k, a);
+  if (!tree_is_driven(L, a)) {
+    fprintf(w->out, "x[%d];\n", L->x + a);
+  } else if (seen) {
+    fprintf(w->out, "s->body_%d.x[%d];\n", k, a);
+  } else {
+    fprintf(w->out, "in ? in->body_%d.value[%d] : ", k, a);
+    code_template(w, "%z;\n");
+  }
+}
+
+/* Names of what is prescribed or locked; moves: the condition on which it has its rate; NULL: at a state s under what acts. */
+static void tree_write_given_names(const code *w, const char *moves)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    for (int a = 0; a < L->axes; a++) {
+      if (!tree_is_free(L, a) && !tree_is_ball(L)) {
+        tree_write_given_place(w, k, a, !moves);
+      }
+      if (tree_is_driven(L, a)) {
+        fprintf(w->out, "  const %s b%d_v_%d = %s ? in->body_%d.rate[%d] : ", code_real(w), k, a, moves ? moves : "in",
+                k, a);
+        code_template(w, "%z;\n");
+      }
+    }
+  }
+  rows_write_given_names(w, moves ? moves : "in");
 }
 
 /* Names of what is in the vector. */
@@ -562,7 +665,10 @@ static void tree_write_names(const code *w)
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     for (int i = 0; i < L->axes; i++) {
-      if (L->joint->kind != FB_JOINT_SPHERICAL) {
+      if (!tree_is_free(L, i)) {
+        continue;
+      }
+      if (!tree_is_ball(L)) {
         fprintf(w->out, "  const %s b%d_x_%d = x[%d];\n", type, k, i, L->x + i);
       }
       fprintf(w->out, "  const %s b%d_m_%d = x[%d];\n", type, k, i, L->p + i);
@@ -847,7 +953,7 @@ static void tree_write_column(const code *w, int k, int a)
   char word[40];
   snprintf(word, sizeof word, "U%d", a);
   tree_write_momentum(w, f, tree.link[k].I, tree.link[k].A[a], NULL, word, k);
-  tree_write_climb(w, k, a + 1, tree.link[k].row + a, f, word);
+  tree_write_climb(w, k, a + 1, tree.link[k].row[a], f, word);
 }
 
 /* The right side: momenta less those at rest. */
@@ -856,7 +962,7 @@ static void tree_write_right(const code *w, int k)
   const tree_link *const L = &tree.link[k];
   code_value m[3];
   code_sum s;
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
+  if (tree_is_ball(L) && L->free > 0) {
     code_value h[3], child[9];
     for (int i = 0; i < 9; i++) {
       child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
@@ -866,12 +972,15 @@ static void tree_write_right(const code *w, int k)
     tree_write_turned(w, m, child, 1, h, "hj", k);
   }
   for (int i = 0; i < L->axes; i++) {
+    if (!tree_is_free(L, i)) {
+      continue;
+    }
     code_begin(&s);
-    code_add_one(&s, 1.0, L->joint->kind == FB_JOINT_SPHERICAL ? m[i] : code_variable("b%d_m_%d", k, i));
+    code_add_one(&s, 1.0, tree_is_ball(L) ? m[i] : code_variable("b%d_m_%d", k, i));
     for (int j = 0; j < 6; j++) {
       code_add(&s, -1.0, L->A[i][j], L->b[j]);
     }
-    tree_right[L->row + i] = code_end(w, &s, code_variable("y_%d", L->row + i));
+    tree_right[L->row[i]] = code_end(w, &s, code_variable("y_%d", L->row[i]));
   }
 }
 
@@ -901,15 +1010,18 @@ static void tree_write_given(const code *w, int n)
 {
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    for (int i = 0; i < n && L->given && !L->locked; i++) {
-      code_sum s;
-      code_begin(&s);
-      code_add_one(&s, 1.0, tree_right[i]);
-      code_add(&s, -1.0, tree_matrix[i][L->row], code_variable("b%d_v_0", k));
-      tree_right[i] = code_end(w, &s, code_variable("y_%d_%d", i, k));
-    }
-    if (L->given) {
-      tree_right[L->row] = L->locked ? code_constant(0.0) : code_variable("b%d_v_0", k);
+    for (int a = 0; a < L->axes; a++) {
+      for (int i = 0; i < n && tree_is_driven(L, a); i++) {
+        const code_value y = code_variable(a > 0 ? "y_%d_%d_%d" : "y_%d_%d", i, k, a);
+        code_sum s;
+        code_begin(&s);
+        code_add_one(&s, 1.0, tree_right[i]);
+        code_add(&s, -1.0, tree_matrix[i][L->row[a]], code_variable("b%d_v_%d", k, a));
+        tree_right[i] = code_end(w, &s, y);
+      }
+      if (!tree_is_free(L, a)) {
+        tree_right[L->row[a]] = tree_is_driven(L, a) ? code_variable("b%d_v_%d", k, a) : code_constant(0.0);
+      }
     }
   }
 }
@@ -993,7 +1105,7 @@ static void tree_write_solve(const code *w, int closes)
     tree_nothing(tree_matrix[i], n + tree.n_given);
   }
   for (int k = 0; k < tree.n; k++) {
-    for (int a = 0; a < tree.link[k].axes + tree.link[k].given; a++) {
+    for (int a = 0; a < tree.link[k].axes; a++) {
       tree_write_column(w, k, a);
     }
     tree_write_right(w, k);
@@ -1030,8 +1142,8 @@ static void tree_write_velocity(const code *w, int k)
   tree_link *const L = &tree.link[k];
   code_value at[3], V[6];
   code_sum s;
-  for (int i = 0; i < L->axes + L->given; i++) {
-    L->u[i] = tree_right[L->row + i];
+  for (int i = 0; i < L->axes; i++) {
+    L->u[i] = tree_right[L->row[i]];
   }
   for (int a = 0; a < L->n && L->open; a++) {
     L->rates.q_dot[a] = tree_right[L->mode_row + a];
@@ -1055,7 +1167,7 @@ static void tree_write_velocity(const code *w, int k)
     if (L->parent >= 0) {
       tree_add_turned(&s, L->C, 1, i < 3 ? at : V + 3, i % 3);
     }
-    for (int a = 0; a < L->axes + L->given; a++) {
+    for (int a = 0; a < L->axes; a++) {
       code_add(&s, 1.0, L->A[a][i], L->u[a]);
     }
     L->V[i] = code_end(w, &s, code_variable("b%d_%s", k, code_rows[i]));
@@ -1245,20 +1357,46 @@ static void tree_write_ball(const code *w, int k)
   tree_write_quat_rate(w, "rate", L->x, L->u);
 }
 
+/* What of an axis that is prescribed or locked is in the vector stays. */
+static void tree_write_still(const code *w, int k, int a)
+{
+  const tree_link *const L = &tree.link[k];
+  if (a < tree_places_of(L)) {
+    tree_assign_one(w, code_constant(0.0), L->x + a);
+  }
+  if (a < tree_momenta_of(L)) {
+    tree_assign_one(w, code_constant(0.0), L->p + a);
+  }
+}
+
+/* A spherical joint that is prescribed or locked. */
+static void tree_write_given_ball(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k];
+  if (L->driven > 0) {
+    tree_write_quat_rate(w, "rate", L->x, L->u);
+    return;
+  }
+  for (int i = 0; i < 4; i++) {
+    tree_assign_one(w, code_constant(0.0), L->x + i);
+  }
+}
+
 static void tree_write_axes(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
-  if (L->joint->kind == FB_JOINT_SPHERICAL) {
-    tree_write_ball(w, k);
+  if (tree_is_ball(L)) {
+    (L->free > 0 ? tree_write_ball : tree_write_given_ball)(w, k);
     return;
-  }
-  if (L->locked) {
-    tree_assign_one(w, code_constant(0.0), L->x);
   }
   for (int a = 0; a < L->axes; a++) {
     const code_value x = code_variable("b%d_x_%d", k, a);
     char target[32];
     code_sum s;
+    if (!tree_is_free(L, a)) {
+      tree_write_still(w, k, a);
+      continue;
+    }
     code_begin(&s);
     tree_add_effort(&s, L->joint, a, x, L->u[a]);
     tree_add_rubbing(w, &s, L->joint, a, L->u[a], x.name);
@@ -1283,12 +1421,67 @@ static int tree_needs_load(int k)
 
 #include "code_acts.h"
 
+/* Motors of link k and loads F on all that hangs on it, along its axes: added to its momenta; power to the work. */
+static void tree_write_motors(const code *w, int k, const code_value F[6], code_sum *work)
+{
+  const tree_link *const L = &tree.link[k];
+  char target[32];
+  code_value tau[3];
+  code_sum s;
+  for (int a = 0; a < L->axes; a++) {
+    if (!tree_is_free(L, a)) {
+      continue;
+    }
+    code_begin(&s);
+    code_add_one(&s, 1.0, code_variable("in->body_%d.motor[%d]", k, a));
+    for (int i = 0; i < 6; i++) {
+      code_add(&s, 1.0, L->A[a][i], F[i]);
+    }
+    code_add(work, 1.0, code_variable("in->body_%d.motor[%d]", k, a), L->u[a]);
+    tau[a] = code_end(w, &s, code_variable("b%d_act_%d", k, a));
+  }
+  for (int r = 0; r < L->model->n_rotor; r++) {
+    if (!L->model->rotor[r].given) {
+      code_add(work, 1.0, code_variable("b%d_r%d_motor", k, r), tree_rotors[k].speed[r]);
+    }
+  }
+  if (tree_is_ball(L) && L->free > 0) {
+    code_value child[9];
+    rows_constants(child, L->joint->child_axes, 9);
+    tree_write_turned(w, tau, child, 0, tau, "actb", k);
+    tree_write_view(w, tau, tau, "actg", k, 0);
+  }
+  for (int a = 0; a < L->axes; a++) {
+    if (tree_is_free(L, a)) {
+      code_begin(&s);
+      snprintf(target, sizeof target, "rate[%d]", L->p + a);
+      code_add_one(&s, 1.0, code_variable("%s", target));
+      code_add_one(&s, 1.0, tau[a]);
+      code_assign(w, &s, target);
+    }
+  }
+}
+
+/* The load of the caller on the whole of a tree. */
+static void tree_add_load(const code *w, int k, const code_value F[6])
+{
+  char target[48];
+  code_sum s;
+  for (int i = 0; i < 6 && tree_needs_load(k) && !tree.quiet; i++) {
+    code_begin(&s);
+    snprintf(target, sizeof target, "load_%d[%d]", k, i);
+    code_add_one(&s, 1.0, code_variable("%s", target));
+    code_add_one(&s, 1.0, F[i]);
+    code_assign(w, &s, target);
+  }
+}
+
 /* Forces of the caller: E9.15, added to the rates. */
 static void tree_write_loads(const code *w)
 {
   static code_value F[FB_MAX_BODIES][6];
   code inner = *w;
-  code_sum s, work;
+  code_sum work;
   inner.indent = 4;
   fputs("\n  /* loads of the caller, from the tips; motors */\n  if (in) {\n", w->out);
   code_begin(&work);
@@ -1302,37 +1495,7 @@ static void tree_write_loads(const code *w)
   }
   for (int k = tree.n - 1; k >= 0; k--) {
     const tree_link *const L = &tree.link[k];
-    char target[48];
-    code_value tau[3];
-    for (int a = 0; a < L->axes; a++) {
-      code_begin(&s);
-      code_add_one(&s, 1.0, code_variable("in->body_%d.motor[%d]", k, a));
-      for (int i = 0; i < 6; i++) {
-        code_add(&s, 1.0, L->A[a][i], F[k][i]);
-      }
-      code_add(&work, 1.0, code_variable("in->body_%d.motor[%d]", k, a), L->u[a]);
-      tau[a] = code_end(&inner, &s, code_variable("b%d_act_%d", k, a));
-    }
-    for (int r = 0; r < L->model->n_rotor; r++) {
-      if (!L->model->rotor[r].given) {
-        code_add(&work, 1.0, code_variable("b%d_r%d_motor", k, r), tree_rotors[k].speed[r]);
-      }
-    }
-    if (L->joint->kind == FB_JOINT_SPHERICAL) {
-      code_value child[9];
-      for (int i = 0; i < 9; i++) {
-        child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-      }
-      tree_write_turned(&inner, tau, child, 0, tau, "actb", k);
-      tree_write_view(&inner, tau, tau, "actg", k, 0);
-    }
-    for (int a = 0; a < L->axes; a++) {
-      code_begin(&s);
-      snprintf(target, sizeof target, "rate[%d]", L->p + a);
-      code_add_one(&s, 1.0, code_variable("%s", target));
-      code_add_one(&s, 1.0, tau[a]);
-      code_assign(&inner, &s, target);
-    }
+    tree_write_motors(&inner, k, F[k], &work);
     for (int a = 0; a < L->n && !tree.quiet; a++) {
       fprintf(w->out, "    rate[%d] += in->body_%d.modal[%d];\n", L->pi + a, k, a);
     }
@@ -1340,13 +1503,7 @@ static void tree_write_loads(const code *w)
       tree_write_pass(&inner, F[L->parent], F[k], "l", k);
       node_write_passed(&inner, "rate", 1.0, k);
     } else {
-      for (int i = 0; i < 6 && tree_needs_load(k) && !tree.quiet; i++) {
-        code_begin(&s);
-        snprintf(target, sizeof target, "load_%d[%d]", k, i);
-        code_add_one(&s, 1.0, code_variable("%s", target));
-        code_add_one(&s, 1.0, F[k][i]);
-        code_assign(&inner, &s, target);
-      }
+      tree_add_load(&inner, k, F[k]);
     }
   }
   spans_add_power(&work);
@@ -1478,8 +1635,8 @@ static void tree_write_impacts(const code *w)
   int n = 0;
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    for (int a = 0; a < L->axes + L->given - L->locked; a++) {
-      if (L->joint->rubs && L->joint->stop_loss[a] > FB_R(0.0)) {
+    for (int a = 0; a < L->axes; a++) {
+      if (L->joint->mode[a] != FB_AXIS_LOCKED && L->joint->rubs && L->joint->stop_loss[a] > FB_R(0.0)) {
         code_template(w, n++ == 0 ? "    $ hit = %z;\n    const $ " : "    const $ ");
         code_number(number, w, (double)L->joint->stop_loss[a]);
         snprintf(name, sizeof name, "hit_%d", 8 * k + a);
@@ -1505,7 +1662,7 @@ static void rows_write_impacts(const code *w)
   for (int j = 0; j < constraint.n_loop; j++) {
     const fb_joint *const joint = constraint.loop[j].joint;
     for (int i = 0; i < joint->n_axis; i++) {
-      if (joint->stop_loss[i] > FB_R(0.0)) {
+      if (joint->mode[i] == FB_AXIS_FREE && joint->stop_loss[i] > FB_R(0.0)) {
         code_template(w, n++ == 0 ? "    $ knock = %z;\n    const $ " : "    const $ ");
         code_number(number, w, (double)joint->stop_loss[i]);
         snprintf(name, sizeof name, "knock_%d", 8 * j + i);
@@ -1696,6 +1853,12 @@ static void tree_write_evaluation(const code *w)
     code_add_one(&s, 1.0, tree.link[i / 3].V[3 + i % 3]);
     code_assign(w, &s, code_variable("w[%d]", i).name);
   }
+  for (int j = 0; j < constraint.n_loop; j++) {
+    const rows_loop *const l = &constraint.loop[j];
+    for (int i = 0; i < rows_held(l->joint); i++) {
+      tree_assign_one(w, code_constant(0.0), l->hold + i);
+    }
+  }
 }
 
 static void tree_write_rates(const code *w, int unused)
@@ -1812,13 +1975,41 @@ static void tree_write_drift_of(const code *w, int k, const code_value v[3], cod
   }
 }
 
+/* E9.24 of the axes of link k by the momentum b of all that hangs on them: subtracted from d. */
+static void tree_write_drift_axes(const code *w, int k, const code_value b[6])
+{
+  const tree_link *const L = &tree.link[k];
+  code_value p[3];
+  code_sum s;
+  for (int a = 0; a < L->axes; a++) {
+    if (tree_is_free(L, a)) {
+      p[a] = tree_write_along(w, L->A[a], b, code_variable("b%d_d_%d", k, a));
+    }
+  }
+  if (tree_is_ball(L) && L->free > 0) {
+    code_value child[9];
+    rows_constants(child, L->joint->child_axes, 9);
+    tree_write_turned(w, p, child, 0, p, "db", k);
+    tree_write_view(w, p, p, "dg", k, 0);
+  }
+  for (int a = 0; a < L->axes; a++) {
+    if (tree_is_free(L, a)) {
+      char target[32];
+      snprintf(target, sizeof target, "d[%d]", L->p + a);
+      code_begin(&s);
+      code_add_one(&s, 1.0, code_variable("%s", target));
+      code_add_one(&s, -1.0, p[a]);
+      code_assign(w, &s, target);
+    }
+  }
+}
+
 /* E9.23: all momenta less those by a change of the frame's velocity. */
 static void tree_write_drift(const code *w, int unused)
 {
   static code_value b[FB_MAX_BODIES][6];
   code_value change[3];
   code_sum s;
-  char target[32];
   (void)unused;
   code_template(w,
                 "\n/* E9.23: the increments d of the momenta at x less those by the velocity `change` of the frame */\n"
@@ -1841,28 +2032,9 @@ static void tree_write_drift(const code *w, int unused)
     }
   }
   for (int k = tree.n - 1; k >= 0; k--) {
-    const tree_link *const L = &tree.link[k];
-    code_value p[3];
-    for (int a = 0; a < L->axes; a++) {
-      p[a] = tree_write_along(w, L->A[a], b[k], code_variable("b%d_d_%d", k, a));
-    }
-    if (L->joint->kind == FB_JOINT_SPHERICAL) {
-      code_value child[9];
-      for (int i = 0; i < 9; i++) {
-        child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-      }
-      tree_write_turned(w, p, child, 0, p, "db", k);
-      tree_write_view(w, p, p, "dg", k, 0);
-    }
-    for (int a = 0; a < L->axes; a++) {
-      snprintf(target, sizeof target, "d[%d]", L->p + a);
-      code_begin(&s);
-      code_add_one(&s, 1.0, code_variable("%s", target));
-      code_add_one(&s, -1.0, p[a]);
-      code_assign(w, &s, target);
-    }
-    if (L->parent >= 0) {
-      tree_write_pass(w, b[L->parent], b[k], "d", k);
+    tree_write_drift_axes(w, k, b[k]);
+    if (tree.link[k].parent >= 0) {
+      tree_write_pass(w, b[tree.link[k].parent], b[k], "d", k);
       node_write_passed(w, "d", -1.0, k);
     }
   }
@@ -1929,11 +2101,13 @@ static int tree_has_joint(fb_joint_kind kind)
   return has;
 }
 
-static int tree_has_sprung_ball(void)
+/* Does a rotation vector matter to a step, or to the energy, to which springs of joints that are given do? */
+static int tree_has_sprung_ball(int energy)
 {
   int has = 0;
   for (int k = 0; k < tree.n; k++) {
-    has |= tree.link[k].joint->kind == FB_JOINT_SPHERICAL && tree.link[k].joint->stiffness[0] > FB_R(0.0);
+    const tree_link *const L = &tree.link[k];
+    has |= tree_is_ball(L) && (energy || L->free > 0) && L->joint->stiffness[0] > FB_R(0.0);
   }
   return has || rows_has_sprung_ball();
 }
@@ -1947,15 +2121,42 @@ static int tree_leads(void)
 /* Calls `f` for each piece of the vector that link k has: where, how many numbers, the member of the state. */
 typedef void tree_piece(const code *w, int at, int n, int k, const char *member);
 
+/* Bodies and, behind them as in fb_system, the joints that close loops. */
+static int tree_parts(void)
+{
+  return tree.n + tree.system->n_loop;
+}
+
+static const char *tree_part(int k)
+{
+  static char name[24];
+  snprintf(name, sizeof name, k < tree.n ? "body_%d" : "loop_%d", k < tree.n ? k : k - tree.n);
+  return name;
+}
+
+static void rows_pieces(const code *w, int k, tree_piece *f)
+{
+  const rows_loop *const l = &constraint.loop[k - tree.n];
+  const int n = rows_held(&tree.system->joint[k]);
+  if (n > 0) {
+    f(w, l->hold, n, k, n == 4 ? "hold_quat" : "hold");
+  }
+}
+
 static void tree_pieces(const code *w, int k, tree_piece *f)
 {
-  const tree_link *const L = &tree.link[k];
-  const int ball = L->joint->kind == FB_JOINT_SPHERICAL || k == tree.root;
-  if (ball || L->axes > 0) {
-    f(w, L->x, ball ? 4 : L->axes, k, ball ? "quat" : "x");
-    f(w, L->p, k == tree.root ? 6 : L->axes, k, "p");
-  } else if (L->locked) {
-    f(w, L->x, 1, k, "x");
+  const tree_link *const L = &tree.link[k < tree.n ? k : 0];
+  const int ball = tree_is_ball(L) || k == tree.root, places = k == tree.root ? 4 : tree_places_of(L);
+  const int momenta = k == tree.root ? 6 : tree_momenta_of(L);
+  if (k >= tree.n) {
+    rows_pieces(w, k, f);
+    return;
+  }
+  if (places > 0) {
+    f(w, L->x, places, k, ball ? "quat" : "x");
+  }
+  if (momenta > 0) {
+    f(w, L->p, momenta, k, "p");
   }
   if (L->n > 0) {
     f(w, L->q, L->n, k, "q");
@@ -1972,15 +2173,14 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
 
 static int tree_has_state(int k)
 {
-  return k == tree.root || tree.link[k].axes + tree.link[k].given > 0 ||
-         tree.link[k].n + tree.link[k].model->n_rotor > 0;
+  return k == tree.root || tree.link[k].axes + tree.link[k].n + tree.link[k].model->n_rotor > 0;
 }
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
 {
-  (void)at, (void)k;
+  (void)at;
   fprintf(w->out, "    %s %s[%d]", code_real(w), member, n);
-  if (w->single) {
+  if (w->single && k < tree.n) {
     fprintf(w->out, ", lost_%s[%d]", member, n);
   }
   fputs(";\n", w->out);
@@ -1989,7 +2189,8 @@ static void tree_declare(const code *w, int at, int n, int k, const char *member
 static void tree_take(const code *w, int at, int n, int k, const char *member)
 {
   (void)n;
-  fprintf(w->out, "  memcpy(x + %d, s->body_%d.%s, sizeof s->body_%d.%s);\n", at, k, member, k, member);
+  fprintf(w->out, "  memcpy(x + %d, s->%s.%s, ", at, tree_part(k), member);
+  fprintf(w->out, "sizeof s->%s.%s);\n", tree_part(k), member);
 }
 
 static void tree_give(const code *w, int at, int n, int k, const char *member)
@@ -2023,7 +2224,9 @@ static void tree_sum(const code *w, int at, int n, int k, const char *member)
 
 static void tree_sum_places(const code *w, int at, int n, int k, const char *member)
 {
-  if (member[0] != 'p') {
+  if (k >= tree.n) { /* which stays */
+    fprintf(w->out, "  memcpy(d + %d, x + %d, %d * sizeof *d);\n", at, at, n);
+  } else if (member[0] != 'p') {
     tree_sum(w, at, n, k, member);
   }
 }
@@ -2065,10 +2268,16 @@ static const char tree_status[] =
     "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
     "  @_range = -10       /* a deflection has left the range of the model */\n";
 
+/* Are there prescribed values? */
+static int tree_is_told(void)
+{
+  return tree.n_valued + constraint.n_valued > 0;
+}
+
 /* One more, where it can be. */
 static const char *tree_contradiction(void)
 {
-  return tree.n_driven > 0  ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
+  return tree_is_told()     ? "  , @_contradiction = -12 /* a prescribed value jumps, or loops cannot be closed */\n"
          : constraint.n > 0 ? "  , @_contradiction = -12 /* loops cannot be closed */\n"
                             : "";
 }
@@ -2093,9 +2302,8 @@ static const char tree_declarations[] =
     "   it was. */\n"
     "@_status @_step(%M@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt);\n";
 
-static void tree_write_types(const code *w)
+static void tree_write_state_type(const code *w)
 {
-  int n;
   code_template(w, "typedef struct @_state {\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
@@ -2104,28 +2312,48 @@ static void tree_write_types(const code *w)
       if (k == tree.root) {
         code_template(w, tree.tied ? tree_tied_state : tree_free_state);
       }
-      code_template(w, L->given && !L->locked ? "    $ x[1]; /* prescribed, where the last step had it */\n" : "");
+      if (tree_is_valued(L) && tree_places_of(L) == 0) {
+        fprintf(w->out, "    %s x[%d]; /* prescribed, where the last step had it */\n", code_real(w), L->axes);
+      }
       tree_pieces(w, k, tree_declare);
       fprintf(w->out, "  } body_%d;\n", k);
     }
   }
+  for (int k = tree.n; k < tree_parts(); k++) {
+    if (rows_held(&tree.system->joint[k]) > 0) {
+      fprintf(w->out, "  struct { /* where its axes are locked */\n");
+      tree_pieces(w, k, tree_declare);
+      fprintf(w->out, "  } %s;\n", tree_part(k));
+    }
+  }
   code_template(w, tree.work >= 0 ? "  $ motor_work; /* [J] */\n} @_state;\n\n" : "} @_state;\n\n");
-  n = 0;
+}
+
+/* What acts on a body or on the joint of a loop. 0: nothing. */
+static int tree_write_input_of(const code *w, int k)
+{
+  const tree_link *const L = &tree.link[k < tree.n ? k : 0];
+  if (k < tree.n ? tree.quiet && L->axes + L->model->n_rotor == 0 : tree_input_size(k, TREE_RATE) == 0) {
+    return 0;
+  }
+  fputs("  struct {\n", w->out);
+  for (int m = 0; m < TREE_INPUTS; m++) {
+    if (tree_input_size(k, m) > 0) {
+      fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_input_name(m), tree_input_size(k, m),
+              tree_input_what(m));
+    }
+  }
+  fprintf(w->out, "  } %s;\n", tree_part(k));
+  return 1;
+}
+
+static void tree_write_types(const code *w)
+{
+  int n = 0;
+  tree_write_state_type(w);
   code_template(w, "typedef struct @_input { /* what acts at one instant; all zero, or NULL: nothing */\n");
-  for (int k = 0; k < tree.n; k++) {
-    const tree_link *const L = &tree.link[k];
-    if (tree.quiet && L->axes + L->given + L->model->n_rotor == 0) {
-      continue;
-    }
-    fputs("  struct {\n", w->out);
-    for (int m = 0; m < TREE_INPUTS; m++) {
-      if (tree_input_size(k, m) > 0) {
-        fprintf(w->out, "    %s %s[%d]; /* %s */\n", code_real(w), tree_input_name(m), tree_input_size(k, m),
-                tree_input_what(m));
-      }
-    }
-    fprintf(w->out, "  } body_%d;\n", k);
-    n++;
+  for (int k = 0; k < tree_parts(); k++) {
+    n += tree_write_input_of(w, k);
   }
   for (int j = 0; j < tree.system->n_spring; j++) {
     if (spans_is_pulled(j)) {
@@ -2171,11 +2399,11 @@ static void tree_write_input_check(const code *w)
 {
   int n = 0;
   code_template(w, "static int @_input_is_finite(const @_input *in)\n{\n  return !in || (");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     for (int m = 0; m < TREE_INPUTS; m++) {
       if (tree_input_size(k, m) > 0) {
         code_template(w, n++ > 0 ? " &&\n                 @_is_finite(" : "@_is_finite(");
-        fprintf(w->out, "in->body_%d.%s, %d)", k, tree_input_name(m), tree_input_size(k, m));
+        fprintf(w->out, "in->%s.%s, %d)", tree_part(k), tree_input_name(m), tree_input_size(k, m));
       }
     }
   }
@@ -2195,7 +2423,7 @@ static void tree_write_enter(const code *w)
   code_template(
       w, " coordinates and\n   momenta of the joint, those of the modes; of the root P, L and its place; work. */\n"
          "static void @_enter($ *x, const @_state *s)\n{\n  memset(x, 0, @_N * sizeof *x);\n  (void)s;\n");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     tree_pieces(w, k, tree_take);
   }
   if (tree.root >= 0) {
@@ -2220,7 +2448,7 @@ static void tree_write_start_of(const code *w, int k, const char *member, const 
   for (int i = 0; i < n; i++) {
     if (fabs((double)x[i]) > 0.0) {
       code_number(number, w, (double)x[i]);
-      fprintf(w->out, "  state->body_%d.%s[%d] = %s;\n", k, member, i, number);
+      fprintf(w->out, "  state->%s.%s[%d] = %s;\n", tree_part(k), member, i, number);
     }
   }
 }
@@ -2237,13 +2465,21 @@ static void tree_write_start(const code *w, const fb_system_state *start)
       tree_write_start_of(w, k, "quat", x ? x->quat : unit, 4);
     }
     if (x) {
-      tree_write_start_of(w, k, "x", x->x, free ? 3 : ball ? 0 : L->axes + L->given);
+      tree_write_start_of(w, k, "x", x->x, free ? 3 : ball ? 0 : L->axes);
       tree_write_start_of(w, k, "u", x->u, free && !tree.tied ? 3 : 0);
-      tree_write_start_of(w, k, "p", x->p, free ? 6 : L->axes);
+      tree_write_start_of(w, k, "p", x->p, free ? 6 : tree_momenta_of(L));
       tree_write_start_of(w, k, "q", x->q, L->n);
       tree_write_start_of(w, k, "pi", x->pi, L->n);
       tree_write_start_of(w, k, "rotor_angle", x->q + L->n, L->model->n_rotor);
       tree_write_start_of(w, k, "rotor_momentum", x->pi + L->n, L->model->n_rotor);
+    }
+  }
+  for (int k = tree.n; k < tree_parts(); k++) {
+    const int n = rows_held(&tree.system->joint[k]);
+    if (n == 4) {
+      tree_write_start_of(w, k, "hold_quat", start ? start->hold_quat[k] : unit, 4);
+    } else if (start) {
+      tree_write_start_of(w, k, "hold", start->hold[k], n);
     }
   }
   fputs("}\n", w->out);
@@ -2422,7 +2658,7 @@ static void tree_write_end(const code *w)
     tree_pieces(w, k, tree_units);
   }
   code_template(w, "  if (status != @_ok) {\n    return status;\n  }\n");
-  for (int k = 0; k < tree.n; k++) {
+  for (int k = 0; k < tree_parts(); k++) {
     tree_pieces(w, k, tree_sum_places);
   }
   for (int k = 0; k < tree.n; k++) {
@@ -2524,7 +2760,7 @@ static void tree_write_step(const code *w)
   code_template(w, limited ? ", first[3 * @_BODIES], longest = %z" : "");
   code_template(w, tree_leads() ? ", center[3];\n  int pushed;\n" : ";\n  int pushed;\n");
   code_template(w, tree_step_begin);
-  code_template(w, tree.n_driven > 0 ? drive_refused : "");
+  code_template(w, tree_is_told() ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
   code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, !tree_leads() ? ""
@@ -2550,10 +2786,10 @@ static void tree_write_step(const code *w)
   code_template(w, tree_step_rest);
   tree_write_given_momenta(w);
   fputs("  return ", w->out);
-  code_template(w, tree.n_driven > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
+  code_template(w, tree.n_valued > 0 ? "@_drives_take(state, end, @_end(%Astate, sum, x" : "@_end(%Astate, sum, x");
   code_template(w, tree_leads() ? ", center, dt, pushed" : "");
   code_template(w, constraint.n > 0 || tree.flown ? ", end)" : ")");
-  code_template(w, tree.n_driven > 0 ? ");\n}\n" : ";\n}\n");
+  code_template(w, tree.n_valued > 0 ? ");\n}\n" : ";\n}\n");
 }
 
 #include "code_sdirk.h"
@@ -2590,12 +2826,12 @@ static void tree_write_align(const code *w)
 static void tree_write_rotations(const code *w)
 {
   const int free = tree.root >= 0, ball = tree_has_joint(FB_JOINT_SPHERICAL);
-  code_template(w, free || ball ? code_matrix : "");
+  code_template(w, free || ball || rows_has_locked_ball() ? code_matrix : "");
   code_template(w, free || !w->lanes ? code_turn : "");
   code_template(w, free ? code_turn_back : "");
   code_template(w, w->lanes ? "" : rows_quat);
-  code_template(w, !w->lanes && ((free && !tree.looped && !tree.implicit) || tree_has_sprung_ball()) ? code_norm : "");
-  if (tree_has_sprung_ball()) {
+  code_template(w, !w->lanes && ((free && !tree.looped && !tree.implicit) || tree_has_sprung_ball(1)) ? code_norm : "");
+  if (tree_has_sprung_ball(!w->lanes)) {
     tree_write_vector(w);
   }
   rows_write_vector(w);
@@ -2717,8 +2953,11 @@ static int tree_write_functions(const code *w)
   }
   tree_write_enter(w);
   tree_write_end(w);
-  if (tree.n_driven > 0) {
+  if (tree_is_told()) {
     drive_write_functions(w);
+  }
+  if (tree.n_valued > 0) {
+    drive_write_take(w);
   }
   if (tree.implicit) {
     sdirk_write_step(w);
@@ -2774,7 +3013,7 @@ static int tree_write_alone(const code *w)
   code_template(w, "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n"
                    "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(w, code_helpers);
-  if (tree_has_sprung_ball()) {
+  if (tree_has_sprung_ball(0)) {
     code_template(w, code_norm);
     tree_write_vector(w);
   }
@@ -2786,7 +3025,7 @@ static int tree_write_alone(const code *w)
   code_template(w, tree_status_end);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
-  if (tree.n_driven > 0) {
+  if (tree_is_told()) {
     code_template(w, drive_check);
   }
   good = tree_write_functions(&wide);

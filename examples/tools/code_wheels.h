@@ -45,7 +45,7 @@ static void tree_write_share(const code *w, code_value right[CODE_ROWS], code_va
       }
     }
     for (int a = 0; a < L->axes; a++) {
-      right[L->row + a] = tree_write_along(w, L->A[a], wrench, code_variable("b%d_%s_%d", k, name, L->row + a));
+      right[L->row[a]] = tree_write_along(w, L->A[a], wrench, code_variable("b%d_%s_%d", k, name, L->row[a]));
     }
     for (int i = 0; i < 6 && j == tree.root; i++) {
       right[i] = wrench[i];
