@@ -309,6 +309,9 @@ static const char *tree_body_refusal(const fb_body *body)
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
     return "effects large: choose effects up to full";
   }
+  if (code_is_central(body)) {
+    return "central_gravity: choose uniform gravity";
+  }
   return one;
 }
 
