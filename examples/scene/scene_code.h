@@ -137,6 +137,7 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
   if (!text[0]) {
     acts_refusal(text, &engine.system, names, choice->loads);
   }
+  what = what || !choice->single ? what : attract_refusal(&engine.system, engine.body);
   if (!text[0] && what) {
     snprintf(text, 200, "%s", what);
   }

@@ -563,6 +563,13 @@ static void sdirk_take_root(const code *w)
     code_add_one(&s, 1.0, sdirk_rest(L->p + 6 + i));
     code_add_one(&s, tree.stands ? 1.0 : 0.0, move[i]);
     sdirk_take(w, &s, L->p + 6 + i);
+    if (tree.placed && !tree.tied) {
+      code_begin(&s);
+      code_add_one(&s, 1.0, sdirk_rest(L->p + TREE_PUSHED + i));
+      code_add_one(&s, 1.0, move[i]);
+      sdirk_take(w, &s, L->p + TREE_PUSHED + i);
+      tree_assign_one(w, code_constant(0.0), L->p + TREE_PUSHED + 3 + i);
+    }
   }
 }
 
@@ -831,6 +838,7 @@ static void sdirk_write_step(const code *w)
   if (w->lanes) {
     code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
   }
+  code_template(w, tree.placed && !tree.tied ? "  memcpy(k + @_AT, x + @_AT + 3, 3 * sizeof *k);\n" : "");
   code_template(w, tree.n_given > 0 ? sdirk_drives : "");
   code_template(w, tree_leads() ? "  @_center(%Acenter, x);\n" : "");
   code_template(w, tree.system->allow_long_step ? "" : sdirk_step_limits);

@@ -12,8 +12,9 @@
 enum {
   TREE_OWN = 4,
   TREE_ROOT = 7,
-  TREE_PUSHED = 9
-}; /* of a free root: where h is, numbers at the head, at the tail */
+  TREE_PUSHED = 9,
+  TREE_PLACED = 6
+}; /* of a free root: where h is, numbers at the head, at the tail, there where its place is needed */
 
 typedef struct tree_link {
   const fb_body *model;
@@ -63,6 +64,7 @@ static struct tree {
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
+  int placed;          /* the place of O of the root is needed: gravity of a center acts on what flies */
   int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
@@ -261,7 +263,8 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     tree.n_axis += L->axes;
     tree.mass += (double)L->model->mass;
     tree.flying += tree_flies(k) ? (double)L->model->mass : 0.0;
-    tree.pulled |= tree_has_gravity(L->model);
+    tree.pulled |= tree_has_gravity(L->model) || code_is_central(L->model);
+    tree.placed |= tree_flies(k) && code_is_central(L->model);
     tree.stands |= tree_flies(k) && L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
     tree.has_R |= L->joint->kind == FB_JOINT_SPHERICAL;
   }
@@ -280,7 +283,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
-    tree.size += TREE_PUSHED;
+    tree.size += TREE_PUSHED + (tree.placed && system->tied < 2 ? TREE_PLACED : 0);
   }
   tree.work = tree.n_axis + tree.n_rotor > 0 ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
@@ -308,9 +311,6 @@ static const char *tree_body_refusal(const fb_body *body)
   const char *const one = code_refusal(body);
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
     return "effects large: choose effects up to full";
-  }
-  if (code_is_central(body)) {
-    return "central_gravity: choose uniform gravity";
   }
   return one;
 }
@@ -818,6 +818,7 @@ static code_value tree_write_along(const code *w, const code_value a[6], const c
 }
 
 #include "code_node.h"
+#include "code_attract.h"
 #include "code_span.h"
 
 /* Elements of the matrix of axis a of link k. */
@@ -1075,9 +1076,11 @@ static void tree_write_modes(const code *w, int k)
       code_add(&code_force[a], 1.0, code_now.lambda[i][a], L->g[i]);
     }
   }
+  code_central = tree_central[k];
   code_write_gradient(&own, code_force);
   code_rotor = tree_rotors[k];
   code_write_rotor_speeds(&own, code_force, L->V, code_now.q_dot);
+  code_write_center_rotors(&own, code_force);
   code_write_rotor_rates(&own, L->angle, L->spun);
   tree_rotors[k] = code_rotor;
   tree_leave(k);
@@ -1401,6 +1404,9 @@ static void tree_write_root(const code *w)
   code_template(w, tree_root_turned);
   code_template(w, tree.looped ? "" : "      rate[4 + i] += h_dot[i];\n");
   code_template(w, tree_root_rates);
+  if (tree.placed && !tree.tied) {
+    code_template(w, attract_place);
+  }
   code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
                                : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
@@ -1522,6 +1528,17 @@ static void sdirk_write_longest(const code *w)
   code_template(w, sdirk_longest[w->lanes != 0]);
 }
 
+/* The rotation of a body that counts in the step limit. */
+static void tree_write_spin(const code *w, int k)
+{
+  const int acts = tree_central[k].acts;
+  tree_write_norm(w, acts ? "turns" : "spin", k, tree.link[k].V + 3);
+  if (acts) {
+    code_template(w, "    const $ ");
+    fprintf(w->out, "spin_%d = turns_%d + %s;\n", k, k, tree_central[k].rate.name);
+  }
+}
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1536,7 +1553,7 @@ static void tree_write_limit(const code *w)
   }
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    tree_write_norm(w, "spin", k, L->V + 3);
+    tree_write_spin(w, k);
     if (L->parent >= 0) {
       tree_write_norm(w, "arm", k, L->s);
       fprintf(w->out, "    const %s a_%d = a_%d + spin_%d * spin_%d * arm_%d;\n", code_real(w), k, L->parent, L->parent,
@@ -1638,6 +1655,7 @@ static void tree_write_evaluation(const code *w)
 {
   tree_write_given_names(w, "in");
   tree_write_velocities(w);
+  attract_write_bodies(w);
   rows_write_loads(w);
   spans_write_loads(w);
   rows_write_check(w, "");
@@ -2161,6 +2179,8 @@ static void tree_write_enter(const code *w)
   }
   if (tree.tied) {
     fprintf(w->out, "  memcpy(x + %d, s->body_%d.x, 3 * sizeof *x);\n", tree.link[tree.root].p + 6, tree.root);
+  } else if (tree.placed) {
+    attract_write_enter(w);
   }
   fputs("}\n", w->out);
 }
@@ -2613,6 +2633,10 @@ static void tree_write_sizes(const code *w)
     fprintf(w->out, "%d, ", P + 3);
     code_template(w, "@_PLACE = ");
     fprintf(w->out, "%d", P + 6);
+    if (tree.placed && !tree.tied) {
+      code_template(w, ", @_AT = ");
+      fprintf(w->out, "%d", P + TREE_PUSHED);
+    }
   }
   fputs(" };\n\n", w->out);
 }
@@ -2745,7 +2769,8 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit};
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit,
+                  0};
   int good;
   code_numbers.n = 0;
   tree_read(system, body, names, choice->implicit);

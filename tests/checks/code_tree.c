@@ -24,6 +24,8 @@ typedef struct hang {
 } hang;
 
 enum { HARD = 1000 };
+enum { UNIFORM = 1, CENTER = 2, APART = 4, MIXED = 8, ORBIT = 16 };
+/* Gravity: of a center on all bodies; that of rigid ones of another center; or uniform on these; of the Earth, in a low orbit */
 enum { PLANE = 2, DOOR = 3 }; /* of joints: all axes along z; on that of the first joint, whose loop moves nothing */
 
 /* Effects of the flexible models, gravity, joints turned at random (0: about x; PLANE: not at all), bodies. The first two are those of
@@ -406,6 +408,45 @@ static const struct {
      0,
      1,
      {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
+    /* 71 to 79: gravity of a center: a free hub and a boom; rigid, beside uniform gravity; of two centers, with a wheel;
+       on the ground; rotors and joints on nodes that modes move; on some bodies, with a loop; with a loop that ties what
+       flies; prescribed axes, a spring and a tree on the ground; in a low orbit */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, CENTER, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
+    {FB_EFFECTS_FULL, CENTER | UNIFORM, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER | APART,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 0, PANEL},
+      {FB_JOINT_REVOLUTE, 1, WHEEL}}},
+    {FB_EFFECTS_FULL,
+     CENTER,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER,
+     1,
+     {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}, {FB_JOINT_UNIVERSAL, 0, HUB}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER | MIXED,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
+    {FB_EFFECTS_FULL,
+     CENTER | MIXED,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, BOOM | GIVEN},
+      {FB_JOINT_SCREW, 0, RIGID | RUBS},
+      {FB_JOINT_REVOLUTE, -1, PANEL}}},
+    {FB_EFFECTS_FULL,
+     CENTER | ORBIT,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, WHEEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -451,14 +492,16 @@ static const struct {
              {62, FB_JOINT_SPHERICAL, -1, 1},
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
-             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP}};
+             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
+             {76, FB_JOINT_SPHERICAL, 1 + TIP, 2 + TIP},
+             {77, FB_JOINT_SPHERICAL, -1, 1 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
 static const struct {
   int tree, body[2];
   double length;
 } springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0}, {67, {0, 1 + TIP}, 9.0}, {67, {2, 2 + TIP}, 7.0},
                {67, {1 + TIP, 1 + TIP}, 1.0}, {68, {0 + TIP, 2}, 1.5}, {68, {-1, 1 + TIP}, 12.0},
-               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0}};
+               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0}, {78, {0, 1 + TIP}, 9.0}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
@@ -467,6 +510,7 @@ static fb_body model[MODELS];
 static fb_system_desc desc;
 static fb_system mechanism;
 static fb_system_work work;
+static int falls;       /* ORBIT: in one */
 static double hard = 1; /* factor of the stiffness of joints and modes; SDIRK: far beyond what rk4 resolves */
 
 static double random_number(void)
@@ -483,6 +527,27 @@ static int need(fb_status status, const char *what)
     exit(1);
   }
   return 1;
+}
+
+/* Gravity of a body: that of its tree. */
+static void build_gravity(fb_body_desc *level, int gravity, int rigid)
+{
+  const int mixed = gravity & MIXED && rigid, center = gravity & CENTER && !mixed, uniform = gravity & UNIFORM || mixed;
+  level->effects |= uniform ? FB_EFFECT_GRAVITY : 0u;
+  level->gravity[1] = uniform ? FB_R(0.5) : FB_R(0.0);
+  level->gravity[2] = uniform ? FB_R(-2.0) : FB_R(0.0);
+  level->mu =
+      center ? hard > 1 ? FB_R(60.0) : FB_R(400.0) : FB_R(0.0); /* which is not met in the longer steps of SDIRK */
+  level->center[0] = gravity & APART && rigid ? FB_R(25.0) : FB_R(-30.0);
+  level->center[1] = FB_R(20.0);
+  level->center[2] = FB_R(25.0);
+  if (gravity & ORBIT) {
+    level->mu = FB_R(3.986004418e14);
+    level->center[0] = FB_R(-7e6);
+  }
+  if (!center) {
+    memset(level->center, 0, sizeof level->center);
+  }
 }
 
 /* Rotors inside a body: two on the frame, one at its tip if it has one, else one of given momentum; friction, which brakes
@@ -523,10 +588,9 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     inertia[3 + i] = plain ? FB_R(0.0) : (fb_real)random_number();
   }
   memset(&level, 0, sizeof level);
-  level.effects = (modes > 0 ? effects : FB_EFFECTS_RIGID) | (gravity ? FB_EFFECT_GRAVITY : 0u);
+  level.effects = modes > 0 ? effects : FB_EFFECTS_RIGID;
   level.base = FB_BASE_PRESCRIBED;
-  level.gravity[1] = gravity ? FB_R(0.5) : FB_R(0.0);
-  level.gravity[2] = gravity ? FB_R(-2.0) : FB_R(0.0);
+  build_gravity(&level, gravity, modes == 0);
   memset(&keep, 0, sizeof keep);
   for (int a = 0; a < modes; a++) {
     level.zeta[a] = effects & FB_EFFECT_DAMPING ? FB_R(0.02) : FB_R(0.0);
@@ -682,10 +746,9 @@ static void build_wheel(fb_body *body, int gravity)
   static fb_body_desc level;
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {FB_R(0.3), FB_R(0.3), FB_R(0.5), 0, 0, 0};
   memset(&level, 0, sizeof level);
-  level.effects = FB_EFFECTS_RIGID | (gravity ? FB_EFFECT_GRAVITY : 0u);
+  level.effects = FB_EFFECTS_RIGID;
   level.base = FB_BASE_PRESCRIBED;
-  level.gravity[1] = gravity ? FB_R(0.5) : FB_R(0.0);
-  level.gravity[2] = gravity ? FB_R(-2.0) : FB_R(0.0);
+  build_gravity(&level, gravity, 1);
   need(fb_shape_init(&shape, 0), "shape");
   need(fb_shape_add_rigid(&shape, FB_R(3.0), center, inertia), "wheel");
   need(fb_body_init(body, &body_work, &shape, &level), "wheel");
@@ -714,6 +777,7 @@ static void build_spring(int j)
 
 static void build(int which)
 {
+  falls = trees[which].gravity & ORBIT;
   build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2, 0);
   build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4, which < 2, 0);
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2, 0);
@@ -949,6 +1013,7 @@ static void start(double speed)
   for (int k = 0; k < desc.n_body; k++) {
     for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE && mechanism.tied < 2; i++) {
       state.link[k].u[i] += (fb_real)(0.1 * (i - 1.5)); /* the whole drifts: as of another observer */
+      state.link[k].u[i] += falls == ORBIT && i == 1 ? FB_R(7546.05) : FB_R(0.0);
     }
   }
   generated_start(&own);
