@@ -1336,6 +1336,43 @@ static int modal(void)
   return good;
 }
 
+/* From the center of gravity outward, where that moves what flies: a step and the energy are refused as too near where the
+   library refuses them. */
+static int center_refused(void)
+{
+  int root = -1, seen[2] = {0, 0}, good = 1;
+  for (int k = 0; k < desc.n_body; k++) {
+    root = mechanism.joint[k].kind == FB_JOINT_FREE && model[desc.model[k]].mu > FB_R(0.0) ? k : root;
+  }
+  for (int k = 0; k < 40 && root >= 0 && mechanism.tied < 2 && !falls && good; k++) {
+    fb_system_state copy;
+    fb_energy theirs;
+    generated_energy mine;
+    fb_status expected[2];
+    generated_status found[2];
+    start(0.1);
+    for (int i = 0; i < 3; i++) {
+      state.link[root].x[i] = model[desc.model[root]].center[i] + (fb_real)(0.4 * k * (1 - 0.7 * i));
+      state.link[root].lost_x[i] = FB_R(0.0);
+    }
+    copy = state;
+    take_state(0);
+    expected[0] = fb_system_energy_eval(&mechanism, model, &work, &theirs, &state, NULL);
+    found[0] = generated_energy_eval(&mine, &own, NULL);
+    expected[1] = held_step(&copy, NULL, FB_R(1e-6));
+    found[1] = own_held_step(NULL, FB_R(1e-6));
+    for (int i = 0; i < 2; i++) {
+      good &= (int)expected[i] == (int)found[i] && (expected[i] == FB_OK || expected[i] == FB_ERR_RANGE);
+    }
+    seen[expected[0] == FB_OK]++;
+  }
+  if (!good || (seen[0] + seen[1] > 0 && (seen[0] == 0 || seen[1] == 0))) {
+    printf("near the center: %d refused, %d taken\n", seen[0], seen[1]);
+    good = 0;
+  }
+  return good;
+}
+
 /* What the library refuses, and each number of the state that is none. */
 static int refusals(void)
 {
@@ -1609,6 +1646,6 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return all_seen() && refusals() && limits() && modal() && jumps() && worst <= TOLERANCE ? 0 : 1;
+  return all_seen() && refusals() && center_refused() && limits() && modal() && jumps() && worst <= TOLERANCE ? 0 : 1;
 }
 #endif

@@ -93,13 +93,13 @@ single_sdirk=0
 implicit=0
 call='generated_step(&s, 0, 0, 1)'
 main
-for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 25 27 28 29 35 36 37 38 39 40 41 42 43 44 45 46 48 50 51 52 53 54 60 62; do
+for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 25 27 28 29 35 36 37 38 39 40 41 42 43 44 45 46 48 50 51 52 53 54 60 62 71 72 73 74 75 76 79; do
   write $tree --sdirk
   scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
   agree $tree -O0
   largest_sdirk=$(larger $largest_sdirk)
   case $tree in
-  0 | 4 | 16 | 17 | 20 | 35 | 36 | 39 | 45 | 53 | 60) # of 45 some steps are refused as the friction of its rotors has not settled
+  0 | 4 | 16 | 17 | 20 | 35 | 36 | 39 | 45 | 53 | 60 | 72 | 79) # of 45 some steps are refused as the friction of its rotors has not settled
     scheme="-DSDIRK -Dgenerated_ITERATIONS=$([ $tree = 45 ] && echo 4 || echo 2)"
     agree $tree -O0
     largest_sdirk=$(larger $largest_sdirk)
@@ -133,20 +133,22 @@ all_lanes() {
   compile
   lanes -O0 1 double
   lanes "$level $avx" 4 double
-  write $tree --single --lanes ${1:-}
-  lanes "-O0 $avx" 8 float
+  if [ $tree -lt 71 ]; then # the others have gravity of a center, which bodies on joints have in double precision alone
+    write $tree --single --lanes ${1:-}
+    lanes "-O0 $avx" 8 float
+  fi
 }
-for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69 70; do
+for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69 70 73 75 77 78; do
   case $tree in # jumps of a crank, and gaps, which loops refuse
   22 | 49 | 64 | 70) small=-DLOAD=1e-4 ;;
-  60 | 61 | 69) small=-DLOAD=1e-3 ;;
+  60 | 61 | 69 | 77) small=-DLOAD=1e-3 ;;
   *) small= ;;
   esac
   all_lanes
 done
 call='generated_step(&s, 0, 0, 1)'
 main
-for tree in 5 6 8 12 18 19 20 21 35 38 41 43 46 53 62; do
+for tree in 5 6 8 12 18 19 20 21 35 38 41 43 46 53 62 73; do
   case $tree in
   62) small="-DSDIRK -DLOAD=1e-4" ;;
   18 | 20 | 41) small="-DSDIRK -DHELD=1" ;; # jumps of what is prescribed
