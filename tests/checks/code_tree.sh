@@ -458,6 +458,48 @@ try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
 "$out/way" > "$out/end.txt" || fail "one body by sdirk: a step is refused"
 awk -v own="$(cat "$out/end.txt")" -F, 'END { exit !($2 * $2 > 1e-8 && own - $2 < 1e-11 && $2 - own < 1e-11) }' "$out/way.csv" ||
   fail "one body by sdirk: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+# a satellite in a low orbit, whose boom swings on a hinge by the gradient of gravity: 1,000 steps end where the scene does
+cat > "$out/orbit.txt" << 'END'
+duration 800
+step 0.8
+integrator rk4
+body hub rigid
+  hub 500 0 0 0 200 300 350
+  node 0.5 0 0 side
+  central_gravity 3.986004418e14 -7e6 0 0
+  start_attitude z 30
+  start_velocity 0 7546.0532887 0
+  start_spin 0 0 0.001078007612872506
+end
+body boom beam
+  length 30
+  stations x mass EI_y EI_z
+    0 0.3 2500 2500
+  end
+  modes bend_y 1 bend_z 1
+  effects full
+  central_gravity 3.986004418e14 -7e6 0 0
+end
+joint hinge revolute hub.side boom
+  stiffness 0.02
+  start 1 0.2
+end
+output angle coordinate hinge 1
+output side position hub y
+output energy energy total
+END
+try "$out/scene" "$out/orbit.txt" --code "$out/generated.h"
+try "$out/scene" "$out/orbit.txt" --out "$out/way.csv"
+printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_motion m; generated_energy e; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 0, 0.8)) { return 1; } } generated_motion_eval(&m, &s, 0); generated_energy_eval(&e, &s, 0); printf("%%.17g %%.17g %%.17g\\n", s.body_1.x[0], m.body_0.position[1], e.kinetic + e.strain + e.gravity); return 0; }\n' > "$out/way.c"
+try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
+"$out/way" > "$out/end.txt" || fail "a low orbit: a step is refused"
+awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] / $(i + 1) - 1; if (!(d < 1e-9 && d > -1e-9)) { exit 1 } } }' \
+  "$out/way.csv" || fail "a low orbit: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+mv "$out/generated.h" "$out/code.h"
+compile
+! "$out/scene" "$out/orbit.txt" --single --code "$out/none.h" 2> "$out/log" && grep -q "central_gravity of bodies on joints in single precision" "$out/log" ||
+  fail "central gravity in single precision: $(tail -n 1 "$out/log")"
+refused=$((refused + 1))
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
