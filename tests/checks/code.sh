@@ -11,6 +11,7 @@ need clang clang
 need valgrind valgrind
 bound_6=6000 # instructions of a step, modes with every effect
 bound_12=11500
+bound_falls=7000 # 4 modes in gravity of a center (46,971 by the library)
 bound_wheels=9000 # satellite of 8 modes with three wheels
 bound_lines=37000 # 6 modes and 6 points of a geometrically exact line
 bound_board_6=7500 # on a Cortex-M4F, single precision
@@ -392,10 +393,11 @@ END
   [ "$(echo "$count" | wc -l)" = 1 ] || fail "steps on the board differ in their number of instructions: $count"
 }
 
-# boom MODES [EFFECTS POINTS]: of each plane, with parameters where `list` has some; sets count
+# boom MODES [EFFECTS POINTS]: of each plane, with parameters where `list` has some, in a field; sets count
 list=
+field=
 boom() {
-  printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects %s\nlength 10\nelements 12\nmodes bend_y %s bend_z %s%s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' "${2:-full}" $1 $1 "${3:+ points $3}" > "$out/boom.txt"
+  printf 'beam\n%s\nhub 500 0 0 0 80 80 80\nbase free\neffects %s\nlength 10\nelements 12\nmodes bend_y %s bend_z %s%s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' "$field" "${2:-full}" $1 $1 "${3:+ points $3}" > "$out/boom.txt"
   try "$out/reduce" "$out/boom.txt" --name generated --code ${list:+--vary "$list"} --out "$out/code.h"
   sed 's/return generated_step.*/s.L[2] = s.L[0] = 30; s.q[0] = 0.05; for (int k = 0; k < 50; k++) { if (generated_step(\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/'"${list:+;s/generated_step(/&\\&m, /; s/generated_state s;/& generated_model m; generated_model_init(\\&m, 0);/}" \
     "$out/main.c" > "$out/count.c"
@@ -409,6 +411,11 @@ boom() {
 boom 3 large 6
 count_lines=$count
 [ "$count_lines" -le $bound_lines ] || fail "lines of 6 points, 6 modes: $count_lines instructions, more than $bound_lines"
+field="central_gravity 3.986e14 0 0 -7e6"
+boom 2
+count_falls=$count
+[ "$count_falls" -le $bound_falls ] || fail "4 modes in gravity of a center: $count_falls instructions, more than $bound_falls"
+field=
 boom 3
 count_6=$count
 try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
@@ -495,4 +502,4 @@ refuse_rotor "a rotor on a line" "rotor wheel 2"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/; s/^effects.*/effects large/' "$out/boom.txt" > "$out/other.txt"
 ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity of lines is taken"
 grep -q -- "--code: central_gravity of effects large" "$out/log" || fail "central gravity of lines: $(tail -n 1 "$out/log")"
-ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning, $fields by gravity of a center to $attracted; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"
+ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning, $fields by gravity of a center to $attracted, $count_falls instructions at 4 modes; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

@@ -13,6 +13,7 @@ bound_hinge=4000 # instructions of a step: a free hub and a rigid arm on a hinge
 bound_booms=16000 # two booms of 4 modes on it (59,567)
 bound_arm=12000 # two links of 2 modes on hinges, the second one on the tip of the first (46,130)
 bound_bars=8500 # four bars in a plane (193,287)
+bound_falls=19000 # a free hub and a boom of 4 modes in gravity of a center (71,621)
 bound_deploys=22500 # four bars on a free hub (241,282)
 bound_hinge_sdirk=9500 # of SDIRK (45,041 by the library)
 bound_booms_sdirk=36500 # (137,730)
@@ -183,6 +184,9 @@ hinge=$count
 steps 1 "$turns s.body_1.x[0] = 0.3; s.body_2.x[0] = 0.2; s.body_1.q[0] = s.body_2.q[1] = 0.01;"
 booms=$count
 [ "$booms" -le $bound_booms ] || fail "hub and two booms: $booms instructions, more than $bound_booms"
+steps 71 "$turns s.body_1.x[0] = 0.3; s.body_1.q[0] = 0.01;"
+falls=$count
+[ "$falls" -le $bound_falls ] || fail "hub and boom in gravity of a center: $falls instructions, more than $bound_falls"
 steps 36 's.body_0.x[0] = 0.3; s.body_1.x[0] = 0.2; s.body_0.p[0] = 0.5; s.body_0.q[0] = 0.01;'
 arm=$count
 [ "$arm" -le $bound_arm ] || fail "arm of two links that bend: $arm instructions, more than $bound_arm"
@@ -503,4 +507,4 @@ refused=$((refused + 1))
 ! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
 ! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
-ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge, $wheels_sdirk with wheels, $arm_sdirk for the arm; $refused scenes refused"
+ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom, $falls for a hub and a boom in gravity of a center; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge, $wheels_sdirk with wheels, $arm_sdirk for the arm; $refused scenes refused"
