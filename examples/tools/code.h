@@ -523,6 +523,7 @@ static void code_write_velocities(const code *w)
   code_write_names(w);
 }
 
+#include "code_central.h"
 /* ---- forces */
 
 static void code_write_q_dot(const code *w)
@@ -589,6 +590,7 @@ static code_value code_write_weight(const code *w, int k)
       }
     }
   }
+  code_add_center_weight(&s, k);
   return code_end(w, &s, code_variable("W_%s", code_model.name[k]));
 }
 
@@ -650,6 +652,7 @@ static void code_write_pi_dot(const code *w)
     code_add_one(&code_force[a], 1.0, code_large_gradient(a));
   }
   code_write_rotor_speeds(w, code_force, code_now.V, code_now.q_dot);
+  code_write_center_rotors(w, code_force);
   fputs("\n  /* E8.17: pi_dot = that - K q - C q_dot */\n", w->out);
   for (int a = 0; a < w->n; a++) {
     char target[32];
@@ -689,7 +692,7 @@ static void code_write_frame(const code *w)
 {
   code_template(w, code_attitude);
   code_template(w, code_model.first == 6 ? code_driven : code_turning);
-  if (code_model.first == 0) {
+  if (code_model.first == 0 || (code_model.first == 3 && w->central)) { /* u of a pin is 0, or no number */
     code_template(w, code_flying);
   } else if (code_model.first == 3) {
     code_template(w, "  rate[%r] = rate[%r + 1] = rate[%r + 2] = %z;\n");
@@ -708,13 +711,13 @@ static const char code_pinned_torque[] =
     "  rate[7] += tx;\n  rate[8] += ty;\n  rate[9] += tz;\n"
     "  for (int i = 0; i < 3; i++) {\n"
     "    rate[%l + i] = R[3 * i] * tx + R[3 * i + 1] * ty + R[3 * i + 2] * tz;\n  }\n"
-    "  *a = @_norm(G);\n  return @_ok;\n}\n";
+    "  *a = @_norm(G);\n";
 
 static const char code_given_acceleration[] =
     "  const $ forward[3] = {act->v_dot[0] + wy * act->v[2] - wz * act->v[1],\n"
     "                        act->v_dot[1] + wz * act->v[0] - wx * act->v[2],\n"
     "                        act->v_dot[2] + wx * act->v[1] - wy * act->v[0]};\n"
-    "  *a = @_norm(G) + @_norm(forward);\n  return @_ok;\n}\n";
+    "  *a = @_norm(G) + @_norm(forward);\n";
 
 /* Gravity G, inertial axes, and gx, gy, gz, body axes. */
 static void code_write_field(const code *w)
@@ -750,6 +753,7 @@ static void code_write_pull(const code *w)
     code_add_node_torques(&s, i);
     code_add(&s, 1.0, code_now.value[y], code_variable("g%c", 'x' + z));
     code_add(&s, -1.0, code_now.value[z], code_variable("g%c", 'x' + y));
+    code_add_center_torque(&s, i);
     snprintf(target, sizeof target, "t%c", 'x' + i);
     code_declare(w, &s, target);
   }
@@ -765,6 +769,10 @@ static void code_write_pull(const code *w)
     code_assign(w, &s, target);
   }
   code_template(w, code_model.first == 3 ? code_pinned_torque : code_given_acceleration);
+  if (w->central) {
+    code_write_center_pull(w);
+  }
+  code_template(w, "  return @_ok;\n}\n");
 }
 
 /* ---- loads of a free body */
@@ -778,17 +786,15 @@ static const char *const code_wrench[2] = {
     "    const $ F[3] = {model->share * in->force[0], model->share * in->force[1], model->share * in->force[2]};\n"
     "    const $ T[3] = {model->share * in->torque[0], model->share * in->torque[1], model->share * in->torque[2]};\n"};
 
+static const char code_twisted[] = "    rate[7] += gx;\n    rate[8] += gy;\n    rate[9] += gz;\n";
+
 static const char code_inertial[] =
-    "    rate[7] += gx;\n    rate[8] += gy;\n    rate[9] += gz;\n"
-    "    @_matrix(R, x);\n"
     "    for (int i = 0; i < 3; i++) {\n"
     "      rate[4 + i] += R[3 * i] * ax + R[3 * i + 1] * ay + R[3 * i + 2] * az + in->gravity[i];\n"
     "      rate[%l + i] = R[3 * i] * gx + R[3 * i + 1] * gy + R[3 * i + 2] * gz;\n"
     "    }\n"
     "    *a = sqrt~(ax * ax + ay * ay + az * az);\n"
-    "  }\n"
-    "  return @_ok;\n"
-    "}\n";
+    "  }\n";
 
 /* Torque about the mass center, axis i: T - c x a. */
 static void code_write_torque(const code *w, int i)
@@ -836,7 +842,7 @@ static void code_write_loads(const code *w)
   } else {
     code_template(w, code_wrench[(w->vary & CODE_MASS) != 0]);
   }
-  code_template(w, "    $ R[9];\n");
+  code_template(w, w->central ? "" : "    $ R[9];\n");
   for (int k = 0; k < 3; k++) {
     char number[40], name[4] = {'a', (char)('x' + k), 0};
     code_write_value(&inner, k);
@@ -859,7 +865,13 @@ static void code_write_loads(const code *w)
     }
     code_assign(&inner, &s, target);
   }
+  code_template(w, code_twisted);
+  code_template(w, w->central ? "" : "    @_matrix(R, x);\n");
   code_template(w, code_inertial);
+  if (w->central) {
+    code_write_fall(w);
+  }
+  code_template(w, "  return @_ok;\n}\n");
 }
 
 /* ---- bodies with lines (code_line.h): their functions with the rest of the body */
@@ -1375,13 +1387,10 @@ static void code_write_rates(const code *w, int unused)
                 "angular velocity; a:\n"
                 "   acceleration of the mass center by the loads [m/s^2]. */\n"
                 "static @_NOINLINE @_status @_rates_at(%M$ *rate, $ *w, $ *a, const $ *x, const @_input *in)\n{\n%V");
-  if (code_model.first > 0) {
-    code_template(w, "  const @_input *const act = in ? in : &@_nothing;\n  $ R[9];\n");
-  }
+  code_template(w, code_model.first > 0 ? "  const @_input *const act = in ? in : &@_nothing;\n" : "");
+  code_template(w, code_model.first > 0 || w->central ? "  $ R[9];\n" : "");
   code_write_state(w);
-  if (code_model.first > 0) {
-    code_template(w, "  @_matrix(R, x);\n");
-  }
+  code_template(w, code_model.first > 0 || w->central ? "  @_matrix(R, x);\n" : "");
   code_write_rotors(w, code_place(w, 'g'), "in", "rotor_motor");
   code_write_own_pi(w, code_now.pi);
   if (w->large) {
@@ -1393,14 +1402,18 @@ static void code_write_rates(const code *w, int unused)
     code_write_velocities(w);
     code_write_q_dot(w);
   }
+  code_central.acts = 0;
+  if (w->central) {
+    code_write_attraction(w);
+  }
   code_write_pi_dot(w);
   code_write_rotor_rates(w, code_place(w, 'k'), code_place(w, 'g'));
   code_write_frame(w);
-  if (w->rotors > 0) {
+  if (w->rotors > 0 || w->central) {
     char target[32];
     snprintf(target, sizeof target, "w[%d]", code_place(w, 'w') - 1);
-    fputs("\n  /* E11.46 */\n", w->out);
-    code_write_nutation(w, target);
+    fputs(w->rotors > 0 ? "\n  /* E11.46 */\n" : "", w->out);
+    code_write_nutation(w, target, w->central ? code_central.rate : code_constant(0.0));
   }
   if (w->large) {
     code_write_large_frame(w);
@@ -1588,20 +1601,21 @@ static void code_write_limit(const code *w)
 {
   const fb_body *const body = code_model.body;
   const double c = sqrt((double)(body->c[0] * body->c[0] + body->c[1] * body->c[1] + body->c[2] * body->c[2]));
-  const char *const own = w->rotors > 0 ? "whole" : "spin";
-  const code_value whole = code_variable("%s", w->large ? "whole" : own);
+  const int more = w->rotors > 0 || w->central;
+  const code_value whole = code_variable("%s", w->large || more ? "whole" : "spin");
   code_sum s;
   code_template(w, "\n/* E8.8, E11.1: longest stable step [s] at angular velocity w and acceleration by loads a */\n"
                    "static $ %*@_longest(%Mconst $ *w, $ %*a)\n{\n%V"
                    "  const $ spin = @_norm(w);\n");
-  if (w->large || w->rotors > 0) {
+  if (w->large || more) {
     code_template(w, "  const $ whole = spin");
     code_template(w, w->large ? " + sqrt~(w[11])" : "");
-    if (w->rotors > 0) {
+    if (more) {
       fprintf(w->out, " + w[%d]", code_place(w, 'w') - 1);
     }
-    code_template(w, w->large ? "; /* that of the fastest section (E11.37) */\n"
-                              : "; /* nutation by rotors (E11.46) */\n");
+    code_template(w, w->large     ? "; /* that of the fastest section (E11.37) */\n"
+                     : w->central ? "; /* and by the gradient of gravity (E8.37), nutation by rotors (E11.46) */\n"
+                                  : "; /* nutation by rotors (E11.46) */\n");
   }
   code_begin(&s);
   if (code_model.first == 0) {
@@ -1977,9 +1991,15 @@ static const char code_step_rest[] =
     "    if (status != @_ok) {\n      return status;\n    }\n    @_UNROLL\n"
     "    for (int i = 0; i < %N; i++) {\n      sum[i] += by * rate[i];\n    }\n"
     "    if (stage < 3) {\n      @_UNROLL\n"
-    "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n    }\n"
-    "  }\n"
-    "  return @_end(%Astate, sum, x";
+    "      for (int i = 0; i < %r; i++) {\n        at[i] = x[i] + to * rate[i];\n      }\n";
+
+static const char code_step_end[] = "    }\n"
+                                    "  }\n"
+                                    "  return @_end(%Astate, sum, x";
+
+/* Rates depend on the place, too. */
+static const char code_step_place[] =
+    "      for (int i = 0; i < 3; i++) {\n        at[%r + i] = place[i] + to * rate[%r + i];\n      }\n";
 
 static const char code_start[] = "\nvoid @_start(@_state *state)\n{\n"
                                  "  memset(state, 0, sizeof *state);\n"
@@ -2079,6 +2099,9 @@ static int code_write_functions(const code *w)
   if (code_model.first == 0 || (code_model.first == 3 && !w->lanes)) {
     code_write_center(w);
   }
+  if (w->central && code_model.first == 0) {
+    code_write_lead(w);
+  }
   good = code_write_pruned(w, code_write_rates, 0) && good;
   code_write_limit(w);
   code_template(w, code_sums);
@@ -2114,7 +2137,10 @@ static void code_write_stages(const code *w)
   const int limited = !code_model.body->allow_long_step;
   code_template(w, code_step_head);
   code_template(w, w->large && code_model.first == 0 ? "  $ center[3];\n" : "");
+  code_template(w, w->central ? "  $ place[3];\n" : "");
   code_template(w, code_step_begin);
+  code_template(w, w->central && code_model.first == 0 ? "  @_lead(%Aat);\n" : "");
+  code_template(w, w->central ? "  memcpy(place, at + %r, sizeof place);\n" : "");
   if (w->large) {
     code_template(w, code_model.first == 0 ? "  memset(w, 0, sizeof w);\n  memset(center, 0, sizeof center);\n"
                                            : "  memset(w, 0, sizeof w);\n");
@@ -2129,6 +2155,8 @@ static void code_write_stages(const code *w)
   }
   code_template(w, limited ? code_step_limits : "");
   code_template(w, code_step_rest);
+  code_template(w, w->central ? code_step_place : "");
+  code_template(w, code_step_end);
   code_template(w, code_model.first == 0 && w->large ? ", center" : "");
   code_template(w, code_takes_last() ? ", end);\n}\n" : ");\n}\n");
 }
@@ -2167,7 +2195,8 @@ static inline int code_write(FILE *out, const fb_body *body, const code_choice *
                   choice->vary,
                   0,
                   body->n_rotor,
-                  0};
+                  0,
+                  code_is_central(body)};
   int good;
   code_read(body, choice->hub[0]);
   code_loads_choose(choice->loads);
@@ -2181,6 +2210,9 @@ static inline int code_write(FILE *out, const fb_body *body, const code_choice *
   code_template(&w, code_start);
   good = (!w.vary || code_write_vary(&w)) && good;
   code_write_stages(&w);
+  if (w.central && code_model.first < 6) {
+    good = code_write_pruned(&w, code_write_potential, 0) && good;
+  }
   good = code_write_read(&w) && good;
   good = (!choice->lanes || code_write_lanes(&w)) && good;
   fputs("#endif\n", out);
@@ -2199,8 +2231,8 @@ static inline const char *code_refusal(const fb_body *body)
   if (code_rotors_refusal(body)) {
     return code_rotors_refusal(body);
   }
-  if (body->effects & FB_EFFECT_CENTRAL_GRAVITY) {
-    return "central_gravity: choose uniform gravity";
+  if (code_is_central(body) && body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    return "central_gravity of effects large: choose effects up to full, or uniform gravity";
   }
   return body->base == FB_BASE_HINGED ? "base hinged: choose base free, pinned or prescribed" : NULL;
 }

@@ -58,6 +58,7 @@ static void energy_write_potential(const code *w, int k)
                code_variable("b%d_q_%d", k, b));
     }
   }
+  attract_write_energy(w, &energy_sums.gravity, k);
   if (!tree_has_gravity(L->model)) {
     return;
   }
@@ -147,13 +148,14 @@ static void energy_write_span(const code *w, int j)
 static void energy_write_at(const code *w, int unused)
 {
   (void)unused;
-  code_template(w, "\nstatic void @_energy_at(@_energy *energy, const @_motion *m, const $ *x, const @_state *s, const "
+  code_template(w, attract_any() ? "\nstatic @_status" : "\nstatic void");
+  code_template(w, " @_energy_at(@_energy *energy, const @_motion *m, const $ *x, const @_state *s, const "
                    "@_input *in)\n{\n  (void)x, (void)s, (void)in;\n");
   code_begin(&energy_sums.kinetic);
   code_begin(&energy_sums.strain);
   code_begin(&energy_sums.gravity);
   tree_write_given_names(w, NULL);
-  code_template(w, tree.tied || tree.moored ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
+  code_template(w, tree.tied || tree.tracked ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
   tree_write_places(w);
   for (int k = 0; k < tree.n; k++) {
@@ -171,7 +173,7 @@ static void energy_write_at(const code *w, int unused)
   code_assign(w, &energy_sums.kinetic, "energy->kinetic");
   code_assign(w, &energy_sums.strain, "energy->strain");
   code_assign(w, &energy_sums.gravity, "energy->gravity");
-  fputs("}\n", w->out);
+  code_template(w, attract_any() ? "  return @_ok;\n}\n" : "}\n");
 }
 
 static const char energy_eval[] =
@@ -180,17 +182,23 @@ static const char energy_eval[] =
     "  if (!energy) {\n    return @_null;\n  }\n"
     "  status = @_motion_eval(&motion, state, in);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
-    "  @_enter(x, state);\n"
-    "  @_energy_at(&own, &motion, x, state, in);\n"
-    "  all[0] = own.kinetic;\n  all[1] = own.strain;\n  all[2] = own.gravity;\n"
-    "  if (!@_is_finite(all, 3)) {\n    return @_not_finite;\n  }\n"
-    "  *energy = own;\n  return @_ok;\n}\n";
+    "  @_enter(x, state);\n";
+
+static const char *const energy_at[2] = {"  @_energy_at(&own, &motion, x, state, in);\n",
+                                         "  status = @_energy_at(&own, &motion, x, state, in);\n"
+                                         "  if (status != @_ok) {\n    return status;\n  }\n"};
+
+static const char energy_end[] = "  all[0] = own.kinetic;\n  all[1] = own.strain;\n  all[2] = own.gravity;\n"
+                                 "  if (!@_is_finite(all, 3)) {\n    return @_not_finite;\n  }\n"
+                                 "  *energy = own;\n  return @_ok;\n}\n";
 
 /* 0: there is no temporary file, see errno. */
 static int energy_write_functions(const code *w)
 {
   const int good = code_write_pruned(w, energy_write_at, 0);
   code_template(w, energy_eval);
+  code_template(w, energy_at[attract_any()]);
+  code_template(w, energy_end);
   return good;
 }
 #endif

@@ -214,7 +214,7 @@ static int rows_hangs(int k, int of)
 /* Axes R and place rho of link k as another one sees it that it hangs on. */
 static void rows_write_chain(const code *w, code_value R[9], code_value rho[3], int k, int on, code_value name)
 {
-  const int place = tree.moored ? TREE_PUSHED : TREE_PUSHED - 3;
+  const int place = tree.tracked ? TREE_PUSHED : TREE_PUSHED - 3;
   rows_unit(R);
   tree_nothing(rho, 3);
   for (; k != on; k = tree.link[k].parent) {

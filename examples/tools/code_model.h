@@ -360,6 +360,12 @@ static void code_make_center(const fb_body *body)
   }
 }
 
+/* Does gravity of a center act on it, which needs M_rr(q) of all bodies? */
+static int code_is_central(const fb_body *body)
+{
+  return (body->effects & FB_EFFECT_CENTRAL_GRAVITY) != 0;
+}
+
 /* The polynomials of a body. */
 static void code_read(const fb_body *body, const double *hub)
 {
@@ -368,24 +374,25 @@ static void code_read(const fb_body *body, const double *hub)
   code_model.body = body;
   code_model.n = body->n;
   code_model.large = (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
-  code_model.constant_S = body->constant_S && !code_model.large;
+  code_model.constant_S = body->constant_S && !code_model.large && (body->n == 0 || !code_is_central(body));
   code_model.first = fbi_first_free(body->base);
   code_read_mass(body);
   code_read_lambda(body);
   code_read_S(body);
   code_make_center(body);
   memset(code_model.n_part, 0, sizeof code_model.n_part);
-  for (int e = 0; e < 21 && !code_model.constant_S; e++) {
+  for (int e = 0; e < 21 && (!code_model.constant_S || code_is_central(body)); e++) {
     const int i = fbi_sym6_row[e], j = fbi_sym6_column[e];
     if (i < 3 || i != j) {
       code_make_M(&p, &size, i, j);
       code_classify(e, &p, &size);
     }
   }
-  if (!code_model.constant_S) {
+  if (!code_model.constant_S || code_is_central(body)) {
     code_make_moments();
   }
 }
+
 /* Uniform gravity of the description [m/s^2], inertial axis i. */
 static double code_gravity(int i)
 {

@@ -314,7 +314,9 @@ static const char code_read_motion[] =
     "  @_status status;\n"
     "  if (!motion || !state%Q) {\n    return @_null;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
-    "  @_enter(%Ax, state);\n"
+    "  @_enter(%Ax, state);\n";
+
+static const char code_read_motion_rates[] =
     "  status = @_is_finite(x, %N) && @_input_is_finite(in) ? @_rates_at(%Arate, w, &a, x, in) : @_not_finite;\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  memset(&own, 0, sizeof own);\n";
@@ -345,17 +347,18 @@ static const char code_read_rates[] =
     "  status = @_motion_eval(%A&motion, state, in);\n"
     "  if (status != @_ok) {\n    return status;\n  }\n"
     "  memset(w, 0, sizeof w);\n"
-    "  @_enter(%Ax, state);\n"
-    "  status = @_rates_at(%Adot, w, &a, x, in);\n"
-    "  status = status == @_ok && !@_is_finite(dot, %N) ? @_not_finite : status;\n"
-    "  if (status != @_ok) {\n    return status;\n  }\n"
-    "  memset(&own, 0, sizeof own);\n"
-    "  @_turn(own.rho, x, motion.v);\n"
-    "  memcpy(own.quat, dot, sizeof own.quat);\n"
-    "  memcpy(own.u, dot + 4, sizeof own.u);\n"
-    "  memcpy(own.L, dot + %l, sizeof own.L);\n"
-    "  memcpy(own.q, dot + 10, %n * sizeof *dot);\n"
-    "  memcpy(own.pi, dot + %p, %n * sizeof *dot);\n";
+    "  @_enter(%Ax, state);\n";
+
+static const char code_read_rates_at[] = "  status = @_rates_at(%Adot, w, &a, x, in);\n"
+                                         "  status = status == @_ok && !@_is_finite(dot, %N) ? @_not_finite : status;\n"
+                                         "  if (status != @_ok) {\n    return status;\n  }\n"
+                                         "  memset(&own, 0, sizeof own);\n"
+                                         "  @_turn(own.rho, x, motion.v);\n"
+                                         "  memcpy(own.quat, dot, sizeof own.quat);\n"
+                                         "  memcpy(own.u, dot + 4, sizeof own.u);\n"
+                                         "  memcpy(own.L, dot + %l, sizeof own.L);\n"
+                                         "  memcpy(own.q, dot + 10, %n * sizeof *dot);\n"
+                                         "  memcpy(own.pi, dot + %p, %n * sizeof *dot);\n";
 
 static const char code_read_rates_rotors[] = "  memcpy(own.rotor_angle, dot + %k, sizeof own.rotor_angle);\n"
                                              "  memcpy(own.rotor_momentum, dot + %g, sizeof own.rotor_momentum);\n";
@@ -383,9 +386,17 @@ static void code_write_origin(const code *w)
   fputs("}\n", w->out);
 }
 
+/* Rates by gravity of a center want the place of the mass center of what flies. */
+static void code_read_lead(const code *w)
+{
+  code_template(w, w->central && code_model.first == 0 ? "  @_lead(%Ax);\n" : "");
+}
+
 static void code_write_motion(const code *w)
 {
   code_template(w, code_read_motion);
+  code_read_lead(w);
+  code_template(w, code_read_motion_rates);
   code_template(w, code_model.first == 0 && w->large ? "  @_origin(%Aown.v, w, x);\n"
                    : code_model.first == 0           ? "  @_origin(%Aown.v, w, x, rate + 10);\n"
                    : code_model.first == 3           ? ""
@@ -393,6 +404,8 @@ static void code_write_motion(const code *w)
   code_template(w, w->rotors > 0 ? code_read_motion_rotors : "");
   code_template(w, code_read_motion_end);
   code_template(w, code_read_rates);
+  code_read_lead(w);
+  code_template(w, code_read_rates_at);
   code_template(w, w->rotors > 0 ? code_read_rates_rotors : "");
   if (w->vary & CODE_MASS) {
     code_template(w, "  for (int i = 0; i < 3; i++) {\n    own.L[i] *= model->mass;\n  }\n"
@@ -421,8 +434,9 @@ static const char code_read_energy_given[] =
 
 static const char code_read_energy_rates[] = "  if (!energy || !state%Q) {\n    return @_null;\n  }\n"
                                              "  memset(w, 0, sizeof w);\n"
-                                             "  @_enter(%Ax, state);\n"
-                                             "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, ";
+                                             "  @_enter(%Ax, state);\n";
+
+static const char code_read_energy_call[] = "  status = @_is_finite(x, %N) ? @_rates_at(%Arate, w, &a, x, ";
 
 static const char code_read_energy_kinetic[] =
     ") : @_not_finite;\n"
@@ -445,6 +459,8 @@ static void code_write_energy(const code *w)
   code_template(w, code_read_energy);
   code_template(w, code_rotors_given(body) ? code_read_energy_given : "");
   code_template(w, code_read_energy_rates);
+  code_read_lead(w);
+  code_template(w, code_read_energy_call);
   code_template(w, code_rotors_given(body) ? "in" : "NULL");
   code_template(w, code_read_energy_kinetic);
   code_template(w, w->rotors > 0 ? code_read_energy_rotors : "");
@@ -470,10 +486,15 @@ static void code_write_energy(const code *w)
   code_begin(&s);
   for (int i = 0; i < 3; i++) {
     const double g = code_gravity(i);
-    code_add_one(&s, -g, code_variable("moment[%d]", i));
+    code_add_one(&s, w->central && code_model.first == 0 ? 0.0 : -g,
+                 code_variable("moment[%d]", i)); /* x has its place */
     code_add(&s, -g * fixed, code_variable("x[%d]", code_place(w, 'r') + i), mass);
   }
   code_assign(w, &s, "own.gravity");
+  if (w->central) {
+    code_template(
+        w, "  status = @_potential(%A&a, x);\n  if (status != @_ok) {\n    return status;\n  }\n  own.gravity += a;\n");
+  }
   if (w->vary & (CODE_STIFFNESS | CODE_MASS)) {
     fputs("  own.strain *= model->stiffness;\n", w->out);
   }

@@ -302,8 +302,8 @@ static void code_write_rotor_rates(const code *w, int angle, int momentum)
   }
 }
 
-/* E11.46: what the rotors add to the rotation that a step has to resolve. */
-static void code_write_nutation(const code *w, const char *target)
+/* E11.46: what the rotors add to the rotation that a step has to resolve; more: what else does. */
+static void code_write_nutation(const code *w, const char *target, code_value more)
 {
   const fb_body *const body = code_model.body;
   code_sum s;
@@ -316,6 +316,7 @@ static void code_write_nutation(const code *w, const char *target)
     code_add_one(&s, 0.5 * (double)body->rotor[r].mobility, size);
     code_add_one(&s, (double)body->rotor[r].rate, code_constant(1.0));
   }
+  code_add_one(&s, 1.0, more);
   code_assign(w, &s, target);
 }
 

@@ -573,12 +573,12 @@ static void sdirk_take_root(const code *w)
     code_add_one(&s, 1.0, sdirk_rest(L->p + 6 + i));
     code_add_one(&s, tree.stands ? 1.0 : 0.0, move[i]);
     sdirk_take(w, &s, L->p + 6 + i);
-    if (tree.moored) {
+    if (tree.tracked) {
       code_begin(&s);
       code_add_one(&s, 1.0, sdirk_rest(L->p + TREE_PUSHED + i));
       code_add_one(&s, 1.0, move[i]);
       sdirk_take(w, &s, L->p + TREE_PUSHED + i);
-      tree_assign_one(w, sdirk_rest(L->p + TREE_PUSHED + 3 + i), L->p + TREE_PUSHED + 3 + i);
+      tree_assign_one(w, code_constant(0.0), L->p + TREE_PUSHED + 3 + i);
     }
   }
 }
@@ -802,7 +802,7 @@ static const char sdirk_drives[] = "  status = @_drives_check(state, start, NULL
                                    "  if (status != @_ok) {\n    return status;\n  }\n";
 
 /* The frame moves from the first guess on. */
-static const char sdirk_moored[] = "  memcpy(k + @_WHERE, x + @_FRAME, 3 * sizeof *k);\n";
+static const char sdirk_tracked[] = "  memcpy(k + @_WHERE, x + @_FRAME, 3 * sizeof *k);\n";
 
 /* The functions of code_tree.h in place of its rates. 0: there is no temporary file, see errno. */
 static int sdirk_write_functions(const code *w)
@@ -858,7 +858,7 @@ static void sdirk_write_step(const code *w)
   if (w->lanes) {
     code_template(w, "  memset(k, 0, sizeof k);\n  memset(sum, 0, sizeof sum);\n  memset(first, 0, sizeof first);\n");
   }
-  code_template(w, tree.moored ? sdirk_moored : "");
+  code_template(w, tree.tracked ? sdirk_tracked : "");
   code_template(w, tree_is_told() ? sdirk_drives : "");
   code_template(w, !tree_leads() ? ""
                    : tree.flown  ? "  @_center(%Acenter, x, start);\n"

@@ -67,7 +67,7 @@ static void spans_write_velocity(const code *w, int j, int side, code_value v[3]
   const struct tree_span *const span = &tree_spans[j];
   const rows_end *const end = &span->end[side];
   const tree_link *const L = &tree.link[end->link < 0 ? 0 : end->link];
-  const int moves = tree.moored && spans_common(j) < 0 && end->link >= 0 && tree_flies(end->link);
+  const int moves = tree.tracked && spans_common(j) < 0 && end->link >= 0 && tree_flies(end->link);
   code_value frame[3];
   code_sum s;
   tree_nothing(v, 3);

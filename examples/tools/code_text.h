@@ -34,6 +34,7 @@ typedef struct code {
   int lanes;  /* 0: one body; CODE_LANES: types of several, by lanes; CODE_WIDE: their step by vectors (code_lanes.h) */
   int rotors; /* of the one body; of a tree 0, whose bodies have their own */
   int ends;   /* 1: a step is told what acts at its start and end, 0: at its middle, too */
+  int central; /* 1: gravity of a center acts on the one body */
 } code;
 
 enum { CODE_LANES = 1, CODE_WIDE = 2 };
@@ -306,8 +307,8 @@ static int code_place(const code *w, char letter)
     return 10 + 2 * (w->n + w->rotors);
   case 'l': /* L */
     return 13 + 2 * (w->n + w->rotors);
-  case 'w': /* what rates tell of the frame, and the nutation by rotors */
-    return (w->large ? 12 : 3) + (w->rotors > 0);
+  case 'w': /* what rates tell of the frame, and the rotation by rotors and gravity that a step has to resolve */
+    return (w->large ? 12 : 3) + (w->rotors > 0 || w->central);
   default: /* N: all */
     return 16 + 2 * (w->n + w->rotors);
   }

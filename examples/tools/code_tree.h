@@ -13,8 +13,8 @@ enum {
   TREE_OWN = 4,
   TREE_ROOT = 7,
   TREE_PUSHED = 9,
-  TREE_MOORED = 6
-}; /* of a free root: where h is, numbers at the head, at the tail, behind these where springs lead to the ground */
+  TREE_TRACKED = 6
+}; /* of a free root: where h is, numbers at the head, at the tail, behind these where its place is needed */
 
 typedef struct tree_link {
   const fb_body *model;
@@ -66,8 +66,10 @@ static struct tree {
   int stands, pulled;  /* the frame of the free tree stands still (no residual inertia); gravity acts */
   int has_R;           /* the attitude of the root is needed */
   int looped;          /* a free root with loops: its angular momentum is L alone, in inertial axes */
+  int placed;          /* the place of O of the root is needed: gravity of a center acts on what flies */
   int tied;            /* loops tie the free root to the ground: its frame stands still, PLACE is where its O is */
-  int moored; /* springs lead from what flies to what does not: WHERE is where O is, FRAME how fast its frame */
+  int tracked; /* where O of the root is and how fast its frame are in the vector, at WHERE and FRAME: the place is needed,
+                  or springs lead to what does not fly */
   double mass, flying; /* [kg] of all bodies, of the free tree */
   tree_link link[FB_MAX_BODIES];
   const tree_choice *choice;
@@ -316,7 +318,8 @@ static void tree_read_whole(int k)
   tree.flown |= tree_is_valued(L) && flies;
   tree.mass += (double)L->model->mass;
   tree.flying += flies ? (double)L->model->mass : 0.0;
-  tree.pulled |= tree_has_gravity(L->model);
+  tree.pulled |= tree_has_gravity(L->model) || code_is_central(L->model);
+  tree.placed |= flies && code_is_central(L->model);
   tree.stands |= flies && L->n > 0 && !(L->model->effects & FB_EFFECT_RESIDUAL_INERTIA);
   tree.has_R |= tree_is_ball(L);
 }
@@ -360,12 +363,12 @@ static int spans_moor(const fb_system *system)
 static void tree_read_tail(const fb_system *system, int implicit)
 {
   tree.tied = tree.root >= 0 && system->tied == 2;
-  tree.moored = tree.root >= 0 && !tree.tied && spans_moor(system);
-  tree.has_R = (tree.has_R || tree.pulled || implicit || tree.tied || tree.moored) && tree.root >= 0;
+  tree.tracked = tree.root >= 0 && !tree.tied && (tree.placed || spans_moor(system));
+  tree.has_R = (tree.has_R || tree.pulled || implicit || tree.tied || tree.tracked) && tree.root >= 0;
   tree.always = tree.size += tree.size % 2; /* even: loops may take two numbers at once */
   if (tree.root >= 0) {
     tree.link[tree.root].p = tree.size;
-    tree.size += TREE_PUSHED + (tree.moored ? TREE_MOORED : 0);
+    tree.size += TREE_PUSHED + (tree.tracked ? TREE_TRACKED : 0);
   }
   tree.work = tree.n_axis + tree.n_rotor > 0 || spans_are_pulled(system) ? tree.size++ : -1;
   tree.looped = tree.root >= 0 && system->n_loop > 0;
@@ -944,6 +947,7 @@ static code_value tree_write_along(const code *w, const code_value a[6], const c
 }
 
 #include "code_node.h"
+#include "code_attract.h"
 #include "code_span.h"
 
 /* Elements of the matrix of axis a of link k. */
@@ -1207,9 +1211,11 @@ static void tree_write_modes(const code *w, int k)
       code_add(&code_force[a], 1.0, code_now.lambda[i][a], L->g[i]);
     }
   }
+  code_central = tree_central[k];
   code_write_gradient(&own, code_force);
   code_rotor = tree_rotors[k];
   code_write_rotor_speeds(&own, code_force, L->V, code_now.q_dot);
+  code_write_center_rotors(&own, code_force);
   code_write_rotor_rates(&own, L->angle, L->spun);
   tree_rotors[k] = code_rotor;
   tree_leave(k);
@@ -1548,7 +1554,7 @@ static const char tree_root_rates[] = "    }\n"
                                       "    @_turn(rate + @_P, x, load);\n"
                                       "    @_turn(rate + @_L, x, h_dot);\n";
 
-static const char tree_root_moored[] =
+static const char tree_root_tracked[] =
     "    @_turn(rate + @_WHERE, x, v);\n"
     "    for (int i = 0; i < 3; i++) {\n"
     "      rate[@_WHERE + i] += x[@_FRAME + i];\n      rate[@_FRAME + i] = %z;\n    }\n";
@@ -1584,7 +1590,7 @@ static void tree_write_root(const code *w)
   code_template(w, tree_root_turned);
   code_template(w, tree.looped ? "" : "      rate[4 + i] += h_dot[i];\n");
   code_template(w, tree_root_rates);
-  code_template(w, tree.moored ? tree_root_moored : "");
+  code_template(w, tree.tracked ? tree_root_tracked : "");
   code_template(w, tree.stands ? "    @_turn(rate + @_PLACE, x, v);\n  }\n"
                                : "    memcpy(rate + @_PLACE, x + @_P, 3 * sizeof *rate);\n  }\n");
 }
@@ -1708,6 +1714,17 @@ static void sdirk_write_longest(const code *w)
   code_template(w, sdirk_longest[w->lanes != 0]);
 }
 
+/* The rotation of a body that counts in the step limit. */
+static void tree_write_spin(const code *w, int k)
+{
+  const int acts = tree_central[k].acts;
+  tree_write_norm(w, acts ? "turns" : "spin", k, tree.link[k].V + 3);
+  if (acts) {
+    code_template(w, "    const $ ");
+    fprintf(w->out, "spin_%d = turns_%d + %s;\n", k, k, tree_central[k].rate.name);
+  }
+}
+
 /* E11.15: the longest stable step at the present motion. */
 static void tree_write_limit(const code *w)
 {
@@ -1722,7 +1739,7 @@ static void tree_write_limit(const code *w)
   }
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    tree_write_norm(w, "spin", k, L->V + 3);
+    tree_write_spin(w, k);
     if (L->parent >= 0) {
       tree_write_norm(w, "arm", k, L->s);
       fprintf(w->out, "    const %s a_%d = a_%d + spin_%d * spin_%d * arm_%d;\n", code_real(w), k, L->parent, L->parent,
@@ -1824,6 +1841,7 @@ static void tree_write_evaluation(const code *w)
 {
   tree_write_given_names(w, "in");
   tree_write_velocities(w);
+  attract_write_bodies(w);
   rows_write_loads(w);
   spans_write_loads(w);
   rows_write_check(w, "");
@@ -2432,11 +2450,12 @@ static void tree_write_enter(const code *w)
   if (tree.tied) {
     fprintf(w->out, "  memcpy(x + %d, s->body_%d.x, 3 * sizeof *x);\n", tree.link[tree.root].p + 6, tree.root);
   }
-  if (tree.moored) {
-    code_template(w, "  memcpy(x + @_WHERE, s->");
-    fprintf(w->out, "body_%d.x, 3 * sizeof *x);\n", tree.root);
-    code_template(w, "  memcpy(x + @_FRAME, s->");
-    fprintf(w->out, "body_%d.u, 3 * sizeof *x);\n", tree.root);
+  if (tree.tracked) {
+    fputs("  for (int i = 0; i < 3; i++) {\n", w->out);
+    code_template(w, "    x[@_WHERE + i] = ");
+    fprintf(w->out, "s->body_%d.x[i] + s->body_%d.lost_x[i];\n", tree.root, tree.root);
+    code_template(w, "    x[@_FRAME + i] = ");
+    fprintf(w->out, "s->body_%d.u[i];\n  }\n", tree.root);
   }
   fputs("}\n", w->out);
 }
@@ -2766,7 +2785,7 @@ static void tree_write_step(const code *w)
   code_template(w, !tree_leads() ? ""
                    : tree.flown  ? "  @_center(%Acenter, x, start);\n"
                                  : "  @_center(%Acenter, x);\n");
-  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped || tree.moored);
+  always = tree.root >= 0 && (tree.pulled || tree.stands || tree.looped || tree.tracked);
   code_template(w, always ? "  pushed = 1;\n" : "  pushed = start || middle || end;\n");
   if (tree.root >= 0 && !always) {
     code_template(w, w->lanes ? tree_pushed_lanes
@@ -2897,7 +2916,7 @@ static void tree_write_sizes(const code *w)
     fprintf(w->out, "%d, ", P + 3);
     code_template(w, "@_PLACE = ");
     fprintf(w->out, "%d", P + 6);
-    if (tree.moored) {
+    if (tree.tracked) {
       code_template(w, ", @_WHERE = ");
       fprintf(w->out, "%d, ", P + TREE_PUSHED);
       code_template(w, "@_FRAME = ");
@@ -3038,7 +3057,8 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit};
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit,
+                  0};
   int good;
   code_numbers.n = 0;
   tree_read(system, body, names, choice);

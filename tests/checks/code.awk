@@ -2,6 +2,7 @@
 # With effects large they are geometrically exact: curved, twisted, tapered, with offset masses, shear centers, lumped bodies, by
 # seed, and there may be a component beside them. Factors, without which 1: -v stiffness, damping, mass (of all but the hub),
 # hub_mass, hub_inertia. -v rotors: for each rotor the number of its node, and g if its momentum is given.
+# -v central: mu of gravity of a center.
 function uniform(low, high) {
   state = (16807 * state) % 2147483647
   return low + (high - low) * state / 2147483647
@@ -23,6 +24,7 @@ BEGIN {
   print "parts\nname generated\nbase " base "\neffects " effects
   if (effects ~ /damping/) print "damping " factor(damping) * uniform(0.001, 0.05)
   if (effects ~ /gravity/) print "gravity " uniform(-0.5, 0.5) " " uniform(-0.5, 0.5) " " uniform(-0.5, 0.5)
+  if (central) print "central_gravity " central " " uniform(-20, 20) " " uniform(90, 100) " " uniform(-20, 20)
   a = uniform(50, 200); b = uniform(50, 200)
   print "hub " factor(hub_mass) * uniform(50, 500) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " uniform(-0.3, 0.3) " " J * a " " J * b " " J * 0.9 * (a + b) " " J * uniform(-9, 9) " " J * uniform(-9, 9) " " J * uniform(-9, 9)
   print "node 0.1 0 0.2"

@@ -11,6 +11,7 @@ need clang clang
 need valgrind valgrind
 bound_6=6000 # instructions of a step, modes with every effect
 bound_12=11500
+bound_falls=7000 # 4 modes in gravity of a center (46,971 by the library)
 bound_wheels=9000 # satellite of 8 modes with three wheels
 bound_lines=37000 # 6 modes and 6 points of a geometrically exact line
 bound_board_6=7500 # on a Cortex-M4F, single precision
@@ -24,9 +25,10 @@ base_is=free
 given= # further options of the compiler
 loads= # nodes with loads
 rotors= # their nodes, see code.awk
+central= # mu of gravity of a center
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
-  awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -f tests/checks/code.awk > "$out/random.txt"
+  awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
   try "$out/reduce" "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
   try "$out/reduce" "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${3:-} --out "$out/code.h"
 }
@@ -144,6 +146,36 @@ largest=$polynomial
 rotors=
 given=
 
+# gravity of a center, beside uniform one, rotors and loads at nodes; near the center, too; SEED:EFFECTS:BASE:ROTORS
+polynomial=$largest
+largest=0
+central=400
+fields=0
+loads=1,2
+for field in "3:full damping:free:" "4:full:free:1 2 0g" "9:full gravity:free:" "8:rigid:free:" "8:rigid gravity:pinned:0 1g" \
+  "9:full damping:pinned:" "7:full damping gravity:pinned:2 0 1g" "5:full:prescribed:2 0 1g 0" "10:rigid gravity:prescribed:"; do
+  base_is=$(echo "$field" | cut -d : -f 3)
+  rotors=$(echo "$field" | cut -d : -f 4)
+  given="-DLOADED ${rotors:+-DROTORS=$(echo $rotors | wc -w)}"
+  generate "$(echo "$field" | cut -d : -f 1)" "$(echo "$field" | cut -d : -f 2)"
+  compile
+  agree -O0
+  note
+  fields=$((fields + 1))
+done
+base_is=free
+rotors="0 1 2"
+given="-DLOADED -DROTORS=3"
+generate 12 "full damping" --single
+compile
+agree -O2 --single
+attracted=$largest
+largest=$polynomial
+loads=
+rotors=
+given=
+central=
+
 # geometrically exact lines: curved, twisted, tapered, solid, beside components, on each base, by seed
 polynomial=$largest
 largest=0
@@ -182,8 +214,8 @@ vary() {
   options=$(echo "$3 $4" | awk '{ n = split($1, name, ","); split($2, x, ","); for (k = 1; k <= n; k++) printf "-v %s=%s ", name[k], x[k] }')
   mass=$(echo "$options" | sed -n 's/.*-v mass=\([^ ]*\).*/\1/p')
   number=$(echo "$3" | tr ',' '\n' | grep -n '^damping$' | cut -d : -f 1)
-  awk -v seed="$1" -v effects="$2" -v base="$base_is" -f tests/checks/code.awk > "$out/random.txt"
-  awk -v seed="$1" -v effects="$2" -v base="$base_is" $options -f tests/checks/code.awk > "$out/changed.txt"
+  awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
+  awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" $options -f tests/checks/code.awk > "$out/changed.txt"
   try "$out/reduce" "$out/random.txt" --name generated --code --vary "$3" ${loads:+--loads $loads} ${5:-} --out "$out/code.h"
   try "$out/reduce" "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
   given="${tolerance:+-DTOLERANCE=$tolerance} ${loads:+-DLOADED} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"
@@ -215,6 +247,12 @@ loads=2,1
 vary 3 "full damping" $all 4.0,0.6,0.25,0.8,1.2
 note
 loads=
+central=400
+vary 3 "full damping" $all 4.0,0.6,0.25,0.8,1.2
+note
+vary 8 rigid mass,hub_mass,hub_inertia 0.25,0.8,1.2
+note
+central=
 vary 7 "full damping" hub_mass 1.3
 note
 exactly=$largest
@@ -316,6 +354,12 @@ awk -v seed=3 -v effects="full damping" -v base=free -v rotors="0 2 1g" -f tests
 try "$out/reduce" "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
 lanes -Dgenerated_LANES=4
 lanes -mavx2 -Dgenerated_LANES=4
+for base_is in free pinned prescribed; do
+  awk -v seed=3 -v effects="full damping" -v base=$base_is -v rotors="0 2 1g" -v central=400 -f tests/checks/code.awk > "$out/wheels.txt"
+  try "$out/reduce" "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
+  lanes -Dgenerated_LANES=4
+done
+base_is=free
 given="-DNUMBER=float -DVARY"
 sed -i 's/^base.*/base free/' "$out/random.txt"
 try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
@@ -356,10 +400,11 @@ END
   [ "$(echo "$count" | wc -l)" = 1 ] || fail "steps on the board differ in their number of instructions: $count"
 }
 
-# boom MODES [EFFECTS POINTS]: of each plane, with parameters where `list` has some; sets count
+# boom MODES [EFFECTS POINTS]: of each plane, with parameters where `list` has some, in a field; sets count
 list=
+field=
 boom() {
-  printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects %s\nlength 10\nelements 12\nmodes bend_y %s bend_z %s%s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' "${2:-full}" $1 $1 "${3:+ points $3}" > "$out/boom.txt"
+  printf 'beam\n%s\nhub 500 0 0 0 80 80 80\nbase free\neffects %s\nlength 10\nelements 12\nmodes bend_y %s bend_z %s%s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' "$field" "${2:-full}" $1 $1 "${3:+ points $3}" > "$out/boom.txt"
   try "$out/reduce" "$out/boom.txt" --name generated --code ${list:+--vary "$list"} --out "$out/code.h"
   sed 's/return generated_step.*/s.L[2] = s.L[0] = 30; s.q[0] = 0.05; for (int k = 0; k < 50; k++) { if (generated_step(\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/'"${list:+;s/generated_step(/&\\&m, /; s/generated_state s;/& generated_model m; generated_model_init(\\&m, 0);/}" \
     "$out/main.c" > "$out/count.c"
@@ -373,6 +418,11 @@ boom() {
 boom 3 large 6
 count_lines=$count
 [ "$count_lines" -le $bound_lines ] || fail "lines of 6 points, 6 modes: $count_lines instructions, more than $bound_lines"
+field="central_gravity 3.986e14 0 0 -7e6"
+boom 2
+count_falls=$count
+[ "$count_falls" -le $bound_falls ] || fail "4 modes in gravity of a center: $count_falls instructions, more than $bound_falls"
+field=
 boom 3
 count_6=$count
 try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
@@ -456,7 +506,7 @@ refuse_rotor() {
 awk -v seed=4 -v effects="large damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
 refuse_rotor "a rotor with an imbalance" "rotor wheel" "static_imbalance 1e-4"
 refuse_rotor "a rotor on a line" "rotor wheel 2"
-sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/' "$out/boom.txt" > "$out/other.txt"
-! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity is taken"
-grep -q -- "--code: central_gravity" "$out/log" || fail "central gravity: $(tail -n 1 "$out/log")"
-ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"
+sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/; s/^effects.*/effects large/' "$out/boom.txt" > "$out/other.txt"
+! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity of lines is taken"
+grep -q -- "--code: central_gravity of effects large" "$out/log" || fail "central gravity of lines: $(tail -n 1 "$out/log")"
+ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning, $fields by gravity of a center to $attracted, $count_falls instructions at 4 modes; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

@@ -25,6 +25,8 @@ typedef struct hang {
 } hang;
 
 enum { HARD = 1000 };
+enum { UNIFORM = 1, CENTER = 2, APART = 4, MIXED = 8, ORBIT = 16 };
+/* Gravity: of a center on all bodies; that of rigid ones of another center; or uniform on these; of the Earth, in a low orbit */
 enum { PLANE = 2, DOOR = 3 }; /* of joints: all axes along z; on that of the first joint, whose loop moves nothing */
 
 /* Effects of the flexible models, gravity, joints turned at random (0: about x; PLANE: not at all), bodies. The first two are those of
@@ -523,6 +525,45 @@ static const struct {
      1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
     {FB_EFFECTS_FULL, 0, DOOR, {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
+    /* 92 to 100: gravity of a center: a free hub and a boom; rigid, beside uniform gravity; of two centers, with a wheel;
+       on the ground; rotors and joints on nodes that modes move; on some bodies, with a loop; with a loop that ties what
+       flies; prescribed axes, a spring and a tree on the ground; in a low orbit */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, CENTER, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
+    {FB_EFFECTS_FULL, CENTER | UNIFORM, 1, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER | APART,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_SPHERICAL, 0, PANEL},
+      {FB_JOINT_REVOLUTE, 1, WHEEL}}},
+    {FB_EFFECTS_FULL,
+     CENTER,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, RIGID}, {FB_JOINT_SPHERICAL, 0, BOOM}, {FB_JOINT_PRISMATIC, -1, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER,
+     1,
+     {{FB_JOINT_FREE, -1, MAST}, {FB_JOINT_REVOLUTE, 0 + TIP, PANEL}, {FB_JOINT_UNIVERSAL, 0, HUB}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER | MIXED,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_SPHERICAL, 0, BOOM}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     CENTER,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, PANEL}}},
+    {FB_EFFECTS_FULL,
+     CENTER | MIXED,
+     1,
+     {{FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_REVOLUTE, 0, BOOM | GIVEN},
+      {FB_JOINT_SCREW, 0, RIGID | RUBS},
+      {FB_JOINT_REVOLUTE, -1, PANEL}}},
+    {FB_EFFECTS_FULL,
+     CENTER | ORBIT,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, WHEEL}}},
 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
@@ -578,7 +619,9 @@ static const struct {
              {88, FB_JOINT_SPHERICAL, -1, 2 + GIVEN},
              {89, FB_JOINT_SCREW, 0, 3 + TIP + LOCKED + RUBS},
              {90, FB_JOINT_UNIVERSAL, -1, 1 + TIP + GIVEN_2 + RUBS},
-             {91, FB_JOINT_REVOLUTE, -1, 0 + GIVEN}};
+             {91, FB_JOINT_REVOLUTE, -1, 0 + GIVEN},
+             {97, FB_JOINT_SPHERICAL, 1 + TIP, 2 + TIP},
+             {98, FB_JOINT_SPHERICAL, -1, 1 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper; with an
    actuator, or nothing but that; MET: pulled, between the origins of the second body's joint, which meet at zero coordinates */
 enum { IDLE, PULLED, MUSCLE, MET };
@@ -618,7 +661,8 @@ static const struct {
                {77, {0 + TIP, -1}, 4.0, PULLED},
                {77, {0, 2}, 1.0, IDLE},
                {78, {0 + TIP, 2 + TIP}, 5.0, PULLED},
-               {78, {1, -1}, 0.0, IDLE}};
+               {78, {1, -1}, 0.0, IDLE},
+               {99, {0, 1 + TIP}, 9.0, IDLE}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
@@ -629,6 +673,7 @@ static fb_system mechanism;
 static fb_system_work work;
 static unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring has an actuator */
 static int met = -1;                        /* one whose points meet at zero coordinates */
+static int falls;                           /* ORBIT: in one */
 static double hard = 1; /* factor of the stiffness of joints and modes; SDIRK: far beyond what rk4 resolves */
 
 static double random_number(void)
@@ -645,6 +690,27 @@ static int need(fb_status status, const char *what)
     exit(1);
   }
   return 1;
+}
+
+/* Gravity of a body: that of its tree. */
+static void build_gravity(fb_body_desc *level, int gravity, int rigid)
+{
+  const int mixed = gravity & MIXED && rigid, center = gravity & CENTER && !mixed, uniform = gravity & UNIFORM || mixed;
+  level->effects |= uniform ? FB_EFFECT_GRAVITY : 0u;
+  level->gravity[1] = uniform ? FB_R(0.5) : FB_R(0.0);
+  level->gravity[2] = uniform ? FB_R(-2.0) : FB_R(0.0);
+  level->mu =
+      center ? hard > 1 ? FB_R(60.0) : FB_R(400.0) : FB_R(0.0); /* which is not met in the longer steps of SDIRK */
+  level->center[0] = gravity & APART && rigid ? FB_R(25.0) : FB_R(-30.0);
+  level->center[1] = FB_R(20.0);
+  level->center[2] = FB_R(25.0);
+  if (gravity & ORBIT) {
+    level->mu = FB_R(3.986004418e14);
+    level->center[0] = FB_R(-7e6);
+  }
+  if (!center) {
+    memset(level->center, 0, sizeof level->center);
+  }
 }
 
 /* Rotors inside a body: two on the frame, one at its tip if it has one, else one of given momentum; friction, which brakes
@@ -685,10 +751,9 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     inertia[3 + i] = plain ? FB_R(0.0) : (fb_real)random_number();
   }
   memset(&level, 0, sizeof level);
-  level.effects = (modes > 0 ? effects : FB_EFFECTS_RIGID) | (gravity ? FB_EFFECT_GRAVITY : 0u);
+  level.effects = modes > 0 ? effects : FB_EFFECTS_RIGID;
   level.base = FB_BASE_PRESCRIBED;
-  level.gravity[1] = gravity ? FB_R(0.5) : FB_R(0.0);
-  level.gravity[2] = gravity ? FB_R(-2.0) : FB_R(0.0);
+  build_gravity(&level, gravity, modes == 0);
   memset(&keep, 0, sizeof keep);
   for (int a = 0; a < modes; a++) {
     level.zeta[a] = effects & FB_EFFECT_DAMPING ? FB_R(0.02) : FB_R(0.0);
@@ -851,10 +916,9 @@ static void build_wheel(fb_body *body, int gravity)
   static fb_body_desc level;
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {FB_R(0.3), FB_R(0.3), FB_R(0.5), 0, 0, 0};
   memset(&level, 0, sizeof level);
-  level.effects = FB_EFFECTS_RIGID | (gravity ? FB_EFFECT_GRAVITY : 0u);
+  level.effects = FB_EFFECTS_RIGID;
   level.base = FB_BASE_PRESCRIBED;
-  level.gravity[1] = gravity ? FB_R(0.5) : FB_R(0.0);
-  level.gravity[2] = gravity ? FB_R(-2.0) : FB_R(0.0);
+  build_gravity(&level, gravity, 1);
   need(fb_shape_init(&shape, 0), "shape");
   need(fb_shape_add_rigid(&shape, FB_R(3.0), center, inertia), "wheel");
   need(fb_body_init(body, &body_work, &shape, &level), "wheel");
@@ -904,6 +968,7 @@ static void build_springs(int which)
 
 static void build(int which)
 {
+  falls = trees[which].gravity & ORBIT;
   build_model(&model[RIGID], 0, trees[which].gravity, 0, which < 2, 0);
   build_model(&model[BOOM], trees[which].effects, trees[which].gravity, 4, which < 2, 0);
   build_model(&model[PANEL], trees[which].effects, trees[which].gravity, 2, which < 2, 0);
@@ -1172,6 +1237,7 @@ static void start(double speed)
   for (int k = 0; k < desc.n_body; k++) {
     for (int i = 0; i < 3 && mechanism.joint[k].kind == FB_JOINT_FREE && mechanism.tied < 2; i++) {
       state.link[k].u[i] += (fb_real)(0.1 * (i - 1.5)); /* the whole drifts: as of another observer */
+      state.link[k].u[i] += falls == ORBIT && i == 1 ? FB_R(7546.05) : FB_R(0.0);
     }
   }
   generated_start(&own);
@@ -1537,6 +1603,43 @@ static int modal(void)
   return good;
 }
 
+/* From the center of gravity outward, where that moves what flies: a step and the energy are refused as too near where the
+   library refuses them. */
+static int center_refused(void)
+{
+  int root = -1, seen[2] = {0, 0}, good = 1;
+  for (int k = 0; k < desc.n_body; k++) {
+    root = mechanism.joint[k].kind == FB_JOINT_FREE && model[desc.model[k]].mu > FB_R(0.0) ? k : root;
+  }
+  for (int k = 0; k < 40 && root >= 0 && mechanism.tied < 2 && !falls && good; k++) {
+    fb_system_state copy;
+    fb_energy theirs;
+    generated_energy mine;
+    fb_status expected[2];
+    generated_status found[2];
+    start(0.1);
+    for (int i = 0; i < 3; i++) {
+      state.link[root].x[i] = model[desc.model[root]].center[i] + (fb_real)(0.4 * k * (1 - 0.7 * i));
+      state.link[root].lost_x[i] = FB_R(0.0);
+    }
+    copy = state;
+    take_state(0);
+    expected[0] = fb_system_energy_eval(&mechanism, model, &work, &theirs, &state, NULL);
+    found[0] = generated_energy_eval(&mine, &own, NULL);
+    expected[1] = held_step(&copy, NULL, FB_R(1e-6));
+    found[1] = own_held_step(NULL, FB_R(1e-6));
+    for (int i = 0; i < 2; i++) {
+      good &= (int)expected[i] == (int)found[i] && (expected[i] == FB_OK || expected[i] == FB_ERR_RANGE);
+    }
+    seen[expected[0] == FB_OK]++;
+  }
+  if (!good || (seen[0] + seen[1] > 0 && (seen[0] == 0 || seen[1] == 0))) {
+    printf("near the center: %d refused, %d taken\n", seen[0], seen[1]);
+    good = 0;
+  }
+  return good;
+}
+
 /* What the library refuses, and each number of the state that is none. */
 static int refusals(void)
 {
@@ -1816,7 +1919,7 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return all_seen() && refusals() && limits() && modal() && jumps(argc > 1 ? atoi(argv[1]) : 0) &&
+  return all_seen() && refusals() && center_refused() && limits() && modal() && jumps(argc > 1 ? atoi(argv[1]) : 0) &&
                  (met < 0 || meets()) && worst <= TOLERANCE
              ? 0
              : 1;
