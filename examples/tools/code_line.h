@@ -30,6 +30,10 @@ static struct code_line {
   code_value H[3][3], N[3][3], I[3][3];
 } code_line;
 
+/* Lines of the body that is written, the number of its first one in names; 1: it is one of a tree. */
+static struct code_line code_own_lines[FB_MAX_LINES], *code_lines = code_own_lines;
+static int code_lines_first, code_lines_carried;
+
 static const char code_axis[3] = {'x', 'y', 'z'};
 
 /* ---- what a line has */
@@ -51,14 +55,14 @@ static int code_line_row_is_used(int kind, int row)
   return 0;
 }
 
-static void code_line_begin(int number)
+static void code_line_begin(int k)
 {
   const fb_lines *const all = &code_model.body->lines;
-  const fb_line *const line = &all->line[number];
+  const fb_line *const line = &all->line[k];
   memset(&code_line, 0, sizeof code_line);
   code_line.all = all;
   code_line.line = line;
-  code_line.number = number;
+  code_line.number = code_lines_first + k;
   code_line.n = line->n;
   code_line.width = (line->n + 1) / 2 * 2;
   code_line.m = line->stride;
@@ -182,8 +186,9 @@ static void code_line_center(void)
   }
   code_line.whole = sqrt(mass);
   code_line.kept = 1.0 - mass / (double)body->mass;
-  code_line.centered = body->base == FB_BASE_FREE && body->lines.n_line == 1 && line->n == body->n && count > 1 &&
-                       !code_line.offset && code_line.kept > 1e-3 && code_line_rest_is_constant();
+  code_line.centered = !code_lines_carried && body->base == FB_BASE_FREE && body->lines.n_line == 1 &&
+                       line->n == body->n && count > 1 && !code_line.offset && code_line.kept > 1e-3 &&
+                       code_line_rest_is_constant();
   if (!code_line.centered) {
     return;
   }
@@ -322,7 +327,7 @@ static code_value code_at(code_value x, const char *at)
   const int bare = (int)strcspn(x.name, "[");
   code_value y = x;
   if (x.name[bare]) {
-    y = code_variable("%.*s[%s]", bare, x.name, at);
+    y = code_plain("%.*s[%s]", bare, x.name, at);
     y.c = x.c;
   }
   return y;
@@ -1681,8 +1686,6 @@ static void code_line_gradient(const code *w, int unused)
 }
 
 /* ---- all lines */
-
-static struct code_line code_lines[FB_MAX_LINES];
 
 /* Fields of the line. */
 static void code_line_type(const code *w)

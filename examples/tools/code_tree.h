@@ -204,6 +204,21 @@ static int tree_has_gravity(const fb_body *body)
 #endif
 }
 
+static int large_is(const fb_body *body)
+{
+  return (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
+}
+
+/* Has a body of the system lines? */
+static int large_any(const fb_system *system, const fb_body *body)
+{
+  int any = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    any |= large_is(&body[system->model[k]]);
+  }
+  return any;
+}
+
 /* Is the axis of a joint, which has no other, prescribed or locked? */
 static int tree_is_given(const fb_joint *joint)
 {
@@ -222,6 +237,7 @@ static int tree_flies(int k)
 /* Places of all links in the vector, and what the whole is. */
 static void tree_read(const fb_system *system, const fb_body *body, const char *const *names, int implicit)
 {
+  const int any = large_any(system, body);
   memset(&tree, 0, sizeof tree);
   tree.implicit = implicit;
   tree.limited = !system->allow_long_step;
@@ -244,6 +260,7 @@ static void tree_read(const fb_system *system, const fb_body *body, const char *
     L->given = tree_is_given(L->joint);
     L->locked = L->given && L->joint->mode[0] == FB_AXIS_LOCKED;
     L->moves = L->parent >= 0 && L->joint->moves;
+    L->open = L->n > 0 && any;
     if (L->moves) {
       tree.link[L->parent].open = 1;
     }
@@ -306,9 +323,6 @@ static const char *tree_joint_refusal(const fb_system *system, int k)
 static const char *tree_body_refusal(const fb_body *body)
 {
   const char *const one = code_refusal(body);
-  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
-    return "effects large: choose effects up to full";
-  }
   return one;
 }
 
@@ -321,7 +335,7 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
     for (int c = k + 1; c < system->n_body; c++) {
       open |= system->joint[c].kind != FB_JOINT_FREE && system->joint[c].parent == k && system->joint[c].moves;
     }
-    n += open * body[system->model[k]].n;
+    n += (open || large_any(system, body)) * body[system->model[k]].n;
   }
   return n;
 }
@@ -347,6 +361,32 @@ static const char *spans_refusal(const fb_system *system)
   return NULL;
 }
 
+/* Is that node of link k, -1: the ground, on a line? */
+static int large_carries(const fb_system *system, const fb_body *body, int k, int node)
+{
+  return k >= 0 && body[system->model[k]].node[node].line.line > 0;
+}
+
+/* What nodes on lines do not carry; NULL: nothing. */
+static const char *large_nodes_refusal(const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body + system->n_loop; k++) {
+    const fb_joint *const joint = &system->joint[k];
+    if ((joint->kind != FB_JOINT_FREE && large_carries(system, body, joint->parent, joint->parent_node)) ||
+        (k >= system->n_body && large_carries(system, body, joint->child, joint->child_node))) {
+      return "a joint on a line of effects large: put it on the hub, or choose effects up to full";
+    }
+  }
+  for (int j = 0; j < system->n_spring; j++) {
+    const fb_spring *const spring = &system->spring[j];
+    if (large_carries(system, body, spring->body[0], spring->node[0]) ||
+        large_carries(system, body, spring->body[1], spring->node[1])) {
+      return "a spring on a line of effects large: choose points of hubs, or effects up to full";
+    }
+  }
+  return NULL;
+}
+
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -364,12 +404,15 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
   }
-  if (!text[0] && axes + tree_open_modes(system, body) > CODE_ROWS - 6) {
+  if (!text[0] && axes + tree_open_modes(system, body) > CODE_SPEEDS) {
     snprintf(text, 200, "%d axes of joints%s: choose at most %d", axes + tree_open_modes(system, body),
-             tree_open_modes(system, body) > 0 ? " and modes that move a joint" : "", CODE_ROWS - 6);
+             tree_open_modes(system, body) > 0 ? " and modes that move a joint" : "", CODE_SPEEDS);
   }
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
+  }
+  if (!text[0] && large_nodes_refusal(system, body)) {
+    snprintf(text, 200, "%s", large_nodes_refusal(system, body));
   }
   if (!text[0] && (rows_refusal(system) || spans_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",
@@ -555,6 +598,8 @@ static void tree_write_names(const code *w)
 
 static char tree_prefix[16];
 
+static void large_enter(int k);
+
 /* The body of a link becomes that of code.h; `of` its names. */
 static code tree_enter(const code *w, int k)
 {
@@ -564,6 +609,9 @@ static code tree_enter(const code *w, int k)
   own.large = 0;
   code_read(tree.link[k].model, no_hub);
   code_model.first = 0;
+  if (code_model.large) {
+    large_enter(k);
+  }
   snprintf(tree_prefix, sizeof tree_prefix, "b%d_", k);
   code_of_names = tree_prefix;
   code_now = tree.link[k].rates;
@@ -576,19 +624,40 @@ static void tree_leave(int k)
   code_of_names = "";
 }
 
+/* Rotors of a body that is that of code.h, momenta of its modes without those. */
+static void tree_write_rotors(const code *own, int k)
+{
+  char motor[40];
+  snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
+  code_write_rotors(own, tree.link[k].spun, tree.spins, motor);
+  code_write_own_pi(own, code_now.pi);
+  tree_rotors[k] = code_rotor;
+}
+
+/* Their momenta, E8.60. */
+static void tree_write_spin(const code *own, int k)
+{
+  code_sum s;
+  tree_nothing(tree_nodes[k].spin, 6);
+  code_rotor = tree_rotors[k];
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_rotors(&s, 1.0, i);
+    tree_nodes[k].spin[3 + i] = code_end(own, &s, code_variable("O_%c", tree_axis[i]));
+  }
+}
+
+#include "code_large.h"
+
 /* S and momentum at rest, Lambda M^-1 pi, of the body of a link. */
 static void tree_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
-  char motor[40];
   code_sum s;
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
-  snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
-  code_write_rotors(&own, L->spun, tree.spins, motor);
-  code_write_own_pi(&own, code_now.pi);
-  tree_rotors[k] = code_rotor;
+  tree_write_rotors(&own, k);
   code_write_solve(&own, code_now.pb, code_now.pi, "b");
   code_write_inertia(&own);
   for (int e = 0; e < 21 && code_model.constant_S; e++) {
@@ -1072,6 +1141,9 @@ static void tree_write_modes(const code *w, int k)
       code_add(&code_force[a], 1.0, code_now.lambda[i][a], L->g[i]);
     }
   }
+  if (code_model.large) {
+    large_write_gradient(&own, code_force, k);
+  }
   code_write_gradient(&own, code_force);
   code_rotor = tree_rotors[k];
   code_write_rotor_speeds(&own, code_force, L->V, code_now.q_dot);
@@ -1087,6 +1159,9 @@ static void tree_write_modes(const code *w, int k)
     code_sum s;
     snprintf(target, sizeof target, "rate[%d]", L->pi + a);
     code_assign(w, &code_force[a], target);
+    if (large_is(L->model)) { /* q_dot is there */
+      continue;
+    }
     code_begin(&s);
     code_add_one(&s, 1.0, L->rates.q_dot[a]);
     snprintf(target, sizeof target, "rate[%d]", L->q + a);
@@ -1564,6 +1639,7 @@ static void tree_write_limit(const code *w)
     return;
   }
   tree_write_impacts(w);
+  large_write_limit(&inner);
   code_template(w, tree.system->n_spring > 0 ? "    $ damped = %z;\n" : "");
   for (int j = 0; j < tree.system->n_spring; j++) {
     spans_write_bound(&inner, &code_solver, tree_solved, j);
@@ -1616,6 +1692,7 @@ static void tree_write_velocities(const code *w)
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
   tree_write_places(w);
   tree_write_bodies(w);
+  large_write_range(w);
   tree_write_inertias(w);
   tree_write_solve(w, 0);
   fputs("\n  /* E9.5: velocities and momenta of the bodies */\n", w->out);
@@ -1700,10 +1777,14 @@ static void tree_write_center(const code *w, int unused)
     own = tree_enter(w, k);
     memset(code_now.valued, 0, sizeof code_now.valued);
     code_write_lambda(&own);
+    if (code_model.large) {
+      code_write_large_poses(&own, "x", tree.link[k].q);
+      fprintf(w->out, "  (void)b%d_sound;\n", k);
+    }
     for (int i = 0; i < 3; i++) {
       code_write_slope(&own, i);
       code_write_value(&own, i);
-      first[k][i] = code_now.value[i];
+      first[k][i] = code_model.large ? large_write_center(&own, i, k) : code_now.value[i];
     }
     tree_leave(k);
     bulk[k] = (double)tree.link[k].model->mass;
@@ -1737,7 +1818,12 @@ static void tree_write_drift_of(const code *w, int k, const code_value v[3], cod
   code_sum s;
   const code own = tree_enter(w, k);
   memset(code_now.valued, 0, sizeof code_now.valued);
-  code_write_lambda(&own);
+  if (code_model.large) {
+    large_write_inertia(&own, k);
+    fprintf(w->out, "  (void)b%d_sound;\n", k);
+  } else {
+    code_write_lambda(&own);
+  }
   for (int a = 0; a < L->n; a++) {
     code_begin(&s);
     for (int i = 0; i < 3; i++) {
@@ -1747,7 +1833,7 @@ static void tree_write_drift_of(const code *w, int k, const code_value v[3], cod
   }
   if (code_model.constant_S && L->n > 0) {
     code_write_solve(&own, code_now.pb, e, "f");
-  } else {
+  } else if (!code_model.large) {
     for (int i = 0; i < 3; i++) {
       code_write_slope(&own, i);
       code_write_value(&own, i);
@@ -2217,10 +2303,10 @@ static void tree_write_range(const code *w)
     char number[40], target[40];
     code_sum s;
     code_begin(&s);
-    for (int a = 0; a < L->n; a++) {
+    for (int a = 0; a < L->n && L->model->deflection_limit < FB_HUGE; a++) {
       code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
     }
-    if (L->n > 0) {
+    if (L->n > 0 && L->model->deflection_limit < FB_HUGE) {
       snprintf(target, sizeof target, "bent_%d", k);
       code_declare(w, &s, target);
       code_number(number, w, (double)L->model->deflection_limit);
@@ -2228,6 +2314,7 @@ static void tree_write_range(const code *w)
       fprintf(w->out, "bent_%d <= %s", k, number);
       code_template(w, ")%) ? @_range : status;\n");
     }
+    large_write_end(w, k);
   }
 }
 
@@ -2639,7 +2726,7 @@ static int tree_write_functions(const code *w)
   code_template(w, tree_finite);
   tree_write_input_check(w);
   tree_write_rotations(w);
-  good = constraint.n == 0 || rows_look(w);
+  good = large_write_functions(w) && (constraint.n == 0 || rows_look(w));
   if (constraint.n > 0) {
     rows_write_functions(w);
   }
@@ -2758,6 +2845,7 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                              : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
+  code_template(&w, large_any(system, body) ? code_restrict : "");
   good = tree_write_functions(&w);
   tree_write_start(&w, choice->start);
   good = (!choice->lanes || tree_write_lanes(&w)) && good;

@@ -14,9 +14,10 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
+enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, BENT, VANE, MODELS, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
 /* With RIGID..: GIVEN: the axis of its joint is prescribed; LOCKED: it is that; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
-   same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside */
+   same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside;
+   BENT and VANE: of 6 and 2 modes, lines of large deflection */
 
 typedef struct hang {
   fb_joint_kind kind;
@@ -406,7 +407,16 @@ static const struct {
      0,
      1,
      {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
+    /* 71 on: lines of large deflection: on a hinge of a hub, as tree 0; two of them, damped, turned at random; */
+    {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}, {FB_JOINT_REVOLUTE, 0, VANE}}},
 };
+
+/* Is it a tree with lines? Their models are not built for the others. */
+enum { LINES = 71 };
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
    child: with spring and damper, and friction and stops if it is not spherical. */
@@ -542,6 +552,7 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     boom.position[0] = plain ? FB_R(0.0) : FB_R(0.5);
     keep.count[FB_KIND_BEND_Y] = (modes + 1) / 2;
     keep.count[FB_KIND_BEND_Z] = modes / 2;
+    keep.line_points = effects & FB_EFFECT_LARGE_DEFLECTION ? 6 : 0;
     need(fb_beam_init(&beam, &boom), "beam");
     need(fb_modes_solve(&basis, &modes_work, &beam, &keep), "modes");
   }
@@ -723,6 +734,10 @@ static void build(int which)
     build_model(&model[HUB], 0, trees[which].gravity, 0, 0, brake);
     build_model(&model[MAST], trees[which].effects, trees[which].gravity, 4, 0, brake);
   }
+  if (which >= LINES) {
+    build_model(&model[BENT], trees[which].effects | FB_EFFECTS_LARGE, trees[which].gravity, 6, which == LINES, 0);
+    build_model(&model[VANE], trees[which].effects | FB_EFFECTS_LARGE, trees[which].gravity, 2, 0, 0);
+  }
   memset(&desc, 0, sizeof desc);
   desc.allow_long_step = hard > 1 && (which == 16 || which == 45);
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
@@ -851,6 +866,11 @@ int main(int argc, char **argv)
   for (int k = 0; k < desc.n_body; k++) { /* at the tip, of a rigid body at another place */
     choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
   }
+  large_refusal(text, &mechanism, model, names, &choice);
+  if (text[0]) {
+    fprintf(stderr, "tree %d: %s\n", which, text);
+    return 4;
+  }
   if (choice.implicit && sdirk_refusal(&mechanism)) {
     fprintf(stderr, "tree %d: %s\n", which, sdirk_refusal(&mechanism));
     return 4;
@@ -940,8 +960,8 @@ static void start(double speed)
       motion[k].rotor_angle[r] = (fb_real)random_number();
     }
     for (int a = 0; a < body->n; a++) {
-      motion[k].q[a] = (fb_real)(0.05 / sqrt(hard) * (double)body->deflection_limit / (double)body->reach[a] / body->n *
-                                 random_number());
+      const double most = body->reach[a] > FB_R(0.0) ? (double)body->deflection_limit / (double)body->reach[a] : 100.0;
+      motion[k].q[a] = (fb_real)(0.05 / sqrt(hard) * most / body->n * random_number());
       motion[k].q_dot[a] = (fb_real)(0.2 / sqrt(hard) * random_number());
     }
   }
