@@ -1164,8 +1164,11 @@ static void code_write_large_line(const code *w, int at, int k)
   fprintf(w->out, ", rate + %d, %s);\n  ", at + line->first, o.name);
   code_write_large_call(w, "gradient", k);
   fprintf(w->out, ", %s, %s", u.name, o.name);
-  if (line->moves) {
+  if (line->moves || code_lines[k].carries) {
     fprintf(w->out, ", x + %d, rate + %d", at + line->first, at + line->first);
+  }
+  if (code_lines[k].carries) {
+    fprintf(w->out, ", %s", code_variable("held_%d", k).name);
   }
   fputs(");\n", w->out);
 }

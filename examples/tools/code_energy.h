@@ -178,11 +178,10 @@ static void energy_write_at(const code *w, int unused)
   motion_write_given(w);
   code_template(w, tree.tied ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
-  tree_write_places(w);
+  tree_write_places(w, LARGE_MOVING);
   for (int k = 0; k < tree.n; k++) {
     if (large_is(tree.link[k].model)) {
       large_write_body(w, k);
-      fprintf(w->out, "  (void)b%d_sound;\n", k); /* the motion has been seen */
     } else {
       tree_write_body(w, k);
     }

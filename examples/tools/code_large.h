@@ -7,6 +7,12 @@
 #ifndef CODE_LARGE_H
 #define CODE_LARGE_H
 
+typedef enum large_use { /* what is used of lines: first moments of mass; inertia; and their range */
+  LARGE_POSED,
+  LARGE_MOVING,
+  LARGE_SEEN
+} large_use;
+
 static struct code_line large_lines[FB_MAX_BODIES][FB_MAX_LINES];
 static code_value large_mass[FB_MAX_BODIES][FB_MAX_MODES][FB_MAX_MODES]; /* M(q) */
 
@@ -19,11 +25,6 @@ static inline void large_refusal(char text[200], const fb_system *system, const 
     const char *what = choice->lanes      ? "effects large by lanes: choose effects up to full"
                        : choice->implicit ? "effects large by integrator sdirk: choose integrator rk4"
                                           : NULL;
-    for (int at = 1; at < FB_MAX_NODES && !what; at++) {
-      what = choice->loads[k] >> at & 1u && large_carries(system, body, k, at)
-                 ? "loads on a line of effects large: choose effects up to full"
-                 : NULL;
-    }
     if (what && large_is(&body[system->model[k]])) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -47,6 +48,57 @@ static void large_enter(int k)
   code_lines_carried = 1;
 }
 
+/* Does loop or joint j have a side on that node of link k? */
+static int large_is_end(const fb_system *system, int j, int k, int node)
+{
+  const fb_joint *const joint = &system->joint[j];
+  return (joint->kind != FB_JOINT_FREE && joint->parent == k && joint->moves && joint->parent_node == node) ||
+         (j >= system->n_body && joint->child == k && joint->child_node == node);
+}
+
+/* Bits of the nodes on lines of link k that joints and loops are on; carrying 0: or springs between points. */
+static unsigned large_held(int k, int carrying)
+{
+  const fb_system *const system = tree.system;
+  unsigned held = 0;
+  for (int at = 1; at < tree.link[k].model->n_node; at++) {
+    int is = 0;
+    for (int j = 0; j < system->n_body + system->n_loop; j++) {
+      is |= large_is_end(system, j, k, at);
+    }
+    for (int j = 0; j < system->n_spring && !carrying; j++) {
+      for (int side = 0; side < 2; side++) {
+        is |= system->spring[j].body[side] == k && system->spring[j].node[side] == at;
+      }
+    }
+    held |= is && tree.link[k].model->node[at].line.line > 0 ? 1u << at : 0u;
+  }
+  return held;
+}
+
+/* What code_line.h writes of the lines of link k: of all links with its model. */
+static void large_hold(int k)
+{
+  code_held = code_carrying = 0;
+  for (int j = 0; j < tree.n; j++) {
+    if (large_of(j) == k) {
+      code_held |= large_held(j, 0) | tree.loads[j];
+      code_carrying |= large_held(j, 1);
+    }
+  }
+}
+
+/* Finds node `at` of link k, whose body is that of code.h and whose lines are known. */
+static void large_write_hold(const code *own, int k, int at)
+{
+  const int l = tree.link[k].model->node[at].line.line - 1;
+  char name[24];
+  snprintf(name, sizeof name, "hold_%d", at);
+  fprintf(own->out, "%*s", own->indent, "");
+  code_write_large_call(own, name, l);
+  fprintf(own->out, ", x + %d);\n", tree.link[k].q + tree.link[k].model->lines.line[l].first);
+}
+
 /* Functions of all lines. 0: there is no temporary file, see errno. */
 static int large_write_functions(const code *w)
 {
@@ -56,6 +108,7 @@ static int large_write_functions(const code *w)
       (void)tree_enter(w, k);
       code_of_names = "";
       code_lines_first = n;
+      large_hold(k);
       good = code_write_lines(w) && good;
       n += tree.link[k].model->lines.n_line;
     }
@@ -63,14 +116,36 @@ static int large_write_functions(const code *w)
   return good;
 }
 
-/* E14.12 of body k, which is that of code.h: lines, Lambda, M, M_rr and first moment of mass of the whole at the vector x. */
+/* Poses and inertia of all lines, and their nodes that carry something but loads, as far as they are used. */
+static void large_write_lines(const code *w, large_use use)
+{
+  for (int k = 0; k < tree.n; k++) {
+    const tree_link *const L = &tree.link[k];
+    const unsigned held = large_is(L->model) ? large_held(k, 0) : 0u;
+    if (large_is(L->model)) {
+      const code own = tree_enter(w, k);
+      code_write_large_poses(&own, "x", L->q);
+      if (use != LARGE_SEEN) {
+        fprintf(w->out, "  (void)b%d_sound;\n", k);
+      }
+      if (use >= LARGE_MOVING || held) {
+        code_write_large_inertias(&own, "x", L->q);
+      }
+      for (int at = 1; at < L->model->n_node; at++) {
+        if (held >> at & 1u) {
+          large_write_hold(&own, k, at);
+        }
+      }
+      tree_leave(k);
+    }
+  }
+}
+
+/* E14.12 of body k, which is that of code.h, whose lines are known: Lambda, M, M_rr and first moment of mass of the whole at the vector x. */
 static void large_write_inertia(const code *own, int k)
 {
-  const int at = tree.link[k].q;
-  code_write_large_poses(own, "x", at);
   code_write_lambda(own);
   code_write_inertia(own);
-  code_write_large_inertias(own, "x", at);
   code_write_large_inertia(own);
   for (int a = 0; a < own->n; a++) {
     for (int b = a; b < own->n; b++) {
@@ -131,6 +206,94 @@ static void large_write_end(const code *w, int k)
   }
 }
 
+/* s += momentum i about a node of link k of all that it carries. */
+static void large_add_momentum(code_sum *s, double c, int k, int at, int i)
+{
+  const fb_system *const system = tree.system;
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    if (large_is_end(system, j, k, at)) {
+      const rows_loop *const loop = &constraint.loop[j - system->n_body];
+      code_add_one(s, c,
+                   j < system->n_body               ? tree_nodes[j].end.G[i]
+                   : loop->end[0].link == k && loop->joint->parent_node == at && loop->joint->moves
+                       ? loop->end[0].G[i]
+                       : loop->end[1].G[i]);
+    }
+  }
+}
+
+/* The momenta of all that line l of body k carries, line axes. */
+static void large_write_momenta(const code *own, int k, int l)
+{
+  const code_value name = code_variable("held_%d", l);
+  int n = 0;
+  if (code_lines[l].carries == 0) {
+    return;
+  }
+  code_line = code_lines[l];
+  large_hold(large_of(k));
+  code_template(own, "  $ ");
+  fprintf(own->out, "%s[%d];\n", name.name, 6 * code_lines[l].carries);
+  for (int at = code_hold_next(code_carrying, 1); at >= 0; at = code_hold_next(code_carrying, at + 1)) {
+    for (int i = 0; i < 6; i++, n++) {
+      code_sum s;
+      code_begin(&s);
+      for (int j = 0; j < 3; j++) {
+        large_add_momentum(&s, code_large_axes(l, j, i % 3), k, at, i - i % 3 + j);
+      }
+      code_assign(own, &s, code_plain("%s[%d]", name.name, n).name);
+    }
+  }
+}
+
+/* Node `at` of link k on a line: n, N, Ju and Jphi of code_rows.h. */
+static void large_write_node(const code *w, rows_end *end, int k, int at, code_value name)
+{
+  const fb_body *const body = tree.link[k].model;
+  const int l = body->node[at].line.line - 1;
+  const fb_line *const line = &body->lines.line[l];
+  code_value C[9], H[9], T[9];
+  code_sum s;
+  (void)tree_enter(w, k);
+  code_of_names = "";
+  for (int i = 0; i < 9; i++) {
+    C[i] = code_constant(code_large_axes(l, i / 3, i % 3));
+    H[i] = code_plain("b%d_line_%d.h%d_H[%d]", k, l, at, i);
+  }
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, C[3 * i + j], code_plain("b%d_line_%d.h%d_r[%d]", k, l, at, j));
+    }
+    end->n[i] = code_end(w, &s, code_plain("%sn%c", name.name, tree_axis[i]));
+  }
+  for (int i = 0; i < 9; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, C[i / 3 * 3 + j], H[3 * j + i % 3]);
+    }
+    T[i] = code_end(w, &s, code_plain("%sT%d", name.name, i));
+  }
+  for (int i = 0; i < 9; i++) {
+    code_begin(&s);
+    for (int j = 0; j < 3; j++) {
+      code_add(&s, 1.0, T[i / 3 * 3 + j], C[i % 3 * 3 + j]);
+    }
+    end->N[i] = code_end(w, &s, code_plain("%sN%d", name.name, i));
+  }
+  for (int a = 0; a < body->n; a++) {
+    for (int i = 0; i < 6; i++) {
+      code_begin(&s);
+      for (int j = 0; j < 3 && a >= line->first && a < line->first + line->n; j++) {
+        code_add(&s, 1.0, C[i % 3 * 3 + j],
+                 code_plain("b%d_line_%d.h%d_J[%d]", k, l, at, 6 * (a - line->first) + i - i % 3 + j));
+      }
+      (i < 3 ? end->Ju : end->Jphi)[a][i % 3] = code_end(w, &s, code_plain("%sJ%d_%d", name.name, a, i));
+    }
+  }
+  tree_leave(k);
+}
+
 /* Force on the coordinates of body k, which is that of code.h, by the inertia of its lines (E14.7). */
 static void large_write_gradient(const code *own, code_sum *force, int k)
 {
@@ -141,8 +304,9 @@ static void large_write_gradient(const code *own, code_sum *force, int k)
     code_add_one(&s, 1.0, code_now.q_dot[a]);
     code_assign(own, &s, code_plain("rate[%d]", L->q + a).name);
   }
-  fputs("\n  /* E14.7: dT/dq of the lines at fixed V and q_dot */\n", own->out);
+  fputs("\n  /* E14.7: dT/dq of the lines at fixed V and q_dot, E9.25 of what they carry */\n", own->out);
   for (int l = 0; l < L->model->lines.n_line; l++) {
+    large_write_momenta(own, k, l);
     code_write_large_line(own, L->q, l);
   }
   for (int a = 0; a < own->n; a++) {

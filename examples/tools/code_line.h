@@ -28,6 +28,8 @@ static struct code_line {
   char member[CODE_MEMBERS][CODE_NAME];
   code_vec A, B, phi, t, phi_dot, A_dot, B_dot, w, tau, Y; /* at point j */
   code_value H[3][3], N[3][3], I[3][3];
+  code_vec K, turn[FB_MAX_MODES]; /* E14.5 of coordinate a at point j */
+  int carries;                    /* nodes that carry momenta (code_hold.h) */
 } code_line;
 
 /* Lines of the body that is written, the number of its first one in names; 1: it is one of a tree. */
@@ -1021,6 +1023,8 @@ static void code_line_jacobians(const code *w)
     code_line_jacobian(&inner, a, &turn[a]);
   }
   fputs("  }\n", w->out);
+  code_line.K = code_line_K;
+  memcpy(code_line.turn, turn, sizeof turn);
   code_line_blanks(w);
 }
 
@@ -1342,6 +1346,8 @@ static void code_line_drift(const code *w, int unused)
   fputs("  }\n}\n", w->out);
 }
 
+#include "code_hold.h"
+
 /* ---- E14.7: gradient of the kinetic energy */
 
 static code_vec code_line_F, code_line_b, code_line_c;
@@ -1413,6 +1419,7 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
   code_sum s;
   code_vec P = {{{0.0, ""}, {0.0, ""}, {0.0, ""}}}, move = P;
   inner.indent = 4;
+  code_hold_tables(w);
   code_line_masses(w, "G", code_line.offset ? 1 : 0);
   if (code_line.offset) {
     code_line_masses(w, "W", 2);
@@ -1447,6 +1454,7 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
     } else {
       code_line_momentum(&s, 0, o, i);
     }
+    code_hold_add(&s, i);
     code_line_F.x[i] = code_end(&inner, &s, code_variable("F_%c", code_axis[i]));
   }
   for (int i = 0; i < 3; i++) {
@@ -1465,7 +1473,9 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
   if (code_line.by[6] || code_line.by[7] || code_line.by[8]) {
     code_line_F = code_keep_vec(&inner, &code_line_F, "F");
   }
-  fputs("  }\n\n  /* from the tip to the root */\n", w->out);
+  fputs("  }\n", w->out);
+  code_hold_turn(w);
+  fputs("\n  /* from the tip to the root */\n", w->out);
   code_template(w, "  @_UNROLL\n");
   fprintf(w->out, "  for (int j = %d; j >= 0; j--) {\n", code_line.m - 2);
   for (int i = 0; i < 3; i++) {
@@ -1617,6 +1627,9 @@ static void code_line_root_force(const code *w, const code_vec *o)
       }
       code_add_cross(&s, 1.0, o, &start, i);
     }
+    for (int n = 0; n < code_line.carries; n++) {
+      code_add_one(&s, 1.0, code_hold_momentum(n, i));
+    }
     P.x[i] = code_end(w, &s, code_variable("whole_%c", code_axis[i]));
   }
   Q = code_cross(w, "pull", &P, o);
@@ -1641,8 +1654,9 @@ static void code_line_gradient(const code *w, int unused)
         "the\n   coordinates, by one sweep from the tip, after its drift. */\n",
         w->out);
   code_line_head(w, "void", "gradient",
-                 code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
-                                       : ", const $ *u, const $ *o");
+                 code_line.carries       ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot, const $ *held"
+                 : code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
+                                         : ", const $ *u, const $ *o");
   code_line_alias(w);
   for (int i = 0; i < 3; i++) {
     o.x[i] = code_variable("o_%c", code_axis[i]);
@@ -1682,6 +1696,7 @@ static void code_line_gradient(const code *w, int unused)
   if (code_line.line->moves) {
     code_line_root_force(w, &o);
   }
+  code_hold_steps(w);
   fputs("}\n", w->out);
 }
 
@@ -1714,9 +1729,15 @@ static int code_write_lines(const code *w)
     }
     code_line_begin(k);
     code_line_center();
+    for (int n = code_hold_next(code_carrying, 1); n >= 0; n = code_hold_next(code_carrying, n + 1)) {
+      code_line.carries++;
+    }
     code_line_tables(w);
     good = code_write_pruned(&draft, code_line_pose, 0) && code_write_pruned(&draft, code_line_inertia, 0) &&
            code_write_pruned(&draft, code_line_drift, 0) && code_write_pruned(&draft, code_line_gradient, 0);
+    for (int n = code_hold_next(code_held, 1); n >= 0 && good; n = code_hold_next(code_held, n + 1)) {
+      good = code_write_pruned(&draft, code_hold_write, n);
+    }
     code_line_type(w);
     rewind(draft.out);
     for (int c = fgetc(draft.out); c != EOF; c = fgetc(draft.out)) {

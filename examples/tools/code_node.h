@@ -43,9 +43,10 @@ static void node_write_frame(const code *w, int k)
   }
 }
 
-/* Places of all links. */
-static void tree_write_places(const code *w)
+/* Places of all links; lines: what of lines is used. */
+static void tree_write_places(const code *w, large_use lines)
 {
+  large_write_lines(w, lines);
   for (int k = 0; k < tree.n; k++) {
     node_write_frame(w, k);
     tree_write_place(w, k);

@@ -361,32 +361,6 @@ static const char *spans_refusal(const fb_system *system)
   return NULL;
 }
 
-/* Is that node of link k, -1: the ground, on a line? */
-static int large_carries(const fb_system *system, const fb_body *body, int k, int node)
-{
-  return k >= 0 && body[system->model[k]].node[node].line.line > 0;
-}
-
-/* What nodes on lines do not carry; NULL: nothing. */
-static const char *large_nodes_refusal(const fb_system *system, const fb_body *body)
-{
-  for (int k = 0; k < system->n_body + system->n_loop; k++) {
-    const fb_joint *const joint = &system->joint[k];
-    if ((joint->kind != FB_JOINT_FREE && large_carries(system, body, joint->parent, joint->parent_node)) ||
-        (k >= system->n_body && large_carries(system, body, joint->child, joint->child_node))) {
-      return "a joint on a line of effects large: put it on the hub, or choose effects up to full";
-    }
-  }
-  for (int j = 0; j < system->n_spring; j++) {
-    const fb_spring *const spring = &system->spring[j];
-    if (large_carries(system, body, spring->body[0], spring->node[0]) ||
-        large_carries(system, body, spring->body[1], spring->node[1])) {
-      return "a spring on a line of effects large: choose points of hubs, or effects up to full";
-    }
-  }
-  return NULL;
-}
-
 /* What of a system cannot be written, with the joint or the body; "": nothing. */
 static void tree_refusal(char text[200], const fb_system *system, const fb_body *body, const char *const *names)
 {
@@ -410,9 +384,6 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   }
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
-  }
-  if (!text[0] && large_nodes_refusal(system, body)) {
-    snprintf(text, 200, "%s", large_nodes_refusal(system, body));
   }
   if (!text[0] && (rows_refusal(system) || spans_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
     snprintf(text, 200, "%s",
@@ -1690,7 +1661,7 @@ static void tree_write_velocities(const code *w)
   code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
-  tree_write_places(w);
+  tree_write_places(w, LARGE_SEEN);
   tree_write_bodies(w);
   large_write_range(w);
   tree_write_inertias(w);
@@ -1771,16 +1742,12 @@ static void tree_write_center(const code *w, int unused)
   code_template(w, tree.flown ? ", const @_input *in)\n{\n%V" : ")\n{\n%V");
   tree_write_names(w);
   tree_write_given_names(w, "in");
-  tree_write_places(w);
+  tree_write_places(w, LARGE_POSED);
   for (int k = 0; k < tree.n; k++) {
     code own;
     own = tree_enter(w, k);
     memset(code_now.valued, 0, sizeof code_now.valued);
     code_write_lambda(&own);
-    if (code_model.large) {
-      code_write_large_poses(&own, "x", tree.link[k].q);
-      fprintf(w->out, "  (void)b%d_sound;\n", k);
-    }
     for (int i = 0; i < 3; i++) {
       code_write_slope(&own, i);
       code_write_value(&own, i);
@@ -1820,7 +1787,6 @@ static void tree_write_drift_of(const code *w, int k, const code_value v[3], cod
   memset(code_now.valued, 0, sizeof code_now.valued);
   if (code_model.large) {
     large_write_inertia(&own, k);
-    fprintf(w->out, "  (void)b%d_sound;\n", k);
   } else {
     code_write_lambda(&own);
   }
@@ -1881,7 +1847,7 @@ static void tree_write_drift(const code *w, int unused)
   tree_write_names(w);
   tree_write_given_names(w, "in");
   code_template(w, "  @_matrix(R, x);\n");
-  tree_write_places(w);
+  tree_write_places(w, LARGE_MOVING);
   for (int i = 0; i < 3; i++) {
     change[i] = code_variable("change[%d]", i);
   }
