@@ -355,6 +355,7 @@ static void code_hold_steps(const code *w)
 {
   code inner = *w;
   inner.indent = 4;
+  fputs(code_line.carries ? "  (void)q, (void)q_dot;\n" : "", w->out);
   for (int k = code_hold_next(code_carrying, 1), n = 0; k >= 0; k = code_hold_next(code_carrying, k + 1), n++) {
     fprintf(w->out, "  { /* E9.25: by the interval before node %d itself */\n", k);
     code_hold_step(&inner, k, n);

@@ -407,12 +407,43 @@ static const struct {
      0,
      1,
      {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
-    /* 71 on: lines of large deflection: on a hinge of a hub, as tree 0; two of them, damped, turned at random; */
+    /* 71 on: lines of large deflection: 71: on a hinge of a hub, as tree 0; 72: two of them, damped, turned at random; 73: at
+       the root, with a body on its tip, and a panel of polynomials; 74: a chain of them on their tips; 75: a loop between
+       their tips; 76: with a spring between tips, a prescribed hinge, a wheel; 77: tips of what flies tied to the ground;
+       78: beside rotors, with friction and stops; 79: a loop of a tree that flies */
     {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}}},
     {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
      0,
      1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}, {FB_JOINT_REVOLUTE, 0, VANE}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, BENT}, {FB_JOINT_REVOLUTE, 0 + TIP, RIGID}, {FB_JOINT_UNIVERSAL, 0, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_SPHERICAL, 0 + TIP, BENT}, {FB_JOINT_PRISMATIC, 1 + TIP, RIGID}}},
+    {FB_EFFECTS_FULL,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_UNIVERSAL, -1, VANE}, {FB_JOINT_REVOLUTE, 1 + TIP, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, VANE | GIVEN},
+      {FB_JOINT_RIGID, 0, VANE},
+      {FB_JOINT_REVOLUTE, 2, WHEEL}}},
+    {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, VANE}, {FB_JOINT_REVOLUTE, 0, VANE}, {FB_JOINT_SPHERICAL, 0, RIGID}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_REVOLUTE, 0, VANE | RUBS}, {FB_JOINT_CYLINDRICAL, 0, MAST}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, VANE}, {FB_JOINT_REVOLUTE, 0, VANE | RUBS}}},
 };
 
 /* Is it a tree with lines? Their models are not built for the others. */
@@ -461,14 +492,18 @@ static const struct {
              {62, FB_JOINT_SPHERICAL, -1, 1},
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
-             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP}};
+             {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
+             {75, FB_JOINT_SPHERICAL, 0 + TIP, 1 + TIP},
+             {77, FB_JOINT_SPHERICAL, -1, 1 + TIP + RUBS},
+             {79, FB_JOINT_CYLINDRICAL, 1 + TIP, 2 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
 static const struct {
   int tree, body[2];
   double length;
 } springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0}, {67, {0, 1 + TIP}, 9.0}, {67, {2, 2 + TIP}, 7.0},
                {67, {1 + TIP, 1 + TIP}, 1.0}, {68, {0 + TIP, 2}, 1.5}, {68, {-1, 1 + TIP}, 12.0},
-               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0}};
+               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0},
+               {76, {1 + TIP, 2 + TIP}, 8.0}, {76, {0, 2 + TIP}, 9.0}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
@@ -562,7 +597,8 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     need(fb_shape_add_beam(&shape, 0, &beam, &basis), "boom");
   }
   if (modes > 0) {
-    need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, boom.length), "tip");
+    const fb_real at = effects & FB_EFFECT_LARGE_DEFLECTION && modes == 2 ? FB_R(0.83) : FB_R(1.0); /* between points */
+    need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, at * boom.length), "tip");
   } else {
     const fb_real ahead[3] = {FB_R(0.7), FB_R(-0.4), FB_R(0.2)}, still[3] = {0, 0, 0};
     need(fb_shape_add_node(&shape, &tip, ahead, still, still), "node");
