@@ -121,9 +121,11 @@ static void large_write_lines(const code *w, large_use use)
 {
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    const unsigned held = large_is(L->model) ? large_held(k, 0) : 0u;
     if (large_is(L->model)) {
       const code own = tree_enter(w, k);
+      unsigned held;
+      large_hold(large_of(k));
+      held = large_held(k, 0) | code_carrying; /* of which the gradient asks, whoever of its model it is */
       code_write_large_poses(&own, "x", L->q);
       if (use != LARGE_SEEN) {
         fprintf(w->out, "  (void)b%d_sound;\n", k);

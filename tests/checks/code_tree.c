@@ -408,15 +408,15 @@ static const struct {
      1,
      {{FB_JOINT_REVOLUTE, -1, RIGID | GIVEN}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_RIGID, -1, BOOM}}},
     /* 71 on: lines of large deflection: 71: on a hinge of a hub, as tree 0; 72: two of them, damped, turned at random; 73: at
-       the root, with a body on its tip, and a panel of polynomials; 74: a chain of them on their tips; 75: a loop between
-       their tips; 76: with a spring between tips, a prescribed hinge, a wheel; 77: tips of what flies tied to the ground;
+       the root, with a body on its tip, and a panel of polynomials; 74: a chain of them on their tips; 75: a loop
+       from tip to tip; 76: with a spring between tips, a prescribed hinge, a wheel; 77: tips of what flies tied to the ground;
        78: beside rotors, with friction and stops; 79: a loop of a tree that flies */
     {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}}},
     {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
      0,
      1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}, {FB_JOINT_REVOLUTE, 0, VANE}}},
-    {FB_EFFECTS_FULL,
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
      1,
      1,
      {{FB_JOINT_FREE, -1, BENT}, {FB_JOINT_REVOLUTE, 0 + TIP, RIGID}, {FB_JOINT_UNIVERSAL, 0, PANEL}}},
@@ -424,10 +424,10 @@ static const struct {
      1,
      1,
      {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_SPHERICAL, 0 + TIP, BENT}, {FB_JOINT_PRISMATIC, 1 + TIP, RIGID}}},
-    {FB_EFFECTS_FULL,
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
      1,
-     1,
-     {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_UNIVERSAL, -1, VANE}, {FB_JOINT_REVOLUTE, 1 + TIP, RIGID}}},
+     {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_UNIVERSAL, 0 + TIP, RIGID}, {FB_JOINT_SPHERICAL, -1, VANE}}},
     {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
      0,
      1,
@@ -493,7 +493,7 @@ static const struct {
              {64, FB_JOINT_SPHERICAL, 2, 3 + TIP},
              {69, FB_JOINT_SPHERICAL, 0, 2},
              {70, FB_JOINT_CYLINDRICAL, -1, 2 + TIP},
-             {75, FB_JOINT_SPHERICAL, 0 + TIP, 1 + TIP},
+             {75, FB_JOINT_SPHERICAL, 1, 2 + TIP},
              {77, FB_JOINT_SPHERICAL, -1, 1 + TIP + RUBS},
              {79, FB_JOINT_CYLINDRICAL, 1 + TIP, 2 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper */
