@@ -1350,7 +1350,11 @@ static void code_write_large_fastest(const code *w, const char *most)
       }
     }
     code_declare(&inner, &s, "square");
-    fprintf(w->out, "      %s = square <= %s ? %s : square;\n    }\n", most, most, most);
+    if (w->lanes) {
+      fprintf(w->out, "      %s = %s_wide_either(square <= %s, %s, square);\n    }\n", most, w->name, most, most);
+    } else {
+      fprintf(w->out, "      %s = square <= %s ? %s : square;\n    }\n", most, most, most);
+    }
   }
 }
 

@@ -225,7 +225,7 @@ static code_value code_hold_momentum(int at, int i)
 static void code_hold_tables(const code *w)
 {
   for (int k = code_hold_next(code_carrying, 1); k >= 0; k = code_hold_next(code_carrying, k + 1)) {
-    code_template(w, "  static const $ ");
+    code_template(w, "  static const %s ");
     fprintf(w->out, "hold_%d[%d] = {", k, code_line.m);
     for (int j = 0; j < code_line.m; j++) {
       code_cell(w, j < code_line.line->count ? (double)code_hold_at(k)->weight[j] : 0.0, j, code_line.m);

@@ -8,9 +8,9 @@
 #define CODE_LARGE_H
 
 typedef enum large_use { /* what is used of lines: first moments of mass; inertia; and their range */
-  LARGE_POSED,
-  LARGE_MOVING,
-  LARGE_SEEN
+                         LARGE_POSED,
+                         LARGE_MOVING,
+                         LARGE_SEEN
 } large_use;
 
 static struct code_line large_lines[FB_MAX_BODIES][FB_MAX_LINES];
@@ -22,9 +22,9 @@ static inline void large_refusal(char text[200], const fb_system *system, const 
 {
   text[0] = '\0';
   for (int k = 0; k < system->n_body && !text[0]; k++) {
-    const char *what = choice->lanes      ? "effects large by lanes: choose effects up to full"
-                       : choice->implicit ? "effects large by integrator sdirk: choose integrator rk4"
-                                          : NULL;
+    const char *what = choice->lanes == TREE_LANES_ALONE ? "effects large by a table: choose effects up to full"
+                       : choice->implicit                ? "effects large by integrator sdirk: choose integrator rk4"
+                                                         : NULL;
     if (what && large_is(&body[system->model[k]])) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
@@ -216,7 +216,7 @@ static void large_add_momentum(code_sum *s, double c, int k, int at, int i)
     if (large_is_end(system, j, k, at)) {
       const rows_loop *const loop = &constraint.loop[j - system->n_body];
       code_add_one(s, c,
-                   j < system->n_body               ? tree_nodes[j].end.G[i]
+                   j < system->n_body ? tree_nodes[j].end.G[i]
                    : loop->end[0].link == k && loop->joint->parent_node == at && loop->joint->moves
                        ? loop->end[0].G[i]
                        : loop->end[1].G[i]);
@@ -386,9 +386,11 @@ static void large_write_bent(const code *w)
     }
     code_declare(w, &size, code_variable("size").name);
     fprintf(w->out, "    const %s %s = ", code_real(w), code_variable("share").name);
+    code_template(w, "%W");
     fprintf(w->out, "%s > 0", code_variable("size").name);
-    code_template(w, " ? `1` / sqrt~(");
-    fprintf(w->out, "%s) : 0;\n", code_variable("size").name);
+    code_template(w, "%, `1` / sqrt~(");
+    fputs(code_variable("size").name, w->out);
+    code_template(w, ")%!;\n");
     for (int i = 0; i < code_solver.n; i++) {
       code_begin(&s);
       code_add(&s, 1.0, code_variable("share"), y[i]);
@@ -397,10 +399,11 @@ static void large_write_bent(const code *w)
   }
   code_of_names = "";
   code_number(number, w, (double)tree.system->limit_elastic);
-  code_template(w, "    stiffening += `1.05` * bent > ");
-  fprintf(w->out, "%s ? ", number);
-  code_template(w, "`1.05` * bent - ");
-  fprintf(w->out, "%s : 0;\n", number);
+  code_template(w, "    stiffening += %W`1.05` * bent > ");
+  fputs(number, w->out);
+  code_template(w, "%, `1.05` * bent - ");
+  fputs(number, w->out);
+  code_template(w, "%!;\n");
 }
 
 /* What lines add to the bound of E11.15: the fastest rotation of a section, the stiffness at this deflection. */

@@ -417,7 +417,7 @@ static void code_line_tables(const code *w)
   code_template(w, "\n/* Line ");
   fprintf(w->out, "%d: A, B and Gamma (E14.1, E14.4) of its coordinates, those that are not zero, by points */\n",
           code_line.number);
-  code_template(w, "static const $ @_turn_");
+  code_template(w, "static const %s @_turn_");
   fprintf(w->out, "%d[%d][%d] = {", code_line.number, n_row, code_line.m);
   for (int t = 0; t < CODE_TABLES; t++) {
     for (int a = 0; a < code_line.n; a++) {
@@ -452,7 +452,7 @@ static void code_line_head(const code *w, const char *type, const char *name, co
 /* A local name of a table. */
 static void code_line_alias(const code *w)
 {
-  fprintf(w->out, "  const %s (*const T)[%d] = ", code_real(w), code_line.m);
+  fprintf(w->out, "  const %s (*const T)[%d] = ", code_scalar(w), code_line.m);
   code_template(w, "@_turn_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
@@ -583,7 +583,8 @@ static void code_line_half(const code *w)
   code_keep_vec(&inner, &d, "quat");
   for (int i = 0; i < 3 && !code_line.plane; i++) {
     if (code_is_zero(&d.x[i])) { /* turns that commute, of this alone the quaternion's product */
-      fprintf(w->out, "    l->quat_%c[j] = 0;\n", code_axis[i]);
+      fprintf(w->out, "    l->quat_%c[j] = ", code_axis[i]);
+      code_template(w, w->lanes ? "%z;\n" : "0;\n");
       code_member(code_variable("quat_%c[%d]", code_axis[i], code_line.m).name);
     }
   }
@@ -723,7 +724,7 @@ static void code_line_pose(const code *w, int unused)
     }
   }
   if (curved) {
-    code_template(w, "  static const $ tangent[3][");
+    code_template(w, "  static const %s tangent[3][");
     fprintf(w->out, "%d] = {", code_line.m);
     for (int i = 0; i < 3; i++) {
       fputs(i ? ",\n    {" : "\n    {", w->out);
@@ -735,7 +736,7 @@ static void code_line_pose(const code *w, int unused)
     fputs("};\n", w->out);
   }
   code_line_alias(w);
-  code_template(w, "  $ most = `0`;\n");
+  code_template(w, "  $ most = %z;\n");
   code_line_coordinates(w, "q");
   code_line_turns(w);
   code_line_half(w);
@@ -744,7 +745,9 @@ static void code_line_pose(const code *w, int unused)
   code_template(w,
                 "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
   code_loop(w, 2, 'j', 0, code_line.m);
-  code_template(w, "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
+  code_template(w, w->lanes
+                       ? "    most = @_either(l->x[j] > most, l->x[j], most);\n  }\n  return %(most <= `1.5`%);\n}\n"
+                       : "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
 }
 
 /* ---- E14.5, E14.6: inertia */
@@ -816,7 +819,7 @@ static void code_line_solid(const code *w)
     return;
   }
   fputs("\n  /* E14.6: mass centers of the points from the line, rotary inertia about them, line axes */\n", w->out);
-  code_template(w, "  static const $ own[9][");
+  code_template(w, "  static const %s own[9][");
   fprintf(w->out, "%d] = {", code_line.m);
   for (int i = 0; i < 9; i++) {
     fputs(i ? ",\n    {" : "\n    {", w->out);
@@ -983,7 +986,8 @@ static void code_line_blanks(const code *w)
     for (int a = 0; a < code_line.width && !code_is_zero(&field[f / 3]->x[f % 3]); a++) {
       if (!code_line_known[f][a]) {
         code_loop(w, 2, 'j', 0, code_line.m);
-        fprintf(w->out, "    l->%s_%c[j][%d] = 0;\n  }\n", name[f / 3], code_axis[f % 3], a);
+        fprintf(w->out, "    l->%s_%c[j][%d] = ", name[f / 3], code_axis[f % 3], a);
+        code_template(w, w->lanes ? "%z;\n  }\n" : "0;\n  }\n");
       }
     }
   }
@@ -1052,7 +1056,7 @@ static void code_line_weigh(const code *w)
     }
   }
   if (code_line.centered) {
-    code_template(w, "  static const $ rest[3][");
+    code_template(w, "  static const %s rest[3][");
     fprintf(w->out, "%d] = {", code_line.width);
     for (int i = 0; i < 3; i++) {
       fputs(i ? ",\n    {" : "\n    {", w->out);
@@ -1064,7 +1068,7 @@ static void code_line_weigh(const code *w)
     fputs("}; /* of the rest of the body, for row 0 about the mass center of the whole */\n", w->out);
   }
   if (code_line.line->moves) {
-    code_template(w, "  static const $ shift[3][");
+    code_template(w, "  static const %s shift[3][");
     fprintf(w->out, "%d] = {", code_line.width);
     for (int i = 0; i < 3; i++) {
       fputs(i ? ", {" : "{", w->out);
@@ -1356,7 +1360,7 @@ static code_vec code_line_F, code_line_b, code_line_c;
 static void code_line_masses(const code *w, const char *name, int kind)
 {
   const int count = code_line.line->count;
-  code_template(w, "  static const $ ");
+  code_template(w, "  static const %s ");
   fprintf(w->out, "%s[%d][%d] = {", name, count + (kind < 2 ? 4 : 0), code_line.m);
   for (int l = 0; l < count + (kind < 2 ? 4 : 0); l++) {
     fputs(l ? ",\n    {" : "\n    {", w->out);

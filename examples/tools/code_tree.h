@@ -2268,11 +2268,14 @@ static void tree_write_range(const code *w)
     const tree_link *const L = &tree.link[k];
     char number[40], target[40];
     code_sum s;
+    const int limited = L->n > 0 && L->model->deflection_limit < FB_HUGE; /* lines have their own limit */
     code_begin(&s);
-    for (int a = 0; a < L->n && L->model->deflection_limit < FB_HUGE; a++) {
-      code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
+    for (int a = 0; a < L->n && limited; a++) {
+      if (L->model->reach[a] > FB_R(0.0)) {
+        code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
+      }
     }
-    if (L->n > 0 && L->model->deflection_limit < FB_HUGE) {
+    if (limited) {
       snprintf(target, sizeof target, "bent_%d", k);
       code_declare(w, &s, target);
       code_number(number, w, (double)L->model->deflection_limit);
