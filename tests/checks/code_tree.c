@@ -502,8 +502,8 @@ static const struct {
   double length;
 } springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0}, {67, {0, 1 + TIP}, 9.0}, {67, {2, 2 + TIP}, 7.0},
                {67, {1 + TIP, 1 + TIP}, 1.0}, {68, {0 + TIP, 2}, 1.5}, {68, {-1, 1 + TIP}, 12.0},
-               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0},
-               {76, {1 + TIP, 2 + TIP}, 8.0}, {76, {0, 2 + TIP}, 9.0}};
+               {69, {0 + TIP, -1}, 0.0},      {69, {1 + TIP, 2}, 2.0}, {76, {1 + TIP, 2 + TIP}, 8.0},
+               {76, {0, 2 + TIP}, 9.0}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
