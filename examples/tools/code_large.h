@@ -22,9 +22,8 @@ static inline void large_refusal(char text[200], const fb_system *system, const 
 {
   text[0] = '\0';
   for (int k = 0; k < system->n_body && !text[0]; k++) {
-    const char *what = choice->lanes == TREE_LANES_ALONE ? "effects large by a table: choose effects up to full"
-                       : choice->implicit                ? "effects large by integrator sdirk: choose integrator rk4"
-                                                         : NULL;
+    const char *const what =
+        choice->lanes == TREE_LANES_ALONE ? "effects large by a table: choose effects up to full" : NULL;
     if (what && large_is(&body[system->model[k]])) {
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
