@@ -333,6 +333,12 @@ compile
 try "$out/scene" "$out/scene.txt" --lanes --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
+effects="large damping"
+scene 'integrator sdirk' 'step 0.01'
+effects=
+try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+mv "$out/generated.h" "$out/code.h"
+compile
 call='generated_step(&s, 0, 0, 0, 1)'
 main
 # written SCENE: it compiles
