@@ -18386,7 +18386,7 @@ static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, con
 /* [E11.40] Largest eigenvalue of the stiffness of modes and springs against the system's mass at the present deflection
    and pose: the power method with the factors at hand, from impulses sqrt(K_aa) on all coordinates, of which each of
    its steps multiplies the fastest mode by the square of its frequency; the estimate is from below, + 5 % as where it
-   is undeformed (E11.15). Velocities V of the bodies are kept.
+   is undeformed (E11.15). Velocities of bodies, joints and modes are kept.
    Source: linear algebra.  Cost: a solution and FBI_POWER_STEPS more.  Fails: never.
    Test: systems_refuse_steps_that_a_bent_line_does_not_allow. */
 #define FBI_POWER_STEPS 3
@@ -18395,10 +18395,10 @@ static FBI_NOINLINE fb_real fbi_system_bent(fb_system_work *w, const fb_system *
   fb_status status;
   fb_real size = FB_R(0.0);
   fbi_rhs_clear(w, system, body);
+  fbi_motion_keep(w, system);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *const L = &w->link[k];
     const fb_sparse *const K = &L->model->K;
-    fbi_vec6_copy(L->twist, L->V);
     for (int a = 0; a < L->model->n; a++) {
       L->pi[a] = K->diagonal[a] > FB_R(0.0) ? FB_SQRT(K->diagonal[a]) : FB_R(0.0);
       L->pi[a] = (7 * k + 3 * a) % 5 < 2 ? -L->pi[a] : L->pi[a];
@@ -18413,9 +18413,7 @@ static FBI_NOINLINE fb_real fbi_system_bent(fb_system_work *w, const fb_system *
     status = fbi_speeds_solve(w, system, body);
     size = fbi_power_product(w, system, body);
   }
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].V, w->link[k].twist);
-  }
+  fbi_motion_restore(w, system);
   return FB_R(1.05) * size;
 }
 #endif

@@ -643,9 +643,31 @@ TEST(systems_refuse_steps_that_a_bent_line_does_not_allow)
   FBT_TRUE(FB_SINGLE || (longer > 2.0 && least > 0.9));
 }
 
+/* E11.40: modes of polynomials beside bent lines count by their own speeds in the power method, not by those of the
+   motion: by elimination, which does not ask for them else, and by one dense matrix. */
+TEST(the_bound_of_bent_lines_has_the_modes_of_other_bodies)
+{
+  for (int fast = 0; fast < 2; fast++) {
+    static fb_system_limit by[2];
+    for (int method = 0; method < 2; method++) {
+      fbt_seed(11);
+      light_chain(1, 0.1, 0, 1.5);
+      flexible(&model[1], 1, 1, 0, FB_EFFECTS_FULL);
+      hang(1, 1, FB_JOINT_REVOLUTE, 0, 1);
+      start[1].q_dot[0] = (fb_real)(3 * fast);
+      init(method ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+      FBT_INT_EQ(fb_system_limit_eval(&mechanism, model, &work, &by[method], &state, &input), FB_OK);
+    }
+    FBT_NEAR_REL(by[1].rk4, by[0].rk4, FBT_TOL(1e-9, 1e-3));
+    FBT_BELOW(by[0].rk4, 0.9 * (double)fb_system_rk4_limit(&mechanism, model, 0, 0)); /* the deflection counts */
+  }
+}
+
 SUITE(system_lines, RUN_LONG(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
       RUN(rates_of_systems_with_lines_are_those_of_hamilton), RUN(accelerations_of_systems_with_lines_are_rates),
       RUN(lines_of_every_kind_carry_their_bodies), RUN(momenta_of_lines_give_back_the_speeds),
       RUN(a_line_alone_is_the_single_body), RUN(systems_with_lines_keep_energy_and_momentum),
       RUN(a_latch_on_a_line_conserves_momentum), RUN(power_of_distributed_loads_on_systems_is_the_rate_of_energy),
-      RUN(systems_refuse_distributed_loads_that_fail), RUN_LONG(systems_refuse_steps_that_a_bent_line_does_not_allow))
+      RUN(systems_refuse_distributed_loads_that_fail), RUN_LONG(systems_refuse_steps_that_a_bent_line_does_not_allow),
+      RUN(the_bound_of_bent_lines_has_the_modes_of_other_bodies))

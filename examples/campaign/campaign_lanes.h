@@ -116,6 +116,8 @@ static const char *lanes_output_refusal(const scene *s)
   return NULL;
 }
 
+static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, 0, {0}, {0}};
+
 /* The scene that has been built and started; text: what cannot go by lanes, "": nothing. */
 static void lanes_refusal(char text[200], const scene *s)
 {
@@ -127,6 +129,9 @@ static void lanes_refusal(char text[200], const scene *s)
       names[k] = s->body[k].name;
     }
     tree_refusal(text, &engine.system, engine.body, names);
+    if (!text[0]) {
+      large_refusal(text, &engine.system, engine.body, names, &lanes_choice);
+    }
     what = text[0] || engine.system.n_loop == 0 ? NULL : "loops, whose rows a table may change: choose a tree";
   }
   if (what) {
@@ -140,7 +145,8 @@ static void lanes_refusal(char text[200], const scene *s)
 static int lanes_write(FILE *out, const scene *s, int places)
 {
   const char *names[FB_MAX_BODIES];
-  const tree_choice choice = {"lanes", 0, TREE_LANES_ALONE, places, NULL, 0, {0}, {0}};
+  tree_choice choice = lanes_choice;
+  choice.table = places;
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }

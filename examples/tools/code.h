@@ -260,7 +260,7 @@ static void code_write_inertia(const code *w)
 
 /* ---- the solution of S V = y, with lines of M and S at once */
 
-enum { CODE_ROWS = FB_MAX_MODES + 6 };
+enum { CODE_SPEEDS = FB_MAX_MODES > 24 ? FB_MAX_MODES : 24, CODE_ROWS = CODE_SPEEDS + 6 };
 
 typedef struct code_factor { /* in the order of elimination */
   int n, order[6];           /* rows that the base leaves free */
@@ -884,28 +884,37 @@ static double code_large_axes(int k, int i, int j)
   return fabs(c) < 4.0 * DBL_EPSILON ? 0.0 : fabs(fabs(c) - 1.0) < 4.0 * DBL_EPSILON ? floor(c + 0.5) : c;
 }
 
-/* Poses of all lines at coordinates q; sound: no interval turns too far. */
-static void code_write_large_poses(const code *w, const char *q)
+/* Calls function `name` of line k with the variable in which it is. */
+static void code_write_large_call(const code *w, const char *name, int k)
 {
-  fputs("  int sound = 1;\n", w->out);
+  code_template(w, "@_");
+  fprintf(w->out, "%s_%d(&%s", name, code_lines[k].number, code_variable("line_%d", k).name);
+}
+
+/* Poses of all lines at coordinates q + at; sound: no interval turns too far. */
+static void code_write_large_poses(const code *w, const char *q, int at)
+{
+  fprintf(w->out, "  int %ssound = 1;\n", code_of_names);
   for (int k = 0; k < code_model.body->lines.n_line; k++) {
     code_template(w, "  @_line_");
-    fprintf(w->out, "%d line_%d;\n", k, k);
+    fprintf(w->out, "%d %s;\n", code_lines[k].number, code_variable("line_%d", k).name);
   }
   for (int k = 0; k < code_model.body->lines.n_line; k++) {
-    code_template(w, "  sound &= @_pose_");
-    fprintf(w->out, "%d(&line_%d, %s + %d);\n", k, k, q, code_model.body->lines.line[k].first);
+    fprintf(w->out, "  %ssound &= ", code_of_names);
+    code_write_large_call(w, "pose", k);
+    fprintf(w->out, ", %s + %d);\n", q, at + code_model.body->lines.line[k].first);
   }
 }
 
-static void code_write_large_inertias(const code *w, const char *q)
+static void code_write_large_inertias(const code *w, const char *q, int at)
 {
   for (int k = 0; k < code_model.body->lines.n_line; k++) {
     const fb_line *const line = &code_model.body->lines.line[k];
-    code_template(w, "  @_inertia_");
-    fprintf(w->out, "%d(&line_%d%s", k, k, code_lines[k].centered ? ", hub" : "");
+    fputs("  ", w->out);
+    code_write_large_call(w, "inertia", k);
+    fputs(code_lines[k].centered ? ", hub" : "", w->out);
     if (line->moves) {
-      fprintf(w->out, ", %s + %d", q, line->first);
+      fprintf(w->out, ", %s + %d", q, at + line->first);
     }
     fputs(");\n", w->out);
   }
@@ -926,8 +935,8 @@ static void code_large_add(code_sum *s, int k, char which, int i, int b)
   }
 }
 
-/* First moment of mass of line k from its pose, body axes: sum of masses outboard times tangents. */
-static code_value code_write_large_center(const code *w, int k, int i)
+/* First moment of mass of line k from its pose at q + from, body axes: sum of masses outboard times tangents. */
+static code_value code_write_large_center(const code *w, const char *q, int from, int k, int i)
 {
   const struct code_line own = code_lines[k];
   code_sum s;
@@ -958,7 +967,7 @@ static code_value code_write_large_center(const code *w, int k, int i)
     }
     for (int a = 0; a < code_line.n; a++) {
       code_add_one(&s, turn * code_line_moment(-1) * code_line_shift(a, j),
-                   code_variable("q[%d]", code_line.line->first + a));
+                   code_plain("%s[%d]", q, from + code_line.line->first + a));
     }
   }
   return code_end(w, &s, code_variable("c_%c_%d", code_axis[i], k));
@@ -1147,26 +1156,31 @@ static void code_write_large_solve(const code *w)
   }
 }
 
-/* Velocities of the frame in the axes of line k, those of its points, dT/dq. */
-static void code_write_large_line(const code *w, int k)
+/* Velocities of the frame in the axes of line k, those of its points, dT/dq; at: where q is in x and rate. */
+static void code_write_large_line(const code *w, int at, int k)
 {
   const fb_line *const line = &code_model.body->lines.line[k];
+  const code_value u = code_variable("u_%d", k), o = code_variable("o_%d", k);
   code_sum s;
   code_template(w, "  $ ");
-  fprintf(w->out, "u_%d[3], o_%d[3];\n", k, k);
+  fprintf(w->out, "%s[3], %s[3];\n", u.name, o.name);
   for (int i = 0; i < 6; i++) {
     code_begin(&s);
     for (int j = 0; j < 3; j++) {
       code_add_one(&s, code_large_axes(k, j, i % 3), code_now.V[i - i % 3 + j]);
     }
-    code_assign(w, &s, code_variable("%c_%d[%d]", i < 3 ? 'u' : 'o', k, i % 3).name);
+    code_assign(w, &s, code_plain("%s[%d]", i < 3 ? u.name : o.name, i % 3).name);
   }
-  code_template(w, "  @_drift_");
-  fprintf(w->out, "%d(&line_%d, rate + %d, o_%d);\n", k, k, 10 + line->first, k);
-  code_template(w, "  @_gradient_");
-  fprintf(w->out, "%d(&line_%d, u_%d, o_%d", k, k, k, k);
-  if (line->moves) {
-    fprintf(w->out, ", x + %d, rate + %d", 10 + line->first, 10 + line->first);
+  fputs("  ", w->out);
+  code_write_large_call(w, "drift", k);
+  fprintf(w->out, ", rate + %d, %s);\n  ", at + line->first, o.name);
+  code_write_large_call(w, "gradient", k);
+  fprintf(w->out, ", %s, %s", u.name, o.name);
+  if (line->moves || code_lines[k].carries) {
+    fprintf(w->out, ", x + %d, rate + %d", at + line->first, at + line->first);
+  }
+  if (code_lines[k].carries) {
+    fprintf(w->out, ", %s", code_variable("held_%d", k).name);
   }
   fputs(");\n", w->out);
 }
@@ -1193,14 +1207,14 @@ static void code_write_large_hub(const code *w)
 static void code_write_large(const code *w)
 {
   fputs("\n  /* poses and inertia of the lines (E14.1 to E14.6) */\n", w->out);
-  code_write_large_poses(w, "x + 10");
+  code_write_large_poses(w, "x", 10);
   code_template(w, "  if (!sound) {\n    return @_is_finite(x + 10, %n) ? @_range : @_not_finite;\n  }\n");
   code_write_lambda(w);
   code_write_inertia(w);
   if (code_lines[0].centered) {
     code_write_large_hub(w);
   }
-  code_write_large_inertias(w, "x + 10");
+  code_write_large_inertias(w, "x", 10);
   fputs("\n  /* E14.12: Lambda, M_rr and first moment of mass of the whole */\n", w->out);
   code_write_large_inertia(w);
   for (int i = 0; i < code_model.first; i++) {
@@ -1227,7 +1241,7 @@ static void code_write_large(const code *w)
   }
   fputs("\n  /* E14.7: dT/dq of the lines at fixed V and q_dot */\n", w->out);
   for (int k = 0; k < code_model.body->lines.n_line; k++) {
-    code_write_large_line(w, k);
+    code_write_large_line(w, 10, k);
   }
 }
 
@@ -1328,6 +1342,34 @@ static void code_write_large_mobility(const code *w, code_value G[FB_MAX_MODES][
   }
 }
 
+/* most = the square of the fastest rotation of a section relative to the frame, or itself (E11.37) */
+static void code_write_large_fastest(const code *w, const char *most)
+{
+  code inner = *w;
+  inner.indent = 6;
+  for (int k = 0; k < code_model.body->lines.n_line; k++) {
+    code_sum s;
+    code_line = code_lines[k];
+    code_loop(w, 4, 'j', 0, code_line.m);
+    code_begin(&s);
+    for (int i = 0; i < 3; i++) {
+      if (code_line.w.x[i].name[0] == 'l') {
+        const code_value own = code_variable("w_%c", 'x' + i);
+        code_template(w, "      const $ ");
+        fprintf(w->out, "%s = %s.w_%c[j] - %s[%d];\n", own.name, code_variable("line_%d", k).name, 'x' + i,
+                code_variable("o_%d", k).name, i);
+        code_add(&s, 1.0, own, own);
+      }
+    }
+    code_declare(&inner, &s, "square");
+    if (w->lanes) {
+      fprintf(w->out, "      %s = %s_wide_either(square <= %s, %s, square);\n    }\n", most, w->name, most, most);
+    } else {
+      fprintf(w->out, "      %s = square <= %s ? %s : square;\n    }\n", most, most, most);
+    }
+  }
+}
+
 /* What a step needs beside the rates, w: velocity of O relative to the mass center, first moment of mass; step limit. */
 static void code_write_large_frame(const code *w)
 {
@@ -1360,22 +1402,7 @@ static void code_write_large_frame(const code *w)
   }
 #endif
   code_write_large_norm(&inner, G, &body->K, (double)body->limit_elastic, 9);
-  for (int k = 0; k < body->lines.n_line; k++) {
-    code_sum s;
-    code_line = code_lines[k];
-    code_loop(w, 4, 'j', 0, code_line.m);
-    inner.indent = 6;
-    code_begin(&s);
-    for (int i = 0; i < 3; i++) {
-      if (code_line.w.x[i].name[0] == 'l') {
-        code_template(w, "      const $ ");
-        fprintf(w->out, "w_%c = line_%d.w_%c[j] - o_%d[%d];\n", 'x' + i, k, 'x' + i, k, i);
-        code_add(&s, 1.0, code_variable("w_%c", 'x' + i), code_variable("w_%c", 'x' + i));
-      }
-    }
-    code_declare(&inner, &s, "square");
-    fputs("      w[11] = square <= w[11] ? w[11] : square;\n    }\n", w->out);
-  }
+  code_write_large_fastest(w, "w[11]");
   fputs("  }\n", w->out);
 }
 
@@ -1563,7 +1590,7 @@ static void code_write_center(const code *w)
                        : "\n/* E8.16: c(q) [kg m], first moment of mass, body axes */\n"
                          "static void @_center(%M$ *c, const $ *q)\n{\n%V");
   if (w->large) {
-    code_write_large_poses(w, "q");
+    code_write_large_poses(w, "q", 0);
   }
   for (int i = 0; i < 3; i++) {
     const code_poly *const p = &code_model.poly[i];
@@ -1584,7 +1611,7 @@ static void code_write_center(const code *w)
       code_add(&s, 1.0, slope[b], code_variable("q[%d]", b));
     }
     for (int k = 0; k < code_model.body->lines.n_line && w->large; k++) {
-      code_add_one(&s, 1.0, code_write_large_center(w, k, i));
+      code_add_one(&s, 1.0, code_write_large_center(w, "q", 0, k, i));
     }
     snprintf(target, sizeof target, "c[%d]", i);
     code_assign(w, &s, target);
@@ -1861,8 +1888,8 @@ static void code_write_follow(const code *w, int unused)
                    "  for (int i = 0; i < 3; i++) {\n    u[i] -= x[4 + i];\n    d[4 + i] = u[i];\n  }\n"
                    "  @_turn_back(s, quat, u);\n");
   if (w->large) {
-    code_write_large_poses(w, "q");
-    code_write_large_inertias(w, "q");
+    code_write_large_poses(w, "q", 0);
+    code_write_large_inertias(w, "q", 0);
   }
   for (int b = 0; b < w->n; b++) {
     char target[32];

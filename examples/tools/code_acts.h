@@ -78,6 +78,12 @@ static void acts_write_node(const code *w, code_value F[6], int k, int at)
   const code_value name = code_variable("p%d_%d", k, at);
   code_value force[3], torque[3];
   code_sum s;
+  if (L->model->node[at].line.line > 0) {
+    code own = tree_enter(w, k);
+    own.indent = w->indent;
+    large_write_hold(&own, k, at);
+    tree_leave(k);
+  }
   rows_write_node(w, &end, k, at, name);
   for (int i = 0; i < 6; i++) {
     code_value *const x = i < 3 ? &force[i] : &torque[i - 3];

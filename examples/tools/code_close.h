@@ -172,7 +172,7 @@ static void rows_write_move(const code *w, int unused)
   if (tree.looped) {
     tree_write_pushed(w);
   }
-  tree_write_places(w);
+  tree_write_places(w, LARGE_MOVING);
   tree.spins = "in && !places";
   tree_write_bodies(w);
   tree.spins = "in";

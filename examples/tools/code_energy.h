@@ -7,7 +7,25 @@ static struct energy_sums {
   code_sum kinetic, strain, gravity;
 } energy_sums;
 
-/* Kinetic energy of a body, (V.S V + e.M^-1 e)/2 with e = Lambda^T V + M q_dot, and of its rotors, h^2/2J (E8.43). */
+/* Momenta P of a body by V, and with lines by the rates of its coordinates, too. */
+static void energy_write_momentum(const code *w, code_value P[6], const code_value V[6], int k)
+{
+  const tree_link *const L = &tree.link[k];
+  code_value more[6];
+  code_sum s;
+  for (int i = 0; i < 6 && large_is(L->model); i++) {
+    code_begin(&s);
+    for (int a = 0; a < L->n; a++) {
+      code_add(&s, 1.0, L->rates.lambda[i][a], code_plain("m->body_%d.q_dot[%d]", k, a));
+    }
+    more[i] = code_end(w, &s, code_variable("b%d_kL_%s", k, code_rows[i]));
+  }
+  tree_write_momentum(w, P, large_is(L->model) ? tree_nodes[k].M_rr : L->rates.S, V, large_is(L->model) ? more : NULL,
+                      "kP", k);
+}
+
+/* Kinetic energy of a body, (V.S V + e.M^-1 e)/2 with e = Lambda^T V + M q_dot, with lines (V.P + e.q_dot)/2, and of its
+   rotors, h^2/2J (E8.43). */
 static void energy_write_kinetic(const code *w, int k)
 {
   static double M[FB_MAX_MODES][FB_MAX_MODES];
@@ -18,7 +36,7 @@ static void energy_write_kinetic(const code *w, int k)
   for (int i = 0; i < 6; i++) {
     V[i] = code_plain("m->body_%d.%s[%d]", k, i < 3 ? "v" : "w", i % 3);
   }
-  tree_write_momentum(w, P, L->rates.S, V, NULL, "kP", k);
+  energy_write_momentum(w, P, V, k);
   own = tree_enter(w, k);
   code_read_sparse(M, &L->model->M, L->n);
   for (int a = 0; a < L->n; a++) {
@@ -27,11 +45,15 @@ static void energy_write_kinetic(const code *w, int k)
       code_add(&s, 1.0, code_now.lambda[i][a], V[i]);
     }
     for (int b = 0; b < L->n; b++) {
-      code_add_one(&s, M[a][b], code_plain("m->body_%d.q_dot[%d]", k, b));
+      code_add(&s, 1.0, code_model.large ? large_mass[k][a][b] : code_constant(M[a][b]),
+               code_plain("m->body_%d.q_dot[%d]", k, b));
     }
     e[a] = code_end(&own, &s, code_variable("ke_%d", a));
+    y[a] = code_plain("m->body_%d.q_dot[%d]", k, a);
   }
-  code_write_solve(&own, y, e, "ky");
+  if (!code_model.large) {
+    code_write_solve(&own, y, e, "ky");
+  }
   tree_leave(k);
   for (int i = 0; i < 6; i++) {
     code_add(&energy_sums.kinetic, 0.5, V[i], P[i]);
@@ -157,9 +179,13 @@ static void energy_write_at(const code *w, int unused)
   tree_write_given_names(w, NULL);
   code_template(w, tree.tied || tree.tracked ? "  $ R[9];\n  @_matrix(R, x);\n  (void)R;\n" : "");
   tree_write_names(w);
-  tree_write_places(w);
+  tree_write_places(w, LARGE_MOVING);
   for (int k = 0; k < tree.n; k++) {
-    tree_write_body(w, k);
+    if (large_is(tree.link[k].model)) {
+      large_write_body(w, k);
+    } else {
+      tree_write_body(w, k);
+    }
     energy_write_kinetic(w, k);
     energy_write_potential(w, k);
     energy_write_joint(w, k);

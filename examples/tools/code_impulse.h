@@ -172,6 +172,10 @@ static void rows_write_node(const code *w, rows_end *end, int k, int at, code_va
   const double origin[3] = {(double)node->r[0], (double)node->r[1], (double)node->r[2]}, none[3] = {0, 0, 0};
   end->link = k;
   end->moves = fbi_node_moves(L->model, at);
+  if (node->line.line > 0) {
+    large_write_node(w, end, k, at, name);
+    return;
+  }
   for (int i = 0; i < 3; i++) {
     end->n[i] = code_constant(origin[i]);
   }
@@ -1018,6 +1022,28 @@ static void rows_write_turning(const code *w, code_value load[6], const rows_end
   }
 }
 
+/* On the coordinates of a line, of which the gradient has what turns with the frame, too: J.(F - (0, v x P)). */
+static void rows_add_line_node(const code *w, code_sum *force, const rows_end *end, code_value name)
+{
+  code_value load[6];
+  code_sum s;
+  for (int i = 0; i < 6; i++) {
+    code_begin(&s);
+    code_add_one(&s, 1.0, end->F[i]);
+    if (i >= 3) {
+      tree_add_cross(&s, -1.0, end->at, end->G, i - 3);
+    }
+    load[i] = code_end(w, &s, code_variable("%sN%s", name.name, code_rows[i]));
+  }
+  for (int a = 0; a < tree.link[end->link].n; a++) {
+    code_add_one(&force[a], 1.0, end->pushed[a]);
+    for (int i = 0; i < 3; i++) {
+      code_add(&force[a], 1.0, end->Ju[a][i], load[i]);
+      code_add(&force[a], 1.0, end->Jphi[a][i], load[3 + i]);
+    }
+  }
+}
+
 /* The same on its modes, added to the force on each: J.(F - turning of G) + J_dot.G. */
 static void rows_add_node(const code *w, code_sum *force, const rows_end *end, int at, code_value name)
 {
@@ -1026,6 +1052,10 @@ static void rows_add_node(const code *w, code_sum *force, const rows_end *end, i
   const code_value *const q_dot = L->rates.q_dot;
   code_value load[6], Ju_dot[FB_MAX_MODES][3], turn_dot[FB_MAX_MODES][3], phi_dot[3], shrink;
   code_sum s;
+  if (node->line.line > 0) {
+    rows_add_line_node(w, force, end, name);
+    return;
+  }
   rows_write_turning(w, load, end, name);
   rows_write_pairs(w, Ju_dot, L->model, NULL, rows_table(L->model, node, 0), q_dot, code_variable("%sJd", name.name));
   rows_write_pairs(w, turn_dot, L->model, NULL, rows_table(L->model, node, 1), q_dot, code_variable("%sTd", name.name));

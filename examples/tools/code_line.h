@@ -28,7 +28,13 @@ static struct code_line {
   char member[CODE_MEMBERS][CODE_NAME];
   code_vec A, B, phi, t, phi_dot, A_dot, B_dot, w, tau, Y; /* at point j */
   code_value H[3][3], N[3][3], I[3][3];
+  code_vec K, turn[FB_MAX_MODES]; /* E14.5 of coordinate a at point j */
+  int carries;                    /* nodes that carry momenta (code_hold.h) */
 } code_line;
+
+/* Lines of the body that is written, the number of its first one in names; 1: it is one of a tree. */
+static struct code_line code_own_lines[FB_MAX_LINES], *code_lines = code_own_lines;
+static int code_lines_first, code_lines_carried;
 
 static const char code_axis[3] = {'x', 'y', 'z'};
 
@@ -51,14 +57,14 @@ static int code_line_row_is_used(int kind, int row)
   return 0;
 }
 
-static void code_line_begin(int number)
+static void code_line_begin(int k)
 {
   const fb_lines *const all = &code_model.body->lines;
-  const fb_line *const line = &all->line[number];
+  const fb_line *const line = &all->line[k];
   memset(&code_line, 0, sizeof code_line);
   code_line.all = all;
   code_line.line = line;
-  code_line.number = number;
+  code_line.number = code_lines_first + k;
   code_line.n = line->n;
   code_line.width = (line->n + 1) / 2 * 2;
   code_line.m = line->stride;
@@ -182,8 +188,9 @@ static void code_line_center(void)
   }
   code_line.whole = sqrt(mass);
   code_line.kept = 1.0 - mass / (double)body->mass;
-  code_line.centered = body->base == FB_BASE_FREE && body->lines.n_line == 1 && line->n == body->n && count > 1 &&
-                       !code_line.offset && code_line.kept > 1e-3 && code_line_rest_is_constant();
+  code_line.centered = !code_lines_carried && body->base == FB_BASE_FREE && body->lines.n_line == 1 &&
+                       line->n == body->n && count > 1 && !code_line.offset && code_line.kept > 1e-3 &&
+                       code_line_rest_is_constant();
   if (!code_line.centered) {
     return;
   }
@@ -322,7 +329,7 @@ static code_value code_at(code_value x, const char *at)
   const int bare = (int)strcspn(x.name, "[");
   code_value y = x;
   if (x.name[bare]) {
-    y = code_variable("%.*s[%s]", bare, x.name, at);
+    y = code_plain("%.*s[%s]", bare, x.name, at);
     y.c = x.c;
   }
   return y;
@@ -410,7 +417,7 @@ static void code_line_tables(const code *w)
   code_template(w, "\n/* Line ");
   fprintf(w->out, "%d: A, B and Gamma (E14.1, E14.4) of its coordinates, those that are not zero, by points */\n",
           code_line.number);
-  code_template(w, "static const $ @_turn_");
+  code_template(w, "static const %s @_turn_");
   fprintf(w->out, "%d[%d][%d] = {", code_line.number, n_row, code_line.m);
   for (int t = 0; t < CODE_TABLES; t++) {
     for (int a = 0; a < code_line.n; a++) {
@@ -445,7 +452,7 @@ static void code_line_head(const code *w, const char *type, const char *name, co
 /* A local name of a table. */
 static void code_line_alias(const code *w)
 {
-  fprintf(w->out, "  const %s (*const T)[%d] = ", code_real(w), code_line.m);
+  fprintf(w->out, "  const %s (*const T)[%d] = ", code_scalar(w), code_line.m);
   code_template(w, "@_turn_");
   fprintf(w->out, "%d;\n", code_line.number);
 }
@@ -576,7 +583,8 @@ static void code_line_half(const code *w)
   code_keep_vec(&inner, &d, "quat");
   for (int i = 0; i < 3 && !code_line.plane; i++) {
     if (code_is_zero(&d.x[i])) { /* turns that commute, of this alone the quaternion's product */
-      fprintf(w->out, "    l->quat_%c[j] = 0;\n", code_axis[i]);
+      fprintf(w->out, "    l->quat_%c[j] = ", code_axis[i]);
+      code_template(w, w->lanes ? "%z;\n" : "0;\n");
       code_member(code_variable("quat_%c[%d]", code_axis[i], code_line.m).name);
     }
   }
@@ -716,7 +724,7 @@ static void code_line_pose(const code *w, int unused)
     }
   }
   if (curved) {
-    code_template(w, "  static const $ tangent[3][");
+    code_template(w, "  static const %s tangent[3][");
     fprintf(w->out, "%d] = {", code_line.m);
     for (int i = 0; i < 3; i++) {
       fputs(i ? ",\n    {" : "\n    {", w->out);
@@ -728,7 +736,7 @@ static void code_line_pose(const code *w, int unused)
     fputs("};\n", w->out);
   }
   code_line_alias(w);
-  code_template(w, "  $ most = `0`;\n");
+  code_template(w, "  $ most = %z;\n");
   code_line_coordinates(w, "q");
   code_line_turns(w);
   code_line_half(w);
@@ -737,7 +745,9 @@ static void code_line_pose(const code *w, int unused)
   code_template(w,
                 "\n  /* E14.2: range of the series; what is no number is found where M is factored */\n  @_UNROLL\n");
   code_loop(w, 2, 'j', 0, code_line.m);
-  code_template(w, "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
+  code_template(w, w->lanes
+                       ? "    most = @_either(l->x[j] > most, l->x[j], most);\n  }\n  return %(most <= `1.5`%);\n}\n"
+                       : "    most = l->x[j] > most ? l->x[j] : most;\n  }\n  return most <= `1.5`;\n}\n");
 }
 
 /* ---- E14.5, E14.6: inertia */
@@ -809,7 +819,7 @@ static void code_line_solid(const code *w)
     return;
   }
   fputs("\n  /* E14.6: mass centers of the points from the line, rotary inertia about them, line axes */\n", w->out);
-  code_template(w, "  static const $ own[9][");
+  code_template(w, "  static const %s own[9][");
   fprintf(w->out, "%d] = {", code_line.m);
   for (int i = 0; i < 9; i++) {
     fputs(i ? ",\n    {" : "\n    {", w->out);
@@ -976,7 +986,8 @@ static void code_line_blanks(const code *w)
     for (int a = 0; a < code_line.width && !code_is_zero(&field[f / 3]->x[f % 3]); a++) {
       if (!code_line_known[f][a]) {
         code_loop(w, 2, 'j', 0, code_line.m);
-        fprintf(w->out, "    l->%s_%c[j][%d] = 0;\n  }\n", name[f / 3], code_axis[f % 3], a);
+        fprintf(w->out, "    l->%s_%c[j][%d] = ", name[f / 3], code_axis[f % 3], a);
+        code_template(w, w->lanes ? "%z;\n  }\n" : "0;\n  }\n");
       }
     }
   }
@@ -1016,6 +1027,8 @@ static void code_line_jacobians(const code *w)
     code_line_jacobian(&inner, a, &turn[a]);
   }
   fputs("  }\n", w->out);
+  code_line.K = code_line_K;
+  memcpy(code_line.turn, turn, sizeof turn);
   code_line_blanks(w);
 }
 
@@ -1043,7 +1056,7 @@ static void code_line_weigh(const code *w)
     }
   }
   if (code_line.centered) {
-    code_template(w, "  static const $ rest[3][");
+    code_template(w, "  static const %s rest[3][");
     fprintf(w->out, "%d] = {", code_line.width);
     for (int i = 0; i < 3; i++) {
       fputs(i ? ",\n    {" : "\n    {", w->out);
@@ -1055,7 +1068,7 @@ static void code_line_weigh(const code *w)
     fputs("}; /* of the rest of the body, for row 0 about the mass center of the whole */\n", w->out);
   }
   if (code_line.line->moves) {
-    code_template(w, "  static const $ shift[3][");
+    code_template(w, "  static const %s shift[3][");
     fprintf(w->out, "%d] = {", code_line.width);
     for (int i = 0; i < 3; i++) {
       fputs(i ? ", {" : "{", w->out);
@@ -1337,6 +1350,8 @@ static void code_line_drift(const code *w, int unused)
   fputs("  }\n}\n", w->out);
 }
 
+#include "code_hold.h"
+
 /* ---- E14.7: gradient of the kinetic energy */
 
 static code_vec code_line_F, code_line_b, code_line_c;
@@ -1345,7 +1360,7 @@ static code_vec code_line_F, code_line_b, code_line_c;
 static void code_line_masses(const code *w, const char *name, int kind)
 {
   const int count = code_line.line->count;
-  code_template(w, "  static const $ ");
+  code_template(w, "  static const %s ");
   fprintf(w->out, "%s[%d][%d] = {", name, count + (kind < 2 ? 4 : 0), code_line.m);
   for (int l = 0; l < count + (kind < 2 ? 4 : 0); l++) {
     fputs(l ? ",\n    {" : "\n    {", w->out);
@@ -1408,6 +1423,7 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
   code_sum s;
   code_vec P = {{{0.0, ""}, {0.0, ""}, {0.0, ""}}}, move = P;
   inner.indent = 4;
+  code_hold_tables(w);
   code_line_masses(w, "G", code_line.offset ? 1 : 0);
   if (code_line.offset) {
     code_line_masses(w, "W", 2);
@@ -1442,6 +1458,7 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
     } else {
       code_line_momentum(&s, 0, o, i);
     }
+    code_hold_add(&s, i);
     code_line_F.x[i] = code_end(&inner, &s, code_variable("F_%c", code_axis[i]));
   }
   for (int i = 0; i < 3; i++) {
@@ -1460,7 +1477,9 @@ static void code_line_outboard_forces(const code *w, const code_vec *o)
   if (code_line.by[6] || code_line.by[7] || code_line.by[8]) {
     code_line_F = code_keep_vec(&inner, &code_line_F, "F");
   }
-  fputs("  }\n\n  /* from the tip to the root */\n", w->out);
+  fputs("  }\n", w->out);
+  code_hold_turn(w);
+  fputs("\n  /* from the tip to the root */\n", w->out);
   code_template(w, "  @_UNROLL\n");
   fprintf(w->out, "  for (int j = %d; j >= 0; j--) {\n", code_line.m - 2);
   for (int i = 0; i < 3; i++) {
@@ -1612,6 +1631,9 @@ static void code_line_root_force(const code *w, const code_vec *o)
       }
       code_add_cross(&s, 1.0, o, &start, i);
     }
+    for (int n = 0; n < code_line.carries; n++) {
+      code_add_one(&s, 1.0, code_hold_momentum(n, i));
+    }
     P.x[i] = code_end(w, &s, code_variable("whole_%c", code_axis[i]));
   }
   Q = code_cross(w, "pull", &P, o);
@@ -1636,8 +1658,9 @@ static void code_line_gradient(const code *w, int unused)
         "the\n   coordinates, by one sweep from the tip, after its drift. */\n",
         w->out);
   code_line_head(w, "void", "gradient",
-                 code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
-                                       : ", const $ *u, const $ *o");
+                 code_line.carries       ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot, const $ *held"
+                 : code_line.line->moves ? ", const $ *u, const $ *o, const $ *q, const $ *q_dot"
+                                         : ", const $ *u, const $ *o");
   code_line_alias(w);
   for (int i = 0; i < 3; i++) {
     o.x[i] = code_variable("o_%c", code_axis[i]);
@@ -1677,12 +1700,11 @@ static void code_line_gradient(const code *w, int unused)
   if (code_line.line->moves) {
     code_line_root_force(w, &o);
   }
+  code_hold_steps(w);
   fputs("}\n", w->out);
 }
 
 /* ---- all lines */
-
-static struct code_line code_lines[FB_MAX_LINES];
 
 /* Fields of the line. */
 static void code_line_type(const code *w)
@@ -1711,9 +1733,15 @@ static int code_write_lines(const code *w)
     }
     code_line_begin(k);
     code_line_center();
+    for (int n = code_hold_next(code_carrying, 1); n >= 0; n = code_hold_next(code_carrying, n + 1)) {
+      code_line.carries++;
+    }
     code_line_tables(w);
     good = code_write_pruned(&draft, code_line_pose, 0) && code_write_pruned(&draft, code_line_inertia, 0) &&
            code_write_pruned(&draft, code_line_drift, 0) && code_write_pruned(&draft, code_line_gradient, 0);
+    for (int n = code_hold_next(code_held, 1); n >= 0 && good; n = code_hold_next(code_held, n + 1)) {
+      good = code_write_pruned(&draft, code_hold_write, n);
+    }
     code_line_type(w);
     rewind(draft.out);
     for (int c = fgetc(draft.out); c != EOF; c = fgetc(draft.out)) {

@@ -157,10 +157,16 @@ static void motion_write_node(const code *w, int at)
 {
   char of[16];
   const int k = at / FB_MAX_NODES;
-  const code own = tree_enter(w, k);
+  const int node = at % FB_MAX_NODES;
+  code own = tree_enter(w, k);
   code_of_names = "";
+  own.large = large_any(tree.system, tree.body);
   snprintf(of, sizeof of, "%d_", k);
-  code_write_node_of(&own, of, at % FB_MAX_NODES);
+  if (tree.link[k].model->node[node].line.line > 0) {
+    code_write_line_node_of(&own, of, node);
+  } else {
+    code_write_node_of(&own, of, node);
+  }
 }
 
 /* Tables of all nodes. */
@@ -184,8 +190,11 @@ static void motion_write_places(const code *w)
   fputs("};\n", w->out);
 }
 
+static const char *const motion_node_begin[2] = {
+    "  $ q[4], s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n",
+    "  $ q[4], s[3], v[3], u[3] = {`0`}, turn[4] = {`1`}, u_dot[3] = {`0`}, spin[3] = {`0`};\n  int sound = 1;\n"};
+
 static const char motion_node[] =
-    "  $ q[4], s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n"
     "  const $ *x_O, *R, *v_O, *w_O;\n"
     "  @_node own;\n"
     "  if (!out || !state || !motion) {\n    return @_null;\n  }\n"
@@ -195,6 +204,7 @@ static const char motion_node[] =
 
 static int motion_write_nodes(const code *w)
 {
+  const int large = large_any(tree.system, tree.body);
   int good = 1;
   for (int at = 0; at < tree.n * FB_MAX_NODES; at++) {
     if (fbi_node_moves(tree.link[at / FB_MAX_NODES].model, at % FB_MAX_NODES)) {
@@ -204,6 +214,7 @@ static int motion_write_nodes(const code *w)
   code_template(w, "\n/* E8.20 */\n@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int "
                    "body, int node)\n{\n");
   motion_write_places(w);
+  code_template(w, motion_node_begin[large]);
   code_template(w, motion_node);
   for (int k = 0; k < tree.n; k++) {
     const char *const members[4][2] = {{"x_O", "position"}, {"R", "R"}, {"v_O", "v"}, {"w_O", "w"}};
@@ -219,12 +230,13 @@ static int motion_write_nodes(const code *w)
     const int k = at / FB_MAX_NODES, node = at % FB_MAX_NODES;
     if (fbi_node_moves(tree.link[k].model, node)) {
       fprintf(w->out, "  if (body == %d && node == %d) {\n    ", k, node);
-      code_template(w, "@_node_");
-      fprintf(w->out, "%d_%d(u, phi, u_dot, phi_dot, state->body_%d.q, motion->body_%d.q_dot);\n  }\n", k, node, k, k);
+      code_template(w, tree.link[k].model->node[node].line.line > 0 ? "sound = @_node_" : "@_node_");
+      fprintf(w->out, "%d_%d(%s, state->body_%d.q, motion->body_%d.q_dot);\n  }\n", k, node,
+              large ? "u, turn, u_dot, spin" : "u, phi, u_dot, phi_dot", k, k);
     }
   }
   code_template(w, "  @_quat(q, R);\n");
-  code_template(w, code_read_node);
+  code_template(w, large ? code_read_large_node : code_read_node);
   return good;
 }
 

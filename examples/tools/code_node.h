@@ -43,9 +43,10 @@ static void node_write_frame(const code *w, int k)
   }
 }
 
-/* Places of all links. */
-static void tree_write_places(const code *w)
+/* Places of all links; lines: what of lines is used. */
+static void tree_write_places(const code *w, large_use lines)
 {
+  large_write_lines(w, lines);
   for (int k = 0; k < tree.n; k++) {
     node_write_frame(w, k);
     tree_write_place(w, k);
@@ -89,13 +90,7 @@ static void node_write_body(const code *w, int k)
       M[e] = code_constant(0.0);
     }
   }
-  tree_nothing(tree_nodes[k].spin, 6);
-  code_rotor = tree_rotors[k];
-  for (int i = 0; i < 3; i++) { /* E8.60 */
-    code_begin(&s);
-    code_add_rotors(&s, 1.0, i);
-    tree_nodes[k].spin[3 + i] = code_end(&own, &s, code_variable("O_%c", tree_axis[i]));
-  }
+  tree_write_spin(&own, k);
   tree_leave(k);
   memcpy(L->I, M, sizeof L->I);
   memcpy(L->b, tree_nodes[k].spin, sizeof L->b);
@@ -104,6 +99,10 @@ static void node_write_body(const code *w, int k)
 static void tree_write_bodies(const code *w)
 {
   for (int k = 0; k < tree.n; k++) {
+    if (large_is(tree.link[k].model)) {
+      large_write_body(w, k);
+      continue;
+    }
     tree_write_body(w, k);
     if (tree.link[k].open) {
       node_write_body(w, k);
@@ -266,7 +265,8 @@ static void node_write_modes(const code *w, int k)
     }
     for (int b = 0; b <= a; b++) {
       tree_matrix[L->mode_row + b][L->mode_row + a] = tree_matrix[L->mode_row + a][L->mode_row + b] =
-          code_constant(L->model->unit_mass ? (a == b ? 1.0 : 0.0) : M[a][b]);
+          large_is(L->model) ? large_mass[k][a][b]
+                             : code_constant(L->model->unit_mass ? (a == b ? 1.0 : 0.0) : M[a][b]);
     }
     for (int c = k + 1; c < tree.n; c++) {
       if (tree.link[c].parent == k && tree.link[c].moves) {

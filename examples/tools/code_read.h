@@ -164,8 +164,8 @@ static code_vec code_node_rows(const code *w, const char *name, const fb_real *r
   return out;
 }
 
-/* E14.14: a node on a line. */
-static void code_write_line_node(const code *w, int k)
+/* E14.14: a node on a line; of: what begins its number. */
+static void code_write_line_node_of(const code *w, const char *of, int k)
 {
   const fb_node *const node = &code_model.body->node[k];
   const fb_line_node *const at = &node->line;
@@ -180,20 +180,20 @@ static void code_write_line_node(const code *w, int k)
   after = at->after ? at->after - 1 - line->point : -1;
   fprintf(w->out, "\n/* E14.14: displacement [m] and rotation of node %d with their rates, body axes */\n", k);
   code_template(w, "static int @_node_");
-  fprintf(w->out, "%d", k);
+  fprintf(w->out, "%s%d", of, k);
   code_template(w, "($ *u, $ *turn, $ *u_dot, $ *spin, const $ *q, const $ *q_dot)\n{\n"
                    "  static const $ rest[3] = {`0`, `0`, `0`};\n  @_line_");
-  fprintf(w->out, "%d line, *const l = &line;\n", number);
+  fprintf(w->out, "%d line, *const l = &line;\n", code_line.number);
   code_template(w, "  const int sound = @_pose_");
-  fprintf(w->out, "%d(l, q + %d);\n", number, line->first);
+  fprintf(w->out, "%d(l, q + %d);\n", code_line.number, line->first);
   code_template(w, "  @_inertia_");
-  fprintf(w->out, "%d(l%s", number, code_line.centered ? ", rest" : "");
+  fprintf(w->out, "%d(l%s", code_line.number, code_line.centered ? ", rest" : "");
   if (line->moves) {
     fprintf(w->out, ", q + %d", line->first);
   }
   fputs(");\n", w->out);
   code_template(w, "  @_drift_");
-  fprintf(w->out, "%d(l, q_dot + %d, rest);\n", number, line->first);
+  fprintf(w->out, "%d(l, q_dot + %d, rest);\n", code_line.number, line->first);
 
   /* the interval before it */
   A = code_node_rows(w, "A", at->turn, "q");
@@ -305,6 +305,11 @@ static void code_write_line_node(const code *w, int k)
   code_node_assign(w, line, "u", 0, &r, node->r);
   code_node_assign(w, line, "u_dot", 0, &v, NULL);
   fputs("  return sound;\n}\n", w->out);
+}
+
+static void code_write_line_node(const code *w, int k)
+{
+  code_write_line_node_of(w, "", k);
 }
 
 static const char code_read_motion[] =
@@ -535,13 +540,13 @@ static const char code_read_large_node[] =
     "  for (int i = 0; i < 3; i++) {\n    s[i] += u[i];\n  }\n"
     "  for (int i = 0; i < 3; i++) {\n"
     "    const int y = i < 2 ? i + 1 : 0, z = i > 0 ? i - 1 : 2;\n"
-    "    v[i] = motion->v[i] + motion->w[y] * s[z] - motion->w[z] * s[y] + u_dot[i];\n"
-    "    spin[i] += motion->w[i];\n"
+    "    v[i] = v_O[i] + w_O[y] * s[z] - w_O[z] * s[y] + u_dot[i];\n"
+    "    spin[i] += w_O[i];\n"
     "  }\n"
     "  @_turn(own.position, q, s);\n"
     "  @_turn(own.velocity, q, v);\n"
     "  @_turn(own.angular_rate, q, spin);\n"
-    "  for (int i = 0; i < 3; i++) {\n    own.position[i] += state->rho[i];\n  }\n"
+    "  for (int i = 0; i < 3; i++) {\n    own.position[i] += x_O[i];\n  }\n"
     "  own.quat[0] = q[0] * turn[0] - q[1] * turn[1] - q[2] * turn[2] - q[3] * turn[3];\n"
     "  own.quat[1] = q[1] * turn[0] + q[0] * turn[1] + q[2] * turn[3] - q[3] * turn[2];\n"
     "  own.quat[2] = q[2] * turn[0] + q[0] * turn[2] + q[3] * turn[1] - q[1] * turn[3];\n"
@@ -573,7 +578,7 @@ static int code_write_nodes(const code *w)
       w->large
           ? "};\n  $ s[3], v[3], u[3] = {`0`}, turn[4] = {`1`}, u_dot[3] = {`0`}, spin[3] = {`0`};\n  int sound = 1;\n"
           : "};\n  $ s[3], v[3], w[3], u[3] = {`0`}, phi[3] = {`0`}, u_dot[3] = {`0`}, phi_dot[3] = {`0`}, share;\n");
-  code_template(w, w->large ? "  const $ *q;\n" : "  const $ *q, *x_O, *v_O, *w_O;\n");
+  code_template(w, "  const $ *q, *x_O, *v_O, *w_O;\n");
   code_template(w, "  $ x[%N];\n"
                    "  @_node own;\n"
                    "  if (!out || !state || !motion%Q) {\n    return @_null;\n  }\n");
@@ -581,7 +586,7 @@ static int code_write_nodes(const code *w)
   code_template(w, "    return @_value;\n  }\n  @_enter(%Ax, state);\n"
                    "  if (!@_is_finite(x, %N)) {\n    return @_not_finite;\n  }\n"
                    "  q = state->quat;\n  memcpy(s, place[node], sizeof s);\n");
-  code_template(w, w->large ? "" : "  x_O = state->rho;\n  v_O = motion->v;\n  w_O = motion->w;\n");
+  code_template(w, "  x_O = state->rho;\n  v_O = motion->v;\n  w_O = motion->w;\n");
   for (int k = 1; k < body->n_node; k++) {
     fprintf(w->out, "  if (node == %d) {\n", k);
     code_template(w, w->large && body->node[k].line.line > 0 ? "    sound = @_node_" : "    @_node_");

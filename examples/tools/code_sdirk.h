@@ -680,7 +680,9 @@ static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k
   }
   code_begin(&s);
   for (int a = 0; a < L->n; a++) {
-    code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "k", k, a));
+    if (L->model->reach[a] > FB_R(0.0)) { /* of lines it is none */
+      code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "k", k, a));
+    }
   }
   if (L->n > 0) {
     snprintf(name, sizeof name, "bent_%d", k);

@@ -248,6 +248,33 @@ static void code_settle(code_sum *s)
   }
 }
 
+/* Is a name that of a table of numbers, which are the same for all lanes, or none? */
+static int code_is_table(const char *name)
+{
+  return name[0] == '\0' || (strstr(name, "][") && !strchr(name, '.') && !strstr(name, "->"));
+}
+
+/* Is the sum the same for all lanes? */
+static int code_is_common(const code_sum *s)
+{
+  int common = 1;
+  for (int k = 0; k < s->n; k++) {
+    common = common && code_is_table(s->term[k].x) && code_is_table(s->term[k].y);
+  }
+  return common;
+}
+
+/* = the sum; */
+static void code_equals(const code *w, const code_sum *s, int column)
+{
+  const int common = w->lanes && code_is_common(s);
+  if (common) {
+    fprintf(w->out, "%s_wide_all(", w->name);
+  }
+  code_expression(w, s, column);
+  fputs(common ? ");\n" : ";\n", w->out);
+}
+
 /* The sum as a value: what it is already called, or a new variable. */
 static code_value code_end(const code *w, code_sum *s, code_value name)
 {
@@ -261,8 +288,7 @@ static code_value code_end(const code *w, code_sum *s, code_value name)
     return same;
   }
   fprintf(w->out, "%*sconst %s %s = ", w->indent, "", code_real(w), name.name);
-  code_expression(w, s, 16 + w->indent + (int)strlen(name.name));
-  fputs(";\n", w->out);
+  code_equals(w, s, 16 + w->indent + (int)strlen(name.name));
   return name;
 }
 
@@ -271,11 +297,7 @@ static void code_assign(const code *w, code_sum *s, const char *target)
 {
   code_settle(s);
   fprintf(w->out, "%*s%s = ", w->indent, "", target);
-  if (w->lanes && s->n == 0) {
-    fprintf(w->out, "%s_wide_all(", w->name);
-  }
-  code_expression(w, s, w->indent + 4 + (int)strlen(target));
-  fputs(w->lanes && s->n == 0 ? ");\n" : ";\n", w->out);
+  code_equals(w, s, w->indent + 4 + (int)strlen(target));
 }
 
 /* const name = the sum */
@@ -339,10 +361,10 @@ static int code_model_text(const code *w, char letter)
 /* A prefix: of what is for lanes, where what follows it is not common to all. */
 static void code_prefix(const code *w, const char *text)
 {
-  static const char *const common[] = {"_status",      "_ok",        "_null",          "_value",    "_not_finite",
-                                       "_step_length", "_range",     "_UNROLL",        "_NOINLINE", "_huge",
-                                       "_tiny",        "_faint",     "_contradiction", "_ROWS",     "_loose",
-                                       "_convergence", "_ITERATIONS"};
+  static const char *const common[] = {"_status",      "_ok",         "_null",          "_value",    "_not_finite",
+                                       "_step_length", "_range",      "_UNROLL",        "_NOINLINE", "_huge",
+                                       "_tiny",        "_faint",      "_contradiction", "_ROWS",     "_loose",
+                                       "_convergence", "_ITERATIONS", "_RESTRICT",      "_ALIGNED"};
   const char *suffix = w->lanes == CODE_WIDE ? "_wide" : w->lanes ? "_lanes" : "";
   for (size_t k = 0; k < sizeof common / sizeof *common; k++) {
     const size_t length = strlen(common[k]);

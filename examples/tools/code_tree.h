@@ -210,6 +210,21 @@ static int tree_has_gravity(const fb_body *body)
 #endif
 }
 
+static int large_is(const fb_body *body)
+{
+  return (body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
+}
+
+/* Has a body of the system lines? */
+static int large_any(const fb_system *system, const fb_body *body)
+{
+  int any = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    any |= large_is(&body[system->model[k]]);
+  }
+  return any;
+}
+
 /* Axes of a joint of that mode. */
 static int tree_count(const fb_joint *joint, fb_axis_mode mode)
 {
@@ -273,6 +288,7 @@ static void tree_read_link(int k)
   L->free = tree_count(L->joint, FB_AXIS_FREE);
   L->driven = tree_count(L->joint, FB_AXIS_PRESCRIBED);
   L->moves = L->parent >= 0 && L->joint->moves;
+  L->open = L->n > 0 && large_any(tree.system, tree.body);
   if (L->moves) {
     tree.link[L->parent].open = 1;
   }
@@ -411,15 +427,6 @@ static const char *tree_joint_refusal(const fb_joint *joint)
   return given ? "a free joint that is locked or prescribed: choose mode free, or hang its body on the ground" : NULL;
 }
 
-static const char *tree_body_refusal(const fb_body *body)
-{
-  const char *const one = code_refusal(body);
-  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
-    return "effects large: choose effects up to full";
-  }
-  return one;
-}
-
 /* Modes of bodies of which a node that they move carries a joint. */
 static int tree_open_modes(const fb_system *system, const fb_body *body)
 {
@@ -429,7 +436,7 @@ static int tree_open_modes(const fb_system *system, const fb_body *body)
     for (int c = k + 1; c < system->n_body; c++) {
       open |= system->joint[c].kind != FB_JOINT_FREE && system->joint[c].parent == k && system->joint[c].moves;
     }
-    n += open * body[system->model[k]].n;
+    n += (open || large_any(system, body)) * body[system->model[k]].n;
   }
   return n;
 }
@@ -440,7 +447,7 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   int roots = 0, axes = 0, modes = 0, given = 0;
   text[0] = '\0';
   for (int k = 0; k < system->n_body && !text[0]; k++) {
-    const char *what = tree_body_refusal(&body[system->model[k]]);
+    const char *what = code_refusal(&body[system->model[k]]);
     what = what ? what : tree_joint_refusal(&system->joint[k]);
     roots += system->joint[k].kind == FB_JOINT_FREE;
     modes += body[system->model[k]].n;
@@ -451,9 +458,9 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
       snprintf(text, 200, "%.60s: %s", names[k], what);
     }
   }
-  if (!text[0] && axes + tree_open_modes(system, body) > CODE_ROWS - 6) {
+  if (!text[0] && axes + tree_open_modes(system, body) > CODE_SPEEDS) {
     snprintf(text, 200, "%d axes of joints%s: choose at most %d", axes + tree_open_modes(system, body),
-             tree_open_modes(system, body) > 0 ? " and modes that move a joint" : "", CODE_ROWS - 6);
+             tree_open_modes(system, body) > 0 ? " and modes that move a joint" : "", CODE_SPEEDS);
   }
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
@@ -687,6 +694,8 @@ static void tree_write_names(const code *w)
 
 static char tree_prefix[16];
 
+static void large_enter(int k);
+
 /* The body of a link becomes that of code.h; `of` its names. */
 static code tree_enter(const code *w, int k)
 {
@@ -696,6 +705,9 @@ static code tree_enter(const code *w, int k)
   own.large = 0;
   code_read(tree.link[k].model, no_hub);
   code_model.first = 0;
+  if (code_model.large) {
+    large_enter(k);
+  }
   snprintf(tree_prefix, sizeof tree_prefix, "b%d_", k);
   code_of_names = tree_prefix;
   code_now = tree.link[k].rates;
@@ -708,19 +720,40 @@ static void tree_leave(int k)
   code_of_names = "";
 }
 
+/* Rotors of a body that is that of code.h, momenta of its modes without those. */
+static void tree_write_rotors(const code *own, int k)
+{
+  char motor[40];
+  snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
+  code_write_rotors(own, tree.link[k].spun, tree.spins, motor);
+  code_write_own_pi(own, code_now.pi);
+  tree_rotors[k] = code_rotor;
+}
+
+/* Their momenta, E8.60. */
+static void tree_write_spin(const code *own, int k)
+{
+  code_sum s;
+  tree_nothing(tree_nodes[k].spin, 6);
+  code_rotor = tree_rotors[k];
+  for (int i = 0; i < 3; i++) {
+    code_begin(&s);
+    code_add_rotors(&s, 1.0, i);
+    tree_nodes[k].spin[3 + i] = code_end(own, &s, code_variable("O_%c", tree_axis[i]));
+  }
+}
+
+#include "code_large.h"
+
 /* S and momentum at rest, Lambda M^-1 pi, of the body of a link. */
 static void tree_write_body(const code *w, int k)
 {
   tree_link *const L = &tree.link[k];
   const code own = tree_enter(w, k);
-  char motor[40];
   code_sum s;
   fprintf(w->out, "\n  /* body %d, %s: E8.9, E8.11 */\n", k, tree.names[k]);
   code_write_lambda(&own);
-  snprintf(motor, sizeof motor, "body_%d.rotor_motor", k);
-  code_write_rotors(&own, L->spun, tree.spins, motor);
-  code_write_own_pi(&own, code_now.pi);
-  tree_rotors[k] = code_rotor;
+  tree_write_rotors(&own, k);
   code_write_solve(&own, code_now.pb, code_now.pi, "b");
   code_write_inertia(&own);
   for (int e = 0; e < 21 && code_model.constant_S; e++) {
@@ -1212,6 +1245,9 @@ static void tree_write_modes(const code *w, int k)
     }
   }
   code_central = tree_central[k];
+  if (code_model.large) {
+    large_write_gradient(&own, code_force, k);
+  }
   code_write_gradient(&own, code_force);
   code_rotor = tree_rotors[k];
   code_write_rotor_speeds(&own, code_force, L->V, code_now.q_dot);
@@ -1228,6 +1264,9 @@ static void tree_write_modes(const code *w, int k)
     code_sum s;
     snprintf(target, sizeof target, "rate[%d]", L->pi + a);
     code_assign(w, &code_force[a], target);
+    if (large_is(L->model)) { /* q_dot is there */
+      continue;
+    }
     code_begin(&s);
     code_add_one(&s, 1.0, L->rates.q_dot[a]);
     snprintf(target, sizeof target, "rate[%d]", L->q + a);
@@ -1715,7 +1754,7 @@ static void sdirk_write_longest(const code *w)
 }
 
 /* The rotation of a body that counts in the step limit. */
-static void tree_write_spin(const code *w, int k)
+static void tree_write_turning(const code *w, int k)
 {
   const int acts = tree_central[k].acts;
   tree_write_norm(w, acts ? "turns" : "spin", k, tree.link[k].V + 3);
@@ -1739,7 +1778,7 @@ static void tree_write_limit(const code *w)
   }
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    tree_write_spin(w, k);
+    tree_write_turning(w, k);
     if (L->parent >= 0) {
       tree_write_norm(w, "arm", k, L->s);
       fprintf(w->out, "    const %s a_%d = a_%d + spin_%d * spin_%d * arm_%d;\n", code_real(w), k, L->parent, L->parent,
@@ -1774,6 +1813,7 @@ static void tree_write_limit(const code *w)
     return;
   }
   tree_write_impacts(w);
+  large_write_limit(&inner);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
   fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
   code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
@@ -1820,8 +1860,9 @@ static void tree_write_velocities(const code *w)
   code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
-  tree_write_places(w);
+  tree_write_places(w, LARGE_SEEN);
   tree_write_bodies(w);
+  large_write_range(w);
   tree_write_inertias(w);
   tree_write_solve(w, 0);
   fputs("\n  /* E9.5: velocities and momenta of the bodies */\n", w->out);
@@ -1907,7 +1948,7 @@ static void tree_write_center(const code *w, int unused)
   code_template(w, tree.flown ? ", const @_input *in)\n{\n%V" : ")\n{\n%V");
   tree_write_names(w);
   tree_write_given_names(w, "in");
-  tree_write_places(w);
+  tree_write_places(w, LARGE_POSED);
   for (int k = 0; k < tree.n; k++) {
     code own;
     own = tree_enter(w, k);
@@ -1916,7 +1957,7 @@ static void tree_write_center(const code *w, int unused)
     for (int i = 0; i < 3; i++) {
       code_write_slope(&own, i);
       code_write_value(&own, i);
-      first[k][i] = code_now.value[i];
+      first[k][i] = code_model.large ? large_write_center(&own, i, k) : code_now.value[i];
     }
     tree_leave(k);
     bulk[k] = (double)tree.link[k].model->mass;
@@ -1950,7 +1991,11 @@ static void tree_write_drift_of(const code *w, int k, const code_value v[3], cod
   code_sum s;
   const code own = tree_enter(w, k);
   memset(code_now.valued, 0, sizeof code_now.valued);
-  code_write_lambda(&own);
+  if (code_model.large) {
+    large_write_inertia(&own, k);
+  } else {
+    code_write_lambda(&own);
+  }
   for (int a = 0; a < L->n; a++) {
     code_begin(&s);
     for (int i = 0; i < 3; i++) {
@@ -1960,7 +2005,7 @@ static void tree_write_drift_of(const code *w, int k, const code_value v[3], cod
   }
   if (code_model.constant_S && L->n > 0) {
     code_write_solve(&own, code_now.pb, e, "f");
-  } else {
+  } else if (!code_model.large) {
     for (int i = 0; i < 3; i++) {
       code_write_slope(&own, i);
       code_write_value(&own, i);
@@ -2036,7 +2081,7 @@ static void tree_write_drift(const code *w, int unused)
   tree_write_names(w);
   tree_write_given_names(w, "in");
   code_template(w, "  @_matrix(R, x);\n");
-  tree_write_places(w);
+  tree_write_places(w, LARGE_MOVING);
   for (int i = 0; i < 3; i++) {
     change[i] = code_variable("change[%d]", i);
   }
@@ -2522,11 +2567,14 @@ static void tree_write_range(const code *w)
     const tree_link *const L = &tree.link[k];
     char number[40], target[40];
     code_sum s;
+    const int limited = L->n > 0 && L->model->deflection_limit < FB_HUGE; /* lines have their own limit */
     code_begin(&s);
-    for (int a = 0; a < L->n; a++) {
-      code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
+    for (int a = 0; a < L->n && limited; a++) {
+      if (L->model->reach[a] > FB_R(0.0)) {
+        code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "d", k, a));
+      }
     }
-    if (L->n > 0) {
+    if (limited) {
       snprintf(target, sizeof target, "bent_%d", k);
       code_declare(w, &s, target);
       code_number(number, w, (double)L->model->deflection_limit);
@@ -2534,6 +2582,7 @@ static void tree_write_range(const code *w)
       fprintf(w->out, "bent_%d <= %s", k, number);
       code_template(w, ")%) ? @_range : status;\n");
     }
+    large_write_end(w, k);
   }
 }
 
@@ -2951,7 +3000,7 @@ static int tree_write_functions(const code *w)
   code_template(w, tree_finite);
   tree_write_input_check(w);
   tree_write_rotations(w);
-  good = constraint.n == 0 || rows_look(w);
+  good = large_write_functions(w) && (constraint.n == 0 || rows_look(w));
   if (constraint.n > 0) {
     rows_write_functions(w);
   }
@@ -3073,6 +3122,7 @@ static int tree_write(FILE *out, const fb_system *system, const fb_body *body, c
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                              : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
+  code_template(&w, large_any(system, body) ? code_restrict : "");
   good = tree_write_functions(&w);
   tree_write_start(&w, choice->start);
   good = (!choice->lanes || tree_write_lanes(&w)) && good;

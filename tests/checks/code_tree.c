@@ -14,10 +14,10 @@
 #include "code.h"
 #endif
 
-enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, MODELS = 8, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
+enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, BENT, VANE, MODELS, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
 enum { GIVEN_2 = 128, LOCKED_2 = 256 };
 /* With RIGID..: GIVEN: the axis of its joint is prescribed; LOCKED: it is that; _2: its second axis; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
-   same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside */
+   same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside; BENT and VANE: of 6 and 2 modes, lines of large deflection */
 
 typedef struct hang {
   fb_joint_kind kind;
@@ -564,7 +564,48 @@ static const struct {
      CENTER | ORBIT,
      1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BOOM}, {FB_JOINT_REVOLUTE, 0, WHEEL}}},
+    /* 101 on: lines of large deflection: 101: on a hinge of a hub, as tree 0; 102: two of them, damped, turned at random; 103: at
+       the root, with a body on its tip, and a panel of polynomials; 104: a chain of them on their tips; 105: a loop
+       from tip to tip; 106: with a spring between tips, a prescribed hinge, a wheel; 107: tips of what flies tied to the ground;
+       108: beside rotors, with friction and stops; 109: a loop of a tree that flies;
+       110: stops beside a line on the ground */
+    {FB_EFFECTS_FULL, 0, 0, {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, BENT}, {FB_JOINT_REVOLUTE, 0, VANE}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, BENT}, {FB_JOINT_REVOLUTE, 0 + TIP, RIGID}, {FB_JOINT_UNIVERSAL, 0, PANEL}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_SPHERICAL, 0 + TIP, BENT}, {FB_JOINT_PRISMATIC, 1 + TIP, RIGID}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_REVOLUTE, -1, VANE}, {FB_JOINT_UNIVERSAL, 0 + TIP, RIGID}, {FB_JOINT_SPHERICAL, -1, VANE}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, VANE | GIVEN},
+      {FB_JOINT_RIGID, 0, VANE},
+      {FB_JOINT_REVOLUTE, 2, WHEEL}}},
+    {FB_EFFECTS_FULL, 0, 1, {{FB_JOINT_FREE, -1, VANE}, {FB_JOINT_REVOLUTE, 0, VANE}, {FB_JOINT_SPHERICAL, 0, RIGID}}},
+    {FB_EFFECTS_SPIN | FB_EFFECT_DAMPING,
+     1,
+     1,
+     {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_REVOLUTE, 0, VANE | RUBS}, {FB_JOINT_CYLINDRICAL, 0, MAST}}},
+    {FB_EFFECTS_FULL,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, VANE}, {FB_JOINT_REVOLUTE, 0, VANE | RUBS}}},
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 1, 1, {{FB_JOINT_RIGID, -1, BENT}, {FB_JOINT_REVOLUTE, 0, RIGID | RUBS}}},
 };
+
+enum { LINES = 101 }; /* the first tree with lines, whose models are not built for the others */
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
    child: with spring and damper, and friction and stops if it is not spherical. */
@@ -621,7 +662,10 @@ static const struct {
              {90, FB_JOINT_UNIVERSAL, -1, 1 + TIP + GIVEN_2 + RUBS},
              {91, FB_JOINT_REVOLUTE, -1, 0 + GIVEN},
              {97, FB_JOINT_SPHERICAL, 1 + TIP, 2 + TIP},
-             {98, FB_JOINT_SPHERICAL, -1, 1 + TIP}};
+             {98, FB_JOINT_SPHERICAL, -1, 1 + TIP},
+             {105, FB_JOINT_SPHERICAL, 1, 2 + TIP},
+             {107, FB_JOINT_SPHERICAL, -1, 1 + TIP + RUBS},
+             {109, FB_JOINT_CYLINDRICAL, 1 + TIP, 2 + TIP}};
 /* Springs between points of bodies, TIP: beside the node of the boom's tip; [m] length, 0: without a damper; with an
    actuator, or nothing but that; MET: pulled, between the origins of the second body's joint, which meet at zero coordinates */
 enum { IDLE, PULLED, MUSCLE, MET };
@@ -662,7 +706,9 @@ static const struct {
                {77, {0, 2}, 1.0, IDLE},
                {78, {0 + TIP, 2 + TIP}, 5.0, PULLED},
                {78, {1, -1}, 0.0, IDLE},
-               {99, {0, 1 + TIP}, 9.0, IDLE}};
+               {99, {0, 1 + TIP}, 9.0, IDLE},
+               {106, {1 + TIP, 2 + TIP}, 8.0, IDLE},
+               {106, {0, 2 + TIP}, 9.0, IDLE}};
 enum { SPRINGS = sizeof springs / sizeof *springs };
 enum { LOOPS = sizeof loops / sizeof *loops };
 enum { TREES = sizeof trees / sizeof *trees };
@@ -769,6 +815,7 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     boom.position[0] = plain ? FB_R(0.0) : FB_R(0.5);
     keep.count[FB_KIND_BEND_Y] = (modes + 1) / 2;
     keep.count[FB_KIND_BEND_Z] = modes / 2;
+    keep.line_points = effects & FB_EFFECT_LARGE_DEFLECTION ? 6 : 0;
     need(fb_beam_init(&beam, &boom), "beam");
     need(fb_modes_solve(&basis, &modes_work, &beam, &keep), "modes");
   }
@@ -778,7 +825,8 @@ static void build_model(fb_body *body, unsigned effects, int gravity, int modes,
     need(fb_shape_add_beam(&shape, 0, &beam, &basis), "boom");
   }
   if (modes > 0) {
-    need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, boom.length), "tip");
+    const fb_real at = effects & FB_EFFECT_LARGE_DEFLECTION && modes == 6 ? FB_R(0.83) : FB_R(1.0); /* between points */
+    need(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &basis, at * boom.length), "tip");
   } else {
     const fb_real ahead[3] = {FB_R(0.7), FB_R(-0.4), FB_R(0.2)}, still[3] = {0, 0, 0};
     need(fb_shape_add_node(&shape, &tip, ahead, still, still), "node");
@@ -978,6 +1026,10 @@ static void build(int which)
     build_model(&model[HUB], 0, trees[which].gravity, 0, 0, brake);
     build_model(&model[MAST], trees[which].effects, trees[which].gravity, 4, 0, brake);
   }
+  if (which >= LINES) {
+    build_model(&model[BENT], trees[which].effects | FB_EFFECTS_LARGE, trees[which].gravity, 6, which == LINES, 0);
+    build_model(&model[VANE], trees[which].effects | FB_EFFECTS_LARGE, trees[which].gravity, 2, 0, 0);
+  }
   memset(&desc, 0, sizeof desc);
   desc.allow_long_step = hard > 1 && (which == 16 || which == 45);
   for (int k = 0; k < 5 && !(trees[which].link[k].kind == FB_JOINT_FREE && trees[which].link[k].parent == 0); k++) {
@@ -1142,6 +1194,11 @@ int main(int argc, char **argv)
     choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
   }
   memcpy(choice.pulls, pulls, sizeof pulls);
+  large_refusal(text, &mechanism, model, names, &choice);
+  if (text[0]) {
+    fprintf(stderr, "tree %d: %s\n", which, text);
+    return 4;
+  }
   return !tree_write(stdout, &mechanism, model, names, &choice, "a random tree",
                      fb_system_crc(&mechanism, model, MODELS));
 }
@@ -1228,8 +1285,8 @@ static void start(double speed)
       motion[k].rotor_angle[r] = (fb_real)random_number();
     }
     for (int a = 0; a < body->n; a++) {
-      motion[k].q[a] = (fb_real)(0.05 / sqrt(hard) * (double)body->deflection_limit / (double)body->reach[a] / body->n *
-                                 random_number());
+      const double most = body->reach[a] > FB_R(0.0) ? (double)body->deflection_limit / (double)body->reach[a] : 100.0;
+      motion[k].q[a] = (fb_real)(0.05 / sqrt(hard) * most / body->n * random_number());
       motion[k].q_dot[a] = (fb_real)(0.2 / sqrt(hard) * random_number());
     }
   }
@@ -1498,6 +1555,16 @@ static int alike(const fb_system_input *in, const generated_input *mine, fb_real
   return 1;
 }
 
+/* Has a body lines of large deflection? */
+static int lined(void)
+{
+  int any = 0;
+  for (int k = 0; k < desc.n_body; k++) {
+    any |= (model[desc.model[k]].effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
+  }
+  return any;
+}
+
 /* On both sides of the step limit under what acts. */
 static int bounded(const fb_system_input *in, const generated_input *mine)
 {
@@ -1518,8 +1585,10 @@ static int limits(void)
   static generated_input mine;
   const fb_real dt = FB_R(1e-4);
   int good = 1;
-  start(0.5);
-  good &= bounded(NULL, NULL);
+  for (int n = 0; n < (lined() ? 12 : 1); n++) { /* of lines the deflection counts */
+    start(0.5);
+    good &= bounded(NULL, NULL);
+  }
   memset(&in, 0, sizeof in);
   for (int j = 0; j < desc.n_spring; j++) {
     in.pull[j] = pulls[j] && j != met ? FB_R(30.0) : FB_R(0.0);
