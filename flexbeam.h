@@ -3415,6 +3415,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           build/flexbeam reduce --code: the rk4 step of one body as C of its own, geometrically exact lines included.
           With --vary factors of stiffness, damping and masses stay variable, with --lanes several bodies step at once.
           build/flexbeam scene --code: the same of bodies on joints.
+          SDIRK of systems: stiff modes that hardly move do not end in FB_ERR_CONVERGENCE; lines without a
+          deflection_limit do where their motion has not converged.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,

@@ -88,7 +88,7 @@ static inline void flexible(fb_body *body, int y, int z, int t, unsigned effects
   keep.count[FB_KIND_TORSION] = t;
   d.base = FB_BASE_PRESCRIBED;
   d.effects = effects;
-  d.deflection_limit = (fb_real)meter;
+  d.deflection_limit = effects & FB_EFFECT_LARGE_DEFLECTION ? FB_R(0.0) : (fb_real)meter; /* lines have their own */
   FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
   FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);

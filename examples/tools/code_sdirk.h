@@ -665,6 +665,20 @@ static void sdirk_write_correct(const code *w, int unused)
 
 /* ---- what is around it */
 
+/* Of lines: s k.M k by the mass matrix of the undeformed body. */
+static void sdirk_add_square(code_sum *bent, double s, int k)
+{
+  static double M[FB_MAX_MODES][FB_MAX_MODES];
+  const tree_link *const L = &tree.link[k];
+  code_read_sparse(M, &L->model->M, L->n);
+  for (int a = 0; a < L->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      code_add(bent, (a == b ? 1.0 : 2.0) * s * M[a][b], code_variable("k[%d]", L->q + a),
+               code_variable("k[%d]", L->q + b));
+    }
+  }
+}
+
 /* E11.24 of link k: what its joint and its modes add to both sums. */
 static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k)
 {
@@ -678,11 +692,13 @@ static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k
     const int slides = !ball && i == fbi_traits(L->joint)->slide, turns = tree.system->rotor[k] > FB_R(0.0);
     code_add(moved, ball ? 4.0 : turns || L->joint->mode[i] == FB_AXIS_LOCKED ? 0.0 : slides ? size * size : 1.0, x, x);
   }
+  if (large_is(L->model)) {
+    sdirk_add_square(bent, size * size / (double)L->model->mass, k);
+    return;
+  }
   code_begin(&s);
   for (int a = 0; a < L->n; a++) {
-    if (L->model->reach[a] > FB_R(0.0)) { /* of lines it is none */
-      code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "k", k, a));
-    }
+    code_add_one(&s, (double)L->model->reach[a], tree_write_size(w, "k", k, a));
   }
   if (L->n > 0) {
     snprintf(name, sizeof name, "bent_%d", k);
@@ -741,7 +757,7 @@ static const char sdirk_declarations[] =
 static const char sdirk_stage[] =
     "\n/* E11.13: the rates k of a stage, so that k = f(base + g k), from their first guess. */\n"
     "static @_status @_stage(%M$ *k, const $ *first, const $ *base, const @_input *in, %s g, %s dt, int n)\n{\n%V"
-    "  $ at[@_N], rate[@_N]%Z, w[3 * @_BODIES], bent = %z, bent_all, begins = %z, last = %z, change;\n"
+    "  $ at[@_N], rate[@_N]%Z, w[3 * @_BODIES], bent = %z, bent_all, begins = %z, before = %z, last = %z, change;\n"
     "  @_status status = @_ok;\n";
 
 static const char sdirk_stage_loop[] =
@@ -749,17 +765,21 @@ static const char sdirk_stage_loop[] =
     "    for (int i = 0; i < @_N; i++) {\n      at[i] = base[i] + g * k[i];\n    }\n";
 
 static const char sdirk_stage_end[] = "    for (int i = 0; i < @_N; i++) {\n      k[i] += rate[i];\n    }\n"
-                                      "    if (j == 0 || j == n - 1) {\n      @_size(&last, &bent, rate, g);\n    }\n"
+                                      "    before = last;\n    @_size(&last, &bent, rate, g);\n"
                                       "    if (j == 0) {\n      begins = last;\n    }\n  }\n"
                                       "  if (status != @_ok) {\n    return status;\n  }\n";
 
-/* E11.25: a correction that is small by one of its bounds is. */
+/* E11.25: a correction that is small by one of its bounds is; of modes the next one, too. */
 static const char sdirk_stage_check[] =
     "\n  /* E11.25 */\n"
     "  @_size(&change, &bent_all, k, g);\n"
-    "  if (n > 1 && !%((((last > `1e-2` * begins) & (last > `1e-4` * change) & (last > floor)) |\n"
-    "                 ((bent > `1e-2` * bent_all) & (bent > least))) == 0%)) {\n"
+    "  if (n > 1 && !%(((last > `1e-2` * begins) & (last > `1e-4` * change) & (last > floor)) == 0%)) {\n"
     "    return @_convergence;\n  }\n";
+static const char sdirk_modes_check[] = "  $ deflection;\n  @_size(&begins, &deflection, at, `1`);\n"
+                                        "  if (n > 1 && !%(((bent > `1e-2` * bent_all) & (bent > least) & (last * bent "
+                                        "> before * (`1e-7` * deflection)) &\n"
+                                        "                 (last * bent > before * (`1e-13` * change))) == 0%)) {\n"
+                                        "    return @_convergence;\n  }\n";
 
 /* E11.25 of the momenta of rotors. */
 static const char sdirk_settled[] =
@@ -821,6 +841,7 @@ static int sdirk_write_functions(const code *w)
 static void sdirk_write_stage(const code *w)
 {
   const int limited = !tree.system->allow_long_step;
+  int bends = 0;
   code_template(w, sdirk_stage);
   code_template(w, sdirk_floors[w->single]);
   code_template(w, tree.n_rotor > 0 ? sdirk_roots[w->single] : "");
@@ -840,6 +861,10 @@ static void sdirk_write_stage(const code *w)
                          "* k[@_P + i];\n  }\n"
                        : "");
   code_template(w, sdirk_stage_check);
+  for (int k = 0; k < tree.n; k++) {
+    bends |= tree.link[k].n > 0;
+  }
+  code_template(w, bends ? sdirk_modes_check : "  (void)bent, (void)bent_all, (void)least, (void)before;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     if (L->model->n_rotor > 0) {
