@@ -876,12 +876,11 @@ static void code_write_loads(const code *w)
 
 /* ---- bodies with lines (code_line.h): their functions with the rest of the body */
 
-/* Line axes to body axes, round-off left out. */
+/* Line axes to body axes. */
 static double code_large_axes(int k, int i, int j)
 {
   const fb_line *const line = &code_model.body->lines.line[k];
-  const double c = line->turned ? (double)line->axes[3 * i + j] : i == j ? 1.0 : 0.0;
-  return fabs(c) < 4.0 * DBL_EPSILON ? 0.0 : fabs(fabs(c) - 1.0) < 4.0 * DBL_EPSILON ? floor(c + 0.5) : c;
+  return line->turned ? (double)line->axes[3 * i + j] : i == j ? 1.0 : 0.0;
 }
 
 /* Calls function `name` of line k with the variable in which it is. */

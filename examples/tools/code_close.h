@@ -30,7 +30,7 @@ static void rows_write_axes(const code *w, int k)
   }
   if (tree_is_ball(L) && L->free > 0) {
     code_value child[9];
-    rows_constants(child, L->joint->child_axes, 9);
+    tree_constants(child, L->joint->child_axes, 9);
     tree_write_turned(&inner, p, child, 0, p, "mb", k);
     tree_write_view(&inner, p, p, "mg", k, 0);
   }

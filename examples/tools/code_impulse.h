@@ -40,13 +40,6 @@ static void rows_write_turned(const code *w, code_value y[3], const code_value C
   memcpy(y, out, sizeof out);
 }
 
-static void rows_constants(code_value *x, const fb_real *c, int n)
-{
-  for (int i = 0; i < n; i++) {
-    x[i] = code_constant(tree_snap((double)c[i], 1.0));
-  }
-}
-
 static void rows_unit(code_value C[9])
 {
   for (int i = 0; i < 9; i++) {
@@ -240,7 +233,7 @@ static void rows_write_child_axes(const code *w, int j)
   for (int c = 0; c < 3; c++) {
     code_value b[3];
     for (int i = 0; i < 3; i++) {
-      b[i] = code_constant(tree_snap((double)l->joint->child_axes[3 * i + c], 1.0));
+      b[i] = code_constant((double)l->joint->child_axes[3 * i + c]);
     }
     rows_write_turned(w, b, l->end[1].N, 0, b, NULL, code_variable("l%d_c%c", j, tree_axis[c]));
     rows_write_turned(w, l->b[c], l->end[1].D, 1, b, NULL, code_variable("l%d_b%c", j, tree_axis[c]));
@@ -270,7 +263,7 @@ static void rows_write_frames(const code *w, int j)
   rows_write_chain(w, R[1], rho[1], of->link, l->common, code_variable("l%d_b", j));
 
   /* D: P axes to those of the bodies */
-  rows_constants(axes, l->joint->axes, 9);
+  tree_constants(axes, l->joint->axes, 9);
   rows_write_product(w, on->D, on->N, 0, axes, code_variable("l%d_0D", j));
   rows_write_product(w, R[0], R[0], 0, on->D, code_variable("l%d_0R", j)); /* P to the common axes */
   rows_write_product(w, of->D, R[1], 1, R[0], code_variable("l%d_1D", j));

@@ -18,7 +18,7 @@ static void node_write_frame(const code *w, int k)
   const code_value name = code_variable("n%d", k);
   code_value axes[9], own[3];
   code_sum s;
-  rows_constants(L->D, L->joint->axes, 9);
+  tree_constants(L->D, L->joint->axes, 9);
   for (int i = 0; i < 3; i++) {
     L->at[i] = code_constant((double)L->joint->position[i]);
   }

@@ -283,9 +283,7 @@ static void sdirk_write_ball_rest(const code *w, code_value m[3], int k)
     sdirk[k].turn[i] = code_end(w, &s, code_variable("b%d_nturn_%d", k, i));
     m[i] = sdirk_rest(L->p + i);
   }
-  for (int i = 0; i < 9; i++) {
-    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-  }
+  tree_constants(child, L->joint->child_axes, 9);
   tree_write_view(w, m, m, "nh", k, 1);
   tree_write_turned(w, m, child, 1, m, "nhj", k);
 }
@@ -494,9 +492,7 @@ static void sdirk_take_ball(const code *w, int k)
     code_add(&s, -1.0, sdirk[k].C[i], L->u[i]);
     torque[i] = code_end(w, &s, code_variable("b%d_dtau_%d", k, i));
   }
-  for (int i = 0; i < 9; i++) {
-    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-  }
+  tree_constants(child, L->joint->child_axes, 9);
   tree_write_turned(w, torque, child, 0, torque, "nt", k);
   tree_write_view(w, torque, torque, "nv", k, 0);
   for (int i = 0; i < 3; i++) {

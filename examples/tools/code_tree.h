@@ -100,6 +100,13 @@ static double tree_snap(double x, double size)
   return fabs(x) <= 8.0 * DBL_EPSILON * size ? 0.0 : fabs(x - near) <= 8.0 * DBL_EPSILON ? near : x;
 }
 
+static void tree_constants(code_value *x, const fb_real *c, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = code_constant((double)c[i]);
+  }
+}
+
 /* s += c (a x b)_i */
 static void tree_add_cross(code_sum *s, double c, const code_value a[3], const code_value b[3], int i)
 {
@@ -579,9 +586,7 @@ static void tree_write_place(const code *w, int k)
   if (L->joint->kind == FB_JOINT_FREE) {
     return;
   }
-  for (int i = 0; i < 9; i++) {
-    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-  }
+  tree_constants(child, L->joint->child_axes, 9);
   tree_write_joint_turn(w, T, k);
   for (int i = 0; i < 9; i++) {
     code_begin(&s);
@@ -1001,9 +1006,9 @@ static void tree_write_right(const code *w, int k)
   code_sum s;
   if (tree_is_ball(L) && L->free > 0) {
     code_value h[3], child[9];
-    for (int i = 0; i < 9; i++) {
-      child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-      m[i % 3] = code_variable("b%d_m_%d", k, i % 3);
+    tree_constants(child, L->joint->child_axes, 9);
+    for (int i = 0; i < 3; i++) {
+      m[i] = code_variable("b%d_m_%d", k, i);
     }
     tree_write_view(w, h, m, "h", k, 1);
     tree_write_turned(w, m, child, 1, h, "hj", k);
@@ -1385,9 +1390,7 @@ static void tree_write_ball(const code *w, int k)
     tau[a] = code_end(w, &s, code_variable("b%d_tau_%d", k, a));
     m[a] = code_variable("b%d_m_%d", k, a);
   }
-  for (int i = 0; i < 9; i++) {
-    child[i] = code_constant(tree_snap((double)L->joint->child_axes[i], 1.0));
-  }
+  tree_constants(child, L->joint->child_axes, 9);
   tree_write_view(w, h, m, "hb", k, 1);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
@@ -1492,7 +1495,7 @@ static void tree_write_motors(const code *w, int k, const code_value F[6], code_
   }
   if (tree_is_ball(L) && L->free > 0) {
     code_value child[9];
-    rows_constants(child, L->joint->child_axes, 9);
+    tree_constants(child, L->joint->child_axes, 9);
     tree_write_turned(w, tau, child, 0, tau, "actb", k);
     tree_write_view(w, tau, tau, "actg", k, 0);
   }
@@ -2051,7 +2054,7 @@ static void tree_write_drift_axes(const code *w, int k, const code_value b[6])
   }
   if (tree_is_ball(L) && L->free > 0) {
     code_value child[9];
-    rows_constants(child, L->joint->child_axes, 9);
+    tree_constants(child, L->joint->child_axes, 9);
     tree_write_turned(w, p, child, 0, p, "db", k);
     tree_write_view(w, p, p, "dg", k, 0);
   }

@@ -18,7 +18,7 @@ static int tree_has_wheels(void)
 static double tree_wheel_axis(int k, int i, int j)
 {
   return i == 2 ? tree_snap((double)tree.link[k].joint->A[3 + j], 1.0)
-                : tree_snap((double)tree.link[k].joint->child_axes[3 * j + i], 1.0);
+                : (double)tree.link[k].joint->child_axes[3 * j + i];
 }
 
 /* Momenta of root, axes and modes that move joints by the wrench of body k and, where that is open, what it does to its
