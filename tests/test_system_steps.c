@@ -141,8 +141,9 @@ static int on_spinning_hub(double q[3], double *most, double spin, double dt, in
    nothing. Two iterations take all steps and lead where thirty do. */
 TEST(stiff_modes_that_hardly_move_are_no_failure)
 {
+  static const double spins[3] = {0.0, 1.0, 3.0}, steps[3] = {0.01, 0.005, 0.002};
   for (int k = 0; k < 9; k++) {
-    const double spin = (double[]){0.0, 1.0, 3.0}[k % 3], dt = (double[]){0.01, 0.005, 0.002}[k / 3];
+    const double spin = spins[k % 3], dt = steps[k / 3];
     double q[3], fine[3], most;
     FBT_TRUE(on_spinning_hub(q, &most, spin, dt, 2));
     FBT_TRUE(on_spinning_hub(fine, &most, spin, dt, 30));
