@@ -875,7 +875,7 @@ static void tree_write_rigid(const code *w, int k)
     block[i] = L->I[fb_sym6_index(3 + i / 3, 3 + i % 3)];
   }
   tree_write_congruent(w, turned, L->C, block, 1, 'D', k);
-  tree_write_turned(w, c, L->C, 0, x, "c", k); /* minus the first moment */
+  tree_write_turned(w, c, L->C, 0, x, "cC", k); /* minus the first moment */
   for (int i = 0; i < 3; i++) {
     const int y = pair[i][0], z = pair[i][1];
     code_value first;

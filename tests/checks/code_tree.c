@@ -603,6 +603,11 @@ static const struct {
      1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 0, VANE}, {FB_JOINT_REVOLUTE, 0, VANE | RUBS}}},
     {FB_EFFECTS_FULL | FB_EFFECT_DAMPING, 1, 1, {{FB_JOINT_RIGID, -1, BENT}, {FB_JOINT_REVOLUTE, 0, RIGID | RUBS}}},
+    /* 111: a boom of polynomials on a rigid hub, beside a line */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, VANE}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
 };
 
 enum { LINES = 101 }; /* the first tree with lines, whose models are not built for the others */
