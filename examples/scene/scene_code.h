@@ -31,11 +31,10 @@ static int scene_code_pulls(unsigned char pulls[FB_MAX_SPRINGS], const scene *s)
 /* What a body has for nodes, in text. */
 static void scene_code_known(char text[TEXT_MESSAGE], const scene_body *body)
 {
-  size_t n = (size_t)snprintf(text, TEXT_MESSAGE, body->n_node > 1 ? ": 1 to %d" : ", and no more", body->n_node - 1);
+  size_t n = (size_t)snprintf(text, TEXT_MESSAGE, body->n_node > 1 ? "it has" : "it has none");
   for (int k = 1; k < body->n_node && n < TEXT_MESSAGE / 2; k++) {
-    if (body->node_name[k][0]) {
-      n += (size_t)snprintf(text + n, TEXT_MESSAGE - n, ", %s", body->node_name[k]);
-    }
+    n += (size_t)snprintf(text + n, TEXT_MESSAGE - n, body->node_name[k][0] ? "%s %d or %s" : "%s %d", k > 1 ? "," : "",
+                          k, body->node_name[k]);
   }
 }
 
@@ -52,7 +51,8 @@ static void scene_code_no_node(scene *s, const char *name, const char *part, int
     scene_fail(s, "--loads %s%s%s: named twice; choose each node once", name, part[0] ? "." : "", part);
   } else {
     scene_code_known(known, &s->body[body]);
-    scene_fail(s, "--loads %s.%s: body %s has no such node; choose %s for its origin%s", name, part, name, name, known);
+    scene_fail(s, "--loads %s.%s: body %s has no such node; %s, and %s alone is its origin", name, part, name, known,
+               name);
   }
 }
 

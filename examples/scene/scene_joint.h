@@ -95,7 +95,10 @@ static void scene_read_modes(text_file *t, scene_joint *joint)
   int n = 0;
   do {
     if (n == (axes < 3 ? axes : 1)) {
-      text_fail(t, "joint %s has not so many modes", joint->name);
+      text_fail(t,
+                axes < 3 ? "joint %s has one mode for each axis: %d at most"
+                         : "joint %s has one mode for all its axes: %d",
+                joint->name, axes < 3 ? axes : 1);
       return;
     }
     joint->desc.mode[n++] = (fb_axis_mode)text_choice(t, "mode of an axis", modes);

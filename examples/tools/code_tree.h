@@ -2332,7 +2332,7 @@ static const char tree_status[] =
     "  @_value = -2,       /* dt is not above 0 */\n"
     "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
     "  @_step_length = -9, /* dt is longer than the stability limit, or a body turns too far in a step */\n"
-    "  @_range = -10       /* a deflection has left the range of the model */\n";
+    "  @_range = -10       /* a deflection is out of range, points of a spring meet, a center is too near */\n";
 
 /* Are there prescribed values? */
 static int tree_is_told(void)

@@ -640,7 +640,7 @@ refuse_loads() {
 refuse_loads array.tip "load and nudge: the caller gives them as input, by --loads hub.side,hub (line"
 refuse_loads "" "a name is missing; choose BODY.NODE, or BODY for its origin"
 refuse_loads hub.side, "a name is missing"
-refuse_loads hub.none "hub.none: body hub has no such node; choose hub for its origin: 1 to 1, side"
+refuse_loads hub.none "hub.none: body hub has no such node; it has 1 or side, and hub alone is its origin"
 refuse_loads hub.2 "hub.2: body hub has no such node"
 refuse_loads none.side "none.side: there is no body none"
 refuse_loads hub.side,hub.side "hub.side: named twice"
