@@ -19145,15 +19145,16 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
 }
 
 /* E11.25 of modes, which are small against what moves them. They have converged if the last correction is at most a
-   tenth of their increment, or round-off. That of stiff modes passes through zero, so they also have if the next one,
-   smaller by the ratio of the last two corrections of all, is at most 3e-4 of their deflection or 3e-7 of all increments.
-   No more than a radian counts of either: what runs far beside them says nothing of them. Squares. */
+   tenth of their increment, or round-off. That of stiff modes passes through zero, so they also have if the next one is at
+   most 3e-4 of their deflection or 3e-7 of all increments, of which a radian counts. It is smaller by the ratio of the last
+   two corrections of all, or by twice all increments, to which that ratio is proportional: what moves far and converges at
+   once says nothing of the modes. Squares. */
 static fb_status fbi_modes_check(fb_real before, fb_real last, fb_real change, fb_real bent, fb_real bent_change,
                                  fb_real deflection)
 {
   const fb_real bound = fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON);
   const fb_real next = FB_R(1e-7) * fbi_larger(deflection, FB_R(1e-6) * fbi_smaller(change, FB_R(1.0)));
-  return bent > bound && !(last * bent <= fbi_smaller(before, FB_R(1.0)) * next)
+  return bent > bound && !(last * bent <= before * next && FB_R(4.0) * change * bent <= next)
              ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(bent), FB_SQRT(bound))
              : FB_OK;
 }

@@ -155,7 +155,7 @@ TEST(stiff_modes_that_hardly_move_are_no_failure)
 
 /* The modes of a stiff rod that tumbles on a ball of a hub, after 5 steps, and the largest of any of them on the way; far
    away a mass on a spring flies to and fro. 0 where a step is refused. */
-static int tumbling(double q[3], double *most, double far, double speed, double dt, int iterations)
+static int tumbling(double q[3], double *most, double away, double speed, double dt, int iterations)
 {
   fb_status status = FB_OK;
   fresh();
@@ -173,7 +173,7 @@ static int tumbling(double q[3], double *most, double far, double speed, double 
   start[0].speed[0] = start[1].speed[0] = (fb_real)speed;
   start[1].speed[1] = (fb_real)(-0.7 * speed);
   start[1].speed[2] = (fb_real)(0.4 * speed);
-  start[2].value[0] = (fb_real)far;
+  start[2].value[0] = (fb_real)away;
   init(FB_METHOD_RECURSIVE);
   FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   *most = 0.0;
@@ -191,12 +191,13 @@ static int tumbling(double q[3], double *most, double far, double speed, double 
    as thirty do or say that they do not. */
 TEST(what_moves_far_does_not_hide_what_bends)
 {
+  static const double away[4] = {0.0, 1.0, 30.0, 1e4}, speeds[3] = {0.3, 1.0, 3.0};
   int taken = 0, refused = 0;
-  for (int k = 0; k < 24; k++) {
-    const double far = k % 2 ? 1e4 : 0.0, speed = (double[]){0.3, 1.0, 3.0}[k / 2 % 3], dt = 0.01 * pow(2.0, k / 6);
+  for (int k = 0; k < 48; k++) {
+    const double off = away[k % 4], speed = speeds[k / 4 % 3], dt = 0.01 * pow(2.0, k / 12);
     double q[3], fine[3], most;
-    if (tumbling(q, &most, far, speed, dt, 2)) {
-      FBT_TRUE(tumbling(fine, &most, far, speed, dt, 30));
+    if (tumbling(q, &most, off, speed, dt, 2)) {
+      FBT_TRUE(tumbling(fine, &most, off, speed, dt, 30));
       for (int a = 0; a < 3; a++) {
         FBT_NEAR_ABS(q[a], fine[a], 0.02 * most + 3e-7);
       }

@@ -772,13 +772,12 @@ static const char sdirk_stage_check[] =
     "  if (n > 1 && !%(((last > `1e-2` * begins) & (last > `1e-4` * change) & (last > floor)) == 0%)) {\n"
     "    return @_convergence;\n  }\n";
 static const char sdirk_modes_check[] =
-    "  $ deflection, next;\n  @_size(&begins, &deflection, at, `1`);\n  deflection *= `1e-7`;\n"
-    "  change *= `1e-13`;\n  next = last * bent;\n"
+    "  $ deflection, next;\n  @_size(&begins, &deflection, at, `1`);\n"
+    "  next = `4` * change * bent;\n  deflection *= `1e-7`;\n  last *= bent;\n  change *= `1e-13`;\n"
     "  if (n > 1 && !%(((bent > `1e-2` * bent_all) & (bent > least) &\n"
-    "                 ((next > before * deflection) | (next > deflection)) &\n"
-    "                 ((next > before * change) | (next > change) | (next > `1e-13` * before) | (next > `1e-13`))) == "
-    "0%)) "
-    "{\n"
+    "                 ((last > before * deflection) | (next > deflection)) &\n"
+    "                 ((last > before * change) | (last > `1e-13` * before) | (next > change) | (next > `1e-13`))) == "
+    "0%)) {\n"
     "    return @_convergence;\n  }\n";
 
 /* E11.25 of the momenta of rotors. */
