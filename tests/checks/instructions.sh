@@ -108,13 +108,13 @@ system rigid sdirk 19920 # 20889
 system hinge rk4 18850 # 20112
 system hinge sdirk 45900 # 49483
 system booms rk4 59800 # 58830
-system booms sdirk 170300 # 217877
+system booms sdirk 170700 # 217877
 system chain rk4 323200 # 386664
 system chain sdirk 716300 # 929501
 system ground rk4 302300 # 387508
 system ground sdirk 684400 # 930043
 system dense rk4 121000 # 161214
-system dense sdirk 311600 # 426612
+system dense sdirk 311800 # 426612
 system ring rk4 149950 # 182025
 system ring sdirk 293100 # 356790
 system rows rk4 172700 # 239507
