@@ -17178,9 +17178,10 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
 /* [E11.25] Convergence of a stage. It fails if the last Newton correction exceeds a tenth of the first one, a hundredth
    of the increment of the stage, and round-off: corrections shrink to less than a tenth if the step resolves the
    motion. Arguments are squares; a single iteration cannot be judged.
-   In systems modes are checked separately, against a tenth of their own increment.
+   In systems modes are checked separately, too (fbi_modes_check).
    Source: contraction of Newton's method.  Test: steps_that_have_not_converged_say_so,
-   a_fast_sled_does_not_hide_what_bends, what_moves_far_does_not_hide_what_bends. */
+   a_fast_sled_does_not_hide_what_bends, what_moves_far_does_not_hide_what_bends,
+   stiff_modes_that_hardly_move_are_no_failure. */
 static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
 {
   const fb_real floor = FB_R(0.01) * FB_EPSILON;

@@ -48,6 +48,7 @@ static inline int output_close(FILE *file, const char *name)
   fprintf(stderr, "%s: cannot write %s%s%s\n", output_program, name, errno ? ": " : "", errno ? strerror(errno) : "");
   return 2;
 }
+
 /* In a comment of C, which it must not end, what a text was made from: without its directories, so that the same file
    gives the same text wherever it lies. */
 static inline void output_source(FILE *out, const char *file)
