@@ -473,7 +473,7 @@ static void sdirk_take_modes(const code *w, int k)
 static void sdirk_take_ball(const code *w, int k)
 {
   const tree_link *const L = &tree.link[k];
-  code_value move[4], torque[3], child[9];
+  code_value move[4], torque[3];
   code_sum s;
   for (int i = 0; i < 4; i++) {
     code_begin(&s);
@@ -492,9 +492,7 @@ static void sdirk_take_ball(const code *w, int k)
     code_add(&s, -1.0, sdirk[k].C[i], L->u[i]);
     torque[i] = code_end(w, &s, code_variable("b%d_dtau_%d", k, i));
   }
-  tree_constants(child, L->joint->child_axes, 9);
-  tree_write_turned(w, torque, child, 0, torque, "nt", k);
-  tree_write_view(w, torque, torque, "nv", k, 0);
+  tree_write_out_of_ball(w, torque, "nt", "nv", k);
   for (int i = 0; i < 3; i++) {
     code_begin(&s);
     code_add_one(&s, 1.0, sdirk_rest(L->p + i));

@@ -187,6 +187,15 @@ static void tree_write_view(const code *w, code_value y[3], const code_value x[3
   }
 }
 
+/* A vector in the joint axes of the child, on the spherical joint of link k, in those of the ground. */
+static void tree_write_out_of_ball(const code *w, code_value x[3], const char *turned, const char *viewed, int k)
+{
+  code_value child[9];
+  tree_constants(child, tree.link[k].joint->child_axes, 9);
+  tree_write_turned(w, x, child, 0, x, turned, k);
+  tree_write_view(w, x, x, viewed, k, 0);
+}
+
 /* A function of libm and its bracket, of one body or of all lanes. */
 static void tree_call(const code *w, const char *name)
 {
@@ -1494,10 +1503,7 @@ static void tree_write_motors(const code *w, int k, const code_value F[6], code_
     }
   }
   if (tree_is_ball(L) && L->free > 0) {
-    code_value child[9];
-    tree_constants(child, L->joint->child_axes, 9);
-    tree_write_turned(w, tau, child, 0, tau, "actb", k);
-    tree_write_view(w, tau, tau, "actg", k, 0);
+    tree_write_out_of_ball(w, tau, "actb", "actg", k);
   }
   for (int a = 0; a < L->axes; a++) {
     if (tree_is_free(L, a)) {
@@ -2053,10 +2059,7 @@ static void tree_write_drift_axes(const code *w, int k, const code_value b[6])
     }
   }
   if (tree_is_ball(L) && L->free > 0) {
-    code_value child[9];
-    tree_constants(child, L->joint->child_axes, 9);
-    tree_write_turned(w, p, child, 0, p, "db", k);
-    tree_write_view(w, p, p, "dg", k, 0);
+    tree_write_out_of_ball(w, p, "db", "dg", k);
   }
   for (int a = 0; a < L->axes; a++) {
     if (tree_is_free(L, a)) {
