@@ -263,6 +263,52 @@ for effects in "full damping" "large damping"; do
 done
 effects=
 
+# driven WHAT ACTS TELLS: 100 steps of 1 ms of generated.h under `in`, which ACTS of C sets at the time t, end where the scene
+# does, in way.csv; TELLS: three numbers of the state s, the motion m and the energy e
+driven() {
+  cat > "$out/way.c" << END
+#include <math.h>
+#include <stdio.h>
+#define generated_IMPLEMENTATION
+#include "generated.h"
+static generated_input at(double t)
+{
+  generated_input in = {0};
+  (void)t;
+  $2
+  return in;
+}
+int main(void)
+{
+  generated_state s;
+  generated_motion m;
+  generated_energy e;
+  generated_input a = at(0), b, c;
+  generated_start(&s);
+  for (int k = 0; k < 100; k++, a = c) {
+    b = at((k + 0.5) * 1e-3);
+    c = at((k + 1) * 1e-3);
+#ifdef SDIRK
+    (void)b;
+    if (generated_step(&s, &a, &c, 1e-3)) {
+#else
+    if (generated_step(&s, &a, &b, &c, 1e-3)) {
+#endif
+      return 1;
+    }
+  }
+  generated_motion_eval(&m, &s, &a);
+  generated_energy_eval(&e, &s, &a);
+  printf("%.17g %.17g %.17g\n", $3);
+  return 0;
+}
+END
+  try gcc $c99 -O1 $(grep -q 'their step of sdirk' "$out/generated.h" && echo -DSDIRK || true) -I"$out" -o "$out/way" "$out/way.c" -lm
+  "$out/way" > "$out/end.txt" || fail "$1: a step is refused"
+  awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] - $(i + 1); if (!(d < 1e-10 && d > -1e-10)) { exit 1 } } }' \
+    "$out/way.csv" || fail "$1: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+}
+
 # so where motors, and axes that move at once, are inputs: 100 steps of a door on a crank that turns, driven, with a driven rotor
 cat > "$out/crank.txt" << 'END'
 duration 0.1
@@ -297,43 +343,8 @@ try "$out/scene" "$out/crank.txt" --code "$out/generated.h"
 grep -q 'motor, value and rate of joints (from line 12) are inputs' "$out/log" && grep -q 'motor and momentum of rotors (from line 19) are inputs' "$out/log" ||
   fail "what the caller gives: $(cat "$out/log")"
 try "$out/scene" "$out/crank.txt" --out "$out/way.csv"
-cat > "$out/way.c" << 'END'
-#include <stdio.h>
-#define generated_IMPLEMENTATION
-#include "generated.h"
-static generated_input at(double t)
-{
-  generated_input in = {0};
-  in.body_0.value[0] = 2 * t;
-  in.body_0.rate[0] = 2;
-  in.body_1.motor[0] = 0.3;
-  in.body_1.rotor_motor[0] = 0.02;
-  return in;
-}
-int main(void)
-{
-  generated_state s;
-  generated_motion m;
-  generated_energy e;
-  generated_input a = at(0), b, c;
-  generated_start(&s);
-  for (int k = 0; k < 100; k++, a = c) {
-    b = at((k + 0.5) * 1e-3);
-    c = at((k + 1) * 1e-3);
-    if (generated_step(&s, &a, &b, &c, 1e-3)) {
-      return 1;
-    }
-  }
-  generated_motion_eval(&m, &s, &a);
-  generated_energy_eval(&e, &s, &a);
-  printf("%.17g %.17g %.17g\n", s.body_1.x[0], m.body_1.speed[0], e.kinetic);
-  return 0;
-}
-END
-try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
-"$out/way" > "$out/end.txt" || fail "a crank that turns: a step is refused"
-awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] - $(i + 1); if (!(d < 1e-10 && d > -1e-10)) { exit 1 } } }' \
-  "$out/way.csv" || fail "a crank that turns: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+driven "a crank that turns" 'in.body_0.value[0] = 2 * t; in.body_0.rate[0] = 2; in.body_1.motor[0] = 0.3; in.body_1.rotor_motor[0] = 0.02;' \
+  's.body_1.x[0], m.body_1.speed[0], e.kinetic'
 
 # and where springs are pulled: an arm with two muscles, one of which is nothing else
 cat > "$out/muscles.txt" << 'END'
@@ -373,38 +384,13 @@ output shoulder coordinate shoulder 1
 output elbow coordinate elbow 1
 output energy energy strain
 END
-cat > "$out/way.c" << 'END'
-#include <stdio.h>
-#define generated_IMPLEMENTATION
-#include "generated.h"
-int main(void)
-{
-  generated_state s;
-  generated_energy e;
-  generated_input in = {0};
-  in.pull_0 = 3;
-  in.pull_1 = 2;
-  generated_start(&s);
-  for (int k = 0; k < 100; k++) {
-    if (generated_step(&s, ACTS, 1e-3)) {
-      return 1;
-    }
-  }
-  generated_energy_eval(&e, &s, &in);
-  printf("%.17g %.17g %.17g\n", s.body_0.x[0], s.body_1.x[0], e.strain);
-  return 0;
-}
-END
-for acts in "&in, &in, &in" "&in, &in"; do
-  [ "$acts" = "&in, &in, &in" ] || sed -i 's/integrator rk4/integrator sdirk/' "$out/muscles.txt"
+for scheme in rk4 sdirk; do
+  sed -i "s/^integrator .*/integrator $scheme/" "$out/muscles.txt"
   try "$out/scene" "$out/muscles.txt" --code "$out/generated.h"
   grep -q 'pull of springs (from line 20) are inputs' "$out/log" || fail "muscles: $(cat "$out/log")"
   ! grep -q 'integrator auto' "$out/log" || fail "the scene says which integrator"
   try "$out/scene" "$out/muscles.txt" --out "$out/way.csv"
-  try gcc $c99 -O1 -DACTS="$acts" -I"$out" -o "$out/way" "$out/way.c" -lm
-  "$out/way" > "$out/end.txt" || fail "muscles: a step is refused"
-  awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] - $(i + 1); if (!(d < 1e-10 && d > -1e-10)) { exit 1 } } }' \
-    "$out/way.csv" || fail "muscles: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+  driven "muscles by $scheme" 'in.pull_0 = 3; in.pull_1 = 2;' 's.body_0.x[0], s.body_1.x[0], e.strain'
 done
 
 # a satellite that flies past, on a tether to the ground that is reeled in
@@ -432,15 +418,11 @@ output x position satellite x
 output y position satellite y
 output energy energy strain
 END
-sed -e 's/in.pull_1 = .*//; s/in.pull_0 = 3/in.pull_0 = 4/; s/s.body_1.x\[0\]/s.body_0.x[1]/' "$out/way.c" > "$out/tether.c"
-for acts in "&in, &in, &in" "&in, &in"; do
-  [ "$acts" = "&in, &in, &in" ] || sed -i 's/integrator rk4/integrator sdirk/' "$out/tether.txt"
+for scheme in rk4 sdirk; do
+  sed -i "s/^integrator .*/integrator $scheme/" "$out/tether.txt"
   try "$out/scene" "$out/tether.txt" --code "$out/generated.h"
   try "$out/scene" "$out/tether.txt" --out "$out/way.csv"
-  try gcc $c99 -O1 -DACTS="$acts" -I"$out" -o "$out/way" "$out/tether.c" -lm
-  "$out/way" > "$out/end.txt" || fail "a tether: a step is refused"
-  awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] - $(i + 1); if (!(d < 1e-10 && d > -1e-10)) { exit 1 } } }' \
-    "$out/way.csv" || fail "a tether: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+  driven "a tether by $scheme" 'in.pull_0 = 4;' 's.body_0.x[0], s.body_0.x[1], e.strain'
 done
 
 # one that a controller alone pulls
@@ -475,47 +457,8 @@ output energy energy kinetic
 END
   try "$out/scene" "$out/knee.txt" --code "$out/generated.h"
   try "$out/scene" "$out/knee.txt" --out "$out/way.csv"
-  cat > "$out/way.c" << 'END'
-#include <stdio.h>
-#define generated_IMPLEMENTATION
-#include "generated.h"
-static generated_input at(double t)
-{
-  generated_input in = {0};
-  in.body_1.value[1] = 0.5 * t;
-  in.body_1.rate[1] = 0.5;
-  in.body_1.motor[0] = 0.3;
-  return in;
-}
-int main(void)
-{
-  generated_state s;
-  generated_motion m;
-  generated_energy e;
-  generated_input a = at(0), b, c;
-  generated_start(&s);
-  for (int k = 0; k < 100; k++, a = c) {
-    b = at((k + 0.5) * 1e-3);
-    c = at((k + 1) * 1e-3);
-#ifdef SDIRK
-    (void)b;
-    if (generated_step(&s, &a, &c, 1e-3)) {
-#else
-    if (generated_step(&s, &a, &b, &c, 1e-3)) {
-#endif
-      return 1;
-    }
-  }
-  generated_motion_eval(&m, &s, &a);
-  generated_energy_eval(&e, &s, &a);
-  printf("%.17g %.17g %.17g\n", s.body_1.x[0], m.body_1.speed[0], e.kinetic);
-  return 0;
-}
-END
-  try gcc $c99 -O1 $([ $scheme = rk4 ] || echo -DSDIRK) -I"$out" -o "$out/way" "$out/way.c" -lm
-  "$out/way" > "$out/end.txt" || fail "a prescribed axis of several by $scheme: a step is refused"
-  awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] - $(i + 1); if (!(d < 1e-10 && d > -1e-10)) { exit 1 } } }' \
-    "$out/way.csv" || fail "a prescribed axis of several by $scheme: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+  driven "a prescribed axis of several by $scheme" 'in.body_1.value[1] = 0.5 * t; in.body_1.rate[1] = 0.5; in.body_1.motor[0] = 0.3;' \
+    's.body_1.x[0], m.body_1.speed[0], e.kinetic'
 done
 scheme=
 
@@ -554,41 +497,8 @@ output energy energy kinetic
 END
 try "$out/scene" "$out/pin.txt" --code "$out/generated.h"
 try "$out/scene" "$out/pin.txt" --out "$out/way.csv"
-cat > "$out/way.c" << 'END'
-#include <stdio.h>
-#define generated_IMPLEMENTATION
-#include "generated.h"
-static generated_input at(double t)
-{
-  generated_input in = {0};
-  in.loop_0.value[0] = 0.5 * (t - sin(31.4159265358979324 * t) / 31.4159265358979324);
-  in.loop_0.rate[0] = 0.5 * (1 - cos(31.4159265358979324 * t));
-  return in;
-}
-int main(void)
-{
-  generated_state s;
-  generated_motion m;
-  generated_energy e;
-  generated_input a = at(0), b, c;
-  generated_start(&s);
-  for (int k = 0; k < 100; k++, a = c) {
-    b = at((k + 0.5) * 1e-3);
-    c = at((k + 1) * 1e-3);
-    if (generated_step(&s, &a, &b, &c, 1e-3)) {
-      return 1;
-    }
-  }
-  generated_motion_eval(&m, &s, &a);
-  generated_energy_eval(&e, &s, &a);
-  printf("%.17g %.17g %.17g\n", s.body_0.x[0], m.body_1.speed[0], e.kinetic);
-  return 0;
-}
-END
-try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
-"$out/way" > "$out/end.txt" || fail "a loop that is turned: a step is refused"
-awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i <= 3; i++) { d = x[i] - $(i + 1); if (!(d < 1e-10 && d > -1e-10)) { exit 1 } } }' \
-  "$out/way.csv" || fail "a loop that is turned: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
+driven "a loop that is turned" 'in.loop_0.value[0] = 0.5 * (t - sin(31.4159265358979324 * t) / 31.4159265358979324); in.loop_0.rate[0] = 0.5 * (1 - cos(31.4159265358979324 * t));' \
+  's.body_0.x[0], m.body_1.speed[0], e.kinetic'
 
 scene 'integrator sdirk' 'step 0.01'
 call='generated_step(&s, 0, 0, 1)'
