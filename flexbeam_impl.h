@@ -7335,17 +7335,14 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   }
 #endif
   if (fbi_form(body) == 0) {
-    const fb_state *load = &rate;
 #if FB_WITH_ROTORS
     if (fbi_has_rotors(body)) {
-      at = rate;
-      fbi_rotors_push(k.fg + 3, at.pi, &k, body, rate.q, fbi_rotors_input(input), 1);
+      fbi_rotors_push(k.fg + 3, rate.pi, &k, body, rate.q, fbi_rotors_input(input), 1);
       fbi_copy(out.rotor_speed, k.rotor_speed, body->n_rotor);
       fbi_copy(out.rotor_momentum, k.rotor_momentum, body->n_rotor);
-      load = &at;
     }
 #endif
-    status = fbi_accelerations(&out, &k, body, load, input);
+    status = fbi_accelerations(&out, &k, body, &rate, input);
   }
 
   /* result, if finite */

@@ -55,17 +55,19 @@ static inline void spin_up(double x, double y, double z, const double *speed)
 
 static const unsigned sets[] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_FULL, FB_EFFECTS_LARGE};
 
-/* The boom of body.h with a wheel on the hub, one on its tip and one along it. */
-static inline void craft(unsigned effects, fb_base base, int friction)
+/* The boom of body.h with a wheel on the hub and, of n = 3, one on its tip and one along it. */
+static inline void craft_of(int n, unsigned effects, fb_base base, int friction)
 {
   int node[2];
   fresh(base, effects);
   desc.deflection_limit = FB_R(2.0);
   boom(&shape, node);
   rotor_add(0, 0.3, -0.5, 1.0, 0.05);
-  rotor_add(node[0], 1.0, 0.4, 0.2, 0.004);
-  rotor_add(node[1], -0.2, 1.0, 0.7, 0.008);
-  for (int r = 0; r < 3 && friction; r++) {
+  if (n == 3) {
+    rotor_add(node[0], 1.0, 0.4, 0.2, 0.004);
+    rotor_add(node[1], -0.2, 1.0, 0.7, 0.008);
+  }
+  for (int r = 0; r < n && friction; r++) {
     desc.rotor[r].damping = FB_R(1e-4);
     desc.rotor[r].friction = FB_R(2e-3);
     desc.rotor[r].friction_speed = FB_R(2.0);
@@ -73,14 +75,19 @@ static inline void craft(unsigned effects, fb_base base, int friction)
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
   FBT_INT_EQ(body.rotor[0].moves, 0);
-  FBT_INT_EQ(body.rotor[1].moves, 1);
+  FBT_INT_EQ(n < 3 || body.rotor[1].moves, 1);
+}
+
+static inline void craft(unsigned effects, fb_base base, int friction)
+{
+  craft_of(3, effects, base, friction);
 }
 
 static inline void craft_moves(double size)
 {
   static const double speed[3] = {20.0, -60.0, 45.0};
   boom_state(&state, size);
-  for (int r = 0; r < 3; r++) {
+  for (int r = 0; r < body.n_rotor; r++) {
     FBT_INT_EQ(fb_state_rotor_set(&body, &state, r, (fb_real)speed[r], FB_R(0.3), &input), FB_OK);
   }
 }
