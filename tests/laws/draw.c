@@ -1,0 +1,377 @@
+/* draw.c - random legal bodies: every feature that they have, in every combination that the library takes. */
+#include "laws.h"
+
+static fb_beam beam[2];
+static fb_modes modes[2];
+static fb_modes_work modes_work;
+static fb_join_work join_work;
+static fb_body_work body_work;
+static fb_shape shape;
+static fb_beam_desc beam_desc;
+static fb_modes_desc modes_desc;
+static fb_body_desc desc;
+
+void fbl_legal(fbl_choice *c)
+{
+  if (c->effects == FBL_LARGE) { /* lines: natural modes or components, no chain of kinks under a component */
+    c->basis = c->basis >= FBL_ELEMENTS ? FBL_NATURAL : c->basis;
+  }
+  if (c->basis == FBL_FUNCTIONS) { /* no shear, torsion, joints; clamped */
+    c->shear = 0;
+    c->modes = c->modes == FBL_TORSION ? FBL_BOTH : c->modes;
+    c->parts = c->parts >= FBL_WELDED ? FBL_ONE_BEAM : c->parts;
+  }
+  if (c->basis == FBL_ELEMENTS || c->basis == FBL_SPUN) {
+    c->parts = c->parts >= FBL_WELDED ? FBL_ONE_BEAM : c->parts;
+  }
+  if (c->basis == FBL_ELEMENTS) {
+    c->parts = FBL_ONE_BEAM;
+  }
+  if (c->gravity == FBL_CENTER && (c->effects == FBL_LINEAR || c->effects == FBL_SPIN)) {
+    c->gravity = FBL_GRAVITY;
+  }
+  if (c->parts == FBL_CURVED) { /* kinks want every stiffness, and inertia about every axis */
+    c->modes = FBL_AXIAL;
+    c->section = c->section == FBL_TWIST ? FBL_UNIFORM : c->section;
+  }
+}
+
+/* ---- beams */
+
+static void section_draw(fb_section *s, double x, double length, double factor, const fbl_choice *c)
+{
+  static double mass, EI_y, EI_z, thin, offset[4];
+  if (x <= 0.0) { /* one draw a beam */
+    const double first = fbl_in(3.0, 15.0), way = first * length * length / 3.516;
+    mass = fbl_in(0.5, 4.0);
+    EI_z = way * way * mass;
+    EI_y = EI_z * fbl_in(0.6, 2.0);
+    thin = fbl_in(0.008, 0.02) * length;
+    for (int k = 0; k < 4; k++) {
+      offset[k] = fbl_in(-0.01, 0.01) * length;
+    }
+  }
+  memset(s, 0, sizeof *s);
+  s->x = fbl_unit(x, 0, 1, 0);
+  s->mass = fbl_unit(mass * factor, 1, -1, 0);
+  s->EI_y = fbl_unit(EI_y * factor * factor, 1, 3, -2);
+  s->EI_z = fbl_unit(EI_z * factor * factor, 1, 3, -2);
+  if (c->modes >= FBL_TORSION || c->section == FBL_OFFSET) {
+    s->GJ = fbl_unit(0.6 * EI_z * factor, 1, 3, -2);
+    s->i_y = fbl_unit(mass * factor * thin * thin, 1, 1, 0);
+    s->i_z = fbl_unit(1.3 * mass * factor * thin * thin, 1, 1, 0);
+  }
+  if (c->modes == FBL_AXIAL || c->section == FBL_OFFSET) {
+    s->EA = fbl_unit(EI_z * factor / (thin * thin), 1, 1, -2);
+  }
+  if (c->shear) {
+    s->GA_y = fbl_unit(0.2 * EI_z * factor / (thin * thin), 1, 1, -2);
+    s->GA_z = fbl_unit(0.3 * EI_z * factor / (thin * thin), 1, 1, -2);
+  }
+  if (c->section == FBL_TWIST) {
+    s->twist = fbl_unit((fbl_seen.mirror ? -1.0 : 1.0) * 0.6 * x / length, 0, 0, 0);
+  }
+  if (c->section == FBL_OFFSET) {
+    const double sign = fbl_seen.mirror ? -1.0 : 1.0;
+    s->mass_y = fbl_unit(sign * offset[0], 0, 1, 0);
+    s->mass_z = fbl_unit(offset[1], 0, 1, 0);
+    s->tension_y = fbl_unit(sign * offset[2], 0, 1, 0);
+    if (c->shear) {
+      s->shear_z = fbl_unit(offset[3], 0, 1, 0);
+    }
+  }
+}
+
+static void lump_draw(int node, double mass, double reach, int tensor)
+{
+  fb_lump *const lump = &beam_desc.lump[beam_desc.n_lump++];
+  double center[3] = {0.0, 0.0, 0.0}, tilt[3], moment[3];
+  lump->node = node;
+  lump->mass = fbl_unit(mass, 1, 0, 0);
+  for (int i = 0; i < 3; i++) {
+    center[i] = fbl_in(-reach, reach);
+    tilt[i] = fbl_in(-0.3, 0.3);
+    moment[i] = mass * reach * reach * fbl_in(0.5, 0.9);
+  }
+  if (tensor) {
+    const double flip = fbl_seen.mirror ? -1.0 : 1.0, small = 0.3 * mass * reach * reach;
+    fbl_polar(lump->center, center[0], center[1], center[2], 0, 1, 0);
+    for (int i = 0; i < 3; i++) {
+      lump->inertia[i] = fbl_unit(moment[i], 1, 2, 0);
+      lump->inertia[3 + i] = fbl_unit((i == 1 ? 1.0 : flip) * small * tilt[i], 1, 2, 0);
+    }
+  }
+}
+
+/* The root of a beam on the hub, or where another one ends. */
+static void place(double x, double y, double z, double length, double angle)
+{
+  const double half = 0.5 * angle, tilt = 0.1;
+  const double q[4] = {cos(half) * cos(tilt), cos(half) * sin(tilt), sin(half) * sin(tilt), sin(half) * cos(tilt)};
+  fbl_polar(beam_desc.position, x, y, z, 0, 1, 0);
+  fbl_quat(beam_desc.attitude, q, 0);
+  beam_desc.length = fbl_unit(length, 0, 1, 0);
+}
+
+static void beam_draw(double length, const fbl_choice *c, int first)
+{
+  const int n = c->section == FBL_UNIFORM || c->section == FBL_OFFSET ? 1 : 4;
+  beam_desc.n_station = n;
+  for (int k = 0; k < n; k++) {
+    const double x = n > 1 ? length * k / (n - 1) : 0.0;
+    section_draw(&beam_desc.station[k], x, length, c->section == FBL_TAPER ? 1.0 - 0.5 * x / length : 1.0, c);
+    if (c->parts == FBL_CURVED || (first && c->parts == FBL_WELDED)) {
+      beam_desc.station[k].EA = fbl_unit((double)beam_desc.station[k].EI_z / (double)fbl_unit(1.0, 1, 3, -2) * 2e3, 1, 1, -2);
+    }
+  }
+  if (n > 1) {
+    beam_desc.station[n - 1].x = beam_desc.length;
+  }
+  if (c->lumps != FBL_NO_LUMP) {
+    lump_draw(beam_desc.n_element, fbl_in(0.3, 2.0), 0.03 * length, c->lumps >= FBL_TENSOR);
+  }
+  if (c->lumps == FBL_SEVERAL) {
+    lump_draw(beam_desc.n_element / 2, fbl_in(0.3, 2.0), 0.02 * length, 1);
+  }
+  if (first && c->parts == FBL_WELDED && c->lumps == FBL_NO_LUMP) {
+    lump_draw(beam_desc.n_element, 1e-3, 0.0, 0); /* where the other one is attached a point is wanted */
+  }
+  if (c->parts == FBL_CURVED) {
+    const double bow = fbl_in(0.02, 0.06);
+    double x = 0.0, y = 0.0, end = 0.0;
+    beam_desc.n_point = beam_desc.n_element + 1;
+    for (int k = 1; k < beam_desc.n_point; k++) {
+      const double dx = length / beam_desc.n_element, dy = dx * bow * 2.0 * k;
+      x += dx;
+      y += dy;
+      end += sqrt(dx * dx + dy * dy);
+      fbl_polar(beam_desc.point[k], x, y, 0.0, 0, 1, 0);
+    }
+    beam_desc.length = fbl_unit(end, 0, 1, 0);
+  }
+}
+
+static void modes_draw(const fbl_choice *c, int loose)
+{
+  const int n = 1 + fbl_pick(2);
+  memset(&modes_desc, 0, sizeof modes_desc);
+  modes_desc.count[FB_KIND_BEND_Y] = n + 1;
+  modes_desc.count[FB_KIND_BEND_Z] = c->modes == FBL_ONE_PLANE ? 0 : n;
+  modes_desc.count[FB_KIND_TORSION] = c->modes == FBL_TORSION && c->basis != FBL_FUNCTIONS;
+  modes_desc.count[FB_KIND_AXIAL] = c->modes == FBL_AXIAL && c->parts != FBL_CURVED;
+  modes_desc.rigid = loose;
+  if (c->parts == FBL_CURVED || (c->section == FBL_OFFSET && c->modes != FBL_ONE_PLANE)) { /* kinds couple */
+    memset(modes_desc.count, 0, sizeof modes_desc.count);
+    modes_desc.lowest = 3;
+  }
+  switch (c->basis) {
+  case FBL_COMPONENT:
+    modes_desc.basis = FB_BASIS_COMPONENT;
+    modes_desc.n_boundary = 2;
+    modes_desc.boundary[0].node = modes_desc.boundary[1].node = beam_desc.n_element;
+    modes_desc.boundary[0].axis = 1;
+    modes_desc.boundary[1].axis = c->modes == FBL_ONE_PLANE ? 5 : 2;
+    break;
+  case FBL_ELEMENTS:
+    modes_desc.basis = FB_BASIS_ELEMENTS;
+    break;
+  case FBL_FUNCTIONS:
+    modes_desc.basis = FB_BASIS_FUNCTIONS;
+    modes_desc.count[0] = modes_desc.count[1] = n;
+    break;
+  case FBL_SPUN:
+    modes_desc.spin = fbl_unit(fbl_in(1.0, 4.0), 0, 0, -1);
+    modes_desc.count[0] = 2;
+    modes_desc.lowest = 0;
+    break;
+  default:
+    break;
+  }
+}
+
+/* Modes of one beam, or of all that are on the hub or joined; the number of coordinates. */
+static fb_status beams_draw(const fbl_choice *c, int *n, int *n_beam, double *size)
+{
+  static const fb_join_desc weld = {.n_weld = 1, .weld = {{.component = {0, 1}, .node = {4, 0}}}};
+  const double length = fbl_in(2.0, 8.0), start = fbl_in(0.1, 0.3);
+  fb_status status = FB_OK;
+  *n_beam = c->parts == FBL_TWO_BEAMS || c->parts == FBL_WELDED ? 2 : 1;
+  *size = length * (c->parts == FBL_WELDED ? 1.5 : 1.0);
+  *n = 0;
+  for (int k = 0; k < *n_beam && status == FB_OK; k++) {
+    const int loose = k == 1 && c->parts == FBL_WELDED, at = fbl_seen.reverse && !loose ? *n_beam - 1 - k : k;
+    const double own = k == 0 ? length : fbl_in(0.3, 0.6) * length;
+    memset(&beam_desc, 0, sizeof beam_desc);
+    beam_desc.n_element = c->basis == FBL_ELEMENTS ? 1 : 4;
+    if (loose) {
+      fb_real tip[3];
+      memcpy(tip, &beam[0].node[3 * 4], sizeof tip);
+      beam_desc.root = FB_ROOT_FREE;
+      place(0.0, 0.0, 0.0, own, 1.0);
+      fb_mat33_mul_vec3(beam_desc.position, beam[0].axes, tip);
+      for (int i = 0; i < 3; i++) {
+        beam_desc.position[i] += beam[0].desc.position[i];
+      }
+    } else {
+      place(start * (k == 0 ? 1.0 : -1.0), 0.1, -0.05, own, k == 0 ? 0.2 : 2.8);
+    }
+    beam_draw(own, c, k == 0);
+    status = fb_beam_init(&beam[at], &beam_desc);
+    modes_draw(c, loose);
+    status = status ? status : fb_modes_solve(&modes[at], &modes_work, &beam[at], &modes_desc);
+    *n += status == FB_OK ? modes[at].n : 0;
+  }
+  if (status == FB_OK && c->parts == FBL_WELDED) {
+    status = fb_modes_join(modes, &join_work, beam, modes, &weld, 2);
+    *n = modes[0].n;
+  }
+  return status;
+}
+
+/* ---- shapes */
+
+static void hub_draw(const fbl_choice *c, double size)
+{
+  const double mass = c->hub == 1 ? fbl_in(0.3, 1.0) : fbl_in(5.0, 40.0), reach = size * fbl_in(0.1, 0.2);
+  double center[3] = {0.0, 0.0, 0.0};
+  fb_real at[3], inertia[6];
+  for (int i = 0; i < 3; i++) {
+    center[i] = c->hub == 2 ? fbl_in(-0.2, 0.2) : 0.0;
+    inertia[i] = fbl_unit(mass * reach * reach * fbl_in(0.6, 1.0), 1, 2, 0);
+    inertia[3 + i] = fbl_unit((fbl_seen.mirror && i != 1 ? -1.0 : 1.0) * (c->hub == 2) * 0.1 * mass * reach * reach, 1, 2, 0);
+  }
+  fbl_polar(at, center[0], center[1], center[2], 0, 1, 0);
+  (void)fb_shape_add_rigid(&shape, fbl_unit(mass, 1, 0, 0), at, inertia);
+}
+
+/* Coordinates first.. of a component that is no beam, with random shapes and second-order displacements. */
+static fb_status import_draw(int first, int count, int lumps)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < 3 && status == FB_OK; k++) {
+    fb_real psi[3 * FB_MAX_MODES] = {0}, theta[3 * FB_MAX_MODES] = {0}, r[3];
+    static fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES];
+    const int n = shape.n;
+    const double mass = fbl_in(0.5, 3.0);
+    fb_real inertia[6] = {0};
+    int node;
+    memset(chi, 0, sizeof chi);
+    fbl_polar(r, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 1, 0);
+    for (int a = first; a < first + count; a++) {
+      fbl_polar(&psi[3 * a], fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 0, 0);
+      fbl_axial(&theta[3 * a], fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, -1, 0);
+      for (int b = first; b <= a; b++) {
+        fb_real *const x = &chi[3 * (a * n + b)];
+        fbl_polar(x, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, -1, 0);
+        memcpy(&chi[3 * (b * n + a)], x, 3 * sizeof *x);
+      }
+    }
+    for (int i = 0; i < 3; i++) {
+      inertia[i] = fbl_unit(0.01 * mass * fbl_in(0.6, 1.0), 1, 2, 0);
+    }
+    status = lumps ? fb_shape_add_lump(&shape, fbl_unit(mass, 1, 0, 0), r, inertia, psi, theta)
+                   : fb_shape_add_particle(&shape, fbl_unit(mass, 1, 0, 0), r, psi, chi);
+    if (status == FB_OK && lumps && k == 0) {
+      status = fb_shape_add_node(&shape, &node, r, psi, theta);
+    }
+  }
+  for (int a = first; a < first + count; a++) {
+    const double omega = fbl_in(4.0, 20.0);
+    shape.K[a * shape.n + a] = (fb_real)((double)fbl_unit(omega * omega, 0, 0, -2) * (double)shape.M[a * shape.n + a]);
+  }
+  return status;
+}
+
+static void rotors_draw(const fbl_choice *c, int n_node)
+{
+  desc.n_rotor = c->rotors == FBL_NO_ROTOR ? 0 : c->rotors == FBL_ON_HUB ? 2 : 3;
+  for (int r = 0; r < desc.n_rotor; r++) {
+    fb_rotor *const rotor = &desc.rotor[r];
+    rotor->node = r > 0 && c->rotors >= FBL_ON_BOOM && n_node > 1 ? 1 : 0;
+    rotor->inertia = fbl_unit(fbl_in(0.01, 0.05), 1, 2, 0);
+    fbl_axial(rotor->axis, fbl_in(0.2, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 0, 0);
+    if (c->rotors == FBL_RUBBING) {
+      rotor->damping = fbl_unit(1e-3, 1, 2, -1);
+      rotor->friction = fbl_unit(5e-3, 1, 2, -2);
+      rotor->friction_speed = fbl_unit(3.0, 0, 0, -1);
+    }
+    if (c->rotors == FBL_UNBALANCED && r > 0) {
+      rotor->static_imbalance = fbl_unit(1e-3, 1, 1, 0);
+      rotor->dynamic_imbalance = fbl_unit(5e-4, 1, 2, 0);
+      rotor->dynamic_phase = (fb_real)(fbl_seen.mirror ? -0.7 : 0.7);
+    }
+    rotor->given = c->rotors == FBL_GIVEN && r != 1;
+  }
+}
+
+static void desc_draw(const fbl_choice *c, int n_node, double size)
+{
+  static const unsigned set[] = {FB_EFFECTS_FULL, FB_EFFECTS_RIGID, FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LARGE};
+  memset(&desc, 0, sizeof desc);
+  desc.base = (fb_base)c->base;
+  desc.effects = set[c->effects];
+  desc.deflection_limit = fbl_unit(5.0 * size, 0, 1, 0);
+  if (c->damping && c->effects != FBL_RIGID) {
+    desc.effects |= FB_EFFECT_DAMPING;
+    for (int a = 0; a < shape.n; a++) {
+      desc.zeta[a] = (fb_real)fbl_in(0.002, 0.05);
+    }
+  }
+  fbl_stream("gravity");
+  if (c->gravity == FBL_GRAVITY) {
+    desc.effects |= FB_EFFECT_GRAVITY;
+    fbl_inertial_polar(desc.gravity, fbl_in(-3.0, 3.0), fbl_in(-3.0, 3.0), fbl_in(-3.0, 3.0), 0, 1, -2);
+  }
+  if (c->gravity == FBL_CENTER) {
+    const double d = size * fbl_in(30.0, 60.0);
+    fb_real shift[3];
+    desc.mu = fbl_unit(0.04 * d * d * d, 0, 3, -2);
+    fbl_inertial_polar(desc.center, 0.6 * d, -0.64 * d, 0.48 * d, 0, 1, 0);
+    for (int i = 0; i < 3; i++) {
+      shift[i] = fbl_unit(fbl_seen.shift[i], 0, 1, 0);
+      desc.center[i] += shift[i];
+    }
+  }
+  fbl_stream("rotors");
+  rotors_draw(c, n_node);
+}
+
+fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
+{
+  int n = 0, n_beam = 0, extra = c->import == FBL_NO_IMPORT ? 0 : 2;
+  fb_status status;
+  fbl_stream("beams");
+  status = beams_draw(c, &n, &n_beam, size);
+  status = status ? status : fb_shape_init(&shape, n + extra);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbl_stream("hub");
+  hub_draw(c, *size);
+  for (int k = 0, first = 0; k < n_beam && status == FB_OK; k++) {
+    const int joined = c->parts == FBL_WELDED;
+    int node;
+    status = fb_shape_add_beam(&shape, first, &beam[k], &modes[k]);
+    status = status ? status : fb_shape_add_beam_node(&shape, &node, first, &beam[k], &modes[k], beam[k].start[beam[k].desc.n_element]);
+    first += joined ? 0 : modes[k].n;
+  }
+  fbl_stream("import");
+  status = status == FB_OK && extra ? import_draw(n, extra, c->import == FBL_LUMPS) : status;
+  fbl_stream("effects");
+  desc_draw(c, shape.n_node, *size);
+  return status ? status : fb_body_init(body, &body_work, &shape, &desc);
+}
+
+void fbl_deflect(fb_real *q, fb_real *q_dot, const fb_body *body, double size)
+{
+  fbl_stream("deflection");
+  for (int a = 0; a < body->n; a++) {
+    const double reach = (double)body->reach[a] > 0.0 ? (double)body->reach[a] : (double)fbl_unit(1.0, 0, 0, 0);
+    const double most = 0.08 * (double)fbl_unit(size, 0, 1, 0) / reach / body->n;
+    q[a] = (fb_real)(most * fbl_in(-1.0, 1.0));
+    q_dot[a] = (fb_real)(most * fbl_in(-4.0, 4.0) * (double)fbl_unit(1.0, 0, 0, -1));
+    if (fbl_seen.undeformed) {
+      q[a] = q_dot[a] = FB_R(0.0);
+    }
+  }
+}
