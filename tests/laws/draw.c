@@ -10,11 +10,13 @@ static fb_shape shape;
 static fb_beam_desc beam_desc;
 static fb_modes_desc modes_desc;
 static fb_body_desc desc;
+int fbl_missing;
+fbl_hub fbl_hub_of;
 
 void fbl_legal(fbl_choice *c)
 {
   if (c->effects == FBL_LARGE) { /* lines: natural modes or components, no chain of kinks under a component */
-    c->basis = c->basis >= FBL_ELEMENTS ? FBL_NATURAL : c->basis;
+    c->basis = c->basis >= FBL_ELEMENTS && c->basis != FBL_ATTACHED ? FBL_NATURAL : c->basis;
   }
   if (c->basis == FBL_FUNCTIONS) { /* no shear, torsion, joints; clamped */
     c->shear = 0;
@@ -121,11 +123,9 @@ static void beam_draw(double length, const fbl_choice *c, int first)
     const double x = n > 1 ? length * k / (n - 1) : 0.0;
     section_draw(&beam_desc.station[k], x, length, c->section == FBL_TAPER ? 1.0 - 0.5 * x / length : 1.0, c);
     if (c->parts == FBL_CURVED || (first && c->parts == FBL_WELDED)) {
-      beam_desc.station[k].EA = fbl_unit((double)beam_desc.station[k].EI_z / (double)fbl_unit(1.0, 1, 3, -2) * 2e3, 1, 1, -2);
+      beam_desc.station[k].EA =
+          fbl_unit((double)beam_desc.station[k].EI_z / (double)fbl_unit(1.0, 1, 3, -2) * 2e3, 1, 1, -2);
     }
-  }
-  if (n > 1) {
-    beam_desc.station[n - 1].x = beam_desc.length;
   }
   if (c->lumps != FBL_NO_LUMP) {
     lump_draw(beam_desc.n_element, fbl_in(0.3, 2.0), 0.03 * length, c->lumps >= FBL_TENSOR);
@@ -149,22 +149,32 @@ static void beam_draw(double length, const fbl_choice *c, int first)
     }
     beam_desc.length = fbl_unit(end, 0, 1, 0);
   }
+  if (n > 1) {
+    beam_desc.station[n - 1].x = beam_desc.length;
+  }
 }
 
 static void modes_draw(const fbl_choice *c, int loose)
 {
-  const int n = 1 + fbl_pick(2);
+  const int many = 1 + fbl_pick(2), n = c->import || c->parts || c->modes >= FBL_TORSION ? 1 : many;
   memset(&modes_desc, 0, sizeof modes_desc);
   modes_desc.count[FB_KIND_BEND_Y] = n + 1;
   modes_desc.count[FB_KIND_BEND_Z] = c->modes == FBL_ONE_PLANE ? 0 : n;
   modes_desc.count[FB_KIND_TORSION] = c->modes == FBL_TORSION && c->basis != FBL_FUNCTIONS;
   modes_desc.count[FB_KIND_AXIAL] = c->modes == FBL_AXIAL && c->parts != FBL_CURVED;
   modes_desc.rigid = loose;
+  modes_desc.line_points = 8;
   if (c->parts == FBL_CURVED || (c->section == FBL_OFFSET && c->modes != FBL_ONE_PLANE)) { /* kinds couple */
     memset(modes_desc.count, 0, sizeof modes_desc.count);
     modes_desc.lowest = 3;
   }
-  switch (c->basis) {
+  switch (loose && c->basis == FBL_COMPONENT ? FBL_NATURAL : c->basis) {
+  case FBL_ATTACHED: /* further modes, for loads at the tip */
+    modes_desc.n_load = c->modes == FBL_ONE_PLANE || c->parts ? 1 : 2;
+    modes_desc.load[0].node = modes_desc.load[1].node = beam_desc.n_element;
+    modes_desc.load[0].axis = 1;
+    modes_desc.load[1].axis = 2;
+    break;
   case FBL_COMPONENT:
     modes_desc.basis = FB_BASIS_COMPONENT;
     modes_desc.n_boundary = 2;
@@ -189,6 +199,20 @@ static void modes_draw(const fbl_choice *c, int loose)
   }
 }
 
+/* The number of modes that the description names. */
+static int asked_for(void)
+{
+  int n = 0;
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    n += modes_desc.count[k];
+  }
+  if (modes_desc.basis == FB_BASIS_FUNCTIONS) {
+    return n;
+  }
+  n = modes_desc.lowest > 0 ? modes_desc.lowest : n;
+  return n + modes_desc.n_load + modes_desc.n_boundary;
+}
+
 /* Modes of one beam, or of all that are on the hub or joined; the number of coordinates. */
 static fb_status beams_draw(const fbl_choice *c, int *n, int *n_beam, double *size)
 {
@@ -199,7 +223,7 @@ static fb_status beams_draw(const fbl_choice *c, int *n, int *n_beam, double *si
   *size = length * (c->parts == FBL_WELDED ? 1.5 : 1.0);
   *n = 0;
   for (int k = 0; k < *n_beam && status == FB_OK; k++) {
-    const int loose = k == 1 && c->parts == FBL_WELDED, at = fbl_seen.reverse && !loose ? *n_beam - 1 - k : k;
+    const int loose = k == 1 && c->parts == FBL_WELDED, at = fbl_seen.reverse && c->parts == FBL_TWO_BEAMS ? 1 - k : k;
     const double own = k == 0 ? length : fbl_in(0.3, 0.6) * length;
     memset(&beam_desc, 0, sizeof beam_desc);
     beam_desc.n_element = c->basis == FBL_ELEMENTS ? 1 : 4;
@@ -219,6 +243,9 @@ static fb_status beams_draw(const fbl_choice *c, int *n, int *n_beam, double *si
     status = fb_beam_init(&beam[at], &beam_desc);
     modes_draw(c, loose);
     status = status ? status : fb_modes_solve(&modes[at], &modes_work, &beam[at], &modes_desc);
+    if (modes_desc.basis != FB_BASIS_ELEMENTS && !modes_desc.rigid) {
+      fbl_missing += asked_for() - modes[at].n;
+    }
     *n += status == FB_OK ? modes[at].n : 0;
   }
   if (status == FB_OK && c->parts == FBL_WELDED) {
@@ -238,10 +265,14 @@ static void hub_draw(const fbl_choice *c, double size)
   for (int i = 0; i < 3; i++) {
     center[i] = c->hub == 2 ? fbl_in(-0.2, 0.2) : 0.0;
     inertia[i] = fbl_unit(mass * reach * reach * fbl_in(0.6, 1.0), 1, 2, 0);
-    inertia[3 + i] = fbl_unit((fbl_seen.mirror && i != 1 ? -1.0 : 1.0) * (c->hub == 2) * 0.1 * mass * reach * reach, 1, 2, 0);
+    inertia[3 + i] =
+        fbl_unit((fbl_seen.mirror && i != 1 ? -1.0 : 1.0) * (c->hub == 2) * 0.1 * mass * reach * reach, 1, 2, 0);
   }
   fbl_polar(at, center[0], center[1], center[2], 0, 1, 0);
-  (void)fb_shape_add_rigid(&shape, fbl_unit(mass, 1, 0, 0), at, inertia);
+  fbl_hub_of.mass = fbl_unit(mass, 1, 0, 0);
+  memcpy(fbl_hub_of.center, at, sizeof at);
+  memcpy(fbl_hub_of.inertia, inertia, sizeof inertia);
+  (void)fb_shape_add_rigid(&shape, fbl_hub_of.mass, at, inertia);
 }
 
 /* Coordinates first.. of a component that is no beam, with random shapes and second-order displacements. */
@@ -282,12 +313,17 @@ static fb_status import_draw(int first, int count, int lumps)
   return status;
 }
 
+int fbl_node(const fbl_choice *c, int k)
+{
+  return fbl_seen.reverse && c->parts == FBL_TWO_BEAMS && k > 0 && k <= 2 ? 3 - k : k;
+}
+
 static void rotors_draw(const fbl_choice *c, int n_node)
 {
   desc.n_rotor = c->rotors == FBL_NO_ROTOR ? 0 : c->rotors == FBL_ON_HUB ? 2 : 3;
   for (int r = 0; r < desc.n_rotor; r++) {
     fb_rotor *const rotor = &desc.rotor[r];
-    rotor->node = r > 0 && c->rotors >= FBL_ON_BOOM && n_node > 1 ? 1 : 0;
+    rotor->node = fbl_node(c, r > 0 && c->rotors >= FBL_ON_BOOM && n_node > 1);
     rotor->inertia = fbl_unit(fbl_in(0.01, 0.05), 1, 2, 0);
     fbl_axial(rotor->axis, fbl_in(0.2, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 0, 0);
     if (c->rotors == FBL_RUBBING) {
@@ -298,7 +334,7 @@ static void rotors_draw(const fbl_choice *c, int n_node)
     if (c->rotors == FBL_UNBALANCED && r > 0) {
       rotor->static_imbalance = fbl_unit(1e-3, 1, 1, 0);
       rotor->dynamic_imbalance = fbl_unit(5e-4, 1, 2, 0);
-      rotor->dynamic_phase = (fb_real)(fbl_seen.mirror ? -0.7 : 0.7);
+      rotor->dynamic_phase = FB_R(0.7);
     }
     rotor->given = c->rotors == FBL_GIVEN && r != 1;
   }
@@ -306,15 +342,16 @@ static void rotors_draw(const fbl_choice *c, int n_node)
 
 static void desc_draw(const fbl_choice *c, int n_node, double size)
 {
-  static const unsigned set[] = {FB_EFFECTS_FULL, FB_EFFECTS_RIGID, FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LARGE};
+  static const unsigned set[] = {FB_EFFECTS_FULL, FB_EFFECTS_RIGID, FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN,
+                                 FB_EFFECTS_LARGE};
   memset(&desc, 0, sizeof desc);
   desc.base = (fb_base)c->base;
   desc.effects = set[c->effects];
   desc.deflection_limit = fbl_unit(5.0 * size, 0, 1, 0);
   if (c->damping && c->effects != FBL_RIGID) {
     desc.effects |= FB_EFFECT_DAMPING;
-    for (int a = 0; a < shape.n; a++) {
-      desc.zeta[a] = (fb_real)fbl_in(0.002, 0.05);
+    for (int a = 0; a < shape.n; a++) { /* two beams may change places, and their modes */
+      desc.zeta[a] = a > 0 && c->parts == FBL_TWO_BEAMS ? desc.zeta[0] : (fb_real)fbl_in(0.002, 0.05);
     }
   }
   fbl_stream("gravity");
@@ -340,6 +377,7 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
 {
   int n = 0, n_beam = 0, extra = c->import == FBL_NO_IMPORT ? 0 : 2;
   fb_status status;
+  fbl_missing = 0;
   fbl_stream("beams");
   status = beams_draw(c, &n, &n_beam, size);
   status = status ? status : fb_shape_init(&shape, n + extra);
@@ -352,7 +390,9 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
     const int joined = c->parts == FBL_WELDED;
     int node;
     status = fb_shape_add_beam(&shape, first, &beam[k], &modes[k]);
-    status = status ? status : fb_shape_add_beam_node(&shape, &node, first, &beam[k], &modes[k], beam[k].start[beam[k].desc.n_element]);
+    status = status ? status
+                    : fb_shape_add_beam_node(&shape, &node, first, &beam[k], &modes[k],
+                                             beam[k].start[beam[k].desc.n_element]);
     first += joined ? 0 : modes[k].n;
   }
   fbl_stream("import");
@@ -364,12 +404,12 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
 
 void fbl_deflect(fb_real *q, fb_real *q_dot, const fb_body *body, double size)
 {
+  const double energy = 0.01 * (double)body->mass * (double)fbl_unit(size * size, 0, 2, -2);
   fbl_stream("deflection");
   for (int a = 0; a < body->n; a++) {
-    const double reach = (double)body->reach[a] > 0.0 ? (double)body->reach[a] : (double)fbl_unit(1.0, 0, 0, 0);
-    const double most = 0.08 * (double)fbl_unit(size, 0, 1, 0) / reach / body->n;
-    q[a] = (fb_real)(most * fbl_in(-1.0, 1.0));
-    q_dot[a] = (fb_real)(most * fbl_in(-4.0, 4.0) * (double)fbl_unit(1.0, 0, 0, -1));
+    const double mass = body->unit_mass ? 1.0 : (double)body->M.diagonal[a], stiffness = (double)body->K.diagonal[a];
+    q[a] = (fb_real)(sqrt(energy / stiffness) * fbl_in(-1.0, 1.0));
+    q_dot[a] = (fb_real)(sqrt(energy / mass) * fbl_in(-1.0, 1.0));
     if (fbl_seen.undeformed) {
       q[a] = q_dot[a] = FB_R(0.0);
     }

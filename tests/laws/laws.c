@@ -1,5 +1,5 @@
 /* laws.c - draws random legal models and holds each against the laws of its kind.
-   build/laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list]
+   build/laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list] [--verbose] [--stop]
    build/laws KIND --seed S --model K --levels 0,2,1,... [--law NAME]: one model, as a failure prints it
    Its last line is "N passed, N failed". */
 #include "laws.h"
@@ -13,7 +13,9 @@ static int level[FBL_FEATURES];
 static unsigned seed_of_model;
 static char refusal[REASONS][160];
 static int refused[REASONS], n_refusal;
-static const char *last_refusal;
+static const char *last_refusal = "";
+static int verbose; /* prints what is refused, too */
+static int stop;    /* ends at the first failure, without shrinking it: for mutants */
 fbl_view fbl_seen;
 
 /* ---- random numbers */
@@ -98,7 +100,8 @@ void fbl_axial(fb_real *out, double x, double y, double z, int kg, int m, int s)
 /* v turned by the quaternion q */
 static void turned(double v[3], const double q[4])
 {
-  const double t[3] = {2 * (q[2] * v[2] - q[3] * v[1]), 2 * (q[3] * v[0] - q[1] * v[2]), 2 * (q[1] * v[1] - q[2] * v[0])};
+  const double t[3] = {2 * (q[2] * v[2] - q[3] * v[1]), 2 * (q[3] * v[0] - q[1] * v[2]),
+                       2 * (q[1] * v[1] - q[2] * v[0])};
   const double w[3] = {v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1], v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
                        v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0]};
   memcpy(v, w, sizeof w);
@@ -355,8 +358,8 @@ static void shrink(const fbl_law *law)
 
 static void print_reproducer(unsigned seed, int model, const fbl_law *law)
 {
-  printf("  build/laws%s %s --seed %u --model %d --law %s --levels ", FB_SINGLE ? "_single" : "", kind->name, seed, model,
-         law->name);
+  printf("  build/laws%s %s --seed %u --model %d --law %s --levels ", FB_SINGLE ? "_single" : "", kind->name, seed,
+         model, law->name);
   for (int k = 0; k < kind->n_feature; k++) {
     printf("%s%d", k ? "," : "", level[k]);
   }
@@ -379,14 +382,22 @@ static void ask(unsigned seed, int model, const fbl_law *law, tally *t)
     t->none++;
   } else if (miss == FBL_REFUSED) {
     t->refused++;
+    if (verbose) {
+      printf("refused, %s\n", last_refusal);
+      print_reproducer(seed, model, law);
+    }
   } else if (miss <= law->bound[FB_SINGLE]) {
     t->held++;
     t->worst = miss > t->worst ? miss : t->worst;
   } else {
     t->missed++;
-    printf("FAIL %s %s (%s): missed by %.2e, bound %.0e\n", kind->name, law->name, law->ids, miss, law->bound[FB_SINGLE]);
+    printf("FAIL %s %s (%s): missed by %.2e, bound %.0e\n", kind->name, law->name, law->ids, miss,
+           law->bound[FB_SINGLE]);
     memcpy(whole, level, sizeof whole);
     print_reproducer(seed, model, law);
+    if (stop) {
+      exit(1);
+    }
     shrink(law);
     if (memcmp(whole, level, sizeof whole) != 0) {
       printf("  shrunk:\n");
@@ -406,6 +417,10 @@ static int hold(unsigned seed, int model, const char *only)
   status = fbl_draw_again();
   if (status != FB_OK) {
     (void)fbl_refuse("draw", status);
+    if (verbose) {
+      printf("not drawn, %s:", last_refusal);
+      print_levels(level, 0);
+    }
     return 0;
   }
   for (int k = 0; k < kind->n_law; k++) {
@@ -414,6 +429,22 @@ static int hold(unsigned seed, int model, const char *only)
     }
   }
   return 1;
+}
+
+/* The rows that cover all pairs come first; behind them every feature is off in half of the models, so that what goes
+   wrong with few of them is found, too. */
+static void choose_levels(unsigned seed, int model)
+{
+  if (model < n_row) {
+    memcpy(level, rows[model], sizeof level);
+    return;
+  }
+  seed_of_model = mixed(seed + 31u * (unsigned)model);
+  fbl_stream("levels");
+  for (int k = 0; k < kind->n_feature; k++) {
+    level[k] = fbl_pick(2) ? 0 : fbl_pick(levels_of(k));
+  }
+  kind->legal(level);
 }
 
 static int passed, failed;
@@ -425,7 +456,7 @@ static void run_kind(unsigned seed, int count, const char *only)
   n_refusal = 0;
   memset(refused, 0, sizeof refused);
   for (int model = 0; model < count; model++) {
-    memcpy(level, rows[model % n_row], sizeof level);
+    choose_levels(seed, model);
     drawn += hold(seed, model, only);
   }
   printf("%s: %d of %d models, seed %u, %d of %d pairs of features\n", kind->name, drawn, count, seed, n_pair,
@@ -471,7 +502,7 @@ static int read_levels(const char *text)
 
 static int usage(void)
 {
-  (void)fprintf(stderr, "laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list]\n"
+  (void)fprintf(stderr, "laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list] [--verbose] [--stop]\n"
                         "laws KIND --seed S --model K --levels 0,2,1,... [--law NAME]\n");
   return 2;
 }
@@ -489,6 +520,10 @@ int main(int argc, char **argv)
       pairs = 1;
     } else if (strcmp(argv[i], "--list") == 0) {
       list = 1;
+    } else if (strcmp(argv[i], "--verbose") == 0) {
+      verbose = 1;
+    } else if (strcmp(argv[i], "--stop") == 0) {
+      stop = 1;
     } else if (!value) {
       return usage();
     } else if (strcmp(argv[i], "--count") == 0) {
@@ -520,7 +555,6 @@ int main(int argc, char **argv)
       if (!name || !read_levels(levels)) {
         return usage();
       }
-      rows[0][0] = 0;
       (void)hold(seed, model, only);
       for (int l = 0; l < kind->n_law; l++) {
         const tally *const t = &table[l];
@@ -528,7 +562,11 @@ int main(int argc, char **argv)
         failed += t->missed;
         if (!only || strcmp(only, kind->law[l].name) == 0) {
           printf("%-44s %s %.2e\n", kind->law[l].name,
-                 t->missed ? "missed" : t->held ? "held" : t->refused ? "refused" : "says nothing", t->worst);
+                 t->missed    ? "missed"
+                 : t->held    ? "held"
+                 : t->refused ? "refused"
+                              : "says nothing",
+                 t->worst);
         }
       }
       continue;

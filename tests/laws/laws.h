@@ -30,7 +30,7 @@ typedef struct fbl_law {
   /* By how much the drawn model misses the law, relative to the size of what is compared. h: step of differences, in
      units of the longest stable step of rk4. */
   double (*miss)(double h);
-  double h;        /* first step: the runner halves it up to four times, a miss is real if none is below the bound. 0: none */
+  double h; /* first step: the runner halves it up to four times, a miss is real if none is below the bound. 0: none */
   double bound[2]; /* in double, in single precision; 0: not asked in that precision */
 } fbl_law;
 
@@ -49,7 +49,7 @@ extern const fbl_kind fbl_body, fbl_system, fbl_exact;
 /* ---- random numbers: a stream of its own for each use, so that a feature that is left out changes no other number */
 void fbl_stream(const char *use);
 double fbl_in(double from, double to);
-int fbl_pick(int n); /* 0 .. n - 1 */
+int fbl_pick(int n);   /* 0 .. n - 1 */
 extern int fbl_number; /* of the body that is drawn: part of its streams */
 
 /* ---- how the scene is seen: what a law changes before it draws the same model once more. Laws that change it call
@@ -86,46 +86,54 @@ fb_status fbl_draw_again(void);
 int fbl_level(const char *feature); /* of the present draw */
 
 /* ---- bodies, alone and in systems (draw.c) */
-enum { FBL_FULL, FBL_RIGID, FBL_LINEAR, FBL_SPIN, FBL_LARGE };                     /* effects */
-enum { FBL_UNIFORM, FBL_TAPER, FBL_TWIST, FBL_OFFSET };                            /* section */
-enum { FBL_BOTH, FBL_ONE_PLANE, FBL_TORSION, FBL_AXIAL };                          /* modes */
-enum { FBL_NATURAL, FBL_COMPONENT, FBL_ELEMENTS, FBL_FUNCTIONS, FBL_SPUN };        /* basis */
-enum { FBL_NO_LUMP, FBL_POINT, FBL_TENSOR, FBL_SEVERAL };                          /* lumps */
-enum { FBL_ONE_BEAM, FBL_TWO_BEAMS, FBL_WELDED, FBL_CURVED };                      /* parts */
-enum { FBL_NO_IMPORT, FBL_PARTICLES, FBL_LUMPS };                                  /* import */
-enum { FBL_NO_ROTOR, FBL_ON_HUB, FBL_ON_BOOM, FBL_RUBBING, FBL_UNBALANCED, FBL_GIVEN }; /* rotors */
-enum { FBL_NO_GRAVITY, FBL_GRAVITY, FBL_CENTER };                                  /* gravity */
+enum { FBL_FULL, FBL_RIGID, FBL_LINEAR, FBL_SPIN, FBL_LARGE };                            /* effects */
+enum { FBL_UNIFORM, FBL_TAPER, FBL_TWIST, FBL_OFFSET };                                   /* section */
+enum { FBL_BOTH, FBL_ONE_PLANE, FBL_TORSION, FBL_AXIAL };                                 /* modes */
+enum { FBL_NATURAL, FBL_COMPONENT, FBL_ELEMENTS, FBL_FUNCTIONS, FBL_SPUN, FBL_ATTACHED }; /* basis */
+enum { FBL_NO_LUMP, FBL_POINT, FBL_TENSOR, FBL_SEVERAL };                                 /* lumps */
+enum { FBL_ONE_BEAM, FBL_TWO_BEAMS, FBL_WELDED, FBL_CURVED };                             /* parts */
+enum { FBL_NO_IMPORT, FBL_PARTICLES, FBL_LUMPS };                                         /* import */
+enum { FBL_NO_ROTOR, FBL_ON_HUB, FBL_ON_BOOM, FBL_RUBBING, FBL_UNBALANCED, FBL_GIVEN };   /* rotors */
+enum { FBL_NO_GRAVITY, FBL_GRAVITY, FBL_CENTER };                                         /* gravity */
 
 typedef struct fbl_choice { /* levels of the features of a body */
   int base, effects, section, modes, shear, basis, lumps, parts, import, rotors, gravity, damping, hub;
 } fbl_choice;
-#define FBL_BODY_FEATURES                                                                           \
-  {"base", {"free", "prescribed", "pinned", "hinged"}},                                             \
-      {"effects", {"full", "rigid", "linear", "spin", "large"}},                                    \
-      {"section", {"uniform", "taper", "twist", "offset"}},                                         \
-      {"modes", {"both", "one_plane", "torsion", "axial"}}, {"shear", {"none", "shear"}},           \
-      {"basis", {"natural", "component", "elements", "functions", "spun"}},                         \
-      {"lumps", {"none", "point", "tensor", "several"}},                                            \
-      {"parts", {"one", "two", "welded", "curved"}}, {"import", {"none", "particles", "lumps"}},    \
-      {"rotors", {"none", "hub", "boom", "rubbing", "unbalanced", "given"}},                        \
-      {"gravity", {"none", "uniform", "center"}}, {"damping", {"none", "damped"}},                  \
-  {                                                                                                 \
-    "hub", { "heavy", "light", "offset" }                                                           \
+#define FBL_BODY_FEATURES                                                                                             \
+  {"base", {"free", "prescribed", "pinned", "hinged"}}, {"effects", {"full", "rigid", "linear", "spin", "large"}},    \
+      {"section", {"uniform", "taper", "twist", "offset"}}, {"modes", {"both", "one_plane", "torsion", "axial"}},     \
+      {"shear", {"none", "shear"}}, {"basis", {"natural", "component", "elements", "functions", "spun", "attached"}}, \
+      {"lumps", {"none", "point", "tensor", "several"}}, {"parts", {"one", "two", "welded", "curved"}},               \
+      {"import", {"none", "particles", "lumps"}},                                                                     \
+      {"rotors", {"none", "hub", "boom", "rubbing", "unbalanced", "given"}},                                          \
+      {"gravity", {"none", "uniform", "center"}}, {"damping", {"none", "damped"}},                                    \
+  {                                                                                                                   \
+    "hub",                                                                                                            \
+    {                                                                                                                 \
+      "heavy", "light", "offset"                                                                                      \
+    }                                                                                                                 \
   }
 /* Lowers what does not go together. */
 void fbl_legal(fbl_choice *choice);
 /* A body by its choice; its last nodes are on its beams, the tip of the first one is node 1. Size: reach of its beams in
    drawn units [m]. */
 fb_status fbl_make(fb_body *body, const fbl_choice *choice, double *size);
-/* Coordinates and rates of a deflection of a tenth of the beams, at most. q, q_dot: body->n. */
+typedef struct fbl_hub {               /* of the body made last */
+  fb_real mass, center[3], inertia[6]; /* inertia about its center */
+} fbl_hub;
+extern fbl_hub fbl_hub_of;
+extern int fbl_missing; /* modes that were asked for and are not in the body made last */
+/* The node that the scene calls k, 0 the hub: beams in reverse order have their tips in reverse order. */
+int fbl_node(const fbl_choice *choice, int k);
+/* Coordinates and rates that each have a hundredth of the energy of the body at a speed of one size a second. */
 void fbl_deflect(fb_real *q, fb_real *q_dot, const fb_body *body, double size);
 
-#define FBL_TRY(call)                               \
-  do {                                              \
-    const fb_status fbl_status_ = (call);           \
-    if (fbl_status_ != FB_OK) {                     \
-      return fbl_refuse(#call, fbl_status_);        \
-    }                                               \
+#define FBL_TRY(call)                        \
+  do {                                       \
+    const fb_status fbl_status_ = (call);    \
+    if (fbl_status_ != FB_OK) {              \
+      return fbl_refuse(#call, fbl_status_); \
+    }                                        \
   } while (0)
 
 #endif
