@@ -965,7 +965,7 @@ static const fbl_law laws[] = {
     {"hub_is_in_balance", "E14.41", hub_balance, 0.0, {2e-2, 2e-2}},
     {"boosted", "E8.13", boosted, 0.0, {1e-8, 0}},
     {"turned_and_shifted", "E8.13", turned_and_shifted, 0.0, {1e-10, 1e-3}},
-    {"other_units", "E8.13", other_units, 0.0, {1e-10, 1e-3}},
+    {"other_units", "E8.13", other_units, 0.0, {1e-10, 1e-2}},
     {"mirror_image", "E8.13", mirrored, 0.0, {1e-9, 1e-3}},
     {"order_of_parts_and_loads", "E8.13", reordered, 0.0, {1e-10, 1e-3}},
     {"integrators_have_their_order", "E11.3 E11.7 E11.8 E11.10", orders, 0.25, {0.4, 0}},

@@ -318,11 +318,13 @@ static void print_pairs(void)
 
 /* ---- asking */
 
-/* The least miss over the steps; what is no number misses by all. */
+/* The least miss over the steps, which are halved five times, and on as long as that divides the miss by three; what is
+   no number misses by all. */
 static double miss_of(const fbl_law *law)
 {
   double least = HUGE_VAL, h = law->h;
-  for (int k = 0; k < 5; k++, h *= 0.5) {
+  for (int k = 0; k < 9; k++, h *= 0.5) {
+    const double before = least;
     double miss;
     fbl_plain();
     if (fbl_draw_again() != FB_OK) {
@@ -333,7 +335,7 @@ static double miss_of(const fbl_law *law)
       return miss;
     }
     least = miss < least ? miss : least;
-    if (least <= law->bound[FB_SINGLE] || h <= 0.0) {
+    if (least <= law->bound[FB_SINGLE] || h <= 0.0 || (k >= 4 && least > before / 3.0)) {
       break;
     }
   }

@@ -30,7 +30,7 @@ typedef struct fbl_law {
   /* By how much the drawn model misses the law, relative to the size of what is compared. h: step of differences, in
      units of the longest stable step of rk4. */
   double (*miss)(double h);
-  double h; /* first step: the runner halves it up to four times, a miss is real if none is below the bound. 0: none */
+  double h;        /* first step, halved as long as that lessens a miss above the bound; 0: none */
   double bound[2]; /* in double, in single precision; 0: not asked in that precision */
 } fbl_law;
 
