@@ -553,7 +553,7 @@ static int is_writable(const char *path)
 
 static int write_csv(const record *r, const char *path)
 {
-  FILE *file = fopen(path, "w");
+  FILE *file = output_open(path);
   int ok = file != NULL;
   if (file) {
     ok = fprintf(file, "%s\n", columns) > 0;

@@ -91,4 +91,60 @@ unfiled full.csv scene examples/scenes/top.txt --picture "$full"
 unfiled full.csv scene examples/scenes/top.txt --animation "$full"
 unfiled full.csv scene examples/scenes/top.txt --linear "$full"
 unfiled full.csv analyse examples/boom.txt --linear "$full"
+# torn FILE PROGRAM OPTION...: where FILE has room for no more than a block, what an earlier run wrote stays as it was, and
+# the message says where the new one is
+torn() {
+  file=$out/$1
+  program=$2
+  shift 2
+  echo "of an earlier run" > "$file"
+  status=0
+  told=$(trap '' XFSZ && ulimit -f 1 && run $program "$@" 2>&1) || status=$?
+  echo "$told" > "$out/log"
+  [ $status != 0 ] && [ "$(cat "$file")" = "of an earlier run" ] && [ -s "$file.part" ] &&
+    grep -q "^$program: .*$file: File too large; what is written of it is $file.part\$" "$out/log" || {
+    cat "$out/log"
+    fail "$program $*: exit status $status, $file begins with $(head -n 1 "$file")"
+  }
+  rm "$file" "$file.part"
+  filed=$((filed + 1))
+}
+torn z.csv scene examples/scenes/top.txt --out "$out/z.csv"
+torn z.svg scene examples/scenes/top.txt --picture "$out/z.svg"
+torn z.svg scene examples/scenes/top.txt --animation "$out/z.svg"
+torn z.json scene examples/scenes/rotor.txt --linear "$out/z.json"
+torn z.csv scene examples/scenes/satellite_control.txt --margins "$out/z.csv"
+torn z.h scene examples/scenes/double_pendulum.txt --code "$out/z.h"
+torn z.json analyse examples/boom.txt --linear "$out/z.json"
+torn z.h reduce examples/boom.txt --out "$out/z.h"
+torn z.csv elastica --out "$out/z.csv"
+torn z.csv exact examples/bend45.txt --out "$out/z.csv"
+torn z.csv hil_plant --simulated-time direct --seconds 0.1 --out "$out/z.csv"
+torn z.csv spacecraft --t-end 60 --out "$out/z.csv"
+try build/flexbeam campaign --scene "$out/push.txt" --vary "force uniform 1 2" --runs 60 --out "$out/z.csv" --pictures 0
+torn z.csv campaign --scene "$out/push.txt" --vary "force uniform 1 2" --runs 60 --out "$out/z.csv" --pictures 0
+# terminated FILE PROGRAM OPTION...: it says where the new one is, too
+terminated() {
+  file=$out/$1
+  shift
+  echo "of an earlier run" > "$file"
+  "$@" > "$out/printed" 2> "$out/log" &
+  running=$!
+  for wait in $(seq 1000); do
+    [ ! -s "$file.part" ] || break
+    sleep 0.02
+  done
+  kill $running
+  status=0
+  wait $running || status=$?
+  [ $status = 143 ] && [ "$(cat "$file")" = "of an earlier run" ] && [ -s "$file.part" ] &&
+    grep -q ": .*what is written .* is $file.part\$" "$out/log" || {
+    cat "$out/log"
+    fail "$*, terminated: exit status $status"
+  }
+  rm "$file" "$file.part"
+}
+sed 's/^duration .*/duration 1e6/; s/^step .*/step 0.01/; /^reference/d; /^expect/d' examples/scenes/top.txt > "$out/long.txt"
+terminated z.csv build/flexbeam scene "$out/long.txt" --quiet --out "$out/z.csv"
+terminated z.csv "$bin/spacecraft" --t-end 10000 --out "$out/z.csv"
 ok "$printed runs into a full standard output and $filed into a full file are told"
