@@ -189,11 +189,19 @@ static inline FILE *output_open(const char *name)
   return out;
 }
 
+/* Where output_open writes `name`, if that is this file: 1. */
+static inline int output_is_part(char part[OUTPUT_NAME], FILE *file, const char *name)
+{
+  struct stat mine, there;
+  return output_part(part, name) && strcmp(part, name) != 0 && fstat(fileno(file), &mine) == 0 &&
+         lstat(part, &there) == 0 && mine.st_ino == there.st_ino && mine.st_dev == there.st_dev;
+}
+
 /* Closes it, and gives it its name if all of it is there: 1; else errno tells why, where the system does. */
 static inline int output_is_whole(FILE *file, const char *name)
 {
   char part[OUTPUT_NAME];
-  const int two = output_part(part, name) && strcmp(part, name) != 0;
+  const int two = output_is_part(part, file, name);
   const int lock = two ? dup(fileno(file)) : -1; /* until it has its name */
   const int before = ferror(file);
   int whole, error;
@@ -204,7 +212,9 @@ static inline int output_is_whole(FILE *file, const char *name)
   if (lock >= 0) {
     close(lock);
   }
-  output_ended(part);
+  if (two) {
+    output_ended(part);
+  }
   errno = error;
   return whole;
 }
@@ -213,7 +223,7 @@ static inline int output_is_whole(FILE *file, const char *name)
 static inline void output_leave(FILE *file, const char *name)
 {
   char part[OUTPUT_NAME];
-  if (output_part(part, name)) {
+  if (output_is_part(part, file, name)) {
     output_ended(part);
   }
   fclose(file);
@@ -223,7 +233,7 @@ static inline void output_leave(FILE *file, const char *name)
 static inline void output_drop(FILE *file, const char *name)
 {
   char part[OUTPUT_NAME];
-  if (output_part(part, name) && strcmp(part, name) != 0) {
+  if (output_is_part(part, file, name)) {
     unlink(part);
     output_ended(part);
   }
