@@ -146,5 +146,35 @@ terminated() {
 }
 sed 's/^duration .*/duration 1e6/; s/^step .*/step 0.01/; /^reference/d; /^expect/d' examples/scenes/top.txt > "$out/long.txt"
 terminated z.csv build/flexbeam scene "$out/long.txt" --quiet --out "$out/z.csv"
+# an FMU that is not packed yet leaves no folder
+mkdir "$out/packing"
+echo "of an earlier run" > "$out/packing/z.fmu"
+printf '#!/bin/sh\n: > "%s/compiling"\nexec sleep 100\n' "$PWD/$out" > "$out/slow_cc"
+chmod +x "$out/slow_cc"
+CC=$PWD/$out/slow_cc build/flexbeam fmu examples/boom.txt --out "$out/packing/z.fmu" > "$out/log" 2>&1 &
+running=$!
+for wait in $(seq 1000); do
+  [ ! -e "$out/compiling" ] || break
+  sleep 0.02
+done
+kill $running
+status=0
+wait $running || status=$?
+[ $status = 143 ] && [ "$(ls "$out/packing")" = z.fmu ] && [ "$(cat "$out/packing/z.fmu")" = "of an earlier run" ] || {
+  cat "$out/log"
+  fail "an export that is terminated: exit status $status, $(ls "$out/packing")"
+}
+# pipes are not waited for where a text is read more than once, nor by gnuplot
+mkfifo "$out/pipe"
+status=0
+timeout 10 build/flexbeam fmu "$out/pipe" --out "$out/pipe.fmu" > "$out/log" 2>&1 || status=$?
+[ $status = 2 ] && grep -q "read more than once: $out/pipe" "$out/log" || fail "an FMU of a pipe: exit status $status"
+status=0
+timeout 10 build/flexbeam campaign --scene "$out/pipe" --vary "force list 1 2" --out "$out/pipe.csv" > "$out/log" 2>&1 || status=$?
+[ $status = 2 ] && grep -q "read for every run: $out/pipe" "$out/log" || fail "a campaign of a pipe: exit status $status"
+cat "$out/pipe" > "$out/read.csv" &
+try timeout 20 "$bin/hil_plant" --simulated-time direct --seconds 0.1 --out "$out/pipe"
+wait $!
+[ "$(wc -l < "$out/read.csv")" = 101 ] || fail "who reads a pipe gets $(wc -l < "$out/read.csv") rows"
 terminated z.csv "$bin/spacecraft" --t-end 10000 --out "$out/z.csv"
 ok "$printed runs into a full standard output and $filed into a full file are told"
