@@ -1,6 +1,6 @@
 #!/bin/sh
 # A program that cannot write all that it prints, or a file, does not end well: every example, and every word of build/flexbeam,
-# into a disk that is full. A word that there is not is refused.
+# into a disk that is full; what an earlier run wrote stays, then and when a signal comes. A word that there is not is refused.
 . tests/checks/common.sh
 bin=build/examples
 words=" $(build/flexbeam --help | sed -n 's/^  \([a-z0-9]*\) .*/\1/p' | tr '\n' ' ')"
