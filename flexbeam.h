@@ -3419,6 +3419,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           deflection_limit do where their motion has not converged.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
+          Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs nothing
+          that was there.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

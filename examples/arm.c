@@ -267,7 +267,7 @@ int main(int argc, char **argv)
   for (int damped = 0; damped < 2; damped++) {
     const char *const name = damped ? o.out : stiff;
     result *const at = &r[damped];
-    FILE *file = fopen(name, "w");
+    FILE *file = output_open(name);
     if (!file) {
       return fail("cannot write", name);
     }

@@ -240,7 +240,7 @@ static void run(result *r, const linkage *l, const options *o, FILE *file)
 
 static int run_to_file(result *r, const linkage *l, const options *o, const char *name)
 {
-  FILE *file = name ? fopen(name, "w") : NULL;
+  FILE *file = name ? output_open(name) : NULL;
   if (name && !file) {
     return fail("cannot write", name);
   }

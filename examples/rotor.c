@@ -259,7 +259,7 @@ int main(int argc, char **argv)
   if (read_all(argc, argv, help, read_option, (void *)&out) != 0) {
     return 2;
   }
-  if (!(file = fopen(out, "w"))) {
+  if (!(file = output_open(out))) {
     return fail("cannot write", out);
   }
   fputs("t,coning_deg,tilt_cos_deg,tilt_sin_deg,differential_deg,pitch_deg,flap_deg,lag_deg,tip_flap,tip_lag,thrust,"

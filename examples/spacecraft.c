@@ -249,7 +249,7 @@ int main(int argc, char **argv)
   if (read_all(argc, argv, help, read_option, &o) != 0) {
     return 2;
   }
-  if (!(file = fopen(o.out, "w"))) {
+  if (!(file = output_open(o.out))) {
     return fail("cannot write", o.out);
   }
   make_craft();

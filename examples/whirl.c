@@ -184,7 +184,7 @@ int main(int argc, char **argv)
   fputs("t,rate,along,across,root force,root moment,energy\n", csv);
   build(&o);
   if (beam_start() != FB_OK || run(&o, &r, &peak, csv) != FB_OK) {
-    fclose(csv);
+    output_drop(csv, o.out);
     return 1;
   }
   if (output_close(csv, o.out)) {

@@ -220,7 +220,7 @@ static void draw(const char *out, const char *runs)
 /* Growth by both models over the speeds. */
 static int write_sweep(const char *out, const coleman_rotor *o, const double edge[2])
 {
-  FILE *file = fopen(out, "w");
+  FILE *file = output_open(out);
   if (!file) {
     return fail("cannot write", out);
   }
@@ -255,7 +255,7 @@ int main(int argc, char **argv)
     return 2;
   }
   other_name(runs, sizeof runs, all.out, "_runs.csv");
-  if (!(file = fopen(runs, "w"))) {
+  if (!(file = output_open(runs))) {
     return fail("cannot write", runs);
   }
   build(o, 0, 0);

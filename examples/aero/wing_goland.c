@@ -222,7 +222,7 @@ static void draw(const char *out, const char *runs)
 
 static int write_files(const options *o, const char *runs, const double *below, const double *above, int rows)
 {
-  FILE *file = fopen(o->out, "w");
+  FILE *file = output_open(o->out);
   if (!file) {
     return fail("cannot write", o->out);
   }
@@ -235,7 +235,7 @@ static int write_files(const options *o, const char *runs, const double *below, 
   if (output_close(file, o->out)) {
     return 2;
   }
-  if (!(file = fopen(runs, "w"))) {
+  if (!(file = output_open(runs))) {
     return fail("cannot write", runs);
   }
   fputs("t,tip_below,tip_above\n", file);

@@ -183,12 +183,12 @@ int campaign_main(int argc, char **argv)
     status = status ? status : program_scene(&prog);
     return status ? status : run_one((int)prog.run - 1);
   }
+  watch_signals(); /* before there is a temporary folder */
   status = status ? status : compile_lanes();
   status = status ? status : program_open(&prog);
   if (status) {
     return status;
   }
-  watch_signals();
   status = work(prog.jobs > 0 ? (int)prog.jobs : processors > 0 && processors < JOBS ? (int)processors : 1);
   if (by_library > 0) {
     fprintf(stderr, PROGRAM ": %d runs went by the library, not by lanes: more than numbers varies in them\n",

@@ -5,6 +5,7 @@
 #define CAMPAIGN_CASE_H
 #include "../scene/scene_run.h"
 #include "campaign.h"
+#include "../common/same_file.h"
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/time.h>
@@ -81,13 +82,14 @@ static void case_find_files(const campaign *c)
 {
   char path[CAMPAIGN_PATH], message[TEXT_MESSAGE]; /* of what cannot be read scene_read tells */
   const char *word;
+  struct stat at;
   text_file t;
   case_take_file(c->scene);
   if (text_try(&t, "", c->scene)) {
     t.message = message;
     while (text_line(&t)) {
       while ((word = text_word(&t)) != NULL) {
-        if (campaign_beside(path, c->scene, word) && access(path, R_OK) == 0) {
+        if (campaign_beside(path, c->scene, word) && is_file(path, &at) && access(path, R_OK) == 0) {
           case_take_file(path);
         }
       }

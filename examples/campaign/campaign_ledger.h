@@ -237,17 +237,40 @@ static int ledger_create(ledger *l, int replaces)
   return ok ? 0 : ledger_fail(l, l->path, errno == EEXIST ? ledger_in_use : strerror(errno));
 }
 
-/* Is the head of the journal that of this campaign? */
+/* What line `at` of the head is in the journal: with its check word. */
+static void ledger_whole(char whole[LEDGER_LINE], const char *at)
+{
+  const size_t n = strcspn(at, "\n");
+  snprintf(whole, LEDGER_LINE, "%.*s *%016llx\n", (int)n, at,
+           (unsigned long long)campaign_digest(CAMPAIGN_DIGEST, at, n));
+}
+
+/* Is the head of the journal that of this campaign? 0: yes; 2: no, after a message; 1: it is as far as it goes, and
+   ends before the rows, of which nothing is lost. */
 static int ledger_read_head(const ledger *l)
 {
-  char line[LEDGER_LINE], why[2 * LEDGER_LINE];
-  for (const char *at = l->head; *at; at = strchr(at, '\n') + 1) {
+  static char line[LEDGER_LINE], whole[LEDGER_LINE], why[2 * LEDGER_LINE];
+  int number = 1;
+  for (const char *at = l->head; *at; at = strchr(at, '\n') + 1, number++) {
     const size_t n = strcspn(at, "\n");
-    const int got = ledger_get(l->journal, line);
-    if (got != 1 || strlen(line) != n || strncmp(line, at, n) != 0) {
+    int got;
+    line[0] = 0;
+    got = ledger_get(l->journal, line);
+    ledger_whole(whole, at);
+    if (got != 1 && getc(l->journal) == EOF && strncmp(line, whole, strlen(line)) == 0) {
+      return 1;
+    }
+    if (got != 1) {
       snprintf(why, sizeof why,
-               "is the journal of another campaign: it says `%s`, this one `%.*s` (--fresh throws it away)",
-               got == 1 ? line : "(damaged)", (int)n, at);
+               "is no journal of a campaign, or line %d of it is damaged: nobody can tell whose runs it has "
+               "(--fresh throws it away)",
+               number);
+      return ledger_fail(l, l->path, why);
+    }
+    if (strlen(line) != n || strncmp(line, at, n) != 0) {
+      snprintf(why, sizeof why,
+               "is the journal of another campaign: it says `%s`, this one `%.*s` (--fresh throws it away)", line,
+               (int)n, at);
       return ledger_fail(l, l->path, why);
     }
   }
@@ -291,10 +314,47 @@ static int ledger_lock(const ledger *l)
   return 0;
 }
 
+/* A new journal, in place of the one that is open; a status of main. */
+static int ledger_renew(ledger *l)
+{
+  FILE *const old = l->journal; /* locked until there is the new one */
+  int status = ledger_create(l, old != NULL);
+  l->journal = status ? NULL : fopen(l->path, "r+");
+  status = status ? status : l->journal ? ledger_lock(l) : ledger_fail(l, l->path, strerror(errno));
+  if (old) {
+    fclose(old);
+  }
+  return status ? status : ledger_read_head(l);
+}
+
+/* The journal, where there is one and it is wanted: it has the head of this campaign, or is renewed; a status of main. */
+static int ledger_find(ledger *l, int fresh)
+{
+  struct stat at;
+  int status = 0;
+  if (stat(l->path, &at) == 0 && !S_ISREG(at.st_mode)) { /* a pipe would be waited for */
+    return ledger_fail(l, l->path, "is no file, as the journal of a campaign is");
+  }
+  l->journal = fopen(l->path, "r+");
+  if (!l->journal && errno != ENOENT) {
+    return ledger_fail(l, l->path, strerror(errno));
+  }
+  status = l->journal ? ledger_lock(l) : 0;
+  if (!status && l->journal && !fresh) {
+    status = ledger_read_head(l);
+    if (status != 1) {
+      return status;
+    }
+    fprintf(stderr, "%s: %s: ends before its first run, with which the campaign begins\n", l->program, l->path);
+    status = 0;
+  }
+  return status ? status : ledger_renew(l);
+}
+
 /* Opens the journal, begins one if there is none, takes over what is done; a status of main. */
 static int ledger_open(ledger *l, const char *path, int fresh)
 {
-  int status = 0;
+  int status;
   l->path = path;
   ledger_make_head(l);
   l->status = calloc((size_t)l->c->runs, 1);
@@ -303,18 +363,7 @@ static int ledger_open(ledger *l, const char *path, int fresh)
   if (!l->status || !l->message || !l->measured) {
     return ledger_fail(l, "runs", "no memory for that many");
   }
-  l->journal = fopen(path, "r+");
-  status = l->journal ? ledger_lock(l) : 0;
-  if (!status && (fresh || !l->journal)) {
-    FILE *const old = l->journal; /* locked until there is the new one */
-    status = ledger_create(l, old != NULL);
-    l->journal = status ? NULL : fopen(path, "r+");
-    status = status ? status : l->journal ? ledger_lock(l) : ledger_fail(l, path, strerror(errno));
-    if (old) {
-      fclose(old);
-    }
-  }
-  status = status ? status : ledger_read_head(l);
+  status = ledger_find(l, fresh);
   status = status ? status : ledger_read_rows(l);
   l->began = l->said = clock_ns();
   l->on_terminal = isatty(STDERR_FILENO);

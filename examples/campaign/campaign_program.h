@@ -63,6 +63,7 @@ static int program_option(void *options, const char *name, const char *text)
 /* The command line and the file that it names; a status of main. */
 static int program_read(program *p, int argc, char **argv)
 {
+  struct stat at;
   int status = 0;
   memset(p, 0, sizeof *p);
   campaign_default(&p->c);
@@ -83,7 +84,11 @@ static int program_read(program *p, int argc, char **argv)
   }
   status = status ? status : read_all(argc, argv, campaign_help, program_option, p);
   other_name(p->journal, sizeof p->journal, p->csv, ".journal");
-  return status ? status : campaign_complete(&p->c, PROGRAM, p->file ? p->file : "command line");
+  status = status ? status : campaign_complete(&p->c, PROGRAM, p->file ? p->file : "command line");
+  if (!status && stat(p->c.scene, &at) == 0 && !S_ISREG(at.st_mode)) {
+    return fail("the scene wants a file: it is read for every run", p->c.scene);
+  }
+  return status;
 }
 
 static int fail_scene(const campaign *c, const char *what, const char *name)

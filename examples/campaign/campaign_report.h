@@ -56,10 +56,10 @@ static void report_row(FILE *csv, const ledger *l, int run)
 /* All that is done, in the order of the runs, whatever the order in which they ended. */
 static int report_csv(const ledger *l, const char *path)
 {
-  FILE *csv = fopen(path, "w");
-  int ok;
+  FILE *csv = output_open(path);
+  char why[OUTPUT_NAME + 128];
   if (!csv) {
-    return ledger_fail(l, path, strerror(errno));
+    return ledger_fail(l, path, output_why());
   }
   fputs("run", csv);
   for (int i = 0; i < l->c->n_vary; i++) {
@@ -74,8 +74,11 @@ static int report_csv(const ledger *l, const char *path)
       report_row(csv, l, run);
     }
   }
-  ok = !ferror(csv);
-  return fclose(csv) == 0 && ok ? 0 : ledger_fail(l, path, ok ? strerror(errno) : "cannot be written");
+  if (!output_is_whole(csv, path)) {
+    snprintf(why, sizeof why, "%s%s", errno ? strerror(errno) : "cannot be written", output_left(path));
+    return ledger_fail(l, path, why);
+  }
+  return 0;
 }
 
 /* ---- statistics */

@@ -115,7 +115,7 @@ static inline void beam_write_shape(FILE *csv, int points)
 /* A file for writing, or a message. */
 static inline FILE *beam_open(const char *name)
 {
-  FILE *const file = fopen(name, "w");
+  FILE *const file = output_open(name);
   if (!file) {
     fail("cannot write", name);
   }

@@ -523,11 +523,11 @@ static inline void linear_put_csv(FILE *file, const linear_out *out)
 static inline int linear_out_write(const linear_out *out, const char *name)
 {
   const size_t n = strlen(name);
-  FILE *const file = fopen(name, "w");
+  FILE *const file = output_open(name);
   if (!file) {
     return 1;
   }
   (n > 5 && strcmp(name + n - 5, ".json") == 0 ? linear_put_json : linear_put_csv)(file, out);
-  return !output_is_whole(file);
+  return !output_is_whole(file, name);
 }
 #endif

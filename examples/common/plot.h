@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct curve {
   const char *file, *columns, *style, *title;
@@ -65,10 +66,21 @@ static void plot_end(FILE *gnuplot, const char *svg, FILE *talk)
   fprintf(talk, pclose(gnuplot) == 0 ? "picture: %s\n" : "no picture: gnuplot refused (%s)\n", svg);
 }
 
+/* Has who read a pipe had the rows? gnuplot would wait for others. */
+static inline int plot_is_piped(const curve *curves, int n)
+{
+  struct stat at;
+  int piped = 0;
+  for (int k = 0; k < n; k++) {
+    piped |= stat(curves[k].file, &at) == 0 && S_ISFIFO(at.st_mode);
+  }
+  return piped;
+}
+
 /* Draws n curves into the file svg; settings: commands of gnuplot, each with its line end. Tells talk what it did. */
 static inline void plot(const char *svg, const char *settings, const curve *curves, int n, FILE *talk)
 {
-  FILE *const gnuplot = plot_begin(svg, 520, talk);
+  FILE *const gnuplot = plot_is_piped(curves, n) ? NULL : plot_begin(svg, 520, talk);
   if (gnuplot) {
     fputs(settings, gnuplot);
     plot_curves(gnuplot, curves, n);

@@ -11,6 +11,7 @@ static int fmu_fmi; /* version of FMI */
 #include "../tools/words.h"
 #include "../common/options.h"
 #include "../common/output.h"
+#include "../common/same_file.h"
 #include "fmu_icon.h"
 #include <sys/stat.h>
 #include <sys/utsname.h>
@@ -125,18 +126,49 @@ static void folder_remove(void)
   }
 }
 
+static volatile sig_atomic_t stopped; /* number of a signal: no program is run any more, and the folder goes */
+
+static void stop(int number)
+{
+  stopped = number;
+}
+
+/* One that is ignored stays so. */
+static void watch_signals(void)
+{
+  static const int numbers[] = {SIGINT, SIGTERM};
+  struct sigaction now, then;
+  memset(&then, 0, sizeof then);
+  then.sa_handler = stop;
+  for (int k = 0; k < 2; k++) {
+    if (sigaction(numbers[k], NULL, &now) == 0 && now.sa_handler != SIG_IGN) {
+      sigaction(numbers[k], &then, NULL);
+    }
+  }
+}
+
+/* Waits for it; a signal is passed on. */
+static int folder_wait(pid_t child, int *status)
+{
+  pid_t ended;
+  while ((ended = waitpid(child, status, 0)) < 0 && errno == EINTR) {
+    kill(child, stopped ? stopped : SIGTERM);
+  }
+  return ended == child && WIFEXITED(*status);
+}
+
 /* A program in the folder: its exit status; 127: there is none. */
 static int folder_run(char *const argv[])
 {
   int status = 0;
-  const pid_t child = fork();
+  const pid_t child = stopped ? -1 : fork();
   if (child == 0) {
     if (chdir(folder.path) == 0) {
       execvp(argv[0], argv);
     }
     _exit(127);
   }
-  if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status)) {
+  if (child < 0 || !folder_wait(child, &status) || stopped) {
     return 126;
   }
   return WEXITSTATUS(status);
@@ -575,9 +607,10 @@ static int build(const char *file, fmu_parts *parts)
 static int file_is_scene(const char *file)
 {
   text_file t;
+  struct stat at;
   const char *word = NULL;
   int kind = 0;
-  if (text_try(&t, PROGRAM, file)) {
+  if (is_file(file, &at) && text_try(&t, PROGRAM, file)) {
     word = text_line(&t) ? text_word(&t) : NULL;
     text_close(&t);
   }
@@ -792,6 +825,7 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
   const int is_scene = !e->body;
   int status;
   snprintf(folder.path, sizeof folder.path, "%s.XXXXXX", o->out);
+  watch_signals();
   if (!mkdtemp(folder.path)) {
     fprintf(stderr, "fmu: %s: %s\n", o->out, strerror(errno));
     return 2;
@@ -800,7 +834,10 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
   status = status || (is_scene ? write_scene_sources : write_sources)(e, o->sources) ||
            write_documents(e, o->sources) || compile(e, o->binary) || pack(o->out, e);
   folder_remove();
-  return status;
+  if (status && stopped) {
+    fprintf(stderr, "fmu: stopped by a signal, %s is as it was\n", o->out);
+  }
+  return status && stopped ? 128 + stopped : status;
 }
 
 int fmu_main(int argc, char **argv)
@@ -819,6 +856,9 @@ int fmu_main(int argc, char **argv)
   }
   if (!named || !o.out) {
     return fail(named ? "--out is missing" : "a description is missing", "");
+  }
+  if (stat(argv[1], &there) == 0 && !S_ISREG(there.st_mode)) {
+    return fail("a description is a file: it is read more than once", argv[1]);
   }
   if (o.binary && !is_scene) {
     return fail("--binary is of scenes: that of a body is its own", o.binary);

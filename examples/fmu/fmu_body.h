@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-#define FMU_MOST_STEPS 10000000 /* within a communication step */
-
 /* Parameters that make the body. */
 static const fmu_kind fmu_making[] = {FMU_STIFFNESS, FMU_MASS, FMU_HUB_MASS, FMU_HUB_INERTIA, FMU_EFFECTS, FMU_DAMPING};
 enum { FMU_BY_DAMPING = sizeof fmu_making / sizeof *fmu_making - 1, FMU_MAKING };

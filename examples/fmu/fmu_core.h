@@ -359,6 +359,10 @@ static fmu_answer fmu_step_check(fmu *f, double from, double length)
   if (!(length > 0) || !isfinite(length)) {
     return fmu_refuse(f, FMU_ERROR, "a communication step is above 0 and finite: %g s", length);
   }
+  if (length < 100 * DBL_EPSILON * fabs(f->now.time)) {
+    return fmu_refuse(f, FMU_ERROR, "a communication step of %g s, which a clock at %.12g s does not resolve", length,
+                      f->now.time);
+  }
   if (!(fabs(from - f->now.time) <= scale)) {
     return fmu_refuse(f, FMU_ERROR, "a step from %.12g s, while the time is %.12g s", from, f->now.time);
   }

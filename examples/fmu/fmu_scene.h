@@ -719,16 +719,38 @@ static fb_status fmu_scene_advance(fmu_plant *p, fmu_plant_state *state, double 
   return fmu_scene_interval(p, state, state->time, last, last - state->time, when);
 }
 
+/* Steps of a communication step, at least: one of each row, and of what acts. Beyond FMU_MOST_STEPS: not of all. */
+static double fmu_scene_steps(const fmu_plant *p, double from, double length)
+{
+  const double rows = length * (double)timing.rows / p->s.duration, last = from + length;
+  double count = 0, t = from;
+  timing.interval = length;
+  timing.slack = 1e-9 * length;
+  while (t < last && count <= FMU_MOST_STEPS) {
+    const scene_piece piece = scene_piece_from(&p->s, from, last, t);
+    count += piece.steps;
+    t = piece.end;
+  }
+  return fmax(count, floor(rows));
+}
+
 static fmu_answer fmu_plant_step(fmu_plant *p, fmu_plant_state *state, const fmu_values *v, double from, double length,
                                  fmu_text text)
 {
   fmu_answer answer = fmu_plant_prepare(p, v, text);
   char when[96] = "at the start";
   fb_status status;
+  double steps;
   (void)from;
   answer = answer ? answer : fmu_scene_load(p, state, text);
   if (answer != FMU_OK) {
     return answer;
+  }
+  steps = fmu_scene_steps(p, state->time, length);
+  if (!(steps <= FMU_MOST_STEPS)) {
+    snprintf(text, sizeof(fmu_text), "a communication step of %g s takes %.3g steps or more; %d at most", length, steps,
+             FMU_MOST_STEPS);
+    return FMU_ERROR;
   }
   status = fmu_scene_advance(p, state, length, when);
   fmu_scene_store(p, state);

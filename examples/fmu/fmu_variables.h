@@ -4,6 +4,7 @@
    first. */
 #ifndef FMU_VARIABLES_H
 #define FMU_VARIABLES_H
+#include <float.h>
 #include <stdio.h>
 
 typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
@@ -104,8 +105,9 @@ typedef struct fmu_span { /* a part of a state */
 } fmu_span;
 #define FMU_MAX_SPANS 24
 
-#define FMU_INSTANT 1e-4 /* [s] at most, between the outputs of which derivatives are made */
-#define FMU_SAME 1e-9    /* relative difference of times that are the same */
+#define FMU_INSTANT 1e-4        /* [s] at most, between the outputs of which derivatives are made */
+#define FMU_SAME 1e-9           /* relative difference of times that are the same */
+#define FMU_MOST_STEPS 10000000 /* of a model within a communication step */
 
 typedef struct fmu_values { /* numbers of variables */
   const fmu_variable *variable;

@@ -65,7 +65,7 @@ static inline int key_from_file(hil_key *key, const char *name)
 {
   char text[64] = "";
   struct stat at;
-  FILE *file = fopen(name, "r");
+  FILE *file = stat(name, &at) == 0 && S_ISREG(at.st_mode) ? fopen(name, "r") : NULL; /* a pipe would be waited for */
   if (!file) {
     return fail("the key: cannot be read", name);
   }

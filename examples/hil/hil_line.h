@@ -34,15 +34,16 @@ typedef struct line {
   int gone;    /* lock-step: the partner is waited for no more */
   long trips, recoveries;
   event events[MOST_EVENTS];
-  int n_event;
+  int n_event; /* all of them, of which the first MOST_EVENTS are kept */
 } line;
 
 static void note(line *l, double time, const char *what)
 {
   if (l->n_event < MOST_EVENTS) {
     l->events[l->n_event].time = time;
-    l->events[l->n_event++].what = what;
+    l->events[l->n_event].what = what;
   }
+  l->n_event++;
 }
 
 /* A number for a session, unlike all before and not to be guessed: no file is read for it in the run. */

@@ -283,18 +283,19 @@ static int read_options(options *o, int argc, char **argv)
 
 static int write_csv(const history *h, const char *path, int with_work)
 {
-  FILE *file = fopen(path, "w");
-  int ok = file != NULL;
-  if (file) {
-    ok = fprintf(file, "t,tip_x,tip_y,omega_z,energy%s\n", with_work ? ",work" : "") > 0;
-    for (int k = 0; k < h->rows && ok; k++) {
-      ok = fprintf(file, "%.10g,%.10g,%.10g,%.10g,%.10g", h->t[k], h->tip_x[k], h->tip_y[k], h->omega[k],
-                   h->energy[k]) > 0;
-      ok = ok && (!with_work || fprintf(file, ",%.10g", h->work[k]) > 0) && fputc('\n', file) != EOF;
-    }
-    ok = fclose(file) == 0 && ok;
+  FILE *file = output_open(path);
+  if (!file) {
+    return fail("cannot write", path);
   }
-  return ok ? 0 : fail("cannot write", path);
+  fprintf(file, "t,tip_x,tip_y,omega_z,energy%s\n", with_work ? ",work" : "");
+  for (int k = 0; k < h->rows; k++) {
+    fprintf(file, "%.10g,%.10g,%.10g,%.10g,%.10g", h->t[k], h->tip_x[k], h->tip_y[k], h->omega[k], h->energy[k]);
+    if (with_work) {
+      fprintf(file, ",%.10g", h->work[k]);
+    }
+    fputc('\n', file);
+  }
+  return output_close(file, path);
 }
 
 static void draw(const options *o, const char *full, const char *linear, const char *split)

@@ -207,21 +207,21 @@ static int write_figure(const options *o, const figure *f)
                                       "every ::1 with lines lw 2 lc rgb '#dd181f'",
                                       "every ::1 with lines lw 2 lc rgb '#0060ad'"};
   FILE *file;
-  int ok;
   snprintf(csv, sizeof csv, "%s/%s.csv", o->out, f->name);
   snprintf(svg, sizeof svg, "%s/%s.svg", o->out, f->name);
   snprintf(reference, sizeof reference, "%s/p07A_second_order.csv", o->reference);
   snprintf(settings, sizeof settings, "set ylabel 'tip deflection [m]'\nset title '%s'\n", f->title);
-  file = fopen(csv, "w");
-  ok = file && fprintf(file, "t,%s,%s,%s\n", runs[f->run[0]].name, runs[f->run[1]].name, runs[f->run[2]].name) > 0;
-  for (int k = 0; k < GRID && ok; k++) {
-    const double(*u)[GRID] = (const double(*)[GRID])tip[f->direction];
-    ok = fprintf(file, "%.10g,%.10g,%.10g,%.10g\n", GRID_STEP * k, u[f->run[0]][k], u[f->run[1]][k], u[f->run[2]][k]) >
-         0;
-  }
-  ok = file && fclose(file) == 0 && ok;
-  if (!ok) {
+  file = output_open(csv);
+  if (!file) {
     return fail("cannot write", csv);
+  }
+  fprintf(file, "t,%s,%s,%s\n", runs[f->run[0]].name, runs[f->run[1]].name, runs[f->run[2]].name);
+  for (int k = 0; k < GRID; k++) {
+    const double(*u)[GRID] = (const double(*)[GRID])tip[f->direction];
+    fprintf(file, "%.10g,%.10g,%.10g,%.10g\n", GRID_STEP * k, u[f->run[0]][k], u[f->run[1]][k], u[f->run[2]][k]);
+  }
+  if (output_close(file, csv)) {
+    return 2;
   }
   printf("CSV: %s\n", csv);
   for (int k = 0; k < 3; k++) {

@@ -1,6 +1,6 @@
 /* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. scenes/README.md
    lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the motion left the model or a
-   file could not be written; 2 bad options, or a file that makes no sense. */
+   file could not be written; 2 bad options, or a file that makes no sense; 130, 143: SIGINT, SIGTERM stopped the run. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #define FLEXBEAM_STATIC
 #include "scene_run.h"
@@ -225,36 +225,66 @@ static void draw_margins(const scene *s, const char *csv)
   }
 }
 
+static volatile sig_atomic_t stopped; /* number of a signal */
+
+/* Before the first row nobody looks at `stopped`, and there is nothing to be told. */
+static void stop(int number)
+{
+  if (!the_scene.began) {
+    output_stop(number);
+  }
+  stopped = number;
+}
+
+/* One that is ignored, as of a program in the background, stays so. */
+static void watch_signals(void (*before)(int), void (*handler)(int))
+{
+  static const int numbers[] = {SIGINT, SIGTERM};
+  struct sigaction now, then;
+  memset(&then, 0, sizeof then);
+  then.sa_handler = handler;
+  then.sa_flags = SA_RESTART;
+  for (int k = 0; k < 2; k++) {
+    if (sigaction(numbers[k], NULL, &now) == 0 && now.sa_handler == before) {
+      sigaction(numbers[k], &then, NULL);
+    }
+  }
+}
+
 /* Runs the scene; a status of main. The rows get their name when the run has ended, well or with a reason. */
 static int run_scene(scene *s, const scene_options *o)
 {
-  char part[512];
   scene_options to = *o;
-  int failed, renamed, lock = 0;
-  to.csv = o->csv ? scene_part_name(part, o->csv) : NULL;
-  renamed = to.csv != o->csv;
-  if (renamed) {
-    lock = scene_part_lock(part);
+  int failed;
+  if (o->csv && !(to.rows = output_open(o->csv))) {
+    char what[128];
+    snprintf(what, sizeof what, "--out: %s", output_why());
+    return fail(what, o->csv);
   }
-  if (lock < 0) {
-    s->message[0] = 0; /* it was told */
-    return 2;
+  if (to.rows) {
+    s->began = 0;
+    to.stop = &stopped;
+    watch_signals(output_stop, stop);
   }
   failed = !scene_run(s, &to) ? 0 : s->began ? 1 : 2;
-  if (failed == 2 && renamed) {
-    remove(part); /* it has no row */
-  } else if (renamed && rename(part, o->csv) != 0) {
-    failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+  if (to.rows) {
+    watch_signals(stop, output_stop);
   }
-  if (renamed) {
-    close(lock);
+  if (to.rows && failed && stopped) {
+    output_leave(to.rows, o->csv);
+    return 128 + stopped;
+  }
+  if (to.rows && failed == 2) {
+    output_drop(to.rows, o->csv); /* it has no row */
+  } else if (to.rows && !output_is_whole(to.rows, o->csv) && !failed) {
+    failed = scene_fail(s, "cannot write %s: %s%s", o->csv, strerror(errno), output_left(o->csv));
   }
   return failed;
 }
 
 static int has_curves(const scene *s, const scene_options *o)
 {
-  return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && scene_is_plain(o->csv);
+  return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && output_is_plain(o->csv);
 }
 
 int scene_main(int argc, char **argv)
@@ -305,7 +335,7 @@ int scene_main(int argc, char **argv)
   if (has_curves(s, &c.options)) {
     draw_curves(s, c.options.csv);
   }
-  if (c.options.margins && !quiet && scene_is_plain(c.options.margins)) {
+  if (c.options.margins && !quiet && output_is_plain(c.options.margins)) {
     draw_margins(s, c.options.margins);
   }
   return s->missed > 0 ? 1 : 0;

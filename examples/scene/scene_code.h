@@ -240,14 +240,14 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes, c
   if (text[0]) {
     return 1 + scene_fail(s, "--code: %s", text);
   }
-  out = fopen(file, "w");
+  out = output_open(file);
   if (!out) {
-    return 1 + scene_fail(s, "cannot write %s: %s", file, strerror(errno));
+    return 1 + scene_fail(s, "cannot write %s: %s", file, output_why());
   }
   good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
                     fb_system_crc(&engine.system, engine.body, s->n_body));
   if (!good) {
-    fclose(out);
+    output_drop(out, file);
     return 1 + scene_fail(s, "a temporary file: %s", strerror(errno));
   }
   return output_close(out, file);

@@ -287,9 +287,9 @@ static void scene_svg_animate(FILE *svg, double duration)
 
 static FILE *scene_svg_open(scene *s, const char *name, const char *title)
 {
-  FILE *const svg = fopen(name, "w");
+  FILE *const svg = output_open(name);
   if (!svg) {
-    scene_fail(s, "cannot write %s: %s", name, strerror(errno));
+    scene_fail(s, "cannot write %s: %s", name, output_why());
     return NULL;
   }
   scene_svg_begin(svg, title, s->length_unit);
@@ -299,7 +299,8 @@ static FILE *scene_svg_open(scene *s, const char *name, const char *title)
 static int scene_svg_close(scene *s, FILE *svg, const char *name)
 {
   fputs("</svg>\n", svg);
-  return output_is_whole(svg) ? 0 : scene_fail(s, "cannot write %s", name);
+  return output_is_whole(svg, name) ? 0
+                                    : scene_fail(s, "cannot write %s: %s%s", name, strerror(errno), output_left(name));
 }
 
 static void scene_frame_name(char *name, size_t size, const char *folder, int k)

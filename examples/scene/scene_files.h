@@ -2,62 +2,23 @@
    each other. Include options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
 #ifndef SCENE_FILES_H
 #define SCENE_FILES_H
+#include "../common/output.h"
 #include "../common/same_file.h"
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 typedef struct scene_out {
   const char *option, *name; /* name NULL: not asked for */
   int made;                  /* it was not there before */
 } scene_out;
 
-/* A file or nothing yet. A link (as /dev/stdout), a device or a pipe is written as it is, without curves. */
-static int scene_is_plain(const char *name)
-{
-  struct stat at;
-  return lstat(name, &at) != 0 || S_ISREG(at.st_mode);
-}
-
-/* Where rows go while there are not all of them, so that what is interrupted does not look whole: FILE.part. */
-static const char *scene_part_name(char part[512], const char *csv)
-{
-  snprintf(part, 512, "%s.part", csv);
-  return scene_is_plain(csv) ? part : csv;
-}
-
-/* FILE.part for this run alone: until the file that this returns is closed, after it got its name, no other run takes
-   it. Negative: another one has it, of which a message tells, or it cannot be opened. flock, not fcntl: that would end
-   with the first close of the rows. Where the system knows no locks there is none. */
-static int scene_part_lock(const char *part)
-{
-  for (int attempt = 0; attempt < 10; attempt++) {
-    struct stat mine, there;
-    const int file = open(part, O_RDWR | O_CREAT, 0666);
-    if (file < 0) {
-      return -fail("cannot write", part);
-    }
-    if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      close(file);
-      return -fail("--out: another run is writing it", part);
-    }
-    if (fstat(file, &mine) == 0 && stat(part, &there) == 0 && mine.st_ino == there.st_ino &&
-        mine.st_dev == there.st_dev) {
-      return file;
-    }
-    close(file); /* another run has given it its name meanwhile */
-  }
-  return -fail("--out: other runs are writing it", part);
-}
-
-/* Is it the scene, or a file that a word of it names? */
+/* Is it the scene, or a file that a word of it names? A scene from a pipe cannot be read again. */
 static int scene_reads_file(const char *scene_name, const char *out)
 {
   char path[512];
   const char *word;
+  struct stat at;
   int reads = same_file(scene_name, out);
   text_file t;
-  if (text_try(&t, "", scene_name)) {
+  if (is_file(scene_name, &at) && text_try(&t, "", scene_name)) {
     while (text_line(&t)) {
       while ((word = text_word(&t)) != NULL) {
         text_beside(path, scene_name, word);
@@ -114,12 +75,12 @@ static int scene_empty_folder(const char *folder)
 /* 0, or 2 after a message; curves: some are drawn beside --out; step: file of --code. What was not there is not there afterwards. */
 static int scene_files_check(const char *scene_name, const scene_options *o, int curves, const char *step)
 {
-  char svg[512], bode[512], frame[512], part[512];
+  char svg[512], bode[512], frame[512], part[OUTPUT_NAME];
   scene_out out[] = {{"--out", o->csv, 0},
                      {"--out until the run ends", NULL, 0},
                      {"curves of --out", o->csv && curves ? svg : NULL, 0},
                      {"--margins", o->margins, 0},
-                     {"curves of --margins", o->margins && o->talk && scene_is_plain(o->margins) ? bode : NULL, 0},
+                     {"curves of --margins", o->margins && o->talk && output_is_plain(o->margins) ? bode : NULL, 0},
                      {"--linear", o->linear, 0},
                      {"--code", step, 0},
                      {"--picture", o->picture, 0},
@@ -129,7 +90,7 @@ static int scene_files_check(const char *scene_name, const scene_options *o, int
   int status = o->frames ? scene_empty_folder(o->frames) : 0;
   if (o->csv) {
     other_name(svg, sizeof svg, o->csv, ".svg");
-    out[1].name = scene_part_name(part, o->csv) == part ? part : NULL;
+    out[1].name = output_part(part, o->csv) && strcmp(part, o->csv) != 0 ? part : NULL;
   }
   if (o->margins) {
     other_name(bode, sizeof bode, o->margins, ".svg");

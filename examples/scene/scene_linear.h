@@ -480,7 +480,7 @@ static int scene_write_linear(scene *s, const char *name, FILE *talk)
   plant.file.C = plant.C;
   plant.file.D = plant.D;
   if (linear_out_write(&plant.file, name)) {
-    return scene_fail(s, "cannot write %s: %s", name, strerror(errno));
+    return scene_fail(s, "cannot write %s: %s%s", name, output_why(), output_left(name));
   }
   if (talk) {
     fprintf(talk, "linear model: %d states, %d inputs, %d of %d outputs\n", plant.file.n, n_in, n_out, s->n_output);

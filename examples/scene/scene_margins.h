@@ -595,9 +595,9 @@ static int scene_measure_margins(scene *s, const char *name, FILE *talk)
   if (radius < 0) {
     return loop_fail(s, line, "the closed loops", "have poles that are not found");
   }
-  csv = name ? fopen(name, "w") : NULL;
+  csv = name ? output_open(name) : NULL;
   if (name && !csv) {
-    return scene_fail(s, "cannot write %s: %s", name, strerror(errno));
+    return scene_fail(s, "cannot write %s: %s", name, output_why());
   }
   if (csv) {
     fputs("loop,omega [rad/s],gain [dB],phase [deg],re [-],im [-]\n", csv);
@@ -612,8 +612,10 @@ static int scene_measure_margins(scene *s, const char *name, FILE *talk)
       loop_tell(s, talk, k);
     }
   }
-  if (csv && !output_is_whole(csv) && !failed) {
-    failed = scene_fail(s, "cannot write %s: %s", name, strerror(errno));
+  if (csv && failed) {
+    output_drop(csv, name);
+  } else if (csv && !output_is_whole(csv, name)) {
+    failed = scene_fail(s, "cannot write %s: %s%s", name, strerror(errno), output_left(name));
   }
   for (int k = 0; k < s->n_measure && !failed; k++) {
     const loop_margins *const m = &loops.margins[s->measure[k].kind >= SCENE_GAIN_MARGIN ? s->measure[k].output : 0];

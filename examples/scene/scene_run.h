@@ -4,20 +4,23 @@
 #include "scene_auto.h"
 #include "scene_draw.h"
 #include "scene_margins.h"
+#include <signal.h>
 #include <time.h>
 
-typedef struct scene_options { /* all zero: no files, no talk */
-  const char *csv;             /* name of the file that the outputs go to */
-  const char *margins;         /* response of the loops of controllers over frequency */
-  const char *linear;          /* linear model about the start, CSV or JSON */
-  const char *picture;         /* a few frames over each other, SVG */
-  const char *animation;       /* SVG that moves */
-  const char *frames;          /* folder for numbered frames, SVG */
-  int n_frame;                 /* of them and of the animation, 0: 120 */
-  FILE *talk;                  /* what was chosen */
-  FILE *warn;                  /* what may be wrong */
-  FILE *progress;              /* what a long run takes */
-  int live;                    /* 1: it is a terminal, on which a line tells how far the run is */
+typedef struct scene_options {       /* all zero: no files, no talk */
+  const char *csv;                   /* name of the file that the outputs go to */
+  FILE *rows;                        /* that file, which whoever opened it closes */
+  const char *margins;               /* response of the loops of controllers over frequency */
+  const char *linear;                /* linear model about the start, CSV or JSON */
+  const char *picture;               /* a few frames over each other, SVG */
+  const char *animation;             /* SVG that moves */
+  const char *frames;                /* folder for numbered frames, SVG */
+  int n_frame;                       /* of them and of the animation, 0: 120 */
+  FILE *talk;                        /* what was chosen */
+  FILE *warn;                        /* what may be wrong */
+  FILE *progress;                    /* what a long run takes */
+  int live;                          /* 1: it is a terminal, on which a line tells how far the run is */
+  const volatile sig_atomic_t *stop; /* not 0: the run ends before its next row; NULL: it goes to its end */
 } scene_options;
 
 /* ---- outputs */
@@ -655,12 +658,17 @@ static int scene_no_start(scene *s, fb_status status)
   return scene_failed(s, s->trim ? "trim" : "start", status);
 }
 
+static int scene_is_stopped(const scene_run_state *run)
+{
+  return run->o && run->o->stop && *run->o->stop;
+}
+
 /* What happens at `begin`, which may say when the piece from there ends, and its steps; ends before the one that fails. */
 static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p, double start, double last, double begin)
 {
   fb_status status = scene_happen(s, &run->event, begin);
   *p = scene_piece_from(s, start, last, begin);
-  for (long long k = 0; (double)k < p->steps && status == FB_OK; k++) {
+  for (long long k = 0; (double)k < p->steps && status == FB_OK && !scene_is_stopped(run); k++) {
     p->begin = begin + (double)k * p->dt;
     status = scene_step(s, p->begin, p->dt);
     if (run->steps++ % 64 == 0) {
@@ -676,7 +684,7 @@ static fb_status scene_interval(scene *s, scene_run_state *run, double start, do
 {
   double t = start;
   fb_status status = FB_OK;
-  while (t < last && status == FB_OK) {
+  while (t < last && status == FB_OK && !scene_is_stopped(run)) {
     scene_piece p;
     status = scene_take(s, run, &p, start, last, t);
     snprintf(when, 96, "at %.6g s, step of %.4g s", p.begin, p.dt);
@@ -698,9 +706,9 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   engine.by_step = 0;
   run->o = o;
   run->clock = clock();
-  while (run->row < timing.rows && status == FB_OK && !run->broken) {
+  while (run->row < timing.rows && status == FB_OK && !run->broken && !scene_is_stopped(run)) {
     status = scene_interval(s, run, (double)run->row * timing.interval, (double)(run->row + 1) * timing.interval, when);
-    if (status == FB_OK) {
+    if (status == FB_OK && !scene_is_stopped(run)) {
       run->row++;
       status = scene_row(s, run, (double)run->row * timing.interval);
       scene_progress(s, run, (double)run->row * timing.interval);
@@ -713,8 +721,11 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
     fprintf(o->talk, "some steps had to be shorter: %.3g s at most\n", timing.longest);
   }
   return status != FB_OK ? scene_failed(s, when, status)
-         : run->broken   ? scene_fail(s, "cannot write %s: %s", o->csv, strerror(run->broken))
-                         : 0;
+         : run->broken   ? scene_fail(s, "cannot write %s: %s%s", o->csv, strerror(run->broken), output_left(o->csv))
+         : run->row < timing.rows
+             ? scene_fail(s, "stopped after the row of %.6g s, of %.6g s%s", (double)run->row * timing.interval,
+                          s->duration, o->csv ? output_left(o->csv) : "")
+             : 0;
 }
 
 /* Is the run short enough, and is what acts resolved by a step that is given? Tells of one that is not. */
@@ -969,18 +980,12 @@ static int scene_run(scene *s, const scene_options *o)
       return 1;
     }
   }
-  if (o->csv) {
-    run.csv = fopen(o->csv, "w");
-    if (!run.csv) {
-      return scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
-    }
+  run.csv = o->rows;
+  if (run.csv) {
     scene_header(s, run.csv);
   }
   failed = scene_run_rows(s, o, &run);
   failed = failed ? failed : scene_write_pictures(s, o);
-  if (run.csv && !output_is_whole(run.csv) && !failed) {
-    failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
-  }
   for (int k = 0; k < s->n_measure && !failed; k++) {
     if (run.tally[k].n > 0) {
       s->measured[k] = scene_tally_end(&run.tally[k], s->measure[k].kind);

@@ -670,7 +670,7 @@ static int simulate_one(search *find, const options *o, const fb_envelope *e, co
 
 static int write_csv(const options *o, const search *find, const char *csv)
 {
-  FILE *out = fopen(csv, "w");
+  FILE *out = output_open(csv);
   if (!out) {
     return fail("cannot write", csv);
   }

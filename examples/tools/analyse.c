@@ -315,7 +315,7 @@ static int campbell(const options *o, const double axis[3])
   int found = 0;
   FILE *out;
   snprintf(csv, sizeof csv, "%s.csv", o->out);
-  out = fopen(csv, "w");
+  out = output_open(csv);
   if (!out) {
     return fail("cannot write", csv);
   }
@@ -326,7 +326,7 @@ static int campbell(const options *o, const double axis[3])
     const fb_status status = solve(axis, spin);
     int mode;
     if (status != FB_OK) {
-      fclose(out);
+      output_drop(out, csv);
       return fail_at(spin, status);
     }
     fprintf(out, "%.10g,%.10g", spin, (double)fb_spectrum_margin(&mode, spectrum.re, spectrum.n));

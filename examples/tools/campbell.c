@@ -255,7 +255,7 @@ static int draw(const options *o)
   curve curves[3 * MAX_MODES];
   int n = 0;
   FILE *out;
-  if (snprintf(name, sizeof name, "%s.csv", o->picture) >= (int)sizeof name || !(out = fopen(name, "w"))) {
+  if (snprintf(name, sizeof name, "%s.csv", o->picture) >= (int)sizeof name || !(out = output_open(name))) {
     fprintf(stderr, "campbell: cannot write %s.csv\n", o->picture);
     return 0;
   }

@@ -81,7 +81,7 @@ static int write_ports(linear_out *file, const linear_value *in, const linear_va
     return fail("--linear: that is the description itself", name);
   }
   if (linear_out_write(file, name)) {
-    fprintf(stderr, PROGRAM ": cannot write %s: %s\n", name, strerror(errno));
+    fprintf(stderr, PROGRAM ": cannot write %s: %s%s\n", name, output_why(), output_left(name));
     return 2;
   }
   printf("linear model: %s, %d states, %d inputs, %d outputs\n", name, file->n, file->n_in, file->n_out);

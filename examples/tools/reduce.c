@@ -252,14 +252,17 @@ int reduce_main(int argc, char **argv)
     return 2;
   }
   code_vary_hub(&o.choice, model.hub_mass, model.hub_center, model.hub_inertia);
-  if (o.out && !(out = fopen(o.out, "w"))) {
-    fprintf(stderr, "reduce: %s: %s\n", o.out, strerror(errno));
+  if (o.out && !(out = output_open(o.out))) {
+    fprintf(stderr, "reduce: %s: %s\n", o.out, output_why());
     return 2;
   }
   if (!steps) {
     rom_write(out, &model_body, model.name, file, single);
   } else if (!code_write(out, &model_body, &o.choice, file, print_coordinate)) {
     fprintf(stderr, "reduce: a temporary file: %s\n", strerror(errno));
+    if (o.out) {
+      output_drop(out, o.out);
+    }
     return 2;
   }
   return o.out ? output_close(out, o.out) : 0;

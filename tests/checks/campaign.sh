@@ -209,6 +209,33 @@ says 'it says `scene '
 expect 0 $campaign --scene "$out/beam.txt" --vary "work list 0.1 2 0.2" --cpu_limit 3600 --out "$out/more.csv" --pictures 0
 expect 0 $campaign --scene "$out/beam.txt" --vary "work list 0.1 2 0.2" --cpu_limit 7200 --out "$out/more.csv" --pictures 0
 says "3 of 3 runs are in"
+
+# a journal without a run, empty or torn in its head, is begun anew; one whose head is damaged is not taken for another's, nor
+# is what is no journal, and they stay as they are
+line=$(head -n 1 "$out/one.journal" | wc -c)
+for bytes in 0 20 $((line - 1)) "$line" $((line + 20)); do
+  head -c $bytes "$out/one.journal" > "$out/short.journal"
+  expect 1 $campaign "$quick" --jobs 2 --out "$out/short.csv" --pictures 0
+  says "$out/short.journal: ends before its first run"
+  same short
+done
+sed '1s/journal/jornal/' "$out/one.journal" > "$out/changed.journal"
+printf 'a letter\nto a friend\n' > "$out/letter.journal"
+for name in changed letter; do
+  cp "$out/$name.journal" "$out/kept"
+  expect 2 $campaign "$quick" --out "$out/$name.csv" --pictures 0
+  says "$out/$name.journal: is no journal of a campaign, or line 1 of it is damaged"
+  cmp "$out/$name.journal" "$out/kept" || fail "$name: a journal that is refused was changed"
+done
+mkfifo "$out/pipe.journal"
+mkdir "$out/folder.journal"
+for name in pipe folder; do
+  for fresh in "" --fresh; do
+    expect 2 timeout 10 $campaign "$quick" --out "$out/$name.csv" --pictures 0 $fresh
+    says "$out/$name.journal: is no file"
+  done
+done
+
 # another build is another campaign
 try gcc $c99 -O1 -DFB_MAX_LUMPS=9 -o "$out/other_build" -Dcampaign_main=main examples/campaign/campaign.c -lm
 expect 2 "$out/other_build" "$quick" --out "$out/one.csv"

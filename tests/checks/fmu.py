@@ -533,6 +533,8 @@ def check_refusals(version, saved, foreign):
     refused(one, "a step of 0", lambda: step(one.time, 0.0), "above 0")
     refused(one, "a step back", lambda: step(one.time, -0.01), "above 0")
     refused(one, "a step of NaN", lambda: step(one.time, nan), "above 0")
+    refused(one, "a step without end", lambda: step(one.time, inf), "above 0")
+    refused(one, "a step that the clock does not resolve", lambda: step(one.time, 1e-20), "step of 1e-20 s", "0.03 s")
     refused(one, "a step from elsewhere", lambda: step(0.7, 0.01), "while the time is 0.03")
     refused(one, "a step too far", lambda: step(one.time, 2.0), "stop time 1")
     refused(one, "a long list", lambda: (one.fmu.setReal([999], [0.0]) if one.two else one.fmu.setFloat64([999], [0.0])), "999")
@@ -554,6 +556,7 @@ def check_refusals(version, saved, foreign):
     one.close()
 
     one = start(file)
+    refused(one, "a step of 1e12 s", lambda: one.fmu.doStep(0.0, 1e12), "step of 1e+12 s", "10000000")
     one.set("hub.torque", [0, 0, 4e4])
     refused(one, "a motion that becomes too fast", lambda: one.fmu.doStep(0.0, 2.0), "fb_rk4_step", "in a step of 0.002 s at")
     want(" at 0 s" not in one.log[-1], f"{file}: the first step fails: {one.log[-1]}")

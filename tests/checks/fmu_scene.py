@@ -607,6 +607,16 @@ def check_refusals():
         other.initialize()
         want(len(rows_of(other, 3, 0.1)) == 4, f"after {name} {value} it does not run")
         other.close()
+    for name in "driven3", "satellite_control2", "spinup_torque3":  # steps that are given, of controllers, chosen ones
+        other = Instance(folder / f"{name}.fmu")
+        other.step(0.1)
+        before = other.outputs()
+        for length, words in ((1e12, ["step of 1e+12 s", "10000000 at most"]), (1e8, ["step of 1e+08 s", "10000000 at most"]),
+                              (math.inf, ["above 0"]), (math.nan, ["above 0"]), (-0.1, ["above 0"]), (1e-20, ["step of 1e-20 s", "0.1 s"])):
+            refuses(f"{name}: a step of {length} s", lambda: other.step(length), other.log, *words)
+            want(other.outputs() == before, "a step that is refused changes something")
+        other.step(0.1)
+        other.close()
     other = Instance(folder / "spinup_torque3.fmu", **{"settings.step": 10})
     before = other.outputs()
     refuses("a step beyond the limit", lambda: other.step(0.1), other.log, "spinup_torque.txt", "step of 0.05 s", "fb_rk4_step")

@@ -67,6 +67,10 @@ try "$out/hil"
 try mips-linux-gnu-gcc $c99 -O2 -static -o "$out/hil_mips" tests/checks/hil.c -lm
 try qemu-mips "$out/hil_mips"
 
+# More steps seem slow than there is room for: none of those that are not repeated counts as slow.
+try gcc $c99 -O1 -o "$out/suspects" tests/checks/hil_suspects.c -lm
+try "$out/suspects"
+
 try "$plant" --simulated-time direct --seconds 30 --out "$out/direct.csv"
 mv "$out/log" "$out/direct.txt"
 ! "$plant" --simulated-time direct --seconds 30 --out "$out/none/direct.csv" > "$out/log" 2>&1 || fail "wrote where it cannot"
@@ -124,6 +128,9 @@ printf '%s\n' "$HIL_KEY" | cut -c 2- > "$out/short.key"
 chmod 600 "$out/short.key"
 no_key "is no line of 32 hexadecimal digits" --key short.key
 no_key "cannot be read: none.key" --key none.key
+no_key "cannot be read: none.key" --simulated-time direct --seconds 1 --key none.key
+mkfifo "$out/pipe.key"
+no_key "cannot be read: pipe.key" --key pipe.key
 HIL_KEY=abc "$plant" --port 0 --out "$out/none.csv" > "$out/log" 2>&1 && fail "a plant starts without a key"
 grep -q "HIL_KEY wants 32 hexadecimal digits" "$out/log" || fail "a bad HIL_KEY is not told"
 given=$HIL_KEY

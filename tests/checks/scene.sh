@@ -277,7 +277,7 @@ done
 so_far=$(wc -c < "$out/rows.csv.part")
 status=0
 timeout 20 "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv" > "$out/log" 2>&1 || status=$?
-[ $status = 2 ] && grep -q "scene: --out: another run is writing it: .*/rows.csv.part" "$out/log" ||
+[ $status = 2 ] && grep -q "scene: --out: another run is writing it: .*/rows.csv" "$out/log" ||
   fail "two runs into one file: status $status, $(cat "$out/log")"
 [ "$(wc -c < "$out/rows.csv.part")" -ge "$so_far" ] && head -n 1 "$out/rows.csv.part" | grep -q '^t \[s\]' ||
   fail "a second run has written over the rows of the first"
@@ -286,8 +286,11 @@ wait $running 2> /dev/null || true
 [ -s "$out/rows.csv.part" ] && [ "$(cat "$out/rows.csv")" = "of an earlier run" ] || fail "rows of an interrupted run look whole"
 sed -i "s/^interval.*/interval 1e5/" "$out/rows.txt" # seconds for each 4096 characters: they do not wait for that many
 rm "$out/rows.csv.part"
-timeout 10 "$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" || true
+status=0
+timeout --preserve-status 10 "$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" 2> "$out/log" || status=$?
 [ "$(wc -l < "$out/rows.csv.part")" -gt 1 ] || fail "rows of a slow run are not in their file"
+[ $status = 143 ] && grep -q "stopped after the row of $(tail -n 1 "$out/rows.csv.part" | cut -d , -f 1) s, of 1e+07 s; .* is $out/rows.csv.part\$" "$out/log" ||
+  fail "a run that is terminated: status $status, $(cat "$out/log"), $(tail -n 1 "$out/rows.csv.part")"
 try "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv"
 [ ! -e "$out/rows.csv.part" ] && cmp -s "$out/rows.csv" "$out/top.csv" || fail "rows do not get their name when the run has ended"
 collides "--out until the run ends and --picture are the same file" --out "$out/c.csv" --picture "$out/c.csv.part"
