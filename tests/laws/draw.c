@@ -15,6 +15,12 @@ fbl_hub fbl_hub_of;
 
 void fbl_legal(fbl_choice *c)
 {
+  if (c->effects == FBL_STRAIN) { /* axial functions of one straight beam */
+    c->basis = FBL_FUNCTIONS;
+    c->modes = FBL_AXIAL;
+    c->parts = FBL_ONE_BEAM;
+    c->section = c->section == FBL_OFFSET ? FBL_UNIFORM : c->section;
+  }
   if (c->effects == FBL_LARGE) { /* lines: natural modes or components, no chain of kinks under a component */
     c->basis = c->basis >= FBL_ELEMENTS && c->basis != FBL_ATTACHED ? FBL_NATURAL : c->basis;
   }
@@ -29,7 +35,7 @@ void fbl_legal(fbl_choice *c)
   if (c->basis == FBL_ELEMENTS) {
     c->parts = FBL_ONE_BEAM;
   }
-  if (c->gravity == FBL_CENTER && (c->effects == FBL_LINEAR || c->effects == FBL_SPIN)) {
+  if (c->gravity == FBL_CENTER && (c->effects == FBL_LINEAR || c->effects == FBL_SPIN || c->effects == FBL_STRAIN)) {
     c->gravity = FBL_GRAVITY;
   }
   if (c->parts == FBL_CURVED) { /* kinks want every stiffness, and inertia about every axis */
@@ -188,6 +194,10 @@ static void modes_draw(const fbl_choice *c, int loose)
   case FBL_FUNCTIONS:
     modes_desc.basis = FB_BASIS_FUNCTIONS;
     modes_desc.count[0] = modes_desc.count[1] = n;
+    if (c->effects == FBL_STRAIN) { /* of one element as many axial functions, and its strain at the root */
+      modes_desc.count[0] = modes_desc.count[1] = modes_desc.count[2] = 2;
+      modes_desc.root_strain = 1;
+    }
     break;
   case FBL_SPUN:
     modes_desc.spin = fbl_unit(fbl_in(1.0, 4.0), 0, 0, -1);
@@ -207,7 +217,7 @@ static int asked_for(void)
     n += modes_desc.count[k];
   }
   if (modes_desc.basis == FB_BASIS_FUNCTIONS) {
-    return n;
+    return n + modes_desc.root_strain;
   }
   n = modes_desc.lowest > 0 ? modes_desc.lowest : n;
   return n + modes_desc.n_load + modes_desc.n_boundary;
@@ -226,7 +236,7 @@ static fb_status beams_draw(const fbl_choice *c, int *n, int *n_beam, double *si
     const int loose = k == 1 && c->parts == FBL_WELDED, at = fbl_seen.reverse && c->parts == FBL_TWO_BEAMS ? 1 - k : k;
     const double own = k == 0 ? length : fbl_in(0.3, 0.6) * length;
     memset(&beam_desc, 0, sizeof beam_desc);
-    beam_desc.n_element = c->basis == FBL_ELEMENTS ? 1 : 4;
+    beam_desc.n_element = c->basis == FBL_ELEMENTS || c->effects == FBL_STRAIN ? 1 : 4;
     if (loose) {
       fb_real tip[3];
       memcpy(tip, &beam[0].node[3 * 4], sizeof tip);
@@ -275,41 +285,89 @@ static void hub_draw(const fbl_choice *c, double size)
   (void)fb_shape_add_rigid(&shape, fbl_hub_of.mass, at, inertia);
 }
 
-/* Coordinates first.. of a component that is no beam, with random shapes and second-order displacements. */
-static fb_status import_draw(int first, int count, int lumps)
+/* K of the imported coordinates, of frequencies that are drawn. */
+static void stiffness_draw(int first, int count)
 {
+  for (int a = first; a < first + count; a++) {
+    const double omega = fbl_in(4.0, 20.0), own = (double)fbl_unit(omega * omega, 0, 0, -2);
+    shape.K[a * shape.n + a] = (fb_real)(own * (double)shape.M[a * shape.n + a]);
+  }
+}
+
+/* Second degree of coordinates a, b of a component: integrals of a displacement field, geometric stiffness. */
+static fb_status pair_draw(int a, int b)
+{
+  const double flip = fbl_seen.mirror ? -1.0 : 1.0;
+  fb_real pchi[3], hchi[3], Gamchi[9], accelerate[3], turn[3], spin[6];
+  fb_status status;
+  fbl_polar(pchi, fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), 1, -1, 0);
+  fbl_axial(hchi, fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), 1, 0, 0);
+  for (int i = 0; i < 9; i++) {
+    Gamchi[i] = fbl_unit(((i / 3 == 1) != (i % 3 == 1) ? flip : 1.0) * fbl_in(-0.5, 0.5), 1, 0, 0);
+  }
+  status = fb_shape_add_pair(&shape, a, b, pchi, hchi, Gamchi);
+  fbl_polar(accelerate, fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), 1, -1, 0);
+  fbl_axial(turn, fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), 1, 0, 0);
+  for (int i = 0; i < 6; i++) {
+    spin[i] = fbl_unit((i == 3 || i == 5 ? flip : 1.0) * fbl_in(-0.5, 0.5), 1, 0, 0);
+  }
+  return status ? status : fb_shape_add_stiffening(&shape, a, b, accelerate, turn, spin);
+}
+
+/* Shapes of coordinates first.. at a node: displacements, rotations, and displacements of second degree. */
+static void shapes_draw(fb_real *psi, fb_real *theta, fb_real *chi, int first, int count)
+{
+  const int n = shape.n;
+  memset(psi, 0, (size_t)(3 * n) * sizeof *psi);
+  memset(theta, 0, (size_t)(3 * n) * sizeof *theta);
+  memset(chi, 0, (size_t)(3 * n * n) * sizeof *chi);
+  for (int a = first; a < first + count; a++) {
+    fbl_polar(&psi[3 * a], fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 0, 0);
+    fbl_axial(&theta[3 * a], fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, -1, 0);
+    for (int b = first; b <= a; b++) {
+      fb_real *const x = &chi[3 * (a * n + b)];
+      fbl_polar(x, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, -1, 0);
+      memcpy(&chi[3 * (b * n + a)], x, 3 * sizeof *x);
+    }
+  }
+}
+
+/* Coordinates first.. of a component that is no beam: three masses with random shapes, those of FBL_FIELDS on a line that
+   keeps its length. */
+static fb_status import_draw(int first, int count, int import)
+{
+  static fb_real psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES];
+  static fb_fields fields[3];
   fb_status status = FB_OK;
   for (int k = 0; k < 3 && status == FB_OK; k++) {
-    fb_real psi[3 * FB_MAX_MODES] = {0}, theta[3 * FB_MAX_MODES] = {0}, r[3];
-    static fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES];
-    const int n = shape.n;
     const double mass = fbl_in(0.5, 3.0);
-    fb_real inertia[6] = {0};
+    const fb_real m = fbl_unit(mass, 1, 0, 0);
+    fb_real r[3], inertia[6] = {0};
     int node;
-    memset(chi, 0, sizeof chi);
-    fbl_polar(r, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 1, 0);
-    for (int a = first; a < first + count; a++) {
-      fbl_polar(&psi[3 * a], fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 0, 0);
-      fbl_axial(&theta[3 * a], fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, -1, 0);
-      for (int b = first; b <= a; b++) {
-        fb_real *const x = &chi[3 * (a * n + b)];
-        fbl_polar(x, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, -1, 0);
-        memcpy(&chi[3 * (b * n + a)], x, 3 * sizeof *x);
-      }
-    }
+    fbl_polar(r, 0.8 * k - 1.0, fbl_in(-0.5, 0.5), fbl_in(-0.5, 0.5), 0, 1, 0);
+    shapes_draw(psi, theta, chi, first, count);
     for (int i = 0; i < 3; i++) {
       inertia[i] = fbl_unit(0.01 * mass * fbl_in(0.6, 1.0), 1, 2, 0);
     }
-    status = lumps ? fb_shape_add_lump(&shape, fbl_unit(mass, 1, 0, 0), r, inertia, psi, theta)
-                   : fb_shape_add_particle(&shape, fbl_unit(mass, 1, 0, 0), r, psi, chi);
-    if (status == FB_OK && lumps && k == 0) {
-      status = fb_shape_add_node(&shape, &node, r, psi, theta);
+    if (import == FBL_PARTICLES) {
+      status = fb_shape_add_particle(&shape, m, r, psi, chi);
+      continue;
+    }
+    if (import == FBL_FIELDS) {
+      status = fb_fields_init(&fields[k], &shape, k ? &fields[k - 1] : NULL, r, psi, theta);
+      status = status ? status : fb_shape_add_field_lump(&shape, &fields[k], m, inertia);
+      status = status || k ? status : fb_shape_add_field_node(&shape, &node, &fields[k]);
+      continue;
+    }
+    status = fb_shape_add_lump(&shape, m, r, inertia, psi, theta);
+    status = status || k ? status : fb_shape_add_node(&shape, &node, r, psi, theta);
+  }
+  for (int a = first; a < first + count && status == FB_OK && import == FBL_STIFFENED; a++) {
+    for (int b = first; b <= a && status == FB_OK; b++) {
+      status = pair_draw(a, b);
     }
   }
-  for (int a = first; a < first + count; a++) {
-    const double omega = fbl_in(4.0, 20.0);
-    shape.K[a * shape.n + a] = (fb_real)((double)fbl_unit(omega * omega, 0, 0, -2) * (double)shape.M[a * shape.n + a]);
-  }
+  stiffness_draw(first, count);
   return status;
 }
 
@@ -342,8 +400,9 @@ static void rotors_draw(const fbl_choice *c, int n_node)
 
 static void desc_draw(const fbl_choice *c, int n_node, double size)
 {
-  static const unsigned set[] = {FB_EFFECTS_FULL, FB_EFFECTS_RIGID, FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN,
-                                 FB_EFFECTS_LARGE};
+  static const unsigned set[] = {FB_EFFECTS_FULL,   FB_EFFECTS_RIGID,
+                                 FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN,
+                                 FB_EFFECTS_LARGE,  3u | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_NONLINEAR_STRAIN};
   memset(&desc, 0, sizeof desc);
   desc.base = (fb_base)c->base;
   desc.effects = set[c->effects];
@@ -393,10 +452,13 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
     status = status ? status
                     : fb_shape_add_beam_node(&shape, &node, first, &beam[k], &modes[k],
                                              beam[k].start[beam[k].desc.n_element]);
+    if (status == FB_OK && c->effects == FBL_STRAIN) {
+      status = fb_shape_add_beam_strain(&shape, first, &beam[k], &modes[k]);
+    }
     first += joined ? 0 : modes[k].n;
   }
   fbl_stream("import");
-  status = status == FB_OK && extra ? import_draw(n, extra, c->import == FBL_LUMPS) : status;
+  status = status == FB_OK && extra ? import_draw(n, extra, (int)c->import) : status;
   fbl_stream("effects");
   desc_draw(c, shape.n_node, *size);
   return status ? status : fb_body_init(body, &body_work, &shape, &desc);

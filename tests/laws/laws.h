@@ -86,13 +86,13 @@ fb_status fbl_draw_again(void);
 int fbl_level(const char *feature); /* of the present draw */
 
 /* ---- bodies, alone and in systems (draw.c) */
-enum { FBL_FULL, FBL_RIGID, FBL_LINEAR, FBL_SPIN, FBL_LARGE };                            /* effects */
+enum { FBL_FULL, FBL_RIGID, FBL_LINEAR, FBL_SPIN, FBL_LARGE, FBL_STRAIN };                /* effects */
 enum { FBL_UNIFORM, FBL_TAPER, FBL_TWIST, FBL_OFFSET };                                   /* section */
 enum { FBL_BOTH, FBL_ONE_PLANE, FBL_TORSION, FBL_AXIAL };                                 /* modes */
 enum { FBL_NATURAL, FBL_COMPONENT, FBL_ELEMENTS, FBL_FUNCTIONS, FBL_SPUN, FBL_ATTACHED }; /* basis */
 enum { FBL_NO_LUMP, FBL_POINT, FBL_TENSOR, FBL_SEVERAL };                                 /* lumps */
 enum { FBL_ONE_BEAM, FBL_TWO_BEAMS, FBL_WELDED, FBL_CURVED };                             /* parts */
-enum { FBL_NO_IMPORT, FBL_PARTICLES, FBL_LUMPS };                                         /* import */
+enum { FBL_NO_IMPORT, FBL_PARTICLES, FBL_LUMPS, FBL_STIFFENED, FBL_FIELDS };              /* import */
 enum { FBL_NO_ROTOR, FBL_ON_HUB, FBL_ON_BOOM, FBL_RUBBING, FBL_UNBALANCED, FBL_GIVEN };   /* rotors */
 enum { FBL_NO_GRAVITY, FBL_GRAVITY, FBL_CENTER };                                         /* gravity */
 
@@ -100,11 +100,12 @@ typedef struct fbl_choice { /* levels of the features of a body */
   int base, effects, section, modes, shear, basis, lumps, parts, import, rotors, gravity, damping, hub;
 } fbl_choice;
 #define FBL_BODY_FEATURES                                                                                             \
-  {"base", {"free", "prescribed", "pinned", "hinged"}}, {"effects", {"full", "rigid", "linear", "spin", "large"}},    \
+  {"base", {"free", "prescribed", "pinned", "hinged"}},                                                               \
+      {"effects", {"full", "rigid", "linear", "spin", "large", "strain"}},                                            \
       {"section", {"uniform", "taper", "twist", "offset"}}, {"modes", {"both", "one_plane", "torsion", "axial"}},     \
       {"shear", {"none", "shear"}}, {"basis", {"natural", "component", "elements", "functions", "spun", "attached"}}, \
       {"lumps", {"none", "point", "tensor", "several"}}, {"parts", {"one", "two", "welded", "curved"}},               \
-      {"import", {"none", "particles", "lumps"}},                                                                     \
+      {"import", {"none", "particles", "lumps", "stiffened", "fields"}},                                              \
       {"rotors", {"none", "hub", "boom", "rubbing", "unbalanced", "given"}},                                          \
       {"gravity", {"none", "uniform", "center"}}, {"damping", {"none", "damped"}},                                    \
   {                                                                                                                   \
