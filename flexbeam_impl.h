@@ -11194,7 +11194,8 @@ static fb_real fbi_stop_depth(const fb_joint *joint, int i, fb_real value)
 
 /* [E9.29] Stiffness of a stop at a depth d and speed u, k (1 + c u) inwards, k (1 - c u) outwards, never below zero: the
    effort is this times -d.
-   Source: [HC] with a linear spring.  Test: stops_return_an_impact_as_in_closed_form. */
+   Source: [HC] with a linear spring.
+   Test: stops_return_an_impact_as_in_closed_form, steps_in_a_stop_converge_quadratically. */
 static fb_real fbi_stop_secant(const fb_joint *joint, int i, fb_real depth, fb_real speed)
 {
   const fb_real inwards = depth < FB_R(0.0) ? -speed : speed;
@@ -24936,7 +24937,8 @@ static int fbi_line_is_resolved(const fbi_line_plan *plan, const fb_beam *beam)
    many.
    FB_ERR_VALUE: they miss mass.
    Source: THEORY.md 14.  Test: lines_have_enough_points, lumped_bodies_near_the_tip_move_with_the_line,
-   ramps_of_mass_are_where_they_belong, masses_that_points_miss_are_refused. */
+   bodies_on_joined_lines_are_their_particles, ramps_of_mass_are_where_they_belong,
+   masses_that_points_miss_are_refused. */
 static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
 {
   fbi_line_break list[FBI_MAX_BREAKS];

@@ -86,16 +86,29 @@ enum { FBT_IDENTITY, FBT_PRINTED, FBT_BOUNDARY };
 #define FBT_STOP 0
 #endif
 
-/* The running test fails, with place and text, when a claim does not hold. All are printed up to a few per test. */
+/* The running test fails, with place and text, when a claim does not hold. All are printed up to a few per test.
+   It also fails by a claim that cannot fail: one whose bound is not below the size of what it compares at any time that
+   the test makes it. Sizes are:
+     FBT_NEAR_ABS   |expected|; 0 is without a size, but for arrays (fbt_difference)
+     FBT_NEAR_REL   1: the bound is relative
+     FBT_ZERO       the size that is given, with a bound relative to it: |got| <= tol size. For errors and residuals
+     FBT_BELOW      of fbt_difference the largest element; an error below FBT_TOL(...) is without a size
+   Without a size a bound of 1 or more is refused: say the size by FBT_ZERO. What single precision cannot decide is a claim
+   of double alone: FBT_DOUBLE_ONLY("why") before it. */
 #define FBT_TRUE(claim) fbt_check((claim) != 0, __FILE__, __LINE__, #claim, 0.0, 0.0, 0.0)
 #define FBT_FAIL(text) fbt_check(0, __FILE__, __LINE__, text, 0.0, 0.0, 0.0)
 #define FBT_INT_EQ(got, expected) fbt_equal((int)(got), (int)(expected), __FILE__, __LINE__, #got " == " #expected)
 #define FBT_NEAR_ABS(got, expected, tol) \
-  fbt_near((double)(got), (double)(expected), (double)(tol), 0.0, __FILE__, __LINE__, #got " ~ " #expected)
+  (fbt_compared = 0.0,                   \
+   fbt_near((double)(got), (double)(expected), (double)(tol), 0.0, __FILE__, __LINE__, #got " ~ " #expected))
 #define FBT_NEAR_REL(got, expected, tol)                                              \
   fbt_near((double)(got), (double)(expected), 0.0, (double)(tol), __FILE__, __LINE__, \
            #got " ~ " #expected " (relative)")
-#define FBT_BELOW(got, limit) fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit)
+#define FBT_ZERO(got, size, tol) \
+  fbt_zero((double)(got), (double)(size), (double)(tol), __FILE__, __LINE__, #got " ~ 0 of " #size)
+#define FBT_BELOW(got, limit) \
+  (fbt_compared = 0.0, fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit))
+#define FBT_DOUBLE_ONLY(why) if (!FB_SINGLE)
 
 /* A measured figure for the table of tests/VERIFICATION.md (test_runner --figures): what, against which source, how
    much. */
@@ -106,13 +119,15 @@ void fbt_check(int ok, const char *file, int line, const char *claim, double got
 void fbt_equal(int got, int expected, const char *file, int line, const char *claim);
 void fbt_near(double got, double expected, double abs_tol, double rel_tol, const char *file, int line,
               const char *claim);
+void fbt_zero(double got, double size, double tol, const char *file, int line, const char *claim);
 void fbt_below(double got, double limit, const char *file, int line, const char *claim);
 
 /* Repeatable random numbers: uniform in (-1, 1), and a whole array of them. */
 void fbt_seed(unsigned seed);
 double fbt_random(void);
 void fbt_fill(fb_real *x, int n, double scale);
-/* Largest |a_i - b_i| and largest |a_i|. */
+/* Largest |a_i - b_i|, of which fbt_compared is the size, and largest |a_i|. */
+extern double fbt_compared;
 double fbt_difference(const fb_real *a, const fb_real *b, int n);
 double fbt_largest(const fb_real *a, int n);
 /* Rates of v in body axes, from the acceleration of O: a - w x v. Static: until the next call. */

@@ -855,8 +855,8 @@ TEST(advice_knows_no_units)
       FBT_NEAR_REL(advice.dt / second, first.dt, FBT_TOL(1e-5, 3e-2));
       FBT_NEAR_REL(advice.deflection / metre, first.deflection, FBT_TOL(1e-6, 1e-2));
       FBT_NEAR_REL(advice.error_model, first.error_model, FBT_TOL(1e-6, 3e-2));
-      FBT_NEAR_ABS(advice.error_modes, first.error_modes, FBT_TOL(1e-6, 1e-3));
-      FBT_NEAR_ABS(advice.error_effects, first.error_effects, FBT_TOL(1e-6, 1e-3));
+      FBT_NEAR_ABS(advice.error_modes, first.error_modes, FBT_TOL(1e-6, 3e-5));
+      FBT_NEAR_ABS(advice.error_effects, first.error_effects, FBT_TOL(1e-6, 3e-5));
       FBT_INT_EQ(advice.effects, first.effects);
       FBT_INT_EQ(advice.integrator, first.integrator);
       FBT_INT_EQ(advice.n, first.n);

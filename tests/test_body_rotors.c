@@ -322,7 +322,7 @@ TEST(power_of_rotors_is_the_rate_of_energy)
           FBT_INT_EQ(fb_body_energy_eval(&body, &energy, &at, NULL), FB_OK);
           e[side] = (double)energy.kinetic + (double)energy.strain;
         }
-        FBT_NEAR_ABS((e[1] - e[0]) / (2.0 * h), power, FBT_TOL(1e-6, 0.5));
+        FBT_NEAR_ABS((e[1] - e[0]) / (2.0 * h), power, FBT_TOL(1e-6, 3e-2));
       }
     }
   }

@@ -225,7 +225,7 @@ TEST(linear_beams_follow_the_unit_of_time)
     for (int k = 0; k < 3; k++) {
       re[k] = slow ? re[k] : (double)linear.re[k];
       im[k] = slow ? im[k] : (double)linear.im[k];
-      FBT_NEAR_ABS((double)linear.re[k] * t, re[k], FBT_TOL(1e-9, 1e-2) * im[k]);
+      FBT_ZERO((double)linear.re[k] * t - re[k], im[k], FBT_TOL(1e-9, 1e-2));
       FBT_NEAR_REL((double)linear.im[k] * t, im[k], FBT_TOL(1e-9, 1e-2));
     }
     for (int i = 0; i < 2; i++) {

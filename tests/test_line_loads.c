@@ -359,8 +359,9 @@ TEST(points_of_lines_move_as_nodes)
       FBT_NEAR_ABS(p->at.position[i], tip.position[i], FBT_TOL(1e-13, 1e-5));
       FBT_NEAR_ABS(p->at.velocity[i], tip.velocity[i], FBT_TOL(1e-11, 1e-3));
       FBT_NEAR_ABS(p->at.angular_rate[i], tip.angular_rate[i], FBT_TOL(1e-10, 1e-3));
-      FBT_NEAR_ABS(p->acceleration[i], tip.acceleration[i], FBT_TOL(1e-8, 1.0));
-      FBT_NEAR_ABS(p->angular_acceleration[i], tip.angular_acceleration[i], FBT_TOL(1e-7, 10.0));
+      FBT_NEAR_ABS(p->acceleration[i], tip.acceleration[i], FBT_TOL(5e-11, 1e-4) * fbt_largest(tip.acceleration, 3));
+      FBT_NEAR_ABS(p->angular_acceleration[i], tip.angular_acceleration[i],
+                   FBT_TOL(5e-11, 1e-4) * fbt_largest(tip.angular_acceleration, 3));
       for (int j = 0; j < 3 && k % 2 == 0; j++) {
         FBT_NEAR_ABS(p->at.R[3 * i + j], R[3 * i + j], FBT_TOL(1e-13, 1e-5));
       }

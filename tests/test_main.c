@@ -36,6 +36,16 @@ static int passed, failed, claims_failed;
 static int figures, forms_alone, brief;
 static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
+double fbt_compared;
+
+/* What a line of the running test claims: the largest size over bound, where sizes are known, else the least bound. */
+typedef struct site {
+  const char *file, *claim;
+  int line, sized;
+  double ratio, bound;
+} site;
+static site sites[400];
+static int n_site;
 
 void fbt_check(int ok, const char *file, int line, const char *claim, double got, double expected, double tol)
 {
@@ -55,15 +65,61 @@ void fbt_equal(int got, int expected, const char *file, int line, const char *cl
   fbt_check(got == expected, file, line, claim, got, expected, 0.0);
 }
 
+/* size 0: not known */
+static void weigh(double size, double bound, const char *file, int line, const char *claim)
+{
+  int k = 0;
+  while (k < n_site && (sites[k].line != line || strcmp(sites[k].file, file) != 0)) {
+    k++;
+  }
+  if (k == FBT_COUNT(sites)) {
+    FBT_FAIL("a test has no more lines with claims than `sites`");
+    return;
+  }
+  if (k == n_site) {
+    n_site++;
+    memset(&sites[k], 0, sizeof sites[k]);
+    sites[k].file = file;
+    sites[k].claim = claim;
+    sites[k].line = line;
+    sites[k].bound = HUGE_VAL;
+  }
+  sites[k].sized |= size > 0.0;
+  sites[k].ratio = size > bound * sites[k].ratio ? size / bound : sites[k].ratio;
+  sites[k].bound = bound < sites[k].bound ? bound : sites[k].bound;
+}
+
+static void refuse_claims_that_cannot_fail(void)
+{
+  for (int k = 0; k < n_site; k++) {
+    const site *const s = &sites[k];
+    const int can_fail = s->sized ? s->ratio > 1.0 : s->bound < 1.0;
+    char text[400];
+    snprintf(text, sizeof text, "%.300s cannot fail: its bound is not below the size of what it compares", s->claim);
+    fbt_check(can_fail, s->file, s->line, text, 0.0, s->sized ? s->ratio * s->bound : 1.0, s->bound);
+  }
+  n_site = 0;
+}
+
 void fbt_near(double got, double expected, double abs_tol, double rel_tol, const char *file, int line,
               const char *claim)
 {
   const double tol = abs_tol + rel_tol * fabs(expected);
+  weigh(rel_tol > 0.0 ? 1.0 : expected == 0.0 ? fbt_compared : fabs(expected), abs_tol + rel_tol, file, line, claim);
   fbt_check(fabs(got - expected) <= tol, file, line, claim, got, expected, tol);
+}
+
+void fbt_zero(double got, double size, double tol, const char *file, int line, const char *claim)
+{
+  weigh(1.0, size > 0.0 && tol * size < HUGE_VAL ? tol : HUGE_VAL, file, line, claim);
+  fbt_check(fabs(got) <= tol * size, file, line, claim, got, 0.0, tol * size);
 }
 
 void fbt_below(double got, double limit, const char *file, int line, const char *claim)
 {
+  if (strstr(claim, " < FBT_TOL(") || fbt_compared > 0.0 || !(limit < HUGE_VAL)) {
+    weigh(fbt_compared, limit, file, line, claim);
+  }
   fbt_check(got < limit, file, line, claim, got, limit, 0.0);
 }
 
@@ -80,6 +136,7 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
     running = cases[i].name;
     fbt_seed(1);
     cases[i].run();
+    refuse_claims_that_cannot_fail();
     if (!figures || claims_failed) {
       printf("%s %s\n", claims_failed ? "FAIL" : "ok  ", path);
     }
@@ -130,11 +187,13 @@ int fbt_unseen(void *at, size_t size, unsigned (*word)(void))
 
 double fbt_difference(const fb_real *a, const fb_real *b, int n)
 {
+  const double size = fmin(fbt_largest(a, n), fbt_largest(b, n)); /* 0: a claim of zero */
   double largest = 0.0;
   for (int i = 0; i < n; i++) {
     const double d = fabs((double)a[i] - (double)b[i]);
     largest = d > largest || d != d ? d : largest;
   }
+  fbt_compared = fmax(fbt_compared, size);
   return largest;
 }
 

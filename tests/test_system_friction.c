@@ -105,6 +105,35 @@ TEST(stops_return_an_impact_as_in_closed_form)
   implicit = 0;
 }
 
+/* E9.29, E11.13: the iteration of a step has the whole tangent of a stop, the damping of its loss k c |d|, too: each
+   correction squares the error of a stage, inwards and outwards, at both stops. */
+TEST(steps_in_a_stop_converge_quadratically)
+{
+  for (int run = 0; run < 4; run++) {
+    const double side = run % 2 ? -1.0 : 1.0, inwards = run / 2 ? -1.0 : 1.0;
+    double at[5][2], error[4];
+    fb_joint_desc *j = one_axis(1);
+    j->stop[0][0] = FB_R(-0.1);
+    j->stop[0][1] = FB_R(0.1);
+    j->stop_stiffness[0] = FB_R(800.0); /* period 0.3 s */
+    j->stop_loss[0] = FB_R(0.4);
+    for (int k = 0; k < 5; k++) {
+      implicit = k == 4 ? 12 : k + 1;
+      set_off(FB_METHOD_RECURSIVE, side * 0.2, side * inwards * 1.5);
+      advance(0.05);
+      look(&at[k][0], &at[k][1]);
+    }
+    for (int k = 0; k < 4; k++) {
+      error[k] = fabs(at[k][1] - at[4][1]);
+    }
+    FBT_BELOW(1e-4, error[0]);
+    for (int k = 0; k < 3; k++) {
+      FBT_BELOW(error[k + 1], 0.05 * error[k] * error[k] + FBT_TOL(1e-14, 1e-6)); /* [s/m] 0.05, [m/s] */
+    }
+  }
+  implicit = 0;
+}
+
 /* Friction and stops on all axes that have coordinates, most of them beyond a stop. */
 static void rubbing_tree(void)
 {
@@ -254,7 +283,7 @@ TEST(implicit_steps_rest_in_friction_and_on_stops)
   }
   look(&value, &speed);
   FBT_BELOW(fabs(speed), 1e-5);
-  FBT_NEAR_REL(value - 0.3, 2.0 / 2e6, FBT_TOL(1e-3, 1.0));
+  FBT_NEAR_REL(value - 0.3, 2.0 / 2e6, FBT_TOL(1e-3, 0.1)); /* single: 0.3 ends at 3e-8 */
   implicit = 0;
 }
 
@@ -358,7 +387,7 @@ TEST(friction_and_stops_are_checked)
 }
 
 SUITE(system_friction, RUN_LONG(friction_stops_a_wheel_as_in_closed_form),
-      RUN(stops_return_an_impact_as_in_closed_form), RUN(friction_and_stops_take_the_energy_that_they_say),
-      RUN(stops_bound_the_step), RUN(implicit_steps_rest_in_friction_and_on_stops),
-      RUN(linear_models_hold_friction_and_stops), RUN(friction_and_stops_are_checked),
-      RUN(stops_bound_the_step_beside_rotors))
+      RUN(stops_return_an_impact_as_in_closed_form), RUN(steps_in_a_stop_converge_quadratically),
+      RUN(friction_and_stops_take_the_energy_that_they_say), RUN(stops_bound_the_step),
+      RUN(implicit_steps_rest_in_friction_and_on_stops), RUN(linear_models_hold_friction_and_stops),
+      RUN(friction_and_stops_are_checked), RUN(stops_bound_the_step_beside_rotors))

@@ -446,8 +446,9 @@ TEST(joint_forces_on_lines_carry_what_hangs_on_them)
   for (int k = 0; k < 4; k++) {
     FBT_INT_EQ(fb_body_node_motion_eval(&model[1], &now, &at.pose[1 + k / 2], &at.motion[1 + k / 2], 1 + k % 2), FB_OK);
     for (int i = 0; i < 3; i++) {
-      FBT_NEAR_ABS(now.acceleration[i], a[k][i], FBT_TOL(1e-6, 3.0));
-      FBT_NEAR_ABS(now.angular_acceleration[i], alpha[k][i], FBT_TOL(1e-6, 3.0));
+      FBT_NEAR_ABS(now.acceleration[i], a[k][i], FBT_TOL(3e-8, 1e-3) * fbt_largest(now.acceleration, 3));
+      FBT_NEAR_ABS(now.angular_acceleration[i], alpha[k][i],
+                   FBT_TOL(3e-8, 1e-3) * fbt_largest(now.angular_acceleration, 3));
     }
   }
 }

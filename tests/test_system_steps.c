@@ -199,7 +199,7 @@ TEST(what_moves_far_does_not_hide_what_bends)
     if (tumbling(q, &most, off, speed, dt, 2)) {
       FBT_TRUE(tumbling(fine, &most, off, speed, dt, 30));
       for (int a = 0; a < 3; a++) {
-        FBT_NEAR_ABS(q[a], fine[a], 0.02 * most + 3e-7); /* of all increments, a radian at most: no error of the rod */
+        FBT_NEAR_ABS(q[a], fine[a], 0.02 * most + 1e-9);
       }
       taken++;
     } else {
@@ -232,7 +232,10 @@ TEST(thin_tubes_keep_calm)
     }
     FBT_NEAR_REL(energy_of(&state), before, FBT_TOL(1e-12, 1e-4));
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
-    FBT_NEAR_REL(motion.motion[0].w[0], 0.01, FBT_TOL(1e-4, 0.5)); /* single: 16 roundings times 1e4 */
+    FBT_DOUBLE_ONLY("16 roundings times 1e4 are a fourth of the spin")
+    {
+      FBT_NEAR_REL(motion.motion[0].w[0], 0.01, 1e-4);
+    }
   }
 }
 

@@ -4,9 +4,9 @@
 # (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes the tests of its
 # section leave an array or (where there is clang) use what nothing was written to, which check-sanitize forbids. Those that
 # change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the
-# same code, are passed over. All are compiled into one program (switch.awk), the environment chooses. Restartable:
+# same code, are told and do not count. All are compiled into one program (switch.awk), the environment chooses. Restartable:
 # build/mutants/caught is kept, survivors are tried again. Ends with a table by section and by kind of change, which is in
-# build/mutants/table-SEED.txt, too; fails below 95 %.
+# build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners, suites those of tests/test_main.c.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
@@ -22,8 +22,7 @@ flags="-std=c99 -ffp-contract=off -Og -w"
 sanitize="-fno-sanitize-recover=all -fsanitize"
 tests="-DFBT_SHORT=1 -DFBT_STOP=1 -DFB_WITH_FORMS=1" # every equation is there
 tab=$(printf '\t')
-# cheap ones first
-suites="vec3 rotation linalg build status advise analyse integrate forms body system modes exact beam check-jacobian check-shape_rates"
+suites="$(grep -o 'X([a-z0-9]*[_)]' tests/test_main.c | tr -d 'X(_)' | awk '!seen[$0]++') check-jacobian check-shape_rates"
 
 mkdir -p "$out/tree/tests"
 cp flexbeam.h "$out/tree"
@@ -43,7 +42,7 @@ run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log" 2>&1) 2> "$out/crash"
 # command_of SUITE: its tests, or a check
 command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1/" ;; esac; }
 
-# tests_of SECTION: the suite that is first asked
+# tests_of SECTION: the suite that is first asked, of its own name but for those
 tests_of() {
   case $1 in solve | eigen) echo linalg ;; exact) echo exact ;; assemble) echo body ;; trim | linear) echo analyse ;; *) echo "$1" ;; esac
 }
@@ -52,7 +51,7 @@ tests_of() {
 # if none does. Five times what the longest takes is too much.
 seen_by() {
   for suite in $1 $(echo $suites | tr ' ' '\n' | grep -v "^$1\$"); do
-    ! grep -q -x "$2" "$out/reached-$suite" || run 40 $(command_of "$suite") || { echo "$suite"; return; }
+    ! grep -q -x "$2" "$out/reached-$suite" || run "$too_long" $(command_of "$suite") || { echo "$suite"; return; }
   done
 }
 
@@ -68,17 +67,17 @@ sanitized() {
     clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
   fi
   for program in "$out"/sanitized*; do
-    run 200 "$program" "$1/" && { [ "$1" != body ] || run 200 "$program" forms/; } &&
+    run 600 "$program" "$1/" && { [ "$1" != body ] || run 200 "$program" forms/; } &&
       { [ "$1" != analyse ] || run 200 "$program" exact/linear/linear_beams; } || return 1
   done
 }
 
+tree "$out/original.h" # test_status_detail.c has a copy of it
 for file in "$out"/tree/tests/test_*.c; do
   object=$out/$(basename "$file" .c).o
   [ "$object" = "$out/test_main.o" ] || $CC $flags $tests -c -o "$object" "$file"
 done
 rm -f "$out/test_main.o"
-tree "$out/original.h"
 build_main "$out/original.o"
 
 # in the order drawn, one kind after the other, so that all are there equally; some more than COUNT, for those passed over
@@ -99,16 +98,24 @@ for round in 1 2 3 4 5 6 7 8 9; do
   awk -F'\t' 'FNR == NR { wrong[$1]; next } !($1 in wrong)' "$out/wrong" "$out/compiling" > "$out/rest"
   mv "$out/rest" "$out/compiling"
 done
+awk -F'\t' 'FNR == NR { compiles[$1]; next } !($1 in compiles) { print "does not compile: " $4 ":" $6 " " $5 ": " $8 }' \
+  "$out/compiling" "$out/drawn" | tee "$out/not-compiling"
 $CC -o "$out/runner" "$out/main.o" "$out"/test_*.o -lm
 for check in jacobian shape_rates; do
   $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
 done
 export MUTANT=0
-for suite in $suites; do # without a mutant they pass
-  REACHED=$out/reached-$suite run 40 $(command_of "$suite") || { cat "$out/log"; exit 1; }
-done
+for suite in $suites; do # without a mutant they pass; cheap ones are asked first
+  times > "$out/before"
+  REACHED=$out/reached-$suite run 600 $(command_of "$suite") || { cat "$out/log" >&2; exit 1; }
+  times > "$out/after"
+  awk -v suite="$suite" 'FNR == 2 { split($1, t, /[ms]/); s = 60 * t[1] + t[2] - s } END { print int(s), suite }' "$out/before" "$out/after"
+done > "$out/seconds"
+suites=$(sort -s -n "$out/seconds" | sed 's/.* //')
+too_long=$(awk '$1 > most { most = $1 } END { print 5 * most + 10 }' "$out/seconds")
 
 : > "$out/results"
+: > "$out/same-code"
 n=0
 while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name line times text; do
   original=$(sed -n "${line}s/^ *//p" "$out/original.h")
@@ -126,7 +133,10 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name 
       text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
         "$out/original.h" > "$out/alone.h"
       tree "$out/alone.h"
-      ! same_code || continue
+      if same_code; then
+        echo "compiles to the same code: $section:$line $name: $original -> $text" | tee -a "$out/same-code"
+        continue
+      fi
       sanitized "$(tests_of "$section")" || by=sanitize
     fi
     verdict=$([ -n "$by" ] && echo caught || echo survived)
@@ -139,7 +149,8 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name 
 done < "$out/compiling"
 [ "$n" -eq "$count" ] || echo "only $n drawn"
 
-awk -v seed="$seed" '
+sections=$(sed -n 's/^   [A-Z]* >>\([a-z0-9]*\).*/\1/p' "$out/original.h" | grep -v -x -E 'config|status|version' | tr '\n' ' ')
+awk -v seed="$seed" -v sections="$sections" -v wrong="$(wc -l < "$out/not-compiling")" -v same="$(wc -l < "$out/same-code")" '
   function row(s) { printf "%-10s %7d %11d %9d\n", s, of[s, "caught"], of[s, "equivalent"], of[s, "survived"] }
   function rows(title, names, n, name, i) {
     printf "%-10s %7s %11s %9s\n", title, "caught", "equivalent", "survived"
@@ -148,10 +159,11 @@ awk -v seed="$seed" '
   }
   { of[$1, $3]++; of[$2, $3]++; of["all", $3]++ }
   END {
-    rows("section", "vec3 rotation solve body system exact integrate eigen beam modes assemble trim linear advise")
+    rows("section", sections)
     rows("kind", "sign operator factor index bound term all")
     caught = of["all", "caught"]
     counted = caught + of["all", "survived"]
+    printf "%d of those drawn do not compile, %d compile to the same code\n", wrong, same
     printf "seed %d: %.1f %% of %d caught\n", seed, 100 * caught / counted, counted
     exit !(caught >= 0.95 * counted)
   }' "$out/results" > "$out/table-$seed.txt" || low=1

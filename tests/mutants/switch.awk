@@ -13,6 +13,7 @@ function arguments(signature, list, n, part, i) {
   }
   n = split(signature, part, ",")
   for (i = 1; i <= n; i++) {
+    gsub(/[()*]/, " ", part[i]) # of a pointer to arrays: (*x)[N]
     match(part[i], /[A-Za-z0-9_]+ *$/)
     list = list (i > 1 ? ", " : "") substr(part[i], RSTART)
   }
