@@ -1,0 +1,45 @@
+#!/bin/sh
+# What the laws notice on their own: equations of RUN are changed one at a time, as tests/mutants/mutants.sh does for the tests,
+# and build/laws is asked, in processes of its own on all cores. sh tests/laws/mutants.sh [SEED [COUNT [MODELS]]]: MODELS of each
+# kind are drawn for each mutant. A mutant that the laws do not run through survives. Ends with a table by section, which is in
+# build/laws/mutants-SEED.txt, too; fails below 95 %.
+set -eu
+export LC_ALL=C
+seed=${1:-1} count=${2:-200} models=${3:-150}
+out=build/laws/mutants here=tests/mutants tab=$(printf '\t')
+CC=${CC:-cc}
+flags="-std=c99 -ffp-contract=off -O1 -w -DFB_WITH_DETAIL=1"
+mkdir -p "$out/tree"
+cp flexbeam.h "$out/tree"
+cp flexbeam_impl.h "$out/original.h"
+
+# in the order drawn, one kind of change after the other
+run='^(vec3|rotation|solve|line|body|system|exact|integrate)$'
+awk -v seed="$seed" -f $here/mutants.awk "$out/original.h" | sort | awk -F'\t' -v run="$run" '$3 ~ run' |
+  awk -F'\t' '{ print ++of_kind[$2] FS $0 }' | sort -s -t "$tab" -k 1,1n | cut -f 2- |
+  awk -v count="$count" 'NR <= count { print NR "\t" $0 }' > "$out/drawn"
+cut -f 1,6,8 "$out/drawn" > "$out/list"
+awk -v prelude=$here/switch.h -f $here/switch.awk "$out/list" "$out/original.h" > "$out/tree/flexbeam_impl.h"
+(cd "$out/tree" && echo '#include "flexbeam.h"' | $CC $flags -DFLEXBEAM_IMPLEMENTATION -I. -c -x c - -o ../library.o)
+$CC $flags -o "$out/laws" "$out/library.o" tests/laws/*.c -lm
+$out/laws --count "$models" --seed "$seed" > "$out/plain" || { cat "$out/plain"; exit 1; } # without a mutant they hold
+
+# one MUTANT: a line "section kind verdict: the change (law)"
+one='line=$(sed -n "$0p" "$out/drawn")
+  if (ulimit -t 900; MUTANT=$0 exec "$out/laws" --stop --count "$models" --seed "$seed") > "$out/log-$0" 2>&1; then v=survived; else v=caught; fi
+  printf "%s\n" "$line" | awk -F"\t" -v v=$v -v by="$(sed -n "s/^FAIL //p" "$out/log-$0" | cut -d" " -f1,2 | head -n 1)" \
+    "{ sub(/^ */, \"\", \$8); print \$4, \$3, v \": \" \$5 \":\" \$6 \" \" \$8 \"  (\" by \")\" }"
+  rm "$out/log-$0"'
+export out models seed
+cut -f 1 "$out/drawn" | xargs -n 1 -P "$(nproc)" sh -c "$one" | tee "$out/results"
+
+awk -v seed="$seed" '{ of[$1, $3]++; of["all", $3]++; seen[$1] }
+  function row(s) { printf "%-10s %7d %9d\n", s, of[s, "caught:"], of[s, "survived:"] }
+  END { printf "%-10s %7s %9s\n", "section", "caught", "survived"
+        for (s in seen) row(s)
+        row("all")
+        n = of["all", "caught:"] + of["all", "survived:"]
+        printf "seed %d: the laws notice %.1f %% of %d\n", seed, 100 * of["all", "caught:"] / n, n
+        exit of["all", "caught:"] < 0.95 * n }' "$out/results" > "build/laws/mutants-$seed.txt" || low=1
+cat "build/laws/mutants-$seed.txt"
+exit ${low:-0}
