@@ -1054,8 +1054,7 @@ static fb_real fbi_round(fb_real x)
 /* [E4.10] Rotation vector of quat nearest to the given phi among all that differ by full turns, phi + 2 pi k
    phi/|phi|. Next to a full turn, where the axis is lost, the axis is the given one's.
    Source: E4.3.  Fails: never.
-   Test: rotations_follow_the_beam_through_whole_turns, the_roots_rotation_is_within_half_a_turn,
-   rotations_next_to_a_whole_turn_are_those_of_the_attitude. */
+   Test: rotations_follow_the_beam_through_whole_turns, rotations_next_to_a_whole_turn_are_those_of_the_attitude. */
 static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 {
   const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
@@ -28719,7 +28718,7 @@ static void fbi_exact_line_fill(fb_exact *m, const fb_exact_desc *desc, int inde
 /* [E10.3] The beam's own units: the length L of its longest line, the force 1/(L int C dx) that bends it by about its
    length, C the larger bending compliance (of one that does not bend torsion's, else L over the extension), the time
    sqrt(m L/force) in which that moves its mass by about its length. Slenderness is then the only scale left.
-   Source: own.  Fails: never.  Test: units_are_the_beams_own, any_units_give_the_same_solution. */
+   Source: own.  Fails: never.  Test: units_are_the_beams_own. */
 static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
@@ -34212,7 +34211,7 @@ static fb_real fbi_advice_spin(const fb_body *body, const fb_envelope *e)
 /* [E13.15] Largest step [s] that an integrator accepts for the body in this envelope: its limit at the spin, with what
    rotors add (E11.46), and the acceleration of the envelope, of which a free body feels none.
    Source: E11.1, E11.6, E11.11.  Fails: never.
-   Test: advised_steps_are_within_the_limit, gravity_shortens_no_step_of_a_free_body, advised_steps_take_wheels. */
+   Test: advised_steps_are_within_the_limit, gravity_shortens_no_step_of_a_free_body. */
 static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
   const fb_real spin = fbi_advice_spin(body, e);

@@ -338,7 +338,7 @@ static void put(fb_real v[3], double x, double y, double z, int axes)
   v[(axes + 2) % 3] = (fb_real)z;
 }
 
-/* E13.1, E13.3, E13.9: the same scene in other axes of the body, held and free, has the same advice. */
+/* E13.1, E13.3: the same scene in other axes of the body, held and free, has the same advice. */
 TEST(advice_knows_no_axes)
 {
   const fb_real half = FB_R(0.5), inertia[6] = {2, 2, 2, 0, 0, 0};
@@ -757,7 +757,7 @@ TEST(accelerations_stiffen_and_soften)
   }
 }
 
-/* E13.1, E13.15: a uniform gravity, however strong, does nothing to a body that flies, but to one that lacks an
+/* E13.1: a uniform gravity, however strong, does nothing to a body that flies, but to one that lacks an
    effect. */
 TEST(gravity_is_nothing_to_a_free_body)
 {
@@ -831,7 +831,7 @@ TEST(advice_does_not_hide_what_is_out_of_range)
   FBT_NEAR_REL(deflection(), 0.3, 0.02);
 }
 
-/* E13.1, E13.3, E13.4: the same scene in other units of length, mass and time has the same advice, in them: drives
+/* E13.1, E13.3: the same scene in other units of length, mass and time has the same advice, in them: drives
    faster and slower than a mode, a frame, damping, a spin and its rate. */
 TEST(advice_knows_no_units)
 {

@@ -235,7 +235,7 @@ TEST(wheels_couple_the_planes_of_booms)
   FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_UNSUPPORTED);
 }
 
-/* E13.15, E11.46: a step is within the limit of its integrator in the state that the extremes describe. */
+/* E11.46: a step is within the limit of its integrator in the state that the extremes describe. */
 TEST(advised_steps_take_wheels)
 {
   static fb_real unused[3 * SWINGS];

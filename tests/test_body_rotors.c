@@ -390,7 +390,7 @@ TEST(accelerations_of_gyrostats_are_derivatives_of_velocities)
   }
 }
 
-/* E11.3, E11.7, E11.8, E11.10: all integrators converge to the same motion, each with its order. */
+/* E11.7, E11.8, E11.10: all integrators converge to the same motion, each with its order. */
 TEST(integrators_of_gyrostats_agree)
 {
   static const double order[FB_INTEGRATOR_COUNT] = {4.0, 2.0, 2.0, 4.0};

@@ -271,7 +271,7 @@ TEST(rotations_follow_the_beam_through_whole_turns)
   }
 }
 
-/* E4.10: the root's own rotation is within half a turn, either way about any axis. */
+/* E4.3: the root's own rotation is within half a turn, either way about any axis. */
 TEST(the_roots_rotation_is_within_half_a_turn)
 {
   elastica(1);
@@ -693,7 +693,7 @@ TEST(curves_are_those_of_the_stations)
   }
 }
 
-/* E10.3, E11.20: the same beam in other units of length, force and time gives the same motion. */
+/* E11.20: the same beam in other units of length, force and time gives the same motion. */
 TEST(any_units_give_the_same_solution)
 {
   const double units[4][3] = {
@@ -938,7 +938,7 @@ TEST(undeformed_nodes_have_not_turned)
   }
 }
 
-/* E10.6, E10.3: fields of an element in units that are not the beam's own; dead loads on a base that is turned. */
+/* E10.6: fields of an element in units that are not the beam's own; dead loads on a base that is turned. */
 TEST(element_fields_have_their_units)
 {
   const double stiffness[6] = {200.0, 80.0, 80.0, 30.0, 50.0, 70.0}, inertia[6] = {3.0, 3.0, 3.0, 0.1, 0.2, 0.3};

@@ -141,7 +141,7 @@ TEST(welds_that_close_a_loop_are_refused)
   FBT_INT_EQ(body.lines.line[1].hangs, body.lines.line[2].hangs);
 }
 
-/* E14.14: in the middle of a smooth line is no point to hang on; a lumped body of no mass makes one. */
+/* E14.4, E14.5, E7.12: in the middle of a smooth line is no point to hang on; a lumped body of no mass makes one. */
 TEST(lines_hang_on_points)
 {
   for (int lump = 0; lump < 2; lump++) {

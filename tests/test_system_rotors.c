@@ -655,7 +655,7 @@ TEST(work_of_rotors_is_in_the_energy)
   FBT_TRUE(fabs(last.work) > 0.1);
 }
 
-/* E8.43, E11.51: a motor and viscous friction between a rotor and a body on a hinge: the speed goes to motor/d with d
+/* E8.43: a motor and viscous friction between a rotor and a body on a hinge: the speed goes to motor/d with d
    (1/I + 1/J), and the sum of momenta stays. */
 TEST(friction_brakes_rotors_of_systems_in_closed_form)
 {
