@@ -23,7 +23,7 @@ sanitize="-fno-sanitize-recover=all -fsanitize"
 tests="-DFBT_SHORT=1 -DFBT_STOP=1 -DFB_WITH_FORMS=1" # every equation is there
 tab=$(printf '\t')
 # cheap ones first
-suites="vec3 rotation linalg build status advise analyse integrate forms body system modes exact beam check-jacobian check-shape_rates"
+suites="vec3 rotation linalg build status advise analyse integrate forms body line system modes exact beam check-jacobian check-shape_rates"
 
 mkdir -p "$out/tree/tests"
 cp flexbeam.h "$out/tree"
