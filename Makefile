@@ -19,7 +19,7 @@ PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
-           advise symbols threads two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard
+           advise symbols threads two_precisions jacobian style ids documents tables quickstart first_build fast_math output hil aero scene linear import packages page hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)

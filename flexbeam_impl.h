@@ -430,6 +430,10 @@ static fb_real fbi_larger(fb_real a, fb_real b)
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>vec3: 3-vectors, 3x3 and symmetric 6x6 matrices (uses config, status) */
 
+/* [E3.3] Products by components: a.b = sum a_i b_i, a x b = (a_1 b_2 - a_2 b_1, a_2 b_0 - a_0 b_2, a_0 b_1 - a_1 b_0),
+   A x, A^T y and (A B)_ij = sum A_ik B_kj, 3x3 by rows.
+   Source: definition.  Fails: never.
+   Test: cross_and_dot_products_keep_their_identities, matrix_products_agree_with_their_definition. */
 FB_DEF fb_real fb_vec3_dot(const fb_real a[3], const fb_real b[3])
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -834,6 +838,9 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>rotation: unit quaternions, exponential and logarithm (uses config, status, vec3) */
 
+/* [E4.9] Product of quaternions, (w, u) o (s, v) = (w s - u.v, w v + s u + u x v): the rotation by the second, then by
+   the first, R(p o q) = R(p) R(q).
+   Source: textbook.  Cost: 28 flops.  Fails: never.  Test: quaternion_product_is_matrix_product. */
 FB_DEF void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4])
 {
   r[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
@@ -1017,6 +1024,9 @@ FB_DEF void fb_quat_from_wiener_milenkovic(fb_real quat[4], const fb_real c[3])
   quat[3] = s * c[2];
 }
 
+/* [E4.11] q/|q|, the nearest unit quaternion.
+   Source: definition.  Fails: FB_ERR_VALUE, no length or one that overflows.
+   Test: normalize_refuses_what_has_no_direction. */
 FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 {
   FBI_REQUIRE_INNER(q, FB_ERR_NULL);
@@ -1041,7 +1051,10 @@ static fb_real fbi_round(fb_real x)
   return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
 }
 
-/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
+/* [E4.10] Rotation vector of quat nearest to the given phi among all that differ by full turns, phi + 2 pi k
+   phi/|phi|. Next to a full turn, where the axis is lost, the axis is the given one's.
+   Source: E4.3.  Fails: never.
+   Test: rotations_follow_the_beam_through_whole_turns, rotations_next_to_a_whole_turn_are_those_of_the_attitude. */
 static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 {
   const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
@@ -20366,8 +20379,10 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 /* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
    node; cell, an integration interval; chain, a beam along a polygon of points. */
 
-/* Axes of a description from a quaternion. Elements that are 0, 1 or -1 but for its round-off are so exactly: what is
-   turned by right angles then has no terms of round-off, which steps would take for couplings. Small angles stay. */
+/* [E6.16] Axes of a description from a quaternion, E4.1. Elements that are 0, 1 or -1 but for its round-off are so
+   exactly: what is turned by right angles then has no terms of round-off, which steps would take for couplings. Small
+   angles stay.
+   Source: own.  Fails: never.  Test: right_angles_leave_no_round_off. */
 static void fbi_axes_from_quat(fb_real R[9], const fb_real quat[4])
 {
   fb_quat_to_mat33(R, quat);
@@ -20587,6 +20602,9 @@ static int fbi_function_ndof(int n_element, int degree)
 }
 
 #define FBI_SECTION ((int)(sizeof(fb_section) / sizeof(fb_real))) /* all its members are reals */
+/* [E6.15] Section at x: linear between stations, p(x) = (1 - t) p_k + t p_(k+1), t = (x - x_k)/(x_(k+1) - x_k);
+   constant beyond the ends.
+   Source: convention.  Fails: never.  Test: sections_are_interpolated_between_stations. */
 FB_DEF void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x)
 {
   FBI_REQUIRE(section && beam, );
@@ -23710,7 +23728,9 @@ static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real
   (void)is_line;
 }
 
-/* Updates the body's largest radius and each mode's largest displacement, for the deflection limit. */
+/* [E8.39] The body's largest radius and each mode's largest displacement over the mass elements, size = max |r| and
+   reach_a = max |psi_a|, for the deflection limit: sum reach_a |q_a|, at most half the size if the desc does not say.
+   Source: definition.  Fails: never.  Test: size_and_reach_are_those_of_the_particles. */
 static void fbi_shape_extend(fb_shape *shape, const fb_real r[3], const fb_real *psi, int first, int nb, int is_line)
 {
   shape->size = fbi_larger(shape->size, fbi_vec3_norm(r));
@@ -24263,6 +24283,10 @@ static void fbi_lines_select(fb_lines *out, const fb_lines *in, const int *coord
 }
 #endif
 
+/* [E8.38] Body in the span of chosen coordinates: the others are zero, so that each integral of a coordinate or of a
+   pair is taken as it is, a principal part of its table.
+   Source: definition.  Fails: see the header.
+   Test: selection_takes_rows_and_pairs, selected_modes_move_as_a_body_of_their_own. */
 FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n)
 {
   FBI_REQUIRE(selected && shape && (coordinate || n == 0) && selected != shape, FB_ERR_NULL);
@@ -25758,6 +25782,9 @@ static void fbi_strain_point(fb_shape *shape, int first, const fb_beam *beam, co
   }
 }
 
+/* [E8.48] Points of the axial strain (E8.23), and the bound of the strain that a spin w causes at the root of the beam
+   by the mass on it, int m |r| dx w^2/EA with the least EA, a lumped body as if at the tip: for the step limit.
+   Source: equilibrium of the centrifugal force.  Fails: see the header.  Test: own_mass_stretches_a_spinning_beam. */
 FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
@@ -28687,8 +28714,10 @@ static void fbi_exact_line_fill(fb_exact *m, const fb_exact_desc *desc, int inde
   }
 }
 
-/* The beam's own units: the length of its longest line, the force that bends it by about its length, the time in which
-   that force moves its mass by about its length. Slenderness is then the only scale left. */
+/* [E10.3] The beam's own units: the length L of its longest line, the force 1/(L int C dx) that bends it by about its
+   length, C the larger bending compliance (of one that does not bend torsion's, else L over the extension), the time
+   sqrt(m L/force) in which that moves its mass by about its length. Slenderness is then the only scale left.
+   Source: own.  Fails: never.  Test: units_are_the_beams_own. */
 static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
@@ -32177,6 +32206,9 @@ FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
   return size > FB_R(0.0) ? -value.re / size : FB_R(0.0);
 }
 
+/* [E12.18] Margin of stability, -max Re lambda; a value that is no number is the worst.
+   Source: definition.  Fails: never.
+   Test: margins_name_the_worst_mode_wherever_it_stands, margins_are_those_of_the_worst_mode. */
 FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
 {
   fb_real margin = FB_HUGE;
@@ -34127,9 +34159,9 @@ static fb_real fbi_rotor_instructions(const fb_body *body, fb_real quadratic)
   return count;
 }
 
-/* Approximate number of instructions of a step, so that the times of candidates have the right ratio: evaluations of
-   the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix and its LU
-   factors. The linear system of a base that is not prescribed has 6 more rows.
+/* [E13.13] Approximate number of instructions of a step, so that the times of candidates have the right ratio:
+   evaluations of the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix
+   and its LU factors. The linear system of a base that is not prescribed has 6 more rows.
    Source: counted, tests/reference/step_instructions.csv.  Fails: never.
    Test: costs_are_those_of_counted_instructions. */
 static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrator)
@@ -34175,7 +34207,10 @@ static fb_real fbi_advice_spin(const fb_body *body, const fb_envelope *e)
   return spin;
 }
 
-/* Largest step [s] that an integrator accepts for the body in this envelope. */
+/* [E13.15] Largest step [s] that an integrator accepts for the body in this envelope: its limit at the spin, with what
+   rotors add (E11.46), and the acceleration of the envelope, of which a free body feels none.
+   Source: E11.1, E11.6, E11.11.  Fails: never.
+   Test: advised_steps_are_within_the_limit, gravity_shortens_no_step_of_a_free_body. */
 static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
   const fb_real spin = fbi_advice_spin(body, e);
@@ -34552,6 +34587,11 @@ static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, con
   advice->error = advice->error_effects + advice->error_modes + advice->error_step + advice->error_model;
 }
 
+/* [E13.14] The cheapest candidate, instructions (E13.13) per time, of which the errors by effects (E13.3), modes
+   (E13.9), step (E12.7) and displacement field (E13.4) add up to at most 0.8 of the tolerance.
+   Source: own.  Fails: see the header.
+   Test: advice_is_the_cheapest_that_adds_up, errors_and_steps_add_up, integrators_have_their_scenes,
+   advice_meets_its_tolerance. */
 FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
@@ -34673,6 +34713,8 @@ static fb_real fbi_trial_largest(const fb_trial *trial, const fb_real *a, const 
   return FB_SQRT(most);
 }
 
+/* [E13.12] Error of a simulation, max |x_k - y_k|/max |y_k| over its samples x and those of the reference y.
+   Source: definition.  Fails: never (FB_HUGE: not finite).  Test: errors_are_distances_of_samples. */
 static fb_real fbi_trial_error(const fb_trial *trial)
 {
   const fb_real most = fbi_trial_largest(trial, trial->output, trial->reference);

@@ -1,30 +1,46 @@
 #!/bin/sh
 # Regenerates the tables, the program and the pictures of the documents from what the programs print: make readme.
-# One part alone: `sh bench/readme.sh PART`, the name of a function below; the table of `peers` stays as it is where the
-# libraries that it compares with are missing. A table goes to the one document that has its two marks.
+# Some parts alone: `sh bench/readme.sh PART...`, the names of functions below; the table of `peers` stays as it is where the
+# libraries that it compares with are missing. A table goes to the one document that has its two marks, of which the first then
+# says the commit that was measured: HEAD, so that what is measured has to be committed. With TABLES=FOLDER tables go to files
+# there instead, and the documents stay as they are.
 set -eu
 out=build/readme
 mkdir -p "$out"
 . tests/checks/documents.inc
 
-# block NAME: standard input replaces what stands between <!-- NAME --> and <!-- /NAME --> in the document that has them
+if [ -n "${TABLES:-}" ]; then
+  mkdir -p "$TABLES"
+else
+  git diff --quiet HEAD -- . ':!*.md' ':!*.svg' || {
+    echo "readme: tables say the commit that was measured; commit what differs from HEAD first" >&2
+    exit 1
+  }
+  measured=$(git rev-parse --short=7 HEAD)
+fi
+
+# block NAME [COMMIT]: standard input becomes the table NAME, measured at COMMIT, else at HEAD
 block() {
+  if [ -n "${TABLES:-}" ]; then
+    cat > "$TABLES/$1"
+    return
+  fi
   cat > "$out/block"
-  document=$(grep -lxF "<!-- $1 -->" $documents) || document=
+  document=$(document_of "$1") || document=
   [ -f "$document" ] || { # none, or more than one
     echo "readme: the mark of $1 stands in: ${document:-no document}" >&2
     exit 1
   }
-  awk -v name="$1" -v file="$out/block" '
+  awk -v name="$1" -v file="$out/block" -v commit="${2:-$measured}" '
     $0 == "<!-- /" name " -->" { while ((getline line < file) > 0) print line; skip = 0 }
-    !skip { print }
-    $0 == "<!-- " name " -->" { skip = 1 }' "$document" > "$out/new"
+    index($0, "<!-- " name " commit=") == 1 { sub(/commit=[^ ]*/, "commit=" commit); print; skip = 1 }
+    !skip { print }' "$document" > "$out/new"
   cp "$out/new" "$document"
 }
 
 # picture FILE NAME: gnuplot's, beside what makes it; the old one stays where gnuplot is missing
 picture() {
-  [ ! -f "$1" ] || sed 's/ *$//' "$1" > "$2"
+  [ ! -f "$1" ] || [ -n "${TABLES:-}" ] || sed 's/ *$//' "$1" > "$2"
 }
 
 peers() {
@@ -107,6 +123,14 @@ coverage() {
 mutants() { # half an hour: not in the list below
   make -s mutants SEED=17 > "$out/mutants" || true
   { echo '```'; cat build/mutants/table-17.txt; echo '```'; } | block mutants
+  noticed
+}
+
+# Of the mutants the sentence of README.md.
+noticed() {
+  caught=$(table_of mutants | sed -n 's/^seed.*: \(.*\) caught$/\1/p')
+  commit=$(commit_of mutants)
+  echo "The tests notice $caught random changes of equations, of the library as it was at commit $commit." | block noticed "$commit"
 }
 
 # Of each scene its title and the largest relative difference from what it is compared with.
@@ -153,9 +177,8 @@ figures() {
 
 # Of the figures the rows that README.md shows, in this order.
 summary() {
-  document=$(grep -lxF '<!-- figures -->' $documents)
-  sed -n '/^<!-- figures -->$/,/^<!-- \/figures -->$/p' "$document" > "$out/figures"
-  sed -n 2,3p "$out/figures" | cut -d '|' -f 1-5 | sed 's/$/|/' > "$out/summary"
+  table_of figures > "$out/figures"
+  sed -n 1,2p "$out/figures" | cut -d '|' -f 1-5 | sed 's/$/|/' > "$out/summary"
   while read -r row; do
     grep -F "| $row |" "$out/figures" | head -n 1 | cut -d '|' -f 1-5 | sed 's/$/|/' | grep . >> "$out/summary" || {
       echo "readme: no figure: $row" >&2
@@ -175,7 +198,7 @@ rigid blade on hinges, flap, lag and pitch
 elastica, dead and follower tip loads to 20 EI/L^2, 40 elements, of the length
 Beck's flutter load, 20 elements, relative
 ROWS
-  block summary < "$out/summary"
+  block summary "$(commit_of figures)" < "$out/summary"
 }
 
 # The program of README.md, between ```c and ```, the first one.
@@ -199,8 +222,7 @@ spinup() {
 
 # Of the spin-up no mode, one mode and three.
 ladder() {
-  document=$(grep -lxF '<!-- spinup -->' $documents)
-  sed -n '/^<!-- spinup -->$/,/^<!-- \/spinup -->$/p' "$document" | sed -e '1d;$d' -e '/^ *[26]  /d' -e '/half an effect/d' | block ladder
+  table_of spinup | sed -e '/^ *[26]  /d' -e '/half an effect/d' | block ladder "$(commit_of spinup)"
 }
 
 # The forms of the equations of motion.
@@ -327,12 +349,13 @@ aero() {
 
 # Of the sizes the rows of six modes on a Cortex-M4F.
 flight() {
-  document=$(grep -lxF '<!-- sizes -->' $documents)
-  { echo '```'; sed -n '/^<!-- sizes -->$/,/^<!-- \/sizes -->$/p' "$document" | grep -E '^precision +modes +effects|^single +6 +[a-z]'; echo '```'; } | block flight
+  { echo '```'; table_of sizes | grep -E '^precision +modes +effects|^single +6 +[a-z]'; echo '```'; } | block flight "$(commit_of sizes)"
 }
 
-if [ $# -gt 0 ]; then # one part alone
-  "$1"
+if [ $# -gt 0 ]; then # these parts alone
+  for part in "$@"; do
+    "$part"
+  done
   exit
 fi
 for part in hil accuracy advice advise flags hard campaign speedup scene hostile faults coverage program figures spinup forms table1 system \

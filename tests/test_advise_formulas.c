@@ -16,7 +16,7 @@ static int pairs_follow(const fb_real *out, const fb_real *in, int width, const 
   return follow;
 }
 
-/* Also what a straight beam leaves zero goes with its coordinates. */
+/* E8.38: also what a straight beam leaves zero goes with its coordinates. */
 TEST(selection_takes_rows_and_pairs)
 {
   static fb_modes modes;
@@ -54,7 +54,7 @@ TEST(selection_takes_rows_and_pairs)
   FBT_TRUE(pairs_follow(other.K, shape.K, 1, coordinate));
 }
 
-/* Modes chosen from many make the body that those modes alone make. */
+/* E8.38: modes chosen from many make the body that those modes alone make. */
 TEST(selected_modes_move_as_a_body_of_their_own)
 {
   static fb_modes many, few;
@@ -102,6 +102,7 @@ TEST(selected_modes_move_as_a_body_of_their_own)
   FBT_BELOW(fbt_difference(at.rotation, bt.rotation, 3), FBT_TOL(1e-12, 1e-5));
 }
 
+/* Interface: coordinates that are not there, or twice; no output. */
 TEST(selection_refuses_nonsense)
 {
   static fb_modes modes;
@@ -209,8 +210,8 @@ TEST(modes_answer_as_oscillators)
   }
 }
 
-/* A rate and an acceleration so small that they matter to nothing leave the advice about a spin askew as it is, though
-   it is no longer steady; of the acceleration either sign. */
+/* E13.3, E13.9: a rate and an acceleration so small that they matter to nothing leave the advice about a spin askew as
+   it is, though it is no longer steady; of the acceleration either sign. */
 TEST(a_rate_too_small_to_matter_changes_no_advice)
 {
   static fb_advice steady;
@@ -337,7 +338,7 @@ static void put(fb_real v[3], double x, double y, double z, int axes)
   v[(axes + 2) % 3] = (fb_real)z;
 }
 
-/* The same scene in other axes of the body, held and free, has the same advice. */
+/* E13.1, E13.3: the same scene in other axes of the body, held and free, has the same advice. */
 TEST(advice_knows_no_axes)
 {
   const fb_real half = FB_R(0.5), inertia[6] = {2, 2, 2, 0, 0, 0};
@@ -383,7 +384,7 @@ TEST(advice_knows_no_axes)
   memcpy(boom_attitude, attitude[0], sizeof boom_attitude);
 }
 
-/* A base that turns about a fixed point has no velocity there. */
+/* E13.1: a base that turns about a fixed point has no velocity there. */
 TEST(velocities_are_those_of_a_prescribed_base)
 {
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {1, 1, 1, 0, 0, 0};
@@ -756,7 +757,8 @@ TEST(accelerations_stiffen_and_soften)
   }
 }
 
-/* A uniform gravity, however strong, does nothing to a body that flies, but to one that lacks an effect. */
+/* E13.1: a uniform gravity, however strong, does nothing to a body that flies, but to one that lacks an
+   effect. */
 TEST(gravity_is_nothing_to_a_free_body)
 {
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {1, 1, 1, 0, 0, 0};
@@ -781,7 +783,7 @@ TEST(gravity_is_nothing_to_a_free_body)
   }
 }
 
-/* The damping of a mode that is not chosen matters to no step. */
+/* E8.7: the damping of a mode that is not chosen matters to no step. */
 TEST(damping_goes_with_its_mode)
 {
   fb_real dt, cost;
@@ -829,8 +831,8 @@ TEST(advice_does_not_hide_what_is_out_of_range)
   FBT_NEAR_REL(deflection(), 0.3, 0.02);
 }
 
-/* The same scene in other units of length, mass and time has the same advice, in them: drives faster and slower than a
-   mode, a frame, damping, a spin and its rate. */
+/* E13.1, E13.3: the same scene in other units of length, mass and time has the same advice, in them: drives
+   faster and slower than a mode, a frame, damping, a spin and its rate. */
 TEST(advice_knows_no_units)
 {
   static const double unit[5][3] = {

@@ -235,7 +235,7 @@ TEST(wheels_couple_the_planes_of_booms)
   FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_UNSUPPORTED);
 }
 
-/* A step is within the limit of its integrator in the state that the extremes describe. */
+/* E11.46: a step is within the limit of its integrator in the state that the extremes describe. */
 TEST(advised_steps_take_wheels)
 {
   static fb_real unused[3 * SWINGS];
@@ -289,6 +289,7 @@ TEST(nutation_goes_to_and_fro)
   FBT_NEAR_REL(deflection(), most, FBT_TOL(1e-9, 1e-4));
 }
 
+/* Interface: rotors of the envelope and of the body that are none. */
 TEST(advice_on_wheels_refuses_nonsense)
 {
   make_wheels(2, 1.0);

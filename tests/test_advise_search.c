@@ -23,7 +23,7 @@ static double limit_of_advice(void)
                                                                    : fb_implicit_limit(&body, spin, most));
 }
 
-/* However much may be missed, a step is within the limit of its integrator. */
+/* E13.15: however much may be missed, a step is within the limit of its integrator. */
 TEST(advised_steps_are_within_the_limit)
 {
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
@@ -99,8 +99,8 @@ TEST(advised_steps_are_those_of_the_spectrum)
   FBT_TRUE(exponential > 0);
 }
 
-/* What is slow takes an implicit integrator, which has no limit; what swings rk4, or the exponential scheme where it is
-   nearly linear. */
+/* E13.14: what is slow takes an implicit integrator, which has no limit; what swings rk4, or the exponential scheme
+   where it is nearly linear. */
 TEST(integrators_have_their_scenes)
 {
   const fb_integrator expected[3] = {FB_INTEGRATOR_MIDPOINT, FB_INTEGRATOR_RK4, FB_INTEGRATOR_EXPONENTIAL};
@@ -113,7 +113,7 @@ TEST(integrators_have_their_scenes)
   }
 }
 
-/* What is advised adds up to the tolerance, and its step to the frame, also of one longer than the scene. */
+/* E13.14: what is advised adds up to the tolerance, and its step to the frame, also of one longer than the scene. */
 TEST(errors_and_steps_add_up)
 {
   const fb_real frame[4] = {FB_R(0.0), FB_R(1e-4), FB_R(0.25), FB_R(25.0)};
@@ -138,7 +138,7 @@ TEST(errors_and_steps_add_up)
   }
 }
 
-/* A step is the longest part of the frame that is no longer than what it would be without a frame. */
+/* Interface: a step is the longest part of the frame that is no longer than what it would be without a frame. */
 TEST(steps_are_the_longest_parts_of_a_frame)
 {
   const double ratio[9] = {0.4, 1.02, 1.6, 1.98, 2.0, 2.5, 4.0, 7.01, 1000.5};
@@ -156,8 +156,8 @@ TEST(steps_are_the_longest_parts_of_a_frame)
   }
 }
 
-/* The cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady force
-   one mode, which lacks 1 - 0.9707, as soon as that may be missed. */
+/* E13.14: the cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady
+   force one mode, which lacks 1 - 0.9707, as soon as that may be missed. */
 TEST(advice_is_the_cheapest_that_adds_up)
 {
   for (int k = 0; k < 4; k++) {
@@ -484,7 +484,7 @@ static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
   return seen->diverges && !reference && candidate->integrator == FB_INTEGRATOR_RK4 ? FB_ERR_RANGE : FB_OK;
 }
 
-/* The search goes through candidates by their cost, and stops at the first that will do. */
+/* Interface: the search goes through candidates by their cost, and stops at the first that will do. */
 TEST(search_stops_at_the_cheapest_that_will_do)
 {
   for (int diverges = 0; diverges < 2; diverges++) {
@@ -529,8 +529,8 @@ TEST(search_stops_at_the_cheapest_that_will_do)
   }
 }
 
-/* Parts of the frame are tried once each, and none is passed over, though rk4's longest step differs from set to
-   set. */
+/* Interface: parts of the frame are tried once each, and none is passed over, though rk4's longest step differs from
+   set to set. */
 TEST(search_tries_each_part_of_a_frame_once)
 {
   for (int k = 0; k < 6; k++) {
@@ -618,8 +618,8 @@ static void new_judge(picky *p, unsigned effects, int n, int integrator)
 static const char *const column[] = {"rk4", "midpoint", "sdirk", "exponential"};
 FBT_ONE_EACH(column, FB_INTEGRATOR_COUNT);
 
-/* The estimated costs of steps are those of counted instructions (step_instructions.csv): each integrator, a base that
-   flies and one that is held, without and with terms of second degree, 2 to 12 modes. */
+/* E13.13: the estimated costs of steps are those of counted instructions (step_instructions.csv): each integrator, a
+   base that flies and one that is held, without and with terms of second degree, 2 to 12 modes. */
 TEST(costs_are_those_of_counted_instructions)
 {
   static picky p; /* takes anything */
@@ -642,7 +642,7 @@ TEST(costs_are_those_of_counted_instructions)
   }
 }
 
-/* Gravity, however strong, shortens no step of what flies: rk4's longest is that of the body at its spin. */
+/* E13.15: gravity, however strong, shortens no step of what flies: rk4's longest is that of the body at its spin. */
 TEST(gravity_shortens_no_step_of_a_free_body)
 {
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
@@ -659,8 +659,8 @@ TEST(gravity_shortens_no_step_of_a_free_body)
                FBT_TOL(1e-12, 1e-6));
 }
 
-/* Whatever alone will do is found: any set of effects, number of modes and integrator; in a step that is not beyond
-   rk4's limit. The cost of a step, and what does not come of the simulations, is what it is without them. */
+/* Interface: whatever alone will do is found: any set of effects, number of modes and integrator; in a step that is not
+   beyond rk4's limit. The cost of a step, and what does not come of the simulations, is what it is without them. */
 TEST(search_finds_what_alone_will_do)
 {
   static const unsigned set[4] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING,
@@ -694,7 +694,8 @@ TEST(search_finds_what_alone_will_do)
   FBT_NEAR_ABS(fbt_difference(advice.without, without.without, FB_ADVICE_EFFECTS), 0.0, FBT_TOL(1e-12, 1e-5));
 }
 
-/* The last that is tried is the reference's own run, with what it costs; what is off by the tolerance meets it. */
+/* Interface: the last that is tried is the reference's own run, with what it costs; what is off by the tolerance meets
+   it. */
 TEST(search_ends_with_the_run_of_the_reference)
 {
   static picky p;
@@ -714,8 +715,8 @@ TEST(search_ends_with_the_run_of_the_reference)
   FBT_NEAR_ABS(advice.error, 0.25, 0.0);
 }
 
-/* A body that misses it alike by two steps of an integrator is tried no more, one that does not is: by each of its
-   integrators for itself. Steps are parts of the frame, half as long every second time. */
+/* Interface: a body that misses it alike by two steps of an integrator is tried no more, one that does not is: by each
+   of its integrators for itself. Steps are parts of the frame, half as long every second time. */
 TEST(search_gives_up_bodies_that_miss_alike)
 {
   static picky p;
@@ -762,6 +763,7 @@ static fb_status refuse(void *user, fb_real *out, const fb_advice *candidate)
   return no ? FB_ERR_UNSUPPORTED : FB_OK;
 }
 
+/* Interface: a scene that refuses an effect is asked again without it, once for each set and integrator. */
 TEST(scenes_may_refuse_large_deflection)
 {
   fb_real output, reference;
@@ -801,6 +803,7 @@ static fb_status four_numbers(void *user, fb_real *out, const fb_advice *candida
   return FB_OK;
 }
 
+/* E13.12: the error is the largest distance of two samples by the largest sample, of one number or of two. */
 TEST(errors_are_distances_of_samples)
 {
   for (int width = 1; width <= 2; width++) {
@@ -838,8 +841,8 @@ static fb_status spoil(void *user, fb_real *out, const fb_advice *candidate)
   return s->n_run++ == 0 ? s->status : FB_OK;
 }
 
-/* What is not a number anywhere in an output does not meet a tolerance; a reference that is no measure is refused after
-   the first run, one that cannot be simulated with what it says. */
+/* Interface: what is not a number anywhere in an output does not meet a tolerance; a reference that is no measure is
+   refused after the first run, one that cannot be simulated with what it says. */
 TEST(search_takes_no_nonsense_for_an_answer)
 {
   const struct {
@@ -920,8 +923,9 @@ static fb_status spin_up(void *user, fb_real *out, const fb_advice *candidate)
   return status;
 }
 
-/* A boom that spins up to above its first frequency: the advice without simulation has the stiffening and the inertia
-   that follows the shape, and meets its tolerance; so does the search; without one of its effects it is missed. */
+/* E13.3, E13.14: a boom that spins up to above its first frequency: the advice without simulation has the stiffening
+   and the inertia that follows the shape, and meets its tolerance; so does the search; without one of its effects it is
+   missed. */
 TEST(advice_meets_its_tolerance)
 {
   static fb_real output[80], reference[80];
@@ -1045,6 +1049,7 @@ TEST(two_booms_take_the_modes_that_the_load_drives)
   }
 }
 
+/* Interface: what is missing, not a number or out of range. */
 TEST(advice_refuses_nonsense)
 {
   static fb_modes modes;

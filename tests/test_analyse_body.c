@@ -480,7 +480,8 @@ TEST(linear_models_do_not_depend_on_units)
   }
 }
 
-/* fb_spectrum_margin: whichever of the modes it is that damps least, that one is named; of two alike the first. */
+/* E12.18: fb_spectrum_margin: whichever of the modes it is that damps least, that one is named; of two alike the
+   first. */
 TEST(margins_name_the_worst_mode_wherever_it_stands)
 {
   for (int n = 1; n < 5; n++) {
@@ -602,7 +603,7 @@ TEST(errors_of_spectra_are_told)
   FBT_TRUE(lost > 0);
 }
 
-/* >>trim and >>linear: what cannot be linearized is refused, the state kept. */
+/* Interface: what cannot be linearized is refused, the state kept. */
 TEST(analysis_refuses_bad_input)
 {
   static fb_linear linear;

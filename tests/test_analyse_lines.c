@@ -197,8 +197,8 @@ static void same_internal_loads(double tol)
   }
 }
 
-/* A blade that turns and droops: its steady state, internal loads and frequencies; with torsion, a mass center off its
-   line and a lumped body at its middle. */
+/* E12.1, E12.3, E14.13: a blade that turns and droops: its steady state, internal loads and frequencies; with torsion,
+   a mass center off its line and a lumped body at its middle. */
 TEST(spinning_blades_have_the_frequencies_of_exact_beams)
 {
   for (int k = 0; k < 3; k++) {
@@ -236,8 +236,8 @@ TEST(spinning_blades_have_the_frequencies_of_exact_beams)
   }
 }
 
-/* Beck's column: a follower force that presses on the tip; frequencies at P = 15 and flutter at 20.05 EI/L^2, with a
-   tip mass of half the beam's at 16.06 (tests/reference/p06_beck.csv). */
+/* E12.3, E14.8: Beck's column: a follower force that presses on the tip; frequencies at P = 15 and flutter at 20.05
+   EI/L^2, with a tip mass of half the beam's at 16.06 (tests/reference/p06_beck.csv). */
 TEST(columns_under_follower_forces_flutter_as_beck_says)
 {
   const double critical[2] = {20.0509536189738, 16.0615619664041};
@@ -261,8 +261,8 @@ TEST(columns_under_follower_forces_flutter_as_beck_says)
   }
 }
 
-/* Euler's column: a dead force that presses on the tip, pi^2/4 EI/L^2; behind it, the elastica at a tip rotation of 40
-   and 100 degrees (tests/reference/p06_postbuckling.csv). */
+/* E12.1, E12.3, E14.8: Euler's column: a dead force that presses on the tip, pi^2/4 EI/L^2; behind it, the elastica at
+   a tip rotation of 40 and 100 degrees (tests/reference/p06_postbuckling.csv). */
 TEST(columns_buckle_as_euler_says)
 {
   const double load[2] = {2.6244839138332, 3.7464741792108};
@@ -288,8 +288,8 @@ TEST(columns_buckle_as_euler_says)
   }
 }
 
-/* A deep cantilever, stiff in the plane of its load, tips over at 4.0126 sqrt(EI GJ)/L^2: Prandtl, Michell; Timoshenko
-   and Gere 6.3. */
+/* E12.1, E12.3, E14.8: a deep cantilever, stiff in the plane of its load, tips over at 4.0126 sqrt(EI GJ)/L^2: Prandtl,
+   Michell; Timoshenko and Gere 6.3. */
 TEST(deep_cantilevers_tip_over_at_prandtls_load)
 {
   const double EI = 1.0, GJ = 0.7, critical = 4.0126 * sqrt(EI * GJ);
@@ -308,7 +308,7 @@ TEST(deep_cantilevers_tip_over_at_prandtls_load)
   }
 }
 
-/* A free body that spins about its hub and bends by that stays as trim found it. */
+/* E12.1, E14.13: a free body that spins about its hub and bends by that stays as trim found it. */
 TEST(trimmed_spins_are_steady)
 {
   const fb_base base[3] = {FB_BASE_FREE, FB_BASE_PINNED, FB_BASE_HINGED};
@@ -349,6 +349,7 @@ static fb_status drag(fb_line_point *p, int n, fb_real t, void *user)
   return FB_OK;
 }
 
+/* E14.40, E12.3: a drag of c v a mass damps every mode by c/2 and lowers its frequency to sqrt(omega^2 - c^2/4). */
 TEST(distributed_drag_damps_modes_in_closed_form)
 {
   double rate = 0.6;

@@ -244,8 +244,8 @@ static int no_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, vo
   return 0;
 }
 
-/* >>trim and >>linear: the same of systems: what is missing, ports that are not there, what has no linear model of this
-   kind, what cannot rest; nothing given is changed. */
+/* Interface: the same of systems: what is missing, ports that are not there, what has no linear model of this kind,
+   what cannot rest; nothing given is changed. */
 TEST(analysis_of_systems_refuses_bad_input)
 {
   static const struct {

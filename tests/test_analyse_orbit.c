@@ -462,7 +462,7 @@ TEST(pins_hold_pendulums_above_a_center)
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_UNREST);
 }
 
-/* What has no steady state, and what is refused. */
+/* Interface: what has no steady state, and what is refused. */
 TEST(orbits_that_are_none_are_refused)
 {
   const double J[3] = {30.0, 90.0, 110.0}, n = rate_at(low);

@@ -345,6 +345,7 @@ TEST(flexible_gyrostats_stay_in_their_steady_spin)
 
 /* ---- refusals */
 
+/* Interface: ports of rotors that are not there; what has no linear model. */
 TEST(analysis_of_rotors_refuses_bad_input)
 {
   const double speed = 3.0;

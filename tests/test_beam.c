@@ -318,7 +318,7 @@ TEST(tapered_stations_integrate_exactly)
   }
 }
 
-/* >>beam: properties are linear between stations and keep the end values outside. */
+/* E6.15: properties are linear between stations and keep the end values outside. */
 TEST(sections_are_interpolated_between_stations)
 {
   fb_section s;
@@ -619,7 +619,7 @@ static int numbers_of_desc(fb_real *list[128])
   return n;
 }
 
-/* >>beam: whatever is wrong with a desc is refused with its status, and the beam is not written. */
+/* Interface: whatever is wrong with a desc is refused with its status, and the beam is not written. */
 TEST(bad_beams_are_refused_and_leave_the_output_alone)
 {
   const fb_real bad[4] = {(fb_real)NAN, (fb_real)INFINITY, -(fb_real)INFINITY, (fb_real)(4.0 * (double)FB_HUGE)};
@@ -654,7 +654,7 @@ TEST(bad_beams_are_refused_and_leave_the_output_alone)
   FBT_TRUE(memcmp(&beam, &pattern, sizeof beam) == 0);
 }
 
-/* >>beam: axes turned by right angles, one after the other, are exactly those of the body, in another order and
+/* E6.16: axes turned by right angles, one after the other, are exactly those of the body, in another order and
    direction: no element is the round-off of a sine. Axes at another angle keep what is theirs. */
 TEST(right_angles_leave_no_round_off)
 {
@@ -687,8 +687,8 @@ TEST(right_angles_leave_no_round_off)
   FBT_NEAR_REL(beam.axes[3], 32.0 * EPS, 1e-3);
 }
 
-/* >>beam: the largest desc is accepted; a beam without mass of its own may carry bodies; the attitude is
-   normalized, and all zero means none. */
+/* Interface: the largest desc is accepted; a beam without mass of its own may carry bodies; the attitude is normalized,
+   and all zero means none. */
 TEST(good_beams_keep_their_desc)
 {
   fb_real q[4] = {FB_R(1.0), FB_R(2.0), FB_R(-3.0), FB_R(0.5)}, axes[9];
@@ -784,8 +784,8 @@ TEST(sections_from_dimensions_match_the_handbook)
   }
 }
 
-/* A taper that begins along the beam: its stations are where the interval is divided, to the last bit at its end, their
-   mass as linear between them the integral of (1 - s/2) (2 - s) over 3 m. What stands behind them stays. */
+/* E6.14: a taper that begins along the beam: its stations are where the interval is divided, to the last bit at its
+   end, their mass as linear between them the integral of (1 - s/2) (2 - s) over 3 m. What stands behind them stays. */
 TEST(a_taper_may_begin_anywhere)
 {
   double mass = 0.0;
@@ -876,7 +876,7 @@ TEST(a_thin_end_keeps_half)
   }
 }
 
-/* >>beam: what is wrong with a material or a profile is refused, the output kept. */
+/* Interface: what is wrong with a material or a profile is refused, the output kept. */
 TEST(bad_profiles_are_refused)
 {
   const fb_material good = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};

@@ -37,7 +37,7 @@ static void two_booms(void)
   desc.body.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING;
 }
 
-/* The same bits as the chain of calls, nodes and damping included. */
+/* Interface: the same bits as the chain of calls, nodes and damping included. */
 TEST(one_description_is_the_chain)
 {
   static fb_body chain;
@@ -71,8 +71,8 @@ TEST(one_description_is_the_chain)
   FBT_TRUE(fb_body_crc(&chain) == fb_body_crc(&body));
 }
 
-/* A boom whose tip is its boundary: the same bits as the chain, and the tip's node moves with its own coordinates, by
-   their unit. */
+/* E7.9: a boom whose tip is its boundary: the same bits as the chain, and the tip's node moves with its own
+   coordinates, by their unit. */
 TEST(a_component_is_the_chain)
 {
   static fb_body chain;
@@ -151,7 +151,7 @@ static void mast_and_arm(double angle)
   desc.join.lowest = 6;
 }
 
-/* The same bits as the chain with fb_modes_join, at an angle. */
+/* Interface: the same bits as the chain with fb_modes_join, at an angle. */
 TEST(joined_parts_are_the_chain)
 {
   static fb_body chain;
@@ -210,8 +210,8 @@ TEST(joined_parts_are_the_uncut_beam)
   FBT_NEAR_REL(body.mass, whole.mass, FBT_TOL(1e-14, 1e-6));
 }
 
-/* Without a weld, what is joined are the modes of all parts, sorted by frequency: of two equal booms the lowest pairs.
-   */
+/* Interface: without a weld, what is joined are the modes of all parts, sorted by frequency: of two equal booms the
+   lowest pairs. */
 TEST(parts_may_share_a_count_of_modes)
 {
   two_booms();
@@ -221,8 +221,8 @@ TEST(parts_may_share_a_count_of_modes)
   FBT_NEAR_REL(work.modes[0].omega[3], work.modes[0].omega[0], FBT_TOL(1e-9, 1e-4));
 }
 
-/* The place of a part and that of its beam's description follow each other: a beam a meter along z of its description,
-   on a part that is turned by 90 degrees about x, lies a meter along -y. */
+/* E4.1: the place of a part and that of its beam's description follow each other: a beam a meter along z of its
+   description, on a part that is turned by 90 degrees about x, lies a meter along -y. */
 TEST(parts_carry_the_place_of_their_beam)
 {
   two_booms();
@@ -236,7 +236,7 @@ TEST(parts_carry_the_place_of_their_beam)
   FBT_NEAR_ABS(body.node[1].r[2], 0.0, FBT_TOL(1e-12, 1e-5));
 }
 
-/* Without beams the hub is a rigid body; without a hub the beam alone is one that its base carries. */
+/* Interface: without beams the hub is a rigid body; without a hub the beam alone is one that its base carries. */
 TEST(parts_may_be_missing)
 {
   two_booms();
@@ -255,7 +255,7 @@ TEST(parts_may_be_missing)
   FBT_NEAR_REL(body.mass, 5.0, FBT_TOL(1e-12, 1e-6));
 }
 
-/* A failure tells the part and leaves the body alone. */
+/* Interface: a failure tells the part and leaves the body alone. */
 TEST(the_part_at_fault_is_told)
 {
   static fb_body before;
@@ -297,7 +297,7 @@ TEST(the_part_at_fault_is_told)
   FBT_TRUE(memcmp(&body, &before, sizeof body) == 0);
 }
 
-/* Joining fails as a whole; a part that hangs on another one wants a node there. */
+/* Interface: joining fails as a whole; a part that hangs on another one wants a node there. */
 TEST(parts_that_do_not_meet_are_refused)
 {
   static fb_body before;
@@ -331,9 +331,9 @@ TEST(parts_that_do_not_meet_are_refused)
   FBT_TRUE(memcmp(&body, &before, sizeof body) == 0);
 }
 
-/* A free root that no weld attaches does not belong to the hub, whose motion would not bend it: refused, with the part;
-   a beam that is the whole body may be free, with what it carries. A pinned root beside a hub turns on its pin by its
-   rigid-body modes alone: without them it would be locked in the mean. */
+/* Interface: a free root that no weld attaches does not belong to the hub, whose motion would not bend it: refused,
+   with the part; a beam that is the whole body may be free, with what it carries. A pinned root beside a hub turns on
+   its pin by its rigid-body modes alone: without them it would be locked in the mean. */
 TEST(roots_that_nothing_attaches_are_refused)
 {
   two_booms();
@@ -362,8 +362,8 @@ TEST(roots_that_nothing_attaches_are_refused)
   }
 }
 
-/* What is welded must be able to move with its partner: a part that is clamped to the frame, too, or has natural modes
-   without its rigid-body motion, would lock the weld; a free one with them does not. */
+/* Interface: what is welded must be able to move with its partner: a part that is clamped to the frame, too, or has
+   natural modes without its rigid-body motion, would lock the weld; a free one with them does not. */
 TEST(welds_that_a_root_would_lock_are_refused)
 {
   for (int what = 0; what < 3; what++) {

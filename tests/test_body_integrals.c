@@ -522,7 +522,7 @@ TEST(lumps_have_the_inertia_of_their_node)
   }
 }
 
-/* A beam's coordinates may stand anywhere among those of the body. */
+/* Interface: a beam's coordinates may stand anywhere among those of the body. */
 TEST(a_beam_may_take_later_coordinates)
 {
   int node[2], at;

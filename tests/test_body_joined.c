@@ -229,9 +229,9 @@ TEST(joined_twins_have_a_sign_that_rounding_does_not_choose)
   }
 }
 
-/* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of
-   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. Held, its bound at rest is its
-   highest frequency; effects that are off have none. */
+/* E8.8: a sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean
+   square of the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. Held, its bound at
+   rest is its highest frequency; effects that are off have none. */
 TEST(bodies_are_sound_in_any_unit)
 {
   for (int k = 0; k < 9; k++) {

@@ -481,8 +481,8 @@ static void set_accelerate(double *acc, const particles *p, const velocity *s, u
   solve(acc, A, b, N);
 }
 
-/* The same body in units of mass and length that are so many times smaller moves the same: no threshold has a unit. For
-   every set of effects, with a stiffness. */
+/* E8.17, E8.19: the same body in units of mass and length that are so many times smaller moves the same: no threshold
+   has a unit. For every set of effects, with a stiffness. */
 TEST(bodies_do_not_depend_on_the_units)
 {
   const double mass[] = {FBT_TOL(8.5e-22, 6e-8), FBT_TOL(1.1e15, 65536.0), 1.0, 1.0};
@@ -692,8 +692,8 @@ TEST(each_set_of_effects_follows_its_own_lagrangian)
 
 /* ---- as many coordinates, nodes and loads as there can be */
 
-/* >>body and >>assemble: what limits a deflection: how far out the farthest particle is, and how far each mode moves
-   the one that it moves most. */
+/* E8.39: what limits a deflection: how far out the farthest particle is, and how far each mode moves the one that it
+   moves most. */
 TEST(size_and_reach_are_those_of_the_particles)
 {
   static const fb_real center[3] = {3, 4, 12}, inertia[6] = {1, 1, 1};
@@ -734,7 +734,8 @@ TEST(size_and_reach_are_those_of_the_particles)
   }
 }
 
-/* A pair's integrals go to both its places, a coordinate's with itself to its own, once; what is not given is none. */
+/* Interface: a pair's integrals go to both its places, a coordinate's with itself to its own, once; what is not given
+   is none. */
 TEST(integrals_of_a_pair_stand_in_both_places)
 {
   for (int k = 0; k < 3 * 4; k++) {

@@ -36,7 +36,7 @@ TEST(lines_of_particles_are_refused)
   }
 }
 
-/* Bad input returns its status and changes nothing. */
+/* Interface: bad input returns its status and changes nothing. */
 TEST(bodies_refuse_bad_input)
 {
   static fb_body_desc desc;
@@ -109,7 +109,7 @@ TEST(bodies_refuse_bad_input)
   FBT_INT_EQ(fb_state_check(&body, &state), FB_ERR_NOT_FINITE);
 }
 
-/* A prescribed body may have no mass, nor inertia: it is as good as others, to the check and to the word. */
+/* Interface: a prescribed body may have no mass, nor inertia: it is as good as others, to the check and to the word. */
 TEST(massless_prescribed_bodies_are_sound)
 {
   static const fb_real r[3] = {1, 2, 3};
@@ -288,7 +288,8 @@ TEST(the_check_word_sees_every_term)
   FBT_INT_EQ(numbers_unseen(body.S, body.n_S), 0);
 }
 
-/* A row of Lambda without a term, which no flip of a single bit makes: its index is a place that a step writes to. */
+/* Interface: a row of Lambda without a term, which no flip of a single bit makes: its index is a place that a step
+   writes to. */
 TEST(rows_without_terms_are_refused)
 {
   static fb_body spoiled;
@@ -356,7 +357,7 @@ TEST(rods_without_thickness_are_refused_in_every_attitude)
   }
 }
 
-/* What a load is not: a number, on a base that is held and takes it without moving. */
+/* Interface: what a load is not: a number, on a base that is held and takes it without moving. */
 TEST(loads_that_are_no_numbers_are_refused_on_held_bases)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_HINGED};
@@ -381,7 +382,8 @@ TEST(loads_that_are_no_numbers_are_refused_on_held_bases)
   }
 }
 
-/* What nothing would use is refused: damping ratios without the effect damping, gravity without the effect gravity. */
+/* Interface: what nothing would use is refused: damping ratios without the effect damping, gravity without the effect
+   gravity. */
 TEST(values_without_their_effect_are_refused)
 {
   static const unsigned effect[2] = {FB_EFFECT_DAMPING, FB_EFFECT_GRAVITY};

@@ -42,9 +42,9 @@ static void look(void)
 
 /* ---- closed forms */
 
-/* A, A, C about O and a wheel of momentum h along z: the angular velocity turns in the body at
-   lambda = ((C - A) w_z + h)/A (nutation), the body about its constant angular momentum L at |L|/A (wobble):
-   R(t) = exp(L t/A) exp(e_z (w_z - L_z/A) t), L_z = C w_z + h. */
+/* E8.41, E8.13: A, A, C about O and a wheel of momentum h along z: the angular velocity turns in the body at lambda =
+   ((C - A) w_z + h)/A (nutation), the body about its constant angular momentum L at |L|/A (wobble): R(t) = exp(L t/A)
+   exp(e_z (w_z - L_z/A) t), L_z = C w_z + h. */
 TEST(gyrostats_nutate_and_wobble_in_closed_form)
 {
   const double A = 1.5, C = 1.04, I = 0.04, w_x = 0.02, w_z = 0.1, speed = 120.0, T = 4.0;
@@ -79,8 +79,8 @@ TEST(gyrostats_nutate_and_wobble_in_closed_form)
   }
 }
 
-/* A gyrostat whose own body does not spin, pinned off its mass center under gravity g: at inclination theta it precesses
-   at Omega about the vertical where h Omega + (C - A) Omega^2 cos(theta) = m g l. */
+/* E8.41, E8.16: a gyrostat whose own body does not spin, pinned off its mass center under gravity g: at inclination
+   theta it precesses at Omega about the vertical where h Omega + (C - A) Omega^2 cos(theta) = m g l. */
 TEST(gyroscopes_precess_in_closed_form)
 {
   const double A = 2.0, C = 0.7, m = 4.0, l = 0.3, g = 9.81, theta = 1.1, Omega = 0.8, T = 2.0, I = 0.05;
@@ -111,8 +111,8 @@ TEST(gyroscopes_precess_in_closed_form)
   }
 }
 
-/* An asymmetric gyrostat spins steadily about an axis that is principal for nothing: h is parallel to w where
-   w = (lambda 1 - J)^-1 sum h_r a_r, stable for lambda above the largest moment of inertia. */
+/* E8.41: an asymmetric gyrostat spins steadily about an axis that is principal for nothing: h is parallel to w where w
+   = (lambda 1 - J)^-1 sum h_r a_r, stable for lambda above the largest moment of inertia. */
 TEST(asymmetric_gyrostats_spin_steadily)
 {
   const double J[3] = {1.0, 2.0, 3.0}, lambda = 4.0, rotor[3] = {0.6, -0.5, 0.4}, I = 0.01;
@@ -133,8 +133,8 @@ TEST(asymmetric_gyrostats_spin_steadily)
   }
 }
 
-/* A motor turns the wheel one way and the body the other; viscous friction lets the relative speed decay at
-   d (1/I + 1/J), dry friction far above its speed brakes evenly. The angle is the integral, within half a turn. */
+/* E8.43, E8.44: a motor turns the wheel one way and the body the other; viscous friction lets the relative speed decay
+   at d (1/I + 1/J), dry friction far above its speed brakes evenly. The angle is the integral, within half a turn. */
 TEST(motors_and_friction_act_between_wheel_and_body)
 {
   const double I = 0.02, J = 3.0, T = 5.0, motor = 0.01, d = 2e-3, dry = 4e-3, slow = 1e-4;
@@ -284,7 +284,7 @@ TEST(gyrostats_keep_energy_and_momentum)
   }
 }
 
-/* The energy changes by what motors, friction and loads do. */
+/* E8.43: the energy changes by what motors, friction and loads do. */
 TEST(power_of_rotors_is_the_rate_of_energy)
 {
   for (int base = 0; base < FB_BASE_COUNT; base++) {
@@ -397,7 +397,7 @@ TEST(accelerations_of_gyrostats_are_derivatives_of_velocities)
   }
 }
 
-/* All integrators converge to the same motion, each with its order. */
+/* E11.7, E11.8, E11.10: all integrators converge to the same motion, each with its order. */
 TEST(integrators_of_gyrostats_agree)
 {
   static const double order[FB_INTEGRATOR_COUNT] = {4.0, 2.0, 2.0, 4.0};
@@ -436,7 +436,7 @@ TEST(integrators_of_gyrostats_agree)
 
 /* ---- steps */
 
-/* A wheel at 600 rad/s costs no step: 10 ms give the attitude of 1 ms to 1e-8 rad. */
+/* E11.46: a wheel at 600 rad/s costs no step: 10 ms give the attitude of 1 ms to 1e-8 rad. */
 TEST(wheels_at_600_rad_per_s_cost_no_step)
 {
   const double speed[3] = {600.0, -600.0, 300.0};
@@ -601,7 +601,8 @@ TEST(unbalanced_rotors_shake_their_body)
                FBT_TOL(1e-5, 1e-2));
 }
 
-/* A force that turns is the same from a rotor on a node that moves and from a load there that follows the node. */
+/* E8.42: a force that turns is the same from a rotor on a node that moves and from a load there that follows the
+   node. */
 TEST(imbalance_acts_as_a_load_on_its_node)
 {
   for (int set = 0; set < FBT_COUNT(sets); set++) {
@@ -636,7 +637,7 @@ TEST(imbalance_acts_as_a_load_on_its_node)
   }
 }
 
-/* A momentum that is given: the rest of the body has what is left of the total, by every integrator. */
+/* E8.41, E8.44: a momentum that is given: the rest of the body has what is left of the total, by every integrator. */
 TEST(given_momenta_turn_the_body_against_them)
 {
   const double J = 3.0, T = 1.0, h_end = 0.6;
@@ -678,6 +679,7 @@ TEST(given_momenta_turn_the_body_against_them)
 
 /* ---- refusals */
 
+/* Interface: what is wrong with a rotor is refused. */
 TEST(bad_rotors_are_refused)
 {
   static fb_body kept;
@@ -753,7 +755,7 @@ TEST(bad_rotors_are_refused)
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
 
-/* What has no rotors yet says so and leaves its output alone. */
+/* Interface: what has no rotors yet says so and leaves its output alone. */
 TEST(rotors_are_refused_where_there_are_none)
 {
   craft(FB_WITH_LARGE_DEFLECTION ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL, FB_BASE_FREE, 0);

@@ -183,9 +183,9 @@ TEST(gauss_rules_integrate_polynomials)
   FBT_BELOW(worst, FBT_TOL(1e-12, 1e-5));
 }
 
-/* >>body and >>assemble: the strain that a spinning beam's own mass causes at its root, per spin squared, int r dm/EA
-   with r from O: on the line through O whatever its attitude, mass that falls evenly, cells between elements and
-   stations, a body that counts as if at the tip. */
+/* E8.48: the strain that a spinning beam's own mass causes at its root, per spin squared, int r dm/EA with r from O: on
+   the line through O whatever its attitude, mass that falls evenly, cells between elements and stations, a body that
+   counts as if at the tip. */
 TEST(own_mass_stretches_a_spinning_beam)
 {
   const scene three = {3, 3, 0, 1, 0};
@@ -590,7 +590,8 @@ static void index_refused(unsigned short *index, int wrong)
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
 
-/* A body's tables may change in memory: one index beyond what it may be, in the first and in the last entry. */
+/* Interface: a body's tables may change in memory: one index beyond what it may be, in the first and in the last
+   entry. */
 TEST(indexes_beyond_the_tables_are_refused)
 {
   static const scene natural = {2, 0, 0, 2, 1};
@@ -840,8 +841,8 @@ TEST(what_memory_has_spoiled_is_refused)
   }
 }
 
-/* ERRATA.md DBe: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is half of
-   something. */
+/* Interface: ERRATA.md DBe: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is
+   half of something. */
 TEST(half_an_inertia_is_refused)
 {
   static const scene natural = {2, 0, 0, 2, 1};
@@ -1083,7 +1084,7 @@ TEST(the_check_word_sees_every_form)
   }
 }
 
-/* Stations: more than fit, a beam without axial stiffness, missing things. */
+/* Interface: stations: more than fit, a beam without axial stiffness, missing things. */
 TEST(strain_stations_refuse_bad_input)
 {
   static const scene many = {3, 5, 0, 1, 0}; /* nine stations an element */

@@ -25,7 +25,7 @@
 #endif
 #include "fbt.h"
 
-/* >>version: a file and the implementation agree on the configuration, and a disagreement is noticed. */
+/* Interface: a file and the implementation agree on the configuration, and a disagreement is noticed. */
 TEST(a_configuration_is_accepted_only_by_its_own_name)
 {
   char other[512];
@@ -43,7 +43,7 @@ TEST(a_configuration_is_accepted_only_by_its_own_name)
   FBT_INT_EQ(fb_config_check(NULL), FB_ERR_NULL);
 }
 
-/* >>version: the name spells out the options, so that a link error can be read. */
+/* Interface: the name spells out the options, so that a link error can be read. */
 TEST(the_configuration_spells_out_the_options)
 {
   char expected[512];
@@ -64,7 +64,7 @@ TEST(the_configuration_spells_out_the_options)
   FBT_INT_EQ(sizeof(fb_real), FB_SINGLE ? sizeof(float) : sizeof(double));
 }
 
-/* >>version: the compiled version is the header's, three numbers. */
+/* Interface: the compiled version is the header's, three numbers. */
 TEST(the_version_is_that_of_the_header)
 {
   int number[3];
@@ -73,7 +73,7 @@ TEST(the_version_is_that_of_the_header)
   FBT_INT_EQ(sscanf(fb_version_string(), "%d.%d.%d%c", &number[0], &number[1], &number[2], &rest), 3);
 }
 
-/* >>version: arithmetic is as it is written, else nothing is made (tests/checks/fast_math.sh has the other case). */
+/* Interface: arithmetic is as it is written, else nothing is made (tests/checks/fast_math.sh has the other case). */
 TEST(the_build_keeps_arithmetic)
 {
   FBT_INT_EQ(fb_build_check(), FB_OK);

@@ -632,6 +632,7 @@ TEST(linear_models_and_paths_know_branches)
 
 /* ---- what cannot be */
 
+/* Interface: every field of a branch out of range is refused by its name. */
 TEST(branches_that_cannot_be_are_refused)
 {
   static const char *const word[] = {"node",       "elements", "all of them", "n_station", "station",

@@ -464,7 +464,7 @@ TEST(linear_beams_refuse_bad_input)
   FBT_TRUE(memcmp(&before, &linear, sizeof linear) == 0);
 }
 
-/* fb_spectrum_margin: the least -re and whose it is. */
+/* E12.18: fb_spectrum_margin: the least -re and whose it is. */
 TEST(margins_are_those_of_the_worst_mode)
 {
   const fb_real re[4] = {-FB_R(2.0), -FB_R(0.25), FB_R(0.0), -FB_R(1.0)},
@@ -482,7 +482,7 @@ TEST(margins_are_those_of_the_worst_mode)
   FBT_TRUE(fb_spectrum_margin(NULL, NULL, 3) >= FB_HUGE);
 }
 
-/* >>exact: bad input is refused and changes nothing. */
+/* Interface: bad input is refused and changes nothing. */
 TEST(exact_beam_refuses_bad_input)
 {
   static fb_exact_state before;
@@ -537,8 +537,8 @@ TEST(exact_beam_refuses_bad_input)
   FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
 }
 
-/* A state that came from elsewhere: one that is not a number, in the first or the last place of any field, is
-   refused. */
+/* Interface: a state that came from elsewhere: one that is not a number, in the first or the last place of any field,
+   is refused. */
 TEST(states_that_are_not_numbers_are_refused)
 {
   fb_real *const field[] = {state.base_position, state.base_quat,   state.r,
@@ -570,8 +570,8 @@ TEST(states_that_are_not_numbers_are_refused)
   }
 }
 
-/* A model whose counts are beyond the tables, or below zero, is refused by every function that takes a state, and what
-   they fill is left alone. */
+/* Interface: a model whose counts are beyond the tables, or below zero, is refused by every function that takes a
+   state, and what they fill is left alone. */
 TEST(models_with_impossible_counts_are_refused)
 {
   static fb_exact_state before;

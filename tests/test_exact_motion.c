@@ -521,7 +521,7 @@ static double ring(int axis, double dt)
   return acos(c / weight) / (2.0 * pi * dt);
 }
 
-/* >>exact: [L] 4.7's shift of one element's frequency is the dispersion of the integrator, 2/dt atan(c dt/L). */
+/* E11.20: [L] 4.7's shift of one element's frequency is the dispersion of the integrator, 2/dt atan(c dt/L). */
 TEST(one_element_rings_at_the_predicted_frequency)
 {
   const fbt_table *t = fbt_reference("p08_box_scheme.csv");

@@ -141,7 +141,7 @@ TEST(spectrum_of_a_straight_beam_is_the_textbooks)
   }
 }
 
-/* >>exact: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts
+/* E10.5: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts
    to bend just before a node, and one that hardly stops in between. */
 TEST(curvature_may_jump_beside_a_node)
 {
@@ -567,6 +567,7 @@ static double free_beam_apart(int elsewhere)
   return worst / most;
 }
 
+/* E8.32: the field about the mass center, along the axes and elsewhere. */
 TEST(a_free_beam_swings_as_the_exact_one)
 {
   const double apart = free_beam_apart(0);
@@ -837,7 +838,7 @@ TEST(paths_lead_through_steady_states)
   }
 }
 
-/* >>trim and >>linear: a path refuses what makes no sense, and is left as it was. */
+/* Interface: a path refuses what makes no sense, and is left as it was. */
 TEST(paths_refuse_bad_input)
 {
   fb_exact_path before;

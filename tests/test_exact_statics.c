@@ -12,6 +12,8 @@ static double elastica_error(const fbt_table *t, int row, fb_axes axes, int n)
   return distance(node[n].position, fbt_value(t, row, "x_tip"), fbt_value(t, row, "y_tip"), 0.0);
 }
 
+/* E10.7, E10.8: dead and follower tip loads to 20 EI/L^2 against elliptic functions: twice the elements, a sixteenth of
+   the error. */
 TEST(elastica_is_of_order_four)
 {
   double worst = 0.0;
@@ -243,7 +245,7 @@ TEST(points_beside_a_loaded_node_know_its_load)
   }
 }
 
-/* >>exact: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
+/* E4.10: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
    nodes, too. */
 TEST(rotations_follow_the_beam_through_whole_turns)
 {
@@ -269,7 +271,7 @@ TEST(rotations_follow_the_beam_through_whole_turns)
   }
 }
 
-/* >>exact: the root's own rotation is within half a turn, either way about any axis. */
+/* E4.3: the root's own rotation is within half a turn, either way about any axis. */
 TEST(the_roots_rotation_is_within_half_a_turn)
 {
   elastica(1);
@@ -283,7 +285,7 @@ TEST(the_roots_rotation_is_within_half_a_turn)
   }
 }
 
-/* >>exact: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little,
+/* E4.10: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little,
    the rotation vector is next to the whole turn; in any case it is that of the attitude to a thousandth of a radian. */
 TEST(rotations_next_to_a_whole_turn_are_those_of_the_attitude)
 {
@@ -691,7 +693,7 @@ TEST(curves_are_those_of_the_stations)
   }
 }
 
-/* >>exact: the same beam in other units of length, force and time gives the same motion. */
+/* E11.20: the same beam in other units of length, force and time gives the same motion. */
 TEST(any_units_give_the_same_solution)
 {
   const double units[4][3] = {
@@ -723,7 +725,7 @@ TEST(any_units_give_the_same_solution)
   }
 }
 
-/* >>exact: the units of a beam's own are its length, the force that bends it (twists, stretches, where it does nothing
+/* E10.3: the units of a beam's own are its length, the force that bends it (twists, stretches, where it does nothing
    else) by its length, and the time in which that force moves its mass with its bodies. */
 TEST(units_are_the_beams_own)
 {
@@ -911,8 +913,8 @@ TEST(large_turns_take_increments)
 /* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
    turned by half a turn about z */
 
-/* >>exact: rotations are those from the undeformed section, of a curved and twisted beam, too; held in the attitude
-   that it was made with, at the tip, too, it stays so. */
+/* E10.8: rotations are those from the undeformed section, of a curved and twisted beam, too; held in the attitude that
+   it was made with, at the tip, too, it stays so. */
 TEST(undeformed_nodes_have_not_turned)
 {
   for (int held = 0; held < 2; held++) {
@@ -936,7 +938,7 @@ TEST(undeformed_nodes_have_not_turned)
   }
 }
 
-/* >>exact: fields of an element in units that are not the beam's own; dead loads on a base that is turned. */
+/* E10.6: fields of an element in units that are not the beam's own; dead loads on a base that is turned. */
 TEST(element_fields_have_their_units)
 {
   const double stiffness[6] = {200.0, 80.0, 80.0, 30.0, 50.0, 70.0}, inertia[6] = {3.0, 3.0, 3.0, 0.1, 0.2, 0.3};

@@ -84,7 +84,7 @@ TEST(the_step_limit_knows_the_acceleration_of_a_far_origin)
   FBT_TRUE(growth(0.97 * (double)fb_rk4_limit(&body, FB_R(20.0), 0), 20.0, 2, 8000) > 1e3); /* refused */
 }
 
-/* Bad input returns its status and changes nothing; the same calls give the same bits. */
+/* Interface: bad input returns its status and changes nothing; the same calls give the same bits. */
 TEST(rk4_refuses_bad_input_and_repeats_itself)
 {
   fb_state state, same, twin;
@@ -456,8 +456,8 @@ TEST(loads_shorten_the_steps_of_systems)
   }
 }
 
-/* fb_exponential_check walks G by the body's number of strain stations: a count beyond the tables is told before
-   that. */
+/* Interface: fb_exponential_check walks G by the body's number of strain stations: a count beyond the tables is told
+   before that. */
 TEST(the_check_of_an_integrator_stays_within_its_tables)
 {
   static const int counts[] = {-1, FBI_MAX_STRAINS + 1, 1 << 30};

@@ -325,7 +325,7 @@ TEST(slow_modes_keep_their_phase)
   }
 }
 
-/* Two bodies stepped in turn give the bits of each alone: nothing is shared. */
+/* Interface: two bodies stepped in turn give the bits of each alone: nothing is shared. */
 TEST(bodies_stepped_in_turn_do_not_meet)
 {
   static fb_body other;
@@ -445,9 +445,9 @@ static void turned_run(fb_state *state, integrator which, fb_base base, int form
   }
 }
 
-/* >>integrate: no axis is better than another: the same body, motion and loads with x, y, z called y, z, x give the
-   same motion, called so, by every integrator; of the implicit ones one iteration, whose matrix leaves its trace in
-   it. */
+/* E11.3, E11.4, E11.7, E11.8, E11.10: no axis is better than another: the same body, motion and loads with x, y, z
+   called y, z, x give the same motion, called so, by every integrator; of the implicit ones one iteration, whose matrix
+   leaves its trace in it. */
 TEST(integrators_know_no_axes)
 {
   for (int run = 0; run < 2 * FBT_FORMS * INTEGRATORS; run++) {
@@ -531,7 +531,7 @@ static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kin
   }
 }
 
-/* >>integrate: nor is one for systems. */
+/* E11.12, E11.14: nor is one for systems. */
 TEST(integrators_of_systems_know_no_axes)
 {
   for (int run = 0; run < 4; run++) {

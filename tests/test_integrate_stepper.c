@@ -163,7 +163,7 @@ TEST(clocks_of_steppers_lose_nothing)
   FBT_NEAR_REL(stepper.t, dt * steps, FBT_TOL(3e-16, 1.2e-7));
 }
 
-/* A description that is not one is refused; a step that is refused leaves state and clock. */
+/* Interface: a description that is not one is refused; a step that is refused leaves state and clock. */
 TEST(steppers_refuse_what_they_cannot_step)
 {
   static fb_system_state system_state;

@@ -92,7 +92,8 @@ TEST(lines_reach_where_the_differential_equation_does)
 
 /* ---- velocities and accelerations: E14.5, E14.9, E14.14 */
 
-/* Along q + t q_dot + t^2/2 q_ddot, the frame at rest: velocities and accelerations of nodes are derivatives of poses. */
+/* E14.5, E14.9, E14.14: along q + t q_dot + t^2/2 q_ddot, the frame at rest: velocities and accelerations of nodes are
+   derivatives of poses. */
 TEST(line_velocities_are_derivatives_of_poses)
 {
   const double h = FBT_TOL(2e-3, 4e-2), tol = FBT_TOL(1e-7, 3e-2);

@@ -227,6 +227,7 @@ static double power_of(const fb_state *state, const fb_input *input)
   return power;
 }
 
+/* E14.40: the work of forces and torques that depend on time and motion is the change of the energy. */
 TEST(power_of_distributed_loads_is_the_rate_of_energy)
 {
   for (int k = 0; k < 4; k++) {
@@ -369,8 +370,8 @@ TEST(points_of_lines_move_as_nodes)
   }
 }
 
-/* A callback that fails, or writes what is no number, ends the call and the state is as before; polynomial bodies have
-   no lines. */
+/* Interface: a callback that fails, or writes what is no number, ends the call and the state is as before; polynomial
+   bodies have no lines. */
 TEST(callbacks_that_fail_leave_the_state)
 {
   static fb_rk4_work work;
@@ -659,7 +660,7 @@ TEST(damping_of_lines_takes_its_power)
 }
 
 #if FB_WITH_FORMS
-/* The other forms have no terms for lines. */
+/* Interface: the other forms have no terms for lines. */
 TEST(other_forms_than_the_momentum_form_refuse_lines)
 {
   line_make(0);

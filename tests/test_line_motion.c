@@ -47,7 +47,7 @@ static double slope_of_energy(fb_state *state, fb_real *x, double h)
   return (8.0 * (e[2] - e[1]) - (e[3] - e[0])) / (12.0 * h);
 }
 
-/* q_dot = dH/dpi, pi_dot = -dH/dq with the energy as H of q, pi and the momenta of the frame. */
+/* E14.7, E14.13: q_dot = dH/dpi, pi_dot = -dH/dq with the energy as H of q, pi and the momenta of the frame. */
 TEST(line_forces_are_the_gradient_of_the_energy)
 {
   const fb_base bases[3] = {FB_BASE_FREE, FB_BASE_PINNED, FB_BASE_HINGED};
@@ -75,8 +75,8 @@ TEST(line_forces_are_the_gradient_of_the_energy)
 
 /* ---- E14.8 */
 
-/* Dead, follower and body-fixed forces and torques on nodes at the tip and between points, and gravity: their power is
-   the rate of the energy along the rates of the state. */
+/* E14.8, E8.15, E8.16, E8.33: dead, follower and body-fixed forces and torques on nodes at the tip and between points,
+   and gravity: their power is the rate of the energy along the rates of the state. */
 TEST(power_of_loads_is_the_rate_of_energy)
 {
   for (int kind = 0; kind < LINE_KINDS; kind++) {
@@ -170,8 +170,8 @@ static void drive(fb_input *input, double t)
   }
 }
 
-/* Along the motion, every base: accelerations of the frame, the coordinates and the nodes are derivatives of velocities;
-   loads and gravity are the rate of the momentum. */
+/* E14.9, E14.15, E14.16: along the motion, every base: accelerations of the frame, the coordinates and the nodes are
+   derivatives of velocities; loads and gravity are the rate of the momentum. */
 TEST(accelerations_of_lines_are_derivatives_of_velocities)
 {
   const double dt = FBT_TOL(1e-4, 2e-3), tol = FBT_TOL(2e-7, 4e-2);
@@ -594,8 +594,8 @@ static double scene_error(int k, int n, int steps)
   return sqrt(most / size);
 }
 
-/* Eight motions of 2 to 20 % of the length: 0.1 % with four modes a plane, 0.01 % with six (tumbling 0.1 %), natural
-   modes, of the rotor at its spin, and a load mode for each direction in which the tip is loaded. */
+/* E14.1, E14.13: eight motions of 2 to 20 % of the length: 0.1 % with four modes a plane, 0.01 % with six (tumbling 0.1
+   %), natural modes, of the rotor at its spin, and a load mode for each direction in which the tip is loaded. */
 TEST(lines_move_as_the_exact_beam)
 {
   for (int k = 0; k < SCENES; k += FBT_LONG(1, 2)) {
@@ -661,8 +661,8 @@ static void twist_exact(double tip[TWIST_SAMPLES][3], int n_element, int steps)
   FBT_INT_EQ(status, FB_OK);
 }
 
-/* A beam half as stiff in torsion as in bending is pushed in both planes, by 54 % of its length, and twisted: it moves as
-   the exact beam of 24 elements, extrapolated in the step. */
+/* E14.1, E14.13: a beam half as stiff in torsion as in bending is pushed in both planes, by 54 % of its length, and
+   twisted: it moves as the exact beam of 24 elements, extrapolated in the step. */
 TEST(lines_that_twist_move_as_the_exact_beam)
 {
   static double tip[2][TWIST_SAMPLES][3];
@@ -809,6 +809,8 @@ static void chain_state(fb_state *state, double energy, double turning)
   FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, rate), FB_OK);
 }
 
+/* E14.7, E14.16: three lines in a chain: small motions are those of the polynomial body, of large ones the forces are
+   the gradient of the energy and the accelerations derivatives along the motion. */
 TEST(joined_lines_hang_on_each_other)
 {
   fb_state state, rate, other;

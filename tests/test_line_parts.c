@@ -111,8 +111,8 @@ static double energy_of(const fb_state *state)
   return (double)energy.kinetic + (double)energy.strain + (double)energy.gravity;
 }
 
-/* Hamilton's equations: q_dot = dH/dpi, pi_dot = -dH/dq at fixed momenta, for every base and with every kind of part. On
-   a free base gravity is left out: it acts on rho. */
+/* E14.12, E14.13: Hamilton's equations: q_dot = dH/dpi, pi_dot = -dH/dq at fixed momenta, for every base and with every
+   kind of part. On a free base gravity is left out: it acts on rho. */
 TEST(rates_of_mixed_bodies_are_hamiltonian)
 {
   for (int k = 0; k < (FB_SINGLE ? 0 : (int)FB_BASE_COUNT); k++) { /* differences want double precision */
@@ -145,7 +145,7 @@ TEST(rates_of_mixed_bodies_are_hamiltonian)
   }
 }
 
-/* Accelerations of body, coordinates and nodes are the derivatives of the velocities along a run. */
+/* E14.16: accelerations of body, coordinates and nodes are the derivatives of the velocities along a run. */
 TEST(accelerations_of_mixed_bodies_are_derivatives)
 {
   for (int k = 0; k < (FB_SINGLE ? 0 : (int)FB_BASE_COUNT); k++) {
@@ -182,8 +182,8 @@ TEST(accelerations_of_mixed_bodies_are_derivatives)
   }
 }
 
-/* Without beams the effect changes nothing: M, Lambda and M_rr of the terms, Schur complement at every evaluation, are
-   the polynomial S(q). */
+/* E14.12, E14.13: without beams the effect changes nothing: M, Lambda and M_rr of the terms, Schur complement at every
+   evaluation, are the polynomial S(q). */
 TEST(without_beams_the_effect_changes_nothing)
 {
   const fb_real center[3] = {FB_R(0.1), FB_R(0.0), FB_R(-0.1)};
@@ -222,7 +222,7 @@ TEST(without_beams_the_effect_changes_nothing)
   }
 }
 
-/* At a thousandth of the deflection the mixed body is the polynomial one: what differs is of third degree. */
+/* E14.12: at a thousandth of the deflection the mixed body is the polynomial one: what differs is of third degree. */
 TEST(mixed_bodies_tie_to_polynomial_ones)
 {
   const double size = FBT_TOL(1e-4, 1e-2);
@@ -246,8 +246,8 @@ static fb_status parts_again(int polynomial)
   return fb_body_init(polynomial ? &other : &body, &body_work, &shape, &desc);
 }
 
-/* What moves with modes of a beam by shapes that the caller gives would stay on its polynomial while the beam bends far.
-   It is refused; on coordinates that are not of a beam it is not. */
+/* Interface: what moves with modes of a beam by shapes that the caller gives would stay on its polynomial while the
+   beam bends far. It is refused; on coordinates that are not of a beam it is not. */
 TEST(parts_that_shapes_move_with_a_line_are_refused)
 {
   const fb_real r[3] = {FB_R(1.0), FB_R(0.5), FB_R(0.0)}, inertia[6] = {FB_R(0.1), FB_R(0.1), FB_R(0.1)};

@@ -70,7 +70,7 @@ static fb_status build(void)
   return fb_body_build(&body, &work, &desc, beam, keep, 2);
 }
 
-/* A node that moves with a beam by its shapes alone would stay on the polynomial while the line bends. */
+/* Interface: a node that moves with a beam by its shapes alone would stay on the polynomial while the line bends. */
 TEST(nodes_beside_their_line_are_refused)
 {
   static fb_modes modes;
@@ -113,8 +113,8 @@ TEST(nodes_beside_their_line_are_refused)
   }
 }
 
-/* Common modes close a loop to first degree alone: bent lines would part at the weld. Trees of welds do not, nor do
-   welds that repeat others. */
+/* Interface: common modes close a loop to first degree alone: bent lines would part at the weld. Trees of welds do not,
+   nor do welds that repeat others. */
 TEST(welds_that_close_a_loop_are_refused)
 {
   booms(); /* two clamped booms side by side, a bar across from tip to tip */
@@ -141,7 +141,7 @@ TEST(welds_that_close_a_loop_are_refused)
   FBT_INT_EQ(body.lines.line[1].hangs, body.lines.line[2].hangs);
 }
 
-/* In the middle of a smooth line is no point to hang on; a lumped body of no mass makes one. */
+/* E14.4, E14.5, E7.12: in the middle of a smooth line is no point to hang on; a lumped body of no mass makes one. */
 TEST(lines_hang_on_points)
 {
   for (int lump = 0; lump < 2; lump++) {
@@ -177,8 +177,8 @@ TEST(lines_hang_on_points)
   }
 }
 
-/* A line is found by its place: of two beams in one place with the same coordinates neither is. Bent lines from one
-   root are told from each other by their tips. */
+/* Interface: a line is found by its place: of two beams in one place with the same coordinates neither is. Bent lines
+   from one root are told from each other by their tips. */
 TEST(lines_in_one_place_are_refused)
 {
   booms();
@@ -200,7 +200,7 @@ TEST(lines_in_one_place_are_refused)
   FBT_INT_EQ(body.node[2].line.line, 2);
 }
 
-/* K under a preload is no stiffness of curvatures: a line that bends takes the load along. */
+/* Interface: K under a preload is no stiffness of curvatures: a line that bends takes the load along. */
 TEST(lines_have_no_preload)
 {
   static fb_modes modes;

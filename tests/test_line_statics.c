@@ -88,7 +88,7 @@ static double shoot(double tip[2], double alpha, double slope)
   return theta;
 }
 
-/* Dead loads beyond the table of the next test, to 20 EI/L^2. */
+/* E14.8: dead loads beyond the table of the next test, to 20 EI/L^2. */
 TEST(elastica_under_heavy_dead_loads)
 {
   double most = 0.0;
@@ -117,7 +117,7 @@ TEST(elastica_under_heavy_dead_loads)
   fbt_figure("dead tip load of 10 to 20 EI/L^2, six modes, by the length", "shooting", most);
 }
 
-/* Dead and follower loads across the tip up to 20 EI/L^2, six modes, one of them the load's. */
+/* E14.8: dead and follower loads across the tip up to 20 EI/L^2, six modes, one of them the load's. */
 TEST(elastica_under_tip_loads)
 {
   static const char *name[2] = {"p04_dead_load.csv", "p04_follower.csv"};
@@ -146,7 +146,7 @@ TEST(elastica_under_tip_loads)
   }
 }
 
-/* An arc of 45 degrees, clamped, loaded across its plane: bending in both planes with torsion. */
+/* E14.1, E14.8: an arc of 45 degrees, clamped, loaded across its plane: bending in both planes with torsion. */
 TEST(the_45_degree_bend_as_a_body)
 {
   static const struct {

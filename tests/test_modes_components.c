@@ -561,7 +561,7 @@ TEST(rigid_parts_have_no_common_modes)
   FBT_INT_EQ(common[0].n + common[1].n, 0);
 }
 
-/* >>modes: the work of the modes of a beam is two full matrices and rows as long as a row couples with, that of a
+/* Interface: the work of the modes of a beam is two full matrices and rows as long as a row couples with, that of a
    synthesis five full matrices: with n coordinates 2 n^2 and 5 n^2 numbers, the rest grows with n. */
 TEST(work_structs_hold_no_more_than_their_matrices)
 {

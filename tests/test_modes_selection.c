@@ -275,7 +275,7 @@ TEST(a_round_beam_has_pairs_of_unexact_modes)
   }
 }
 
-/* >>modes: counts and the frequency limit select from one ordered list. */
+/* Interface: counts and the frequency limit select from one ordered list. */
 TEST(modes_are_selected_by_count_and_frequency)
 {
   static fb_modes_desc keep;
@@ -325,8 +325,8 @@ TEST(modes_are_selected_by_count_and_frequency)
   FBT_INT_EQ(other.n, 0);
 }
 
-/* >>modes: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices_eval without the held and the
-   unwanted rows. */
+/* Interface: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices_eval without the held and
+   the unwanted rows. */
 TEST(element_coordinates_keep_the_element_matrices)
 {
   static const fb_kind nodal[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
@@ -382,7 +382,7 @@ static void refused(const fb_modes_desc *keep, fb_status expected)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* >>modes: what a beam cannot have is refused: kinds without stiffness or inertia, more modes than coordinates or
+/* Interface: what a beam cannot have is refused: kinds without stiffness or inertia, more modes than coordinates or
    capacity, numbers out of range; the output is left alone. */
 TEST(modes_that_do_not_exist_are_refused)
 {
@@ -496,7 +496,7 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* >>modes: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or
+/* Interface: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or
    rigid modes before, and boundaries before modes and what their inertia bends. */
 TEST(modes_may_fill_all_their_room)
 {

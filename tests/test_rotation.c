@@ -32,7 +32,8 @@ static double length(const fb_real a[3])
   return sqrt((double)a[0] * (double)a[0] + (double)a[1] * (double)a[1] + (double)a[2] * (double)a[2]);
 }
 
-/* Hamilton's rules: x y = z, y z = x, z x = y, squares -1; and the product is that of the matrices, in that order. */
+/* E4.9: Hamilton's rules: x y = z, y z = x, z x = y, squares -1; and the product is that of the matrices, in that
+   order. */
 TEST(quaternion_product_is_matrix_product)
 {
   for (int i = 1; i < 4; i++) {
@@ -196,7 +197,7 @@ TEST(exponential_is_smooth_where_its_series_ends)
   }
 }
 
-/* >>rotation: the length becomes one and the direction stays; nothing to normalize is refused and left alone. */
+/* E4.11: the length becomes one and the direction stays; nothing to normalize is refused and left alone. */
 TEST(normalize_refuses_what_has_no_direction)
 {
   for (int trial = 0; trial < 200; trial++) {

@@ -8,7 +8,7 @@ static const char *const status_name[] = {FB_STATUS_LIST(NAME_OF)};
 static const int status_value[] = {FB_STATUS_LIST(VALUE_OF)};
 static const char *const status_text[] = {FB_STATUS_LIST(TEXT_OF)};
 
-/* >>status: 0 is success, every failure is negative and has a value and a text of its own. */
+/* Interface: 0 is success, every failure is negative and has a value and a text of its own. */
 TEST(every_status_has_its_own_value_and_text)
 {
   const int n = FBT_COUNT(status_value);
@@ -26,7 +26,7 @@ TEST(every_status_has_its_own_value_and_text)
   }
 }
 
-/* >>status: a number that is no status still has a text, and not that of a status. */
+/* Interface: a number that is no status still has a text, and not that of a status. */
 TEST(an_unknown_status_has_a_text)
 {
   const char *text = fb_status_string((fb_status)1);

@@ -98,7 +98,7 @@ static const fb_detail *told(fb_status got, fb_status status, const char *functi
   return d;
 }
 
-/* >>status: at first there is none, and a success leaves the last one. */
+/* Interface: at first there is none, and a success leaves the last one. */
 TEST(a_success_leaves_the_record_of_the_last_refusal)
 {
   FBT_TRUE(fb_detail_last() != NULL);
@@ -112,7 +112,7 @@ TEST(a_success_leaves_the_record_of_the_last_refusal)
   (void)told(fb_beam_init(NULL, &boom), FB_ERR_NULL, "fb_beam_init", "beam && desc", -1, 0.0, 0.0);
 }
 
-/* >>status: sections, beams and their modes name the station, the field, what it is and what it must be. */
+/* Interface: sections, beams and their modes name the station, the field, what it is and what it must be. */
 TEST(refused_beams_name_the_station_and_the_field)
 {
   const char *const init = "fb_beam_init";
@@ -154,7 +154,7 @@ TEST(refused_beams_name_the_station_and_the_field)
   (void)told(fb_beam_init(&beam, &boom), FB_ERR_VALUE, init, "length [m], above", -1, 0.0, 0.0);
 }
 
-/* >>status: modes that a beam cannot have name the stiffness that is missing. */
+/* Interface: modes that a beam cannot have name the stiffness that is missing. */
 TEST(refused_modes_name_what_the_beam_lacks)
 {
   const char *const solve = "fb_modes_solve";
@@ -183,7 +183,7 @@ TEST(refused_modes_name_what_the_beam_lacks)
              0.0, 0.0);
 }
 
-/* >>status: shapes and bodies name argument, mode or node. */
+/* Interface: shapes and bodies name argument, mode or node. */
 TEST(refused_bodies_name_the_field_and_the_mode)
 {
   const fb_real center[3] = {0}, rod_alone[6] = {10, 1, 1};
@@ -211,7 +211,7 @@ TEST(refused_bodies_name_the_field_and_the_mode)
              "gravity, its size [m/s^2], without FB_EFFECT_GRAVITY", -1, 9.0, 0.0);
 }
 
-/* >>status: bases tell how many modes were asked for, and how many there may be. */
+/* Interface: bases tell how many modes were asked for, and how many there may be. */
 TEST(refused_bases_tell_the_number_of_modes)
 {
   const char *const solve = "fb_modes_solve", *const room = "count of modes, FB_MAX_MODES, at most";
@@ -247,7 +247,7 @@ TEST(refused_bases_tell_the_number_of_modes)
              FB_KIND_BEND_Y, 0.0, 0.0);
 }
 
-/* >>status: what is singular tells about which axis inertia is missing, and at which joint. */
+/* Interface: what is singular tells about which axis inertia is missing, and at which joint. */
 TEST(missing_inertia_is_named_by_its_axis)
 {
   const char *const word = "axis: mass [kg] along it (0 to 2), inertia [kg m^2] about it (3 to 5)";
@@ -275,7 +275,7 @@ TEST(missing_inertia_is_named_by_its_axis)
   }
 }
 
-/* >>status: of several parts the record names the one. */
+/* Interface: of several parts the record names the one. */
 TEST(a_refused_part_is_named_with_what_it_lacks)
 {
   static fb_build_work build;
@@ -314,7 +314,8 @@ TEST(a_refused_part_is_named_with_what_it_lacks)
              "part: clamped root with a weld there", 1, 0.0, 0.0);
 }
 
-/* >>status: an array whose count was forgotten is not taken for none: every pair of a description that is read once. */
+/* Interface: an array whose count was forgotten is not taken for none: every pair of a description that is read
+   once. */
 TEST(filled_arrays_without_their_count_are_refused)
 {
   static fb_build_work build;
@@ -378,7 +379,7 @@ TEST(filled_arrays_without_their_count_are_refused)
   (void)told(fb_exact_init(&exact, &rod), FB_ERR_VALUE, "fb_exact_init", "n_joint, 1 where joint[0]", -1, 0.0, 1.0);
 }
 
-/* >>status: steps of one body name the step, its limit and the spin; loads and ranges their number. */
+/* Interface: steps of one body name the step, its limit and the spin; loads and ranges their number. */
 TEST(refused_steps_name_the_limit)
 {
   const fb_detail *d;
@@ -422,7 +423,7 @@ TEST(refused_steps_name_the_limit)
   FBT_NEAR_ABS((double)d->at, 1000.0, 1e-3);
 }
 
-/* >>status: steppers name what of their description is refused. */
+/* Interface: steppers name what of their description is refused. */
 TEST(refused_steppers_name_the_field)
 {
   const char *const init = "fb_stepper_init";
@@ -465,7 +466,7 @@ TEST(refused_steppers_name_the_field)
   (void)told(fb_stepper_init(&stepper, &way), FB_ERR_UNSUPPORTED, init, "integrator of an exact beam", -1, 0.0, 0.0);
 }
 
-/* >>status: descs of systems name joint and field; a step beyond the limit the body or joint that bounds it. */
+/* Interface: descs of systems name joint and field; a step beyond the limit the body or joint that bounds it. */
 TEST(refused_systems_name_the_joint_and_what_bounds_a_step)
 {
   const char *const init = "fb_system_init", *const step = "fb_system_rk4_step";
@@ -517,7 +518,7 @@ TEST(refused_systems_name_the_joint_and_what_bounds_a_step)
              FB_ERR_CONTRADICTION, step, "joint: rate of a prescribed axis whose value does not change", 1, 0.25, 0.0);
 }
 
-/* >>status: descs of exact beams name station, support, element. */
+/* Interface: descs of exact beams name station, support, element. */
 TEST(refused_exact_beams_name_the_station)
 {
   const char *const init = "fb_exact_init";
@@ -556,7 +557,7 @@ static fb_exact_branch *branched(void)
   return &rod.branch[1];
 }
 
-/* >>status: descs of exact beams name the branch, and of what is on it the station, node or element. */
+/* Interface: descs of exact beams name the branch, and of what is on it the station, node or element. */
 TEST(refused_branches_are_named)
 {
   const char *const init = "fb_exact_init";

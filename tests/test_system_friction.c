@@ -255,8 +255,8 @@ TEST(stops_bound_the_step_beside_rotors)
   }
 }
 
-/* SDIRK with steps far beyond friction's time constant and the stop's period: a wheel comes to rest, one that a motor
-   pushes rests on its stop where the spring holds it. */
+/* E9.28, E9.29: SDIRK with steps far beyond friction's time constant and the stop's period: a wheel comes to rest, one
+   that a motor pushes rests on its stop where the spring holds it. */
 TEST(implicit_steps_rest_in_friction_and_on_stops)
 {
   double value, speed;
@@ -329,7 +329,7 @@ TEST(linear_models_hold_friction_and_stops)
   }
 }
 
-/* Joints refuse friction and stops that mean nothing; check and word see each field. */
+/* Interface: joints refuse friction and stops that mean nothing; check and word see each field. */
 TEST(friction_and_stops_are_checked)
 {
   const fb_real nan_now = (fb_real)NAN;

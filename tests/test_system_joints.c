@@ -583,7 +583,7 @@ TEST(axes_near_the_opposite_of_z_are_met)
   }
 }
 
-/* An axis and an attitude on one side contradict each other; an axis is a number and not nothing. */
+/* Interface: an axis and an attitude on one side contradict each other; an axis is a number and not nothing. */
 TEST(axes_that_are_none_are_refused)
 {
   for (int run = 0; run < 6; run++) {

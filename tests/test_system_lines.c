@@ -412,7 +412,8 @@ TEST(power_of_distributed_loads_on_systems_is_the_rate_of_energy)
   }
 }
 
-/* A callback that fails ends the step, which changes nothing; loads on lines of bodies without lines are refused. */
+/* Interface: a callback that fails ends the step, which changes nothing; loads on lines of bodies without lines are
+   refused. */
 TEST(systems_refuse_distributed_loads_that_fail)
 {
   gale gales;

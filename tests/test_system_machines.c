@@ -151,6 +151,7 @@ static void unfold(path *p, int cut, double T, int steps)
   }
 }
 
+/* E9.25: four links of large deflection move as eight of half their length. */
 TEST(folded_booms_unfold_as_finer_ones_do)
 {
   static path whole, finer;
@@ -222,6 +223,7 @@ static void turn_rotor(path *p, int cut, double T, int steps)
   }
 }
 
+/* E9.25: a blade of large deflection on hinges moves as one of four links. */
 TEST(hinged_rotors_turn_as_finer_ones_do)
 {
   static path whole, finer;
@@ -285,6 +287,7 @@ static void turn_crank(path *p, int cut, double T, int steps)
   }
 }
 
+/* E9.25, E9.10: a rod of large deflection in a loop moves as one of four links. */
 TEST(slider_cranks_turn_as_finer_ones_do)
 {
   static path whole, finer;
@@ -603,7 +606,7 @@ TEST(internal_loads_of_systems_reach_the_hub)
   }
 }
 
-/* A body without lines, rows, numbers of no body. */
+/* Interface: a body without lines, rows, numbers of no body. */
 TEST(internal_loads_of_systems_that_are_not_known_are_refused)
 {
   static fb_line_motion point[FB_MAX_LINE_POINTS];

@@ -3,7 +3,8 @@
 
 static fb_system_state kept;
 
-/* Whatever is in the work before a call, it does the same, to the last bit; by each method and with a loop. */
+/* Interface: whatever is in the work before a call, it does the same, to the last bit; by each method and with a
+   loop. */
 TEST(work_means_nothing_between_calls)
 {
   static fb_system_state begin[2], slope[2], after[2];
@@ -47,8 +48,8 @@ TEST(work_means_nothing_between_calls)
   }
 }
 
-/* No input is one of zeros, to the last bit: motors are off, prescribed axes and bodies stand at zero; in joint
-   coordinates, by the dense matrix, as constraints and as a loop. */
+/* Interface: no input is one of zeros, to the last bit: motors are off, prescribed axes and bodies stand at zero; in
+   joint coordinates, by the dense matrix, as constraints and as a loop. */
 TEST(no_input_is_an_input_of_zeros)
 {
   static fb_system_motion at[2];
@@ -111,8 +112,8 @@ static void refused_without(fb_real *field, int n)
   }
 }
 
-/* fb_system_check: every field beyond its range, of the system, of a joint of the tree and of one that closes a loop,
-   is found; at the ends of the range all is well. */
+/* Interface: fb_system_check: every field beyond its range, of the system, of a joint of the tree and of one that
+   closes a loop, is found; at the ends of the range all is well. */
 TEST(systems_that_memory_has_changed_are_refused)
 {
   fb_joint *joint = mechanism.joint;
@@ -179,8 +180,8 @@ TEST(systems_that_memory_has_changed_are_refused)
   }
 }
 
-/* fb_system_state_check, and what fb_system_state_init takes: attitudes where there are any, modes, where locked axes
-   are; as far as a body may be deflected and no further. */
+/* Interface: fb_system_state_check, and what fb_system_state_init takes: attitudes where there are any, modes, where
+   locked axes are; as far as a body may be deflected and no further. */
 TEST(states_out_of_range_are_refused)
 {
   const int beyond = FB_AXIS_COUNT;
@@ -280,7 +281,7 @@ TEST(the_check_word_of_a_system_sees_every_byte)
   }
 }
 
-/* A free body has no parent, whatever the desc says of one: the system is sound and has the same word. */
+/* Interface: a free body has no parent, whatever the desc says of one: the system is sound and has the same word. */
 TEST(free_bodies_have_no_parent)
 {
   unsigned word = 0;
@@ -308,6 +309,7 @@ static int many_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, 
   return n < capacity ? n : capacity;
 }
 
+/* Interface: what is missing, not a number or out of range in a description, an input or a state. */
 TEST(systems_refuse_what_is_not_right)
 {
   int many = 30;
@@ -397,7 +399,7 @@ TEST(systems_refuse_what_is_not_right)
   FBT_NEAR_ABS(motion.pose[0].quat[1], -0.5e-9, 1e-13);
 }
 
-/* >>system: a torque of an axis that a joint does not have, or of a free joint, which has no motor, would do nothing:
+/* Interface: a torque of an axis that a joint does not have, or of a free joint, which has no motor, would do nothing:
    it is refused, of every kind of joint and of one that closes a loop. */
 TEST(torques_without_a_motor_are_refused)
 {
@@ -426,8 +428,8 @@ TEST(torques_without_a_motor_are_refused)
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_VALUE);
 }
 
-/* A model that no body has, of as many models as bodies: desc.model was forgotten, and the default, 0, would double
-   another body. An array of more or fewer models may hold spare ones. */
+/* Interface: a model that no body has, of as many models as bodies: desc.model was forgotten, and the default, 0, would
+   double another body. An array of more or fewer models may hold spare ones. */
 TEST(forgotten_models_are_refused)
 {
   couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
@@ -461,10 +463,10 @@ static fb_status step_prescribed(double value, double first, double middle, doub
                   : fb_system_rk4_step(&mechanism, model, &state, &work, &in[0], &in[1], &in[2], (fb_real)dt);
 }
 
-/* A prescribed value that stays while its rate says that it moves is refused and named, by all methods and both
-   integrators, and one that jumps, in the step or from where the state has it, by more than its rates say; one that
-   moves by less than its rounding, comes back to where it was, follows in part, is counted anew after a turn, or is held
-   over the step, is not. */
+/* Interface: a prescribed value that stays while its rate says that it moves is refused and named, by all methods and
+   both integrators, and one that jumps, in the step or from where the state has it, by more than its rates say; one
+   that moves by less than its rounding, comes back to where it was, follows in part, is counted anew after a turn, or
+   is held over the step, is not. */
 TEST(a_prescribed_value_that_denies_its_rate_is_refused)
 {
   const double dt = 1e-3;

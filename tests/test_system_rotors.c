@@ -60,8 +60,8 @@ TEST(gyrostats_nutate_as_in_closed_form)
   }
 }
 
-/* A rotor at 600 rad/s on an oblique axis, driven by its motor: steps of 10 ms give the attitude of those of 1 ms to
-   1e-8; those of the implicit integrator converge. */
+/* E11.41: a rotor at 600 rad/s on an oblique axis, driven by its motor: steps of 10 ms give the attitude of those of 1
+   ms to 1e-8; those of the implicit integrator converge. */
 TEST(rotors_take_long_steps)
 {
   double attitude[3][4];
@@ -85,8 +85,8 @@ TEST(rotors_take_long_steps)
   }
 }
 
-/* The limit of rk4 on platforms from heavy to none to speak of: 5 % beyond it is refused, with nothing changed; up to it
-   the energy is held. */
+/* E11.41: the limit of rk4 on platforms from heavy to none to speak of: 5 % beyond it is refused, with nothing changed;
+   up to it the energy is held. */
 TEST(rotors_count_by_their_nutation)
 {
   for (int k = 0; k < 4; k++) {
@@ -119,6 +119,7 @@ static int no_row(fb_row *row, int capacity, const fb_pose *pose, fb_real t, voi
   return 0;
 }
 
+/* E11.41: what is not balanced, symmetric, alone and free of loads about its axis is bounded by its whole spin. */
 TEST(bodies_that_are_no_rotors_count_whole)
 {
   for (int k = 0; k < 9; k++) {
@@ -152,7 +153,7 @@ TEST(bodies_that_are_no_rotors_count_whole)
   FBT_INT_EQ(run(0.01, 0.01), FB_ERR_STEP);
 }
 
-/* A load on the rotor in the middle of the step alone turns with it as one at its start. */
+/* E11.41: a load on the rotor in the middle of the step alone turns with it as one at its start. */
 TEST(loads_on_rotors_within_the_step_count)
 {
   fb_system_input middle;
@@ -167,8 +168,8 @@ TEST(loads_on_rotors_within_the_step_count)
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(0.01)), FB_OK);
 }
 
-/* What carries the rotor moves to its pivot, where it is a hundred times as easy to tilt as at zero coordinates: the limit
-   is that of the present pose. */
+/* E11.41: what carries the rotor moves to its pivot, where it is a hundred times as easy to tilt as at zero
+   coordinates: the limit is that of the present pose. */
 TEST(rotors_count_where_they_are)
 {
   const double spin = 600.0;
@@ -213,7 +214,7 @@ TEST(rotors_hide_nothing_that_did_not_converge)
   }
 }
 
-/* A platform that turns fast across the axis of a rotor takes the steps that fb_system_limit_eval names. */
+/* E11.41: a platform that turns fast across the axis of a rotor takes the steps that fb_system_limit_eval names. */
 TEST(steps_of_the_limit_are_taken)
 {
   for (int k = 1; k <= 20; k++) {
@@ -648,7 +649,8 @@ TEST(systems_with_rotors_keep_energy_and_momentum)
   }
 }
 
-/* The energy changes by what motors of joints and rotors, friction and dampers do: motor_work is the integral. */
+/* E8.43, E8.60: the energy changes by what motors of joints and rotors, friction and dampers do: motor_work is the
+   integral. */
 TEST(work_of_rotors_is_in_the_energy)
 {
   craft_end first, last;
@@ -662,8 +664,8 @@ TEST(work_of_rotors_is_in_the_energy)
   FBT_TRUE(fabs(last.work) > 0.1);
 }
 
-/* A motor and viscous friction between a rotor and a body on a hinge: the speed goes to motor/d with d (1/I + 1/J), and
-   the sum of momenta stays. */
+/* E8.43: a motor and viscous friction between a rotor and a body on a hinge: the speed goes to motor/d with d
+   (1/I + 1/J), and the sum of momenta stays. */
 TEST(friction_brakes_rotors_of_systems_in_closed_form)
 {
   const double I = 0.02, J = 3.0, T = 5.0, d = 2e-3, fast = 40.0, both = 1.0 / I + 1.0 / J, motor = 0.05;
@@ -693,8 +695,9 @@ TEST(friction_brakes_rotors_of_systems_in_closed_form)
   }
 }
 
-/* A given momentum: the speed of a body on a hinge falls by its change over the inertia without the rotor's, whatever
-   torque that takes, which the reaction and the acceleration know of; the state keeps the last momentum. */
+/* E8.44, E8.60: a given momentum: the speed of a body on a hinge falls by its change over the inertia without the
+   rotor's, whatever torque that takes, which the reaction and the acceleration know of; the state keeps the last
+   momentum. */
 TEST(given_momenta_turn_systems_against_them)
 {
   const double I = 0.02, J = 3.0, rate = 0.2;
@@ -799,6 +802,7 @@ static void satellite(void)
   input.rotor[0][1].torque = -FB_R(0.1);
 }
 
+/* E11.50: wheels at their speeds leave the step to what bends: 10 ms give the attitude of 1 ms. */
 TEST(satellites_with_wheels_and_arrays_take_long_steps)
 {
   double attitude[2][4];
@@ -878,7 +882,7 @@ TEST(systems_with_rotors_are_bounded_by_nutation)
   }
 }
 
-/* A body with rotors is a system of one, by any of the steps. */
+/* E8.60: a body with rotors is a system of one, by any of the steps. */
 TEST(a_body_with_rotors_is_a_system_of_one)
 {
   static fb_body one[2];
@@ -931,7 +935,7 @@ TEST(a_body_with_rotors_is_a_system_of_one)
   }
 }
 
-/* The order of both integrators with rotors on rigid and on bending bodies. */
+/* E11.12, E11.14: the order of both integrators with rotors on rigid and on bending bodies. */
 TEST(integrators_of_systems_with_rotors_converge)
 {
   for (int scheme = 0; scheme < 2 && !FB_SINGLE; scheme++) {
@@ -954,7 +958,7 @@ TEST(integrators_of_systems_with_rotors_converge)
   }
 }
 
-/* What is wrong is refused, with what it is. */
+/* Interface: what is wrong is refused, with what it is. */
 TEST(bad_rotors_of_systems_are_refused)
 {
   const fb_real nothing = (fb_real)NAN;
@@ -1225,7 +1229,8 @@ TEST(linear_models_of_systems_with_rotors_are_those_of_wheels)
   }
 }
 
-/* The model's columns of rotors by the rates themselves: the difference of the rates of all momenta by a momentum. */
+/* E12.9: the model's columns of rotors by the rates themselves: the difference of the rates of all momenta by a
+   momentum. */
 TEST(linear_models_of_systems_are_derivatives_by_the_momenta_of_rotors)
 {
   static fb_system_state moved_state, rate[2];

@@ -10,7 +10,7 @@ static long double dot_of(const fb_real *a, const fb_real *b, int n, int stride)
   return sum;
 }
 
-/* >>vec3: e_x x e_y = e_z, and the identities of Lagrange and Jacobi. */
+/* E3.3: e_x x e_y = e_z, and the identities of Lagrange and Jacobi. */
 TEST(cross_and_dot_products_keep_their_identities)
 {
   const double tol = 16.0 * FBT_TOL(2.3e-16, 1.2e-7);
@@ -51,7 +51,7 @@ TEST(cross_and_dot_products_keep_their_identities)
   }
 }
 
-/* >>vec3: rows times columns; (A B) x = A (B x); y.(A x) = (A^T y).x. */
+/* E3.3: rows times columns; (A B) x = A (B x); y.(A x) = (A^T y).x. */
 TEST(matrix_products_agree_with_their_definition)
 {
   const double tol = 32.0 * FBT_TOL(2.3e-16, 1.2e-7);
@@ -79,7 +79,7 @@ TEST(matrix_products_agree_with_their_definition)
   }
 }
 
-/* >>vec3: (0,0), (0,1) .. (0,5), (1,1) .. (5,5), the same both ways round. */
+/* Interface: (0,0), (0,1) .. (0,5), (1,1) .. (5,5), the same both ways round. */
 TEST(sym6_is_packed_by_the_upper_triangle)
 {
   int next = 0;

@@ -20,22 +20,17 @@ for document in $documents; do
     esac
   done < "$out/links"
 done
-cat $documents | grep -oxE '<!-- /?[a-z0-9_]* -->' | sort > "$out/marks"
+cat $documents | sed -nE 's/^<!-- ([a-z0-9]+) commit=[0-9a-f]{7,40} rule=[^ ]+ -->$/\1/p; s/^<!-- (\/[a-z0-9]+) -->$/\1/p' | sort > "$out/marks"
 twice=$(uniq -d "$out/marks" | tr '\n' ' ')
 [ -z "$twice" ] || fail "more than one place for $twice"
 sed -nE 's/.*\bblock ([a-z0-9]+).*/\1/p' bench/readme.sh | grep -vx NAME | sort -u > "$out/made"
-while read -r table; do
-  for mark in "<!-- $table -->" "<!-- /$table -->"; do
-    grep -qxF -- "$mark" "$out/marks" || fail "bench/readme.sh makes $table, no document has $mark"
-  done
-done < "$out/made"
-[ "$(wc -l < "$out/marks")" -eq $((2 * $(wc -l < "$out/made"))) ] || fail "a document has marks of a table that bench/readme.sh does not make"
+sed 'p; s/^/\//' "$out/made" | sort > "$out/wanted"
+wrong=$(comm -3 "$out/marks" "$out/wanted" | tr -d '\t' | tr '\n' ' ')
+[ -z "$wrong" ] || fail "marks of tables (<!-- NAME commit=COMMIT rule=RULE -->, <!-- /NAME -->) without a table that bench/readme.sh makes, or missing: $wrong"
 for document in $documents; do # each can be reached from README.md
   [ "$document" = README.md ] || grep -qF "]($document" README.md || fail "README.md does not lead to $document"
 done
-# Figures that README.md repeats in its sentences are those of the tables.
-mutants=$(sed -n '/^<!-- mutants -->$/,/^<!-- \/mutants -->$/s/^seed.*: \(.*\) caught$/\1/p' tests/VERIFICATION.md)
-grep -qF "notice $mutants random changes" README.md || fail "README.md does not say what tests/VERIFICATION.md does: $mutants of mutants"
+# A figure that README.md repeats in a sentence; excerpts of tables: tests/checks/tables.sh.
 scenes=$(ls examples/scenes/*.txt | wc -l)
 grep -qF "text files with $scenes examples" README.md || fail "README.md counts other than $scenes scenes"
 cat $documents | tr '`' '\n' | grep -xE '(fb|fbi|FB|FBI)_[A-Za-z0-9_]*[A-Za-z0-9]' | sort -u > "$out/names"

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Every equation id is defined once, names a test that exists, and every id that is cited anywhere is defined. Every name of
 # the library that README.md uses exists. THEORY.md has the derivation of every equation, and every source of the code is there.
+# The comment directly above every test cites an id, or begins with "Interface: ": no physical claim (CONTRIBUTING.md).
 . tests/checks/common.sh
 sed -n 's/^\/\* \[\(E[0-9]*\.[0-9]*\)\].*/\1/p' flexbeam_impl.h | sort > "$out/defined"
 twice=$(uniq -d "$out/defined" | tr '\n' ' ')
@@ -24,6 +25,15 @@ missing=$(awk 'NR == FNR { known[$1] = 1; next } !($2 in known) { print $1 " " $
 [ -z "$missing" ] || {
   echo "$missing"
   fail "$(echo "$missing" | wc -l) tests named by equations do not exist"
+}
+awk 'FNR == 1 { last = -1; comment = 0 }
+     /^\/\*/ { text = ""; comment = 1 }
+     comment { text = text " " $0; if (/\*\//) { comment = 0; last = FNR }; next }
+     /^TEST\(/ && !(last == FNR - 1 && (text ~ /E[0-9]+\.[0-9]+/ || text ~ /^ \/\* Interface: ./)) { print FILENAME ":" FNR ": " $0 }' \
+  tests/test_*.c > "$out/bare"
+[ ! -s "$out/bare" ] || {
+  cat "$out/bare"
+  fail "$(wc -l < "$out/bare") tests whose comment cites no equation and is not Interface"
 }
 grep -ohE '\bE[0-9]+\.[0-9]+\b' flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c examples/*/*.c bench/*.[ch] | sort -u > "$out/cited"
 unknown=$(comm -23 "$out/cited" "$out/defined" | tr '\n' ' ')
@@ -87,4 +97,5 @@ tr '`' '\n' < README.md | grep -xE '(fb|fbi|FB|FBI)_[A-Za-z0-9_]*[A-Za-z0-9]' | 
 grep -ohE '\b(fb|fbi|FB|FBI)_[A-Za-z0-9_]+' flexbeam.h flexbeam_impl.h | sort -u > "$out/code"
 unknown=$(comm -23 "$out/names" "$out/code" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "README.md names what is not there: $unknown"
-ok "$(wc -l < "$out/defined") equations, each defined once, tested and derived from one of $(wc -l < "$out/keys") sources; $(wc -l < "$out/tests") tests"
+ok "$(wc -l < "$out/defined") equations, each defined once, tested and derived from one of $(wc -l < "$out/keys") sources; $(wc -l < "$out/tests") tests," \
+  "$(grep -hc '^/\* Interface: ' tests/test_*.c | awk '{ n += $1 } END { print n }') of the interface"
