@@ -3417,6 +3417,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           build/flexbeam scene --code: the same of bodies on joints.
           SDIRK of systems: stiff modes that hardly move do not end in FB_ERR_CONVERGENCE; lines without a
           deflection_limit do where their motion has not converged.
+          Implicit steps: a fast prescribed base that begins to turn does not end in FB_ERR_CONVERGENCE.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,

@@ -17254,12 +17254,28 @@ static fb_real fbi_rate_size(const fb_state *k, const fb_implicit_work *w, const
   return g * g * (FB_R(4.0) * turn + bent * bent);
 }
 
+/* [E11.54] Rate k of the attitude of a prescribed base at a stage and that attitude, at = base + g k, exact: at = base o
+   (1 - g w/2)^-1, w the rate of the stage. Its error in a first guess comes to the momenta of the modes as a velocity, by v,
+   and thus to the modes with the second iteration; the last correction then is that of the first order of a motion that
+   has just begun, and no measure of what is left.
+   Source: k = 1/2 at o w.  Cost: 70 flops.  Fails: never.  Test: a_fast_base_that_begins_to_turn_is_no_failure. */
+static void fbi_base_turn(fb_real k[4], fb_real at[4], const fb_real base[4], fb_real g, const fb_real w[3])
+{
+  fb_real own[4];
+  fbi_turn_inverse(own, g, w);
+  fb_quat_mul(at, base, own);
+  fbi_quat_rate(k, at, w);
+}
+
 /* Simplified Newton iterations for k = f(base + g k), k holds the first guess: (I - g W) dk = f - k. */
 static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body *body, const fbi_kinetics *at,
                                  const fb_state *base, const fb_input *input, int iterations, fb_real dt)
 {
   fb_status status = fbi_input_check(body, input);
   fb_real first = FB_R(0.0), last = FB_R(0.0);
+  if (fbi_is_following(body) && input) {
+    fbi_base_turn(k->quat, w->stage.quat, base->quat, w->g, input->w);
+  }
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
     FBI_USE_LINES(here, w);
@@ -17396,9 +17412,7 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
   fb_real own[4], middle[4], end[4], rate[4], R[9], first[3], last[3];
 
   /* Attitudes at the stage and at the end, by E11.8 */
-  fbi_turn_inverse(own, c * dt, stage->w);
-  fb_quat_mul(middle, start->quat, own);
-  fbi_quat_rate(rate, middle, stage->w);
+  fbi_base_turn(rate, middle, start->quat, c * dt, stage->w);
   for (int i = 0; i < 4; i++) {
     rate[i] = start->quat[i] + (FB_R(1.0) - c) * dt * rate[i];
   }
