@@ -166,14 +166,14 @@
      fb_rk4_work                 55800
      fb_implicit_work            63992
      fb_exponential_work         58824
-     fb_system_work             635784
+     fb_system_work             635976
      fb_exact_work              176088
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1288984
-     fb_system_analyse_work    1967304
+     fb_system_analyse_work    1967496
      fb_exact_path_work         205352
      fb_exact_spectrum_work    1627944
      fb_exact_linear_work      2001624
@@ -1567,6 +1567,7 @@ typedef struct fbi_row {
   fb_row r;
   int end[2], joint, axis;
   fb_real force_dot[2][3], torque_dot[2][3], b_dot;
+  fb_real most; /* upper bound of its value without impulses */
 } fbi_row;
 
 typedef struct fb_system_work { /* scratch; large: make it static */
