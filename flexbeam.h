@@ -1315,6 +1315,15 @@ typedef enum fb_axis_mode {
   FB_AXIS_COUNT
 } fb_axis_mode;
 
+/* The methods are the same mechanics. Measured with 2500 random systems of one or two loops, in double precision:
+     DENSE: accelerations alike to 1e-9 of the largest where the least pivot of the loops (E9.9, the squared sine of how
+       far they are from a singular position) is above 1e-3; to 2e-6 where it is 1e-6. That is round-off.
+     MULTIPLIERS: a loop that is open by x rad in fb_system_state_init is closed at another position, by 0.04 x^2 at the
+       median, 20 x^2 at most: give values that fit. A row counts as dependent below a pivot of 1e-8, which is 1e-4 rad
+       before a singular position where bodies are alike, but sooner where a heavy one is behind a light one: free bodies
+       of 2200 : 1 already where the tree has a pivot of 3e-4. The mechanism then has a further freedom, with FB_OK.
+   With any of them prescribed rates that contradict a loop by less than a hundredth of its speeds are found by the steps
+   alone, as its position departs. */
 typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0,   /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,       /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
@@ -3419,6 +3428,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           SDIRK of systems: stiff modes that hardly move do not end in FB_ERR_CONVERGENCE; lines without a
           deflection_limit do where their motion has not converged.
           Implicit steps: a fast prescribed base that begins to turn does not end in FB_ERR_CONVERGENCE.
+          Loops at rest are no contradiction to an axis that is prescribed elsewhere; they close alike with a dense LU.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,

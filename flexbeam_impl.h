@@ -10583,13 +10583,16 @@ static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
   }
 }
 
-/* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale. */
+/* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale. Among
+   equals, such as parallel rows of two loops, the first: round-off would choose rows by chance, and with them how loops
+   that are still open are closed. */
 static int fbi_rows_pivot(const fb_system_work *w, const fb_real *scale, int k)
 {
+  const fb_real equal = FB_SINGLE ? FB_R(1.001) : FB_R(1.000001);
   int best = k;
   for (int i = k + 1; i < w->n_row; i++) {
     const int a = w->order[i], b = w->order[best];
-    const int larger = w->diagonal[a] * scale[b] > w->diagonal[b] * scale[a];
+    const int larger = w->diagonal[a] * scale[b] > equal * w->diagonal[b] * scale[a];
     best += larger * (i - best); /* no branch: the work of a step depends on no value */
   }
   return best;
