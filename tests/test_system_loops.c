@@ -431,6 +431,76 @@ TEST(contradictions_name_their_joint)
   }
 }
 
+/* E9.9, E9.10: two links on hinges of the ground whose ends a hinge pins to each other stand still: two constraint rows
+   hold them, the other three are left out, and what these miss is the round-off of the impulses that stop the links from
+   any speed, also of one that turned at 1000 rad/s. That a motor elsewhere is prescribed makes it no contradiction, with any
+   method and in any attitude. */
+TEST(loops_that_stand_still_contradict_no_prescribed_axis)
+{
+  for (int run = 0; run < 60; run++) {
+    const double x = 0.9, across = 0.6, speed = run % 2 ? 1.0 : FBT_TOL(1e3, 10.0);
+    fresh();
+    rigid(&model[0], 1.0, 0.4, 0, 0, 0.1, 0.1, 0.1);
+    rigid(&model[1], 0.7, 0.3, 0, 0, 0.1, 0.1, 0.1);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(2, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    desc.joint[1].position[0] = (fb_real)x;
+    desc.joint[2].mode[0] = FB_AXIS_PRESCRIBED;
+    fbt_seed((unsigned)run + 1);
+    tilt_ground(2.0 * fbt_random(), 2.0 * fbt_random(), 2.0 * fbt_random());
+    for (int side = 0; side < 2; side++) { /* the pin at (0.45, 0.6): out along each link */
+      const double angle = side ? pi - atan2(across, 0.5 * x) : atan2(across, 0.5 * x);
+      start[side].value[0] = (fb_real)angle;
+      start[side].speed[0] = (fb_real)speed;
+    }
+    close_loop(FB_JOINT_REVOLUTE, 0, 0, 1, 0);
+    desc.loop[0].position[0] = desc.loop[0].child_position[0] = (fb_real)hypot(0.5 * x, across);
+    input.drive[2].rate[0] = FB_R(0.1);
+    init((fb_method)(run / 2 % 3));
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_BELOW(fabs((double)motion.motion[0].w[2]) + fabs((double)motion.motion[1].w[2]), FBT_TOL(1e-12, 1e-5) * speed);
+    input.drive[2].value[0] = FB_R(0.0001);
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(0.001)), FB_OK);
+  }
+}
+
+/* E9.9, E9.17: a loop that locks the one hinge between two bodies asks that for the same six times, by forces and by torques;
+   the largest row of either is as good. It is chosen by its order where round-off would choose: however far the loops are
+   open at first, they close at the same place with the recursion and with a dense LU. */
+TEST(methods_choose_the_same_of_equal_rows)
+{
+  for (int run = 0; run < 60; run++) {
+    fb_system_state other;
+    fb_joint_desc *loop;
+    fresh();
+    rigid(&model[0], 1.0, 0.4, 0.1, 0.2, 0.3, 0.2, 0.4);
+    rigid(&model[1], 0.7, 0.3, -0.1, 0.1, 0.2, 0.3, 0.1);
+    fbt_seed((unsigned)run + 1);
+    hang(0, 0, FB_JOINT_SPHERICAL, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_REVOLUTE, 0, 0);
+    turn_anyhow(desc.joint[1].attitude, 1.0);
+    memcpy(desc.joint[1].child_attitude, desc.joint[1].attitude, sizeof desc.joint[1].attitude);
+    for (int l = 0; l < 2; l++) { /* closed where all coordinates are zero: the bodies' axes are those of the ground */
+      loop = close_loop(l ? FB_JOINT_RIGID : FB_JOINT_SPHERICAL, l ? 0 : FB_GROUND, 0, 1, 0);
+      for (int i = 0; i < 3; i++) {
+        loop->position[i] = loop->child_position[i] = (fb_real)fbt_random();
+      }
+      turn_anyhow(loop->attitude, 1.0);
+      memcpy(loop->child_attitude, loop->attitude, sizeof loop->attitude);
+    }
+    turn_anyhow(start[0].quat, 0.1);
+    start[1].value[0] = (fb_real)(0.1 * fbt_random());
+    init(FB_METHOD_DENSE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &other, &work, start, NULL), FB_OK);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_BELOW(fbt_difference(state.link[0].quat, other.link[0].quat, 4), FBT_TOL(1e-11, 1e-4));
+    FBT_BELOW(fabs((double)(state.link[1].x[0] - other.link[1].x[0])), FBT_TOL(1e-11, 1e-4));
+  }
+}
+
 /* E3.2, E9.4: a free body without mass moves as it likes along a slide that it carries, and about a hinge, however the
    joint is turned: refused, in units of any size. With a hundred thousandth of the child's mass and inertia (single: a
    hundredth) it is a body. */
@@ -466,6 +536,7 @@ SUITE(system_loops, RUN(free_bodies_without_mass_are_refused_in_every_attitude),
       RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(a_prescribed_loop_closes_where_it_is_told),
       RUN(a_locked_loop_closes_where_the_free_one_does), RUN(loops_are_closed_the_right_way_round),
       RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint),
+      RUN(methods_choose_the_same_of_equal_rows), RUN(loops_that_stand_still_contradict_no_prescribed_axis),
       RUN(linkages_swing_alike_in_any_unit_of_length), RUN(loops_slide_any_way),
       RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
       RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(redundant_loops_are_accepted))

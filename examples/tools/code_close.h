@@ -306,8 +306,8 @@ static void rows_write_functions(const code *w)
       fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + rows_pushes(constraint.row[r].hold));
     }
   }
-  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`"
-                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`");
+  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`, @_equal = `1.001`"
+                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`, @_equal = `1.000001`");
   code_template(w, !rows_are_driven() ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
   code_template(w, rows_functions);
   code_template(w, rows_are_driven() ? rows_hold : "");

@@ -722,7 +722,7 @@ static const char rows_functions[] =
     "    $ by;\n"
     "    for (int i = rank + 1; i < @_ROWS; i++) {\n"
     "      const int a = order[i], b = order[best];\n"
-    "      best += (left[a] * scale[b] > left[b] * scale[a]) * (i - best);\n    }\n"
+    "      best += (left[a] * scale[b] > @_equal * left[b] * scale[a]) * (i - best);\n    }\n"
     "    p = order[best];\n"
     "    if (!(left[p] > @_apart * scale[p])) {\n      break;\n    }\n"
     "    order[best] = order[rank];\n"
