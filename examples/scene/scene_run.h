@@ -519,6 +519,7 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   }
   for (int k = 0; k < s->n_output; k++) {
     value[k] = scene_value(s, &s->output[k]);
+    seen_note(s, k, value[k]);
   }
   if (run->csv) {
     fprintf(run->csv, "%.12g", t);
@@ -727,6 +728,7 @@ static int scene_check_steps(scene *s, const scene_options *o)
     steps = scene_count_steps(s);
   }
   timing.steps = steps.count;
+  timing.taken = steps.longest;
   if (!(steps.count <= SCENE_STEPS)) {
     const double dt = fmin(s->dt, timing.part / scene_fastest(s));
     char why[96] = "";
@@ -902,7 +904,9 @@ static void scene_tell_moved(const scene *s, FILE *talk)
 
 static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
 {
-  fb_status status = scene_row(s, run, 0);
+  fb_status status;
+  seen_note_nothing();
+  status = scene_row(s, run, 0);
   if (status != FB_OK) {
     return scene_failed(s, "at the start", status);
   }
@@ -977,6 +981,9 @@ static int scene_run(scene *s, const scene_options *o)
     scene_header(s, run.csv);
   }
   failed = scene_run_rows(s, o, &run);
+  if (!failed && s->duration > 0 && !s->is_exact) {
+    scene_tell_unresolved(s, engine.integrator, timing.taken, 10 * scene_accuracy, o->warn);
+  }
   failed = failed ? failed : scene_write_pictures(s, o);
   if (run.csv && !output_is_whole(run.csv) && !failed) {
     failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
