@@ -267,6 +267,7 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                     "examples/common/output.h",
                                     "examples/common/refusal.h",
                                     "examples/common/rotor_text.h",
+                                    "examples/common/section_doubt.h",
                                     "examples/common/stepper.h",
                                     "examples/common/text.h",
                                     "examples/tools/model.h",

@@ -949,6 +949,9 @@ static int scene_run(scene *s, const scene_options *o)
     if (s->body[k].warning[0]) {
       scene_warn(s, o->warn, "warning: body %s: %s", s->body[k].name, s->body[k].warning);
     }
+    if (s->body[k].doubt[0] && strcmp(s->length_unit, "m") == 0 && strcmp(s->force_unit, "N") == 0) {
+      scene_warn(s, o->warn, "warning: body %s: %s", s->body[k].name, s->body[k].doubt);
+    }
   }
   if (scene_build(s, o)) {
     return 1;
