@@ -35,8 +35,6 @@ static struct scene_sight {
   seen_cause cause[SEEN_CAUSES];
   seen_row row[SEEN_ROWS];
   int judged[SCENE_OUTPUTS]; /* the output has rows */
-  double lowest[SCENE_OUTPUTS], highest[SCENE_OUTPUTS],
-      command[SCENE_CONTROLS]; /* of a run; the most of each command */
   /* of a mode in an output, without controllers, and by a command of 1 of each */
   double amount[1 + SCENE_CONTROLS][SCENE_OUTPUTS][FB_MAX_LINEAR];
   double complex M[FB_MAX_LINEAR * FB_MAX_LINEAR], x[SEEN_CAUSES][FB_MAX_LINEAR];
@@ -347,18 +345,18 @@ static void scene_see(const scene *s, int has_spectrum)
 static void seen_note_nothing(void)
 {
   for (int k = 0; k < SCENE_OUTPUTS; k++) {
-    sight.lowest[k] = HUGE_VAL;
-    sight.highest[k] = -HUGE_VAL;
+    engine.lowest[k] = HUGE_VAL;
+    engine.highest[k] = -HUGE_VAL;
   }
-  memset(sight.command, 0, sizeof sight.command);
+  memset(engine.command, 0, sizeof engine.command);
 }
 
 static void seen_note(const scene *s, int output, double value)
 {
-  sight.lowest[output] = fmin(sight.lowest[output], value);
-  sight.highest[output] = fmax(sight.highest[output], value);
+  engine.lowest[output] = fmin(engine.lowest[output], value);
+  engine.highest[output] = fmax(engine.highest[output], value);
   for (int k = 0; k < s->n_control; k++) {
-    sight.command[k] = fmax(sight.command[k], fabs(controlling[k].acting));
+    engine.command[k] = fmax(engine.command[k], fabs(controlling[k].acting));
   }
 }
 
@@ -366,14 +364,14 @@ static void seen_note(const scene *s, int output, double value)
    is known of it. */
 static int seen_amplitudes(fb_real amplitude[FB_MAX_LINEAR], const scene *s, int output, int swings)
 {
-  double own[FB_MAX_LINEAR], sum = 0, range = fmax(0, sight.highest[output] - sight.lowest[output]);
+  double own[FB_MAX_LINEAR], sum = 0, range = fmax(0, engine.highest[output] - engine.lowest[output]);
   if (!sight.known || !sight.judged[output]) {
     return 0;
   }
   for (int k = 0; k < engine.spectrum.n; k++) {
     own[k] = sight.amount[0][output][k];
     for (int c = 0; c < s->n_control; c++) {
-      own[k] += sight.command[c] * sight.amount[1 + c][output][k];
+      own[k] += engine.command[c] * sight.amount[1 + c][output][k];
     }
     sum += own[k];
   }
