@@ -932,6 +932,19 @@ static void scene_reset(scene *s)
   }
 }
 
+/* What the descriptions of bodies may have wrong; sections are judged in SI units alone. */
+static void scene_warn_bodies(scene *s, FILE *warn)
+{
+  for (int k = 0; k < s->n_body; k++) {
+    if (s->body[k].warning[0]) {
+      scene_warn(s, warn, "warning: body %s: %s", s->body[k].name, s->body[k].warning);
+    }
+    if (s->body[k].doubt[0] && strcmp(s->length_unit, "m") == 0 && strcmp(s->force_unit, "N") == 0) {
+      scene_warn(s, warn, "warning: body %s: %s", s->body[k].name, s->body[k].doubt);
+    }
+  }
+}
+
 /* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message, and s->began says whether it
    ran up to there or was refused. */
 static int scene_run(scene *s, const scene_options *o)
@@ -945,14 +958,7 @@ static int scene_run(scene *s, const scene_options *o)
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);
-  for (int k = 0; k < s->n_body; k++) {
-    if (s->body[k].warning[0]) {
-      scene_warn(s, o->warn, "warning: body %s: %s", s->body[k].name, s->body[k].warning);
-    }
-    if (s->body[k].doubt[0] && strcmp(s->length_unit, "m") == 0 && strcmp(s->force_unit, "N") == 0) {
-      scene_warn(s, o->warn, "warning: body %s: %s", s->body[k].name, s->body[k].doubt);
-    }
-  }
+  scene_warn_bodies(s, o->warn);
   if (scene_build(s, o)) {
     return 1;
   }
