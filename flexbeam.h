@@ -172,8 +172,8 @@
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
-     fb_analyse_work           1288984
-     fb_system_analyse_work    1967496
+     fb_analyse_work           1290008
+     fb_system_analyse_work    1968520
      fb_exact_path_work         205352
      fb_exact_spectrum_work    1627944
      fb_exact_linear_work      2001624
@@ -248,7 +248,7 @@
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
      a spinning, damped beam       fb_body_trim, fb_body_spectrum_solve: complex modes; fb_system_trim, ..
      A, B, C, D for a controller   fb_body_linearize, fb_system_linearize, fb_exact_linearize
-     which time step?              fb_spectrum_limit, fb_spectrum_dt
+     which time step?              fb_spectrum_limit, fb_spectrum_dt, fb_spectrum_error
      which effects, how many modes? fb_advice_solve from what a scene does at most, fb_advice_search by simulations
      bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
      turning steadily              fb_system_spectrum_solve: a rotor with hinged blades, an arm, a satellite
@@ -2902,6 +2902,7 @@ typedef struct fb_linear {
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
   fb_real C[FB_MAX_PORTS * FB_MAX_LINEAR];  /* n_out x n */
   fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];   /* n_out x n_in */
+  fb_real rate[FB_MAX_LINEAR];              /* d/dt x of the state itself: zero, to round-off, in a steady one */
   /* estimated finite-difference error of A, relative to its largest element, with every state in units of its step.
      Round-off (a few FB_EPSILON) and the error of the model are not included */
   fb_real error;
@@ -3116,6 +3117,10 @@ FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
    motion; the error in the steady motion itself (the attitude of a freely spinning body) is not included. */
 FB_API fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
                               fb_real duration, fb_real tolerance);
+/* The errors of fb_spectrum_dt at a step of dt [s]: their sum, in the unit of the amplitudes (NULL: 1 each). 0 for an
+   invalid integrator, dt, duration or amplitude. */
+FB_API fb_real fb_spectrum_error(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
+                                 fb_real dt, fb_real duration);
 
 #if FB_WITH_EXACT
 /* ---- geometrically exact beam */
@@ -3418,6 +3423,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           They have branches: fb_exact_desc.branch, at any node and angle.
           Bodies of systems have rotors: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them. A prescribed value that jumps is refused.
+          fb_linear.rate: how the state itself moves on. fb_spectrum_error: the error of a step, beside fb_spectrum_dt.
           Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models
           and spectra of bodies in circular orbit.
           Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,

@@ -31715,6 +31715,12 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->n_in = s->desc->n_in;
   out->n_out = s->desc->n_out;
 
+  /* Rates of the state itself */
+  status = fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+  if (status == FB_OK) {
+    fbi_copy(out->rate, work->f, n);
+  }
+
   /* Columns of A and C, then of B and D; P for the coordinates */
   for (int j = 0; j < n + out->n_in && status == FB_OK; j++) {
     status = fbi_derivative(work, s, j, j < n_q ? rows + n_p : rows);
@@ -31913,7 +31919,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
 /* [E12.2] Linear model by differences of the rates and outputs.
    Source: definition.  Shapes: see fb_linear.  Cost: 20 (n + n_in) evaluations.  Fails: see the header.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, free_tops_nutate_as_euler_says,
-   linear_models_answer_as_the_body_does. */
+   linear_models_answer_as_the_body_does, linear_models_tell_how_a_state_moves_on. */
 FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc)
 {
@@ -32413,6 +32419,18 @@ static fb_real fbi_spectrum_error(const fb_spectrum *spectrum, fb_integrator int
     sum += size == FB_R(0.0) ? size : size * fbi_mode_error(spectrum, k, integrator, dt, duration);
   }
   return sum;
+}
+
+FB_DEF fb_real fb_spectrum_error(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
+                                 fb_real dt, fb_real duration)
+{
+  fb_real error;
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_has_amplification(integrator), FB_R(0.0));
+  if (!(dt > FB_R(0.0)) || !(duration > FB_R(0.0)) || !fbi_is_finite(&dt, 1) || !fbi_is_finite(&duration, 1)) {
+    return FB_R(0.0);
+  }
+  error = fbi_spectrum_error(spectrum, integrator, amplitude, dt, duration);
+  return fbi_is_finite(&error, 1) ? error : FB_R(0.0);
 }
 
 /* [E12.7] Step for a given accuracy: sum_k amplitude_k error_k(dt) = tolerance. The smallest such dt, by doubling and

@@ -399,6 +399,43 @@ TEST(linear_models_answer_as_the_body_does)
   }
 }
 
+/* E12.2: at rest under loads that its steady state does not know a body begins to move by rate = B u. */
+TEST(linear_models_tell_how_a_state_moves_on)
+{
+  static fb_linear linear;
+  const fb_real center[3] = {0}, J[6] = {FB_R(30.0), FB_R(40.0), FB_R(60.0), 0, 0, 0};
+  const double force = 2.0, torque = 3.0;
+  fb_linear_desc ports;
+  fb_state state;
+  fb_input input;
+  uniform_line(5.0, 6, 1.0, 300.0, 500.0, 2);
+  level.effects = FB_EFFECTS_FULL;
+  beam_body(&body, 100.0, center, J);
+  memset(&ports, 0, sizeof ports);
+  ports.n_in = 2;
+  ports.in[0].kind = FB_PORT_TORQUE;
+  ports.in[0].axis = 1;
+  ports.in[1].axis = 1;
+  ports.in[1].node = 1;
+  memset(&input, 0, sizeof input);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  for (int loaded = 0; loaded < 2; loaded++) {
+    double most = 0.0;
+    input.n_load = 2 * loaded;
+    input.load[0].axes = input.load[1].axes = FB_AXES_BODY;
+    input.load[0].torque[1] = (fb_real)torque;
+    input.load[1].node = 1;
+    input.load[1].force[1] = (fb_real)force;
+    FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_OK);
+    for (int i = 0; i < linear.n; i++) {
+      const double Bu = loaded * (torque * (double)linear.B[2 * i] + force * (double)linear.B[2 * i + 1]);
+      FBT_NEAR_ABS(linear.rate[i], Bu, FBT_TOL(1e-9, 1e-4) * (1.0 + fabs(Bu)));
+      most = fmax(most, fabs(Bu));
+    }
+    FBT_TRUE((most > 0.1) == loaded);
+  }
+}
+
 static const fb_linear_desc all_ports = {4,
                                          6,
                                          {{FB_PORT_FORCE, 0, 1, 1},

@@ -55,6 +55,8 @@ TEST(advised_steps_are_those_whose_errors_add_up)
     FBT_NEAR_REL(
         fb_spectrum_dt(&spectrum, integrator[k / 5], amplitude, (fb_real)T, (fb_real)(3.0 * error * T * omega / d)),
         d / omega, 0.01);
+    FBT_NEAR_REL(fb_spectrum_error(&spectrum, integrator[k / 5], amplitude, (fb_real)(d / omega), (fb_real)T),
+                 3.0 * error * T * omega / d, FBT_TOL(0.02, 0.02));
   }
 }
 

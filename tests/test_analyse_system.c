@@ -632,8 +632,8 @@ TEST(fast_bases_have_linear_models)
   }
 }
 
-/* E12.9: a motor that pulls hard, on a hinge or a slide: a torque or force more is that much more of the momentum's
-   rate. */
+/* E12.9: a motor that pulls hard, on a hinge or a slide: its effort is the momentum's rate, a torque or force more that
+   much more of it. */
 TEST(motors_that_pull_have_linear_models)
 {
   static const fb_linear_desc ports = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
@@ -646,6 +646,8 @@ TEST(motors_that_pull_have_linear_models)
     build();
     FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, &ports), FB_OK);
     FBT_NEAR_ABS(linear.B[1], 1.0, FBT_TOL(1e-14, 1e-5));
+    FBT_NEAR_ABS(linear.rate[0], 0.0, 1e-6);
+    FBT_NEAR_REL(linear.rate[1], -1e7, FBT_TOL(1e-14, 1e-5));
   }
 }
 

@@ -514,7 +514,9 @@ static fmu_answer fmu_scene_begin(fmu_plant *p, fmu_text text)
     return fmu_scene_said(text, FMU_ERROR, s->message);
   }
   scene_clock_init(s, scene_rows(s));
+  fmu_scene_wait();
   scene_choose(s);
+  fmu_scene_done();
   if (scene_check_steps(s, &fmu_scene_quiet)) {
     return fmu_scene_said(text, FMU_ERROR, s->message);
   }

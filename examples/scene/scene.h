@@ -201,6 +201,8 @@ static void scene_read_body(text_file *t, scene *s)
     scene_check_auto(t, body);
     scene_take_rotors(t, s, s->n_body);
   }
+  memcpy(body->doubt, kind == EXACT ? s->exact.doubt : model.doubt,
+         kind == EXACT ? sizeof s->exact.doubt : sizeof model.doubt);
   scene_check_nodes(t, body);
   s->n_body += !t->failed;
   t->line = last;

@@ -2,7 +2,7 @@
    integrator and its step. What happens at most is taken from a run of rigid bodies. See scene.h. */
 #ifndef SCENE_AUTO_H
 #define SCENE_AUTO_H
-#include "scene_engine.h"
+#include "scene_seen.h"
 
 static const double scene_accuracy =
     1e-3; /* of the slowest mode at the end, where a step is chosen; exact beams: ten times */
@@ -218,6 +218,7 @@ static void scene_note_nothing(const scene *s)
     automatic.envelope[k].n_load = s->n_load; /* those of other bodies stay zero */
   }
   automatic.spin = automatic.acceleration = 0;
+  seen_note_nothing();
 }
 
 /* The rotation that the steps of a body with rotors are to resolve: their nutation. */
@@ -252,6 +253,12 @@ static fb_status scene_note(const scene *s, double t)
   }
   for (int j = 0; j < s->n_spring && status == FB_OK; j++) {
     status = scene_note_spring(s, j);
+  }
+  for (int k = 0; k < s->n_output && status == FB_OK; k++) {
+    const scene_quantity what = s->output[k].quantity;
+    if (what != SCENE_INTERNAL_FORCE && what != SCENE_INTERNAL_MOMENT) { /* rigid bodies have none */
+      seen_note(s, k, scene_value(s, &s->output[k]));
+    }
   }
   if (status == FB_OK) {
     scene_note_drives(s, t);
@@ -410,9 +417,23 @@ static double scene_limit(const scene *s, fb_integrator integrator)
                                                             : fb_implicit_limit(&engine.body[0], w, a));
 }
 
+/* At most dt, and so short that the modes that an output sees err by scene_accuracy of its range. */
+static double scene_resolve(const scene *s, fb_integrator integrator, double dt)
+{
+  static fb_real amplitude[FB_MAX_LINEAR];
+  for (int k = 0; k < s->n_output && integrator != FB_INTEGRATOR_EXPONENTIAL; k++) {
+    if (seen_amplitudes(amplitude, s, k, 1)) {
+      const double fits = (double)fb_spectrum_dt(&engine.spectrum, integrator, amplitude, (fb_real)s->duration,
+                                                 (fb_real)scene_accuracy);
+      dt = fits > 0 ? fmin(dt, fits) : dt;
+    }
+  }
+  return dt;
+}
+
 /* A step of an integrator: modes by their weight in a static deflection, (w_1/w_k)^2, from the first on that moves to
    and fro in the run: what is slower drifts, like rigid motion, whose zeros rounding moves. A turn of the whole
-   resolved. */
+   resolved; then what the outputs see. */
 static double scene_step_of(const scene *s, fb_integrator integrator, int has_spectrum)
 {
   static fb_real amplitude[FB_MAX_LINEAR];
@@ -428,7 +449,7 @@ static double scene_step_of(const scene *s, fb_integrator integrator, int has_sp
   if (lowest > 0 && integrator != FB_INTEGRATOR_EXPONENTIAL) {
     const double fits =
         (double)fb_spectrum_dt(&engine.spectrum, integrator, amplitude, (fb_real)s->duration, (fb_real)scene_accuracy);
-    return fits > 0 ? fmin(dt, fits) : dt;
+    return scene_resolve(s, integrator, fits > 0 ? fmin(dt, fits) : dt);
   }
   return has_spectrum ? dt : fmin(dt, 0.2 * limit);
 }
@@ -474,13 +495,16 @@ static void scene_choose(scene *s)
   static const double work[FB_INTEGRATOR_COUNT] = {4, 7, 11, 4}; /* evaluations; twice as many where the order is 2 */
   const fb_advice *const advice = &automatic.advice[0];
   double least = HUGE_VAL;
+  int has_spectrum;
   s->dt = s->step;
   engine.integrator = s->integrator_auto ? FB_INTEGRATOR_RK4 : s->integrator;
-  if (s->step > 0) {
+  if (s->is_exact) {
+    s->dt = s->step > 0 ? s->step : exact_choose(s, 10 * scene_accuracy);
     return;
   }
-  if (s->is_exact) {
-    s->dt = exact_choose(s, 10 * scene_accuracy);
+  has_spectrum = scene_spectrum(s) == FB_OK;
+  scene_see(s, has_spectrum);
+  if (s->step > 0) {
     return;
   }
   if (s->n_rotor > 0) {
@@ -488,9 +512,8 @@ static void scene_choose(scene *s)
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->integrator_auto || s->integrator == advice->integrator)) {
     engine.integrator = advice->integrator;
-    s->dt = fmin(s->interval, (double)advice->dt);
+    s->dt = scene_resolve(s, engine.integrator, fmin(s->interval, (double)advice->dt));
   } else {
-    const int has_spectrum = scene_spectrum(s) == FB_OK;
     for (int integrator = 0; integrator < (int)FB_INTEGRATOR_COUNT; integrator++) {
       const int tried = scene_may_choose(s, (fb_integrator)integrator);
       const double dt = tried ? scene_step_of(s, (fb_integrator)integrator, has_spectrum) : 0;

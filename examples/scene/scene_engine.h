@@ -31,6 +31,8 @@ struct scene_engine {
   fb_spectrum spectrum;
   scene_instant instant;
   scene_view view;
+  double lowest[SCENE_OUTPUTS], highest[SCENE_OUTPUTS],
+      command[SCENE_CONTROLS]; /* in a run: outputs, most of commands */
 };
 SCENE_RUNS(struct scene_engine, engine, );
 

@@ -71,7 +71,7 @@ typedef struct scene_body {
   int element_node[FB_MAX_NODES];   /* ..which of its nodes */
   double tolerance;                 /* of `auto`; 0: effects as given */
   double position[3], attitude[4], velocity[3], spin[3], q[FB_MAX_MODES], q_dot[FB_MAX_MODES]; /* at the start */
-  char warning[sizeof model.warning];
+  char warning[sizeof model.warning], doubt[sizeof model.doubt]; /* doubt: where units are SI */
   int n_gauge;
   char gauge_name[SCENE_GAUGES][TEXT_NAME];
   fb_gauge gauge[SCENE_GAUGES];

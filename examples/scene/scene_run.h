@@ -522,6 +522,7 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   }
   for (int k = 0; k < s->n_output; k++) {
     value[k] = scene_value(s, &s->output[k]);
+    seen_note(s, k, value[k]);
   }
   if (run->csv) {
     fprintf(run->csv, "%.12g", t);
@@ -738,6 +739,7 @@ static int scene_check_steps(scene *s, const scene_options *o)
     steps = scene_count_steps(s);
   }
   timing.steps = steps.count;
+  timing.taken = steps.longest;
   if (!(steps.count <= SCENE_STEPS)) {
     const double dt = fmin(s->dt, timing.part / scene_fastest(s));
     char why[96] = "";
@@ -913,7 +915,9 @@ static void scene_tell_moved(const scene *s, FILE *talk)
 
 static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
 {
-  fb_status status = scene_row(s, run, 0);
+  fb_status status;
+  seen_note_nothing();
+  status = scene_row(s, run, 0);
   if (status != FB_OK) {
     return scene_failed(s, "at the start", status);
   }
@@ -939,6 +943,19 @@ static void scene_reset(scene *s)
   }
 }
 
+/* What the descriptions of bodies may have wrong; sections are judged in SI units alone. */
+static void scene_warn_bodies(scene *s, FILE *warn)
+{
+  for (int k = 0; k < s->n_body; k++) {
+    if (s->body[k].warning[0]) {
+      scene_warn(s, warn, "warning: body %s: %s", s->body[k].name, s->body[k].warning);
+    }
+    if (s->body[k].doubt[0] && strcmp(s->length_unit, "m") == 0 && strcmp(s->force_unit, "N") == 0) {
+      scene_warn(s, warn, "warning: body %s: %s", s->body[k].name, s->body[k].doubt);
+    }
+  }
+}
+
 /* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message, and s->began says whether it
    ran up to there or was refused. */
 static int scene_run(scene *s, const scene_options *o)
@@ -952,11 +969,7 @@ static int scene_run(scene *s, const scene_options *o)
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);
-  for (int k = 0; k < s->n_body; k++) {
-    if (s->body[k].warning[0]) {
-      scene_warn(s, o->warn, "warning: body %s: %s", s->body[k].name, s->body[k].warning);
-    }
-  }
+  scene_warn_bodies(s, o->warn);
   if (scene_build(s, o)) {
     return 1;
   }
@@ -985,6 +998,9 @@ static int scene_run(scene *s, const scene_options *o)
     scene_header(s, run.csv);
   }
   failed = scene_run_rows(s, o, &run);
+  if (!failed && s->duration > 0 && !s->is_exact) {
+    scene_tell_unresolved(s, engine.integrator, timing.taken, 10 * scene_accuracy, o->warn);
+  }
   failed = failed ? failed : scene_write_pictures(s, o);
   for (int k = 0; k < s->n_measure && !failed; k++) {
     if (run.tally[k].n > 0) {

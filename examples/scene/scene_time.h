@@ -12,7 +12,7 @@ struct scene_clock {
   long rows;
   double interval, slack; /* [s]; instants that are nearer than slack are one */
   double longest, part;   /* steps: [s], and [rad] of the fastest that acts, HUGE_VAL: any */
-  double steps;           /* of the whole run, as it was planned */
+  double steps, taken;    /* of the whole run, as it was planned; the longest [s] */
   int n;                  /* instants, ascending */
   double instant[SCENE_INSTANTS];
 };

@@ -84,6 +84,9 @@ static int read_file(const char *name, int *modes)
   if (!t.failed) {
     exact_places(&t, &m);
   }
+  if (!t.failed && m.doubt[0]) {
+    fprintf(stderr, "%s: %s: warning: %s\n", PROGRAM, name, m.doubt);
+  }
   text_close(&t);
   beam_desc = m.desc;
   beam_input = m.input;

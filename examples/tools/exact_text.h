@@ -2,6 +2,7 @@
    README.md lists the words. Include flexbeam.h first. */
 #ifndef EXACT_TEXT_H
 #define EXACT_TEXT_H
+#include "../common/section_doubt.h"
 #include "../common/text.h"
 
 typedef struct exact_spot { /* place on a line */
@@ -13,7 +14,9 @@ typedef struct exact_text { /* what was read; places want the whole file before 
   fb_exact_desc desc;
   fb_exact_input input;
   int modes, station_open;
-  int on; /* line that the words are of: 0 the chain, else that branch */
+  int station_line[FB_MAX_STATIONS];
+  char doubt[SECTION_DOUBT + 64]; /* the first section of no material in SI units; empty: none */
+  int on;                         /* line that the words are of: 0 the chain, else that branch */
   int n_station, n_load, n_line, n_support, n_lump, n_joint;
   exact_spot load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS], joint_at[FB_MAX_LUMPS];
   exact_spot branch_at[FB_MAX_LUMPS];
@@ -149,6 +152,7 @@ static void exact_station_line(text_file *t, exact_text *m)
     m->desc.branch[m->on - 1].station = m->n_station;
   }
   (*n)++;
+  m->station_line[m->n_station] = t->line;
   m->desc.station[m->n_station++].x = (fb_real)text_number(t, "x of the station");
   m->station_open = 1;
 }
@@ -448,6 +452,24 @@ static void exact_line_load(text_file *t, exact_text *m, int l)
   }
 }
 
+/* The first section that is of no material in SI units. */
+static void exact_doubt(exact_text *m)
+{
+  for (int k = 0, on = 0; k < m->n_station && !m->doubt[0]; k++) {
+    const fb_exact_station *const s = &m->desc.station[k];
+    const section_figures figures = {(double)s->inertia[0],    (double)s->stiffness[0],  (double)s->stiffness[21],
+                                     (double)s->stiffness[28], (double)s->stiffness[35], (double)s->inertia[28],
+                                     (double)s->inertia[35]};
+    char text[SECTION_DOUBT];
+    while (on < m->desc.n_branch && m->desc.branch[on].n_station > 0 && k >= m->desc.branch[on].station) {
+      on++;
+    }
+    if (section_doubt(text, (double)s->x, exact_length(m, on), &figures)) {
+      snprintf(m->doubt, sizeof m->doubt, "line %d: %s", m->station_line[k], text);
+    }
+  }
+}
+
 /* Places to nodes, now that length and elements are known. */
 static void exact_places(text_file *t, exact_text *m)
 {
@@ -483,5 +505,6 @@ static void exact_places(text_file *t, exact_text *m)
   for (int l = 0; l < m->n_line; l++) {
     exact_line_load(t, m, l);
   }
+  exact_doubt(m);
 }
 #endif

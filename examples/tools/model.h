@@ -4,6 +4,7 @@
 #define MODEL_H
 #include "../common/clear.h"
 #include "../common/refusal.h"
+#include "../common/section_doubt.h"
 #include "../common/text.h"
 #include "../common/rotor_text.h"
 
@@ -37,6 +38,7 @@ typedef struct model_part { /* a beam, or nodes and shapes of a finite-element p
   fb_beam_desc beam;
   fb_modes_desc modes;
   int is_fraction[FB_MAX_STATIONS]; /* x of a station is to be multiplied by the length */
+  int station_line[FB_MAX_STATIONS];
   int has_elements, has_modes;
   int n_mode, node, n_node, pair, n_pair; /* of a component: its first of all nodes, of all pairs */
   int second;                             /* MODEL_QUADRATIC, _GEOMETRIC, _LINE */
@@ -54,6 +56,7 @@ static struct model {
   int by_frequency; /* damping ratios differ, and count modes by frequency, not coordinates: see model_damp_parts */
   int hub, n_damping, n_part, n_node, n_pair, n_mark, built; /* built: the last part tried, -1: the whole */
   char warning[160]; /* the first of what may be a mistake, though it is read; empty: none */
+  char doubt[FB_MAX_PARTS * (SECTION_DOUBT + 64)]; /* sections of no material in SI units, of each beam the first */
   text_words seen;
   model_part part[FB_MAX_PARTS]; /* of a beam and a component one, of a rigid body none */
   struct {                       /* nodes of the hub and of beams */
@@ -403,14 +406,17 @@ static void model_stations(text_file *t, model_part *part)
     }
     if (!t->failed) {
       part->is_fraction[beam->n_station] = there[FRACTION];
+      part->station_line[beam->n_station] = t->line;
       beam->station[beam->n_station++] = s;
     }
   }
 }
 
 /* taper rectangle|tube X0 A0 B0 X1 A1 B1 N E G DENSITY */
-static void model_taper(text_file *t, fb_beam_desc *beam)
+static void model_taper(text_file *t, model_part *part)
 {
+  fb_beam_desc *const beam = &part->beam;
+  const int first = beam->n_station;
   static const char *const kinds[] = {"rectangle", "tube", NULL};
   fb_profile end[2];
   fb_material material;
@@ -427,6 +433,9 @@ static void model_taper(text_file *t, fb_beam_desc *beam)
   material.density = (fb_real)text_number(t, "density");
   text_end_of_line(t);
   status = t->failed ? FB_OK : fb_beam_desc_add_taper(beam, &material, &end[0], &end[1], n);
+  for (int k = first; k < beam->n_station; k++) {
+    part->station_line[k] = t->line;
+  }
   if (status != FB_OK) {
     text_fail(t, "%s", refusal_text(status));
   }
@@ -569,7 +578,7 @@ static void model_beam_line(text_file *t, model_part *part, const char *word)
     return;
   }
   if (strcmp(word, "taper") == 0) {
-    model_taper(t, beam);
+    model_taper(t, part);
     return;
   }
   if (strcmp(word, "length") == 0) {
@@ -1248,6 +1257,29 @@ static int model_is_folded(const model_node *node)
   return turn < -1e-9 * size;
 }
 
+/* The first station of a beam that is of no material in SI units. */
+static void model_doubt(const model_part *part)
+{
+  const fb_beam_desc *const beam = &part->beam;
+  const size_t told = strlen(model.doubt);
+  char text[SECTION_DOUBT];
+  double length = beam->n_point > 0 ? 0 : (double)beam->length;
+  for (int k = 1; k < beam->n_point; k++) {
+    const fb_real *const a = beam->point[k - 1], *const b = beam->point[k];
+    length += hypot(hypot((double)(b[0] - a[0]), (double)(b[1] - a[1])), (double)(b[2] - a[2]));
+  }
+  for (int k = 0; k < beam->n_station; k++) {
+    const fb_section *const s = &beam->station[k];
+    const section_figures figures = {(double)s->mass, (double)s->EA,  (double)s->GJ, (double)s->EI_y,
+                                     (double)s->EI_z, (double)s->i_y, (double)s->i_z};
+    if (section_doubt(text, (double)s->x, length, &figures)) {
+      snprintf(model.doubt + told, sizeof model.doubt - told, "%sline %d: %s%s%s", told ? "; " : "",
+               part->station_line[k], part->name, part->name[0] ? ": " : "", text);
+      return;
+    }
+  }
+}
+
 static void model_warn_all(void)
 {
   double zeta[FB_MAX_MODES];
@@ -1258,6 +1290,7 @@ static void model_warn_all(void)
   for (int p = 0; p < model.n_part; p++) {
     model_part *const part = &model.part[p];
     model_warn_damping(part, part->zeta, part->n_damping);
+    model_doubt(part);
     for (int k = 0; k < part->n_node && part->second == MODEL_LINE; k++) {
       const model_node *const node = &model.node[part->node + k];
       if (model_is_folded(node)) {
@@ -1309,6 +1342,9 @@ static inline int model_read(const char *program, const char *file)
   model_check(&t);
   if (!t.failed && model.warning[0]) {
     fprintf(stderr, "%s: %s: warning: %s\n", program, file, model.warning);
+  }
+  if (!t.failed && model.doubt[0]) {
+    fprintf(stderr, "%s: %s: warning: %s\n", program, file, model.doubt);
   }
   text_close(&t);
   return !t.failed;

@@ -471,6 +471,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_spectrum_limit, give(fb_spectrum_limit(p[0], (fb_integrator)i[0])), 0, IN(spectrum), WHOLE(0))                  \
   F(fb_spectrum_dt, give(fb_spectrum_dt(p[0], (fb_integrator)i[0], p[1], x[0], x[1])), 0, IN(spectrum), WHOLE(0),      \
     OPTIONAL(amplitude), REAL(1), REAL(FB_R(0.01)))                                                                    \
+  F(fb_spectrum_error, give(fb_spectrum_error(p[0], (fb_integrator)i[0], p[1], x[0], x[1])), 0, IN(spectrum),          \
+    WHOLE(0), OPTIONAL(amplitude), REAL(FB_R(0.01)), REAL(1))                                                          \
   F(fb_exact_spectrum_solve, fb_exact_spectrum_solve(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, MODEL(exact),          \
     WORK(spectrum_work), OUT(fb_exact_spectrum), IN(exact_state), OPTIONAL(exact_input), WHOLE(2))                     \
   F(fb_exact_path_step, fb_exact_path_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(exact),                 \

@@ -30,6 +30,21 @@ for mode in 1:0.01 4:0.01 5:0.03 6:0.03; do
 done
 ! "$out/advise" "$out/damped.txt" > "$out/log" 2>&1 && grep -q 'want one damping ratio here' "$out/log" || fail "advise takes damping by frequency"
 
+# a section of no material in SI units is told by what reads descriptions, with its line; not one that is
+for program in reduce advise analyse; do
+  case $program in
+    reduce) set -- --out "$out/boom.h" ;;
+    advise) set -- --torque 0,0,0,5 --frequency 0.1 ;;
+    analyse) set -- ;;
+  esac
+  for EA in 31724000 31.724; do
+    sed -e 's/mass EI_y/mass EA EI_y/' -e "s/^0 1.2 /0 1.2 $EA /" -e 's/^base prescribed/hub 50  0 0 0  9 9 9/' examples/boom.txt > "$out/unit.txt"
+    "$out/$program" "$out/unit.txt" "$@" > "$out/log" 2>&1 || fail "$program of a boom: $(cat "$out/log")"
+    [ "$(grep -c 'unit.txt: warning: line 13: at x = 0 sqrt(EA/mass) = 5.14 m/s, of no material .*: E in N/mm^2' "$out/log")" = $([ $EA = 31.724 ] && echo 1 || echo 0) ] ||
+      fail "$program of a boom with EA of $EA says: $(cat "$out/log")"
+  done
+done
+
 # a wheel along pitch: nutation h/sqrt(J_x J_z), at a spin W about pitch sqrt((h + (J_y - J_z) W)(h + (J_y - J_x) W)/(J_x J_z)), h with
 # I W; friction lets its speed decay at d (1/I + 1/J_y), and its motor balances it
 gyrostat() {

@@ -323,6 +323,35 @@ sed -i 's/^interval.*/interval 0.001\nstep 0.05/' "$out/sine.txt"
 try "$out/scene" "$out/sine.txt"
 ! grep -q warning "$out/log" || fail "warned of steps that rows shorten: $(cat "$out/log")"
 
+# the step that is chosen resolves what each output sees: a star tracker on a mast of 17.5 rad/s beside a boom of 1.2 rad/s; a
+# step that does not is told of, with its error, and of no other output; one that does is not
+sed '/^expect/d' examples/scenes/star_tracker.txt > "$out/tracker.txt"
+sed '$a step 0.0005' "$out/tracker.txt" > "$out/tracker_fine.txt"
+try "$out/scene" "$out/tracker_fine.txt" --quiet --out "$out/tracker_fine.csv"
+[ ! -s "$out/log" ] || fail "a star tracker in short steps: $(cat "$out/log")"
+for step in auto 0.005 0.02; do
+  error=$(case $step in auto) echo 0.002 ;; 0.005) echo 0.001 ;; 0.02) echo 0.1 ;; esac)
+  {
+    cat "$out/tracker.txt"
+    echo "step $step"
+    echo "reference tracker_fine.csv t tracker output tracker tolerance $error relative"
+    echo "reference tracker_fine.csv t tip output tip tolerance 0.002 relative"
+    echo "reference tracker_fine.csv t turned output turned tolerance 0.002 relative"
+  } > "$out/tracker_step.txt"
+  try "$out/scene" "$out/tracker_step.txt"
+  grep 'is not resolved' "$out/log" > "$out/told" || true
+  if [ $step = 0.02 ]; then
+    [ "$(wc -l < "$out/told")" = 1 ] && grep -q 'output tracker is not resolved: steps of 0.0192 s .* mode 15 of 17\.[0-9]* rad/s, of body craft' "$out/told" ||
+      fail "what steps of 0.02 s do not resolve is not told: $(cat "$out/log")"
+    # tracker: DIFFERENCE at most from .. of which the largest is SIZE; the range is twice that
+    awk '/is not resolved/ { for (i = 1; i < NF; i++) if ($(i + 1) == "%") told = $i / 100 }
+      $1 == "tracker:" { for (i = 1; i < NF; i++) if ($i == "largest") met = $2 / $(i + 2) / 2 }
+      END { exit !(told > 0 && told < 1.5 * met && met < 1.5 * told) }' "$out/log" || fail "another error is told: $(cat "$out/log")"
+  else
+    [ ! -s "$out/told" ] || fail "a star tracker in steps of $step: $(cat "$out/told")"
+  fi
+done
+
 # after a second a long run tells how long it takes, and of which body its steps are so short; with --quiet nothing
 printf 'duration 10\nintegrator rk4\nbody rod beam\n length 1\n hub 1  0 0 0  1 1 1\n start_spin 0 0 1\n modes bend_z 2\n stations x mass EI_y\n  0 1 1e14\n end\nend\n' \
   > "$out/long.txt"

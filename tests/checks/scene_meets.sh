@@ -974,3 +974,26 @@ measure work final work_total
 expect angle 2.4778 tolerance 1e-3
 expect work 0 tolerance 5e-5
 END
+
+# a start in the third mode alone: the step that is chosen resolves it, though it is not the slowest: undamped, it still
+# swings by as much at the end. w = 7.8548^2 sqrt(EI/(m L^4))
+meets << 'END'
+duration 60
+interval 0.03
+body b beam
+  length 5
+  stations x mass EI_z
+    0 1 625
+  end
+  modes bend_y 3
+  base prescribed
+  start_mode 3 0.01
+end
+output third mode b 3
+measure w frequency 3
+measure early max third
+measure late max third after 55
+expect w 61.6972 tolerance 0.002 relative
+expect early 0.01 tolerance 1e-9
+expect late 0.01 tolerance 0.002 relative
+END

@@ -1558,3 +1558,60 @@ control c
   output rotor w
 end
 END
+
+# sections of no material in SI units, with line, figure and the likely mistake; each beam once, and nothing of what is not given
+# or in other units. doubted TEXT LENGTH COLUMNS VALUES [LINE OF THE SCENE]: of a beam; TEXT empty: it says nothing
+doubted() {
+  {
+    printf '%s\nbody rod beam\n  length %s\n  stations x %s\n    0 %s\n  end\n  modes bend_y 1\n  base prescribed\n' "${5:-trim}" "$2" "$3" "$4"
+    printf 'end\nduration 1e-6\nstep 1e-6\n'
+  } > "$out/doubt.txt"
+  if [ "$1" ]; then
+    warned "warning: body rod: line 5: at x = 0 $1" 0 < "$out/doubt.txt"
+    [ "$(wc -l < "$out/log")" = 1 ] || fail "more than one warning: $(cat "$out/log")"
+  else
+    "$out/careful" "$out/doubt.txt" --quiet > "$out/log" 2>&1 && [ ! -s "$out/log" ] || fail "expected nothing but: $(cat "$out/log")"
+  fi
+}
+doubted "" 10 "mass EA EI_z GJ i_y" "1.2 31724000 14004 10000 0.01"
+doubted "sqrt(EA/mass) = 1.63e+05 m/s, of no material (50 to 20,000): lengths in mm, mass in kg/mm" 10000 "mass EA EI_z" "1.2e-3 31724000 14004e6"
+doubted "sqrt(EA/mass) = 5.14e+06 m/s, of no material .*: lengths in mm, mass in t/mm" 10000 "mass EA EI_z" "1.2e-6 31724000 14004e6"
+doubted "sqrt(EA/mass) = 5.14 m/s, of no material .*: E in N/mm^2" 10 "mass EA EI_z" "1.2 31.724 0.014004"
+doubted "sqrt(EI/EA) = 21 m, above a third of the length, 10 m: EI in N mm^2" 10 "mass EA EI_z" "1.2 31724000 14004e6"
+doubted "sqrt(EI/EA) = 0.021 m, below 1e-6 of the length, 30000 m: lengths in mm" 30000 "mass EA EI_z" "1.2 31724000 14004"
+doubted "GJ/EI = 7.14e+05, beyond 1e-3 to 1e3: GJ in N mm^2" 10 "mass EI_z GJ" "1.2 14004 1e10"
+doubted "GJ/EI = 1e-06, beyond 1e-3 to 1e3: EI in N mm^2" 10 "mass EI_y EI_z GJ" "1.2 1e10 1e11 1e4"
+doubted "sqrt(i/mass) = 9.13 m, above a third of the length, 10 m" 10 "mass EI_z i_y" "1.2 14004 100"
+doubted "" 10 "mass EI_z" "1.2 14004e6"
+doubted "" 10000 "mass EA EI_z" "1.2e-3 31724000 14004e6" "units mm N"
+warned "warning: body pair: line 6: left: at x = 2 sqrt(EA/mass) = 1.63e+05 m/s.*; line 13: right: at x = 0 sqrt(EI/EA) = 3.46 m, above a third" 0 << END
+body pair parts
+  beam left
+    length 10
+    stations x mass EA EI_z
+      0  1.2    31724000 14004
+      2  1.2e-3 31724000 14004
+      10 1.2e-3 31724000 14004
+    end
+    modes bend_y 1
+  end
+  beam right
+    length 10
+    taper rectangle 0 1e-3 12 10 1e-3 12 2  7e10 3e10 2700
+    modes bend_y 1
+  end
+end
+duration 1e-6
+step 1e-6
+END
+warned "warning: body rod: line 4: at x = 0 sqrt(EA/mass) = 5.14 m/s, of no material .*: E in N/mm^2" 0 << END
+body rod exact
+  length 10
+  elements 2
+  station 0
+    stiffness 31.724 0 0 0 0.014 0.014
+    mass 1.2
+end
+duration 1e-3
+step 1e-3
+END
