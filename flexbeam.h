@@ -2327,14 +2327,16 @@ typedef struct fb_modes_desc {
                          FB_EFFECT_LARGE_DEFLECTION: lines take their loads themselves */
   /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
      attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
-     inertia relief. They are further modes, orthogonal to the others. Nodes are those of the elements, 0..n_element: the
-     tip is n_element, not the number of a node of the body. */
+     inertia relief. They are further modes, orthogonal to the others, one for each load: where the kept ones miss
+     nothing, or nothing with inertia, the load is refused (FB_ERR_MODES). Nodes are those of the elements,
+     0..n_element: the tip is n_element, not the number of a node of the body. */
   int n_load;
   fb_coordinate load[FB_MAX_COORDINATES];
   int n_boundary; /* FB_BASIS_COMPONENT */
   fb_coordinate boundary[FB_MAX_COORDINATES];
   int boundary_inertia; /* 1: FB_BASIS_COMPONENT adds the quasi-static shapes under the inertia forces of an accelerated
-                           boundary (inertia-relief modes); worth more than as many natural modes */
+                           boundary (inertia-relief modes); worth more than as many natural modes. What the other
+                           shapes span is not added */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
   /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line). 0: 7 more than the most modes of a kind, at least 3
      for each of the plane with most and 1, and 4.5 for each where the beam bends in both planes or twists, as far as
@@ -2378,12 +2380,12 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 /* Modes of a beam. Rigid-body modes of pinned and free roots are left out (unless desc->rigid): the body frame carries
    that motion. modes is written only on FB_OK.
    FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
-   mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
-   axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
-   mass_fraction without a clamped root, load and boundary of another basis than theirs, a preload on a curved line or
-   on natural modes of a root that is not clamped, a coordinate that the root constrains or that is named twice;
-   FB_ERR_SINGULAR: the preload exceeds the buckling load, or the boundary permits rigid-body motion;
-   FB_ERR_CONVERGENCE. */
+   mass_fraction needs, a load without a mode of its own; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with
+   torsion, or with root_strain but no axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also
+   FB_BASIS_FUNCTIONS, spin or mass_fraction without a clamped root, load and boundary of another basis than theirs, a
+   preload on a curved line or on natural modes of a root that is not clamped, a coordinate that the root constrains or
+   that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load, or the boundary permits rigid-body
+   motion; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
 /* Linear buckling: buckling shapes and, in place of omega, the load factors of desc->preload, ascending (desc->lowest
