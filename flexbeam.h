@@ -3041,7 +3041,6 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>linear: linear models, complex modes, step advice */
 
-#if FB_WITH_SYSTEM
 /* Linearizes the motion of a body about a steady state (of fb_body_trim or otherwise), with the inputs and outputs of
    desc (NULL: none). Each element is the best of finite differences of several widths; linear->error estimates their
    error without round-off. It is below 1e-10 (single precision: 1e-3), except for bodies near the limit of their range.
@@ -3051,7 +3050,6 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
    that is not prescribed, a port of systems. On failure linear is unchanged. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
-#endif
 
 /* Complex eigensolution, ascending by |re + i im|; of a conjugate pair the one with im > 0 */
 typedef struct fb_spectrum {
@@ -3065,7 +3063,6 @@ typedef struct fb_spectrum {
   fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
   fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
 } fb_spectrum;
-#if FB_WITH_SYSTEM
 /* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
    The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
    on it (gravity, loads in inertial axes). In orbit the spectrum contains that of the orbit: 0 twice, +-i w twice.
@@ -3073,6 +3070,7 @@ typedef struct fb_spectrum {
    0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);
+#if FB_WITH_SYSTEM
 /* Linearizes the motion of a system, as fb_body_linearize. Prescribed and locked axes are not states; an axis that
    moves at a constant rate is taken at its present position (for a prescribed axis with gravity normal to it A would
    not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states;

@@ -31314,7 +31314,6 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
    ANALYSE >>linear: linear models, complex modes, step advice
    (uses config, status, vec3, rotation, solve, body, system, exact, integrate, eigen, trim) */
 
-#if FB_WITH_SYSTEM
 /* Order of magnitude of the forces on a body [N]: its weight, and mass times `size` times k [1/s^2]. */
 static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
 {
@@ -31492,6 +31491,7 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   return status;
 }
 
+#if FB_WITH_SYSTEM
 /* ---- finite-difference steps and channels of a system */
 
 static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port, int is_input)
@@ -31604,6 +31604,8 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
 #endif
 }
 
+#endif
+
 /* ---- derivatives with their errors, of bodies and systems */
 
 /* Number of difference widths, each a quarter of the one before, and the first relative to the step. */
@@ -31707,9 +31709,7 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->error = norm > FB_R(0.0) ? fbi_linear_norm(work->E, work->step, n) / norm : FB_R(0.0);
   return status == FB_OK && out->error > FBI_USABLE ? FB_ERR_CONVERGENCE : status;
 }
-#endif
 
-#if FB_WITH_SYSTEM || FB_WITH_EXACT
 /* Indices of the eigenvalues with im >= 0, ascending by |lambda|; returns their number. */
 static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, int n)
 {
@@ -31732,9 +31732,7 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
   }
   return found;
 }
-#endif
 
-#if FB_WITH_SYSTEM
 /* A + part E, rows and columns of the states keep[0..size-1]. */
 static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb_real part)
 {
@@ -31921,6 +31919,7 @@ FB_DEF fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *wo
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
 }
 
+#if FB_WITH_SYSTEM
 /* Sum of the actuator efforts of a joint, torques divided by the length `size` [N]. */
 static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_real size)
 {
