@@ -198,6 +198,7 @@
        out of its range, no such enumerator      FB_ERR_VALUE; FB_ERR_EFFECTS, FB_ERR_STEP, FB_ERR_RANGE: see there
        what contradicts itself                   FB_ERR_SINGULAR, FB_ERR_KIND, FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION
        what is not there, or not available       FB_ERR_MODES, FB_ERR_UNREST, FB_ERR_UNSUPPORTED
+       a model all zero, never initialized       FB_ERR_INIT, where states and systems of it are made and checked
      On failure no output is modified; the contents of work structs are undefined, except fields documented as set
      on failure. On FB_OK all that was written is finite.
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
@@ -607,7 +608,8 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
     "built with -fassociative-math, -funsafe-math-optimizations or without NaN: see fb_build_check")                 \
   X(FB_ERR_MODES, -14, "fewer modes than asked for")                                                                 \
   X(FB_ERR_UNREST, -15, "no steady state: loads or gravity push or turn a base or a free joint that nothing holds")  \
-  X(FB_ERR_UNSUPPORTED, -16, "not available for this model: see the comment on the function")
+  X(FB_ERR_UNSUPPORTED, -16, "not available for this model: see the comment on the function")                        \
+  X(FB_ERR_INIT, -17, "a body, system or exact beam that was never initialized: its fb_..._init did not run, or failed")
 
 #define FBI_STATUS_ENUM(name, value, text) name = (value),
 typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
@@ -3372,7 +3374,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
    0.2.0  one grammar: arguments are context (models, the state that changes, work), outputs, inputs, sizes; a function
           that fills a struct ends with a verb, one that returns its number is named by it. RUN, BUILD and ANALYSE with
           switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. A desc with a filled array
-          and a count of 0 is refused. Old names:
+          and a count of 0 is refused; so is zeta or gravity without its effect (FB_ERR_EFFECTS), a load without a mode
+          of its own (FB_ERR_MODES), a model that is all zero (FB_ERR_INIT). Old names:
             fb_mixed..., FB_MAX_MIXED, FB_MIXED_...       fb_exact..., FB_MAX_EXACT, FB_EXACT_...
             fb_mixed_steady_solve                         fb_exact_trim
             fb_body_motion, _node_motion, _rates,         the same with _eval: fb_body_motion_eval, ...

@@ -263,6 +263,9 @@ static int fbi_is_exact(void)
 #define FBI_REQUIRE_EXACT() FBI_REQUIRE(fbi_is_exact(), FB_ERR_BUILD)
 #endif
 
+/* Every model has a count that its _init sets above zero: nodes of a body, bodies of a system, elements. */
+#define FBI_REQUIRE_MADE(count) FBI_REQUIRE((count) != 0, FB_ERR_INIT)
+
 #if FB_WITH_BUILD
 /* Checks as tables: each entry with what is wrong if it does not hold, kept with FB_WITH_DETAIL alone. index: that of
    the station, joint, ... that the table is of. */
@@ -4575,7 +4578,7 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
   if (!body->constant_S) {
     fbi_S_eval(k->S, body, k->qx, body->n_run);
     if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
-      return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+      return !fbi_is_finite(k->S, 21) ? FB_ERR_NOT_FINITE : body->n_node == 0 ? FB_ERR_INIT : FB_ERR_RANGE;
     }
     return FB_OK;
   }
@@ -6682,6 +6685,7 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
 FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
 {
   FBI_REQUIRE(body && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(body->n_node);
   FBI_REQUIRE_EXACT();
   memset(state, 0, sizeof *state);
   state->quat[0] = FB_R(1.0);
@@ -6784,6 +6788,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(body->n_node);
   status = fbi_further(body) ? fbi_further_range(body, state, NULL) : fbi_state_range(body, state);
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
@@ -12654,6 +12659,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fb_system_state *out;
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(system->n_body);
   FBI_REQUIRE_EXACT();
 
   /* axis modes */
@@ -13702,6 +13708,7 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
 {
   fb_status status;
   FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(system->n_body);
 
   /* each joint: axis modes, quaternions */
   status = fbi_system_range(system, body, state);
@@ -15130,6 +15137,7 @@ FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *s
 {
   fb_real quat[4];
   FBI_REQUIRE(m && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(m->n);
   FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
       !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
@@ -15450,6 +15458,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
   const fbi_exact_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
+  FBI_REQUIRE_MADE(m->n);
   FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
@@ -27924,6 +27933,9 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
     if (status != FB_OK) {
       return status;
     }
+    if (body[desc->model[k]].n_node == 0) {
+      return FBI_REFUSE(FB_ERR_INIT, "body: its model, initialized", k, FB_R(0.0), FB_R(0.0));
+    }
     used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
@@ -30292,6 +30304,7 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
 {
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(system->n_body);
   work->system.joint = -1; /* no joint has failed yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_UNSUPPORTED;
