@@ -4131,7 +4131,7 @@ static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, c
 #if FBI_WITH_SHAPE_INERTIA
 /* [E8.12] x += d/d(1,q) (1/2 V^T S V): centrifugal softening and stiffening.
    Source: THEORY.md 8.2.  Cost: 2 n_S + 4 n_pair flops.
-   Test: accelerations_agree_with_a_particle_model. */
+   Test: accelerations_agree_with_a_particle_model (softening alone), each_set_of_effects_follows_its_own_lagrangian. */
 static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
 {
   const fb_real *c = body->S;

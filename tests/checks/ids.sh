@@ -25,6 +25,11 @@ missing=$(awk 'NR == FNR { known[$1] = 1; next } !($2 in known) { print $1 " " $
   echo "$missing"
   fail "$(echo "$missing" | wc -l) tests named by equations do not exist"
 }
+# Every test that any `Test:` of the library names exists, also where no id is defined.
+tr '\n' ' ' < flexbeam_impl.h | sed 's/Test: /\n&/g' | sed -n 's/^Test: \([^.*]*\).*/\1/p' | sed 's/([^)]*)//g' | tr -s ', ' '\n\n' |
+  grep . | sort -u > "$out/told"
+missing=$(comm -23 "$out/told" "$out/tests" | tr '\n' ' ')
+[ -z "$missing" ] || fail "tests that Test: names do not exist: $missing"
 grep -ohE '\bE[0-9]+\.[0-9]+\b' flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c examples/*/*.c bench/*.[ch] | sort -u > "$out/cited"
 unknown=$(comm -23 "$out/cited" "$out/defined" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "cited but not defined: $unknown"
