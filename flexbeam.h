@@ -198,6 +198,7 @@
        out of its range, no such enumerator      FB_ERR_VALUE; FB_ERR_EFFECTS, FB_ERR_STEP, FB_ERR_RANGE: see there
        what contradicts itself                   FB_ERR_SINGULAR, FB_ERR_KIND, FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION
        what is not there, or not available       FB_ERR_MODES, FB_ERR_UNREST, FB_ERR_UNSUPPORTED
+       a model all zero, never initialized       FB_ERR_INIT, where states and systems of it are made and checked
      On failure no output is modified; the contents of work structs are undefined, except fields documented as set
      on failure. On FB_OK all that was written is finite.
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
@@ -607,7 +608,8 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
     "built with -fassociative-math, -funsafe-math-optimizations or without NaN: see fb_build_check")                 \
   X(FB_ERR_MODES, -14, "fewer modes than asked for")                                                                 \
   X(FB_ERR_UNREST, -15, "no steady state: loads or gravity push or turn a base or a free joint that nothing holds")  \
-  X(FB_ERR_UNSUPPORTED, -16, "not available for this model: see the comment on the function")
+  X(FB_ERR_UNSUPPORTED, -16, "not available for this model: see the comment on the function")                        \
+  X(FB_ERR_INIT, -17, "a body, system or exact beam that was never initialized: its fb_..._init did not run, or failed")
 
 #define FBI_STATUS_ENUM(name, value, text) name = (value),
 typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
@@ -2072,9 +2074,11 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
 #if FB_WITH_EXACT
 /* ---- exact beam */
 
-/* One step under loads and motion of the base of its middle. Order 2; without dissipation the energy of a conservative
-   beam is constant but for the last correction of the iteration, whatever the step: a limit of stability does not
-   exist, accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
+/* One step under loads and motion of the base of its middle. Order 2. Without dissipation the energy of a beam of any
+   line and section on a root that is held and at rest, under no loads, is constant but for the last correction of the
+   iteration, whatever the step. The energy of a free beam varies by order 2 of step and element length together (10
+   elements that bend far: some 1e-4 in steps that resolve it), that of gravity by order 2 of the step. A limit of
+   stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
    their place within the next step, across the reaction, so that they do no work. Steps may differ; one that is longer
    than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
    more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
@@ -2337,14 +2341,16 @@ typedef struct fb_modes_desc {
                          FB_EFFECT_LARGE_DEFLECTION: lines take their loads themselves */
   /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
      attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
-     inertia relief. They are further modes, orthogonal to the others. Nodes are those of the elements, 0..n_element: the
-     tip is n_element, not the number of a node of the body. */
+     inertia relief. They are further modes, orthogonal to the others, one for each load: where the kept ones miss
+     nothing, or nothing with inertia, the load is refused (FB_ERR_MODES). Nodes are those of the elements,
+     0..n_element: the tip is n_element, not the number of a node of the body. */
   int n_load;
   fb_coordinate load[FB_MAX_COORDINATES];
   int n_boundary; /* FB_BASIS_COMPONENT */
   fb_coordinate boundary[FB_MAX_COORDINATES];
   int boundary_inertia; /* 1: FB_BASIS_COMPONENT adds the quasi-static shapes under the inertia forces of an accelerated
-                           boundary (inertia-relief modes); worth more than as many natural modes */
+                           boundary (inertia-relief modes); worth more than as many natural modes. What the other
+                           shapes span is not added */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
   /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line). 0: 7 more than the most modes of a kind, at least 3
      for each of the plane with most and 1, and 4.5 for each where the beam bends in both planes or twists, as far as
@@ -2388,12 +2394,12 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 /* Modes of a beam. Rigid-body modes of pinned and free roots are left out (unless desc->rigid): the body frame carries
    that motion. modes is written only on FB_OK.
    FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
-   mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
-   axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
-   mass_fraction without a clamped root, load and boundary of another basis than theirs, a preload on a curved line or
-   on natural modes of a root that is not clamped, a coordinate that the root constrains or that is named twice;
-   FB_ERR_SINGULAR: the preload exceeds the buckling load, or the boundary permits rigid-body motion;
-   FB_ERR_CONVERGENCE. */
+   mass_fraction needs, a load without a mode of its own; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with
+   torsion, or with root_strain but no axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also
+   FB_BASIS_FUNCTIONS, spin or mass_fraction without a clamped root, load and boundary of another basis than theirs, a
+   preload on a curved line or on natural modes of a root that is not clamped, a coordinate that the root constrains or
+   that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load, or the boundary permits rigid-body
+   motion; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
 /* Linear buckling: buckling shapes and, in place of omega, the load factors of desc->preload, ascending (desc->lowest
@@ -3050,7 +3056,6 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>linear: linear models, complex modes, step advice */
 
-#if FB_WITH_SYSTEM
 /* Linearizes the motion of a body about a steady state (of fb_body_trim or otherwise), with the inputs and outputs of
    desc (NULL: none). Each element is the best of finite differences of several widths; linear->error estimates their
    error without round-off. It is below 1e-10 (single precision: 1e-3), except for bodies near the limit of their range.
@@ -3060,7 +3065,6 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
    that is not prescribed, a port of systems. On failure linear is unchanged. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
-#endif
 
 /* Complex eigensolution, ascending by |re + i im|; of a conjugate pair the one with im > 0 */
 typedef struct fb_spectrum {
@@ -3074,7 +3078,6 @@ typedef struct fb_spectrum {
   fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
   fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
 } fb_spectrum;
-#if FB_WITH_SYSTEM
 /* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
    The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
    on it (gravity, loads in inertial axes). In orbit the spectrum contains that of the orbit: 0 twice, +-i w twice.
@@ -3082,6 +3085,7 @@ typedef struct fb_spectrum {
    0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);
+#if FB_WITH_SYSTEM
 /* Linearizes the motion of a system, as fb_body_linearize. Prescribed and locked axes are not states; an axis that
    moves at a constant rate is taken at its present position (for a prescribed axis with gravity normal to it A would
    not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states;
@@ -3387,7 +3391,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
    0.2.0  one grammar: arguments are context (models, the state that changes, work), outputs, inputs, sizes; a function
           that fills a struct ends with a verb, one that returns its number is named by it. RUN, BUILD and ANALYSE with
           switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. A desc with a filled array
-          and a count of 0 is refused. Old names:
+          and a count of 0 is refused; so is zeta or gravity without its effect (FB_ERR_EFFECTS), a load without a mode
+          of its own (FB_ERR_MODES), a model that is all zero (FB_ERR_INIT). Old names:
             fb_mixed..., FB_MAX_MIXED, FB_MIXED_...       fb_exact..., FB_MAX_EXACT, FB_EXACT_...
             fb_mixed_steady_solve                         fb_exact_trim
             fb_body_motion, _node_motion, _rates,         the same with _eval: fb_body_motion_eval, ...

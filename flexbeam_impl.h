@@ -263,6 +263,9 @@ static int fbi_is_exact(void)
 #define FBI_REQUIRE_EXACT() FBI_REQUIRE(fbi_is_exact(), FB_ERR_BUILD)
 #endif
 
+/* Every model has a count that its _init sets above zero: nodes of a body, bodies of a system, elements. */
+#define FBI_REQUIRE_MADE(count) FBI_REQUIRE((count) != 0, FB_ERR_INIT)
+
 #if FB_WITH_BUILD
 /* Checks as tables: each entry with what is wrong if it does not hold, kept with FB_WITH_DETAIL alone. index: that of
    the station, joint, ... that the table is of. */
@@ -4141,7 +4144,7 @@ static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, c
 #if FBI_WITH_SHAPE_INERTIA
 /* [E8.12] x += d/d(1,q) (1/2 V^T S V): centrifugal softening and stiffening.
    Source: THEORY.md 8.2.  Cost: 2 n_S + 4 n_pair flops.
-   Test: accelerations_agree_with_a_particle_model. */
+   Test: accelerations_agree_with_a_particle_model (softening alone), each_set_of_effects_follows_its_own_lagrangian. */
 static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
 {
   const fb_real *c = body->S;
@@ -4588,7 +4591,7 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
   if (!body->constant_S) {
     fbi_S_eval(k->S, body, k->qx, body->n_run);
     if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
-      return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+      return !fbi_is_finite(k->S, 21) ? FB_ERR_NOT_FINITE : body->n_node == 0 ? FB_ERR_INIT : FB_ERR_RANGE;
     }
     return FB_OK;
   }
@@ -6695,6 +6698,7 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
 FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
 {
   FBI_REQUIRE(body && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(body->n_node);
   FBI_REQUIRE_EXACT();
   memset(state, 0, sizeof *state);
   state->quat[0] = FB_R(1.0);
@@ -6797,6 +6801,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(body->n_node);
   status = fbi_further(body) ? fbi_further_range(body, state, NULL) : fbi_state_range(body, state);
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
@@ -12676,6 +12681,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fb_system_state *out;
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(system->n_body);
   FBI_REQUIRE_EXACT();
 
   /* axis modes */
@@ -13724,6 +13730,7 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
 {
   fb_status status;
   FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(system->n_body);
 
   /* each joint: axis modes, quaternions */
   status = fbi_system_range(system, body, state);
@@ -15152,6 +15159,7 @@ FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *s
 {
   fb_real quat[4];
   FBI_REQUIRE(m && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(m->n);
   FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
       !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
@@ -15472,6 +15480,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
   const fbi_exact_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
+  FBI_REQUIRE_MADE(m->n);
   FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
@@ -22345,13 +22354,34 @@ static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
   return FB_OK;
 }
 
-/* [E7.8] Attachment modes with inertia relief: x = K^-1 (f - M R (R^T M R)^-1 R^T f) with the root clamped, f a unit
-   load, R the rigid-body modes that the root allows; the root's reaction vanishes. Orthogonal to the modes kept, they
-   are the residual flexibility: the deflection that those modes miss.
-   Source: [H] 2.5; Craig, Structural Dynamics, 1981, 19 (inertia relief).  Fails: capacity; no stiffness there.
-   Test: static_corrections_make_loads_exact. */
+/* Takes from the load f its share of the m M-orthonormal modes: f - M phi (phi^T f). Of natural modes the deflection
+   K^-1 of the rest is orthogonal to them; what they miss, a thousandth of the whole, is then no difference of large
+   numbers, whose round-off in single precision is as large. */
+static void fbi_load_rest(fb_real *f, const fb_real *modes, const fb_real *M, int m, const fbi_rows *rows)
+{
+  for (int twice = 0; twice < 2; twice++) { /* as fbi_orthogonalize */
+    for (int k = 0; k < m; k++) {
+      const fb_real *const phi = modes + k * rows->ndof;
+      fb_real share = FB_R(0.0); /* in one sum: both planes of a round beam alike, to the last bit */
+      for (int i = 0; i < rows->ndof; i++) {
+        share += phi[i] * f[i];
+      }
+      for (int i = 0; i < rows->ndof; i++) {
+        f[i] -= share * fbi_row_dot(rows, M, i, phi);
+      }
+    }
+  }
+}
+
+/* [E7.8] Attachment modes with inertia relief: x = K^-1 (f - M R R^T f - M Phi Phi^T f) with the root clamped, f a unit
+   load, R the rigid-body modes that the root allows, Phi the first n_natural modes found, natural ones, both
+   orthonormal; the root's reaction vanishes. Orthogonal to the modes kept, they are the residual flexibility: the
+   deflection that those modes miss.
+   Source: [H] 2.5; Craig, Structural Dynamics, 1981, 19 (inertia relief).  Fails: capacity; no stiffness there; the
+   modes kept miss no deflection, or none that has inertia.
+   Test: static_corrections_make_loads_exact, every_load_has_its_correction. */
 static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                 const int group[FB_KIND_COUNT], int n_free)
+                                 const int group[FB_KIND_COUNT], int n_free, int n_natural)
 {
   const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
@@ -22364,27 +22394,22 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
   }
   n = fbi_static_factor(&status, dof, work, beam, group);
   for (int k = 0; k < desc->n_load && status == FB_OK; k++) {
-    /* Unit load f at the coordinate, less the inertia forces M R R^T f (R orthonormal) */
-    const int at = fbi_coordinate_dof(&desc->load[k]);
-    fb_real x[FBI_MAX_DOF] = {FB_R(0.0)}, row[FBI_MAX_DOF];
-    x[at] = FB_R(1.0);
-    for (int r = 0; r < n_free; r++) {
-      const fb_real *shape = work->free + r * out->ndof;
-      for (int i = 0; i < out->ndof; i++) {
-        fbi_row_get(row, &rows, work->M, i);
-        x[i] -= shape[at] * fbi_dot(row, shape, out->ndof);
-      }
-    }
+    /* Unit load less what the modes bear */
+    fb_real x[FBI_MAX_DOF] = {FB_R(0.0)};
+    x[fbi_coordinate_dof(&desc->load[k])] = FB_R(1.0);
+    fbi_load_rest(x, work->free, work->M, n_free, &rows);
+    fbi_load_rest(x, out->shape, work->M, n_natural, &rows);
 
     /* Deflection without rigid-body motion */
     fbi_static_solve(x, work, dof, n, out->ndof);
     fbi_orthogonalize(x, work->free, work->M, n_free, &rows);
 
-    /* Taken unless the modes span it */
     if (out->n == FB_MAX_MODES) {
       status = FBI_REFUSE_ROOM(out->n + 1);
-    } else {
-      (void)fbi_shape_take(work, beam, x, FB_R(0.0));
+    } else if (!fbi_shape_take(work, beam, x, FB_R(0.0))) {
+      status = FBI_REFUSE(FB_ERR_MODES,
+                          "load: modes with its deflection, which those before have already, or which has no inertia",
+                          k, (fb_real)out->n, (fb_real)(out->n + desc->n_load - k));
     }
   }
   return status;
@@ -22418,7 +22443,7 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
   fb_modes *out = &work->found;
   const int spinning = FB_FABS(desc->spin) > FB_R(0.0);
   const int n_free = fbi_free_fill(work, beam);
-  int taken[FB_KIND_COUNT] = {0}, count[FB_KIND_COUNT];
+  int taken[FB_KIND_COUNT] = {0}, count[FB_KIND_COUNT], n_natural;
   fb_status status;
 
   /* Modes at rest, then those at the spin */
@@ -22427,6 +22452,7 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
     count[k] = spinning && bending ? (desc->count[k] + 1) / 2 : desc->count[k];
   }
   status = fbi_modes_take(desc, work, beam, group, taken, count);
+  n_natural = out->n;
   if (status == FB_OK && spinning) {
     const fb_preload under = {FB_R(0.0), FB_R(0.0), desc->spin, desc->spin_radius};
     fbi_matrices(work->K, work->M, &rows, beam, &under);
@@ -22436,7 +22462,7 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
 
   /* Attachment modes; Ritz modes of all of them */
   status = status ? status : fbi_count_check(desc, taken, out->n);
-  status = status || desc->n_load == 0 ? status : fbi_static_take(desc, work, beam, group, n_free);
+  status = status || desc->n_load == 0 ? status : fbi_static_take(desc, work, beam, group, n_free, n_natural);
   status = status || (!spinning && desc->n_load == 0) ? status : fbi_modes_ritz(work, beam);
   if (status != FB_OK) {
     return status;
@@ -22514,11 +22540,13 @@ static void fbi_constraint_modes(fb_real *shape, const fb_modes_desc *desc, cons
   }
 }
 
-/* Boundary-acceleration modes K^-1 M x of the constraint modes x, added to the modes found. */
+/* Boundary-acceleration modes K^-1 M x of the constraint modes x, added to the natural modes found; what those and one
+   another span is left out. */
 static void fbi_acceleration_modes(const fb_real *constraint, const fb_modes_desc *desc, fb_modes_work *work,
                                    const fb_beam *beam, const int *dof, int n)
 {
   const fbi_rows rows = fbi_beam_rows(beam);
+  const int n_natural = work->found.n;
   for (int k = 0; k < desc->n_boundary; k++) {
     fb_real x[FBI_MAX_DOF];
     for (int i = 0; i < rows.ndof; i++) {
@@ -22526,6 +22554,7 @@ static void fbi_acceleration_modes(const fb_real *constraint, const fb_modes_des
       fbi_row_get(row, &rows, work->M, i);
       x[i] = fbi_dot(row, constraint + k * rows.ndof, rows.ndof);
     }
+    fbi_load_rest(x, work->found.shape, work->M, n_natural, &rows);
     fbi_static_solve(x, work, dof, n, rows.ndof);
     (void)fbi_shape_take(work, beam, x, FB_R(0.0));
   }
@@ -27955,6 +27984,9 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
     if (status != FB_OK) {
       return status;
     }
+    if (body[desc->model[k]].n_node == 0) {
+      return FBI_REFUSE(FB_ERR_INIT, "body: its model, initialized", k, FB_R(0.0), FB_R(0.0));
+    }
     used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
@@ -30325,6 +30357,7 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
 {
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE_MADE(system->n_body);
   work->system.joint = -1; /* no joint has failed yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_UNSUPPORTED;
@@ -31347,7 +31380,6 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
    ANALYSE >>linear: linear models, complex modes, step advice
    (uses config, status, vec3, rotation, solve, body, system, exact, integrate, eigen, trim) */
 
-#if FB_WITH_SYSTEM
 /* Order of magnitude of the forces on a body [N]: its weight, and mass times `size` times k [1/s^2]. */
 static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
 {
@@ -31525,6 +31557,7 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   return status;
 }
 
+#if FB_WITH_SYSTEM
 /* ---- finite-difference steps and channels of a system */
 
 static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port, int is_input)
@@ -31637,6 +31670,8 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
 #endif
 }
 
+#endif
+
 /* ---- derivatives with their errors, of bodies and systems */
 
 /* Number of difference widths, each a quarter of the one before, and the first relative to the step. */
@@ -31746,9 +31781,7 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->error = norm > FB_R(0.0) ? fbi_linear_norm(work->E, work->step, n) / norm : FB_R(0.0);
   return status == FB_OK && out->error > FBI_USABLE ? FB_ERR_CONVERGENCE : status;
 }
-#endif
 
-#if FB_WITH_SYSTEM || FB_WITH_EXACT
 /* Indices of the eigenvalues with im >= 0, ascending by |lambda|; returns their number. */
 static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, int n)
 {
@@ -31771,9 +31804,7 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
   }
   return found;
 }
-#endif
 
-#if FB_WITH_SYSTEM
 /* A + part E, rows and columns of the states keep[0..size-1]. */
 static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb_real part)
 {
@@ -31960,6 +31991,7 @@ FB_DEF fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *wo
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
 }
 
+#if FB_WITH_SYSTEM
 /* Sum of the actuator efforts of a joint, torques divided by the length `size` [N]. */
 static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_real size)
 {

@@ -656,7 +656,7 @@ static void set_fall(double *acc, const particles *p, const velocity *s, unsigne
   }
 }
 
-/* E8.4 to E8.6, E8.17, E8.19: each effect alone and together. */
+/* E8.4 to E8.6, E8.12, E8.17, E8.19: each effect alone and together. */
 TEST(each_set_of_effects_follows_its_own_lagrangian)
 {
   double worst = 0.0;

@@ -398,7 +398,40 @@ TEST(values_without_their_effect_are_refused)
   }
 }
 
-SUITE(body_refusals, RUN(values_without_their_effect_are_refused),
+/* >>status: a model that is all zero was never initialized. Nothing is made of it, and no step blames its deflection. */
+TEST(models_that_were_never_initialized_are_told)
+{
+  static fb_body zero;
+  static fb_state at;
+  static fb_rk4_work rk4;
+  static fb_motion moving;
+  static fb_system_desc one;
+  static fb_system no_system;
+  static fb_system_work tree;
+  static fb_system_state tree_at;
+  static fb_exact no_beam;
+  static fb_exact_state beam_at;
+  static fb_exact_work beam_work;
+  static fb_stepper stepper;
+  static fb_stepper_desc way;
+  FBT_INT_EQ(fb_state_init(&zero, &at), FB_ERR_INIT);
+  at.quat[0] = FB_R(1.0);
+  FBT_INT_EQ(fb_state_check(&zero, &at), FB_ERR_INIT);
+  FBT_INT_EQ(fb_rk4_step(&zero, &at, &rk4, NULL, NULL, NULL, FB_R(0.01)), FB_ERR_INIT);
+  FBT_INT_EQ(fb_body_motion_eval(&zero, &moving, &at, NULL), FB_ERR_INIT);
+  way.body = &zero;
+  way.state = &at;
+  way.dt = FB_R(0.01);
+  FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_INIT);
+  one.n_body = 1;
+  FBT_INT_EQ(fb_system_init(&no_system, &tree, &zero, &one, 1), FB_ERR_INIT);
+  FBT_INT_EQ(fb_system_state_init(&no_system, &zero, &tree_at, &tree, NULL, NULL), FB_ERR_INIT);
+  FBT_INT_EQ(fb_system_state_check(&no_system, &zero, &tree_at), FB_ERR_INIT);
+  FBT_INT_EQ(fb_exact_state_init(&no_beam, &beam_at, &beam_work, NULL), FB_ERR_INIT);
+  FBT_INT_EQ(fb_exact_state_check(&no_beam, &beam_at), FB_ERR_INIT);
+}
+
+SUITE(body_refusals, RUN(models_that_were_never_initialized_are_told), RUN(values_without_their_effect_are_refused),
       RUN(loads_that_are_no_numbers_are_refused_on_held_bases),
       RUN(rods_without_thickness_are_refused_in_every_attitude), RUN(rows_without_terms_are_refused),
       RUN(massless_prescribed_bodies_are_sound), RUN(the_check_word_sees_every_flipped_bit),

@@ -207,8 +207,7 @@ static double tip_sum(const fb_modes *in, int axis)
 
 /* E7.8: two modes and the static correction of a tip force: the sum of psi^2/omega^2 is the tip flexibility, L^3/3EI of
    the cantilever; of the free beam in its accelerated frame L^3/105EI (sum 4/(beta L)^4 over cos cosh = 1). Shear adds
-   L/GA, and 2L/15GA: int V^2/GA of V = 3 s^2 - 2 s. Without the correction some percent are missing. A second load at
-   the same place changes nothing. */
+   L/GA, and 2L/15GA: int V^2/GA of V = 3 s^2 - 2 s. Without the correction some percent are missing. */
 TEST(static_corrections_make_loads_exact)
 {
   for (int run = 0; run < 12; run++) {
@@ -235,6 +234,53 @@ TEST(static_corrections_make_loads_exact)
       FBT_BELOW(tip_sum(&modes, 1 + plane) / exact, free_root ? 0.96 : sheared ? 0.999 : 0.9976);
       other = modes;
     }
+  }
+}
+
+/* E7.8: beams of any length, stiffness and mass with up to six modes, which miss down to a millionth of the tip
+   flexibility: the correction is there, and the flexibility as in static_corrections_make_loads_exact. */
+TEST(every_load_has_its_correction)
+{
+  for (int run = 0; run < 200; run++) {
+    const int free_root = run / 2 % 2, plane = run % 2;
+    const double EI = pow(10.0, 3.0 + 2.0 * fbt_random()), L = 6.0 + 5.0 * fbt_random();
+    const double exact = L * L * L / EI / (free_root ? 105.0 : 3.0);
+    fb_modes_desc *keep;
+    uniform_desc((int)ELEMENTS, free_root ? FB_ROOT_FREE : FB_ROOT_CLAMPED);
+    desc.length = (fb_real)L;
+    desc.station[0].EI_y = desc.station[0].EI_z = (fb_real)EI;
+    desc.station[0].mass = (fb_real)pow(10.0, fbt_random());
+    keep = choice();
+    keep->count[plane ? FB_KIND_BEND_Z : FB_KIND_BEND_Y] = 1 + run / 4 % 6;
+    keep->n_load = 1;
+    keep->load[0].node = (int)ELEMENTS;
+    keep->load[0].axis = 1 + plane;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, 2 + run / 4 % 6);
+    FBT_NEAR_REL(tip_sum(&modes, 1 + plane), exact, FBT_TOL(1e-10, 2e-4));
+  }
+}
+
+/* E7.8: a deflection that the modes hold already is no further coordinate: that of a body on a tip without mass, and of
+   one element all of whose shapes are there. Nor is one that moves no mass, of a load halfway to that body. */
+TEST(loads_without_a_coordinate_of_their_own_are_refused)
+{
+  for (int run = 0; run < 4; run++) {
+    const int halfway = run == 1, whole = run >= 2;
+    fb_modes_desc *keep;
+    uniform_desc(whole ? 1 : 2, run == 3 ? FB_ROOT_FREE : FB_ROOT_CLAMPED);
+    desc.station[0].mass = whole ? FB_R(3.0) : FB_R(0.0);
+    desc.n_lump = !whole;
+    desc.lump[0].node = whole ? 0 : 2;
+    desc.lump[0].mass = whole ? FB_R(0.0) : FB_R(0.5);
+    keep = choice();
+    keep->count[FB_KIND_BEND_Y] = whole ? FB_ALL_MODES : 1;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, whole ? 4 : 1);
+    keep->n_load = 1;
+    keep->load[0].node = 2 - halfway - whole;
+    keep->load[0].axis = 1;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_MODES);
   }
 }
 
@@ -574,6 +620,7 @@ TEST(work_structs_hold_no_more_than_their_matrices)
 SUITE(modes_components, RUN(hurty_example_has_the_printed_numbers),
       RUN(boundaries_that_move_a_free_component_have_no_negative_stiffness),
       RUN(components_deflect_exactly_at_their_boundary), RUN(static_corrections_make_loads_exact),
+      RUN(every_load_has_its_correction), RUN(loads_without_a_coordinate_of_their_own_are_refused),
       RUN(effective_masses_add_up_to_the_beam), RUN(components_keep_their_rigid_motions),
       RUN(one_mode_and_its_correction_are_as_good_as_all),
       RUN(components_with_shear_deflect_exactly_in_every_direction), RUN(a_part_alone_keeps_its_modes),

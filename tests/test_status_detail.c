@@ -238,6 +238,16 @@ TEST(refused_bases_tell_the_number_of_modes)
   (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_MODES, solve, "kind: count of functions",
              FB_KIND_BEND_Y, 2.0 * FB_MAX_ELEMENTS, 100.0);
   fresh();
+  boom.n_element = 1;
+  FBT_INT_EQ(fb_beam_init(&beam, &boom), FB_OK);
+  keep.count[FB_KIND_BEND_Y] = 4; /* all that one element has */
+  keep.n_load = 2;
+  keep.load[0].node = keep.load[1].node = 1;
+  keep.load[0].axis = 2;
+  keep.load[1].axis = 1;
+  (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_MODES, solve, "load: modes with its deflection",
+             1, 7.0, 8.0);
+  fresh();
   keep.line_points = 1;
   (void)told(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_ERR_VALUE, solve, "line_points, 0 or at least", -1,
              1.0, 2.0);

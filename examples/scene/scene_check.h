@@ -324,6 +324,15 @@ static void scene_check_trim(text_file *t, const scene *s)
       }
     }
   }
+  for (int k = 0; k < s->n_drive && s->trim; k++) {
+    const scene_drive *const drive = &s->drive[k];
+    const double rate = function_eval(&drive->f, &s->tables, 0, 0).rate;
+    const int even = drive->f.kind == FUNCTION_RAMP || drive->f.kind == FUNCTION_TABLE;
+    if (drive->kind == SCENE_VALUE && !even && fabs(rate) > 0) {
+      t->line = drive->line;
+      text_fail(t, "trim: no steady state: this value moves at 0 s, at a rate of %g that changes", rate);
+    }
+  }
 }
 
 /* Rotors are those of bodies with the effects of the momentum form. */

@@ -35,6 +35,11 @@ awk 'FNR == 1 { last = -1; comment = 0 }
   cat "$out/bare"
   fail "$(wc -l < "$out/bare") tests whose comment cites no equation and is not Interface"
 }
+# Every test that any `Test:` of the library names exists, also where no id is defined.
+tr '\n' ' ' < flexbeam_impl.h | sed 's/Test: /\n&/g' | sed -n 's/^Test: \([^.*]*\).*/\1/p' | sed 's/([^)]*)//g' | tr -s ', ' '\n\n' |
+  grep . | sort -u > "$out/told"
+missing=$(comm -23 "$out/told" "$out/tests" | tr '\n' ' ')
+[ -z "$missing" ] || fail "tests that Test: names do not exist: $missing"
 grep -ohE '\bE[0-9]+\.[0-9]+\b' flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c examples/*/*.c bench/*.[ch] | sort -u > "$out/cited"
 unknown=$(comm -23 "$out/cited" "$out/defined" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "cited but not defined: $unknown"

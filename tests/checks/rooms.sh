@@ -38,6 +38,15 @@ for system in 0 1; do
     done
   done
 done
+# one body keeps its analysis without systems
+for single in 0 1; do
+  for system in 1 0; do
+    try gcc $c99 -O0 -DFB_SINGLE=$single -DFB_WITH_SYSTEM=$system -DFB_WITH_EXACT=$system -o "$out/one_body" tests/checks/one_body.c -lm
+    try "$out/one_body"
+    cp "$out/log" "$out/one_body$system"
+  done
+  cmp "$out/one_body0" "$out/one_body1" || fail "steady state, linear model or spectrum of one body differ without systems"
+done
 gcc $c99 -DFB_WITH_ANALYSE=1 -DFB_WITH_BUILD=0 -fsyntax-only "$out/impl.c" 2> "$out/log" && fail "ANALYSE without BUILD is taken"
 grep -q 'FB_WITH_ANALYSE needs FB_WITH_BUILD' "$out/log" || fail "no word on FB_WITH_ANALYSE without FB_WITH_BUILD"
 gcc $c99 -DFB_WITH_DETAIL=2 -fsyntax-only "$out/impl.c" 2> "$out/log" && fail "FB_WITH_DETAIL=2 is taken"

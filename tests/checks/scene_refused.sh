@@ -179,6 +179,22 @@ $top
 trim
 load top.tip dead force 1 0 0
 END
+refuse 10 "trim: no steady state: this value moves at 0 s, at a rate of 0.314159 that changes" << END
+trim
+body hub rigid
+  hub 1  0 0 0  1 1 1
+end
+body blade rigid
+  hub 1  0 0 0  1 1 1
+end
+joint pitch revolute hub blade
+  axis 1 0 0
+  value 1 sine 0.05 1
+end
+joint spin revolute ground hub
+  rate 1 constant 6
+end
+END
 refuse 2 "a beam wants stations or taper" << END
 # the line of the body: what is missing has none
 body a beam
