@@ -6,8 +6,7 @@ static const fbl_feature features[] = {
     {"tree", {"chain", "star", "mixed"}},
     {"at", {"hub", "tip"}},
     {"root", {"free", "rigid", "revolute", "spherical", "driven"}},
-    {"joint",
-     {"revolute", "prismatic", "cylindrical", "screw", "universal", "spherical", "rigid", "free", "all"}},
+    {"joint", {"revolute", "prismatic", "cylindrical", "screw", "universal", "spherical", "rigid", "free", "all"}},
     {"mode", {"free", "locked", "prescribed", "some"}},
     {"effort", {"none", "spring", "motor", "friction", "stop"}},
     {"loop", {"none", "ball", "hinge", "several", "planar"}},
@@ -135,10 +134,10 @@ static int parent_of(const int *level, int k)
 
 static fb_joint_kind kind_of(const int *level, int k)
 {
-  static const fb_joint_kind root[] = {FB_JOINT_FREE, FB_JOINT_RIGID, FB_JOINT_REVOLUTE, FB_JOINT_SPHERICAL, FB_JOINT_FREE};
-  static const fb_joint_kind other[] = {FB_JOINT_REVOLUTE, FB_JOINT_PRISMATIC, FB_JOINT_CYLINDRICAL,
-                                        FB_JOINT_SCREW,    FB_JOINT_UNIVERSAL, FB_JOINT_SPHERICAL,
-                                        FB_JOINT_RIGID,    FB_JOINT_FREE};
+  static const fb_joint_kind root[] = {FB_JOINT_FREE, FB_JOINT_RIGID, FB_JOINT_REVOLUTE, FB_JOINT_SPHERICAL,
+                                       FB_JOINT_FREE};
+  static const fb_joint_kind other[] = {FB_JOINT_REVOLUTE,  FB_JOINT_PRISMATIC, FB_JOINT_CYLINDRICAL, FB_JOINT_SCREW,
+                                        FB_JOINT_UNIVERSAL, FB_JOINT_SPHERICAL, FB_JOINT_RIGID,       FB_JOINT_FREE};
   if (k == 0) {
     return root[level[ROOT]];
   }
@@ -185,17 +184,19 @@ static void loop_ends(const int *level, int l, int *from, int *to)
   }
 }
 
-/* Free axes of the joints on the way from a body to the ground (a free root counts none), each once. */
-static int freedom(const int *level)
+/* Free axes of the joints on the ways of loops first .. to the ground (a free root counts none), each once, less what
+   the loops hold. */
+static int freedom(const int *level, int first)
 {
   int n = 0, used[BODIES_MOST] = {0};
-  for (int l = 0; l < loops_of(level); l++) {
+  for (int l = first; l < loops_of(level); l++) {
     int end[2];
     loop_ends(level, l, &end[0], &end[1]);
     for (int e = 0; e < 2; e++) {
       for (int k = end[e]; k >= 0; k = k == 0 ? FB_GROUND : parent_of(level, k)) {
         for (int i = 0; i < axes_of(kind_of(level, k)) && !used[k]; i++) {
-          n += (k > 0 || is_grounded(level)) && mode_of(level, k, kind_of(level, k) == FB_JOINT_SPHERICAL ? 0 : i) == FB_AXIS_FREE;
+          n += (k > 0 || is_grounded(level)) &&
+               mode_of(level, k, kind_of(level, k) == FB_JOINT_SPHERICAL ? 0 : i) == FB_AXIS_FREE;
         }
         used[k] = 1;
       }
@@ -203,6 +204,23 @@ static int freedom(const int *level)
     n -= 6 - axes_of(loop_kind(level, l));
   }
   return n;
+}
+
+/* Constraints of FB_METHOD_MULTIPLIERS. */
+static int rows_of(const int *level)
+{
+  int n = level[CALLBACK] == ROWS, last = bodies_of(level);
+  for (int k = 0; k < last; k++) {
+    const fb_joint_kind own = kind_of(level, k);
+    n += 6 - axes_of(own);
+    for (int i = 0; i < axes_of(own); i++) {
+      n += mode_of(level, k, is_ball(own) ? 0 : i) != FB_AXIS_FREE;
+    }
+  }
+  for (int l = 0; l < loops_of(level); l++) {
+    n += 6 - axes_of(loop_kind(level, l));
+  }
+  return n + (level[WHEEL] ? 5 : 0);
 }
 
 static void choose(fbl_choice *c, const int *level, int k)
@@ -237,8 +255,18 @@ static void legal(int *level)
     level[TREE] = level[JOINT] = level[MODE] = level[BODY] = level[FRAME] = 0;
   }
   level[LOOP] = level[LOOP] == SEVERAL && n < 3 ? BALL : n < 2 ? NO_LOOP : level[LOOP];
-  while (level[LOOP] != NO_LOOP && level[LOOP] != PLANAR && freedom(level) < 1) {
+  while (level[LOOP] != NO_LOOP && level[LOOP] != PLANAR && (freedom(level, 0) < 1 || freedom(level, 1) < 0)) {
     level[LOOP]--;
+  }
+  if (level[METHOD] == FB_METHOD_MULTIPLIERS && rows_of(level) > FB_MAX_ROWS) {
+    level[METHOD] = FB_METHOD_DENSE;
+  }
+  if (level[BODY] == LARGE && level[MADE] == WELDED) { /* more points than there is room for */
+    level[MADE] = BEAM;
+  }
+  if (level[MOTION] == FLIGHT && level[ROOT] == ROOT_FREE &&
+      level[SPRING] != NO_SPRING) { /* the ground is left behind */
+    level[SPRING] = n > 1 ? BETWEEN : NO_SPRING;
   }
   if (level[BODY] == SOLID) {
     level[MADE] = level[ROTORS] = level[DAMPING] = 0;
@@ -252,7 +280,7 @@ static void legal(int *level)
   if (level[ROOT] != ROOT_FREE && level[CALLBACK] == ROWS) { /* what the plane is for may have no other way to go */
     level[CALLBACK] = NO_CALLBACK;
   }
-  if (level[ROOT] != ROOT_FREE && level[MOTION] == FLIGHT) {
+  if ((level[ROOT] != ROOT_FREE || level[BODY] == LINEAR || level[BODY] == SPIN) && level[MOTION] == FLIGHT) {
     level[MOTION] = SPINNING;
   }
 }
@@ -272,7 +300,8 @@ static fb_status solid_make(fb_body *body, const int *level, int round, double *
   fb_status status = fb_shape_init(&shape, 0);
   memset(&d, 0, sizeof d);
   *reach = long_;
-  fbl_polar(center, round ? 0.0 : fbl_in(0.1, 0.3), round ? 0.0 : fbl_in(-0.2, 0.2), round ? 0.0 : fbl_in(-0.2, 0.2), 0, 1, 0);
+  fbl_polar(center, round ? 0.0 : fbl_in(0.1, 0.3), round ? 0.0 : fbl_in(-0.2, 0.2), round ? 0.0 : fbl_in(-0.2, 0.2), 0,
+            1, 0);
   for (int i = 0; i < 3; i++) {
     inertia[i] = fbl_unit(mass * long_ * long_ * (round ? (i == 2 ? 0.5 : 0.3) : fbl_in(0.15, 0.25)), 1, 2, 0);
   }
@@ -673,6 +702,11 @@ static void input_fill(fb_system_input *in, double t)
 
 /* ---- state */
 
+static double larger(double a, double b)
+{
+  return a > b ? a : b;
+}
+
 static void start_draw(int k)
 {
   fb_link_motion *const m = &start[slot[k]];
@@ -681,6 +715,17 @@ static void start_draw(int k)
   fbl_number = 1 + k;
   memset(m, 0, sizeof *m);
   fbl_deflect(m->q, m->q_dot, body(k), size_made[model_of(k)]);
+  for (int a = 0; a < body(k)->n; a++) {
+    if (!(body(k)->reach[a] > FB_R(0.0))) { /* torsion: by its angles, which give the coordinate its unit */
+      double most = 0.0;
+      for (int n = 0; n < body(k)->n_node; n++) {
+        most = larger(most, fbl_largest(&body(k)->node[n].theta[3 * a], 3));
+      }
+      fbl_stream("torsion");
+      m->q[a] = (fb_real)((fbl_seen.undeformed ? 0.0 : 0.05 * fbl_in(-1.0, 1.0)) / most);
+      m->q_dot[a] = (fb_real)((fbl_seen.undeformed ? 0.0 : (double)fbl_unit(0.2 * fbl_in(-1.0, 1.0), 0, 0, -1)) / most);
+    }
+  }
   fbl_stream("start");
   if (kind[k] == FB_JOINT_FREE) {
     fb_real u[3], R[9];
@@ -811,14 +856,7 @@ static void held_draw(const look *at)
   memcpy(held.force[1], at->motion.pose[slot[k]].rho, sizeof held.force[1]);
 }
 
-static fb_status draw_(const int *level);
 static fb_status draw(const int *level)
-{
-  fb_status st = draw_(level);
-  if (st && getenv("DBG")) { printf("DRAW %d %s: ", st, fb_detail_last()->what); for (int i = 0; i < N_FEATURE; i++) printf("%d,", level[i]); printf("\n"); }
-  return st;
-}
-static fb_status draw_(const int *level)
 {
   static fb_system_input in;
   static look open;
@@ -879,11 +917,6 @@ static look path[5];
 static fb_system_input input; /* at path[2] */
 static double dt;
 
-static double larger(double a, double b)
-{
-  return a > b ? a : b;
-}
-
 /* State of body k alone, at a look. */
 static fb_status alone(fb_state *out, fb_input *in, const look *at, const fb_system_input *all, int k)
 {
@@ -895,6 +928,9 @@ static fb_status alone(fb_state *out, fb_input *in, const look *at, const fb_sys
   memcpy(out->rho, at->motion.pose[s].rho, sizeof out->rho);
   memcpy(out->quat, at->motion.pose[s].quat, sizeof out->quat);
   memcpy(out->q, at->motion.pose[s].q, (size_t)body(k)->n * sizeof out->q[0]);
+  for (int r = 0; r < body(k)->n_rotor; r++) {
+    out->pi[body(k)->n + r] = m->rotor_momentum[r];
+  }
   status = status ? status : fb_state_from_velocity(body(k), out, m->v, m->w, m->q_dot);
   for (int r = 0; r < body(k)->n_rotor && status == FB_OK; r++) {
     if (!body(k)->rotor[r].given) {
@@ -1046,8 +1082,10 @@ static double imus(double h)
       off[0][i] = R[i] * a[0] + R[3 + i] * a[1] + R[6 + i] * a[2];
       off[1][i] = R[i] * w[0] + R[3 + i] * w[1] + R[6 + i] * w[2];
     }
-    miss = larger(miss, fbl_difference(off[0], imu.specific_force, 3) / (fbl_largest(a, 3) + (double)fbl_unit(size, 0, 1, -2)));
-    miss = larger(miss, fbl_difference(off[1], imu.angular_rate, 3) / (fbl_largest(w, 3) + (double)fbl_unit(1.0, 0, 0, -1)));
+    miss = larger(miss, fbl_difference(off[0], imu.specific_force, 3) /
+                            (fbl_largest(a, 3) + (double)fbl_unit(size, 0, 1, -2)));
+    miss = larger(miss,
+                  fbl_difference(off[1], imu.angular_rate, 3) / (fbl_largest(w, 3) + (double)fbl_unit(1.0, 0, 0, -1)));
   }
   return miss;
 }
@@ -1086,7 +1124,8 @@ static double joints(double h)
       const double second = (double)fbl_unit(1.0, 0, slides(joint->kind, i), -1);
       const int jumps = fabs((double)path[4].motion.joint[j].value[i] - (double)path[0].motion.joint[j].value[i]) > 1.0;
       if (!is_ball(joint->kind) && !jumps) {
-        miss = larger(miss, fabs(SLOPE(motion.joint[j].value[i]) - (double)at->speed[i]) / (fabs((double)at->speed[i]) + second));
+        miss = larger(miss, fabs(SLOPE(motion.joint[j].value[i]) - (double)at->speed[i]) /
+                                (fabs((double)at->speed[i]) + second));
       }
       if (!kept) {
         const double unit = (double)fbl_unit(1.0, 0, slides(joint->kind, i), -2);
@@ -1158,7 +1197,9 @@ static double effort(double *lost, int j, int i)
   const fb_joint *const d = &mechanism.joint[j];
   const fb_joint_motion *const at = &path[2].motion.joint[j];
   const double x = (double)at->value[i], u = (double)at->speed[i], k = (double)d->stop_stiffness[i];
-  const double depth = x < (double)d->stop[i][0] ? x - (double)d->stop[i][0] : x > (double)d->stop[i][1] ? x - (double)d->stop[i][1] : 0.0;
+  const double depth = x < (double)d->stop[i][0]   ? x - (double)d->stop[i][0]
+                       : x > (double)d->stop[i][1] ? x - (double)d->stop[i][1]
+                                                   : 0.0;
   const double inwards = depth < 0.0 ? -u : u;
   const double spring = -(double)d->stiffness[i] * (x - (double)d->rest[i]) - (k > 0.0 ? k * depth : 0.0);
   double rest = -(double)d->damping[i] * u;
@@ -1200,7 +1241,8 @@ static double rotor_losses(void)
       const double u = (double)path[2].motion.motion[slot[k]].rotor_speed[r];
       sum -= (double)rotor->damping * u * u;
       if (rotor->friction > FB_R(0.0)) {
-        sum -= (double)rotor->friction * u * u / sqrt(u * u + (double)rotor->friction_speed * (double)rotor->friction_speed);
+        sum -= (double)rotor->friction * u * u /
+               sqrt(u * u + (double)rotor->friction_speed * (double)rotor->friction_speed);
       }
     }
   }
@@ -1227,7 +1269,706 @@ static double energy_rate(double h)
     power += dot(force, node->velocity) + dot(torque, node->angular_rate);
     size_of += fabs(dot(force, node->velocity)) + fabs(dot(torque, node->angular_rate));
   }
-  return fabs(rate - power) / (size_of + (double)path[2].energy.kinetic * (double)fbl_unit(1.0, 0, 0, -1) + (double)fbl_unit(1e-3, 1, 2, -3));
+  return fabs(rate - power) / (size_of + (double)path[2].energy.kinetic * (double)fbl_unit(1.0, 0, 0, -1) +
+                               (double)fbl_unit(1e-3, 1, 2, -3));
+}
+
+/* Power of motors and actuators, and of what prescribes axes, from what each of them does. */
+static double powers(double h)
+{
+  const look *const at = &path[2];
+  double motors = 0.0, given = 0.0, all = 0.0, unit = (double)fbl_unit(1.0, 1, 2, -3);
+  FBL_TRY(walk(h));
+  for (int j = 0; j < n_body + desc.n_loop; j++) {
+    const fb_joint *const d = &mechanism.joint[j];
+    const fb_joint_motion *const m = &at->motion.joint[j];
+    for (int i = 0; i < axes_of(d->kind); i++) {
+      const fb_axis_mode mode = at->state.mode[j][is_ball(d->kind) ? 0 : i];
+      double lost, motor;
+      if (d->kind == FB_JOINT_FREE) {
+        continue;
+      }
+      motor = ((double)m->drive[i] - effort(&lost, j, i)) * (double)m->speed[i];
+      motors += mode == FB_AXIS_FREE ? motor : 0.0;
+      given += mode == FB_AXIS_PRESCRIBED ? motor : 0.0;
+      all += fabs(motor);
+    }
+  }
+  for (int j = 0; j < desc.n_spring; j++) {
+    const fb_spring *const s = &mechanism.spring[j];
+    const fb_spring_motion *const m = &at->motion.spring[j];
+    const double pull = (double)m->tension - (double)s->stiffness * ((double)m->length - (double)s->length) -
+                        (double)s->damping * (double)m->rate;
+    motors -= pull * (double)m->rate;
+    all += fabs(pull * (double)m->rate);
+  }
+  for (int k = 0; k < n_body; k++) {
+    for (int r = 0; r < body(k)->n_rotor; r++) {
+      const double p = body(k)->rotor[r].given
+                           ? 0.0
+                           : (double)input.rotor[slot[k]][r].torque * (double)at->motion.motion[slot[k]].rotor_speed[r];
+      motors += p;
+      all += fabs(p);
+    }
+  }
+  all += fabs((double)at->motion.power) + unit;
+  if (now[ROOT] == ROOT_DRIVEN || now[ROTORS] == FBL_GIVEN) {
+    return fabs(SLOPE(state.motor_work) - motors) / all;
+  }
+  return larger(fabs(SLOPE(state.motor_work) - motors), fabs((double)at->motion.power - motors - given)) / all;
+}
+
+/* Where the joint frame on the child is, and its axes; inertial axes. */
+static void joint_frame(double origin[3], fb_real R[9], int j, int parent_side)
+{
+  const fb_joint *const d = &mechanism.joint[j];
+  const int s = parent_side ? d->parent : j < n_body ? j : d->child;
+  fb_real axes[9], arm[3], x[3] = {0};
+  const fb_real *const p = parent_side ? d->position : d->child_position;
+  if (s < 0) {
+    memcpy(R, d->axes, 9 * sizeof *R);
+    memcpy(arm, p, sizeof arm);
+  } else {
+    const fb_node_motion *const node = &path[2].node[body_of[s]][parent_side  ? d->parent_node
+                                                                 : j < n_body ? 0
+                                                                              : d->child_node];
+    fb_quat_to_mat33(axes, node->quat);
+    fb_mat33_mul(R, axes, parent_side ? d->axes : d->child_axes);
+    fb_mat33_mul_vec3(arm, axes, p);
+    memcpy(x, node->position, sizeof x);
+  }
+  for (int i = 0; i < 3; i++) {
+    origin[i] = (double)x[i] + (double)arm[i];
+  }
+}
+
+/* Unit vector of axis i of a joint. */
+static void axis_now(fb_real a[3], int j, int i)
+{
+  const fb_joint_kind k = mechanism.joint[j].kind;
+  double origin[3];
+  fb_real R[9];
+  const int column = k == FB_JOINT_SPHERICAL ? i : k == FB_JOINT_UNIVERSAL && i == 1 ? 0 : 2;
+  joint_frame(origin, R, j, k == FB_JOINT_UNIVERSAL && i == 0);
+  for (int r = 0; r < 3; r++) {
+    a[r] = R[3 * r + column];
+  }
+}
+
+/* Joints act along their axes with motor, spring, damper, friction and stops, or with what holds the axis. */
+static double efforts(double h)
+{
+  double miss = 0.0;
+  FBL_TRY(walk(h));
+  for (int j = 0; j < n_body + desc.n_loop; j++) {
+    const fb_joint *const d = &mechanism.joint[j];
+    const fb_joint_motion *const m = &path[2].motion.joint[j];
+    const double f_size = fbl_largest(m->force, 3), t_size = fbl_largest(m->torque, 3);
+    for (int i = 0; i < axes_of(d->kind) && d->kind != FB_JOINT_FREE; i++) {
+      const int slide = slides(d->kind, i);
+      const double unit =
+          (slide ? f_size : t_size + f_size * fabs((double)d->pitch)) + (double)fbl_unit(1.0, 1, slide ? 1 : 2, -2);
+      double lost, acts;
+      fb_real a[3];
+      axis_now(a, j, i);
+      acts = slide ? dot(a, m->force) : dot(a, m->torque) + (double)d->pitch * dot(a, m->force);
+      miss = larger(miss, fabs(acts - (double)m->drive[i]) / unit);
+      if (path[2].state.mode[j][is_ball(d->kind) ? 0 : i] == FB_AXIS_FREE) {
+        double motor = (double)input.drive[j].torque[i];
+        motor -= now[CALLBACK] == FORCES ? (double)fbl_unit(0.3, 1, slide ? 0 : 2, -1) * (double)m->speed[i] : 0.0;
+        miss = larger(miss, fabs(motor + effort(&lost, j, i) - (double)m->drive[i]) / unit);
+      }
+    }
+  }
+  return miss;
+}
+
+/* -dU/d(shift), -dU/d(rotation about the inertial origin) of the energy of gravity of body k: its force and moment. */
+static double gravity_slope(int k, int i, int rotate)
+{
+  const double d = rotate ? 1e-3 : 1e-3 * (double)fbl_unit(size, 0, 1, 0);
+  static fb_input none;
+  fb_real U[5];
+  if (!(body(k)->effects & (FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY))) {
+    return 0.0;
+  }
+  memcpy(none.rotor, input.rotor[slot[k]], sizeof none.rotor);
+  for (int p = 0; p < 5; p++) {
+    fb_state at = path[2].motion.pose[slot[k]];
+    fb_energy energy;
+    fb_real turn[3] = {0}, q[4], R[9];
+    if (rotate) {
+      turn[i] = (fb_real)(d * (p - 2));
+      fb_quat_from_rotvec(q, turn);
+      fb_quat_to_mat33(R, q);
+      fb_mat33_mul_vec3(at.rho, R, path[2].motion.pose[slot[k]].rho);
+      fb_quat_mul(at.quat, q, path[2].motion.pose[slot[k]].quat);
+    } else {
+      at.rho[i] += (fb_real)(d * (p - 2));
+    }
+    if (fb_body_energy_eval(body(k), &energy, &at, &none) != FB_OK) {
+      return HUGE_VAL;
+    }
+    U[p] = energy.gravity;
+  }
+  return -fbl_slope(U, 1, d);
+}
+
+typedef struct pair { /* force and moment about the inertial origin, with the sums of their sizes */
+  double force[3], moment[3], f_size, m_size;
+} pair;
+
+static void add(pair *p, double sign, const double at[3], const fb_real f[3], const fb_real t[3])
+{
+  for (int i = 0; i < 3; i++) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const double arm = at[j] * (double)f[k] - at[k] * (double)f[j];
+    p->force[i] += sign * (double)f[i];
+    p->moment[i] += sign * ((double)t[i] + arm);
+    p->f_size = larger(p->f_size, fabs((double)f[i]));
+    p->m_size = larger(p->m_size, larger(fabs((double)t[i]), fabs(arm)));
+  }
+}
+
+/* Where end e of spring j is. */
+static void spring_end(double x[3], int j, int e)
+{
+  const fb_spring *const s = &mechanism.spring[j];
+  if (s->body[e] < 0) {
+    for (int i = 0; i < 3; i++) {
+      x[i] = (double)s->position[e][i];
+    }
+  } else {
+    const fb_node_motion *const node = &path[2].node[body_of[s->body[e]]][s->node[e]];
+    fb_real arm[3];
+    to_inertial(arm, node->quat, s->position[e]);
+    for (int i = 0; i < 3; i++) {
+      x[i] = (double)node->position[i] + (double)arm[i];
+    }
+  }
+}
+
+/* All that acts on each body of the system, [n_body]: of all of it, by the ground and from outside. */
+static void act(pair total[BODIES_MOST + 1])
+{
+  static const fb_real none[3] = {0};
+  memset(total, 0, (BODIES_MOST + 1) * sizeof *total);
+  for (int j = 0; j < n_body + desc.n_loop; j++) {
+    const fb_joint *const d = &mechanism.joint[j];
+    const fb_joint_motion *const m = &path[2].motion.joint[j];
+    double x[3];
+    fb_real R[9];
+    joint_frame(x, R, j, 0);
+    add(&total[j < n_body ? j : d->child], 1.0, x, m->force, m->torque);
+    add(&total[d->parent < 0 ? n_body : d->parent], d->parent < 0 ? 1.0 : -1.0, x, m->force, m->torque);
+  }
+  for (int k = 0; k < input.n_load; k++) {
+    fb_real f[3], t[3];
+    const fb_node_motion *const node = load_now(f, t, k);
+    const double x[3] = {(double)node->position[0], (double)node->position[1], (double)node->position[2]};
+    add(&total[input.load[k].body], 1.0, x, f, t);
+    add(&total[n_body], 1.0, x, f, t);
+  }
+  for (int j = 0; j < desc.n_spring; j++) {
+    double x[2][3], length = 0.0;
+    fb_real f[3];
+    spring_end(x[0], j, 0);
+    spring_end(x[1], j, 1);
+    for (int i = 0; i < 3; i++) {
+      length += (x[1][i] - x[0][i]) * (x[1][i] - x[0][i]);
+    }
+    for (int i = 0; i < 3; i++) {
+      f[i] = (fb_real)((x[1][i] - x[0][i]) / sqrt(length) * (double)path[2].motion.spring[j].tension);
+    }
+    for (int e = 0; e < 2; e++) {
+      const int s = mechanism.spring[j].body[e];
+      if (s >= 0) {
+        add(&total[s], e ? -1.0 : 1.0, x[e], f, none);
+      } else {
+        add(&total[n_body], e ? 1.0 : -1.0, x[e], f, none); /* as it acts on the other end */
+      }
+    }
+  }
+  for (int s = 0; s < n_body; s++) {
+    for (int i = 0; i < 3; i++) {
+      const double f = gravity_slope(body_of[s], i, 0), t = gravity_slope(body_of[s], i, 1);
+      for (int all = 0; all < 2; all++) {
+        pair *const p = &total[all ? n_body : s];
+        p->force[i] += f;
+        p->moment[i] += t;
+        p->f_size = larger(p->f_size, fabs(f));
+        p->m_size = larger(p->m_size, fabs(t));
+      }
+    }
+  }
+}
+
+/* Inertia that does not follow the shape depends on the point about which it is taken: a body in a system about its O,
+   alone about its mass center (fb_effects_check). */
+static int is_crude(void)
+{
+  return now[BODY] == LINEAR || now[BODY] == SPIN;
+}
+
+static int loads_are_known(void)
+{
+  return now[ROTORS] != FBL_UNBALANCED && now[LOAD] != DISTRIBUTED && now[CALLBACK] != ROWS && !FB_SINGLE;
+}
+
+static double misses(const pair *p, const double rate[6], const fb_momentum *m)
+{
+  const double second = (double)fbl_unit(1.0, 0, 0, -1);
+  const double f = p->f_size + (fbl_largest(m->linear, 3) + (double)fbl_unit(1.0, 1, 1, -1)) * second;
+  const double t = p->m_size + (fbl_largest(m->angular, 3) + (double)fbl_unit(1.0, 1, 2, -1)) * second;
+  double miss = 0.0;
+  for (int i = 0; i < 3; i++) {
+    miss = larger(miss, fabs(rate[i] - p->force[i]) / f);
+    miss = larger(miss, fabs(rate[3 + i] - p->moment[i]) / t);
+  }
+  return miss;
+}
+
+/* Momenta of each body change by its joints, loads, springs and gravity. */
+static double momenta_of_bodies(double h)
+{
+  static pair total[BODIES_MOST + 1];
+  double miss = 0.0;
+  if (!loads_are_known() || is_crude()) {
+    return FBL_NONE;
+  }
+  FBL_TRY(walk(h));
+  act(total);
+  for (int k = 0; k < n_body; k++) {
+    double rate[6];
+    if (now[ROOT] == ROOT_DRIVEN && k == 0) {
+      continue; /* what drives it is the joint's, a free joint's is not looked at */
+    }
+    for (int i = 0; i < 3; i++) {
+      rate[i] = SLOPE(body[k].linear[i]);
+      rate[3 + i] = SLOPE(body[k].angular[i]);
+    }
+    miss = larger(miss, misses(&total[slot[k]], rate, &path[2].body[k]));
+  }
+  return miss;
+}
+
+/* Of the whole by what comes from outside; its momentum is the sum of those of the bodies. */
+static double momenta(double h)
+{
+  static pair total[BODIES_MOST + 1];
+  double rate[6], sum[6] = {0}, scale[2] = {0};
+  double miss = 0.0;
+  FBL_TRY(walk(h));
+  for (int k = 0; k < n_body; k++) {
+    for (int i = 0; i < 3; i++) {
+      sum[i] += (double)path[2].body[k].linear[i];
+      sum[3 + i] += (double)path[2].body[k].angular[i];
+    }
+    scale[0] += fbl_largest(path[2].body[k].linear, 3);
+    scale[1] += fbl_largest(path[2].body[k].angular, 3);
+  }
+  for (int i = 0; i < 3; i++) {
+    if (is_crude()) {
+      sum[i] = (double)path[2].momentum.linear[i];
+      sum[3 + i] = (double)path[2].momentum.angular[i];
+    }
+    rate[i] = SLOPE(momentum.linear[i]);
+    rate[3 + i] = SLOPE(momentum.angular[i]);
+    miss =
+        larger(miss, fabs(sum[i] - (double)path[2].momentum.linear[i]) / (scale[0] + (double)fbl_unit(1e-3, 1, 1, -1)));
+    miss = larger(miss, fabs(sum[3 + i] - (double)path[2].momentum.angular[i]) /
+                            (scale[1] + (double)fbl_unit(1e-3, 1, 2, -1)));
+  }
+  if (!loads_are_known() || now[ROOT] == ROOT_DRIVEN) {
+    return miss;
+  }
+  act(total);
+  return larger(miss, misses(&total[n_body], rate, &path[2].momentum));
+}
+
+/* The resultant of the joints on each body is the reaction that its motion tells. */
+static double reactions(double h)
+{
+  double miss = 0.0;
+  if (now[CALLBACK] == ROWS) { /* reactions hold the rows, too */
+    return FBL_NONE;
+  }
+  FBL_TRY(walk(h));
+  for (int s = 0; s < n_body; s++) {
+    const fb_motion *const m = &path[2].motion.motion[s];
+    const fb_state *const pose = &path[2].motion.pose[s];
+    pair p;
+    fb_real f[3], t[3];
+    double f_off = 0.0, t_off = 0.0;
+    memset(&p, 0, sizeof p);
+    for (int j = 0; j < n_body + desc.n_loop; j++) {
+      const fb_joint *const d = &mechanism.joint[j];
+      const fb_joint_motion *const joint = &path[2].motion.joint[j];
+      const int child = j < n_body ? j : d->child;
+      double x[3];
+      fb_real R[9];
+      joint_frame(x, R, j, 0);
+      for (int i = 0; i < 3; i++) {
+        x[i] -= (double)pose->rho[i];
+      }
+      if (child == s || d->parent == s) {
+        add(&p, child == s ? 1.0 : -1.0, x, joint->force, joint->torque);
+      }
+    }
+    to_inertial(f, pose->quat, m->reaction_force);
+    to_inertial(t, pose->quat, m->reaction_torque);
+    for (int i = 0; i < 3; i++) {
+      f_off = larger(f_off, fabs((double)f[i] - p.force[i]));
+      t_off = larger(t_off, fabs((double)t[i] - p.moment[i]));
+    }
+    miss = larger(miss, f_off / (p.f_size + (double)fbl_unit(1.0, 1, 1, -2)));
+    miss = larger(miss, t_off / (p.m_size + (double)fbl_unit(1.0, 1, 2, -2)));
+  }
+  return miss;
+}
+
+/* ---- laws: the same scene seen otherwise */
+
+enum { STEPS = 12 };
+
+/* Runs some steps of the drawn scene and looks at its end. step: in units of the model. */
+static fb_status motion_of(look *end, double step, int n)
+{
+  static fb_system_state at;
+  static fb_system_input in;
+  fb_status status = FB_OK;
+  at = state;
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    status = rk4(&at, k * step, step);
+  }
+  input_fill(&in, n * step / (double)fbl_unit(1.0, 0, 0, 1));
+  return status ? status : look_at(end, &at, &in);
+}
+
+static double over(const fb_real *a, const fb_real *b, int n, double unit)
+{
+  return fbl_difference(a, b, n) / (unit + fbl_largest(a, n));
+}
+
+/* Largest difference of two looks over the size of what is compared, by bodies of the scene. a is one of the plain scene,
+   b as fbl_seen has it; slots: those of a; forces: of joints, too. */
+static double looks_differ(const look *a, const look *b, const int *slots, int with_forces)
+{
+  double miss = 0.0;
+  const double length = (double)fbl_unit(size, 0, 1, 0), speed = (double)fbl_unit(size, 0, 1, -1);
+  for (int k = 0; k < n_body; k++) {
+    for (int n = 0; n < body(k)->n_node; n++) {
+      const fb_node_motion *const p = &a->node[k][n], *const q = &b->node[k][n];
+      fb_real x[3], v[3], acc[3], w[3], alpha[3];
+      fbl_inertial_polar(x, (double)p->position[0], (double)p->position[1], (double)p->position[2], 0, 1, 0);
+      fbl_inertial_polar(v, (double)p->velocity[0], (double)p->velocity[1], (double)p->velocity[2], 0, 1, -1);
+      fbl_inertial_polar(acc, (double)p->acceleration[0], (double)p->acceleration[1], (double)p->acceleration[2], 0, 1,
+                         -2);
+      fbl_inertial_axial(w, (double)p->angular_rate[0], (double)p->angular_rate[1], (double)p->angular_rate[2], 0, 0,
+                         -1);
+      fbl_inertial_axial(alpha, (double)p->angular_acceleration[0], (double)p->angular_acceleration[1],
+                         (double)p->angular_acceleration[2], 0, 0, -2);
+      for (int i = 0; i < 3; i++) {
+        x[i] += fbl_unit(fbl_seen.shift[i], 0, 1, 0);
+      }
+      miss = larger(miss, over(x, q->position, 3, length));
+      miss = larger(miss, over(v, q->velocity, 3, speed));
+      miss = larger(miss, over(acc, q->acceleration, 3, (double)fbl_unit(size, 0, 1, -2)));
+      miss = larger(miss, over(w, q->angular_rate, 3, (double)fbl_unit(1.0, 0, 0, -1)));
+      miss = larger(miss, over(alpha, q->angular_acceleration, 3, (double)fbl_unit(1.0, 0, 0, -2)));
+    }
+    if (with_forces) {
+      const fb_joint_motion *const p = &a->motion.joint[slots[k]], *const q = &b->motion.joint[slot[k]];
+      fb_real f[3], t[3];
+      fbl_inertial_polar(f, (double)p->force[0], (double)p->force[1], (double)p->force[2], 1, 1, -2);
+      fbl_inertial_axial(t, (double)p->torque[0], (double)p->torque[1], (double)p->torque[2], 1, 2, -2);
+      miss = larger(miss, over(f, q->force, 3, (double)fbl_unit(10.0, 1, 1, -2)));
+      miss = larger(miss, over(t, q->torque, 3, (double)fbl_unit(10.0, 1, 2, -2)));
+    }
+  }
+  return miss;
+}
+
+/* The scene as it is, then as `view` has it. */
+static double seen_as(const fbl_view *view)
+{
+  static look first, second;
+  int slots[BODIES_MOST];
+  double step, miss;
+  fb_status status;
+  fbl_plain();
+  fbl_seen.undeformed = view->undeformed;
+  FBL_TRY(fbl_draw_again());
+  memcpy(slots, slot, sizeof slots);
+  step = 0.1 * step_of(&status);
+  FBL_TRY(status);
+  FBL_TRY(motion_of(&first, step, STEPS));
+  fbl_seen = *view;
+  FBL_TRY(fbl_draw_again());
+  FBL_TRY(motion_of(&second, step * view->s, STEPS));
+  miss = looks_differ(&first, &second, slots, 1);
+  fbl_plain();
+  return miss;
+}
+
+static double turned_and_shifted(double h)
+{
+  static const fbl_view view = {1.0, 1.0, 1.0, 0, 0, 0, {0.1, 0.7, -0.5, 0.5}, {3.0, -2.0, 5.0}, {0.0, 0.0, 0.0}};
+  (void)h;
+  return seen_as(&view);
+}
+
+static double other_units(double h)
+{
+  static const fbl_view view = {4.0, 0.5, 8.0, 0, 0, 0, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  (void)h;
+  return seen_as(&view);
+}
+
+static double mirrored(double h)
+{
+  static const fbl_view view = {1.0, 1.0, 1.0, 1, 0, 1, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  (void)h;
+  return now[ROTORS] == FBL_UNBALANCED ? FBL_NONE : seen_as(&view);
+}
+
+static double reordered(double h)
+{
+  static const fbl_view view = {1.0, 1.0, 1.0, 0, 1, 1, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  (void)h;
+  return n_body > 1 || input.n_load > 1 ? seen_as(&view) : FBL_NONE;
+}
+
+/* ---- laws: one way against another, where the motion starts */
+
+/* The motion starts anew where a look of the present system is. */
+static void start_from(const look *at)
+{
+  for (int s = 0; s < n_body; s++) {
+    fb_link_motion *const m = &start[s];
+    const fb_motion *const own = &at->motion.motion[s];
+    const int n = mechanism.joint[s].kind == FB_JOINT_FREE, k = body_of[s];
+    memcpy(m->value, n ? at->motion.pose[s].rho : at->motion.joint[s].value, sizeof m->value);
+    memcpy(m->quat, at->motion.pose[s].quat, sizeof m->quat);
+    if (mechanism.joint[s].kind == FB_JOINT_SPHERICAL) {
+      fb_quat_from_rotvec(m->quat, at->motion.joint[s].value);
+      memset(m->value, 0, sizeof m->value);
+    }
+    memcpy(m->speed, at->motion.joint[s].speed, sizeof m->speed);
+    if (n) {
+      memcpy(m->speed, own->v, 3 * sizeof m->speed[0]);
+      memcpy(m->speed + 3, own->w, 3 * sizeof m->speed[0]);
+    }
+    memcpy(m->q, at->motion.pose[s].q, (size_t)body(k)->n * sizeof m->q[0]);
+    memcpy(m->q_dot, own->q_dot, (size_t)body(k)->n * sizeof m->q_dot[0]);
+    memcpy(m->rotor_speed, own->rotor_speed, sizeof m->rotor_speed);
+  }
+}
+
+static double start_differs(const look *first)
+{
+  static look second;
+  static fb_system_input in;
+  input_fill(&in, 0.0);
+  FBL_TRY(look_at(&second, &state, &in));
+  return looks_differ(first, &second, slot, now[LOOP] != PLANAR); /* forces in redundant loops are not unique */
+}
+
+static double other_methods(double h)
+{
+  static look first;
+  static fb_system_input in;
+  double miss = 0.0;
+  int n;
+  (void)h;
+  input_fill(&in, 0.0);
+  FBL_TRY(look_at(&first, &state, &in));
+  start_from(&first);
+  n = mechanism.method == FB_METHOD_MULTIPLIERS ? FB_METHOD_MULTIPLIERS
+      : rows_of(now) > FB_MAX_ROWS              ? FB_METHOD_DENSE
+                                                : FB_METHOD_MULTIPLIERS;
+  for (int m = 0; m <= n; m++) {
+    double own;
+    if (m == (int)mechanism.method || (m == FB_METHOD_DENSE && now[BODIES] > 2 && now[MADE] >= IMPORTED)) {
+      continue;
+    }
+    desc.method = (fb_method)m;
+    FBL_TRY(system_make());
+    FBL_TRY(state_draw(&in));
+    own = start_differs(&first);
+    if (own < 0.0) {
+      return own;
+    }
+    miss = larger(miss, own);
+  }
+  return miss;
+}
+
+/* A joint of the tree that is closed as a loop, its body free, acts the same. */
+static double closed_joints(double h)
+{
+  static look first;
+  static fb_system_input in;
+  const int k = n_body - 1, s = slot[n_body - 1];
+  fb_joint_desc *const d = &desc.joint[s], *const loop = &desc.loop[desc.n_loop];
+  fb_link_motion *const m = &start[s];
+  (void)h;
+  if (k == 0 || kind[k] == FB_JOINT_FREE || mechanism.method == FB_METHOD_MULTIPLIERS || desc.n_loop > 1) {
+    return FBL_NONE;
+  }
+  input_fill(&in, 0.0);
+  FBL_TRY(look_at(&first, &state, &in));
+  start_from(&first);
+  *loop = *d;
+  loop->child = s;
+  loop->child_node = 0;
+  in.drive[n_body + desc.n_loop] = in.drive[s];
+  desc.n_loop++;
+  memset(&in.drive[s], 0, sizeof in.drive[s]);
+  memset(d, 0, sizeof *d);
+  d->parent = FB_GROUND;
+  memcpy(m->value, first.motion.pose[s].rho, sizeof m->value);
+  memcpy(m->quat, first.motion.pose[s].quat, sizeof m->quat);
+  memcpy(m->speed, first.motion.motion[s].v, 3 * sizeof m->speed[0]);
+  memcpy(m->speed + 3, first.motion.motion[s].w, 3 * sizeof m->speed[0]);
+  FBL_TRY(system_make());
+  FBL_TRY(state_draw(&in));
+  {
+    static look second;
+    double miss;
+    FBL_TRY(look_at(&second, &state, &in));
+    second.motion.joint[s] = second.motion.joint[n_body + desc.n_loop - 1];
+    miss = looks_differ(&first, &second, slot, now[LOOP] != PLANAR);
+    return miss;
+  }
+}
+
+/* Quaternion of a rotation: its largest component first. */
+static void quat_of(fb_real q[4], const fb_real R[9])
+{
+  const double a = (double)R[0], b = (double)R[4], c = (double)R[8];
+  const double s[4] = {1.0 + a + b + c, 1.0 + a - b - c, 1.0 - a + b - c, 1.0 - a - b + c};
+  const double yz = (double)R[5] + (double)R[7], zx = (double)R[2] + (double)R[6], xy = (double)R[1] + (double)R[3];
+  const double x = (double)R[7] - (double)R[5], y = (double)R[2] - (double)R[6], z = (double)R[3] - (double)R[1];
+  const double column[4][4] = {{s[0], x, y, z}, {x, s[1], xy, zx}, {y, xy, s[2], yz}, {z, zx, yz, s[3]}};
+  int most = 0;
+  for (int i = 1; i < 4; i++) {
+    most = s[i] > s[most] ? i : most;
+  }
+  for (int i = 0; i < 4; i++) {
+    q[i] = (fb_real)(0.5 * column[most][i] / sqrt(s[most]));
+  }
+}
+
+/* A joint that is locked is a rigid one in its pose. */
+static double locked_joints(double h)
+{
+  static look first, second;
+  static fb_system_input in;
+  int n = 0;
+  double x[3];
+  (void)h;
+  input_fill(&in, 0.0);
+  FBL_TRY(look_at(&first, &state, &in));
+  start_from(&first);
+  path[2] = first;
+  for (int k = 1; k < n_body; k++) {
+    fb_joint_desc *const d = &desc.joint[slot[k]];
+    const fb_joint *const joint = &mechanism.joint[slot[k]];
+    int locked = kind[k] != FB_JOINT_FREE && kind[k] != FB_JOINT_RIGID;
+    fb_real R[9], A[9], C[9], arm[3];
+    const fb_node_motion *const node = &first.node[parent[k]][joint->parent_node];
+    for (int i = 0; i < axes_of(kind[k]); i++) {
+      locked &= state.mode[slot[k]][is_ball(kind[k]) ? 0 : i] == FB_AXIS_LOCKED;
+    }
+    if (!locked) {
+      continue;
+    }
+    n++;
+    joint_frame(x, R, slot[k], 0); /* of the child: both frames coincide there from now on */
+    fb_quat_to_mat33(A, node->quat);
+    for (int i = 0; i < 3; i++) {
+      arm[i] = (fb_real)(x[i] - (double)node->position[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+      d->position[i] = A[i] * arm[0] + A[3 + i] * arm[1] + A[6 + i] * arm[2];
+      for (int j = 0; j < 3; j++) {
+        C[3 * i + j] = A[i] * R[j] + A[3 + i] * R[3 + j] + A[6 + i] * R[6 + j];
+      }
+    }
+    d->kind = FB_JOINT_RIGID;
+    quat_of(d->attitude, C);
+    quat_of(d->child_attitude, joint->child_axes);
+    memset(d->axis, 0, sizeof d->axis);
+    memset(d->child_axis, 0, sizeof d->child_axis);
+    memset(d->mode, 0, sizeof d->mode);
+    memset(d->stiffness, 0, sizeof d->stiffness);
+    memset(d->rest, 0, sizeof d->rest);
+    memset(d->damping, 0, sizeof d->damping);
+    memset(d->friction, 0, sizeof d->friction);
+    memset(d->friction_speed, 0, sizeof d->friction_speed);
+    memset(d->stop, 0, sizeof d->stop);
+    memset(d->stop_stiffness, 0, sizeof d->stop_stiffness);
+    memset(d->stop_loss, 0, sizeof d->stop_loss);
+    d->pitch = FB_R(0.0);
+    memset(&start[slot[k]].value, 0, sizeof start[0].value);
+    memset(&start[slot[k]].quat, 0, sizeof start[0].quat);
+    memset(&start[slot[k]].speed, 0, sizeof start[0].speed);
+  }
+  if (n == 0) {
+    return FBL_NONE;
+  }
+  FBL_TRY(system_make());
+  FBL_TRY(state_draw(&in));
+  FBL_TRY(look_at(&second, &state, &in));
+  return looks_differ(&first, &second, slot, now[LOOP] != PLANAR);
+}
+
+/* A free body is a system of its own. */
+static double one_body(double h)
+{
+  static fb_state own;
+  static fb_rk4_work own_work;
+  static fb_input in[3];
+  static fb_system_input all;
+  static look first, second;
+  double step;
+  fb_status status;
+  (void)h;
+  if (is_crude() || n_body > 1 || kind[0] != FB_JOINT_FREE || now[ROOT] != ROOT_FREE || desc.n_spring > 0 ||
+      now[CALLBACK] != NO_CALLBACK) {
+    return FBL_NONE;
+  }
+  step = 0.02 * step_of(&status);
+  FBL_TRY(status);
+  FBL_TRY(motion_of(&first, step, STEPS));
+  input_fill(&all, 0.0);
+  FBL_TRY(look_at(&second, &state, &all));
+  FBL_TRY(alone(&own, &in[0], &second, &all, 0));
+  for (int r = 0; r < body(0)->n_rotor; r++) {
+    own.q[body(0)->n + r] = state.link[0].q[body(0)->n + r];
+  }
+  for (int k = 0; k <= STEPS; k++) {
+    for (int i = 0; i < 3; i++) {
+      input_fill(&all, (k + 0.5 * i) * step / (double)fbl_unit(1.0, 0, 0, 1));
+      memset(&in[i], 0, sizeof in[i]);
+      memcpy(in[i].rotor, all.rotor[0], sizeof in[i].rotor);
+      in[i].n_load = all.n_load;
+      for (int n = 0; n < all.n_load; n++) {
+        in[i].load[n] = all.load[n].load;
+      }
+      in[i].distributed = all.distributed;
+      in[i].t = all.t;
+    }
+    if (k < STEPS) {
+      FBL_TRY(fb_rk4_step(body(0), &own, &own_work, &in[0], &in[1], &in[2], (fb_real)step));
+    }
+  }
+  memset(&second, 0, sizeof second);
+  FBL_TRY(fb_body_motion_eval(body(0), &second.motion.motion[0], &own, &in[0]));
+  second.motion.pose[0] = own;
+  FBL_TRY(nodes_look(&second));
+  return looks_differ(&first, &second, slot, 0);
 }
 
 /* ---- the list */
@@ -1239,6 +1980,19 @@ static const fbl_law laws[] = {
     {"coordinates_and_their_rates", "E9.5 E9.19", coordinates, 0.02, {1e-6, 0}},
     {"joints_and_their_rates", "E9.5 E9.19", joints, 0.02, {1e-6, 0}},
     {"energy_changes_by_power", "E9.11 E9.14 E9.15", energy_rate, 0.02, {1e-7, 0}},
+    {"power_of_motors", "E9.11 E9.26", powers, 0.02, {1e-7, 0}},
+    {"joints_act_along_their_axes", "E9.11 E9.28 E9.29", efforts, 0.02, {1e-9, 0}},
+    {"momenta_of_bodies_change_by_joints", "E9.14 E9.15 E9.19", momenta_of_bodies, 0.02, {1e-6, 0}},
+    {"momenta_change_by_what_is_outside", "E9.15 E9.16", momenta, 0.02, {1e-6, 0}},
+    {"reactions_are_resultants_of_joints", "E9.19", reactions, 0.02, {1e-9, 0}},
+    {"turned_and_shifted", "E9.15", turned_and_shifted, 0.0, {1e-9, 0}},
+    {"other_units", "E9.15", other_units, 0.0, {1e-10, 0}},
+    {"mirror_image", "E9.15", mirrored, 0.0, {1e-9, 0}},
+    {"order_of_bodies_and_loads", "E9.5 E9.15", reordered, 0.0, {1e-9, 0}},
+    {"methods_agree", "E9.5 E9.10 E9.19", other_methods, 0.0, {1e-8, 0}},
+    {"joint_closed_as_a_loop", "E9.10 E9.19", closed_joints, 0.0, {1e-8, 0}},
+    {"locked_joint_is_rigid", "E9.1 E9.19", locked_joints, 0.0, {1e-9, 0}},
+    {"system_of_one_body", "E8.17 E9.15", one_body, 0.0, {1e-8, 0}},
 };
 
 const fbl_kind fbl_system = {"system", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws)};
