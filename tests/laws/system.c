@@ -2168,6 +2168,7 @@ static int trim(fb_status *status)
   put(level, EFFORT, NO_EFFORT, FRICTION, SPRUNG);
   put(level, ROTORS, FBL_UNBALANCED, FBL_GIVEN, FBL_ON_BOOM);
   put(level, LOOP, PLANAR, PLANAR, HINGE);
+  put(level, BODIES, 3, 4, 2);    /* Newton's method by differences takes long */
   if (level[ROOT] == ROOT_FREE) { /* nothing that pushes it */
     level[LOAD] = level[GRAVITY] = 0;
     put(level, SPRING, TO_GROUND, PULL, BETWEEN);
