@@ -254,6 +254,9 @@ static void legal(int *level)
     level[ROOT] = ROOT_REVOLUTE;
     level[TREE] = level[JOINT] = level[MODE] = level[BODY] = level[FRAME] = 0;
   }
+  if (level[LOOP] == SEVERAL && level[TREE] == 1 && n < 4) { /* each between two bodies of its own */
+    level[LOOP] = BALL;
+  }
   level[LOOP] = level[LOOP] == SEVERAL && n < 3 ? BALL : n < 2 ? NO_LOOP : level[LOOP];
   while (level[LOOP] != NO_LOOP && level[LOOP] != PLANAR && (freedom(level, 0) < 1 || freedom(level, 1) < 0)) {
     level[LOOP]--;
@@ -263,6 +266,9 @@ static void legal(int *level)
   }
   if (level[BODY] == LARGE && level[MADE] == WELDED) { /* more points than there is room for */
     level[MADE] = BEAM;
+  }
+  if (level[MOTION] == FLIGHT && level[CALLBACK] == ROWS) { /* to a plane of the ground */
+    level[CALLBACK] = NO_CALLBACK;
   }
   if (level[MOTION] == FLIGHT && level[ROOT] == ROOT_FREE &&
       level[SPRING] != NO_SPRING) { /* the ground is left behind */
@@ -1624,9 +1630,6 @@ static double momenta(double h)
 static double reactions(double h)
 {
   double miss = 0.0;
-  if (now[CALLBACK] == ROWS) { /* reactions hold the rows, too */
-    return FBL_NONE;
-  }
   FBL_TRY(walk(h));
   for (int s = 0; s < n_body; s++) {
     const fb_motion *const m = &path[2].motion.motion[s];
@@ -1651,6 +1654,16 @@ static double reactions(double h)
     }
     to_inertial(f, pose->quat, m->reaction_force);
     to_inertial(t, pose->quat, m->reaction_torque);
+    if (now[CALLBACK] == ROWS && s == held.body[0]) { /* and of the row, which pushes along its direction at O */
+      double along = 0.0;
+      for (int i = 0; i < 3; i++) {
+        along += ((double)f[i] - p.force[i]) * (double)held.force[0][i];
+      }
+      for (int i = 0; i < 3; i++) {
+        f[i] -= (fb_real)along * held.force[0][i];
+      }
+      p.f_size = larger(p.f_size, fabs(along));
+    }
     for (int i = 0; i < 3; i++) {
       f_off = larger(f_off, fabs((double)f[i] - p.force[i]));
       t_off = larger(t_off, fabs((double)t[i] - p.moment[i]));
@@ -2165,7 +2178,7 @@ static int trim(fb_status *status)
   put(level, CALLBACK, 0, ROWS, NO_CALLBACK);
   put(level, GRAVITY, FBL_CENTER, FBL_CENTER, FBL_GRAVITY);
   put(level, WHEEL, 0, 1, 0);
-  put(level, EFFORT, NO_EFFORT, FRICTION, SPRUNG);
+  put(level, EFFORT, NO_EFFORT, STOP, SPRUNG); /* at rest at a stop there is no linear model, creep is no rest */
   put(level, ROTORS, FBL_UNBALANCED, FBL_GIVEN, FBL_ON_BOOM);
   put(level, LOOP, PLANAR, PLANAR, HINGE);
   put(level, BODIES, 3, 4, 2);    /* Newton's method by differences takes long */
