@@ -2191,14 +2191,15 @@ static int trim(fb_status *status)
   put(level, BODIES, 3, 4, 2);    /* Newton's method by differences takes long */
   if (level[ROOT] == ROOT_FREE) { /* nothing that pushes it */
     level[LOAD] = level[GRAVITY] = 0;
-    put(level, SPRING, TO_GROUND, PULL, BETWEEN);
+    put(level, SPRING, NO_SPRING, PULL, level[BODIES] > 0 ? BETWEEN : NO_SPRING);
   }
   put(level, LOAD, DISTRIBUTED, DISTRIBUTED, FOLLOWER);
   *status = near_by(level);
   if (*status != FB_OK) {
     return 0;
   }
-  spins = now[GRAVITY] == FBL_NO_GRAVITY && now[LOAD] != DEAD && now[SPRING] < TO_GROUND && now[LOOP] == NO_LOOP;
+  spins = now[GRAVITY] == FBL_NO_GRAVITY && now[LOAD] != DEAD &&
+          (now[SPRING] == NO_SPRING || (now[SPRING] == BETWEEN && now[BODIES] > 0)) && now[LOOP] == NO_LOOP;
   input_fill(&steady, 0.0);
   memset(steady.rotor, 0, sizeof steady.rotor);
   for (int j = 0; j < n_body + desc.n_loop; j++) {
