@@ -1662,7 +1662,7 @@ typedef struct fb_joint_motion {
 
 typedef struct fb_system_motion {
   fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion_eval with.. */
-  fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
+  fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: of all joints and rows on the body about O, body axes */
   fb_joint_motion joint[FBI_MAX_JOINTS];
   fb_spring_motion spring[FB_MAX_SPRINGS];
   fb_real force[FB_MAX_LOADS][3], torque[FB_MAX_LOADS][3]; /* [N], [N m] of fb_forces at the loads, inertial axes */
