@@ -4,7 +4,7 @@
    Its last line is "N passed, N failed". */
 #include "laws.h"
 
-static const fbl_kind *const kinds[] = {&fbl_body};
+static const fbl_kind *const kinds[] = {&fbl_body, &fbl_exact};
 
 enum { ROWS = 400, REASONS = 12 };
 
