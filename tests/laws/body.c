@@ -540,4 +540,4 @@ static const fbl_law laws[] = {
     {"order_of_parts_and_loads", "E8.13", reordered, 0.0, {1e-10, 1e-3}},
 };
 
-const fbl_kind fbl_body = {"body", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws)};
+const fbl_kind fbl_body = {"body", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws), NULL};
