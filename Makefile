@@ -19,10 +19,10 @@ PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
-           advise symbols threads two_precisions jacobian style ids documents tables quickstart first_build fast_math output hil aero scene linear import packages page hard
+           advise symbols threads two_precisions jacobian style ids documents tables quickstart first_build fast_math output hil aero scene linear import packages page hard laws
 
 .DELETE_ON_ERROR:
-.PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
+.PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) $(PACKAGES:%=package-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -35,6 +35,7 @@ help:
 	@echo "make firmware  the attitude loop of examples/firmware/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests: the default configuration, then the other forms (FB_WITH_FORMS)"
+	@echo "make laws      random legal models against laws that need no reference, both precisions (LAWS_COUNT=300, LAWS_SEED=days)"
 	@echo "make quick     before a commit, two minutes: short tests in both precisions, C++, layout, ids, documents, quick start"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
@@ -106,11 +107,14 @@ campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
 	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
-# The library as it ships; then what FB_WITH_FORMS makes a difference to, with it. The last line counts both.
-test: check-quickstart build/test_runner build/test_forms
-	@{ build/test_runner; build/test_forms --forms; } | awk \
+# The library as it ships; what FB_WITH_FORMS makes a difference to, with it; a few random models against the laws that
+# every model keeps. The last line counts all.
+test: check-quickstart build/test_runner build/test_forms build/laws
+	@{ build/test_runner; build/test_forms --forms; build/laws --count 20 --seed 1; } | awk \
 	  '/^[0-9]+ passed, [0-9]+ failed$$/ { passed += $$1; failed += $$3; ends++; next } { print; fflush() } \
-	   END { failed += 2 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
+	   END { failed += 3 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
+
+laws: check-laws
 
 # The slow ones first; a failed part does not hide what the others say.
 quick:
@@ -246,6 +250,23 @@ build/test_forms: $(TESTS:tests/%.c=build/tests/forms/%.o)
 build/test_runner build/test_forms:
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
+LAWS = $(notdir $(basename $(wildcard tests/laws/*.c))) library
+build/laws: $(LAWS:%=build/laws_of_double/%.o)
+build/laws_single: $(LAWS:%=build/laws_of_single/%.o)
+build/laws build/laws_single:
+	$(CC) $(CFLAGS) -o $@ $^ -lm
+
+LAWS_FLAGS = $(FLAGS) $(CFLAGS) -DFB_WITH_DETAIL=1 -DFB_SINGLE=$(if $(findstring single,$@),1,0)
+
+build/laws_of_double/library.o build/laws_of_single/library.o: $(LIBRARY) build/flags | build/laws_of_double build/laws_of_single
+	echo '#include "flexbeam.h"' | $(CC) $(LAWS_FLAGS) -DFLEXBEAM_IMPLEMENTATION -c -o $@ -x c -
+
+build/laws_of_double/%.o: tests/laws/%.c tests/laws/laws.h flexbeam.h build/flags | build/laws_of_double
+	$(CC) $(LAWS_FLAGS) -c -o $@ $<
+
+build/laws_of_single/%.o: tests/laws/%.c tests/laws/laws.h flexbeam.h build/flags | build/laws_of_single
+	$(CC) $(LAWS_FLAGS) -c -o $@ $<
+
 build/tests/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests
 	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
 
@@ -274,7 +295,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized:
+build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/laws_of_double build/laws_of_single:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -291,6 +312,8 @@ ci:
 	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory CFLAGS='$(filter-out -Werror,$(CFLAGS)) -Werror' \
 	  $(CHECKS:%=check-%) examples build/test_runner build/test_forms
 	@echo "ci: all $(words $(CHECKS)) checks passed"
+
+check-laws: build/laws build/laws_single
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
 

@@ -2079,8 +2079,9 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    iteration, whatever the step. The energy of a free beam varies by order 2 of step and element length together (10
    elements that bend far: some 1e-4 in steps that resolve it), that of gravity by order 2 of the step. A limit of
    stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
-   their place within the next step, across the reaction, so that they do no work. Steps may differ; one that is longer
-   than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
+   their place within the next step, or over 0.03 fb_exact.time if that is longer (about a sixtieth of the period of a
+   cantilever's first mode), across the reaction, so that they do no work. Steps may differ; one that is longer than the
+   one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
    more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
    places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
    EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
@@ -3425,7 +3426,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           descriptions of bodies have them.
           Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
           spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
-          They have branches: fb_exact_desc.branch, at any node and angle.
+          They have branches: fb_exact_desc.branch, at any node and angle. Reactions of nodes held beyond the root converge
+          with the step.
           Bodies of systems have rotors: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them. A prescribed value that jumps is refused.
           fb_linear.rate: how the state itself moves on. fb_spectrum_error: the error of a step, beside fb_spectrum_dt.

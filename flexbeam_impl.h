@@ -14928,7 +14928,8 @@ static void fbi_exact_pose_error(fb_real e[6], const fb_exact *m, const fb_real 
 
 /* [E10.16] Drift correction of a constrained node, in the axes of its rows, projected orthogonally to the constraint
    force F so that it does no work: e - F (F.e)/F.F. Components of e in free directions are unused.
-   Source: own.  Cost: 40 flops.  Fails: never.  Test: a_beam_held_twice_keeps_energy_and_place. */
+   Source: own.  Cost: 40 flops.  Fails: never.
+   Test: a_beam_held_twice_keeps_energy_and_place, reactions_amid_the_beam_converge_with_the_step. */
 static void fbi_exact_close(fb_real e[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const int held = m->held[node];
@@ -14975,9 +14976,12 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
+#define FBI_EXACT_RETURN FB_R(0.03) /* time in which a held node comes back to its place, in the beam's own unit */
 /* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
-   (not for the root, which is placed exactly after the step). aim: recompute the drift correction for the present
-   reaction (E10.16); otherwise keep it, because with a small reaction the iteration on both would not converge. */
+   (not for the root, which is placed exactly after the step); of short steps over a fixed time: the part that the reaction
+   holds back is let go as the reaction turns, and e/dt would be a blow that grows with shorter steps. aim: recompute the
+   drift correction for the present reaction (E10.16); otherwise keep it, because with a small reaction the iteration on
+   both would not converge. */
 static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt, int aim)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -15001,7 +15005,7 @@ static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt, i
         fbi_exact_close(back, work, m, j);
       }
       fbi_exact_slip(want, work, m, j);
-      fbi_vec6_add(want, j > 0 ? FB_R(1.0) / dt : FB_R(0.0), back);
+      fbi_vec6_add(want, j > 0 ? FB_R(1.0) / fbi_larger(dt, FBI_EXACT_RETURN) : FB_R(0.0), back);
     } else {
       fbi_vec6_copy(want, back);
     }

@@ -1007,4 +1007,4 @@ static const fbl_law laws[] = {
     {"linear_models_respond_as_the_body", "E12.2", linear_response, 0.01, {1e-4, 0}},
 };
 
-const fbl_kind fbl_body = {"body", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws)};
+const fbl_kind fbl_body = {"body", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws), NULL};

@@ -1,10 +1,11 @@
 /* laws.c - draws random legal models and holds each against the laws of its kind.
    build/laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list] [--verbose] [--stop]
    build/laws KIND --seed S --model K --levels 0,2,1,... [--law NAME]: one model, as a failure prints it
+   build/laws [KIND] [--count N] [--seed S] --digest: a line of numbers for each model, to compare precisions by
    Its last line is "N passed, N failed". */
 #include "laws.h"
 
-static const fbl_kind *const kinds[] = {&fbl_body, &fbl_system};
+static const fbl_kind *const kinds[] = {&fbl_body, &fbl_system, &fbl_exact};
 
 enum { ROWS = 400, REASONS = 12 };
 
@@ -410,11 +411,16 @@ static void ask(unsigned seed, int model, const fbl_law *law, tally *t)
   (void)fflush(stdout);
 }
 
+static void seed_model(unsigned seed, int model)
+{
+  seed_of_model = mixed(seed * 2654435761u + (unsigned)model) ^ hashed(seed, kind->name);
+}
+
 /* One model: all laws, or one. Returns 1 if it was drawn. */
 static int hold(unsigned seed, int model, const char *only)
 {
   fb_status status;
-  seed_of_model = mixed(seed * 2654435761u + (unsigned)model) ^ hashed(seed, kind->name);
+  seed_model(seed, model);
   fbl_plain();
   status = fbl_draw_again();
   if (status != FB_OK) {
@@ -485,6 +491,32 @@ static void run_kind(unsigned seed, int count, const char *only)
   }
 }
 
+/* ---- digests */
+
+void fbl_say(double value, double size)
+{
+  printf(" %.9g", value / (size > 0.0 ? size : 1.0));
+}
+
+/* One line for each model: kind, seed, model, status, numbers; then its levels, for who looks for a difference. */
+static void print_digests(unsigned seed, int count)
+{
+  for (int model = 0; model < count && kind->digest; model++) {
+    fb_status status;
+    memcpy(level, rows[model % n_row], sizeof level);
+    seed_model(seed, model);
+    fbl_plain();
+    printf("%s %u %d", kind->name, seed, model);
+    status = fbl_draw_again();
+    status = status ? status : kind->digest();
+    printf(status ? " refused: %s" : " %s", status ? fb_status_string(status) : "done, levels");
+    for (int k = 0; k < kind->n_feature; k++) {
+      printf("%c%d", k ? ',' : ' ', level[k]);
+    }
+    printf("\n");
+  }
+}
+
 /* ---- command line */
 
 static int read_levels(const char *text)
@@ -504,7 +536,7 @@ static int read_levels(const char *text)
 
 static int usage(void)
 {
-  (void)fprintf(stderr, "laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list] [--verbose] [--stop]\n"
+  (void)fprintf(stderr, "laws [KIND] [--count N] [--seed S] [--law NAME] [--pairs] [--list | --digest] [--verbose] [--stop]\n"
                         "laws KIND --seed S --model K --levels 0,2,1,... [--law NAME]\n");
   return 2;
 }
@@ -513,7 +545,7 @@ int main(int argc, char **argv)
 {
   const char *name = NULL, *only = NULL, *levels = NULL;
   unsigned seed = 1;
-  int count = 60, model = 0, pairs = 0, list = 0;
+  int count = 60, model = 0, pairs = 0, list = 0, digest = 0;
   for (int i = 1; i < argc; i++) {
     const char *const value = i + 1 < argc ? argv[i + 1] : NULL;
     if (argv[i][0] != '-') {
@@ -526,6 +558,8 @@ int main(int argc, char **argv)
       verbose = 1;
     } else if (strcmp(argv[i], "--stop") == 0) {
       stop = 1;
+    } else if (strcmp(argv[i], "--digest") == 0) {
+      digest = 1;
     } else if (!value) {
       return usage();
     } else if (strcmp(argv[i], "--count") == 0) {
@@ -578,7 +612,14 @@ int main(int argc, char **argv)
       print_pairs();
       continue;
     }
+    if (digest) {
+      print_digests(seed, count);
+      continue;
+    }
     run_kind(seed, count, only);
+  }
+  if (digest) {
+    return 0;
   }
   printf("%d passed, %d failed\n", passed, failed);
   return failed > 0;

@@ -42,6 +42,7 @@ typedef struct fbl_kind {
   fb_status (*draw)(const int *level); /* makes the model and its state as fbl_view has them; streams are its numbers */
   const fbl_law *law;
   int n_law;
+  fb_status (*digest)(void); /* runs the drawn model for a while and tells by fbl_say what became of it. NULL: none */
 } fbl_kind;
 
 extern const fbl_kind fbl_body, fbl_system, fbl_exact;
@@ -84,6 +85,9 @@ double fbl_slope(const fb_real *x, size_t stride, double h);
 /* The model of the present draw once more, after a change of fbl_seen. */
 fb_status fbl_draw_again(void);
 int fbl_level(const char *feature); /* of the present draw */
+
+/* A number of a digest, over the size of what it is one of: single precision prints the same to its accuracy. */
+void fbl_say(double value, double size);
 
 /* ---- bodies, alone and in systems (draw.c) */
 enum { FBL_FULL, FBL_RIGID, FBL_LINEAR, FBL_SPIN, FBL_LARGE, FBL_STRAIN };                /* effects */
