@@ -23432,11 +23432,31 @@ static int fbi_join_is_definite(fb_join_work *work, int m)
   return definite;
 }
 
-/* Number of rigid-body modes, whose omega^2 is round-off of the largest, and omega^2 of the lowest elastic mode as the
-   shift; both from K x = omega^2 M x. All modes are rigid where there is no stiffness: shift 0. */
-static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, int m)
+/* Is every component fixed to the frame, by a clamped root of its own or through welds? There are no rigid-body modes
+   then, however slow the lowest mode is. */
+static int fbi_join_is_held(const fb_beam *beam, const fb_join_desc *desc, int n_component)
 {
-  const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
+  int held[FB_MAX_COMPONENTS], all = 1;
+  for (int c = 0; c < n_component; c++) {
+    held[c] = beam[c].desc.root == FB_ROOT_CLAMPED;
+  }
+  for (int pass = 0; pass < n_component; pass++) {
+    for (int k = 0; k < desc->n_weld; k++) {
+      const int *const end = desc->weld[k].component;
+      held[end[0]] = held[end[1]] = held[end[0]] || held[end[1]];
+    }
+  }
+  for (int c = 0; c < n_component; c++) {
+    all = all && held[c];
+  }
+  return all;
+}
+
+/* Number of rigid-body modes, whose omega^2 is round-off of the largest, and omega^2 of the lowest elastic mode as the
+   shift; both from K x = omega^2 M x. held: there is none. All modes are rigid where there is no stiffness: shift 0. */
+static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, int m, int held)
+{
+  const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON, least = held ? FBI_ROUNDING : FB_R(16.0) * noise;
   fb_status status;
   fbi_copy(work->X, work->K, m * m);
   fbi_copy(work->A, work->M, m * m);
@@ -23444,17 +23464,17 @@ static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, 
   if (status != FB_OK) {
     return status;
   }
-  while (*rigid < m && work->d[*rigid] <= noise * work->d[m - 1]) {
+  while (!held && *rigid < m && work->d[*rigid] <= noise * work->d[m - 1]) {
     (*rigid)++;
   }
 
   /* The lowest elastic mode must stand out of the round-off */
-  if (*rigid > 6 || (*rigid < m && work->d[*rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
+  if (*rigid > 6 || (*rigid < m && work->d[*rigid] < least * work->d[m - 1])) {
     return FBI_REFUSE(
         FB_ERR_CONVERGENCE,
         "coordinates: slow elastic modes that differ from rigid-body modes in this precision (fewer modes); "
         "rigid ones, at most",
-        -1, (fb_real)*rigid, FB_R(6.0));
+        -1, (fb_real)*rigid, held ? FB_R(0.0) : FB_R(6.0));
   }
   *shift = *rigid < m ? work->d[*rigid] : FB_R(0.0);
   return FB_OK;
@@ -23478,7 +23498,7 @@ static fb_status fbi_join_shifted(fb_join_work *work, fb_real shift, int m)
 /* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
    is not positive definite, a first solution separates rigid-body modes from the lowest elastic mode, whose omega^2 is
    the shift of the second. */
-static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
+static fb_status fbi_join_solve(fb_join_work *work, int m, int held, int *found)
 {
   fb_real shift = FB_R(0.0), largest;
   int rigid = 0;
@@ -23486,7 +23506,7 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
 
   /* M x = mu (K + shift M) x */
   if (!fbi_join_is_definite(work, m)) {
-    status = fbi_join_rigid(work, &rigid, &shift, m);
+    status = fbi_join_rigid(work, &rigid, &shift, m, held);
   }
   *found = m - rigid;
   if (status == FB_OK && rigid < m) {
@@ -23661,7 +23681,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   fbi_congruence(work->M, work->Z, work->A, N, m);
 
   /* Common modes, n of them up to the limits */
-  status = fbi_join_solve(work, m, &found);
+  status = fbi_join_solve(work, m, fbi_join_is_held(beam, desc, n_component), &found);
   if (status != FB_OK) {
     return status;
   }

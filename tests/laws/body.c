@@ -983,6 +983,25 @@ static double linear_response(double h)
   return miss;
 }
 
+/* ---- what becomes of a model, to compare precisions by */
+
+static fb_status digest(void)
+{
+  static look end;
+  double step;
+  fb_status status = longest(&step, 0);
+  if (now.basis == FBL_SPUN) { /* fb_modes_desc.spin: single precision takes other modes where the spin is slow */
+    return FB_ERR_UNSUPPORTED;
+  }
+  status = status ? status : motion_of(&end, fbl_step(0.3 * step));
+  for (int k = 0; k < body.n_node && status == FB_OK; k++) {
+    for (int i = 0; i < 3; i++) {
+      fbl_say((double)end.node[k].position[i], size);
+    }
+  }
+  return status;
+}
+
 /* ---- the list */
 
 static const fbl_law laws[] = {
@@ -999,7 +1018,7 @@ static const fbl_law laws[] = {
     {"mirror_image", "E8.13", mirrored, 0.0, {1e-9, 1e-3}},
     {"order_of_parts_and_loads", "E8.13", reordered, 0.0, {1e-10, 1e-3}},
     {"integrators_have_their_order", "E11.3 E11.7 E11.8 E11.10", orders, 0.25, {0.4, 0}},
-    {"iterations_suffice", "E11.4 E11.25", iterations_suffice, 0.0, {0.03, 0}},
+    {"iterations_suffice", "E11.4 E11.25", iterations_suffice, 0.0, {0.1, 0}},
     {"motion_goes_back", "E8.17 E11.3", goes_back, 0.1, {1e-9, 0}},
     {"work_and_restart_change_no_bit", "E11.3 E11.8 E11.10", same_bits, 0.0, {0.5, 0.5}},
     {"modes_asked_for_are_there", "E7.3 E7.8", counts, 0.0, {0.5, 0.5}},
@@ -1007,4 +1026,4 @@ static const fbl_law laws[] = {
     {"linear_models_respond_as_the_body", "E12.2", linear_response, 0.01, {1e-4, 0}},
 };
 
-const fbl_kind fbl_body = {"body", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws), NULL};
+const fbl_kind fbl_body = {"body", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws), digest};

@@ -226,7 +226,7 @@ static int asked_for(void)
 /* Modes of one beam, or of all that are on the hub or joined; the number of coordinates. */
 static fb_status beams_draw(const fbl_choice *c, int *n, int *n_beam, double *size)
 {
-  static const fb_join_desc weld = {.n_weld = 1, .weld = {{.component = {0, 1}, .node = {4, 0}}}};
+  static const fb_join_desc weld = {.n_weld = 1, .lowest = 4, .weld = {{.component = {0, 1}, .node = {4, 0}}}};
   const double length = fbl_in(2.0, 8.0), start = fbl_in(0.1, 0.3);
   fb_status status = FB_OK;
   *n_beam = c->parts == FBL_TWO_BEAMS || c->parts == FBL_WELDED ? 2 : 1;

@@ -88,6 +88,8 @@ int fbl_level(const char *feature); /* of the present draw */
 
 /* A number of a digest, over the size of what it is one of: single precision prints the same to its accuracy. */
 void fbl_say(double value, double size);
+/* The power of two at or below a step: the same in both precisions, whose limits differ by rounding. */
+double fbl_step(double longest);
 
 /* ---- bodies, alone and in systems (draw.c) */
 enum { FBL_FULL, FBL_RIGID, FBL_LINEAR, FBL_SPIN, FBL_LARGE, FBL_STRAIN };                /* effects */
