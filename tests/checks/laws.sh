@@ -9,16 +9,16 @@ exact=2e-3 # bounds of exact beams, of the length or of the energy that bends a 
 others=2e-3
 failed=""
 
-held() { # held PROGRAM COUNT: runs the laws; what failed is printed with its reproducer
-  "$1" --count "$2" --seed "$seed" > "$out/$(basename "$1").txt" || {
+held() { # held PROGRAM COUNT KIND: runs the laws; what failed is printed with its reproducer
+  "$1" $3 --count "$2" --seed "$seed" > "$out/$(basename "$1").txt" || {
     grep -A 5 '^FAIL' "$out/$(basename "$1").txt" || true
     failed="$failed $(basename "$1")"
   }
   echo "$(basename "$1"): $(tail -n 1 "$out/$(basename "$1").txt")" >> "$out/figures"
 }
 
-held build/laws "$count"
-held build/laws_single "$single_count"
+held build/laws "$count" ""
+held build/laws_single "$single_count" body # of the others the digests below tell
 
 for p in laws laws_single; do
   build/$p --digest --count "$count" --seed "$seed" > "$out/$p.digest"
