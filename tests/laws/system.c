@@ -2423,7 +2423,8 @@ static fb_status digest(void)
   static look end;
   fb_status status;
   const double step = fbl_step(0.1 * step_of(&status, 0));
-  if (desc.n_loop > 0) { /* where one that is open closes depends on the rows that are taken for independent */
+  /* where an open loop closes depends on the rows taken for independent; a center is of double precision alone */
+  if (desc.n_loop > 0 || now[GRAVITY] == FBL_CENTER) {
     return FB_ERR_UNSUPPORTED;
   }
   status = status ? status : motion_of(&end, step, STEPS);
