@@ -5,8 +5,8 @@
 count=${LAWS_COUNT:-300}
 seed=${LAWS_SEED:-$(($(date +%s) / 86400))}
 single_count=$((count < 100 ? count : 100)) # it is asked less
-exact=2e-3 # bounds of exact beams, of the length or of the energy that bends a beam by its length; of others, of the size
-others=2e-3
+exact=1e-3 # bounds of exact beams, of the length or of the energy that bends a beam by its length; of others, of the size
+others=2e-4
 failed=""
 
 held() { # held PROGRAM KIND COUNT SEED: runs the laws; what failed is printed with its reproducer
