@@ -17293,7 +17293,7 @@ static fb_real fbi_rate_size(const fb_state *k, const fb_implicit_work *w, const
    (1 - g w/2)^-1, w the rate of the stage. Its error in a first guess comes to the momenta of the modes as a velocity, by v,
    and thus to the modes with the second iteration; the last correction then is that of the first order of a motion that
    has just begun, and no measure of what is left.
-   Source: k = 1/2 at o w.  Cost: 70 flops.  Fails: never.  Test: a_fast_base_that_begins_to_turn_is_no_failure. */
+   Source: definition, E4.4.  Cost: 70 flops.  Fails: never.  Test: a_fast_base_that_begins_to_turn_is_no_failure. */
 static void fbi_base_turn(fb_real k[4], fb_real at[4], const fb_real base[4], fb_real g, const fb_real w[3])
 {
   fb_real own[4];

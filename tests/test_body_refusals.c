@@ -398,7 +398,7 @@ TEST(values_without_their_effect_are_refused)
   }
 }
 
-/* Interface: >>status: a model that is all zero was never initialized. Nothing is made of it, and no step blames its deflection. */
+/* Interface: a model that is all zero was never initialized. Nothing is made of it, and no step blames its deflection. */
 TEST(models_that_were_never_initialized_are_told)
 {
   static fb_body zero;
