@@ -10630,11 +10630,12 @@ static void fbi_rows_eliminate(fb_system_work *w, int k)
    out, w->rank of them remain. w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the
    square of a row's distance from the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position
    (single precision: 0.01 rad), the impulses would be dominated by the position errors of a stage.
+   w->diagonal of a row that was left out becomes the sine of that angle.
    Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
    Fails: never.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8);
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), rounding = FB_R(64.0) * FB_EPSILON;
   fb_real *scale = w->column;
   const fb_status status = fbi_rows_matrix(w, system, body);
   if (status != FB_OK) {
@@ -10653,6 +10654,10 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     w->order[best] = w->order[k];
     w->order[k] = p;
     fbi_rows_eliminate(w, k);
+  }
+  for (int k = w->rank; k < w->n_row; k++) {
+    const int r = w->order[k];
+    w->diagonal[r] = FB_SQRT(fbi_larger(w->diagonal[r] / scale[r] - rounding, FB_R(0.0)));
   }
   return FB_OK;
 }
@@ -10708,18 +10713,59 @@ static void fbi_rhs_push(fb_system_work *w, const fb_system *system, const fb_bo
   }
 }
 
-/* Do the rows that were left out of the factors hold, c + Q mu = 0, to the tolerance of near-singular positions and to
-   round-off? Where a loop comes to rest or stands still the latter is all that is left: eps of the speeds without
-   impulses and of what these add in each independent row, of which a row left out is a sum with factors up to 1/sqrt of
-   the least pivot (E9.9). */
+/* Are both ends of a row on the same tree? */
+static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
+{
+  const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
+  return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
+}
+
+/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
+static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
+{
+  fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
+  int joint = -1;
+
+  /* sizes: within the frames, and from the ground */
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
+                          fbi_true_position(w, k, L->rho, 2)};
+    size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
+    away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
+  }
+
+  /* largest violation; of rows within a tree relative to the first of these sizes */
+  for (int r = 0; r < w->n_row; r++) {
+    const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
+    const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
+    joint = value > miss ? w->row[r].joint : joint;
+    miss = fbi_larger(miss, value);
+  }
+  *worst = joint;
+  return miss;
+}
+
+/* Do the rows that were left out of the factors hold, c + Q mu = 0? What they may miss belongs to
+
+     the place: a row at the angle w->diagonal from the others has that much of its speeds across them (E9.9). Where
+     loops are open, by `open` of the size of the system, their rows have other directions: by the opening over the
+     shortest length, which in linkages of millimeters is a thousand times it;
+
+     round-off: where a loop comes to rest or stands still it is all that is left, eps of the speeds without impulses
+     and of what these add in each independent row, of which a row left out is a sum with factors up to 1/sqrt of the
+     least pivot. */
 static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  const fb_real tol = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
+  const fb_real most = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
   const int m = w->n_row;
+  int worst;
+  const fb_real open = FB_R(1000.0) * fbi_rows_miss(&worst, w, system);
   fbi_ends_move(w, system, body);
   for (int k = w->rank; k < m; k++) {
     const int r = w->order[k];
     const fbi_row *row = &w->row[r];
+    const fb_real place = fbi_smaller(most, open + FB_R(10.0) * w->diagonal[r]);
     fb_real miss = w->c[r], terms = row->most, drift;
     for (int i = 0; i < m; i++) {
       const fb_real term = w->Q[r * m + i] * w->mu[i];
@@ -10727,7 +10773,7 @@ static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, cons
       terms += FB_FABS(term);
     }
     (void)fbi_row_drift(&drift, w, row, (const fb_real(*)[3])row->r.force);
-    if (FB_FABS(miss) > tol * (fbi_row_size(row, w) + drift) + lost * FB_EPSILON * terms) {
+    if (FB_FABS(miss) > place * (fbi_row_size(row, w) + drift) + lost * FB_EPSILON * terms) {
       w->joint = row->joint;
       return FB_ERR_CONTRADICTION;
     }
@@ -12017,13 +12063,6 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
   }
 }
 
-/* Are both ends of a row on the same tree? */
-static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
-{
-  const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
-  return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
-}
-
 /* Sets held of each tree's root. 1: constraint forces from outside act on the tree, or its root is locked or
    prescribed. 2: they come from the ground or a tree on it; the tree's frame stands still. 2 also where a flexible
    body lacks residual inertia: its momenta do not contain the motion of the mass center, and its equations conserve
@@ -12294,32 +12333,6 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
 static int fbi_has_rows(const fb_system_work *w, const fb_system_input *input)
 {
   return w->closed || (input && input->rows);
-}
-
-/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
-static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
-{
-  fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
-  int joint = -1;
-
-  /* sizes: within the frames, and from the ground */
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
-                          fbi_true_position(w, k, L->rho, 2)};
-    size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
-    away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
-  }
-
-  /* largest violation; of rows within a tree relative to the first of these sizes */
-  for (int r = 0; r < w->n_row; r++) {
-    const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
-    const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
-    joint = value > miss ? w->row[r].joint : joint;
-    miss = fbi_larger(miss, value);
-  }
-  *worst = joint;
-  return miss;
 }
 
 /* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest in the metric of the

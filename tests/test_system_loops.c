@@ -466,6 +466,38 @@ TEST(loops_that_stand_still_contradict_no_prescribed_axis)
   }
 }
 
+/* E9.10: crank and rocker of a four-bar are both prescribed, at rates that fit to round-off: taken, with any method and at
+   any angle of the crank. A rocker that is faster by a millionth contradicts the loop, and so do crank and rod, where the
+   tree alone gives every speed. */
+TEST(what_contradicts_a_loop_by_a_millionth_is_refused)
+{
+  const double a = 0.4, b = 1.0, c = 0.8, d = 1.1, spin = 3.0, much = FBT_TOL(1e-6, 1e-2);
+  for (int run = 0; run < 72; run++) {
+    const int second = run % 2 ? 1 : 2; /* rod or rocker */
+    const double crank = 0.35 + 0.5 * (run / 6), rocker = rocker_angle(a, b, c, d, crank);
+    const double rod = atan2(c * sin(rocker) - a * sin(crank), d + c * cos(rocker) - a * cos(crank));
+    const double rod_rate = spin * a * sin(rocker - crank) / (b * sin(rod - rocker));
+    const double rate = second == 1 ? rod_rate - spin : spin * a * sin(rod - crank) / (c * sin(rod - rocker));
+    fourbar(a, b, c, d, FB_JOINT_REVOLUTE);
+    start[0].value[0] = input.drive[0].value[0] = (fb_real)crank;
+    start[1].value[0] = input.drive[1].value[0] = (fb_real)(rod - crank);
+    start[2].value[0] = input.drive[2].value[0] = (fb_real)rocker;
+    desc.joint[0].mode[0] = desc.joint[second].mode[0] = FB_AXIS_PRESCRIBED;
+    input.drive[0].rate[0] = (fb_real)spin;
+    for (int more = -1; more <= 1; more++) {
+      const fb_status status = more ? FB_ERR_CONTRADICTION : FB_OK;
+      input.drive[second].rate[0] = (fb_real)(rate + more * much * spin);
+      init((fb_method)(run / 2 % 3));
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), status);
+    }
+    input.drive[second].rate[0] = (fb_real)rate;
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    input.drive[second].rate[0] = (fb_real)(rate + much * spin);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_CONTRADICTION);
+  }
+}
+
 /* E9.9, E9.17: a loop that locks the one hinge between two bodies asks that for the same six times, by forces and by torques;
    the largest row of either is as good. It is chosen by its order where round-off would choose: however far the loops are
    open at first, they close at the same place with the recursion and with a dense LU. */
@@ -536,7 +568,7 @@ SUITE(system_loops, RUN(free_bodies_without_mass_are_refused_in_every_attitude),
       RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(a_prescribed_loop_closes_where_it_is_told),
       RUN(a_locked_loop_closes_where_the_free_one_does), RUN(loops_are_closed_the_right_way_round),
       RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint),
-      RUN(methods_choose_the_same_of_equal_rows), RUN(loops_that_stand_still_contradict_no_prescribed_axis),
-      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(loops_slide_any_way),
-      RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
+      RUN(what_contradicts_a_loop_by_a_millionth_is_refused), RUN(methods_choose_the_same_of_equal_rows),
+      RUN(loops_that_stand_still_contradict_no_prescribed_axis), RUN(linkages_swing_alike_in_any_unit_of_length),
+      RUN(loops_slide_any_way), RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
       RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(redundant_loops_are_accepted))
