@@ -3431,6 +3431,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Implicit steps: a fast prescribed base that begins to turn does not end in FB_ERR_CONVERGENCE.
           Loops at rest are no contradiction to an axis that is prescribed elsewhere; they close alike with a dense LU.
           Prescribed rates that contradict a closed loop are refused from 1e-11 of its speeds on, not from a hundredth.
+          Generated code the same.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
           Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs nothing
