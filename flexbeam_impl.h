@@ -10630,12 +10630,11 @@ static void fbi_rows_eliminate(fb_system_work *w, int k)
    out, w->rank of them remain. w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the
    square of a row's distance from the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position
    (single precision: 0.01 rad), the impulses would be dominated by the position errors of a stage.
-   w->diagonal of a row that was left out becomes the sine of that angle.
    Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
    Fails: never.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), rounding = FB_R(64.0) * FB_EPSILON;
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8);
   fb_real *scale = w->column;
   const fb_status status = fbi_rows_matrix(w, system, body);
   if (status != FB_OK) {
@@ -10655,11 +10654,18 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     w->order[k] = p;
     fbi_rows_eliminate(w, k);
   }
+  return FB_OK;
+}
+
+/* w->diagonal of the rows that were left out becomes the sine of the angle at which they stand to the others, as long as the
+   scales are in w->column. */
+static void fbi_rows_angles(fb_system_work *w)
+{
   for (int k = w->rank; k < w->n_row; k++) {
     const int r = w->order[k];
-    w->diagonal[r] = FB_SQRT(fbi_larger(w->diagonal[r] / scale[r] - rounding, FB_R(0.0)));
+    const fb_real square = w->diagonal[r] / w->column[r] - FB_R(64.0) * FB_EPSILON;
+    w->diagonal[r] = FB_SQRT(fbi_larger(square, FB_R(0.0)));
   }
-  return FB_OK;
 }
 
 /* Multipliers mu: Q mu = -c on the independent rows, zero on the others. */
@@ -10755,7 +10761,7 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
      round-off: where a loop comes to rest or stands still it is all that is left, eps of the speeds without impulses
      and of what these add in each independent row, of which a row left out is a sum with factors up to 1/sqrt of the
      least pivot. */
-static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
+static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const fb_real most = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
   const int m = w->n_row;
@@ -10789,7 +10795,7 @@ static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, cons
 static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                     int check)
 {
-  int given = fbi_rhs_save(w, system, body); /* a right-hand side that rows left out can contradict? */
+  int given = fbi_rhs_save(w, system, body), judge; /* a right-hand side that rows left out can contradict? */
 
   /* c + A u without impulses */
   fb_status status = fbi_speeds_solve(w, system, body);
@@ -10807,10 +10813,14 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   if (status != FB_OK) {
     return status;
   }
+  judge = w->rank < w->n_row && given && check; /* the rank first: a step's work depends on no value */
+  if (judge) {
+    fbi_rows_angles(w);
+  }
   fbi_rows_multipliers(w);
   fbi_rhs_push(w, system, body);
   status = fbi_speeds_solve(w, system, body);
-  if (status == FB_OK && w->rank < w->n_row && given && check) { /* the rank first: a step's work depends on no value */
+  if (status == FB_OK && judge) {
     status = fbi_rows_check(w, system, body);
   }
   return status;
