@@ -10663,7 +10663,7 @@ static void fbi_rows_angles(fb_system_work *w)
 {
   for (int k = w->rank; k < w->n_row; k++) {
     const int r = w->order[k];
-    const fb_real square = w->diagonal[r] / w->column[r] - FB_R(64.0) * FB_EPSILON;
+    const fb_real square = w->diagonal[r] / w->column[r];
     w->diagonal[r] = FB_SQRT(fbi_larger(square, FB_R(0.0)));
   }
 }

@@ -776,7 +776,7 @@ static const char rows_functions[] =
 
 static const char rows_angles[] = "  for (int k = rank; k < @_ROWS; k++) {\n"
                                   "    const int r = order[k];\n"
-                                  "    const $ far = left[r] / scale[r] - `64` * @_epsilon;\n"
+                                  "    const $ far = left[r] / scale[r];\n"
                                   "    bound[r] = far > `0` ? sqrt~(far) : `0`;\n  }\n";
 
 /* ---- what the impulses do */
