@@ -498,6 +498,46 @@ TEST(what_contradicts_a_loop_by_a_millionth_is_refused)
   }
 }
 
+/* E9.9: three links that are almost in a line, a few thousandths (single precision some tenths) of a radian from the singular
+   position, with masses of 1 to 400: both rows of the plane hold, whatever moves what is light or heavy. The pin's two ends
+   move alike, from any speeds. */
+TEST(masses_do_not_make_rows_dependent)
+{
+  for (int run = 0; run < 200; run++) {
+    const double bent = FBT_TOL(1e-3, 0.2), base = 2.2;
+    double angle[2], rate[3], pin[2], v[2];
+    fresh();
+    fbt_seed((unsigned)run + 1);
+    for (int k = 0; k < 3; k++) {
+      rigid(&model[k], pow(20.0, 1.0 + fbt_random()), 0.3 * fbt_random(), 0.1 * fbt_random(), 0, 0.1, 0.1, 0.1);
+      hang(k, k, FB_JOINT_REVOLUTE, k == 1 ? 0 : FB_GROUND, 0);
+      start[k].speed[0] = (fb_real)fbt_random();
+    }
+    desc.joint[1].position[0] = FB_R(1.0);
+    desc.joint[2].position[0] = (fb_real)base;
+    angle[0] = bent * (1.0 + 0.5 * fbt_random());
+    angle[1] = -bent * (1.0 + 0.5 * fbt_random()); /* of the second link from the x axis */
+    start[0].value[0] = (fb_real)angle[0];
+    start[1].value[0] = (fb_real)(angle[1] - angle[0]);
+    pin[0] = cos(angle[0]) + cos(angle[1]);
+    pin[1] = sin(angle[0]) + sin(angle[1]);
+    close_loop(FB_JOINT_REVOLUTE, 1, 0, 2, 0);
+    desc.loop[0].position[0] = FB_R(1.0);
+    desc.loop[0].child_position[0] = (fb_real)(pin[0] - base);
+    desc.loop[0].child_position[1] = (fb_real)pin[1];
+    init((fb_method)(run % 2));
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    for (int k = 0; k < 3; k++) {
+      rate[k] = (double)motion.motion[k].w[2];
+    }
+    v[0] = -rate[0] * sin(angle[0]) - rate[1] * sin(angle[1]);
+    v[1] = rate[0] * cos(angle[0]) + rate[1] * cos(angle[1]);
+    FBT_NEAR_ABS(v[0], -rate[2] * pin[1], FBT_TOL(1e-9, 1e-4));
+    FBT_NEAR_ABS(v[1], rate[2] * (pin[0] - base), FBT_TOL(1e-9, 1e-4));
+  }
+}
+
 /* E9.9, E9.17: a loop that locks the one hinge between two bodies asks that for the same six times, by forces and by torques;
    the largest row of either is as good. It is chosen by its order where round-off would choose: however far the loops are
    open at first, they close at the same place with the recursion and with a dense LU. */
@@ -567,7 +607,7 @@ TEST(free_bodies_without_mass_are_refused_in_every_attitude)
 SUITE(system_loops, RUN(free_bodies_without_mass_are_refused_in_every_attitude),
       RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(a_prescribed_loop_closes_where_it_is_told),
       RUN(a_locked_loop_closes_where_the_free_one_does), RUN(loops_are_closed_the_right_way_round),
-      RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint),
+      RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint), RUN(masses_do_not_make_rows_dependent),
       RUN(what_contradicts_a_loop_by_a_millionth_is_refused), RUN(methods_choose_the_same_of_equal_rows),
       RUN(loops_that_stand_still_contradict_no_prescribed_axis), RUN(linkages_swing_alike_in_any_unit_of_length),
       RUN(loops_slide_any_way), RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),

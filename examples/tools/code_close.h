@@ -302,8 +302,10 @@ static void rows_write_functions(const code *w)
       fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + rows_pushes(constraint.row[r].hold));
     }
   }
-  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`, @_equal = `1.001`"
-                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`, @_equal = `1.000001`");
+  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`, @_equal = `1.001`,\n  @_along "
+                               "= `1e-4`, @_heavy = `1e-2`"
+                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`, @_equal = `1.000001`,\n  "
+                               "@_along = `1e-8`, @_heavy = `1e-4`");
   code_template(w, !rows_are_driven() ? ";\n"
                    : w->single        ? ",\n  @_loose = `0.1`, @_lost = `1e2`, @_epsilon = `1.1920929e-7`;\n"
                                : ",\n  @_loose = `0.01`, @_lost = `1e4`, @_epsilon = `2.220446049250313e-16`;\n");

@@ -746,6 +746,8 @@ static const char rows_functions[] =
     "      most = @_kind[r] == @_kind[i] && d > most ? d : most;\n"
     "      Q[i * @_ROWS + r] = r > i ? Q[r * @_ROWS + i] : Q[i * @_ROWS + r];\n    }\n"
     "    left[i] = Q[i * (@_ROWS + 1)];\n"
+    "    if (left[i] > @_along * bound[i]) {\n"
+    "      most = left[i] > @_heavy * most ? left[i] : @_heavy * most;\n    }\n"
     "    scale[i] = left[i] > @_across * bound[i] ? most : @_huge;\n"
     "    order[i] = i;\n"
     "    mu[i] = `0`;\n  }\n"
