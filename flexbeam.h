@@ -1324,8 +1324,8 @@ typedef enum fb_axis_mode {
        median, 20 x^2 at most: give values that fit. A row counts as dependent below a pivot of 1e-8, which is 1e-4 rad
        before a singular position where bodies are alike, but sooner where a heavy one is behind a light one: free bodies
        of 2200 : 1 already where the tree has a pivot of 3e-4. The mechanism then has a further freedom, with FB_OK.
-   With any of them prescribed rates that contradict a loop by less than a hundredth of its speeds are found by the steps
-   alone, as its position departs. */
+   With any of them prescribed rates contradict a loop where they miss it by a millionth of the speeds (a hundredth in
+   single precision); near a singular position, or where the loop is open, by more, at most by a hundredth (a tenth). */
 typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0,   /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,       /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
@@ -3444,6 +3444,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           deflection_limit do where their motion has not converged.
           Implicit steps: a fast prescribed base that begins to turn does not end in FB_ERR_CONVERGENCE.
           Loops at rest are no contradiction to an axis that is prescribed elsewhere; they close alike with a dense LU.
+          Prescribed rates that contradict a closed loop are refused from 1e-6 of its speeds on, not from a hundredth.
+          Generated code the same.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
           Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs nothing

@@ -10582,19 +10582,24 @@ static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, con
   return FB_OK;
 }
 
-/* Scales of the pivots, from the upper bounds of the diagonal in their place: the largest diagonal of rows of the same
-   kind at the same joint; infinite, so that the row is left out, where its impulse moves its own ends across the row's
-   direction or not at all. */
+/* Scales of the pivots, from the upper bounds of the diagonal in their place. What counts is an angle, not a mass: a row
+   of a joint whose impulse moves its ends along it, to 1e-4 rad from across, has its own diagonal as scale. It may be smaller
+   than the largest one of rows of the same kind at the same joint where it moves what is heavier, by up to 10^4 (single
+   precision 100: pivots stay above round-off); else it moves but what errors of positions leave, and the largest is the
+   scale. Infinite, so that the row is left out, where its impulse moves nothing along it. */
 static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
 {
   const int m = w->n_row;
-  const fb_real across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
+  const fb_real across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10), along = FB_SINGLE ? FB_R(1e-2) : FB_R(1e-4);
+  const fb_real heavy = FB_SINGLE ? FB_R(1e-2) : FB_R(1e-4);
   for (int i = 0; i < m; i++) {
-    fb_real largest = FB_R(0.0);
+    const fb_real own = w->Q[i * (m + 1)];
+    fb_real largest = FB_R(0.0), fair;
     for (int r = 0; r < m; r++) {
       largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, w->Q[r * (m + 1)]) : largest;
     }
-    scale[i] = w->Q[i * (m + 1)] > across * scale[i] ? largest : FB_HUGE;
+    fair = own > along * scale[i] && w->row[i].joint >= 0 ? fbi_larger(own, heavy * largest) : largest;
+    scale[i] = own > across * scale[i] ? fair : FB_HUGE;
   }
 }
 
@@ -10662,6 +10667,17 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
   return FB_OK;
 }
 
+/* w->diagonal of the rows that were left out becomes the sine of the angle at which they stand to the others, as long as the
+   scales are in w->column. */
+static void fbi_rows_angles(fb_system_work *w)
+{
+  for (int k = w->rank; k < w->n_row; k++) {
+    const int r = w->order[k];
+    const fb_real square = w->diagonal[r] / w->column[r];
+    w->diagonal[r] = FB_SQRT(fbi_larger(square, FB_R(0.0)));
+  }
+}
+
 /* Multipliers mu: Q mu = -c on the independent rows, zero on the others. */
 static void fbi_rows_multipliers(fb_system_work *w)
 {
@@ -10713,18 +10729,59 @@ static void fbi_rhs_push(fb_system_work *w, const fb_system *system, const fb_bo
   }
 }
 
-/* Do the rows that were left out of the factors hold, c + Q mu = 0, to the tolerance of near-singular positions and to
-   round-off? Where a loop comes to rest or stands still the latter is all that is left: eps of the speeds without
-   impulses and of what these add in each independent row, of which a row left out is a sum with factors up to 1/sqrt of
-   the least pivot (E9.9). */
-static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
+/* Are both ends of a row on the same tree? */
+static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
 {
-  const fb_real tol = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
+  const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
+  return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
+}
+
+/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
+static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
+{
+  fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
+  int joint = -1;
+
+  /* sizes: within the frames, and from the ground */
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
+                          fbi_true_position(w, k, L->rho, 2)};
+    size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
+    away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
+  }
+
+  /* largest violation; of rows within a tree relative to the first of these sizes */
+  for (int r = 0; r < w->n_row; r++) {
+    const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
+    const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
+    joint = value > miss ? w->row[r].joint : joint;
+    miss = fbi_larger(miss, value);
+  }
+  *worst = joint;
+  return miss;
+}
+
+/* Do the rows that were left out of the factors hold, c + Q mu = 0? What they may miss belongs to
+
+     the place: a row at the angle w->diagonal from the others has that much of its speeds across them (E9.9). Where
+     loops are open, by `open` of the size of the system, their rows have other directions: by the opening over the
+     shortest length, which in linkages of millimeters is a thousand times it;
+
+     round-off: where a loop comes to rest or stands still it is all that is left, eps of the speeds without impulses
+     and of what these add in each independent row, of which a row left out is a sum with factors up to 1/sqrt of the
+     least pivot. */
+static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const fb_real most = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
   const int m = w->n_row;
+  int worst;
+  const fb_real open = FB_R(1000.0) * fbi_rows_miss(&worst, w, system);
   fbi_ends_move(w, system, body);
   for (int k = w->rank; k < m; k++) {
     const int r = w->order[k];
     const fbi_row *row = &w->row[r];
+    const fb_real place = fbi_smaller(most, open + FB_R(10.0) * w->diagonal[r]);
     fb_real miss = w->c[r], terms = row->most, drift;
     for (int i = 0; i < m; i++) {
       const fb_real term = w->Q[r * m + i] * w->mu[i];
@@ -10732,7 +10789,7 @@ static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, cons
       terms += FB_FABS(term);
     }
     (void)fbi_row_drift(&drift, w, row, (const fb_real(*)[3])row->r.force);
-    if (FB_FABS(miss) > tol * (fbi_row_size(row, w) + drift) + lost * FB_EPSILON * terms) {
+    if (FB_FABS(miss) > place * (fbi_row_size(row, w) + drift) + lost * FB_EPSILON * terms) {
       w->joint = row->joint;
       return FB_ERR_CONTRADICTION;
     }
@@ -10748,7 +10805,7 @@ static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, cons
 static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                     int check)
 {
-  int given = fbi_rhs_save(w, system, body); /* a right-hand side that rows left out can contradict? */
+  int given = fbi_rhs_save(w, system, body), judge; /* a right-hand side that rows left out can contradict? */
 
   /* c + A u without impulses */
   fb_status status = fbi_speeds_solve(w, system, body);
@@ -10766,10 +10823,14 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   if (status != FB_OK) {
     return status;
   }
+  judge = w->rank < w->n_row && given && check; /* the rank first: a step's work depends on no value */
+  if (judge) {
+    fbi_rows_angles(w);
+  }
   fbi_rows_multipliers(w);
   fbi_rhs_push(w, system, body);
   status = fbi_speeds_solve(w, system, body);
-  if (status == FB_OK && w->rank < w->n_row && given && check) { /* the rank first: a step's work depends on no value */
+  if (status == FB_OK && judge) {
     status = fbi_rows_check(w, system, body);
   }
   return status;
@@ -12022,13 +12083,6 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
   }
 }
 
-/* Are both ends of a row on the same tree? */
-static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
-{
-  const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
-  return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
-}
-
 /* Sets held of each tree's root. 1: constraint forces from outside act on the tree, or its root is locked or
    prescribed. 2: they come from the ground or a tree on it; the tree's frame stands still. 2 also where a flexible
    body lacks residual inertia: its momenta do not contain the motion of the mass center, and its equations conserve
@@ -12299,32 +12353,6 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
 static int fbi_has_rows(const fb_system_work *w, const fb_system_input *input)
 {
   return w->closed || (input && input->rows);
-}
-
-/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
-static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
-{
-  fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
-  int joint = -1;
-
-  /* sizes: within the frames, and from the ground */
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
-                          fbi_true_position(w, k, L->rho, 2)};
-    size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
-    away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
-  }
-
-  /* largest violation; of rows within a tree relative to the first of these sizes */
-  for (int r = 0; r < w->n_row; r++) {
-    const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
-    const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
-    joint = value > miss ? w->row[r].joint : joint;
-    miss = fbi_larger(miss, value);
-  }
-  *worst = joint;
-  return miss;
 }
 
 /* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest in the metric of the

@@ -466,6 +466,78 @@ TEST(loops_that_stand_still_contradict_no_prescribed_axis)
   }
 }
 
+/* E9.10: crank and rocker of a four-bar are both prescribed, at rates that fit to round-off: taken, with any method and at
+   any angle of the crank. A rocker that is faster by a millionth contradicts the loop, and so do crank and rod, where the
+   tree alone gives every speed. */
+TEST(what_contradicts_a_loop_by_a_millionth_is_refused)
+{
+  const double a = 0.4, b = 1.0, c = 0.8, d = 1.1, spin = 3.0, much = FBT_TOL(1e-6, 1e-2);
+  for (int run = 0; run < 72; run++) {
+    const int second = run % 2 ? 1 : 2; /* rod or rocker */
+    const double crank = 0.35 + 0.5 * (run / 6), rocker = rocker_angle(a, b, c, d, crank);
+    const double rod = atan2(c * sin(rocker) - a * sin(crank), d + c * cos(rocker) - a * cos(crank));
+    const double rod_rate = spin * a * sin(rocker - crank) / (b * sin(rod - rocker));
+    const double rate = second == 1 ? rod_rate - spin : spin * a * sin(rod - crank) / (c * sin(rod - rocker));
+    fourbar(a, b, c, d, FB_JOINT_REVOLUTE);
+    start[0].value[0] = input.drive[0].value[0] = (fb_real)crank;
+    start[1].value[0] = input.drive[1].value[0] = (fb_real)(rod - crank);
+    start[2].value[0] = input.drive[2].value[0] = (fb_real)rocker;
+    desc.joint[0].mode[0] = desc.joint[second].mode[0] = FB_AXIS_PRESCRIBED;
+    input.drive[0].rate[0] = (fb_real)spin;
+    for (int more = -1; more <= 1; more++) {
+      const fb_status status = more ? FB_ERR_CONTRADICTION : FB_OK;
+      input.drive[second].rate[0] = (fb_real)(rate + more * much * spin);
+      init((fb_method)(run / 2 % 3));
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), status);
+    }
+    input.drive[second].rate[0] = (fb_real)rate;
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    input.drive[second].rate[0] = (fb_real)(rate + much * spin);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_CONTRADICTION);
+  }
+}
+
+/* E9.9: three links that are almost in a line, a few thousandths (single precision some tenths) of a radian from the singular
+   position, with masses of 1 to 400: both rows of the plane hold, whatever moves what is light or heavy. The pin's two ends
+   move alike, from any speeds. */
+TEST(masses_do_not_make_rows_dependent)
+{
+  for (int run = 0; run < 200; run++) {
+    const double bent = FBT_TOL(1e-3, 0.2), base = 2.2;
+    double angle[2], rate[3], pin[2], v[2];
+    fresh();
+    fbt_seed((unsigned)run + 1);
+    for (int k = 0; k < 3; k++) {
+      rigid(&model[k], pow(20.0, 1.0 + fbt_random()), 0.3 * fbt_random(), 0.1 * fbt_random(), 0, 0.1, 0.1, 0.1);
+      hang(k, k, FB_JOINT_REVOLUTE, k == 1 ? 0 : FB_GROUND, 0);
+      start[k].speed[0] = (fb_real)fbt_random();
+    }
+    desc.joint[1].position[0] = FB_R(1.0);
+    desc.joint[2].position[0] = (fb_real)base;
+    angle[0] = bent * (1.0 + 0.5 * fbt_random());
+    angle[1] = -bent * (1.0 + 0.5 * fbt_random()); /* of the second link from the x axis */
+    start[0].value[0] = (fb_real)angle[0];
+    start[1].value[0] = (fb_real)(angle[1] - angle[0]);
+    pin[0] = cos(angle[0]) + cos(angle[1]);
+    pin[1] = sin(angle[0]) + sin(angle[1]);
+    close_loop(FB_JOINT_REVOLUTE, 1, 0, 2, 0);
+    desc.loop[0].position[0] = FB_R(1.0);
+    desc.loop[0].child_position[0] = (fb_real)(pin[0] - base);
+    desc.loop[0].child_position[1] = (fb_real)pin[1];
+    init((fb_method)(run % 2));
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    for (int k = 0; k < 3; k++) {
+      rate[k] = (double)motion.motion[k].w[2];
+    }
+    v[0] = -rate[0] * sin(angle[0]) - rate[1] * sin(angle[1]);
+    v[1] = rate[0] * cos(angle[0]) + rate[1] * cos(angle[1]);
+    FBT_NEAR_ABS(v[0], -rate[2] * pin[1], FBT_TOL(1e-9, 1e-4));
+    FBT_NEAR_ABS(v[1], rate[2] * (pin[0] - base), FBT_TOL(1e-9, 1e-4));
+  }
+}
+
 /* E9.9, E9.17: a loop that locks the one hinge between two bodies asks that for the same six times, by forces and by torques;
    the largest row of either is as good. It is chosen by its order where round-off would choose: however far the loops are
    open at first, they close at the same place with the recursion and with a dense LU. */
@@ -535,8 +607,8 @@ TEST(free_bodies_without_mass_are_refused_in_every_attitude)
 SUITE(system_loops, RUN(free_bodies_without_mass_are_refused_in_every_attitude),
       RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(a_prescribed_loop_closes_where_it_is_told),
       RUN(a_locked_loop_closes_where_the_free_one_does), RUN(loops_are_closed_the_right_way_round),
-      RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint),
-      RUN(methods_choose_the_same_of_equal_rows), RUN(loops_that_stand_still_contradict_no_prescribed_axis),
-      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(loops_slide_any_way),
-      RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
+      RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint), RUN(masses_do_not_make_rows_dependent),
+      RUN(what_contradicts_a_loop_by_a_millionth_is_refused), RUN(methods_choose_the_same_of_equal_rows),
+      RUN(loops_that_stand_still_contradict_no_prescribed_axis), RUN(linkages_swing_alike_in_any_unit_of_length),
+      RUN(loops_slide_any_way), RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
       RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(redundant_loops_are_accepted))

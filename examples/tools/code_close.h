@@ -127,7 +127,7 @@ static void rows_write_gap(const code *w)
   code inner = *w;
   char number[40];
   inner.indent = 4;
-  code_template(w, "    $ gap = %z, size = %z;\n");
+  code_template(w, "    $ size = %z;\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     if (k == tree.root && tree.tied) {
@@ -148,14 +148,7 @@ static void rows_write_gap(const code *w)
     tree_write_norm(w, "far", k, rho[k]);
     tree_write_larger(w, "size", "far", k);
   }
-  for (int r = 0; r < constraint.n; r++) {
-    if (!code_is_constant(&constraint.row[r].value)) {
-      fprintf(w->out, "    const %s gap_%d = ", code_real(w), r);
-      code_template(w, "fabs~(");
-      fprintf(w->out, "%s);\n", constraint.row[r].value.name);
-      tree_write_larger(w, "gap", "gap", r);
-    }
-  }
+  rows_write_gaps(w);
   code_number(number, w, w->single ? 1e-3 : 1e-5);
   code_template(w, "    if (!%((gap <= ");
   fprintf(w->out, "%s * (", number);
@@ -166,6 +159,7 @@ static void rows_write_move(const code *w, int unused)
 {
   (void)unused;
   code_template(w, rows_move_head);
+  code_template(w, rows_are_driven() ? "  $ rough[@_ROWS];\n" : "");
   tree_write_names(w);
   tree_write_given_names(w, "in && !places");
   code_template(w, rows_are_driven() ? "" : "  (void)in;\n");
@@ -277,7 +271,7 @@ static void rows_write_close(const code *w)
 /* The solution lane by lane: which rows are independent may differ. */
 static void rows_write_lanes(const code *w)
 {
-  code_template(w, "\nstatic void @_rows_solve($ *mu, $ *Q, const $ *c, const $ *bound)\n{\n");
+  code_template(w, "\nstatic void @_rows_solve($ *mu, $ *Q, const $ *c, $ *bound)\n{\n");
   fprintf(w->out, "  for (int k = 0; k < %s_LANES; k++) {\n", w->name);
   code_template(
       w, "    %s own[@_ROWS], matrix[@_ROWS * @_ROWS], rest[@_ROWS], above[@_ROWS];\n"
@@ -285,8 +279,10 @@ static void rows_write_lanes(const code *w)
          "      matrix[i] = i %% @_ROWS > i / @_ROWS ? `0` : Q[i][k];\n    }\n"
          "    for (int i = 0; i < @_ROWS; i++) {\n      rest[i] = c[i][k];\n      above[i] = bound[i][k];\n    }\n");
   fprintf(w->out, "    %s_rows_solve(own, matrix, rest, above);\n", w->name);
-  code_template(w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
-                   "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n    }\n  }\n}\n");
+  code_template(
+      w, "    for (int i = 0; i < @_ROWS * @_ROWS; i++) {\n      Q[i][k] = matrix[i];\n    }\n"
+         "    for (int i = 0; i < @_ROWS; i++) {\n      mu[i][k] = own[i];\n      bound[i][k] = above[i];\n    }\n"
+         "  }\n}\n");
   code_template(w, rows_are_driven() ? rows_hold : "");
 }
 
@@ -306,10 +302,16 @@ static void rows_write_functions(const code *w)
       fprintf(w->out, n++ > 0 ? ", %d" : "%d", 2 * constraint.row[r].loop + rows_pushes(constraint.row[r].hold));
     }
   }
-  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`, @_equal = `1.001`"
-                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`, @_equal = `1.000001`");
-  code_template(w, !rows_are_driven() ? ";\n" : w->single ? ", @_loose = `0.1`;\n" : ", @_loose = `0.01`;\n");
+  code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`, @_equal = `1.001`,\n  @_along "
+                               "= `1e-4`, @_heavy = `1e-2`"
+                             : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`, @_equal = `1.000001`,\n  "
+                               "@_along = `1e-8`, @_heavy = `1e-4`");
+  code_template(w, !rows_are_driven() ? ";\n"
+                   : w->single        ? ",\n  @_loose = `0.1`, @_lost = `1e2`, @_epsilon = `1.1920929e-7`;\n"
+                               : ",\n  @_loose = `0.01`, @_lost = `1e4`, @_epsilon = `2.220446049250313e-16`;\n");
   code_template(w, rows_functions);
+  code_template(w, rows_are_driven() ? rows_angles : "");
+  fputs("}\n", w->out);
   code_template(w, rows_are_driven() ? rows_hold : "");
 }
 #endif

@@ -629,6 +629,32 @@ static void rows_write_matrix(const code *w, int r, const code_factor *f)
   }
 }
 
+/* Are there loops, and prescribed speeds? */
+static int rows_are_driven(void)
+{
+  return constraint.n > 0 && tree.n_driven + constraint.n_driven > 0;
+}
+
+/* Sum of the squares of the terms of a row's c, of whose size it has round-off. */
+static void rows_write_rough(const code *w, int r, const code_sum *c)
+{
+  static code_sum one, square;
+  const int acts = constraint.row[r].acts;
+  char target[32];
+  code_begin(&square);
+  for (int i = 0; i < c->n; i++) {
+    code_value x = {c->term[i].c, ""}, y = {1.0, ""}, term;
+    strcpy(x.name, c->term[i].x);
+    strcpy(y.name, c->term[i].y);
+    code_begin(&one);
+    code_add(&one, 1.0, x, y);
+    term = code_end(w, &one, code_variable("g%d_t%d", r, i));
+    code_add(&square, 1.0, term, term);
+  }
+  snprintf(target, sizeof target, "rough[%d]", acts);
+  code_assign(w, &square, target);
+}
+
 /* c + A u without impulses; closes: its value is added where positions are closed. */
 static void rows_write_rest(const code *w, int r, const code_factor *f, const code_value *z, int closes)
 {
@@ -656,6 +682,9 @@ static void rows_write_rest(const code *w, int r, const code_factor *f, const co
   }
   snprintf(target, sizeof target, "c[%d]", row->acts);
   code_assign(w, &s, target);
+  if (rows_are_driven()) {
+    rows_write_rough(w, r, &s);
+  }
 }
 
 /* Multiplier of row r as a value */
@@ -689,6 +718,7 @@ static void rows_write_solve(const code *w, code_factor *f, const int *order, ch
     }
   }
   code_template(w, "\n  /* E9.10: M u = p + A^T mu */\n  @_rows_solve(mu, Q, c, above);\n");
+  code_template(w, rows_are_driven() ? "  (void)rough; /* of motion, which checks nothing */\n" : "");
   for (int k = 0; k < f->n; k++) {
     code_begin(&s);
     code_add_one(&s, 1.0, z[k]);
@@ -703,8 +733,10 @@ static void rows_write_solve(const code *w, code_factor *f, const int *order, ch
 static const char rows_functions[] =
     "\n/* E9.9: Q mu = -c on the rows that are independent, zero on the others; Q: its lower triangle, which is "
     "spoiled.\n"
-    "   bound: of its diagonal, below 1e-20 of which a row moves nothing but by round-off. */\n"
-    "static void @_rows_solve($ *mu, $ *Q, const $ *c, const $ *bound)\n{\n"
+    "   bound: of its diagonal, below 1e-20 of which a row moves nothing but by round-off; where speeds are "
+    "prescribed\n"
+    "   it becomes the angle to the others of a row that is left out. */\n"
+    "static void @_rows_solve($ *mu, $ *Q, const $ *c, $ *bound)\n{\n"
     "  $ L[@_ROWS * @_ROWS], left[@_ROWS], scale[@_ROWS], y[@_ROWS];\n"
     "  int order[@_ROWS], rank;\n"
     "  for (int i = 0; i < @_ROWS; i++) {\n"
@@ -714,6 +746,8 @@ static const char rows_functions[] =
     "      most = @_kind[r] == @_kind[i] && d > most ? d : most;\n"
     "      Q[i * @_ROWS + r] = r > i ? Q[r * @_ROWS + i] : Q[i * @_ROWS + r];\n    }\n"
     "    left[i] = Q[i * (@_ROWS + 1)];\n"
+    "    if (left[i] > @_along * bound[i]) {\n"
+    "      most = left[i] > @_heavy * most ? left[i] : @_heavy * most;\n    }\n"
     "    scale[i] = left[i] > @_across * bound[i] ? most : @_huge;\n"
     "    order[i] = i;\n"
     "    mu[i] = `0`;\n  }\n"
@@ -740,7 +774,12 @@ static const char rows_functions[] =
     "    y[k] *= left[order[k]];\n  }\n"
     "  for (int k = rank - 1; k >= 0; k--) {\n"
     "    for (int i = k + 1; i < rank; i++) {\n      y[k] -= L[order[i] * @_ROWS + k] * mu[order[i]];\n    }\n"
-    "    mu[order[k]] = y[k] * left[order[k]];\n  }\n}\n";
+    "    mu[order[k]] = y[k] * left[order[k]];\n  }\n";
+
+static const char rows_angles[] = "  for (int k = rank; k < @_ROWS; k++) {\n"
+                                  "    const int r = order[k];\n"
+                                  "    const $ far = left[r] / scale[r];\n"
+                                  "    bound[r] = far > `0` ? sqrt~(far) : `0`;\n  }\n";
 
 /* ---- what the impulses do */
 
@@ -1124,10 +1163,36 @@ static void rows_write_norm(const code *w, const char *name, int k, const code_v
   fputs(";\n", w->out);
 }
 
-/* Are there loops, and prescribed speeds? */
-static int rows_are_driven(void)
+/* The larger of two variables, into the first. */
+static void tree_write_larger(const code *w, const char *most, const char *other, int k)
 {
-  return constraint.n > 0 && tree.n_driven + constraint.n_driven > 0;
+  if (w->lanes) {
+    code_template(w, "    ");
+    fprintf(w->out, "%s = ", most);
+    code_template(w, "%W");
+    fprintf(w->out, "%s > %s_%d, %s", most, other, k, most);
+    code_template(w, "%! + %F");
+    fprintf(w->out, "%s > %s_%d", most, other, k);
+    code_template(w, "%:");
+    fprintf(w->out, "%s_%d", other, k);
+    code_template(w, "%;;\n");
+  } else {
+    fprintf(w->out, "    %s = %s > %s_%d ? %s : %s_%d;\n", most, most, other, k, most, other, k);
+  }
+}
+
+/* The largest violation of a row: gap */
+static void rows_write_gaps(const code *w)
+{
+  code_template(w, "    $ gap = %z;\n");
+  for (int r = 0; r < constraint.n; r++) {
+    if (!code_is_constant(&constraint.row[r].value)) {
+      fprintf(w->out, "    const %s gap_%d = ", code_real(w), r);
+      code_template(w, "fabs~(");
+      fprintf(w->out, "%s);\n", constraint.row[r].value.name);
+      tree_write_larger(w, "gap", "gap", r);
+    }
+  }
 }
 
 /* Tells rows that were left out and do not hold, where prescribed speeds can contradict them; `when`: a condition. */
@@ -1182,17 +1247,27 @@ static void rows_write_check(const code *w, const char *when)
     }
     fputs(row->acts >= 0 ? ";\n" : "", w->out);
   }
-  code_template(w, "    if (!@_rows_hold(mu, Q, c, most)) {\n      return @_contradiction;\n    }\n  }\n");
+  rows_write_gaps(w);
+  code_template(w, "    if (!@_rows_hold(mu, Q, c, most, above, rough, gap)) {\n      return @_contradiction;\n    }\n"
+                   "  }\n");
 }
 
 static const char rows_hold[] =
-    "\n/* E9.10: do rows that were left out, which have no impulse, hold, c + Q mu = 0, to a hundredth of what they "
-    "are at\n   most? Others do, but for round-off, which is all that is left where loops hold a beam. */\n"
-    "static int @_rows_hold(const $ *mu, const $ *Q, const $ *c, const $ *most)\n{\n"
+    "\n/* E9.10: do rows that were left out, which have no impulse, hold, c + Q mu = 0? They may miss, of what they "
+    "are at\n"
+    "   most, the angle at which they stand to the others and 1000 times the gap [m], [rad] of the loops, at most a\n"
+    "   hundredth; and round-off of their terms, which is all that is left where loops stand still. */\n"
+    "static int @_rows_hold(const $ *mu, const $ *Q, const $ *c, const $ *most, const $ *angle, const $ *rough, $ "
+    "gap)\n{\n"
     "  int hold = 1;\n"
     "  for (int r = 0; r < @_ROWS; r++) {\n"
-    "    $ miss = c[r];\n"
-    "    for (int i = 0; i < @_ROWS; i++) {\n      miss += Q[r * @_ROWS + i] * mu[i];\n    }\n"
-    "    hold &= %(((fabs~(mu[r]) > `0`) | (fabs~(miss) <= @_loose * most[r]))%);\n  }\n"
+    "    $ miss = c[r], terms = sqrt~(rough[r]);\n"
+    "    for (int i = 0; i < @_ROWS; i++) {\n"
+    "      const $ term = Q[r * @_ROWS + i] * mu[i];\n"
+    "      miss += term;\n"
+    "      terms += fabs~(term);\n    }\n"
+    "    miss = fabs~(miss) - @_lost * @_epsilon * terms;\n"
+    "    hold &= %(((fabs~(mu[r]) > `0`) | ((miss <= @_loose * most[r]) &\n"
+    "                                      (miss <= (`10` * angle[r] + `1000` * gap) * most[r])))%);\n  }\n"
     "  return hold;\n}\n";
 #endif

@@ -361,10 +361,10 @@ static int code_model_text(const code *w, char letter)
 /* A prefix: of what is for lanes, where what follows it is not common to all. */
 static void code_prefix(const code *w, const char *text)
 {
-  static const char *const common[] = {"_status",      "_ok",         "_null",          "_value",    "_not_finite",
-                                       "_step_length", "_range",      "_UNROLL",        "_NOINLINE", "_huge",
-                                       "_tiny",        "_faint",      "_contradiction", "_ROWS",     "_loose",
-                                       "_convergence", "_ITERATIONS", "_RESTRICT",      "_ALIGNED"};
+  static const char *const common[] = {
+      "_status", "_ok",       "_null",    "_value",       "_not_finite", "_step_length",   "_range",
+      "_UNROLL", "_NOINLINE", "_huge",    "_tiny",        "_faint",      "_contradiction", "_ROWS",
+      "_loose",  "_lost",     "_epsilon", "_convergence", "_ITERATIONS", "_RESTRICT",      "_ALIGNED"};
   const char *suffix = w->lanes == CODE_WIDE ? "_wide" : w->lanes ? "_lanes" : "";
   for (size_t k = 0; k < sizeof common / sizeof *common; k++) {
     const size_t length = strlen(common[k]);

@@ -1664,24 +1664,6 @@ static void tree_write_norm(const code *w, const char *name, int k, const code_v
 
 #include "code_wheels.h"
 
-/* The larger of two variables, into the first. */
-static void tree_write_larger(const code *w, const char *most, const char *other, int k)
-{
-  if (w->lanes) {
-    code_template(w, "    ");
-    fprintf(w->out, "%s = ", most);
-    code_template(w, "%W");
-    fprintf(w->out, "%s > %s_%d, %s", most, other, k, most);
-    code_template(w, "%! + %F");
-    fprintf(w->out, "%s > %s_%d", most, other, k);
-    code_template(w, "%:");
-    fprintf(w->out, "%s_%d", other, k);
-    code_template(w, "%;;\n");
-  } else {
-    fprintf(w->out, "    %s = %s > %s_%d ? %s : %s_%d;\n", most, most, other, k, most, other, k);
-  }
-}
-
 /* E11.43: stops of all joints at their present speeds. */
 static void tree_write_impacts(const code *w)
 {
@@ -1867,6 +1849,7 @@ static void tree_write_velocities(const code *w)
 {
   tree_write_names(w);
   code_template(w, constraint.n > 0 ? "  $ Q[@_ROWS * @_ROWS], c[@_ROWS], above[@_ROWS], mu[@_ROWS];\n" : "");
+  code_template(w, rows_are_driven() ? "  $ rough[@_ROWS];\n" : "");
   tree_write_pushed(w);
   fputs("\n  /* E9.2: axes C of each body in its parent's, place s of its O there */\n", w->out);
   tree_write_places(w, LARGE_SEEN);

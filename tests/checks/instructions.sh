@@ -115,8 +115,8 @@ system ground rk4 302300 # 387508
 system ground sdirk 684400 # 930043
 system dense rk4 121000 # 161214
 system dense sdirk 311800 # 426612
-system ring rk4 149950 # 182025
-system ring sdirk 293100 # 356790
+system ring rk4 150250 # 182025
+system ring sdirk 293500 # 356790
 system rows rk4 172700 # 239507
 system rows sdirk 329500 # 476585
 
