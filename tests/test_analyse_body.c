@@ -703,5 +703,5 @@ SUITE(analyse_body, RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(lin
       RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
       RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
       RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),
-      RUN(linear_models_answer_as_the_body_does), RUN(nrel_blade_has_the_published_figures),
-      RUN(errors_of_spectra_are_told), RUN(analysis_refuses_bad_input))
+      RUN(linear_models_answer_as_the_body_does), RUN(linear_models_tell_how_a_state_moves_on),
+      RUN(nrel_blade_has_the_published_figures), RUN(errors_of_spectra_are_told), RUN(analysis_refuses_bad_input))

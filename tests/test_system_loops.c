@@ -473,27 +473,27 @@ TEST(what_contradicts_a_loop_by_a_millionth_is_refused)
 {
   const double a = 0.4, b = 1.0, c = 0.8, d = 1.1, spin = 3.0, much = FBT_TOL(1e-6, 1e-2);
   for (int run = 0; run < 72; run++) {
-    const int second = run % 2 ? 1 : 2; /* rod or rocker */
+    const int other = run % 2 ? 1 : 2; /* rod or rocker */
     const double crank = 0.35 + 0.5 * (run / 6), rocker = rocker_angle(a, b, c, d, crank);
     const double rod = atan2(c * sin(rocker) - a * sin(crank), d + c * cos(rocker) - a * cos(crank));
     const double rod_rate = spin * a * sin(rocker - crank) / (b * sin(rod - rocker));
-    const double rate = second == 1 ? rod_rate - spin : spin * a * sin(rod - crank) / (c * sin(rod - rocker));
+    const double rate = other == 1 ? rod_rate - spin : spin * a * sin(rod - crank) / (c * sin(rod - rocker));
     fourbar(a, b, c, d, FB_JOINT_REVOLUTE);
     start[0].value[0] = input.drive[0].value[0] = (fb_real)crank;
     start[1].value[0] = input.drive[1].value[0] = (fb_real)(rod - crank);
     start[2].value[0] = input.drive[2].value[0] = (fb_real)rocker;
-    desc.joint[0].mode[0] = desc.joint[second].mode[0] = FB_AXIS_PRESCRIBED;
+    desc.joint[0].mode[0] = desc.joint[other].mode[0] = FB_AXIS_PRESCRIBED;
     input.drive[0].rate[0] = (fb_real)spin;
     for (int more = -1; more <= 1; more++) {
       const fb_status status = more ? FB_ERR_CONTRADICTION : FB_OK;
-      input.drive[second].rate[0] = (fb_real)(rate + more * much * spin);
+      input.drive[other].rate[0] = (fb_real)(rate + more * much * spin);
       init((fb_method)(run / 2 % 3));
       FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), status);
     }
-    input.drive[second].rate[0] = (fb_real)rate;
+    input.drive[other].rate[0] = (fb_real)rate;
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
-    input.drive[second].rate[0] = (fb_real)(rate + much * spin);
+    input.drive[other].rate[0] = (fb_real)(rate + much * spin);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_CONTRADICTION);
   }
 }

@@ -117,7 +117,7 @@ system dense rk4 121000 # 161214
 system dense sdirk 311800 # 426612
 system ring rk4 150250 # 182025
 system ring sdirk 293500 # 356790
-system rows rk4 172700 # 239507
+system rows rk4 173100 # 239507
 system rows sdirk 329500 # 476585
 
 # the geometrically exact beam: the most that a step takes; angles of libm's take a few more or less
