@@ -1322,8 +1322,9 @@ typedef enum fb_axis_mode {
        far they are from a singular position) is above 1e-3; to 2e-6 where it is 1e-6. That is round-off.
      MULTIPLIERS: a loop that is open by x rad in fb_system_state_init is closed at another position, by 0.04 x^2 at the
        median, 20 x^2 at most: give values that fit. A row counts as dependent below a pivot of 1e-8, which is 1e-4 rad
-       before a singular position where bodies are alike, but sooner where a heavy one is behind a light one: free bodies
-       of 2200 : 1 already where the tree has a pivot of 3e-4. The mechanism then has a further freedom, with FB_OK.
+       before a singular position where bodies are alike, but sooner where a heavy one is behind a light one. The mechanism
+       then has a further freedom, with FB_OK: of 2300 random systems, many near singular positions and with masses of up
+       to 1000 : 1, rows that were left out missed by more than 3e-4 of the speeds in 196 (of trees, by the others, in 9).
    With any of them prescribed rates contradict a loop where they miss it by a millionth of the speeds (a hundredth in
    single precision); near a singular position, or where the loop is open, by more, at most by a hundredth (a tenth). */
 typedef enum fb_method {
