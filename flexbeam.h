@@ -3000,7 +3000,8 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    to them. Such a state must exist: one rotating axis, or a prescribed free joint with constant v, w in body axes. The
    tree on a free joint whose motion is free spins about the principal axis nearest to the w in the rate of its drive,
    as in fb_body_trim. The equilibrium may be unstable, and is not always the nearest.
-   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess; FB_ERR_SINGULAR: also an axis
+   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess, and a prescribed axis whose motion
+   changes the equilibrium (without gravity, loads and callbacks, which are taken as they are now); FB_ERR_SINGULAR: also an axis
    without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
    too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
    fb_system_rates_eval. Rotors inside bodies keep their momenta, and are refused, as in fb_body_trim.

@@ -31184,6 +31184,88 @@ static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *bo
   return s;
 }
 
+/* Do loads, gravity or callbacks have directions of their own? A steady state is then one of the present moment. */
+static int fbi_is_of_the_moment(const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  int own = input->n_load > 0 || input->rows || input->forces || fbi_has_distributed(input);
+  for (int k = 0; k < system->n_body; k++) {
+    own |= fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY);
+  }
+  return own;
+}
+
+/* Newton's correction, relative to the size of the body or in radians, where the prescribed axes of body `only` (-1: of all)
+   have moved on by their rates for a time h; work.moved is as before. */
+static fb_status fbi_drives_change(fb_real *change, const fbi_subject *s, int n, fb_real h, int only)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const fb_system_state moved = work->moved, state = work->state;
+  fbi_subject later = *s;
+  fb_status status;
+  work->input = *s->system_input;
+  for (int k = 0; k < s->system->n_body; k++) {
+    for (int i = 0; i < 3 && (only < 0 || only == k); i++) {
+      work->input.drive[k].value[i] += h * work->input.drive[k].rate[i];
+    }
+  }
+  later.system_input = &work->input;
+  fbi_prescribe(&work->state, s->system, &work->system, &work->state, &work->input);
+  status = fbi_loops_shut(&later, &work->state);
+  status = status ? status : fbi_subject_eval(work->common.f, &later, 0, FB_R(0.0));
+  work->moved = moved;
+  work->state = state;
+  if (status != FB_OK) {
+    return status;
+  }
+  fb_lu_solve(work->common.column, work->common.A, work->common.perm, work->common.f, n);
+  *change = FB_R(0.0);
+  for (int j = 0; j < n; j++) {
+    *change = fbi_larger(*change, FB_FABS(work->common.column[j]) * FBI_DIFFERENCE / work->common.step[j]);
+  }
+  return FB_OK;
+}
+
+/* [E12.19] A steady state lasts: it is the same when prescribed axes have moved on by their rates, the fastest by 1e-3
+   rad or m (single precision 0.03). The change is Newton's correction there, with the last factors of the trim.
+   Source: definition.  Cost: an evaluation.  Fails: FB_ERR_UNREST, work.system.joint that changes it most.
+   Test: axes_that_move_on_end_what_is_steady. */
+static fb_status fbi_drives_last(const fbi_subject *s, int n)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const fb_real far = FB_SINGLE ? FB_R(0.03) : FB_R(1e-3), least = FB_SINGLE ? FB_R(2e-4) : FB_R(1e-7);
+  fb_real fastest = FB_R(0.0), change = FB_R(0.0), most = FB_R(0.0);
+  int joint = -1;
+  fb_status status;
+  if (!s->system_input || n == 0 || fbi_is_of_the_moment(s->system, s->body, s->system_input)) {
+    return FB_OK;
+  }
+  for (int k = 0; k < s->system->n_body; k++) {
+    for (int i = 0; i < fbi_link_joint(s->system, &work->system, k)->n_axis && i < 3; i++) {
+      if (work->moved.mode[k][i] == FB_AXIS_PRESCRIBED) {
+        fastest = fbi_larger(fastest, FB_FABS(s->system_input->drive[k].rate[i]));
+      }
+    }
+  }
+  if (!(fastest > FB_R(0.0))) {
+    return FB_OK;
+  }
+  status = fbi_drives_change(&change, s, n, far / fastest, -1);
+  if (status != FB_OK || !(change > least)) {
+    return status;
+  }
+
+  /* whose it is */
+  for (int k = 0; k < s->system->n_body; k++) {
+    if (fbi_drives_change(&change, s, n, far / fastest, k) == FB_OK && change > most) {
+      most = change;
+      joint = k;
+    }
+  }
+  work->system.joint = joint;
+  return FBI_REFUSE(FB_ERR_UNREST, "input: drive: a prescribed axis that moves and changes what is steady; its rate", joint,
+                    joint < 0 ? fastest : s->system_input->drive[joint].rate[0], FB_R(0.0));
+}
+
 /* [E12.8] Relative equilibrium of a system by Newton's method: the momenta of modes, and of joints along their axes,
    are constant while prescribed axes move at their rates, free joints spin freely and all other speeds are zero.
    Source: definition.  Cost: 8 n evaluations and an LU factorization per iteration.  Fails: see the header.
@@ -31222,7 +31304,8 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
     status = FB_ERR_CONVERGENCE;
   }
 
-  /* Equilibrium of the free joints, and of rotors */
+  /* Equilibrium that lasts, of the free joints, and of rotors */
+  status = status ? status : fbi_drives_last(&s, work->n_independent);
   status = status ? status : fbi_roots_rest(&s);
 #if FB_WITH_ROTORS
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {

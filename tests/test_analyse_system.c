@@ -93,6 +93,32 @@ TEST(blades_cone_under_a_moment)
   }
 }
 
+/* E12.8, E12.19: an arm that its drive turns beside the axis of a rotor changes the centrifugal field of what hangs on it:
+   steady while it stands, not while it moves. About the axis of the rotor it may turn: the whole then spins faster. */
+TEST(axes_that_move_on_end_what_is_steady)
+{
+  for (int run = 0; run < 4; run++) {
+    const int moves = run % 2, beside = run / 2;
+    fb_joint_desc *hinge;
+    rotor(4.0);
+    rigid_part(1, 2.0, 0.4, 0.05, 0.6, 0.6, 0.0);
+    hinge = hang(1, 1, FB_JOINT_REVOLUTE, 0);
+    hinge->position[0] = beside ? FB_R(0.5) : FB_R(0.0);
+    hinge->mode[0] = FB_AXIS_PRESCRIBED;
+    hinge = hang(2, 1, FB_JOINT_REVOLUTE, 1);
+    hinge->parent_node = 1;
+    hinge->stiffness[0] = FB_R(20.0);
+    start[1].value[0] = drive.drive[1].value[0] = FB_R(0.6);
+    start[1].speed[0] = drive.drive[1].rate[0] = moves ? FB_R(0.7) : FB_R(0.0);
+    build();
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive),
+               moves && beside ? FB_ERR_UNREST : FB_OK);
+    if (moves && beside) {
+      FBT_INT_EQ(tree_work.system.joint, 1);
+    }
+  }
+}
+
 /* E12.1, E12.8: a free, pinned or hinged body rests where what acts on it is in balance: a beam that hangs from its
    hinge, straight, or hovers by a force and a torque on its hub, bent as one whose hub is held. Gravity or thrust alone
    leaves no state of rest, nor do wheels with momentum across the spin but under a torque that turns it; as a body and
@@ -762,9 +788,9 @@ TEST(pulled_apart_free_bodies_rest)
 SUITE(analyse_system, RUN(pulled_apart_free_bodies_rest), RUN(linear_models_of_systems_do_not_depend_on_units),
       RUN(fast_bases_have_linear_models), RUN(motors_that_pull_have_linear_models),
       RUN(full_systems_have_linear_models), RUN(hinged_blades_flap_and_lag_in_closed_form),
-      RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
-      RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
-      RUN(a_driven_base_is_a_system_of_one), RUN(opposite_pulls_hold_a_free_body),
+      RUN(blades_cone_under_a_moment), RUN(axes_that_move_on_end_what_is_steady),
+      RUN(bases_that_are_pushed_have_no_state_of_rest), RUN(double_pendulum_swings_in_closed_form),
+      RUN(a_free_body_is_a_system_of_one), RUN(a_driven_base_is_a_system_of_one), RUN(opposite_pulls_hold_a_free_body),
       RUN(sleeping_tops_tilt_in_closed_form), RUN(shafts_with_disks_whirl_in_closed_form),
       RUN(linear_models_follow_the_unit_of_time), RUN(poses_drift_as_the_frame_goes_on),
       RUN(linear_models_answer_as_the_system_does))

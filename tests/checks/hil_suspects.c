@@ -1,7 +1,7 @@
 /* hil_suspects.c - steps of hil_plant that seem slow, more than it keeps: judged by those that took longest. */
 int hil_plant_main(int argc, char **argv);
 #define main hil_plant_main
-#include "../../examples/hil/hil_plant.c"
+#include "../../examples/hil/hil_plant.c" /* NOLINT: what is tested is inside */
 #undef main
 
 enum { PERIODS = 1000, SUSPECTS = 108 };
