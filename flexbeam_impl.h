@@ -31262,8 +31262,8 @@ static fb_status fbi_drives_last(const fbi_subject *s, int n)
     }
   }
   work->system.joint = joint;
-  return FBI_REFUSE(FB_ERR_UNREST, "input: drive: a prescribed axis that moves and changes what is steady; its rate", joint,
-                    joint < 0 ? fastest : s->system_input->drive[joint].rate[0], FB_R(0.0));
+  return FBI_REFUSE(FB_ERR_UNREST, "input: drive: a prescribed axis that moves and changes what is steady; its rate",
+                    joint, joint < 0 ? fastest : s->system_input->drive[joint].rate[0], FB_R(0.0));
 }
 
 /* [E12.8] Relative equilibrium of a system by Newton's method: the momenta of modes, and of joints along their axes,
