@@ -10584,14 +10584,14 @@ static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, con
 
 /* Scales of the pivots, from the upper bounds of the diagonal in their place. What counts is an angle, not a mass: a row
    of a joint whose impulse moves its ends along it, to 1e-4 rad from across, has its own diagonal as scale. It may be smaller
-   than the largest one of rows of the same kind at the same joint where it moves what is heavier, by up to 10^4 (single
-   precision 100: pivots stay above round-off); else it moves but what errors of positions leave, and the largest is the
-   scale. Infinite, so that the row is left out, where its impulse moves nothing along it. */
+   than the largest one of rows of the same kind at the same joint where it moves what is heavier, by up to 10^4 (in
+   single precision not: pivots would be round-off); else it moves but what errors of positions leave, and the largest is
+   the scale. Infinite, so that the row is left out, where its impulse moves nothing along it. */
 static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
 {
   const int m = w->n_row;
   const fb_real across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10), along = FB_SINGLE ? FB_R(1e-2) : FB_R(1e-4);
-  const fb_real heavy = FB_SINGLE ? FB_R(1e-2) : FB_R(1e-4);
+  const fb_real heavy = FB_SINGLE ? FB_R(1.0) : FB_R(1e-4);
   for (int i = 0; i < m; i++) {
     const fb_real own = w->Q[i * (m + 1)];
     fb_real largest = FB_R(0.0), fair;

@@ -303,7 +303,7 @@ static void rows_write_functions(const code *w)
     }
   }
   code_template(w, w->single ? "};\nstatic const $ @_across = `1e-10`, @_apart = `1e-4`, @_equal = `1.001`,\n  @_along "
-                               "= `1e-4`, @_heavy = `1e-2`"
+                               "= `1e-4`, @_heavy = `1.0`"
                              : "};\nstatic const $ @_across = `1e-20`, @_apart = `1e-8`, @_equal = `1.000001`,\n  "
                                "@_along = `1e-8`, @_heavy = `1e-4`");
   code_template(w, !rows_are_driven() ? ";\n"
