@@ -6698,8 +6698,8 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
 FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
 {
   FBI_REQUIRE(body && state, FB_ERR_NULL);
-  FBI_REQUIRE_MADE(body->n_node);
   FBI_REQUIRE_EXACT();
+  FBI_REQUIRE_MADE(body->n_node);
   memset(state, 0, sizeof *state);
   state->quat[0] = FB_R(1.0);
   return FB_OK;
@@ -12709,8 +12709,8 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fb_system_state *out;
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
-  FBI_REQUIRE_MADE(system->n_body);
   FBI_REQUIRE_EXACT();
+  FBI_REQUIRE_MADE(system->n_body);
 
   /* axis modes */
   status = fbi_system_input_check(system, body, input);
