@@ -724,7 +724,7 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   return status != FB_OK ? scene_failed(s, when, status)
          : run->broken   ? scene_fail(s, "cannot write %s: %s%s", o->csv, strerror(run->broken), output_left(o->csv))
          : run->row < timing.rows
-             ? scene_fail(s, "stopped after the row of %.6g s, of %.6g s%s", (double)run->row * timing.interval,
+             ? scene_fail(s, "stopped after the row of %.10g s, of %.10g s%s", (double)run->row * timing.interval,
                           s->duration, o->csv ? output_left(o->csv) : "")
              : 0;
 }

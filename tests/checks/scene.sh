@@ -289,7 +289,7 @@ rm "$out/rows.csv.part"
 status=0
 timeout --preserve-status 10 "$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" 2> "$out/log" || status=$?
 [ "$(wc -l < "$out/rows.csv.part")" -gt 1 ] || fail "rows of a slow run are not in their file"
-[ $status = 143 ] && grep -q "stopped after the row of $(tail -n 1 "$out/rows.csv.part" | cut -d , -f 1) s, of 1e+07 s; .* is $out/rows.csv.part\$" "$out/log" ||
+[ $status = 143 ] && grep -q "stopped after the row of $(tail -n 1 "$out/rows.csv.part" | cut -d , -f 1) s, of 10000000 s; .* is $out/rows.csv.part\$" "$out/log" ||
   fail "a run that is terminated: status $status, $(cat "$out/log"), $(tail -n 1 "$out/rows.csv.part")"
 try "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv"
 [ ! -e "$out/rows.csv.part" ] && cmp -s "$out/rows.csv" "$out/top.csv" || fail "rows do not get their name when the run has ended"
