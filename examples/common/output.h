@@ -61,13 +61,13 @@ static inline int output_part(char part[OUTPUT_NAME], const char *name)
   return n < OUTPUT_NAME;
 }
 
-/* "; what is written of it is FILE.part", or nothing where there is none. */
+/* "; what is written of it is FILE.part", or nothing where there is none, or no file at all (NULL). */
 static inline const char *output_left(const char *name)
 {
   static char text[OUTPUT_NAME + 40];
   char part[OUTPUT_NAME];
   const int error = errno;
-  const int is = output_part(part, name) && strcmp(part, name) != 0 && access(part, F_OK) == 0;
+  const int is = name && output_part(part, name) && strcmp(part, name) != 0 && access(part, F_OK) == 0;
   snprintf(text, sizeof text, "%s%s", is ? "; what is written of it is " : "", is ? part : "");
   errno = error;
   return text;

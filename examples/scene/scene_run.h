@@ -723,10 +723,9 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   }
   return status != FB_OK ? scene_failed(s, when, status)
          : run->broken   ? scene_fail(s, "cannot write %s: %s%s", o->csv, strerror(run->broken), output_left(o->csv))
-         : run->row < timing.rows
-             ? scene_fail(s, "stopped after the row of %.10g s, of %.10g s%s", (double)run->row * timing.interval,
-                          s->duration, o->csv ? output_left(o->csv) : "")
-             : 0;
+         : run->row < timing.rows ? scene_fail(s, "stopped after the row of %.10g s, of %.10g s%s",
+                                               (double)run->row * timing.interval, s->duration, output_left(o->csv))
+                                  : 0;
 }
 
 /* Is the run short enough, and is what acts resolved by a step that is given? Tells of one that is not. */
