@@ -344,7 +344,7 @@ sed 's/^measure most/measure force/' "$out/beam.txt" > "$out/names.txt"
 expect 2 $campaign --scene "$out/names.txt" --vary "force list 1 2" --out "$out/names.csv"
 says "two columns of the rows would have the name: force"
 expect 2 $campaign --scene "$out" --vary "force list 1 2"
-[ "$(cat "$out/log")" = "campaign: $out: cannot be read (see --help)" ] || fail "a scene that is a folder: $(cat "$out/log")"
+[ "$(cat "$out/log")" = "campaign: the scene wants a file: it is read for every run: $out (see --help)" ] || fail "a scene that is a folder: $(cat "$out/log")"
 expect 2 $campaign "$out/none.txt"
 says "none.txt: No such file"
 
