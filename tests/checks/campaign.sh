@@ -221,18 +221,18 @@ for bytes in 0 20 $((line - 1)) "$line" $((line + 20)); do
 done
 sed '1s/journal/jornal/' "$out/one.journal" > "$out/changed.journal"
 printf 'a letter\nto a friend\n' > "$out/letter.journal"
-for name in changed letter; do
-  cp "$out/$name.journal" "$out/kept"
-  expect 2 $campaign "$quick" --out "$out/$name.csv" --pictures 0
-  says "$out/$name.journal: is no journal of a campaign, or line 1 of it is damaged"
-  cmp "$out/$name.journal" "$out/kept" || fail "$name: a journal that is refused was changed"
+for other in changed letter; do
+  cp "$out/$other.journal" "$out/kept"
+  expect 2 $campaign "$quick" --out "$out/$other.csv" --pictures 0
+  says "$out/$other.journal: is no journal of a campaign, or line 1 of it is damaged"
+  cmp "$out/$other.journal" "$out/kept" || fail "$other: a journal that is refused was changed"
 done
 mkfifo "$out/pipe.journal"
 mkdir "$out/folder.journal"
-for name in pipe folder; do
+for other in pipe folder; do
   for fresh in "" --fresh; do
-    expect 2 timeout 10 $campaign "$quick" --out "$out/$name.csv" --pictures 0 $fresh
-    says "$out/$name.journal: is no file"
+    expect 2 timeout 10 $campaign "$quick" --out "$out/$other.csv" --pictures 0 $fresh
+    says "$out/$other.journal: is no file"
   done
 done
 
