@@ -11,7 +11,6 @@ static fb_beam_desc beam_desc;
 static fb_modes_desc modes_desc;
 static fb_body_desc desc;
 int fbl_missing;
-fbl_hub fbl_hub_of;
 
 void fbl_legal(fbl_choice *c)
 {
@@ -42,6 +41,21 @@ void fbl_legal(fbl_choice *c)
     c->modes = FBL_AXIAL;
     c->section = c->section == FBL_TWIST ? FBL_UNIFORM : c->section;
   }
+}
+
+fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user)
+{
+  const double size = *(const double *)user;
+  fb_real along[3];
+  (void)t;
+  fbl_inertial_polar(along, 0.1, -0.15, 0.2, 1, 0, -2);
+  for (int k = 0; k < n; k++) {
+    const double share = (double)point[k].length * (1.0 + (double)point[k].x / (double)fbl_unit(size, 0, 1, 0));
+    for (int i = 0; i < 3; i++) {
+      point[k].force[i] = (fb_real)(share * (double)along[i]);
+    }
+  }
+  return FB_OK;
 }
 
 /* ---- beams */
@@ -279,10 +293,7 @@ static void hub_draw(const fbl_choice *c, double size)
         fbl_unit((fbl_seen.mirror && i != 1 ? -1.0 : 1.0) * (c->hub == 2) * 0.1 * mass * reach * reach, 1, 2, 0);
   }
   fbl_polar(at, center[0], center[1], center[2], 0, 1, 0);
-  fbl_hub_of.mass = fbl_unit(mass, 1, 0, 0);
-  memcpy(fbl_hub_of.center, at, sizeof at);
-  memcpy(fbl_hub_of.inertia, inertia, sizeof inertia);
-  (void)fb_shape_add_rigid(&shape, fbl_hub_of.mass, at, inertia);
+  (void)fb_shape_add_rigid(&shape, fbl_unit(mass, 1, 0, 0), at, inertia);
 }
 
 /* K of the imported coordinates, of frequencies that are drawn. */

@@ -64,9 +64,22 @@ int fbl_pick(int n)
 
 /* ---- how the scene is seen */
 
+#define UPRIGHT        \
+  {                    \
+    1.0, 0.0, 0.0, 0.0 \
+  }
+#define ZERO      \
+  {               \
+    0.0, 0.0, 0.0 \
+  }
+const fbl_view fbl_turned = {1.0, 1.0, 1.0, 0, 0, 0, {0.1, 0.7, -0.5, 0.5}, {3.0, -2.0, 5.0}, ZERO};
+const fbl_view fbl_other_units = {4.0, 0.5, 8.0, 0, 0, 0, UPRIGHT, ZERO, ZERO};
+const fbl_view fbl_mirrored = {1.0, 1.0, 1.0, 1, 0, 1, UPRIGHT, ZERO, ZERO};
+const fbl_view fbl_reordered = {1.0, 1.0, 1.0, 0, 1, 1, UPRIGHT, ZERO, ZERO};
+
 void fbl_plain(void)
 {
-  static const fbl_view plain = {1.0, 1.0, 1.0, 0, 0, 0, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  static const fbl_view plain = {1.0, 1.0, 1.0, 0, 0, 0, UPRIGHT, ZERO, ZERO};
   fbl_seen = plain;
 }
 
@@ -195,6 +208,54 @@ double fbl_largest(const fb_real *a, int n)
 double fbl_slope(const fb_real *x, size_t stride, double h)
 {
   return (((double)x[0] - (double)x[4 * stride]) + 8.0 * ((double)x[3 * stride] - (double)x[stride])) / (12.0 * h);
+}
+
+/* 2 q_dot conj(q) */
+void fbl_turning(double w[3], const fb_real *quat, size_t stride, double h)
+{
+  const fb_real *const at = quat + 2 * stride;
+  double d[4], q[4];
+  for (int i = 0; i < 4; i++) {
+    fb_real along[5];
+    for (int k = 0; k < 5; k++) {
+      const fb_real *const p = quat + (size_t)k * stride;
+      const double cosine = dot(p, at) + (double)p[3] * (double)at[3];
+      along[k] = cosine < 0.0 ? -p[i] : p[i];
+    }
+    d[i] = fbl_slope(along, 1, h);
+    q[i] = (double)at[i];
+  }
+  w[0] = 2.0 * (d[1] * q[0] - d[0] * q[1] - d[2] * q[3] + d[3] * q[2]);
+  w[1] = 2.0 * (d[2] * q[0] - d[0] * q[2] - d[3] * q[1] + d[1] * q[3]);
+  w[2] = 2.0 * (d[3] * q[0] - d[0] * q[3] - d[1] * q[2] + d[2] * q[1]);
+}
+
+void fbl_respond(double y[FB_MAX_PORTS], const fb_linear *linear, int input, double u, double step, int n)
+{
+  static double x[FB_MAX_LINEAR], k[5][FB_MAX_LINEAR];
+  static const double node[] = {0.0, 0.5, 0.5, 1.0};
+  memset(x, 0, sizeof x);
+  for (int s = 0; s < n; s++) {
+    memset(k, 0, sizeof k);
+    for (int stage = 0; stage < 4; stage++) {
+      for (int i = 0; i < linear->n; i++) {
+        double sum = (double)linear->B[i * linear->n_in + input] * u;
+        for (int j = 0; j < linear->n; j++) {
+          sum += (double)linear->A[i * linear->n + j] * (x[j] + node[stage] * step * k[stage][j]);
+        }
+        k[stage + 1][i] = sum;
+      }
+    }
+    for (int i = 0; i < linear->n; i++) {
+      x[i] += step / 6.0 * (k[1][i] + 2.0 * k[2][i] + 2.0 * k[3][i] + k[4][i]);
+    }
+  }
+  for (int o = 0; o < linear->n_out; o++) {
+    y[o] = (double)linear->D[o * linear->n_in + input] * u;
+    for (int j = 0; j < linear->n; j++) {
+      y[o] += (double)linear->C[o * linear->n + j] * x[j];
+    }
+  }
 }
 
 fb_status fbl_draw_again(void)

@@ -63,6 +63,7 @@ typedef struct fbl_view {
   double turn[4], shift[3], boost[3]; /* of the scene in the inertial frame; shift [m], boost [m/s] in drawn units */
 } fbl_view;
 extern fbl_view fbl_seen;
+extern const fbl_view fbl_turned, fbl_other_units, fbl_mirrored, fbl_reordered;
 void fbl_plain(void);
 /* x with the unit kg^a m^b s^c */
 fb_real fbl_unit(double x, int kg, int m, int s);
@@ -80,8 +81,26 @@ double fbl_refuse(const char *call, fb_status status); /* notes it, returns FBL_
 /* Largest |a_i - b_i|, largest |a_i|. */
 double fbl_difference(const fb_real *a, const fb_real *b, int n);
 double fbl_largest(const fb_real *a, int n);
+static inline double larger(double a, double b)
+{
+  return a > b ? a : b;
+}
+static inline double dot(const fb_real *a, const fb_real *b)
+{
+  return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
+}
+static inline void to_inertial(fb_real *out, const fb_real quat[4], const fb_real *x)
+{
+  fb_real R[9];
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mul_vec3(out, R, x);
+}
+/* Outputs of a linear model after n steps of rk4 from rest under a constant u at one of its inputs. */
+void fbl_respond(double y[FB_MAX_PORTS], const fb_linear *linear, int input, double u, double step, int n);
 /* Derivative in the middle of five values x[0 .. 4] that lie `stride` reals apart, h between them: order 4. */
 double fbl_slope(const fb_real *x, size_t stride, double h);
+/* Rate of rotation in the middle of five attitudes, inertial axes. */
+void fbl_turning(double w[3], const fb_real *quat, size_t stride, double h);
 /* The model of the present draw once more, after a change of fbl_seen. */
 fb_status fbl_draw_again(void);
 int fbl_level(const char *feature); /* of the present draw */
@@ -120,15 +139,13 @@ typedef struct fbl_choice { /* levels of the features of a body */
       "heavy", "light", "offset"                                                                                      \
     }                                                                                                                 \
   }
+/* A dead load along the lines that grows towards their tips, for fb_distributed. user: their size in drawn units, double. */
+fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user);
 /* Lowers what does not go together. */
 void fbl_legal(fbl_choice *choice);
 /* A body by its choice; its last nodes are on its beams, the tip of the first one is node 1. Size: reach of its beams in
    drawn units [m]. */
 fb_status fbl_make(fb_body *body, const fbl_choice *choice, double *size);
-typedef struct fbl_hub {               /* of the body made last */
-  fb_real mass, center[3], inertia[6]; /* inertia about its center */
-} fbl_hub;
-extern fbl_hub fbl_hub_of;
 extern int fbl_missing; /* modes that were asked for and are not in the body made last */
 /* The node that the scene calls k, 0 the hub: beams in reverse order have their tips in reverse order. */
 int fbl_node(const fbl_choice *choice, int k);

@@ -573,20 +573,6 @@ static wave wave_at(double t, double size_of)
   return out;
 }
 
-static fb_status wind(fb_line_point *point, int n, fb_real t, void *user)
-{
-  fb_real along[3];
-  (void)t, (void)user;
-  fbl_inertial_polar(along, 0.1, -0.15, 0.2, 1, 0, -2);
-  for (int k = 0; k < n; k++) {
-    const double share = (double)point[k].length * (1.0 + (double)point[k].x / (double)fbl_unit(size, 0, 1, 0));
-    for (int i = 0; i < 3; i++) {
-      point[k].force[i] = (fb_real)(share * (double)along[i]);
-    }
-  }
-  return FB_OK;
-}
-
 /* Drag at the loads, motors that brake, actuators that damp. */
 static fb_status forces(fb_system_forces *f, void *user)
 {
@@ -704,17 +690,13 @@ static void input_fill(fb_system_input *in, double t)
   for (int k = 3; k < bodies_of(now); k++) { /* the same model, wheels of its own */
     memcpy(in->rotor[slot[k]], in->rotor[slot[0]], (k % MODELS == 0) * sizeof in->rotor[0]);
   }
-  in->distributed = now[LOAD] == DISTRIBUTED ? wind : NULL;
+  in->distributed = now[LOAD] == DISTRIBUTED ? fbl_wind : NULL;
+  in->user = &size;
   in->forces = now[CALLBACK] == FORCES ? forces : NULL;
   in->rows = now[CALLBACK] == ROWS ? rows : NULL;
 }
 
 /* ---- state */
-
-static double larger(double a, double b)
-{
-  return a > b ? a : b;
-}
 
 static void start_draw(int k)
 {
@@ -1014,27 +996,6 @@ static fb_status walk(double h)
 #define SLOPE(member) fbl_slope(&path[0].member, sizeof(look) / sizeof(fb_real), dt)
 typedef char looks_are_whole[sizeof(look) % sizeof(fb_real) == 0 ? 1 : -1];
 
-/* Rate of rotation by differences of quaternions, inertial axes: 2 q_dot conj(q). */
-static void rotation_rate(double w[3], int k, int node)
-{
-  double d[4], q[4];
-  fb_real along[5];
-  for (int i = 0; i < 4; i++) {
-    for (int p = 0; p < 5; p++) {
-      double cosine = 0.0;
-      for (int j = 0; j < 4; j++) {
-        cosine += (double)path[p].node[k][node].quat[j] * (double)path[2].node[k][node].quat[j];
-      }
-      along[p] = (fb_real)((cosine < 0.0 ? -1.0 : 1.0) * (double)path[p].node[k][node].quat[i]);
-    }
-    d[i] = fbl_slope(along, 1, dt);
-    q[i] = (double)path[2].node[k][node].quat[i];
-  }
-  w[0] = 2.0 * (d[1] * q[0] - d[0] * q[1] - d[2] * q[3] + d[3] * q[2]);
-  w[1] = 2.0 * (d[2] * q[0] - d[0] * q[2] - d[3] * q[1] + d[1] * q[3]);
-  w[2] = 2.0 * (d[3] * q[0] - d[0] * q[3] - d[1] * q[2] + d[2] * q[1]);
-}
-
 /* ---- laws ask a model near to the drawn one if they would say nothing of that */
 
 /* Puts the levels from .. to of a feature at another one. */
@@ -1060,7 +1021,7 @@ static double velocities(double h)
     for (int n = 0; n < body(k)->n_node; n++) {
       const fb_node_motion *const at = &path[2].node[k][n];
       double w[3], v_off = 0.0, w_off = 0.0;
-      rotation_rate(w, k, n);
+      fbl_turning(w, path[0].node[k][n].quat, sizeof(look) / sizeof(fb_real), dt);
       for (int i = 0; i < 3; i++) {
         v_off = larger(v_off, fabs(SLOPE(node[k][n].position[i]) - (double)at->velocity[i]));
         w_off = larger(w_off, fabs(w[i] - (double)at->angular_rate[i]));
@@ -1168,18 +1129,6 @@ static double joints(double h)
 }
 
 /* ---- laws: balances */
-
-static double dot(const fb_real *a, const fb_real *b)
-{
-  return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
-static void to_inertial(fb_real *out, const fb_real quat[4], const fb_real *x)
-{
-  fb_real R[9];
-  fb_quat_to_mat33(R, quat);
-  fb_mat33_mul_vec3(out, R, x);
-}
 
 /* Load k of the input and of the callback at path[2], inertial axes, at its node. */
 static const fb_node_motion *load_now(fb_real force[3], fb_real torque[3], int k)
@@ -1767,30 +1716,26 @@ static double seen_as(const fbl_view *view)
 
 static double turned_and_shifted(double h)
 {
-  static const fbl_view view = {1.0, 1.0, 1.0, 0, 0, 0, {0.1, 0.7, -0.5, 0.5}, {3.0, -2.0, 5.0}, {0.0, 0.0, 0.0}};
   (void)h;
-  return seen_as(&view);
+  return seen_as(&fbl_turned);
 }
 
 static double other_units(double h)
 {
-  static const fbl_view view = {4.0, 0.5, 8.0, 0, 0, 0, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   (void)h;
-  return seen_as(&view);
+  return seen_as(&fbl_other_units);
 }
 
 static double mirrored(double h)
 {
-  static const fbl_view view = {1.0, 1.0, 1.0, 1, 0, 1, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   (void)h;
-  return now[ROTORS] == FBL_UNBALANCED ? FBL_NONE : seen_as(&view);
+  return now[ROTORS] == FBL_UNBALANCED ? FBL_NONE : seen_as(&fbl_mirrored);
 }
 
 static double reordered(double h)
 {
-  static const fbl_view view = {1.0, 1.0, 1.0, 0, 1, 1, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   (void)h;
-  return n_body > 1 || input.n_load > 1 ? seen_as(&view) : FBL_NONE;
+  return n_body > 1 || input.n_load > 1 ? seen_as(&fbl_reordered) : FBL_NONE;
 }
 
 static double boosted(double h)
@@ -2037,6 +1982,7 @@ static double one_body(double h)
         in[i].load[n] = all.load[n].load;
       }
       in[i].distributed = all.distributed;
+      in[i].user = all.user;
       in[i].t = all.t;
     }
     if (k < STEPS) {
@@ -2301,34 +2247,6 @@ static fb_status outputs(fb_real *y, const fb_linear_desc *d, const fb_system_st
 
 static fb_linear linear;
 
-/* x = n steps of rk4 of the linear model from rest under a constant input of one port. */
-static void linear_response(double *y, const fb_linear_desc *d, int port, double step, int n_step)
-{
-  static double x[FB_MAX_LINEAR], slope[4][FB_MAX_LINEAR];
-  const int n = linear.n;
-  memset(x, 0, sizeof x);
-  for (int k = 0; k < n_step; k++) {
-    for (int stage = 0; stage < 4; stage++) {
-      const double part = stage == 0 ? 0.0 : stage == 3 ? step : 0.5 * step;
-      for (int i = 0; i < n; i++) {
-        slope[stage][i] = (double)linear.B[i * d->n_in + port];
-        for (int j = 0; j < n; j++) {
-          slope[stage][i] += (double)linear.A[i * n + j] * (x[j] + (stage ? part * slope[stage - 1][j] : 0.0));
-        }
-      }
-    }
-    for (int i = 0; i < n; i++) {
-      x[i] += step / 6.0 * (slope[0][i] + 2.0 * slope[1][i] + 2.0 * slope[2][i] + slope[3][i]);
-    }
-  }
-  for (int o = 0; o < d->n_out; o++) {
-    y[o] = (double)linear.D[o * d->n_in + port];
-    for (int i = 0; i < n; i++) {
-      y[o] += (double)linear.C[o * n + i] * x[i];
-    }
-  }
-}
-
 static void ports_draw(fb_linear_desc *d)
 {
   const int k = bodies_of(now) - 1, s = slot[k], n = body(k)->n_node - 1;
@@ -2406,7 +2324,7 @@ static double linear_models(double h)
       FBL_TRY(outputs(y[run], &d, &at));
     }
     steady = plain;
-    linear_response(own, &d, port, step, N);
+    fbl_respond(own, &linear, port, 1.0, step, N);
     for (int o = 0; o < d.n_out; o++) {
       const double slope =
           (8.0 * ((double)y[0][o] - (double)y[1][o]) - ((double)y[2][o] - (double)y[3][o])) / (12.0 * h);
