@@ -607,7 +607,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_BUILD, -13,                                                                                               \
     "built with -fassociative-math, -funsafe-math-optimizations or without NaN: see fb_build_check")                 \
   X(FB_ERR_MODES, -14, "fewer modes than asked for")                                                                 \
-  X(FB_ERR_UNREST, -15, "no steady state: loads or gravity push or turn a base or a free joint that nothing holds")  \
+  X(FB_ERR_UNREST, -15, "no steady state: loads or gravity push what nothing holds, or a prescribed axis moves on")  \
   X(FB_ERR_UNSUPPORTED, -16, "not available for this model: see the comment on the function")                        \
   X(FB_ERR_INIT, -17, "a body, system or exact beam that was never initialized: its fb_..._init did not run, or failed")
 
@@ -1322,9 +1322,10 @@ typedef enum fb_axis_mode {
        far they are from a singular position) is above 1e-3; to 2e-6 where it is 1e-6. That is round-off.
      MULTIPLIERS: a loop that is open by x rad in fb_system_state_init is closed at another position, by 0.04 x^2 at the
        median, 20 x^2 at most: give values that fit. A row counts as dependent below a pivot of 1e-8, which is 1e-4 rad
-       before a singular position where bodies are alike, but sooner where a heavy one is behind a light one. The mechanism
-       then has a further freedom, with FB_OK: of 2300 random systems, many near singular positions and with masses of up
-       to 1000 : 1, rows that were left out missed by more than 3e-4 of the speeds in 196 (of trees, by the others, in 9).
+       before a singular position where bodies are alike, but sooner where a heavy one is behind a light one. The
+       mechanism then has a further freedom, with FB_OK: of 2300 random systems, many near singular positions and with
+       masses of up to 1000 : 1, rows that were left out missed by more than 3e-4 of the speeds in 196, in 9 by the
+       other methods.
    With any of them prescribed rates contradict a loop where they miss it by a millionth of the speeds (a hundredth in
    single precision); near a singular position, or where the loop is open, by more, at most by a hundredth (a tenth). */
 typedef enum fb_method {
@@ -2079,10 +2080,10 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    line and section on a root that is held and at rest, under no loads, is constant but for the last correction of the
    iteration, whatever the step. The energy of a free beam varies by order 2 of step and element length together (10
    elements that bend far: some 1e-4 in steps that resolve it), that of gravity by order 2 of the step. A limit of
-   stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
-   their place within the next step, or over 0.03 fb_exact.time if that is longer (about a sixtieth of the period of a
-   cantilever's first mode), across the reaction, so that they do no work. Steps may differ; one that is longer than the
-   one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
+   stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root
+   are brought back to their place within the next step, or over 0.03 fb_exact.time if that is longer (about a sixtieth
+   of the period of a cantilever's first mode), across the reaction, so that they do no work. Steps may differ; one that
+   is longer than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
    more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
    places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
    EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
@@ -3000,9 +3001,9 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    to them. Such a state must exist: one rotating axis, or a prescribed free joint with constant v, w in body axes. The
    tree on a free joint whose motion is free spins about the principal axis nearest to the w in the rate of its drive,
    as in fb_body_trim. The equilibrium may be unstable, and is not always the nearest.
-   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess, and a prescribed axis whose motion
-   changes the equilibrium (without gravity, loads and callbacks, which are taken as they are now); FB_ERR_SINGULAR: also an axis
-   without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
+   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess, and a prescribed axis whose
+   motion changes the equilibrium (not looked for under gravity, loads and callbacks, which are taken in their present
+   direction); FB_ERR_SINGULAR: also an axis without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
    too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
    fb_system_rates_eval. Rotors inside bodies keep their momenta, and are refused, as in fb_body_trim.
    FB_ERR_UNSUPPORTED: also a body with central gravity, here and in linear models and spectra of systems (a satellite of
@@ -3430,8 +3431,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           descriptions of bodies have them.
           Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
           spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
-          They have branches: fb_exact_desc.branch, at any node and angle. Reactions of nodes held beyond the root converge
-          with the step.
+          They have branches: fb_exact_desc.branch, at any node and angle. Reactions of nodes held beyond the root
+          converge with the step.
           Bodies of systems have rotors: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
           and .pi have room for them. A prescribed value that jumps is refused.
           fb_linear.rate: how the state itself moves on. fb_spectrum_error: the error of a step, beside fb_spectrum_dt.
@@ -3450,8 +3451,10 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Generated code the same.
           FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
-          Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs nothing
-          that was there.
+          fb_system_trim refuses a prescribed axis that moves and changes the equilibrium. fb_modes_join in single
+          precision: slow modes of stiff parts are found, or refused.
+          Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs
+          nothing that was there.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

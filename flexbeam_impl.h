@@ -10582,11 +10582,11 @@ static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, con
   return FB_OK;
 }
 
-/* Scales of the pivots, from the upper bounds of the diagonal in their place. What counts is an angle, not a mass: a row
-   of a joint whose impulse moves its ends along it, to 1e-4 rad from across, has its own diagonal as scale. It may be smaller
-   than the largest one of rows of the same kind at the same joint where it moves what is heavier, by up to 10^4 (in
-   single precision not: pivots would be round-off); else it moves but what errors of positions leave, and the largest is
-   the scale. Infinite, so that the row is left out, where its impulse moves nothing along it. */
+/* Scales of the pivots, from the upper bounds of the diagonal in their place. What counts is an angle, not a mass: a
+   row of a joint whose impulse moves its ends along it, to 1e-4 rad from across, has its own diagonal as scale. It may
+   be smaller than the largest one of rows of the same kind at the same joint where it moves what is heavier, by up to
+   10^4 (in single precision not: pivots would be round-off). Where the impulse moves the ends across the row, only
+   errors of positions are left along it: the largest one is the scale, or infinity, and the row is left out. */
 static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
 {
   const int m = w->n_row;
@@ -10603,9 +10603,9 @@ static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
   }
 }
 
-/* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale. Among
-   equals, such as parallel rows of two loops, the first: round-off would choose rows by chance, and with them how loops
-   that are still open are closed. */
+/* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale.
+   Among equals, such as parallel rows of two loops, the first: round-off would choose rows by chance, and with them how
+   loops that are still open are closed. */
 static int fbi_rows_pivot(const fb_system_work *w, const fb_real *scale, int k)
 {
   const fb_real equal = FB_SINGLE ? FB_R(1.001) : FB_R(1.000001);
@@ -10667,8 +10667,8 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
   return FB_OK;
 }
 
-/* w->diagonal of the rows that were left out becomes the sine of the angle at which they stand to the others, as long as the
-   scales are in w->column. */
+/* w->diagonal of the rows that were left out becomes the sine of the angle at which they stand to the others, as long
+   as the scales are in w->column. */
 static void fbi_rows_angles(fb_system_work *w)
 {
   for (int k = w->rank; k < w->n_row; k++) {
@@ -10762,15 +10762,12 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
   return miss;
 }
 
-/* Do the rows that were left out of the factors hold, c + Q mu = 0? What they may miss belongs to
-
-     the place: a row at the angle w->diagonal from the others has that much of its speeds across them (E9.9). Where
-     loops are open, by `open` of the size of the system, their rows have other directions: by the opening over the
-     shortest length, which in linkages of millimeters is a thousand times it;
-
-     round-off: where a loop comes to rest or stands still it is all that is left, eps of the speeds without impulses
-     and of what these add in each independent row, of which a row left out is a sum with factors up to 1/sqrt of the
-     least pivot. */
+/* Do the rows that were left out of the factors hold, c + Q mu = 0? They may miss two things. Place: a row at the angle
+   w->diagonal from the others has that much of its speeds across them (E9.9); where loops are open, by a part of the
+   size of the system, their rows have other directions, by the opening over the shortest length, which in linkages of
+   millimeters is a thousand times that part. Round-off, all that is left where a loop stands still: eps of the speeds
+   without impulses and of what these add in each independent row, of which a row left out is a sum with factors up to
+   1/sqrt of the least pivot. */
 static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const fb_real most = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
@@ -15006,10 +15003,10 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
 
 #define FBI_EXACT_RETURN FB_R(0.03) /* time in which a held node comes back to its place, in the beam's own unit */
 /* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
-   (not for the root, which is placed exactly after the step); of short steps over a fixed time: the part that the reaction
-   holds back is let go as the reaction turns, and e/dt would be a blow that grows with shorter steps. aim: recompute the
-   drift correction for the present reaction (E10.16); otherwise keep it, because with a small reaction the iteration on
-   both would not converge. */
+   (not for the root, which is placed exactly after the step); of short steps over a fixed time: the part that the
+   reaction holds back is let go as the reaction turns, and e/dt would be a blow that grows with shorter steps. aim:
+   recompute the drift correction for the present reaction (E10.16); otherwise keep it, because with a small reaction
+   the iteration on both would not converge. */
 static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt, int aim)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -17317,10 +17314,9 @@ static fb_real fbi_rate_size(const fb_state *k, const fb_implicit_work *w, const
   return g * g * (FB_R(4.0) * turn + bent * bent);
 }
 
-/* [E11.54] Rate k of the attitude of a prescribed base at a stage and that attitude, at = base + g k, exact: at = base o
-   (1 - g w/2)^-1, w the rate of the stage. Its error in a first guess comes to the momenta of the modes as a velocity, by v,
-   and thus to the modes with the second iteration; the last correction then is that of the first order of a motion that
-   has just begun, and no measure of what is left.
+/* [E11.54] Rate k of the attitude of a prescribed base at a stage and that attitude, at = base + g k, exact: at = base
+   o (1 - g w/2)^-1, w the rate of the stage. An error of it in the first guess, times v, is one of the velocity of the
+   base. It would reach the modes with the second correction, which is then no measure of what is left.
    Source: definition, E4.4.  Cost: 70 flops.  Fails: never.  Test: a_fast_base_that_begins_to_turn_is_no_failure. */
 static void fbi_base_turn(fb_real k[4], fb_real at[4], const fb_real base[4], fb_real g, const fb_real w[3])
 {
@@ -23687,7 +23683,8 @@ static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int 
 /* [E7.12] Component mode synthesis: the rigid connections (welds) T q = 0 are solved by q = Z y; the common modes are
    those of Z^T K Z, Z^T M Z.
    Source: [H] 3.6-14.  Cost: E5.4 twice with the number of free coordinates.  Fails: see the header.
-   Test: joined_halves_are_the_whole, joined_components_converge_and_refuse. */
+   Test: joined_halves_are_the_whole, joined_components_converge_and_refuse,
+   slow_modes_of_joined_parts_are_not_taken_for_rigid_ones. */
 FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                const fb_join_desc *desc, int n_component)
 {
@@ -31184,8 +31181,9 @@ static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *bo
   return s;
 }
 
-/* Do loads, gravity or callbacks have directions of their own? A steady state is then one of the present moment. */
-static int fbi_is_of_the_moment(const fb_system *system, const fb_body *body, const fb_system_input *input)
+/* Do loads, gravity or callbacks act that may have directions of their own? A steady state is then one of the present
+   directions. */
+static int fbi_has_directions(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   int own = input->n_load > 0 || input->rows || input->forces || fbi_has_distributed(input);
   for (int k = 0; k < system->n_body; k++) {
@@ -31194,8 +31192,22 @@ static int fbi_is_of_the_moment(const fb_system *system, const fb_body *body, co
   return own;
 }
 
-/* Newton's correction, relative to the size of the body or in radians, where the prescribed axes of body `only` (-1: of all)
-   have moved on by their rates for a time h; work.moved is as before. */
+/* Fastest of the prescribed axes of joint j, loops included, that have a value [rad/s], [m/s]. */
+static fb_real fbi_drive_rate(const fbi_subject *s, int j)
+{
+  const fb_joint *const joint = &s->system->joint[j];
+  const int axes = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL ? 0 : joint->n_axis;
+  fb_real fastest = FB_R(0.0);
+  for (int i = 0; i < axes; i++) {
+    if (s->system_work->moved.mode[j][i] == FB_AXIS_PRESCRIBED) {
+      fastest = fbi_larger(fastest, FB_FABS(s->system_input->drive[j].rate[i]));
+    }
+  }
+  return fastest;
+}
+
+/* Newton's correction, relative to the size of the body or in radians, where the prescribed axes of joint `only` (-1: of
+   all) have moved on by their rates for a time h; the states of the work are as before. */
 static fb_status fbi_drives_change(fb_real *change, const fbi_subject *s, int n, fb_real h, int only)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -31203,9 +31215,9 @@ static fb_status fbi_drives_change(fb_real *change, const fbi_subject *s, int n,
   fbi_subject later = *s;
   fb_status status;
   work->input = *s->system_input;
-  for (int k = 0; k < s->system->n_body; k++) {
-    for (int i = 0; i < 3 && (only < 0 || only == k); i++) {
-      work->input.drive[k].value[i] += h * work->input.drive[k].rate[i];
+  for (int j = 0; j < s->system->n_body + s->system->n_loop; j++) {
+    for (int i = 0; i < 3 && (only < 0 || only == j); i++) {
+      work->input.drive[j].value[i] += h * work->input.drive[j].rate[i];
     }
   }
   later.system_input = &work->input;
@@ -31232,38 +31244,36 @@ static fb_status fbi_drives_change(fb_real *change, const fbi_subject *s, int n,
 static fb_status fbi_drives_last(const fbi_subject *s, int n)
 {
   fb_system_analyse_work *const work = s->system_work;
-  const fb_real far = FB_SINGLE ? FB_R(0.03) : FB_R(1e-3), least = FB_SINGLE ? FB_R(2e-4) : FB_R(1e-7);
+  const fb_real way = FB_SINGLE ? FB_R(0.03) : FB_R(1e-3), least = FB_SINGLE ? FB_R(2e-4) : FB_R(1e-7);
+  const int n_joint = s->system->n_body + s->system->n_loop;
   fb_real fastest = FB_R(0.0), change = FB_R(0.0), most = FB_R(0.0);
   int joint = -1;
   fb_status status;
-  if (!s->system_input || n == 0 || fbi_is_of_the_moment(s->system, s->body, s->system_input)) {
+  if (!s->system_input || n == 0 || fbi_has_directions(s->system, s->body, s->system_input)) {
     return FB_OK;
   }
-  for (int k = 0; k < s->system->n_body; k++) {
-    for (int i = 0; i < fbi_link_joint(s->system, &work->system, k)->n_axis && i < 3; i++) {
-      if (work->moved.mode[k][i] == FB_AXIS_PRESCRIBED) {
-        fastest = fbi_larger(fastest, FB_FABS(s->system_input->drive[k].rate[i]));
-      }
-    }
+  for (int j = 0; j < n_joint; j++) {
+    fastest = fbi_larger(fastest, fbi_drive_rate(s, j));
   }
   if (!(fastest > FB_R(0.0))) {
     return FB_OK;
   }
-  status = fbi_drives_change(&change, s, n, far / fastest, -1);
+  status = fbi_drives_change(&change, s, n, way / fastest, -1);
   if (status != FB_OK || !(change > least)) {
     return status;
   }
 
   /* whose it is */
-  for (int k = 0; k < s->system->n_body; k++) {
-    if (fbi_drives_change(&change, s, n, far / fastest, k) == FB_OK && change > most) {
+  for (int j = 0; j < n_joint; j++) {
+    if (fbi_drives_change(&change, s, n, way / fastest, j) == FB_OK && change > most) {
       most = change;
-      joint = k;
+      joint = j;
     }
   }
   work->system.joint = joint;
-  return FBI_REFUSE(FB_ERR_UNREST, "input: drive: a prescribed axis that moves and changes what is steady; its rate",
-                    joint, joint < 0 ? fastest : s->system_input->drive[joint].rate[0], FB_R(0.0));
+  return FBI_REFUSE(FB_ERR_UNREST,
+                    "input: drive: rate [rad/s], [m/s] of a prescribed axis, where it changes what is steady", joint,
+                    joint < 0 ? fastest : fbi_drive_rate(s, joint), FB_R(0.0));
 }
 
 /* [E12.8] Relative equilibrium of a system by Newton's method: the momenta of modes, and of joints along their axes,
