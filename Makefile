@@ -22,7 +22,7 @@ CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instr
            advise symbols threads two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard laws
 
 .DELETE_ON_ERROR:
-.PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
+.PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -39,6 +39,7 @@ help:
 	@echo "make quick     before a commit, two minutes: short tests in both precisions, C++, layout, ids, documents, quick start"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
+	@echo "make mutants-laws  the same of what flies, noticed by make laws alone (hours)"
 	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
 	@echo "make campaign-mpi  the same for clusters: build/examples/campaign_mpi"
 	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (2 minutes): build/hard.csv"
@@ -132,6 +133,9 @@ coverage:
 
 mutants:
 	@CC='$(CC)' sh tests/mutants/mutants.sh $(or $(SEED),1) $(or $(COUNT),200)
+
+mutants-laws:
+	@CC='$(CC)' sh tests/laws/mutants.sh $(or $(SEED),1) $(or $(COUNT),200)
 
 examples: tool $(EXAMPLES:%=build/examples/%)
 

@@ -2,11 +2,11 @@
 # What the laws notice on their own: equations of RUN are changed one at a time, as tests/mutants/mutants.sh does for the tests,
 # and build/laws is asked, in processes of its own on all cores. sh tests/laws/mutants.sh [SEED [COUNT [MODELS]]]: MODELS of each
 # kind are drawn for each mutant. A mutant that the laws do not run through survives. Ends with a table by section, which is in
-# build/laws/mutants-SEED.txt, too; fails below 95 %.
+# build/mutants/laws-SEED.txt, too; fails below 95 %.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200} models=${3:-150}
-out=build/laws/mutants here=tests/mutants tab=$(printf '\t')
+out=build/mutants/laws here=tests/mutants tab=$(printf '\t')
 CC=${CC:-cc}
 flags="-std=c99 -ffp-contract=off -O1 -w -DFB_WITH_DETAIL=1"
 mkdir -p "$out/tree"
@@ -40,6 +40,6 @@ awk -v seed="$seed" '{ of[$1, $3]++; of["all", $3]++; seen[$1] }
         row("all")
         n = of["all", "caught:"] + of["all", "survived:"]
         printf "seed %d: the laws notice %.1f %% of %d\n", seed, 100 * of["all", "caught:"] / n, n
-        exit of["all", "caught:"] < 0.95 * n }' "$out/results" > "build/laws/mutants-$seed.txt" || low=1
-cat "build/laws/mutants-$seed.txt"
+        exit of["all", "caught:"] < 0.95 * n }' "$out/results" > "build/mutants/laws-$seed.txt" || low=1
+cat "build/mutants/laws-$seed.txt"
 exit ${low:-0}
