@@ -1317,17 +1317,13 @@ typedef enum fb_axis_mode {
   FB_AXIS_COUNT
 } fb_axis_mode;
 
-/* The methods are the same mechanics. Measured with 2500 random systems of one or two loops, in double precision:
-     DENSE: accelerations alike to 1e-9 of the largest where the least pivot of the loops (E9.9, the squared sine of how
-       far they are from a singular position) is above 1e-3; to 2e-6 where it is 1e-6. That is round-off.
-     MULTIPLIERS: a loop that is open by x rad in fb_system_state_init is closed at another position, by 0.04 x^2 at the
-       median, 20 x^2 at most: give values that fit. A row counts as dependent below a pivot of 1e-8, which is 1e-4 rad
-       before a singular position where bodies are alike, but sooner where a heavy one is behind a light one. The
-       mechanism then has a further freedom, with FB_OK: of 2300 random systems, many near singular positions and with
-       masses of up to 1000 : 1, rows that were left out missed by more than 3e-4 of the speeds in 196, in 9 by the
-       other methods.
-   With any of them prescribed rates contradict a loop where they miss it by a millionth of the speeds (a hundredth in
-   single precision); near a singular position, or where the loop is open, by more, at most by a hundredth (a tenth). */
+/* The methods are the same mechanics. RECURSIVE and DENSE agree to round-off, which grows towards a singular position
+   as one over the least pivot of the loops (E9.9, the squared sine of how far they are from it). MULTIPLIERS closes a
+   loop that is open in fb_system_state_init elsewhere, by the square of the opening: give values that fit. It also counts
+   a row as dependent sooner where a heavy body is behind a light one: near a singular position the mechanism may then
+   have a further freedom, with FB_OK. With any of them prescribed rates contradict a loop where they miss it by a
+   millionth of the speeds (a hundredth in single precision); near a singular position, or where the loop is open, by
+   more, at most by a hundredth (a tenth). */
 typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0,   /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,       /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
