@@ -21,6 +21,8 @@ static const char help[] =
     "  --margins FILE    response of the loops of controllers over frequency as CSV (Bode and Nyquist, as SVG beside\n"
     "                    it); prints their margins\n"
     "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
+    "  --modes           prints the modes about the start, slowest first: frequency, damping, what moves; does not "
+    "run\n"
     "  --code FILE       writes the step of its bodies on joints as C of its own, FILE.h, and does not run: of sdirk\n"
     "                    where the scene says so, else of rk4; functions are called as FILE; with --single for single\n"
     "                    precision, with --lanes for several at once, too; with --loads LIST for a force and a\n"
@@ -292,7 +294,7 @@ int scene_main(int argc, char **argv)
   static command c;
   scene *const s = &the_scene;
   const int quiet = take_flag(&argc, argv, "--quiet"), single = take_flag(&argc, argv, "--single"),
-            lanes = take_flag(&argc, argv, "--lanes");
+            lanes = take_flag(&argc, argv, "--lanes"), modes = take_flag(&argc, argv, "--modes");
   int failed;
   output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
@@ -302,7 +304,8 @@ int scene_main(int argc, char **argv)
   if (read_all(argc - 1, argv + 1, help, read_option, &c) != 0) {
     return 2;
   }
-  c.options.talk = quiet ? NULL : stdout;
+  c.options.talk = quiet || modes ? NULL : stdout;
+  c.options.modes = modes;
   c.options.warn = stderr;
   c.options.progress = quiet ? NULL : stderr;
   c.options.live = isatty(2);
@@ -313,10 +316,11 @@ int scene_main(int argc, char **argv)
                         : "--loads belongs to --code",
                 "");
   }
-  if (!failed && c.code &&
+  if (!failed && (c.code || modes) &&
       (c.options.csv || c.options.margins || c.options.linear || c.options.picture || c.options.animation ||
-       c.options.frames)) {
-    return fail("--code runs nothing: no other file beside it", "");
+       c.options.frames || (c.code && modes))) {
+    return fail(c.code ? "--code runs nothing: no other file beside it" : "--modes runs nothing: no file beside it",
+                "");
   }
   if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code) != 0) {
     return 2;
@@ -328,7 +332,7 @@ int scene_main(int argc, char **argv)
     }
     return failed;
   }
-  if (c.code) {
+  if (c.code || modes) {
     return 0;
   }
   tell(s, quiet);

@@ -4,6 +4,7 @@
 #include "scene_auto.h"
 #include "scene_draw.h"
 #include "scene_margins.h"
+#include "scene_modes.h"
 #include <signal.h>
 #include <time.h>
 
@@ -12,6 +13,7 @@ typedef struct scene_options {       /* all zero: no files, no talk */
   FILE *rows;                        /* that file, which whoever opened it closes */
   const char *margins;               /* response of the loops of controllers over frequency */
   const char *linear;                /* linear model about the start, CSV or JSON */
+  int modes;                         /* 1: prints the modes about the start to stdout, and does not run */
   const char *picture;               /* a few frames over each other, SVG */
   const char *animation;             /* SVG that moves */
   const char *frames;                /* folder for numbered frames, SVG */
@@ -980,6 +982,9 @@ static int scene_run(scene *s, const scene_options *o)
     (void)scene_note(s, 0);
     scene_warn(s, o->warn,
                "warning: no run with rigid bodies tells what happens at most; what is chosen fits the start");
+  }
+  if (o->modes) {
+    return scene_print_modes(s, stdout);
   }
   if (scene_measure_spectrum(s) || scene_measure_margins(s, o->margins, o->talk) ||
       scene_write_linear(s, o->linear, o->talk)) {

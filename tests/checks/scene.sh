@@ -70,6 +70,18 @@ known tip_uz 31.597387771 1e-4 rotating_loaded --set hz=0
 # [L] 4.9, under a load that is small
 known final -0.02435166987479668 5e-5 beam_release --set force=1
 
+# modes that are listed are those that are measured; what moves is named
+for scene in flap spacecraft whirl; do
+  "$out/scene" examples/scenes/$scene.txt --modes > "$out/modes.txt" 2> "$out/log" || fail "$scene --modes: $(cat "$out/log")"
+  sed -e '/^expect/d; /^measure/d; /^reference/d' examples/scenes/$scene.txt > "$out/measured.txt"
+  printf '\nmeasure seventh frequency 7\n' >> "$out/measured.txt"
+  try "$out/scene" "$out/measured.txt"
+  awk -v wanted="$(sed -n 's/^seventh = //p' "$out/log")" '$1 == 7 { off = $4 - wanted; found = off < 1e-5 * wanted && off > -1e-5 * wanted }
+    END { exit !found }' "$out/modes.txt" || fail "$scene --modes: mode 7 is not the one measured"
+done
+! "$out/scene" examples/scenes/flap.txt --modes --out "$out/modes.csv" 2> "$out/log" && grep -q "runs nothing" "$out/log" && [ ! -e "$out/modes.csv" ] ||
+  fail "--modes with --out: $(cat "$out/log")"
+
 # [L] 4.11: what its base's acceleration bends an aluminium wing, in closed form; a soft one, by the sum of a cantilever's modes,
 # 4 L/b^2 A W^2/(w^2 - W^2) (sin W t - W/w sin w t) with alternating signs, w = b^2 sqrt(EI/(m L^4)); shear takes 0.5 % of w
 known bent 1.4431e-4 5e-3 flap --set E=1e7

@@ -1,0 +1,123 @@
+/* scene_modes.h - the modes of a scene about its start, slowest first: frequency, damping, and what moves. See scene.h.
+
+   What moves: coordinates (axes of joints, modes of bodies) by their share of the kinetic energy, |lambda z_i|^2 / (2 m_i)
+   with the mobility m_i, the diagonal of M^-1, which dp -> dz of the linear model has; couplings are left out, and shares
+   below a tenth. Of an exact beam: the node that moves most, and along or about which of its axes. */
+#ifndef SCENE_MODES_H
+#define SCENE_MODES_H
+#include "scene_linear.h"
+
+#define MODES_OF_BEAM 12
+#define MODES_NAMED 4 /* coordinates of a mode that are named */
+
+/* Writes the coordinates that have the largest shares of the kinetic energy of mode k, largest first. */
+static void modes_name(char *text, size_t size, const scene *s, int k)
+{
+  const fb_linear *const l = &plant.linear;
+  const int half = scene_is_system(s) ? (l->n - l->n_rotor) / 2 : engine.body[0].n;
+  int total = half, at = 0;
+  double share[FB_MAX_LINEAR], sum = 0;
+  if (scene_is_system(s)) {
+    total = plant_axes_before(s, s->n_body);
+    for (int b = 0; b < s->n_body; b++) {
+      total += engine.body[b].n;
+    }
+  }
+  for (int i = 0; i < half; i++) {
+    const int z = k * total + (scene_is_system(s) ? l->coordinate[i] : i);
+    const double mobility = fabs((double)l->A[i * l->n + half + i]);
+    const double size_z = hypot((double)engine.spectrum.shape_re[z], (double)engine.spectrum.shape_im[z]);
+    share[i] = mobility > 0 ? size_z * size_z / mobility : 0;
+    sum += share[i];
+  }
+  snprintf(text, size, "%s", sum > 0 ? "" : "rigid-body motion or rotors");
+  for (int n = 0; n < MODES_NAMED && sum > 0; n++) {
+    int most = 0;
+    for (int i = 1; i < half; i++) {
+      most = share[i] > share[most] ? i : most;
+    }
+    if (share[most] < 0.1 * sum) {
+      break;
+    }
+    at += snprintf(text + at, size - (size_t)at, "%s%s %.0f %%", n ? ", " : "", plant.file.state[most].name,
+                   100 * share[most] / sum);
+    share[most] = 0;
+    if ((size_t)at >= size) {
+      break;
+    }
+  }
+}
+
+/* Writes the node of the exact beam whose displacement, or twist times a tenth of the length, is largest in mode k. */
+static void modes_name_exact(char *text, size_t size, const scene *s, int k)
+{
+  static const char *const axes[] = {"along x", "along y", "along z", "about x"};
+  const int n = 6 * (exact_run.beam.n + 1);
+  const double length = (double)exact_run.beam.length;
+  double most = -1;
+  int at = 0;
+  for (int i = 0; i < n; i++) {
+    const double weight = i % 6 < 3 ? 1 : i % 6 == 3 ? 0.1 * length : 0;
+    const double part =
+        weight * hypot((double)exact_run.spectrum.shape_re[k * n + i], (double)exact_run.spectrum.shape_im[k * n + i]);
+    at = part > most * (1 + 1e-6) ? i : at;
+    most = fmax(most, part);
+  }
+  snprintf(text, size, "%s: node %d of %d %s", s->body[0].name, at / 6, exact_run.beam.n, axes[at % 6]);
+}
+
+/* The slowest modes of an exact beam, as many as it has and as converge. */
+static fb_status modes_of_beam(const scene *s)
+{
+  fb_status status = FB_ERR_MODES;
+  for (int count = MODES_OF_BEAM; count > 0 && (status == FB_ERR_MODES || status == FB_ERR_CONVERGENCE); count--) {
+    status = exact_spectrum(s, count);
+  }
+  return status;
+}
+
+/* Prints a row for each mode about the start. 1: the reason is in s->message. */
+static int scene_print_modes(scene *s, FILE *out)
+{
+  static const double pi = 3.14159265358979323846;
+  const fb_real *re = engine.spectrum.re, *im = engine.spectrum.im;
+  fb_status status = plant_begin(s);
+  double fastest = 0;
+  int n;
+  if (s->is_exact) {
+    status = status ? status : modes_of_beam(s);
+    re = exact_run.spectrum.re, im = exact_run.spectrum.im;
+  } else {
+    status = status ? status : plant_solve(s);
+    status = status ? status : scene_spectrum(s);
+  }
+  if (status != FB_OK) {
+    return scene_fail(s, "--modes: no modes about the start: %s", refusal_text(status));
+  }
+  if (!s->is_exact) {
+    plant_describe(s);
+  }
+  n = s->is_exact ? exact_run.spectrum.n : engine.spectrum.n;
+  fprintf(out, "mode  undamped [Hz]  damped [Hz]  damped [rad/s]  damping ratio  growth [1/s]  what moves\n");
+  for (int k = 0; k < n; k++) {
+    fastest = fmax(fastest, hypot((double)re[k], (double)im[k]));
+  }
+  for (int k = 0; k < n; k++) {
+    const double size = hypot((double)re[k], (double)im[k]);
+    const double error = s->is_exact ? (double)exact_run.spectrum.error[k] * size : (double)engine.spectrum.error[k];
+    const double rounding = error + 1e3 * (double)FB_EPSILON * fastest;
+    const int rigid = size < 16 * sqrt((double)FB_EPSILON) * fastest; /* of a double eigenvalue it is the root */
+    const double growth = rigid || fabs((double)re[k]) < rounding ? 0 : (double)re[k];
+    const double omega = rigid ? 0 : fabs((double)im[k]);
+    char what[256];
+    if (rigid) {
+      snprintf(what, sizeof what, "rigid-body motion");
+    } else {
+      (s->is_exact ? modes_name_exact : modes_name)(what, sizeof what, s, k);
+    }
+    fprintf(out, "%4d  %13.6g  %11.6g  %14.6g  %13.4g  %12.4g  %s\n", k + 1, rigid ? 0 : size / (2 * pi),
+            omega / (2 * pi), omega, rigid ? 0 : -growth / size + 0.0, growth, what);
+  }
+  return 0;
+}
+#endif
