@@ -6417,15 +6417,23 @@ static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body 
 #endif
 }
 
+/* Rates of a body that has `further` (fbi_acting). */
+static fb_status fbi_rates_of(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                              const fb_input *input, int further)
+{
+#if FBI_WITH_FURTHER
+  if (further) {
+    return fbi_further_rates(rate, k, body, state, input, further);
+  }
+#endif
+  (void)further;
+  return fbi_state_rates(rate, k, body, state, input);
+}
+
 static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                            const fb_input *input)
 {
-#if FBI_WITH_FURTHER
-  if (fbi_further(body)) {
-    return fbi_further_rates(rate, k, body, state, input, fbi_acting(body));
-  }
-#endif
-  return fbi_state_rates(rate, k, body, state, input);
+  return fbi_rates_of(rate, k, body, state, input, fbi_acting(body));
 }
 
 static int fbi_state_is_finite(const fb_state *state, int n)
@@ -16443,8 +16451,10 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 /* WHAT A STEP OF ONE BODY RUNS, in the momentum form: NAME: what it calls, but for vectors, copies and what is off by
    default (check-rooms compares these lines with the code). The equations are those of the section body.
      fb_rk4_step: fbi_plain_rk4_step
-     fbi_plain_rk4_step: fbi_state_enter fbi_input_check fbi_state_rates fbi_rk4_check fbi_turn_check fbi_stage_advance
-                         fbi_step_end
+     fbi_plain_rk4_step: fbi_rk4_stages
+     fbi_rk4_stages: fbi_state_enter fbi_input_check fbi_rates_of fbi_rk4_check fbi_turn_check fbi_stage_advance
+                     fbi_step_end
+     fbi_rates_of: fbi_state_rates
      fbi_state_rates: fbi_velocity fbi_forces fbi_momentum_rates
      fbi_velocity: fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
      fbi_forces: fbi_load_add fbi_gravity_add fbi_fall
@@ -16453,13 +16463,11 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection, rotors or central gravity
-     fb_rk4_step: fbi_further_rk4_step
-     fbi_further_rk4_step: fbi_large_rk4_step fbi_rotor_rk4_step fbi_central_rk4_step
-     fbi_large_rk4_step: fbi_further_rk4_stages
-     fbi_central_rk4_step: fbi_further_rk4_stages
-     fbi_rotor_rk4_step: fbi_further_rk4_stages
-     fbi_further_rk4_stages: fbi_state_enter fbi_field_start fbi_input_check fbi_further_rates fbi_rk4_check fbi_turn_check
-                      fbi_stage_advance fbi_step_end
+     fb_rk4_step: fbi_further_rk4_step fbi_rotor_rk4_step
+     fbi_further_rk4_step: fbi_rk4_stages
+     fbi_rotor_rk4_step: fbi_rk4_stages
+     fbi_rk4_stages: fbi_field_start fbi_center_placed
+     fbi_rates_of: fbi_further_rates
      fbi_further_rates: fbi_rotor_state_rates fbi_large_state_rates fbi_central_state_rates
      fbi_central_state_rates: fbi_velocity fbi_forces fbi_central_add fbi_momentum_rates
      fbi_central_add: fbi_central_eval
@@ -16491,29 +16499,34 @@ static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
 static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
                                           FB_R(1.0) / FB_R(6.0)};
 
-#if FBI_WITH_FURTHER
-/* E11.3 of a body with lines, rotors or central gravity. Written out once more, so that the loop of all other bodies
-   keeps its registers. */
-static FBI_INLINE fb_status fbi_further_rk4_stages(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                   const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                   fb_real dt, int further)
+/* [E11.3] Classical Runge-Kutta of a body that has `further`, a constant of each caller, which holds the loop in line and
+   of it only what its bodies need.
+   Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
+static FBI_INLINE fb_status fbi_rk4_stages(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                           const fb_input *start, const fb_input *middle, const fb_input *end,
+                                           fb_real dt, int further)
 {
+  const fb_input *const input[5] = {start, middle, middle, end, NULL};
   const int large = (further & FB_EFFECT_LARGE_DEFLECTION) != 0;
   const int n = further & FB_EFFECT_ROTORS ? body->n_coordinate : body->n;
-  const fb_input *const input[5] = {start, middle, middle, end, NULL};
   const fb_state *at = &work->start;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)}, first[3];
   FBI_USE_LINES(k, work);
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_field_start(&work->start, FBI_LINES(work), body, k.R, start, middle, end);
+  if (further) {
+    fbi_field_start(&work->start, FBI_LINES(work), body, k.R, start, middle, end);
+  }
+
   for (int stage = 0; stage < 4; stage++) {
     /* Rates */
     fb_status status = fbi_input_check(body, input[stage]);
-    status = status == FB_OK ? fbi_further_rates(&work->rate, &k, body, at, input[stage], further) : status;
+    if (status == FB_OK) {
+      status = fbi_rates_of(&work->rate, &k, body, at, input[stage], further);
+    }
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
-    if (status == FB_OK && stage == 0 && large) {
+    if (large && status == FB_OK && stage == 0) {
       fbi_center_placed(first, FBI_LINES(work), body, state->q);
     }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
@@ -16544,113 +16557,34 @@ static FBI_INLINE fb_status fbi_further_rk4_stages(const fb_body *body, fb_state
   return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, further, large ? first : NULL);
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-static FBI_NOINLINE fb_status fbi_large_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                 const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                 fb_real dt)
+#if FBI_WITH_FURTHER
+/* Bodies with lines, rotors or central gravity: whatever they have. */
+static FBI_NOINLINE fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
+                                                   const fb_input *start, const fb_input *middle, const fb_input *end,
+                                                   fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
-                                FB_EFFECT_LARGE_DEFLECTION | fbi_acting(body));
+  return fbi_rk4_stages(body, state, work, start, middle, end, dt, fbi_acting(body));
 }
 #endif
 
 #if FB_WITH_ROTORS
-/* Of bodies with rotors alone, in line as that without them. */
+/* Bodies with rotors alone, in line as those without them. */
 static FBI_NOINLINE FBI_FLATTEN fb_status fbi_rotor_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
                                                              const fb_input *start, const fb_input *middle,
                                                              const fb_input *end, fb_real dt)
 {
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_rotors_acting(body));
+  return fbi_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_rotors_acting(body));
 }
 #endif
 
-#if FB_WITH_GRAVITY
-static FBI_NOINLINE fb_status fbi_central_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                   const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                   fb_real dt)
-{
-  return fbi_further_rk4_stages(body, state, work, start, middle, end, dt,
-                                FB_EFFECT_CENTRAL_GRAVITY | fbi_acting(body));
-}
-#endif
-
-static fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                                      const fb_input *middle, const fb_input *end, fb_real dt)
-{
-#if FB_WITH_ROTORS
-  if (fbi_further(body) == FB_EFFECT_ROTORS) {
-    return fbi_rotor_rk4_step(body, state, work, start, middle, end, dt);
-  }
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_rk4_step(body, state, work, start, middle, end, dt);
-  }
-#endif
-#if FB_WITH_GRAVITY
-  return fbi_central_rk4_step(body, state, work, start, middle, end, dt);
-#else
-  return FB_ERR_UNSUPPORTED;
-#endif
-}
-#endif
-
-/* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
 static FBI_NOINLINE FBI_FLATTEN fb_status fbi_plain_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
                                                              const fb_input *start, const fb_input *middle,
                                                              const fb_input *end, fb_real dt)
 {
-  const fb_input *input[4];
-  const fb_state *at;
-  fbi_kinetics k;
-  fb_real spin[3] = {FB_R(0.0)};
-  fb_status status = FB_OK;
-
-  /* Inputs of the four stages */
-  input[0] = start;
-  input[1] = input[2] = middle;
-  input[3] = end;
-  at = &work->start;
-  fbi_state_enter(&work->start, k.R, body, state);
-
-  /* Stages */
-  for (int stage = 0; stage < 4; stage++) {
-    /* Rates */
-    status = fbi_input_check(body, input[stage]);
-    if (status == FB_OK) {
-      status = fbi_state_rates(&work->rate, &k, body, at, input[stage]);
-    }
-
-    /* Step limit at the start, rotation at the last stage */
-    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &k, start, dt, 0);
-      fbi_vec3_copy(spin, k.V + 3);
-    }
-    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
-      status = fbi_turn_check(spin, k.V + 3, dt);
-    }
-    if (status != FB_OK) {
-      return status;
-    }
-
-    /* Weighted sum of rates, value of the next stage */
-    if (stage == 0) {
-      fbi_state_scale(&work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
-    } else {
-      fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, body->n);
-    }
-    if (stage < 3) {
-      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, 0);
-      if (fbi_is_oriented(body, input[stage + 1], 0)) {
-        fb_quat_to_mat33(k.R, work->stage.quat);
-      }
-      at = &work->stage;
-    }
-  }
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, 0, NULL);
+  return fbi_rk4_stages(body, state, work, start, middle, end, dt, 0);
 }
 
-/* E11.3 of any body; a function of its own, so that the stack holds the variables of one of the two. */
+/* E11.3 of any body; each variant a function of its own, so that the stack holds the variables of one of them. */
 FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                              const fb_input *middle, const fb_input *end, fb_real dt)
 {
@@ -16658,6 +16592,11 @@ FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
+#if FB_WITH_ROTORS
+  if (fbi_further(body) == FB_EFFECT_ROTORS) {
+    return fbi_rotor_rk4_step(body, state, work, start, middle, end, dt);
+  }
+#endif
 #if FBI_WITH_FURTHER
   if (fbi_further(body)) {
     return fbi_further_rk4_step(body, state, work, start, middle, end, dt);
@@ -18986,9 +18925,6 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt)
 {
-  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
-  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
-                                    FB_R(1.0) / FB_R(6.0)};
   const fb_system_input *input[4];
   fb_status status = FB_OK;
   int flies, owns;
@@ -19014,7 +18950,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       if (work->driven) {
         fbi_prescribe(&work->stage, system, work, state, input[stage]);
       }
-      work->clock = dt * node[stage - 1];
+      work->clock = dt * fbi_rk4_node[stage - 1];
     }
     status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
     if (status == FB_OK && stage == 0 && owns) {
@@ -19038,7 +18974,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       if (stage == 0 && flies) {
         fbi_flight_begin(work, system);
       }
-      fbi_rk4_take(work, system, at, state, dt * weight[stage], stage < 3 ? dt * node[stage] : FB_R(0.0), stage == 3);
+      fbi_rk4_take(work, system, at, state, dt * fbi_rk4_weight[stage],
+                   stage < 3 ? dt * fbi_rk4_node[stage] : FB_R(0.0), stage == 3);
     }
   }
   return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
