@@ -121,7 +121,7 @@
      FB_MAX_BODIES                    8        1..99   bodies of a system
      FB_MAX_LOOPS                     4        1..99   joints that close its loops
      FB_MAX_SPRINGS                   4        1..99   its springs, dampers and actuators between points
-     FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
+     FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
      FB_MAX_EXACT                     40       1..999  elements of an exact beam, of all its branches
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
@@ -1318,18 +1318,15 @@ typedef enum fb_axis_mode {
 } fb_axis_mode;
 
 /* The methods are the same mechanics. RECURSIVE and DENSE agree to round-off, which grows towards a singular position
-   as one over the least pivot of the loops (E9.9, the squared sine of how far they are from it). MULTIPLIERS closes a
-   loop that is open in fb_system_state_init elsewhere, by the square of the opening: give values that fit. It also counts
-   a row as dependent sooner where a heavy body is behind a light one: near a singular position the mechanism may then
-   have a further freedom, with FB_OK. With any of them prescribed rates contradict a loop where they miss it by a
-   millionth of the speeds (a hundredth in single precision); near a singular position, or where the loop is open, by
-   more, at most by a hundredth (a tenth). */
+   as one over the least pivot of the loops (E9.9, the squared sine of how far they are from it). Prescribed rates
+   contradict a loop where they miss it by a millionth of the speeds (a hundredth in single precision); near a singular
+   position, or where the loop is open, by more, at most by a hundredth (a tenth).
+   Joints as constraints, in place of elimination: give the bodies free joints and write the joints as loops. Every body
+   then needs a positive definite S(q) of its own, which a bare clamped beam loses at small deflections (add a hub), and a
+   row counts as dependent sooner where a heavy body is behind a light one. */
 typedef enum fb_method {
-  FB_METHOD_RECURSIVE = 0,   /* tree in joint coordinates, work linear in the number of bodies */
-  FB_METHOD_DENSE = 1,       /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
-  FB_METHOD_MULTIPLIERS = 2, /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
-                               angles are within half a turn, also for springs; every body needs a positive definite
-                               S(q) of its own; a bare clamped beam loses it at small deflections: add a hub */
+  FB_METHOD_RECURSIVE = 0, /* tree in joint coordinates, work linear in the number of bodies */
+  FB_METHOD_DENSE = 1,     /* by one dense LU of all speeds (FB_MAX_SPEEDS) */
   FB_METHOD_COUNT
 } fb_method;
 
@@ -1372,11 +1369,10 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int rubs;                   /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
-  fb_real limit_kept_elastic, limit_kept_damping;     /* what springs and dampers of kept joints add at most */
+  fb_real limit_loop_elastic, limit_loop_damping;     /* what springs and dampers of joints of loops add at most */
   fb_real limit_spring_elastic, limit_spring_damping; /* and those between points, at zero joint coordinates */
   fb_real rotor[FB_MAX_BODIES]; /* [kg m^2] inertia about the hinge of what looks the same at all its angles, else 0 */
   fb_joint joint[FBI_MAX_JOINTS];
-  fb_joint free;
   fb_spring spring[FB_MAX_SPRINGS];
 } fb_system;
 
@@ -1390,8 +1386,7 @@ typedef struct fb_link_state {
                                                               angles and momenta of rotors, as in fb_state */
   /* free: velocity [m/s, inertial axes] of the frame that all momenta of the tree on this joint are relative to, chosen
      anew by every step so that they stay small: fast flight takes nothing from the digits of the motion. Of free trees
-     that loops tie, or bodies that are all free (FB_METHOD_MULTIPLIERS), all are the same; zero where they are tied to
-     the ground */
+     that loops tie all are the same; zero where they are tied to the ground */
   fb_real u[3];
   fb_real lost_x[3], lost_u[3]; /* what x of a free joint and u have lost by rounding: x + lost_x is accurate to
                                    rounding of its size for ever */
@@ -1406,7 +1401,7 @@ typedef struct fb_system_state { /* all that changes; assignment is a snapshot *
   /* [J] done by motors and actuators; not by prescribed axes, nor by rotors whose momentum is given */
   fb_real motor_work;
   fb_axis_mode mode[FBI_MAX_JOINTS][3];                          /* change it by fb_system_axis_set */
-  fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
+  fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a joint of a loop was locked */
 } fb_system_state;
 
 /* A joint in coordinates: value[i] of axis i, quat and position as in fb_link_state; speed of each axis; spherical: w
@@ -1425,7 +1420,7 @@ typedef struct fb_link_motion {
    joints and modes, in axes that turn, too; where the frame of the joint spins, as that of the pitch bearing of a rotor's
    blade, the joints and modes further out would get speeds that no jump of the bearing gives them. A step is refused
    (FB_ERR_CONTRADICTION) where a value changes by more than twice its largest rate makes of the step, from the state to
-   the start (not with FB_METHOD_MULTIPLIERS, nor of loops: their states have no values) or in it. With one input for all
+   the start (not of loops: their states have no values) or in it. With one input for all
    of a step it is not known how the value came there, nor refused. */
 typedef struct fb_drive { /* of a joint, by axis */
   /* [N m], [N] of the motor on the child (and back on the parent), of free axes; [0] is the first axis of the joint. An
@@ -1581,8 +1576,7 @@ typedef struct fbi_row {
 
 typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
-  int kept;  /* bodies are free, all joints are constraints */
-  int closed;    /* so, or there are loops */
+  int closed;    /* there are loops */
   int special;   /* so, or rotors inside bodies */
   int flies;     /* of a step: a tree's frame may move */
   int repeats;   /* within a step: what belongs to the links is known */
@@ -1609,7 +1603,7 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   fbi_span span;
   fb_real spring_elastic[FB_MAX_SPRINGS], spring_damping[FB_MAX_SPRINGS]; /* [1/s^2], [1/s] in the step limit.. */
   fb_real elastic, damping;                                               /* ..and their sums */
-  fb_real impact[2]; /* of stops: bound of a joint of the tree, greatest stop_loss times speed of one that is kept */
+  fb_real impact[2]; /* of stops: bound of a joint of the tree, greatest stop_loss times speed of one of a loop */
   fb_system_state stage, rate, sum, first, base;
 #if FB_WITH_LARGE_DEFLECTION
   fbi_line_work line[FB_MAX_BODIES];
@@ -1650,8 +1644,8 @@ FB_API fb_status fb_system_rates_eval(const fb_system *system, const fb_body *bo
                                       const fb_system_input *input);
 
 typedef struct fb_joint_motion {
-  /* of the axes; spherical: value is the rotation vector. Of joints that are kept angles are within half a turn, and
-     accelerations are zero */
+  /* of the axes; spherical: value is the rotation vector. Of joints of loops angles are within half a turn, also for
+     their springs, and accelerations are zero */
   fb_real value[3], speed[6], acceleration[6];
   fb_real force[3],
       torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
@@ -2027,7 +2021,7 @@ FB_API fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, c
 #if FB_WITH_SYSTEM
 /* ---- systems: body is the array of models; the inputs as those of a body */
 
-/* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
+/* rk4; with constraints (loops, rows) positions and velocities are brought onto them after every
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
    at zero joint coordinates or, with lines of large deflection, as it is bent if that is higher; spin, of rotors
    nutation; stiffening), or a body turns faster or slower within it by more than half a radian; FB_ERR_UNDETERMINED,
@@ -2041,7 +2035,7 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 
 /* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
    but the first with one more factorization. Springs and dampers between points, and springs, dampers, friction and
-   stops of joints that are kept as constraints, are explicit in it and bound the step, as does the fastest spin:
+   stops of joints of loops, are explicit in it and bound the step, as does the fastest spin:
    |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
    FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
    the first stage tells. Else as fb_system_rk4_step. */
@@ -2062,8 +2056,8 @@ typedef struct fb_system_limit {
 /* Longest steps from a state, as the steps judge them. Rotors count by the nutation that their spin causes, so that
    steps may turn them by any angle: those inside bodies by half its frequency, with the rate at which friction brakes
    them and the spin of those with an imbalance; and rigid bodies on a hinge through their mass center about which their
-   inertia is the same all around to 1e-6, without loads on them (gravity is none), rows, bodies that hang on them or
-   FB_METHOD_MULTIPLIERS. Statuses as of fb_system_rates_eval. */
+   inertia is the same all around to 1e-6, without loads on them (gravity is none), rows or bodies that hang on them.
+   Statuses as of fb_system_rates_eval. */
 FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_limit *limit, const fb_system_state *state,
                                       const fb_system_input *input);
@@ -2704,7 +2698,7 @@ typedef struct fb_joint_desc {
      where there is friction; below it is a damper, so that a joint under load creeps. Stops, E9.29: springs [N m/rad,
      N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; stop_loss c [s/rad, s/m]: an impact
      at the speed v comes back with about (1 - 2/3 c v) v. stop_stiffness zero: no stops. Neither on spherical and free
-     joints; stops about the axes of joints that are kept within half a turn */
+     joints; stops about the axes of joints of loops within half a turn */
   fb_real friction[3], friction_speed[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
      moves, in axes of the parent and of the child, of any length. The joint axes are those of the body rotated by the
@@ -2991,10 +2985,10 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_system_input input;
 } fb_system_analyse_work;
 
-/* Relative equilibrium of a system, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS
-   and the caller's own constraints give FB_ERR_UNSUPPORTED. body is the caller's array of models; input may be NULL.
-   Prescribed axes have the value and rate of the input, locked axes stay, and free axes and modes are at rest relative
-   to them. Such a state must exist: one rotating axis, or a prescribed free joint with constant v, w in body axes. The
+/* Relative equilibrium of a system, loops included; the caller's own constraints give FB_ERR_UNSUPPORTED. body is the
+   caller's array of models; input may be NULL. Prescribed axes have the value and rate of the input, locked axes stay,
+   and free axes and modes are at rest relative to them. Such a state must exist: one rotating axis, or a prescribed free
+   joint with constant v, w in body axes. The
    tree on a free joint whose motion is free spins about the principal axis nearest to the w in the rate of its drive,
    as in fb_body_trim. The equilibrium may be unstable, and is not always the nearest.
    FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess, and a prescribed axis whose

@@ -8871,16 +8871,10 @@ static int fbi_is_ball(fb_joint_kind kind)
   return kind == FB_JOINT_FREE || kind == FB_JOINT_SPHERICAL;
 }
 
-/* Joint that connects body k to its parent. With multipliers all joints are constraints and every body is free. */
-static const fb_joint *fbi_link_joint(const fb_system *system, const fb_system_work *w, int k)
+/* Does joint j close a loop? Constraint rows enforce it; the joints of the tree are eliminated. */
+static int fbi_is_loop(const fb_system *system, int j)
 {
-  return w->kept ? &system->free : &system->joint[k];
-}
-
-/* Is joint j enforced by multipliers ("kept" as constraint rows)? Loop joints always are. */
-static int fbi_is_kept(const fb_system *system, const fb_system_work *w, int j)
-{
-  return j >= system->n_body || (w->kept && system->joint[j].kind != FB_JOINT_FREE);
+  return j >= system->n_body;
 }
 
 /* [E9.1] Unit twist of an axis a of the joint, child's axes about its origin: a rotation about a through the point d
@@ -9067,7 +9061,7 @@ static void fbi_root_enter(fb_system_work *w, const fb_system *system, const fb_
   /* free: a tree of its own, or of the first free root if constraints tie the trees */
   L->root = k;
   for (int i = 0; i < k && system->tied && L->root == k; i++) {
-    L->root = fbi_link_joint(system, w, i)->kind == FB_JOINT_FREE ? i : k;
+    L->root = system->joint[i].kind == FB_JOINT_FREE ? i : k;
   }
 
   /* origin and velocity of the frame */
@@ -9121,12 +9115,12 @@ static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb
 {
   w->driven = 0;
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     fbi_link_work *L = &w->link[k];
 
-    /* axis modes; a body whose joint is enforced by multipliers is free */
+    /* axis modes */
     for (int i = 0; i < 3; i++) {
-      L->mode[i] = fbi_is_kept(system, w, k) ? FB_AXIS_FREE : modes->mode[k][i];
+      L->mode[i] = modes->mode[k][i];
       w->driven |= L->mode[i] == FB_AXIS_PRESCRIBED;
     }
 
@@ -9134,7 +9128,7 @@ static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb
     L->joint = joint;
     L->model = fbi_model(system, body, k);
     L->parent = fbi_parent(w, joint);
-    L->coupled = !w->kept && system->coupled[k];
+    L->coupled = system->coupled[k];
     L->A = joint->A;
     L->settled = 0;
     fbi_root_enter(w, system, joint, k, &modes->link[k]);
@@ -9742,7 +9736,7 @@ static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_
 /* The same for body k, without the pointers that fbi_links_place sets. */
 static void fbi_hand_in_at(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
 {
-  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const fb_joint *joint = &system->joint[k];
   fbi_hand_in(fbi_parent(w, joint), &w->link[k], joint,
               joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
 }
@@ -9791,11 +9785,11 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
 /* ---- the same by one dense matrix */
 
 /* Index of the first speed of body k; the speeds of its joint come first, then those of its modes. */
-static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, const fb_body *body, int k)
+static int fbi_speed_offset(const fb_system *system, const fb_body *body, int k)
 {
   int at = 0;
   for (int i = 0; i < k; i++) {
-    at += fbi_link_joint(system, w, i)->n_axis + fbi_model(system, body, i)->n;
+    at += system->joint[i].n_axis + fbi_model(system, body, i)->n;
   }
   return at;
 }
@@ -9804,8 +9798,8 @@ static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, co
 static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
 {
   const fbi_link_work *L = &w->link[k];
-  const fb_joint *joint = fbi_link_joint(system, w, k);
-  const int at = fbi_speed_offset(system, w, body, k);
+  const fb_joint *joint = &system->joint[k];
+  const int at = fbi_speed_offset(system, body, k);
   fb_real *T = w->T + 6 * k * N;
   fbi_zero(T, 6 * N);
 
@@ -9813,7 +9807,7 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
   if (joint->parent >= 0) {
     const fb_body *on = fbi_model(system, body, joint->parent);
     const fb_real *parent = w->T + 6 * joint->parent * N;
-    const int first = fbi_speed_offset(system, w, body, joint->parent + 1) - on->n;
+    const int first = fbi_speed_offset(system, body, joint->parent + 1) - on->n;
     for (int c = 0; c < at; c++) {
       fb_real q_dot[FB_MAX_MODES] = {0}, node[6];
       if (c >= first && c < first + on->n) {
@@ -9840,8 +9834,8 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
 {
   fbi_link_work *L = &w->link[k];
   const fb_body *model = fbi_model(system, body, k);
-  const fb_joint *joint = fbi_link_joint(system, w, k);
-  const int axes = fbi_speed_offset(system, w, body, k), modes = axes + joint->n_axis;
+  const fb_joint *joint = &system->joint[k];
+  const int axes = fbi_speed_offset(system, body, k), modes = axes + joint->n_axis;
   const fb_real *T = w->T + 6 * k * N;
 
   /* own inertia and velocity map */
@@ -9875,8 +9869,8 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
 /* Identity rows of M for the axes of body k's joint that are locked or prescribed. */
 static void fbi_dense_hold(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
 {
-  const fb_joint *joint = fbi_link_joint(system, w, k);
-  const int axes = fbi_speed_offset(system, w, body, k);
+  const fb_joint *joint = &system->joint[k];
+  const int axes = fbi_speed_offset(system, body, k);
   for (int i = 0; i < joint->n_axis; i++) {
     if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
       fbi_zero(w->M + (axes + i) * N, N);
@@ -9892,7 +9886,7 @@ static void fbi_dense_hold(fb_system_work *w, const fb_system *system, const fb_
 static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                fb_real g)
 {
-  const int N = fbi_speed_offset(system, w, body, system->n_body);
+  const int N = fbi_speed_offset(system, body, system->n_body);
   fb_status status;
 
   /* lower triangle, mirrored to the upper one */
@@ -9921,7 +9915,7 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
 /* E9.5 with the factors of E9.6. */
 static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  const int N = fbi_speed_offset(system, w, body, system->n_body);
+  const int N = fbi_speed_offset(system, body, system->n_body);
 
   /* loads on the bodies */
   for (int k = 0; k < system->n_body; k++) {
@@ -9934,8 +9928,8 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
   /* right-hand side, summed from the tips */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int at = fbi_speed_offset(system, w, body, k);
+    const fb_joint *joint = &system->joint[k];
+    const int at = fbi_speed_offset(system, body, k);
     for (int i = 0; i < joint->n_axis; i++) {
       const fb_real along = joint->kind == FB_JOINT_FREE ? L->b[i] : fbi_vec6_dot(L->A + 6 * i, L->b);
       const fb_real given = fbi_axis_mode(L, joint, i) == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
@@ -9950,8 +9944,8 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int at = fbi_speed_offset(system, w, body, k);
+    const fb_joint *joint = &system->joint[k];
+    const int at = fbi_speed_offset(system, body, k);
     fbi_copy(L->u, w->speed + at, joint->n_axis);
     fbi_copy(L->q_dot, w->speed + at + joint->n_axis, model->n);
     fbi_vec6_zero(L->V);
@@ -10087,8 +10081,8 @@ typedef struct fbi_frames { /* joint frames, inertial axes: sketch at fbi_frames
   fb_real step[3];          /* from x[0] to x[1] */
 } fbi_frames;
 
-/* Joint frames of joint j on its parent (origin x[0], axes a[i]) and child (origin x[1], axes b[i]), of a joint that is
-   enforced by multipliers. Ends are the nodes that carry them; rows exert their forces at x[1].
+/* Joint frames of a joint j that closes a loop, on its parent (origin x[0], axes a[i]) and child (origin x[1], axes
+   b[i]). Ends are the nodes that carry them; rows exert their forces at x[1].
 
                        step
           x[0] o----------------> o x[1]
@@ -10400,12 +10394,10 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
   fb_status status = FB_OK;
   w->n_row = w->n_end = 0;
 
-  /* joints that are enforced by multipliers */
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    if (fbi_is_kept(system, w, j)) {
-      status = fbi_joint_rows(w, system, body, j, modes, input);
-      w->joint = status == FB_OK ? w->joint : j;
-    }
+  /* joints that close loops */
+  for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    status = fbi_joint_rows(w, system, body, j, modes, input);
+    w->joint = status == FB_OK ? w->joint : j;
   }
   w->n_joint_row = w->n_row;
 
@@ -10715,8 +10707,8 @@ static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_bod
     fbi_vec6_copy(L->y0, L->y);
     fbi_vec6_copy(L->p0, L->p);
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
-    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
-      const int drives = fbi_axis_mode(L, fbi_link_joint(system, w, k), i) == FB_AXIS_PRESCRIBED;
+    for (int i = 0; i < system->joint[k].n_axis; i++) {
+      const int drives = fbi_axis_mode(L, &system->joint[k], i) == FB_AXIS_PRESCRIBED;
       given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
     }
   }
@@ -11028,11 +11020,11 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
 }
 
 /* Sets prescribed coordinates to their values. */
-static void fbi_prescribe(fb_system_state *state, const fb_system *system, const fb_system_work *w,
-                          const fb_system_state *modes, const fb_system_input *input)
+static void fbi_prescribe(fb_system_state *state, const fb_system *system, const fb_system_state *modes,
+                          const fb_system_input *input)
 {
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     const int axes = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL ? 0 : joint->n_axis;
     for (int i = 0; i < axes; i++) {
       if (modes->mode[k][i] == FB_AXIS_PRESCRIBED) {
@@ -11484,7 +11476,7 @@ static fb_status fbi_forces_look(fb_system_work *w, const fb_system *system, con
     if (joint->kind == FB_JOINT_FREE) {
       continue;
     }
-    if (fbi_is_kept(system, w, j)) {
+    if (fbi_is_loop(system, j)) {
       fbi_frames f;
       (void)fbi_frames_eval(&f, w, system, body, j);
       fbi_frames_value(p->value, &f, joint);
@@ -11645,16 +11637,16 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
   return status;
 }
 
-/* Loads of springs, dampers and motors of joints enforced by multipliers; returns the power of the motors. */
-static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                             const fb_system_state *modes, const fb_system_input *input)
+/* Loads of springs, dampers and motors of the joints of loops; returns the power of the motors. */
+static FBI_NOINLINE fb_real fbi_loops_load(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                           const fb_system_state *modes, const fb_system_input *input)
 {
   fb_real power = FB_R(0.0);
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
     const fb_joint *joint = &system->joint[j];
     fbi_frames f;
     fb_real value[3];
-    if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, w, input, j)) {
+    if (!fbi_is_sprung(joint, w, input, j)) {
       continue;
     }
 
@@ -11850,7 +11842,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   if (status != FB_OK) {
     return status;
   }
-  rate->motor_work = w->closed ? power + fbi_kept_springs(w, system, body, modes, input) : power;
+  rate->motor_work = w->closed ? power + fbi_loops_load(w, system, body, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
@@ -11884,8 +11876,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 /* Prepares the work struct at the start of a call. */
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
-  w->kept = system->method == FB_METHOD_MULTIPLIERS;
-  w->closed = w->kept || system->n_loop > 0;
+  w->closed = system->n_loop > 0;
   w->special = w->closed || system->carries_rotors;
   w->heavy = w->clock = FB_R(0.0);
   w->owns = w->has_forces = w->repeats = 0;
@@ -11917,7 +11908,7 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
   /* sums from the tips, along the joint's axes */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     fb_link_state *x = &state->link[k];
     fb_real p[6];
     fbi_hand_in_at(w, system, body, k);
@@ -11936,9 +11927,9 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
 /* ---- frames of flying trees */
 
 /* Is there a tree whose frame may move? */
-static int fbi_flies(const fb_system *system, const fb_system_work *w)
+static int fbi_flies(const fb_system *system)
 {
-  int flies = w->kept;
+  int flies = 0;
   for (int k = 0; k < system->n_body; k++) {
     flies |= system->joint[k].kind == FB_JOINT_FREE;
   }
@@ -12121,7 +12112,7 @@ static void fbi_trees_hold(fb_system_work *w, const fb_system *system, const fb_
       const int pushes = fbi_vec3_norm(row->r.force[s]) > FB_R(0.0);
       fbi_link_work *root = link >= 0 ? &w->link[w->link[link].root] : NULL;
       if (root && pushes && (!fbi_row_is_inner(w, row) || fbi_vec3_norm(sum) > FB_R(0.0))) {
-        const int ground = other < 0 || fbi_link_joint(system, w, w->link[other].root)->kind != FB_JOINT_FREE;
+        const int ground = other < 0 || system->joint[w->link[other].root].kind != FB_JOINT_FREE;
         root->held = ground || root->held == 2 ? 2 : 1;
       }
     }
@@ -12305,7 +12296,7 @@ static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_
 {
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     const fbi_link_work *parent = fbi_parent(w, joint);
     fbi_vec6_zero(L->V);
     if (parent) {
@@ -12328,7 +12319,7 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
 {
   for (int k = 0; k < system->n_body; k++) {
     const fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     fb_link_state *x = &state->link[k], move;
     fbi_coordinate_rates(&move, L, joint, x);
 
@@ -12540,12 +12531,10 @@ static fb_status fbi_links_rotors_set(fb_system_state *state, fb_system_work *w,
 }
 #endif
 
-/* Poses and velocities of all bodies from the coordinates and speeds of the tree (no joint of it as constraint). */
+/* Poses and velocities of all bodies from the coordinates and speeds of the tree. */
 static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
                                   fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
 {
-  w->kept = 0;
-
   /* coordinates */
   for (int k = 0; k < system->n_body; k++) {
     const fb_link_motion *m = motion ? &motion[k] : NULL;
@@ -12572,7 +12561,7 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
 
   /* frames, poses, speeds */
   fbi_frames_init(state, system, motion, input);
-  fbi_prescribe(state, system, w, state, input);
+  fbi_prescribe(state, system, state, input);
   fbi_links_place(w, system, body, state, state);
   fbi_speeds_take(w, system, body, state, motion, input);
 #if FB_WITH_ROTORS
@@ -12583,19 +12572,7 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
   return FB_OK;
 }
 
-/* With all joints as constraints the coordinates of each body are its pose. */
-static void fbi_poses_to_state(fb_system_state *state, const fb_system_work *w, const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fb_link_state *x = &state->link[k];
-    fbi_vec3_copy(x->x, w->link[w->link[k].root].origin);
-    fbi_vec3_zero(x->lost_x);
-    fbi_keep(x->x, x->lost_x, w->link[k].rho, 3);
-    fbi_quat_from_mat33(x->quat, w->link[k].k.R);
-  }
-}
-
-/* Stores the present value of an axis of joint j, enforced by multipliers, as that where it is locked. */
+/* Stores the present value of an axis of joint j, which closes a loop, as that where it is locked. */
 static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                               int j, int axis)
 {
@@ -12613,13 +12590,12 @@ static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const f
   return FB_OK;
 }
 
-/* The same for all axes of joints enforced by multipliers, from joint `first` on. */
-static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
-                               int first)
+/* Stores the present values of all axes of the joints of loops as those where they are locked. */
+static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   fb_status status = FB_OK;
-  for (int j = first; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    for (int i = 0; i < system->joint[j].n_axis && i < 3 && fbi_is_kept(system, w, j) && status == FB_OK; i++) {
+  for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    for (int i = 0; i < system->joint[j].n_axis && i < 3 && status == FB_OK; i++) {
       status = fbi_hold_set(state, w, system, body, j, i);
     }
   }
@@ -12671,13 +12647,13 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
     w->joint = worst;
     status = FB_ERR_CONTRADICTION;
   }
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    if (fbi_is_kept(system, w, j) && !fbi_is_upright(w, system, body, j)) {
+  for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    if (!fbi_is_upright(w, system, body, j)) {
       w->joint = j;
       status = FB_ERR_CONTRADICTION;
     }
   }
-  return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
+  return status == FB_OK ? fbi_holds_set(state, w, system, body) : status;
 }
 
 /* Closes the loops of a state that is being initialized: positions, where the mass centers stay, as they carry the
@@ -12728,23 +12704,18 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     }
   }
 
-  /* poses, velocities and momenta of the tree; with multipliers, of free bodies */
+  /* poses, velocities and momenta of the tree */
   status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
   if (status != FB_OK) {
     return status;
   }
-  work->kept = system->method == FB_METHOD_MULTIPLIERS;
-  if (work->kept) {
-    fbi_poses_to_state(out, work, system);
-  }
-  status = fbi_holds_set(out, work, system, body, 0);
   fbi_momenta_fill(out, work, system, body);
 
   /* constraints; frames of free trees */
   if (status == FB_OK && fbi_has_rows(work, input)) {
     status = fbi_motion_close(out, work, system, body, input);
   }
-  if (status == FB_OK && fbi_flies(system, work)) {
+  if (status == FB_OK && fbi_flies(system)) {
     fbi_frames_renew(out, work, system, input);
   }
 
@@ -12776,7 +12747,7 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
   out = &work->stage;
   *out = *state;
   status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of locked and prescribed axes */
-  if (status == FB_OK && fbi_is_kept(system, work, joint)) {
+  if (status == FB_OK && fbi_is_loop(system, joint)) {
     status = fbi_hold_set(out, work, system, body, joint, axis);
   }
 
@@ -12816,7 +12787,7 @@ FB_DEF fb_status fb_system_rates_eval(const fb_system *system, const fb_body *bo
   /* free roots: velocity from the ground */
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     fb_link_state *x = &out->link[k];
-    if (fbi_link_joint(system, work, k)->kind == FB_JOINT_FREE) {
+    if (system->joint[k].kind == FB_JOINT_FREE) {
       fbi_vec3_copy(x->x, x->lost_x);
       fbi_vec3_add(x->x, FB_R(1.0), work->link[work->link[k].root].frame);
       fbi_vec3_zero(x->lost_x);
@@ -13018,7 +12989,7 @@ static void fbi_acceleration_rhs(fb_system_work *w, const fb_system *system, con
   const fb_real still[FB_MAX_MODES] = {0};
   fbi_link_work *L = &w->link[k];
   const fb_body *model = fbi_model(system, body, k);
-  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const fb_joint *joint = &system->joint[k];
   const fbi_link_work *parent = fbi_parent(w, joint);
   fbi_given_accelerations(w, joint, input, k);
   fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, L->given);
@@ -13053,7 +13024,7 @@ static void fbi_rows_accelerate(fb_system_work *w, const fb_system *system, cons
 static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *input)
 {
-  /* forces on the bodies, then the efforts of joints enforced by multipliers */
+  /* forces on the bodies, then the efforts of the joints of loops */
   fb_real power;
   const fb_status status = fbi_system_loads(&power, w, system, body, state, input);
   if (status != FB_OK) {
@@ -13067,7 +13038,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
   }
-  (void)fbi_kept_springs(w, system, body, state, input);
+  (void)fbi_loops_load(w, system, body, state, input);
 
   /* right-hand side of the bodies, then of the rows */
   for (int k = 0; k < system->n_body; k++) {
@@ -13115,8 +13086,9 @@ static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, 
   }
 }
 
-/* The same for a joint enforced by multipliers, from its rows, springs and motors; without accelerations. */
-static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+/* Reaction force and torque, coordinates, speeds and efforts of a joint that closes a loop, from its rows, springs and
+   motors; without accelerations. */
+static void fbi_loop_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_state *state, const fb_system_input *input, int j)
 {
   const fb_joint *joint = &system->joint[j];
@@ -13197,9 +13169,7 @@ static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const f
 #endif
 
   /* joint of the tree */
-  if (!fbi_is_kept(system, w, k)) {
-    fbi_tree_joint_motion(&motion->joint[k], L, fbi_link_joint(system, w, k), &state->link[k]);
-  }
+  fbi_tree_joint_motion(&motion->joint[k], L, &system->joint[k], &state->link[k]);
 
   /* velocities and accelerations */
   fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
@@ -13224,7 +13194,7 @@ static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const f
     out->reaction_force[i] = -L->y[i];
     out->reaction_torque[i] = -L->y[3 + i];
     out->v[i] += u[i];
-    if (fbi_link_joint(system, w, k)->kind == FB_JOINT_FREE && !fbi_is_kept(system, w, k)) {
+    if (system->joint[k].kind == FB_JOINT_FREE) {
       motion->joint[k].speed[i] += u[i];
       motion->joint[k].acceleration[i] -= turn[i];
     }
@@ -13273,12 +13243,12 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
 #endif
   }
 
-  /* joints enforced by multipliers; power of all */
+  /* joints of loops; power of all */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     fb_joint_motion *at = &motion->joint[j];
     const fb_joint *joint = &system->joint[j];
-    if (fbi_is_kept(system, work, j)) {
-      fbi_kept_joint_motion(at, work, system, body, state, input, j);
+    if (fbi_is_loop(system, j)) {
+      fbi_loop_joint_motion(at, work, system, body, state, input, j);
     }
     motion->power += fbi_joint_power(work, at, joint, state, input, j);
   }
@@ -13503,7 +13473,7 @@ static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_sy
 {
   const fb_joint *joint = &system->joint[j];
   fb_real value[3];
-  if (fbi_is_kept(system, w, j)) {
+  if (fbi_is_loop(system, j)) {
     fbi_frames f;
     (void)fbi_frames_eval(&f, w, system, body, j);
     fbi_frames_value(value, &f, joint);
@@ -13671,12 +13641,11 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
     return FB_ERR_CAPACITY;
   }
   {
-    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
-                              system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
+    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
+                              system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
             fbi_is_flag(system->has_rotors) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) &&
-            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6) && system->free.kind == FB_JOINT_FREE &&
-            system->free.n_axis == 6 && system->free.parent == FB_GROUND;
+            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6);
   }
 
   /* models and joints */
@@ -13726,8 +13695,8 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
     const int whole[] = {system->n_body,      system->n_loop,          system->n_spring,
                          (int)system->method, system->allow_long_step, system->tied,
                          system->has_rotors,  system->carries_rotors,  system->rubs};
-    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_kept_elastic,
-                              system->limit_kept_damping, system->limit_spring_elastic, system->limit_spring_damping};
+    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
+                              system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole)), limit, 6, FB_SINGLE);
     crc = fbi_crc_reals(crc, system->rotor, system->n_body, FB_SINGLE);
   }
@@ -13756,7 +13725,7 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
     crc = fbi_crc_reals(fbi_crc_reals(crc, spring->position[0], 3, FB_SINGLE), spring->position[1], 3, FB_SINGLE);
     crc = fbi_crc_reals(crc, value, 3, FB_SINGLE);
   }
-  return ~fbi_crc_joint(crc, &system->free);
+  return ~crc;
 }
 
 FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
@@ -13772,7 +13741,7 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
     for (int i = 0; i < 3; i++) {
       status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_COUNT - 1) ? status : FB_ERR_VALUE;
     }
-    if (j < system->n_body && (fbi_is_ball(system->joint[j].kind) || system->method == FB_METHOD_MULTIPLIERS)) {
+    if (j < system->n_body && fbi_is_ball(system->joint[j].kind)) {
       fbi_copy(quat, state->link[j].quat, 4);
     }
     if (status == FB_OK && (!fbi_is_finite(state->hold[j], 3) || !fbi_is_finite(state->hold_quat[j], 4))) {
@@ -17948,15 +17917,14 @@ static void fbi_link_advance(fb_link_state *y, const fb_link_state *a, fb_real s
 
 /* out = state + s rate; out may be state */
 static void fbi_system_advance(fb_system_state *out, const fb_system_state *state, fb_real s,
-                               const fb_system_state *rate, const fb_system *system, const fb_system_work *w,
-                               const fb_body *body)
+                               const fb_system_state *rate, const fb_system *system, const fb_body *body)
 {
   out->motor_work = state->motor_work + s * rate->motor_work;
   for (int k = 0; k < system->n_body; k++) {
     const int n = fbi_model(system, body, k)->n_coordinate;
     const fb_link_state *a = &state->link[k], *b = &rate->link[k];
     fb_link_state *y = &out->link[k];
-    fbi_link_advance(y, a, s, b, fbi_link_joint(system, w, k));
+    fbi_link_advance(y, a, s, b, &system->joint[k]);
     for (int i = 0; i < n; i++) {
       y->q[i] = a->q[i] + s * b->q[i];
       y->pi[i] = a->pi[i] + s * b->pi[i];
@@ -18018,8 +17986,8 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
 static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening, fb_real elastic,
                                     fb_real damping)
 {
-  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping + damping);
-  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + elastic + stiffening);
+  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_loop_damping + damping);
+  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_loop_elastic + elastic + stiffening);
 }
 
 /* What bounds of the step solve for goes to the bodies' velocities, speeds of joints and of modes: these are kept meanwhile,
@@ -18275,20 +18243,20 @@ static FBI_NOINLINE fb_real fbi_links_rotors_spin(fb_system_work *w, const fb_sy
 
 /* [E11.43] Bound of the frequency of a stop at impacts of speed u, stiffness k (1 + c u) and damping at most c u w_k with
    w_k^2 = k mobility: w_k (1 + c u), as of the stiffness k (1 + c u)^2. The square less 1 for the fastest axis of the
-   tree to w->impact[0]; of joints that are kept to w->elastic.
+   tree to w->impact[0]; of joints of loops to w->elastic.
    Source: E9.29, E8.8.  Test: stops_bound_the_step. */
 static FBI_NOINLINE void fbi_impacts_bound(fb_system_work *w, const fb_system *system)
 {
   fb_real tree = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *const joint = &system->joint[k];
-    const int most = joint->rubs && !fbi_is_kept(system, w, k) ? joint->n_axis : 0;
+    const int most = joint->rubs ? joint->n_axis : 0;
     for (int i = 0; i < most; i++) {
       tree = fbi_larger(tree, joint->stop_loss[i] * FB_FABS(w->link[k].u[i]));
     }
   }
   w->impact[0] = tree * (FB_R(2.0) + tree);
-  w->elastic += w->impact[1] * (FB_R(2.0) + w->impact[1]) * system->limit_kept_elastic;
+  w->elastic += w->impact[1] * (FB_R(2.0) + w->impact[1]) * system->limit_loop_elastic;
 }
 
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
@@ -18362,7 +18330,7 @@ static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb
 {
   fb_real size = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
+    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), &system->joint[k], A);
   }
   if (!(size > FB_R(0.0))) {
     return 0;
@@ -18386,7 +18354,7 @@ static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, con
   for (int k = 0; k < system->n_body; k++) {
     const fbi_link_work *L = &w->link[k];
     sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
-    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
+    for (int i = 0; i < system->joint[k].n_axis && i < 3; i++) {
       sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
     }
   }
@@ -18461,8 +18429,8 @@ static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, cons
 static fb_real fbi_system_sdirk_limit(const fb_system *system, const fb_system_work *w, fb_real spin,
                                       fb_real stiffening)
 {
-  const fb_real bound = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiffening + system->limit_kept_elastic + w->elastic));
-  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, system->limit_kept_damping + w->damping));
+  const fb_real bound = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiffening + system->limit_loop_elastic + w->elastic));
+  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, system->limit_loop_damping + w->damping));
 }
 
 FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
@@ -18512,7 +18480,7 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
         "joint: dt [s] for its spring or stop, with the fastest spin [rad/s], at most",
         "joint: dt [s] for its damper or friction, with the fastest spin [rad/s], at most"};
     const fb_joint *joint = &system->joint[j];
-    const int kept = fbi_is_kept(system, w, j);
+    const int loop = fbi_is_loop(system, j);
     fbi_zero(own, 5);
 
     /* The body */
@@ -18525,12 +18493,12 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
       own[2] = all ? L->model->limit_damping : FB_R(0.0);
     }
 
-    /* Its joint, or one that constraint rows enforce */
+    /* Its joint, or one that closes a loop */
     for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-      const int tree = all && !kept && w->link[j].mode[i] == FB_AXIS_FREE;
+      const int tree = all && !loop && w->link[j].mode[i] == FB_AXIS_FREE;
       const fb_real k = fbi_axis_stiffness(joint, i), c = fbi_axis_damping(joint, i);
-      const fb_real stiff = kept ? system->limit_kept_elastic : tree ? k * w->link[j].D[i] : FB_R(0.0);
-      const fb_real damp = kept ? system->limit_kept_damping : tree ? c * w->link[j].D[i] : FB_R(0.0);
+      const fb_real stiff = loop ? system->limit_loop_elastic : tree ? k * w->link[j].D[i] : FB_R(0.0);
+      const fb_real damp = loop ? system->limit_loop_damping : tree ? c * w->link[j].D[i] : FB_R(0.0);
       own[3] = k > FB_R(0.0) ? fbi_larger(own[3], FB_SQRT(stiff)) : own[3];
       own[4] = c > FB_R(0.0) ? fbi_larger(own[4], damp) : own[4];
     }
@@ -18802,7 +18770,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
 
   /* Prescribed coordinates, momenta */
   if (w->driven) {
-    fbi_prescribe(next, system, w, state, input);
+    fbi_prescribe(next, system, state, input);
   }
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
@@ -18841,7 +18809,7 @@ static void fbi_step_enter(fb_system_work *w, const fb_system *system, const fb_
                            const fb_system_state *state)
 {
   fbi_system_enter(w, system);
-  w->flies = fbi_flies(system, w);
+  w->flies = fbi_flies(system);
   fbi_links_enter(w, system, body, state);
   w->repeats = 1;
 }
@@ -18909,7 +18877,7 @@ static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_syste
     const fb_drive *const at[3] = {&start->drive[j], middle ? &middle->drive[j] : NULL, &end->drive[j]};
     for (int i = 0; i < (fbi_is_ball(joint->kind) ? 0 : joint->n_axis) && status == FB_OK; i++) {
       if (state->mode[j][i] == FB_AXIS_PRESCRIBED) {
-        status = fbi_drive_check(joint, fbi_is_kept(system, w, j) ? NULL : state->link[j].x, i, at, dt);
+        status = fbi_drive_check(joint, fbi_is_loop(system, j) ? NULL : state->link[j].x, i, at, dt);
         w->joint = status ? j : w->joint;
       }
     }
@@ -18948,7 +18916,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     status = fbi_system_step_check(system, body, input[stage], dt);
     if (status == FB_OK && stage > 0) {
       if (work->driven) {
-        fbi_prescribe(&work->stage, system, work, state, input[stage]);
+        fbi_prescribe(&work->stage, system, state, input[stage]);
       }
       work->clock = dt * fbi_rk4_node[stage - 1];
     }
@@ -19009,7 +18977,7 @@ static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *sys
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = &system->joint[k];
     fbi_link_work *L = &w->link[k];
-    if (!joint->rubs || fbi_is_kept(system, w, k)) {
+    if (!joint->rubs) {
       continue;
     }
     fbi_vec3_copy(L->stiffness, joint->stiffness);
@@ -19031,7 +18999,7 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
 {
   fbi_rhs_clear(w, system, body);
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     const fb_body *model = fbi_model(system, body, k);
     const fb_link_state *x = &r->link[k];
     fbi_link_work *L = &w->link[k];
@@ -19066,7 +19034,7 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
                             const fb_system_state *at, fb_real g)
 {
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_joint *joint = &system->joint[k];
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_work *L = &w->link[k];
     fb_link_state *x = &r->link[k], move;
@@ -19116,13 +19084,13 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
    the radius of gyration of their body; deformed: modal displacements over that radius, those of lines as if they were
    not bent.
    Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
-static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system,
-                              const fb_system_work *w, const fb_body *body, fb_real s)
+static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system, const fb_body *body,
+                              fb_real s)
 {
   fb_real sum = FB_R(0.0), elastic = FB_R(0.0);
   for (int i = 0; i < system->n_body; i++) {
     const fb_body *model = fbi_model(system, body, i);
-    const fb_joint *joint = fbi_link_joint(system, w, i);
+    const fb_joint *joint = &system->joint[i];
     const fb_link_state *x = &k->link[i];
     const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
     fb_real bent = FB_R(0.0);
@@ -19184,8 +19152,8 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
   fb_real first = FB_R(0.0), before = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change, deflection;
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     /* Rates f at base + g k */
-    fbi_system_advance(&w->stage, base, g, k, system, w, body);
-    fbi_prescribe(&w->stage, system, w, modes, input);
+    fbi_system_advance(&w->stage, base, g, k, system, body);
+    fbi_prescribe(&w->stage, system, modes, input);
     status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
     if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
       status = fbi_turns_check(w, system, dt, 0);
@@ -19193,7 +19161,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
 
     /* Residual f - k and iteration matrix */
     if (status == FB_OK) {
-      fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
+      fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, body);
       if (system->rubs) {
         fbi_axes_soften(w, system, &w->stage);
       }
@@ -19208,17 +19176,17 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     }
     if (status == FB_OK) {
       fbi_newton_take(&w->rate, w, system, body, &w->stage, g);
-      fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, w, body);
+      fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
       before = last;
-      last = fbi_rates_size(&bent, &w->rate, system, w, body, g);
+      last = fbi_rates_size(&bent, &w->rate, system, body, g);
       first = i == 0 ? last : first;
     }
   }
 
   /* Convergence (E11.25) */
   if (status == FB_OK && iterations > 1) {
-    change = fbi_rates_size(&bent_change, k, system, w, body, g);
-    (void)fbi_rates_size(&deflection, &w->stage, system, w, body, FB_R(1.0));
+    change = fbi_rates_size(&bent_change, k, system, body, g);
+    (void)fbi_rates_size(&deflection, &w->stage, system, body, FB_R(1.0));
     status = fbi_stage_check(first, last, change);
     status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
 #if FB_WITH_ROTORS
@@ -19354,8 +19322,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
       fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
     }
     work->clock = dt;
-    fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
-    fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
+    fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, body);
+    fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, body);
     status = fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, dt, count);
   }
   if (status != FB_OK) {
@@ -19366,7 +19334,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   if (flies) {
     fbi_flight_add(work, system, &work->base, c * dt, &work->first, c * dt);
   }
-  fbi_system_advance(&work->sum, &work->sum, c * dt, &work->first, system, work, body);
+  fbi_system_advance(&work->sum, &work->sum, c * dt, &work->first, system, body);
   return fbi_system_end(state, work, system, body, end, dt);
 }
 #endif
@@ -27635,14 +27603,14 @@ static int fbi_has_friction_speed(const fb_joint_desc *d)
   return has;
 }
 
-/* Are the stops in order, and can the joint reach them? Angles of those that are kept are known within half a turn. */
-static int fbi_has_stops(const fb_joint_desc *d, int kept)
+/* Are the stops in order, and can the joint reach them? Angles of joints of loops are known within half a turn. */
+static int fbi_has_stops(const fb_joint_desc *d, int loop)
 {
   const int slide = fbi_is_choice((int)d->kind, (int)FB_JOINT_COUNT - 1) ? fbi_joint_table[(int)d->kind].slide : 0;
   int has = 1;
   for (int i = 0; i < 3; i++) {
     const fb_real *const stop = d->stop[i];
-    const int within = !kept || i == slide || (stop[0] > -FB_R(3.14159) && stop[1] < FB_R(3.14159));
+    const int within = !loop || i == slide || (stop[0] > -FB_R(3.14159) && stop[1] < FB_R(3.14159));
     has &= !(d->stop_stiffness[i] > FB_R(0.0)) || (stop[0] < stop[1] && within);
   }
   return has;
@@ -27686,8 +27654,8 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       FBI_CLAIM(!fbi_is_ball(d->kind) || smooth,
                 "joint: friction and stop_stiffness of FB_JOINT_FREE and _SPHERICAL, 0"),
       FBI_CLAIM(fbi_has_friction_speed(d), "joint: friction_speed [rad/s, m/s] of an axis with friction, positive"),
-      FBI_CLAIM(fbi_has_stops(d, loop || desc->method == FB_METHOD_MULTIPLIERS),
-                "joint: stop, the lower value first, and of joints that are kept within half a turn")};
+      FBI_CLAIM(fbi_has_stops(d, loop),
+                "joint: stop, the lower value first, and of joints of loops within half a turn")};
 
   /* Parents of a tree come first; nodes are counted where the bodies exist */
   const int tied = !free && d->parent >= FB_GROUND && d->parent < last;
@@ -27834,8 +27802,7 @@ static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, i
       return FB_R(0.0);
     }
   }
-  if (joint->kind != FB_JOINT_REVOLUTE || system->method == FB_METHOD_MULTIPLIERS || body->n > 0 ||
-      body->n_coordinate > 0 || !(body->mass > FB_R(0.0))) {
+  if (joint->kind != FB_JOINT_REVOLUTE || body->n > 0 || body->n_coordinate > 0 || !(body->mass > FB_R(0.0))) {
     return FB_R(0.0);
   }
 
@@ -27868,14 +27835,14 @@ static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, i
   return fbi_vec3_norm(moved) <= FBI_ROUNDING * size && miss <= FB_R(1e-6) * size ? about : FB_R(0.0);
 }
 
-/* Limits by springs and dampers of joints that multipliers enforce (kept): each axis adds its stiffness times the
-   mobility along it; the sum is an upper bound. */
-static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_body *body)
+/* Limits by springs and dampers of the joints of loops: each axis adds its stiffness times the mobility along it; the
+   sum is an upper bound. */
+static fb_status fbi_loop_limits(fb_system *system, fb_system_work *w, const fb_body *body)
 {
   fb_status status = FB_OK;
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+  for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
     const fb_joint *joint = &system->joint[j];
-    for (int i = 0; i < joint->n_axis && i < 3 && fbi_is_kept(system, w, j) && status == FB_OK; i++) {
+    for (int i = 0; i < joint->n_axis && i < 3 && status == FB_OK; i++) {
       fb_real force[3], torque[3], mobility;
       fbi_frames f;
       w->n_row = w->n_end = 0;
@@ -27889,8 +27856,8 @@ static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_
         status = fbi_speeds_solve(w, system, body);
         fbi_ends_move(w, system, body);
         mobility = fbi_row_eval(&w->row[0], w);
-        system->limit_kept_elastic += fbi_axis_stiffness(joint, i) * mobility;
-        system->limit_kept_damping += fbi_axis_damping(joint, i) * mobility;
+        system->limit_loop_elastic += fbi_axis_stiffness(joint, i) * mobility;
+        system->limit_loop_damping += fbi_axis_damping(joint, i) * mobility;
       }
     }
   }
@@ -28002,14 +27969,12 @@ static int fbi_tree_is_free(const fb_system *system, int k)
 }
 
 /* What the constraint of joint j connects: 2 a free tree to the ground (or to a tree on it), 1 free trees to each
-   other, 0 neither. With multipliers every joint is a constraint and every body a tree. */
+   other, 0 neither. */
 static int fbi_joint_ties(const fb_system *system, int j)
 {
   const fb_joint *joint = &system->joint[j];
-  if (system->method == FB_METHOD_MULTIPLIERS) {
-    return joint->kind != FB_JOINT_FREE && joint->parent < 0 ? 2 : 1;
-  }
-  if (j < system->n_body || (!fbi_tree_is_free(system, joint->child) && !fbi_tree_is_free(system, joint->parent))) {
+  if (!fbi_is_loop(system, j) ||
+      (!fbi_tree_is_free(system, joint->child) && !fbi_tree_is_free(system, joint->parent))) {
     return 0;
   }
   return fbi_tree_is_free(system, joint->child) && fbi_tree_is_free(system, joint->parent) ? 1 : 2;
@@ -28050,11 +28015,6 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
     out->has_rotors |= out->rotor[k] > FB_R(0.0);
     out->carries_rotors |= fbi_has(fbi_model(out, body, k)->effects, FB_EFFECT_ROTORS);
   }
-
-  /* The joint of every body when multipliers enforce all joints */
-  out->free.kind = FB_JOINT_FREE;
-  out->free.parent = FB_GROUND;
-  out->free.n_axis = fbi_traits(&out->free)->n_axis;
 }
 
 FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
@@ -28085,7 +28045,7 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   fbi_system_fill(out, body, desc);
   fbi_system_enter(work, out);
   if (out->method == FB_METHOD_DENSE) {
-    const fbi_count count[] = {FBI_AT_MOST(fbi_speed_offset(out, work, body, out->n_body), FB_MAX_SPEEDS,
+    const fbi_count count[] = {FBI_AT_MOST(fbi_speed_offset(out, body, out->n_body), FB_MAX_SPEEDS,
                                            "method: speeds of FB_METHOD_DENSE, FB_MAX_SPEEDS")};
     FBI_REQUIRE_COUNT(count, FB_ERR_CAPACITY, -1);
   }
@@ -28123,7 +28083,7 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   /* Limits of the step */
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
-  status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
+  status = status == FB_OK ? fbi_loop_limits(out, work, body) : status;
   status = status == FB_OK ? fbi_springs_limits(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
@@ -30345,7 +30305,7 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE_MADE(system->n_body);
   work->system.joint = -1; /* no joint has failed yet */
-  if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
+  if (input && input->rows) {
     return FB_ERR_UNSUPPORTED;
   }
   for (int k = 0; k < system->n_body; k++) {
@@ -31158,7 +31118,7 @@ static fb_status fbi_drives_change(fb_real *change, const fbi_subject *s, int n,
     }
   }
   later.system_input = &work->input;
-  fbi_prescribe(&work->state, s->system, &work->system, &work->state, &work->input);
+  fbi_prescribe(&work->state, s->system, &work->state, &work->input);
   status = fbi_loops_shut(&later, &work->state);
   status = status ? status : fbi_subject_eval(work->common.f, &later, 0, FB_R(0.0));
   work->moved = moved;
@@ -31240,7 +31200,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   memset(work->steady, 0, sizeof work->steady);
   memset(work->rest, 0, sizeof work->rest);
   fbi_system_enter(&work->system, system);
-  fbi_prescribe(&work->state, system, &work->system, &work->state, input);
+  fbi_prescribe(&work->state, system, &work->state, input);
 
   /* Newton's method with closed loops */
   status = fbi_loops_open(&s, &work->state);
@@ -32173,7 +32133,7 @@ static fb_real fbi_axis_speed(fb_system_work *w, const fb_system *system, const 
 {
   fb_real force[3], torque[3];
   fbi_frames f;
-  if (!fbi_is_kept(system, w, j)) {
+  if (!fbi_is_loop(system, j)) {
     return w->link[j].u[i];
   }
   (void)fbi_frames_eval(&f, w, system, body, j);

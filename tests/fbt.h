@@ -16,6 +16,9 @@
 #ifndef FB_MAX_ROWS
 #define FB_MAX_ROWS 60
 #endif
+#ifndef FB_MAX_LOOPS
+#define FB_MAX_LOOPS 8
+#endif
 #include "../flexbeam.h"
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* system.h - bodies, joints and trees of them, shared by the tests of >>system: joints, trees, loops: the
-   same motion by eliminated and by kept constraints, conservation, closed forms and references of rigid and flexible
+   same motion by joints that are eliminated and by joints that close loops, conservation, closed forms and references of rigid and flexible
    mechanisms. */
 #ifndef FBT_SYSTEM_H
 #define FBT_SYSTEM_H
@@ -40,8 +40,30 @@ static inline const joint_axes *axes_of(int kind)
   return &joint_axes_by_kind[kind];
 }
 
+/* How a test has the joints of its description: eliminated, by either method (an fb_method), or as loops, all bodies
+   being free. joint_at: number of the joint that body k has in the description. */
+enum { AS_LOOPS = FB_METHOD_COUNT, FORMS };
+static int joint_at[FB_MAX_BODIES];
+
+static inline fb_joint_desc *joint_of(int k)
+{
+  return joint_at[k] < desc.n_body ? &desc.joint[joint_at[k]] : &desc.loop[joint_at[k] - desc.n_body];
+}
+
+/* Motion at a state; what joints do by the numbers of the description. */
+static inline void motion_of(fb_system_motion *out, const fb_system_state *s)
+{
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, out, s, &input), FB_OK);
+  for (int k = 0; k < desc.n_body; k++) {
+    out->joint[k] = out->joint[joint_at[k]];
+  }
+}
+
 static inline void fresh(void)
 {
+  for (int k = 0; k < FB_MAX_BODIES; k++) {
+    joint_at[k] = k;
+  }
   memset(&desc, 0, sizeof desc);
   memset(&input, 0, sizeof input);
   memset(start, 0, sizeof start);
@@ -127,11 +149,43 @@ static inline void turn_anyhow(fb_real quat[4], double size)
   turn(quat, phi[0], phi[1], phi[2]);
 }
 
-static inline void init(fb_method method)
+/* All bodies are free where the tree has them at the start, its joints close loops; existing loops keep their numbers. */
+static inline void joints_to_loops(void)
 {
-  desc.method = method;
-  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, fbt_models(&desc)), FB_OK);
-  FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
+  static fb_system_state there;
+  static fb_system_motion at;
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &there, &work, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at, &there, &input), FB_OK);
+  for (int k = 0; k < desc.n_body; k++) {
+    if (desc.joint[k].kind != FB_JOINT_FREE) {
+      fb_joint_desc *const loop = &desc.loop[desc.n_loop];
+      FBT_TRUE(desc.n_loop < FB_MAX_LOOPS);
+      joint_at[k] = desc.n_body + desc.n_loop++;
+      *loop = desc.joint[k];
+      loop->child = k;
+      memset(&desc.joint[k], 0, sizeof desc.joint[k]);
+      input.drive[joint_at[k]] = input.drive[k];
+      memset(&input.drive[k], 0, sizeof input.drive[k]);
+    }
+    memcpy(start[k].value, at.pose[k].rho, sizeof start[k].value);
+    memcpy(start[k].quat, at.pose[k].quat, sizeof start[k].quat);
+    memcpy(start[k].q, at.pose[k].q, sizeof start[k].q);
+    memcpy(start[k].speed, at.motion[k].v, sizeof at.motion[k].v);
+    memcpy(start[k].speed + 3, at.motion[k].w, sizeof at.motion[k].w);
+    memcpy(start[k].q_dot, at.motion[k].q_dot, sizeof start[k].q_dot);
+  }
+}
+
+static inline void init(int form)
+{
+  for (int pass = 0; pass < (form == AS_LOOPS ? 2 : 1); pass++) {
+    if (pass) {
+      joints_to_loops();
+    }
+    desc.method = form == FB_METHOD_DENSE ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, fbt_models(&desc)), FB_OK);
+    FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
+  }
 }
 
 /* A tree with every kind of joint: free hub, flexible links, offsets and turned axes on both sides, springs and
@@ -276,7 +330,7 @@ static inline void drives(void)
 
 static inline void stepped(fb_system_state *s, int n, double dt)
 {
-  fb_system_input middle = input, end = input;
+  fb_system_input middle = input, end = input, first = input;
   FBT_INT_EQ(fb_system_state_init(&mechanism, model, s, &work, start, &input), FB_OK);
   for (int step = 0; step < n; step++) {
     const double t[3] = {dt * step, dt * (step + 0.5), dt * (step + 1)};
@@ -286,11 +340,11 @@ static inline void stepped(fb_system_state *s, int n, double dt)
     at[2] = &end;
     for (int i = 0; i < 3; i++) {
       for (int k = 1; k < 3; k++) {
-        fb_drive *d = &at[i]->drive[k];
+        fb_drive *d = &at[i]->drive[joint_at[k]];
         const double a = 0.5 * k / (second * second);
-        d->value[k - 1] =
-            start[k].value[k - 1] + (fb_real)t[i] * start[k].speed[k - 1] + (fb_real)(0.5 * a * t[i] * t[i]);
-        d->rate[k - 1] = start[k].speed[k - 1] + (fb_real)(a * t[i]);
+        const fb_drive *from = &first.drive[joint_at[k]];
+        d->value[k - 1] = from->value[k - 1] + (fb_real)t[i] * from->rate[k - 1] + (fb_real)(0.5 * a * t[i] * t[i]);
+        d->rate[k - 1] = from->rate[k - 1] + (fb_real)(a * t[i]);
       }
     }
     if (implicit) {
@@ -519,7 +573,7 @@ static inline void reactions_are_of_joint(int j, double tol)
     const double sign = k == 0 ? -1.0 : 1.0;
     fb_real R[9], frame[3], arm[3], moment[3], force[3], torque[3];
     fb_quat_to_mat33(R, motion.pose[1].quat);
-    fb_mat33_mul_vec3(frame, R, desc.joint[j].child_position);
+    fb_mat33_mul_vec3(frame, R, joint_of(j)->child_position);
     for (int i = 0; i < 3; i++) {
       arm[i] = motion.pose[1].rho[i] + frame[i] - motion.pose[k].rho[i];
     }

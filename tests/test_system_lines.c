@@ -1,4 +1,4 @@
-/* >>system: bodies whose beams are lines (FB_EFFECT_LARGE_DEFLECTION) on joints: by every method, Hamilton's equations by
+/* >>system: bodies whose beams are lines (FB_EFFECT_LARGE_DEFLECTION) on joints: by either method and as loops, Hamilton's equations by
    differences, against single bodies and against the same beams cut finer. */
 #include "system.h"
 
@@ -18,26 +18,26 @@ static void bent_tree(int damped)
 }
 
 /* E9.4, E9.6, E9.8 with M(q), Lambda(q), M_rr(q) of E14.12, E9.25 by the rows: motors, loads, axes that are locked and
-   prescribed, by elimination, one dense matrix and multipliers; accelerations and reactions, then along a run. */
+   prescribed, by elimination, one dense matrix and as loops; accelerations and reactions, then along a run. */
 TEST(lines_move_alike_by_the_three_methods)
 {
   static fb_system_motion first, recursive;
   double energy = 0.0;
-  for (int method = 0; method < 3; method++) {
+  for (int form = 0; form < FORMS; form++) {
     bent_tree(1);
     drives();
-    init((fb_method)method);
+    init(form);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
-    if (method == 0) {
+    motion_of(&motion, &state);
+    if (form == 0) {
       first = motion;
       energy = energy_of(&state);
     }
     FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-10, 1e-2));
     FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-12, 1e-5));
     stepped(&state, FB_SINGLE ? 20 : 200, FB_SINGLE ? 2e-3 : 2e-4);
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
-    if (method == 0) {
+    motion_of(&motion, &state);
+    if (form == 0) {
       recursive = motion;
     }
     FBT_BELOW(motion_difference(&motion, &recursive), FBT_TOL(1e-9, 2e-2));
@@ -48,12 +48,12 @@ TEST(lines_move_alike_by_the_three_methods)
    line whose Jacobian's rate were wrong would do work. */
 TEST(rates_of_systems_with_lines_are_those_of_hamilton)
 {
-  for (int method = 0; method < 3 && !FB_SINGLE; method++) { /* differences */
+  for (int form = 0; form < FORMS && !FB_SINGLE; form++) { /* differences */
     const double h = 5e-5;
     double slope = 0.0;
     fb_momentum at, before;
     bent_tree(0);
-    init((fb_method)method);
+    init(form);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     memset(&rate, 0, sizeof rate);
     FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
@@ -62,7 +62,7 @@ TEST(rates_of_systems_with_lines_are_those_of_hamilton)
       moved(&kept, &state, &rate, side * h);
       slope += stencil[side + 2] / h * energy_of(&kept);
       FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &at, &kept, &input), FB_OK);
-      if (method < 2) {
+      if (form != AS_LOOPS) {
         FBT_BELOW(fbt_difference(at.linear, before.linear, 3), 1e-12);
       }
     }
@@ -274,18 +274,20 @@ TEST(lines_of_every_kind_carry_their_bodies)
   }
 }
 
-/* E9.16, E9.5: the speeds that made the momenta come back, momenta of all methods are the same. */
+/* E9.16, E9.5: the speeds that made the momenta come back, momenta of all forms are the same. */
 TEST(momenta_of_lines_give_back_the_speeds)
 {
-  for (int method = 0; method < 3; method++) {
+  for (int form = 0; form < FORMS; form++) {
+    fb_real speed[2];
     booms(THICK, FB_JOINT_FREE, FB_JOINT_SPHERICAL, 2);
-    init((fb_method)method);
+    memcpy(speed, start[2].speed, sizeof speed);
+    init(form);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    motion_of(&motion, &state);
     for (int k = 0; k < 3; k++) {
       FBT_BELOW(fbt_difference(motion.motion[k].q_dot, start[k].q_dot, model[0].n), FBT_TOL(1e-11, 1e-3));
     }
-    FBT_BELOW(fbt_difference(motion.joint[2].speed, start[2].speed, 2) * (method < 2), FBT_TOL(1e-11, 1e-3));
+    FBT_BELOW(fbt_difference(motion.joint[2].speed, speed, 2), FBT_TOL(1e-11, 1e-3));
   }
 }
 
@@ -378,23 +380,23 @@ TEST(a_line_alone_is_the_single_body)
 /* ---- distributed loads */
 
 /* E14.40 in a system: what the loads on all points do is the rate of the energy, by differences; each body is asked.
-   By every method, accelerations are the same. */
+   In every form, accelerations are the same. */
 TEST(power_of_distributed_loads_on_systems_is_the_rate_of_energy)
 {
   static fb_system_motion first;
-  for (int run = 0; run < 3 * ROOTS; run++) {
+  for (int run = 0; run < FORMS * ROOTS; run++) {
     const double h = 2e-5;
     double slope = 0.0;
-    gale gales;
-    memset(&gales, 0, sizeof gales);
-    if (run / 3 == FLOATING && run % 3 == FB_METHOD_MULTIPLIERS) {
+    gale gales = {0};
+    if (run / 3 == FLOATING && run % 3 == AS_LOOPS) {
       continue;
     }
     booms(run / 3, FB_JOINT_FREE, FB_JOINT_UNIVERSAL, 2);
     input.distributed = blow;
     input.user = &gales;
     input.t = FB_R(0.1);
-    init((fb_method)(run % 3));
+    init(run % 3);
+    memset(&gales, 0, sizeof gales);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
     FBT_INT_EQ((int)gales.bodies, 7);
@@ -406,7 +408,7 @@ TEST(power_of_distributed_loads_on_systems_is_the_rate_of_energy)
     {
       FBT_NEAR_REL(slope, gales.power, 1e-7);
     }
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    motion_of(&motion, &state);
     first = run % 3 ? first : motion;
     FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-9, 1e-1));
   }
@@ -477,19 +479,20 @@ TEST(systems_with_lines_keep_energy_and_momentum)
 /* E9.16, E14.12: locking the axes of a moving tree keeps its momenta and loses energy; to release costs nothing. */
 TEST(a_latch_on_a_line_conserves_momentum)
 {
-  for (int method = 0; method < 3; method += 2) {
+  for (int form = 0; form < FORMS; form += AS_LOOPS) {
     fb_momentum before, after;
     double energy;
     booms(CLAMPED, FB_JOINT_FREE, FB_JOINT_REVOLUTE, 1);
     for (int k = 1; k < 3; k++) {
       memset(desc.joint[k].stiffness, 0, sizeof desc.joint[k].stiffness);
     }
-    init((fb_method)method);
+    init(form);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
     energy = energy_of(&state);
     for (int joint = 1; joint < 3; joint++) {
-      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint, 0, FB_AXIS_LOCKED, &input), FB_OK);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint_at[joint], 0, FB_AXIS_LOCKED, &input),
+                 FB_OK);
       FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &after, &state, &input), FB_OK);
       FBT_BELOW(fbt_difference(after.linear, before.linear, 3), FBT_TOL(1e-12, 1e-4));
       FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-12, 1e-4));
@@ -499,10 +502,10 @@ TEST(a_latch_on_a_line_conserves_momentum)
     for (int k = 0; k < 100; k++) {
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-4)), FB_OK);
     }
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    motion_of(&motion, &state);
     for (int joint = 1; joint < 3; joint++) {
       FBT_NEAR_ABS(motion.joint[joint].speed[0], 0.0, FBT_TOL(1e-11, 1e-3));
-      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint, 0, FB_AXIS_FREE, &input), FB_OK);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint_at[joint], 0, FB_AXIS_FREE, &input), FB_OK);
     }
     FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-8, 1e-3));
     FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &after, &state, &input), FB_OK);

@@ -63,7 +63,7 @@ static double energy_slope(double tol)
   return slope;
 }
 
-/* E9.26: springs are internal: they change neither energy nor momentum, whatever the effects and by whatever method;
+/* E9.26: springs are internal: they change neither energy nor momentum, whatever the effects, by either method and with joints as loops;
    dampers take c l_dot^2, actuators give -pull l_dot, a spring to the ground keeps the energy alone. */
 TEST(springs_between_points_balance_energy)
 {
@@ -71,8 +71,8 @@ TEST(springs_between_points_balance_energy)
     const int damped = run / 3 % 3 == 1, to_ground = run / 3 % 3 == 2;
     double power = 0.0;
     sprung_tree(run < 9 ? FB_EFFECTS_FULL : FB_EFFECTS_LARGE, damped, to_ground);
-    init((fb_method)(run % 3));
-    for (int j = 0; j < desc.n_body; j++) { /* joints are without dampers */
+    init(run % 3);
+    for (int j = 0; j < desc.n_body + desc.n_loop; j++) { /* joints are without dampers */
       memset(mechanism.joint[j].damping, 0, sizeof mechanism.joint[j].damping);
     }
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
@@ -82,7 +82,7 @@ TEST(springs_between_points_balance_energy)
       const double speed = (double)motion.spring[j].rate;
       power -= (double)desc.spring[j].damping * speed * speed + (double)input.pull[j] * speed;
     }
-    if (run % 3 < 2) { /* of kept joints the rates do not hold the momenta to rounding */
+    if (run % 3 != AS_LOOPS) { /* of loops the rates do not hold the momenta to rounding */
       FBT_NEAR_ABS(energy_slope(to_ground ? 1e3 : FBT_TOL(1e-9, 1e-1)), power, FBT_TOL(1e-8, 2e-1));
     }
     power += damped ? (double)(input.pull[0] * motion.spring[0].rate) : 0.0; /* of what is lost */
@@ -92,17 +92,17 @@ TEST(springs_between_points_balance_energy)
   }
 }
 
-/* E9.26 by the three methods: the same motion. Lengths are those between the points. */
-TEST(springs_between_points_act_alike_by_every_method)
+/* E9.26 in the three forms: the same motion. Lengths are those between the points. */
+TEST(springs_between_points_act_alike_in_every_form)
 {
   static fb_system_motion first;
-  for (int method = 0; method < 3; method++) {
+  for (int form = 0; form < FORMS; form++) {
     sprung_tree(FB_EFFECTS_FULL, 1, 1);
-    init((fb_method)method);
+    init(form);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     input.pull[2] = FB_R(4.0);
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
-    first = method == 0 ? motion : first;
+    motion_of(&motion, &state);
+    first = form == 0 ? motion : first;
     FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-11, 1e-3));
     for (int j = 0; j < desc.n_spring; j++) {
       double x[2][3] = {{0}}, v[2][3] = {{0}}, length = 0.0, speed = 0.0;
@@ -442,8 +442,9 @@ static fb_status spring_forces(fb_system_forces *now, void *user)
     now->point[0].force[i] = tension * step[i] / length;
     now->point[1].force[i] = -now->point[0].force[i];
   }
-  for (int i = 0; i < axes_of((int)desc.joint[2].kind)->count; i++) {
-    now->joint[2].torque[i] = -FB_R(1.5) * now->joint[2].value[i] - FB_R(0.2) * now->joint[2].speed[i];
+  for (int i = 0; i < axes_of((int)joint_of(2)->kind)->count; i++) {
+    fb_joint_point *const joint = &now->joint[joint_at[2]];
+    joint->torque[i] = -FB_R(1.5) * joint->value[i] - FB_R(0.2) * joint->speed[i];
   }
   now->pull[1] = (fb_real)cos(3.0 * (double)now->t) + FB_R(0.1) * now->spring[1].rate;
   if (of->spoil) {
@@ -456,7 +457,7 @@ static fb_status spring_forces(fb_system_forces *now, void *user)
 }
 
 /* own: springs, dampers and pull are the library's, else the callback's. */
-static void act(int own, fb_method method, acts *of)
+static void act(int own, int form, acts *of)
 {
   tree(FB_EFFECTS_FULL, 1);
   memset(of, 0, sizeof *of);
@@ -473,7 +474,7 @@ static void act(int own, fb_method method, acts *of)
   for (int i = 0; i < 6; i++) {
     start[0].speed[i] += i < 3 ? FB_R(2.0) : FB_R(0.0);
   }
-  init(method);
+  init(form);
   input.n_load = 2;
   input.load[1].body = 3;
   input.load[0].load.node = input.load[1].load.node = 1;
@@ -499,18 +500,18 @@ static void act_on(int own, int steps, int sdirk)
   }
 }
 
-/* E9.27: forces of the caller's that are springs, dampers and motors move bodies as the library's, by every method, at
+/* E9.27: forces of the caller's that are springs, dampers and motors move bodies as the library's, in every form, at
    once and over steps of either integrator; called once an evaluation. */
 TEST(forces_of_the_state_act_as_springs_do)
 {
   static fb_system_motion first;
   acts of;
   for (int run = 0; run < 6; run++) {
-    const fb_method method = (fb_method)(run % 3);
+    const int form = run % 3;
     for (int own = 1; own >= 0; own--) {
-      act(own, method, &of);
+      act(own, form, &of);
       input.pull[1] = own ? FB_R(1.0) : FB_R(0.0);
-      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+      motion_of(&motion, &state);
       FBT_INT_EQ(of.calls, own ? 0 : 1);
       first = own ? motion : first;
       FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-11, 1e-3));
@@ -523,7 +524,7 @@ TEST(forces_of_the_state_act_as_springs_do)
       FBT_TRUE(own || run >= 3 || of.calls == 160);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
     }
-    act(1, method, &of);
+    act(1, form, &of);
     act_on(1, run < 3 ? 40 : 80, run >= 3);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &first, &state, NULL), FB_OK);
     FBT_BELOW(fbt_difference(motion.pose[3].rho, first.pose[3].rho, 3), run < 3 ? FBT_TOL(1e-11, 1e-5) : 1e-6);
@@ -609,7 +610,7 @@ TEST(forces_of_the_state_see_where_bodies_fly)
   }
 }
 
-SUITE(system_springs, RUN(springs_between_points_balance_energy), RUN(springs_between_points_act_alike_by_every_method),
+SUITE(system_springs, RUN(springs_between_points_balance_energy), RUN(springs_between_points_act_alike_in_every_form),
       RUN(andrews_squeezer_moves_as_published), RUN(springs_between_points_bound_the_step),
       RUN(actuators_and_lengths_are_channels_of_linear_models), RUN(springs_bound_the_step_where_they_are),
       RUN(springs_whose_points_meet_are_refused), RUN(springs_are_checked), RUN(forces_of_the_state_act_as_springs_do),

@@ -252,7 +252,7 @@ TEST(steps_that_turn_too_far_are_refused)
   }
 }
 
-/* E11.12 to E11.14, E9.13: halving the step divides the error by 2^order, with all joints, eliminated or kept, motors,
+/* E11.12 to E11.14, E9.13: halving the step divides the error by 2^order, with all joints, eliminated or as loops, motors,
    loads and prescribed axes; the reference is rk4 with a much shorter step. */
 TEST(systems_converge_with_the_order_of_the_integrator)
 {
@@ -271,7 +271,7 @@ TEST(systems_converge_with_the_order_of_the_integrator)
       tree(FB_EFFECTS_FULL, 1);
       drives();
       desc.allow_long_step = 1;
-      init(run == 1 ? FB_METHOD_MULTIPLIERS : FB_METHOD_RECURSIVE);
+      init(run == 1 ? AS_LOOPS : (int)FB_METHOD_RECURSIVE);
       implicit = run == 2 ? 4 : 0;
       stepped(&state, n, T / n);
       implicit = 0;
@@ -403,7 +403,7 @@ TEST(one_iteration_is_enough_for_a_linear_system)
       }
     }
     desc.allow_long_step = 1;
-    init((fb_method)(run / 2 % 2));
+    init(run / 2 % 2);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     for (int k = 0; k < 2; k++) {
       end[k] = state;
@@ -511,14 +511,14 @@ TEST(the_limit_finds_neighbors_against_each_other)
 }
 
 /* E11.12: axes that are prescribed do not count with their springs and dampers: what swings on them does, (c, k)/J
-   about its hinge; with all joints kept it is (c, k) (1/J_0 + 1/J_1) of two that turn freely, and the spring to the
+   about its hinge; with joints as loops it is (c, k) (1/J_0 + 1/J_1) of two that turn freely, and the spring to the
    ground. */
 TEST(what_is_prescribed_has_no_limit)
 {
   const double k[2] = {700.0, 300.0}, c[2] = {3.0, 2.0}, J[2] = {0.4, 0.1}, m = 2.0, out = 0.3;
   for (int run = 0; run < 6; run++) {
     const int given = run % 2; /* a hinge, or a free body */
-    const fb_method method = (fb_method)(run / 2);
+    const int form = run / 2;
     double stiff = 1.05 * k[1] / (J[1] + m * out * out), damped = 1.05 * c[1] / (J[1] + m * out * out), g;
     fresh();
     rigid(&model[0], 3.0, 0, 0, 0, 0.2, 0.3, J[0]);
@@ -531,13 +531,13 @@ TEST(what_is_prescribed_has_no_limit)
       desc.joint[j].stiffness[0] = (fb_real)k[j];
       desc.joint[j].damping[0] = (fb_real)c[j];
     }
-    if (method == FB_METHOD_MULTIPLIERS) {
+    if (form == AS_LOOPS) {
       const double apart = given ? 1.0 / J[1] : 1.0 / J[0] + 1.0 / J[1], ground = given ? 0.0 : 1.0 / J[0];
       stiff = k[1] * apart + k[0] * ground;
       damped = c[1] * apart + c[0] * ground;
     }
     g = 0.5 * damped;
-    init(method);
+    init(form);
     FBT_NEAR_REL(fb_system_rk4_limit(&mechanism, model, 0, 0), 2.785 / (g + sqrt(g * g + stiff)), FBT_TOL(1e-9, 1e-4));
   }
 }
@@ -728,9 +728,9 @@ TEST(stiff_joints_take_long_steps)
   }
 }
 
-/* E11.12: springs and dampers of kept joints, each against what its axis moves: a ball joint at the mass center
+/* E11.12: springs and dampers of joints of loops, each against what its axis moves: a ball joint at the mass center
    k (1/J_1 + 1/J_2 + 1/J_3), a cylindrical one k_0/J_3 + k_1 (1/m + r^2/J), its axis r beside the center. */
-TEST(limits_of_kept_joints_are_in_closed_form)
+TEST(limits_of_loops_are_in_closed_form)
 {
   const double m = 2.0, r = 0.4, J[3] = {0.3, 0.5, 0.7}, k[2] = {90.0, 50.0}, c[2] = {2.0, 3.0};
   for (int ball = 0; ball < 2; ball++) {
@@ -745,14 +745,14 @@ TEST(limits_of_kept_joints_are_in_closed_form)
       desc.joint[0].stiffness[i] = (fb_real)k[i];
       desc.joint[0].damping[i] = (fb_real)c[i];
     }
-    init(FB_METHOD_MULTIPLIERS);
+    init(AS_LOOPS);
     FBT_NEAR_REL(fb_system_rk4_limit(&mechanism, model, 0, 0), 2.785 / (g + sqrt(g * g + stiff)), FBT_TOL(1e-9, 1e-4));
   }
 }
 
 SUITE(system_steps, RUN(inputs_are_linear_between_the_ends_of_a_step),
       RUN(the_limit_finds_neighbors_against_each_other), RUN(what_is_prescribed_has_no_limit),
-      RUN(limits_of_kept_joints_are_in_closed_form), RUN(system_steps_beyond_the_limit_are_refused),
+      RUN(limits_of_loops_are_in_closed_form), RUN(system_steps_beyond_the_limit_are_refused),
       RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(a_stretching_rod_carries_its_neighbor),
       RUN(stiff_joints_take_long_steps), RUN(one_iteration_is_enough_for_a_linear_system),
       RUN(the_limit_finds_the_fastest_body), RUN(strained_bodies_converge_in_a_system),

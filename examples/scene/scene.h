@@ -365,8 +365,8 @@ static void scene_read_trim(text_file *t, scene *s)
 
 static void scene_read_method(text_file *t, scene *s)
 {
-  static const char *const methods[] = {"recursive", "dense", "multipliers", NULL};
-  s->method = (fb_method)text_choice(t, "method", methods);
+  static const char *const methods[] = {"recursive", "dense", NULL};
+  s->method = (fb_method)text_choice(t, "method (joints as constraints: loop, on free bodies)", methods);
 }
 
 static void scene_read_exact(text_file *t, scene *s)

@@ -270,11 +270,6 @@ static void scene_check_system(text_file *t, const scene *s)
     }
     scene_check_center(t, s, &s->body[k]);
   }
-  for (int k = 0; k < s->n_output && s->method == FB_METHOD_MULTIPLIERS; k++) {
-    if (s->output[k].quantity == SCENE_COORDINATE_ACCELERATION) {
-      scene_refuse(t, &s->seen, "method", "multipliers has no joint_acceleration");
-    }
-  }
   for (int k = 0; k < s->n_body; k++) {
     scene_check_base(t, s, k);
   }
@@ -365,9 +360,6 @@ static void scene_check_measures(text_file *t, const scene *s)
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
     t->line = m->line;
-    if (m->kind >= SCENE_FREQUENCY && s->method == FB_METHOD_MULTIPLIERS) {
-      text_fail(t, "frequency and growth want joints by method recursive or dense: multipliers has no spectrum");
-    }
     if (m->kind < SCENE_FREQUENCY && m->after > s->duration) {
       text_fail(t, "after %g s: the duration is %g s", m->after, s->duration);
     }

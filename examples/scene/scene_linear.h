@@ -446,9 +446,6 @@ static int scene_write_linear(scene *s, const char *name, FILE *talk)
   if (!name) {
     return 0;
   }
-  if (s->method == FB_METHOD_MULTIPLIERS) {
-    return scene_fail(s, "--linear: with method multipliers there is no linear model here");
-  }
   if (s->is_exact && !s->trim) {
     return scene_fail(s, "--linear: of an exact beam about its steady state alone: add a line trim");
   }

@@ -371,8 +371,8 @@ static int loop_check(scene *s, int line)
   if (s->n_control == 0) {
     return loop_fail(s, line, "the scene", "has no controller");
   }
-  if (s->is_exact || s->method == FB_METHOD_MULTIPLIERS) {
-    return loop_fail(s, line, s->is_exact ? "an exact beam" : "method multipliers", "has no linear model here");
+  if (s->is_exact) {
+    return loop_fail(s, line, "an exact beam", "has no linear model here");
   }
   for (int k = 0; k < s->n_control; k++) {
     const scene_control *const c = &s->control[k];

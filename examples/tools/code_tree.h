@@ -481,8 +481,8 @@ static void tree_refusal(char text[200], const fb_system *system, const fb_body 
   if (!text[0] && roots + axes - given + modes == 0) {
     snprintf(text, 200, "nothing can move%s: choose a joint with a free axis, or modes", given > 0 ? " by itself" : "");
   }
-  if (!text[0] && (rows_refusal(system) || system->method == FB_METHOD_MULTIPLIERS)) {
-    snprintf(text, 200, "%s", rows_refusal(system) ? rows_refusal(system) : "method multipliers: choose recursive");
+  if (!text[0] && rows_refusal(system)) {
+    snprintf(text, 200, "%s", rows_refusal(system));
   }
 }
 
@@ -1710,7 +1710,7 @@ static void rows_write_impacts(const code *w)
     }
   }
   if (n > 0) {
-    code_number(number, w, (double)tree.system->limit_kept_elastic);
+    code_number(number, w, (double)tree.system->limit_loop_elastic);
     fprintf(w->out, "    stiffening += %s * knock", number);
     code_template(w, " * (`2` + knock);\n");
   }
@@ -1728,7 +1728,7 @@ static const char *const sdirk_longest[2] = {
 /* E11.15 of SDIRK, g the largest frequency of what is in no iteration matrix. */
 static void sdirk_write_longest(const code *w)
 {
-  const double elastic = (double)tree.system->limit_kept_elastic, damping = (double)tree.system->limit_kept_damping;
+  const double elastic = (double)tree.system->limit_loop_elastic, damping = (double)tree.system->limit_loop_damping;
   const char *const damped = tree.system->n_spring > 0 ? " + damped" : "";
   char number[40];
   code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
@@ -1805,10 +1805,10 @@ static void tree_write_limit(const code *w)
   }
   tree_write_impacts(w);
   large_write_limit(&inner);
-  code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_kept_damping));
+  code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_loop_damping));
   fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
   code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
-  code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_kept_elastic);
+  code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_loop_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
   fprintf(w->out, "%s + stiffening);\n", number);
   code_template(w, w->lanes ? "    *longest = %Wbound * @_huge > `2.785`%, `2.785` / bound%! +\n"

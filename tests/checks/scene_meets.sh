@@ -143,7 +143,23 @@ joint 1e6 2000 1 1e-5 recursive
 joint 0 300 1 0.0298055556 recursive
 joint 1e5 200 100 1e-4 recursive
 [ ! -s "$out/log" ] || fail "a stiff joint is warned of: $(cat "$out/log")"
-joint 1e5 200 1 1e-4 multipliers
+meets << END
+duration 1
+interval 0.1
+body a rigid
+  hub 5  0.5 0 0  0.01 0.5 0.5
+end
+joint f free ground a
+end
+loop j revolute ground a
+  stiffness 1e5
+  damping 200
+  motor 1 step 10 0.1
+end
+output q coordinate j 1
+measure q final q
+expect q 1e-4 tolerance 1e-4 relative
+END
 grep -q "fits the start" "$out/log" || fail "nothing is said of a run of rigid bodies that diverges"
 
 # a saddle: a physical pendulum upright, sqrt(m g l/I); a column beyond its Euler load of (pi/2)^2 EI/L^2, roots of

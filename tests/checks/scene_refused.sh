@@ -737,11 +737,8 @@ refuse 5 "t is the column of the time: no name of an output" << END
 $top
 output t energy total
 END
-refuse 7 "frequency and growth want joints by method recursive or dense" << END
+refuse 5 "method (joints as constraints: loop, on free bodies) must be one of recursive dense, is multipliers" << END
 $top
-joint j revolute ground top
-end
-measure f frequency 1
 method multipliers
 duration 1
 END
@@ -1123,12 +1120,6 @@ end
 loop k revolute top b
 end
 output a joint_acceleration k 1
-END
-other 4 "method multipliers has no joint_acceleration" << END
-joint j revolute top b
-end
-output a joint_acceleration j 1
-method multipliers
 END
 # chosen LINE REASON WORDS: a beam with these words, under auto
 chosen() {

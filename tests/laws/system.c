@@ -20,7 +20,7 @@ static const fbl_feature features[] = {
     {"load", {"none", "dead", "follower", "hub", "distributed"}},
     {"wheel", {"none", "wheel"}},
     {"motion", {"slow", "spinning", "flight"}},
-    {"method", {"recursive", "dense", "multipliers"}},
+    {"method", {"recursive", "dense", "loops"}},
     {"callback", {"none", "forces", "rows"}},
 };
 enum {
@@ -71,6 +71,7 @@ static double size_made[MODELS + 1];
 static fb_body model[MODELS + 1]; /* in the order of the system */
 static int model_slot[MODELS + 1], n_model;
 static int n_body, parent[BODIES_MOST], slot[BODIES_MOST], body_of[BODIES_MOST];
+static int joint_slot[BODIES_MOST], n_as_loops; /* numbers of the tree's joints; how many of them are loops */
 static fb_joint_kind kind[BODIES_MOST];
 static fb_system_desc desc;
 static fb_system mechanism;
@@ -206,13 +207,17 @@ static int freedom(const int *level, int first)
   return n;
 }
 
-/* Constraints of FB_METHOD_MULTIPLIERS. */
-static int rows_of(const int *level)
+/* Level of METHOD: recursive, all bodies free, the joints of the tree are loops behind those of the scene. */
+enum { AS_LOOPS = FB_METHOD_COUNT };
+
+/* Is there room for the joints of the tree as loops, and for their constraints? */
+static int may_be_loops(const int *level)
 {
-  int n = level[CALLBACK] == ROWS, last = bodies_of(level);
+  int n = level[CALLBACK] == ROWS, joints = loops_of(level) + (level[WHEEL] != 0), last = bodies_of(level);
   for (int k = 0; k < last; k++) {
     const fb_joint_kind own = kind_of(level, k);
     n += 6 - axes_of(own);
+    joints += own != FB_JOINT_FREE;
     for (int i = 0; i < axes_of(own); i++) {
       n += mode_of(level, k, is_ball(own) ? 0 : i) != FB_AXIS_FREE;
     }
@@ -220,7 +225,7 @@ static int rows_of(const int *level)
   for (int l = 0; l < loops_of(level); l++) {
     n += 6 - axes_of(loop_kind(level, l));
   }
-  return n + (level[WHEEL] ? 5 : 0);
+  return n + (level[WHEEL] ? 5 : 0) <= FB_MAX_ROWS && joints <= FB_MAX_LOOPS;
 }
 
 static void choose(fbl_choice *c, const int *level, int k)
@@ -261,7 +266,7 @@ static void legal(int *level)
   while (level[LOOP] != NO_LOOP && level[LOOP] != PLANAR && (freedom(level, 0) < 1 || freedom(level, 1) < 0)) {
     level[LOOP]--;
   }
-  if (level[METHOD] == FB_METHOD_MULTIPLIERS && rows_of(level) > FB_MAX_ROWS) {
+  if (level[METHOD] == AS_LOOPS && !may_be_loops(level)) {
     level[METHOD] = FB_METHOD_DENSE;
   }
   if (level[BODY] == LARGE && level[MADE] == WELDED) { /* more points than there is room for */
@@ -654,15 +659,17 @@ static void load_fill(fb_system_load *load, int k, int node, double t)
 
 static void input_fill(fb_system_input *in, double t)
 {
+  const int n_loop = desc.n_loop - n_as_loops;
   memset(in, 0, sizeof *in);
   in->t = fbl_unit(t, 0, 0, 1);
-  for (int j = 0; j < n_body + desc.n_loop; j++) {
+  for (int j = 0; j < n_body + n_loop; j++) {
     fbl_number = 1 + (j < n_body ? j : BODIES_MOST + j - n_body);
     fbl_stream("drive");
     if (j < n_body) {
-      drive_fill(&in->drive[slot[j]], kind[j], desc.joint[slot[j]].mode, t);
+      const int of = joint_slot[j];
+      drive_fill(&in->drive[of], kind[j], of < n_body ? desc.joint[of].mode : desc.loop[of - n_body].mode, t);
     } else {
-      const int l = fbl_seen.reverse ? desc.n_loop - 1 - (j - n_body) : j - n_body;
+      const int l = fbl_seen.reverse ? n_loop - 1 - (j - n_body) : j - n_body;
       drive_fill(&in->drive[n_body + l], desc.loop[l].kind, desc.loop[l].mode, t);
     }
   }
@@ -848,6 +855,37 @@ static void held_draw(const look *at)
   memcpy(held.force[1], at->motion.pose[slot[k]].rho, sizeof held.force[1]);
 }
 
+/* Writes the joints of the tree as loops of free bodies, from the state on. */
+static fb_status joints_to_loops(void)
+{
+  static fb_system_input in;
+  static fb_system_motion at;
+  fb_status status;
+  input_fill(&in, 0.0);
+  status = fb_system_motion_eval(&mechanism, model, &work, &at, &state, &in);
+  for (int k = 0; k < n_body && status == FB_OK; k++) {
+    const int s = slot[k];
+    fb_link_motion *const m = &start[s];
+    if (kind[k] != FB_JOINT_FREE) {
+      fb_joint_desc *const loop = &desc.loop[desc.n_loop];
+      *loop = desc.joint[s];
+      loop->child = s;
+      memset(&desc.joint[s], 0, sizeof desc.joint[s]);
+      joint_slot[k] = n_body + desc.n_loop++;
+      n_as_loops++;
+    }
+    memcpy(m->value, at.pose[s].rho, sizeof m->value);
+    memcpy(m->quat, at.pose[s].quat, sizeof m->quat);
+    memcpy(m->speed, at.motion[s].v, 3 * sizeof m->speed[0]);
+    memcpy(m->speed + 3, at.motion[s].w, 3 * sizeof m->speed[0]);
+    memcpy(m->q, at.pose[s].q, (size_t)body(k)->n * sizeof m->q[0]);
+    memcpy(m->q_dot, at.motion[s].q_dot, (size_t)body(k)->n * sizeof m->q_dot[0]);
+  }
+  input_fill(&in, 0.0);
+  status = status ? status : system_make();
+  return status ? status : state_draw(&in);
+}
+
 static fb_status draw(const int *level)
 {
   static fb_system_input in;
@@ -869,7 +907,9 @@ static fb_status draw(const int *level)
   slots_fill();
   memset(&desc, 0, sizeof desc);
   desc.n_body = n_body;
-  desc.method = (fb_method)level[METHOD];
+  desc.method = level[METHOD] == FB_METHOD_DENSE ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
+  memcpy(joint_slot, slot, sizeof joint_slot);
+  n_as_loops = 0;
   for (int k = 0; k < n_body; k++) {
     desc.model[slot[k]] = model_slot[model_of(k)];
     joint_draw(k);
@@ -879,6 +919,7 @@ static fb_status draw(const int *level)
   input_fill(&in, 0.0);
   if (loops_of(level) > 0 || level[CALLBACK] == ROWS) {
     const fb_rows own = in.rows;
+    const fb_method method = desc.method;
     desc.method = FB_METHOD_RECURSIVE;
     status = system_make();
     in.rows = NULL;
@@ -895,12 +936,13 @@ static fb_status draw(const int *level)
       loop_draw(l, &open);
     }
     held_draw(&open);
-    desc.method = (fb_method)level[METHOD];
+    desc.method = method;
     input_fill(&in, 0.0);
   }
   fbl_number = 0;
   status = system_make();
-  return status ? status : state_draw(&in);
+  status = status ? status : state_draw(&in);
+  return status || level[METHOD] != AS_LOOPS ? status : joints_to_loops();
 }
 
 /* ---- five states that follow each other, and all that can be asked of them */
@@ -1110,7 +1152,6 @@ static double joints(double h)
   for (int j = 0; j < n_body + desc.n_loop; j++) {
     const fb_joint *const joint = &mechanism.joint[j];
     const fb_joint_motion *const at = &path[2].motion.joint[j];
-    const int kept = j >= n_body || mechanism.method == FB_METHOD_MULTIPLIERS;
     for (int i = 0; i < axes_of(joint->kind) && joint->kind != FB_JOINT_FREE; i++) {
       const double second = (double)fbl_unit(1.0, 0, slides(joint->kind, i), -1);
       const int jumps = fabs((double)path[4].motion.joint[j].value[i] - (double)path[0].motion.joint[j].value[i]) > 1.0;
@@ -1118,7 +1159,7 @@ static double joints(double h)
         miss = larger(miss, fabs(SLOPE(motion.joint[j].value[i]) - (double)at->speed[i]) /
                                 (fabs((double)at->speed[i]) + second));
       }
-      if (!kept) {
+      if (j < n_body) {
         const double unit = (double)fbl_unit(1.0, 0, slides(joint->kind, i), -2);
         miss = larger(miss, fabs(SLOPE(motion.joint[j].speed[i]) - (double)at->acceleration[i]) /
                                 (fabs((double)at->acceleration[i]) + unit));
@@ -1649,8 +1690,8 @@ static double over(const fb_real *a, const fb_real *b, int n, double unit)
 static double boosted_for; /* [s] since the start of b, of a scene that flies along */
 
 /* Largest difference of two looks over the size of what is compared, by bodies of the scene. a is one of the plain scene,
-   b as fbl_seen has it; slots: those of a; forces: of joints, too. */
-static double looks_differ(const look *a, const look *b, const int *slots, int with_forces)
+   b as fbl_seen has it; joints_of_a: where a has the tree's joints; forces: of joints, too. */
+static double looks_differ(const look *a, const look *b, const int *joints_of_a, int with_forces)
 {
   double miss = 0.0;
   const double length = (double)fbl_unit(size, 0, 1, 0), speed = (double)fbl_unit(size, 0, 1, -1);
@@ -1678,7 +1719,7 @@ static double looks_differ(const look *a, const look *b, const int *slots, int w
       miss = larger(miss, over(alpha, q->angular_acceleration, 3, (double)fbl_unit(1.0, 0, 0, -2)));
     }
     if (with_forces) {
-      const fb_joint_motion *const p = &a->motion.joint[slots[k]], *const q = &b->motion.joint[slot[k]];
+      const fb_joint_motion *const p = &a->motion.joint[joints_of_a[k]], *const q = &b->motion.joint[joint_slot[k]];
       fb_real f[3], t[3];
       fbl_inertial_polar(f, (double)p->force[0], (double)p->force[1], (double)p->force[2], 1, 1, -2);
       fbl_inertial_axial(t, (double)p->torque[0], (double)p->torque[1], (double)p->torque[2], 1, 2, -2);
@@ -1693,14 +1734,14 @@ static double looks_differ(const look *a, const look *b, const int *slots, int w
 static double seen_as(const fbl_view *view)
 {
   static look first, second;
-  int slots[BODIES_MOST], level[FBL_FEATURES];
+  int joints_of_first[BODIES_MOST], level[FBL_FEATURES];
   double step, miss;
   fb_status status;
   memcpy(level, now, sizeof level);
   fbl_plain();
   fbl_seen.undeformed = view->undeformed;
   FBL_TRY(draw(level));
-  memcpy(slots, slot, sizeof slots);
+  memcpy(joints_of_first, joint_slot, sizeof joints_of_first);
   step = 0.1 * step_of(&status, 0);
   FBL_TRY(status);
   FBL_TRY(motion_of(&first, step, STEPS));
@@ -1708,7 +1749,7 @@ static double seen_as(const fbl_view *view)
   FBL_TRY(draw(level));
   FBL_TRY(motion_of(&second, step * view->s, STEPS));
   boosted_for = STEPS * step;
-  miss = looks_differ(&first, &second, slots, 1);
+  miss = looks_differ(&first, &second, joints_of_first, 1);
   boosted_for = 0.0;
   fbl_plain();
   return miss;
@@ -1785,7 +1826,8 @@ static double start_differs(const look *first)
   static fb_system_input in;
   input_fill(&in, 0.0);
   FBL_TRY(look_at(&second, &state, &in));
-  return looks_differ(first, &second, slot, now[LOOP] == NO_LOOP); /* forces in redundant loops are not unique */
+  return looks_differ(first, &second, slot,
+                      now[LOOP] == NO_LOOP); /* of the tree; forces in redundant loops are not unique */
 }
 
 static double other_methods(double h)
@@ -1793,22 +1835,25 @@ static double other_methods(double h)
   static look first;
   static fb_system_input in;
   double miss = 0.0;
-  int n;
+  int level[FBL_FEATURES];
   (void)h;
+  memcpy(level, now, sizeof level);
+  put(level, METHOD, AS_LOOPS, AS_LOOPS, FB_METHOD_RECURSIVE);
+  FBL_TRY(near_by(level));
   input_fill(&in, 0.0);
   FBL_TRY(look_at(&first, &state, &in));
   start_from(&first);
-  n = mechanism.method == FB_METHOD_MULTIPLIERS ? FB_METHOD_MULTIPLIERS
-      : rows_of(now) > FB_MAX_ROWS              ? FB_METHOD_DENSE
-                                                : FB_METHOD_MULTIPLIERS;
-  for (int m = 0; m <= n; m++) {
+  for (int m = 0; m <= (may_be_loops(now) ? AS_LOOPS : FB_METHOD_DENSE); m++) {
     double own;
-    if (m == (int)mechanism.method || (m == FB_METHOD_DENSE && now[BODIES] > 2 && now[MADE] >= IMPORTED)) {
+    if (m == now[METHOD] || (m == FB_METHOD_DENSE && now[BODIES] > 2 && now[MADE] >= IMPORTED)) {
       continue;
     }
-    desc.method = (fb_method)m;
+    desc.method = m == FB_METHOD_DENSE ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
     FBL_TRY(system_make());
     FBL_TRY(state_draw(&in));
+    if (m == AS_LOOPS) {
+      FBL_TRY(joints_to_loops());
+    }
     own = start_differs(&first);
     if (own < 0.0) {
       return own;
@@ -1827,7 +1872,7 @@ static double closed_joints(double h)
   fb_joint_desc *const d = &desc.joint[s], *const loop = &desc.loop[desc.n_loop];
   fb_link_motion *const m = &start[s];
   (void)h;
-  if (k == 0 || kind[k] == FB_JOINT_FREE || mechanism.method == FB_METHOD_MULTIPLIERS || desc.n_loop > 1) {
+  if (k == 0 || kind[k] == FB_JOINT_FREE || now[METHOD] == AS_LOOPS || desc.n_loop > 1) {
     return FBL_NONE;
   }
   input_fill(&in, 0.0);
@@ -1885,6 +1930,7 @@ static double locked_joints(double h)
   memcpy(level, now, sizeof level);
   put(level, MODE, FB_AXIS_FREE, FB_AXIS_FREE, FB_AXIS_LOCKED);
   put(level, MODE, FB_AXIS_PRESCRIBED, FB_AXIS_PRESCRIBED, SOME_MODES);
+  put(level, METHOD, AS_LOOPS, AS_LOOPS, FB_METHOD_RECURSIVE);
   FBL_TRY(near_by(level));
   (void)h;
   input_fill(&in, 0.0);
@@ -2105,7 +2151,7 @@ static double dirt(double h)
   FBL_TRY(dirty_run(&end[0], &seen[0], step, -1));
   for (int k = 0; k < FBL_COUNT(byte); k++) {
     if (dirty_run(&end[1], &seen[1], step, byte[k]) != FB_OK || links_differ(&end[0], &end[1]) ||
-        !(looks_differ(&seen[0], &seen[1], slot, 1) <= 0.0)) {
+        !(looks_differ(&seen[0], &seen[1], joint_slot, 1) <= 0.0)) {
       return 1.0;
     }
   }
@@ -2127,7 +2173,7 @@ static int trim(fb_status *status)
 {
   int spins, level[FBL_FEATURES];
   memcpy(level, now, sizeof level);
-  put(level, METHOD, FB_METHOD_MULTIPLIERS, FB_METHOD_MULTIPLIERS, FB_METHOD_RECURSIVE);
+  put(level, METHOD, AS_LOOPS, AS_LOOPS, FB_METHOD_RECURSIVE);
   put(level, CALLBACK, 0, ROWS, NO_CALLBACK);
   put(level, GRAVITY, FBL_CENTER, FBL_CENTER, FBL_GRAVITY);
   put(level, WHEEL, 0, 1, 0);
@@ -2342,7 +2388,7 @@ static fb_status digest(void)
   fb_status status;
   const double step = fbl_step(0.1 * step_of(&status, 0));
   /* where an open loop closes depends on the rows taken for independent; a center is of double precision alone */
-  if (desc.n_loop > 0 || now[GRAVITY] == FBL_CENTER) {
+  if (loops_of(now) > 0 || now[GRAVITY] == FBL_CENTER) {
     return FB_ERR_UNSUPPORTED;
   }
   status = status ? status : motion_of(&end, step, STEPS);
