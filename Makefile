@@ -16,7 +16,6 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_fla
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
-HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
            advise symbols threads two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard laws
@@ -207,23 +206,62 @@ clean:
 
 vpath %.c examples $(wildcard examples/*)
 
-build/examples/%: %.c $(HEADERS) $(LIBRARY) build/flags | build/examples
-	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
+# The library once for each configuration: as it is by default, that of the tool (and of larger examples), that of the
+# papers' beams. Examples define FLEXBEAM_IMPLEMENTATION, so that each compiles alone; here that is left to the object.
+SHARED   = $(FLAGS) $(CFLAGS) -MMD -MP
+LARGER   = assembly elastica flap follower rotor rotor_flap whirl leigh ground_resonance rotor_flight tutorial_import campaign_mpi
+PAPERS   = spinup table1
+OF_THEIR_OWN = quickstart firmware tutorial_firmware page # the single file; a model in ROM, or a page, with the smallest library
 
-build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o)
+build/library/double.o build/library/single.o: flexbeam.h build/flags | build/library
+	echo '#include "flexbeam.h"' | $(CC) $(SHARED) -MT $@ -MF $(@:.o=.d) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -DFB_WITH_DETAIL=1 -DFLEXBEAM_IMPLEMENTATION -c -o $@ -x c -
+
+build/library/papers.o: flexbeam.h examples/papers/capacities.h build/flags | build/library
+	echo '#include "flexbeam.h"' | $(CC) $(SHARED) -MT $@ -MF $(@:.o=.d) -DFLEXBEAM_CONFIG='"examples/papers/capacities.h"' -DFLEXBEAM_IMPLEMENTATION -c -o $@ -x c -
+
+# For FMUs, too, whose symbols are nobody else's.
+build/library/tool.o: examples/tools/library.c build/flags | build/library
+	$(CC) $(SHARED) -fPIC -fvisibility=hidden -c -o $@ $<
+
+build/examples/%.o: %.c build/flags | build/examples
+	$(if $(filter campaign_mpi,$*),mpicc,$(CC)) $(SHARED) -DFLEXBEAM_IMPL_INCLUDED -c -o $@ $<
+
+$(LARGER:%=build/examples/%): build/library/tool.o
+$(PAPERS:%=build/examples/%): build/library/papers.o
+$(filter-out $(LARGER:%=build/examples/%) $(PAPERS:%=build/examples/%) $(OF_THEIR_OWN:%=build/examples/%),$(EXAMPLES:%=build/examples/%)): build/library/double.o
+$(filter-out $(OF_THEIR_OWN:%=build/examples/%),$(EXAMPLES:%=build/examples/%)): build/examples/%: build/examples/%.o
+	$(if $(filter campaign_mpi,$*),mpicc,$(CC)) $(CFLAGS) -o $@ $^ -lm
+
+build/examples/quickstart build/examples/page: build/examples/%: %.c build/flags | build/examples
+	$(CC) $(SHARED) -MT $@ -MF $@.d -o $@ $< -lm
+
+build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-build/tool/%.o: %.c $(HEADERS) $(LIBRARY) build/flags | build/tool
-	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
+# What costs time is the library.
+QUICKLY = $(SHARED:-O2=-O1)
+
+build/tool/%.o: %.c build/flags | build/tool
+	$(CC) $(QUICKLY) -c -o $@ $<
+
+# The FMU of every scene (examples/fmu/fmu.c).
+build/tool/fmu2.so build/tool/fmu3.so: build/tool/fmu%.so: build/tool/fmu%.o build/library/tool.o
+	$(CC) $(CFLAGS) -shared -o $@ $^ -lm
+
+build/tool/fmu2.o build/tool/fmu3.o: build/tool/fmu%.o: fmu%.c build/tool/fmu_config.h build/flags | build/tool
+	$(CC) $(QUICKLY) -w -fPIC -fvisibility=hidden -DFMU_LINKED -Ibuild/tool -Iexamples/fmu/fmi$* -c -o $@ $<
+
+build/tool/fmu_config.h: | build/tool
+	@printf '#define FMU_OF_A_SCENE 1\n#define FMU_STATIC 0\n' > $@
 
 # The model in ROM says itself which configuration it takes.
 build/examples/satellite_rom.h: examples/satellite.txt build/flexbeam | build/examples
 	build/flexbeam reduce $< --single --out $@
 
-build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h examples/firmware/craft.h
-build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h $(LIBRARY) build/flags
-	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
-	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/firmware/board/%.c,$^) -lm
+build/examples/firmware: examples/firmware/board/desktop.c
+build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h build/flags
+	$(CC) $(SHARED) -MT $@ -MF $@.d -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
+	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $(filter %.c,$^) -lm
 
 # What a benchmark says of itself: its flags, its commit.
 BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
@@ -238,38 +276,30 @@ build/bench/bench_peers_mujoco_double: LIBS = -lmujoco
 build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
-build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) examples/common/clock.h examples/common/options.h $(wildcard examples/common/*.h) $(LIBRARY) build/flags
-	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
+-include $(wildcard build/*/*.d)
 
-build/examples/page: bench/case.h bench/check.h
+build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch] examples/common/*.h) $(LIBRARY) build/flags
+	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
 build/page/flexbeam.html: $(wildcard examples/page/*) bench/case.h bench/check.h $(wildcard examples/common/*.h) $(LIBRARY) | build/page
 	@sh examples/page/pack.sh $@
-
-build/examples/campaign_mpi: examples/campaign/campaign_mpi.c $(HEADERS) $(LIBRARY) build/flags | build/examples
-	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 build/test_runner: $(TESTS:tests/%.c=build/tests/%.o)
 build/test_forms: $(TESTS:tests/%.c=build/tests/forms/%.o)
 build/test_runner build/test_forms:
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-LAWS = $(notdir $(basename $(wildcard tests/laws/*.c))) library
-build/laws: $(LAWS:%=build/laws_of_double/%.o)
-build/laws_single: $(LAWS:%=build/laws_of_single/%.o)
+LAWS = $(notdir $(basename $(wildcard tests/laws/*.c)))
+build/laws: $(LAWS:%=build/laws_of_double/%.o) build/library/double.o
+build/laws_single: $(LAWS:%=build/laws_of_single/%.o) build/library/single.o
 build/laws build/laws_single:
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-LAWS_FLAGS = $(FLAGS) $(CFLAGS) -DFB_WITH_DETAIL=1 -DFB_SINGLE=$(if $(findstring single,$@),1,0)
+build/laws_of_double/%.o: tests/laws/%.c build/flags | build/laws_of_double
+	$(CC) $(SHARED) -DFB_WITH_DETAIL=1 -c -o $@ $<
 
-build/laws_of_double/library.o build/laws_of_single/library.o: $(LIBRARY) build/flags | build/laws_of_double build/laws_of_single
-	echo '#include "flexbeam.h"' | $(CC) $(LAWS_FLAGS) -DFLEXBEAM_IMPLEMENTATION -c -o $@ -x c -
-
-build/laws_of_double/%.o: tests/laws/%.c tests/laws/laws.h flexbeam.h build/flags | build/laws_of_double
-	$(CC) $(LAWS_FLAGS) -c -o $@ $<
-
-build/laws_of_single/%.o: tests/laws/%.c tests/laws/laws.h flexbeam.h build/flags | build/laws_of_single
-	$(CC) $(LAWS_FLAGS) -c -o $@ $<
+build/laws_of_single/%.o: tests/laws/%.c build/flags | build/laws_of_single
+	$(CC) $(SHARED) -DFB_WITH_DETAIL=1 -DFB_SINGLE=1 -c -o $@ $<
 
 build/tests/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests
 	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
@@ -299,7 +329,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/laws_of_double build/laws_of_single:
+build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/laws_of_double build/laws_of_single:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -331,13 +361,13 @@ SANITIZE = gcc $(FLAGS) -Werror -O1 -fsanitize=address,undefined -fno-sanitize-r
 build/sanitized/%.o: tests/checks/hostile_sizes.h $(LIBRARY) | build/sanitized
 	echo '#include "flexbeam.h"' | $(SANITIZE) -include $< -DFLEXBEAM_IMPLEMENTATION $(if $(findstring single,$@),-DFB_SINGLE=1,-DFB_WITH_FORMS=1) -c -o $@ -x c -
 
-check-fmu: build/flexbeam
+check-linear check-long check-scene check-hil check-aero: build/library/double.o
 
 check-page: build/examples/page
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-check-linear check-import check-packages: build/flexbeam
+$(addprefix check-,advise bits code code_hostile code_tree compile firmware fmu import linear packages parts rom scene): build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

@@ -576,6 +576,19 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #endif
 #endif
 
+/* Before a variable: each thread has its own. */
+#if defined(__cplusplus)
+#define FBI_THREAD thread_local
+#elif defined(__GNUC__)
+#define FBI_THREAD __thread
+#elif defined(_MSC_VER)
+#define FBI_THREAD __declspec(thread)
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+#define FBI_THREAD _Thread_local
+#else
+#define FBI_THREAD
+#endif
+
 /* Capacities that follow from the options. */
 #define FBI_WITH_QUADRATIC (FB_WITH_SPIN_STIFFENING || FB_WITH_ACCELERATION_STIFFENING)
 #define FBI_WITH_SHAPE_INERTIA (FB_WITH_RESIDUAL_INERTIA || FBI_WITH_QUADRATIC)

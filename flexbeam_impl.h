@@ -131,17 +131,6 @@ FB_DEF const char *fb_status_string(fb_status status)
 /* FBI_REFUSE(status, what, index, have, need) is that status; with FB_WITH_DETAIL it is recorded with the rest, else
    the rest is not evaluated. FBI_REFUSE_AT: and with `at`. A static function records the public one entered last. */
 #if FB_WITH_DETAIL
-#if defined(__cplusplus)
-#define FBI_THREAD thread_local
-#elif defined(__GNUC__)
-#define FBI_THREAD __thread
-#elif defined(_MSC_VER)
-#define FBI_THREAD __declspec(thread)
-#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
-#define FBI_THREAD _Thread_local
-#else
-#define FBI_THREAD
-#endif
 static FBI_THREAD fb_detail fbi_detail = {FB_OK, "", "", -1, FB_R(0.0), FB_R(0.0), FB_R(0.0), -1};
 static FBI_THREAD const char *fbi_entered = "";
 

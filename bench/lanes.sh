@@ -5,9 +5,9 @@ set -eu
 out=build/lanes
 mkdir -p $out
 printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects full damping\ndamping 0.01\nlength 10\nelements 12\nmodes bend_y 3 bend_z 3\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' > $out/boom.txt
-gcc -std=c99 -O1 -I. -o $out/reduce -Dreduce_main=main examples/tools/reduce.c -lm
-$out/reduce $out/boom.txt --name generated --code --lanes --vary stiffness,damping,mass,hub_mass,hub_inertia --out $out/code.h 2> $out/log
-$out/reduce $out/boom.txt --name generated --out $out/rom.h 2> $out/log
+make -s build/flexbeam
+build/flexbeam reduce $out/boom.txt --name generated --code --lanes --vary stiffness,damping,mass,hub_mass,hub_inertia --out $out/code.h 2> $out/log
+build/flexbeam reduce $out/boom.txt --name generated --out $out/rom.h 2> $out/log
 sed -i '/^#define generated_crc/d' $out/rom.h # code.h has the same
 echo " lanes  library M/s   single M/s    lanes M/s   single:1    lanes:1"
 for options in "" "-mavx2" "-mavx512f"; do

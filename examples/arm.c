@@ -10,7 +10,6 @@
    have no damping of their own: what dies out is the controller's doing.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_BODIES 2
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "arm"

@@ -1,8 +1,7 @@
 /* assembly - from parts to a whole: two beams joined to a frame (synthesis), the same frame as one bent line, a column
    that buckles, a component whose tip is a boundary, a damped spinning blade. Each against its closed form or its other
    form. Exit: 0 when all agree. */
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 12
+#include "tools/capacities.h" /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include "common/output.h"

@@ -4,7 +4,7 @@
    constant along any such beam, M^2/2EI + N^2/2EA + Q^2/2GA + N of the internal loads, whatever its shape.
    Exit: 0 well, 1 a check failed or there is no such state, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_EXACT 200
+#include "tools/capacities.h"   /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "elastica"
@@ -27,7 +27,7 @@ static const char help[] = "elastica - a cantilever under a tip moment or force 
                            "  --moment M     at the tip (2 pi EI/L, a full circle; 0 where a force is given)\n"
                            "  --force F      at the tip, across the undeformed beam (0)\n"
                            "  --follower 1   the force turns with the tip (0)\n"
-                           "  --elements N   1 to 200 (40)\n"
+                           "  --elements N   1 to 400 (40)\n"
                            "  --out FILE     CSV of the shapes: x, y, z, a block for each tenth of the load "
                            "(elastica.csv), picture beside it\n"
                            "  --help         this text\n";

@@ -5,7 +5,7 @@
    twice the elements.
    Exit: 0 well, 1 a check failed or a step was too long, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_EXACT 200
+#include "tools/capacities.h"   /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "flap"

@@ -5,7 +5,7 @@
    Checks: the bent beam against its own differential equation, integrated from the tip; Beck's load.
    Exit: 0 well, 1 a check failed, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_EXACT 200
+#include "tools/capacities.h"   /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "follower"
@@ -28,7 +28,7 @@ static const char help[] =
     "  --ga GA        0: rigid (2.2222e7 lb)\n"
     "  --mass M       per length (0.001522 lb s^2/in^2)\n"
     "  --force F      largest force across the tip (1000 lb)\n"
-    "  --elements N   2 to 200 (40)\n"
+    "  --elements N   2 to 400 (40)\n"
     "  --out FILE     CSV of the shapes by tenths of the force (follower.csv); beside it _flutter.csv, the first two\n"
     "                 frequencies by the pressing force; pictures\n"
     "  --help         this text\n";

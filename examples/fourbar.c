@@ -5,8 +5,6 @@
    twice a turn, where the loop alone does not say how it moves on: its momentum does.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_BODIES 3
-#define FB_MAX_LOOPS 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "fourbar"

@@ -9,9 +9,7 @@
    the shaft. Its flap in vacuum: rotor_flap.c.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options or a file that cannot be written. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_BODIES 9         /* hub, four crosses, four blades */
-#define FB_MAX_LOADS 16         /* four strips on each blade */
-#define FB_MAX_MODES 4
+#include "tools/capacities.h"   /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "rotor"

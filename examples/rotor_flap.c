@@ -4,8 +4,7 @@
    Check: nu^2 = 1 + e S/I of rigid blades (first and second moment S, I of a blade's mass about its hinge), which
    flexible ones nearly have.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options. */
-#define FB_MAX_BODIES 9 /* hub, four crosses, four blades */
-#define FB_MAX_MODES 4
+#include "tools/capacities.h" /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "rotor_flap"

@@ -3,7 +3,7 @@
    a body, and the frequencies of the free satellite, which are not those of the wing on a fixed interface.
    Check: on a fixed interface the frequencies of the file; free ones above them, mode by mode; a push changes momentum
    by its impulse. Run it at the top of the project, or name the file. Exit: 0 well, 1 a check failed, 2 a bad file. */
-#define FB_MAX_NODES 16
+#include "tools/capacities.h" /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include <errno.h>

@@ -7,9 +7,8 @@
    characteristic equation of R. P. Coleman and A. M. Feingold (NACA report 1351, 1958); growth of runs without and with
    dampers against that equation; below and above the range the run does not grow.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options or a file that cannot be written. */
-#define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_BODIES 9         /* slide, carriage, hub, up to six blades */
-#define FB_MAX_MODES 1
+#define _POSIX_C_SOURCE 200809L  /* popen, for gnuplot */
+#include "../tools/capacities.h" /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #define PROGRAM "ground_resonance"

@@ -5,9 +5,8 @@
    Checks: frequencies of the hinges and of torsion [A12], [A13]; trim, flap and hub moments of stiff blades against
    rigid ones in closed form [A11], in hover and in flight; blades that bend and twist are trimmed to the same.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options or a file that cannot be written. */
-#define _POSIX_C_SOURCE 200809L /* output.h */
-#define FB_MAX_BODIES 9         /* hub, four crosses, four blades */
-#define FB_MAX_MODES 4
+#define _POSIX_C_SOURCE 200809L  /* output.h */
+#include "../tools/capacities.h" /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #define PROGRAM "rotor_flight"

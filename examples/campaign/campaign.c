@@ -5,7 +5,6 @@
    As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any
    other; a worker that is free gets the next run. campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
-#define FLEXBEAM_STATIC
 #define PROGRAM "campaign"
 #define PROGRAM_LANES 1
 #define CAMPAIGN_COMMAND "flexbeam campaign"

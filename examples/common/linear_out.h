@@ -10,6 +10,7 @@
 #ifndef LINEAR_OUT_H
 #define LINEAR_OUT_H
 #include "output.h"
+#include "../tools/inside.h"
 #include <math.h>
 
 #ifndef LINEAR_OUT_PORTS

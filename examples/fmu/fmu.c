@@ -2,7 +2,6 @@
    the interface of FMI 2.0 or 3.0, compiled for the machine at hand, described and packed. POSIX (fork, mkdtemp, uname); wants cc, and zip or python3.
    Exit: 0 well, 1 the model cannot be built or packed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
-#define FLEXBEAM_STATIC
 static int fmu_fmi; /* version of FMI */
 #define FMU_INTERFACE ((unsigned)fmu_fmi)
 #include "fmu_scene.h"
@@ -248,9 +247,13 @@ static const char *const interfaces[2][5] = {
     {"examples/fmu/fmu3.c", "examples/fmu/fmi3/fmi3Functions.h", "examples/fmu/fmi3/fmi3FunctionTypes.h",
      "examples/fmu/fmi3/fmi3PlatformTypes.h", NULL}};
 
+static time_t sources_changed; /* when, at the latest, of those that were copied */
+
 /* Files of the project, up to NULL, into that folder; folder NULL: into their own below `sources`. */
 static int copy_sources(const char *const *list, const char *folder_name, const char *sources)
 {
+  char path[MAX_PATH];
+  struct stat there;
   int failed = 0;
   for (int k = 0; list[k] && !failed; k++) {
     const char *const slash = strrchr(list[k], '/');
@@ -258,6 +261,10 @@ static int copy_sources(const char *const *list, const char *folder_name, const 
     snprintf(to, sizeof to, "%.60s/%.90s", folder_name ? folder_name : "sources",
              folder_name && slash ? slash + 1 : list[k]);
     failed = folder_copy(to, sources, list[k]);
+    snprintf(path, sizeof path, "%.880s/%.128s", sources, list[k]);
+    if (stat(path, &there) == 0 && there.st_mtime > sources_changed) {
+      sources_changed = there.st_mtime;
+    }
   }
   return failed;
 }
@@ -302,6 +309,8 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                     "examples/common/section_doubt.h",
                                     "examples/common/stepper.h",
                                     "examples/common/text.h",
+                                    "examples/tools/capacities.h",
+                                    "examples/tools/inside.h",
                                     "examples/tools/model.h",
                                     "examples/tools/exact_text.h",
                                     "examples/scene/control.h",
@@ -404,6 +413,18 @@ static int is_packed(const char *path)
     (void)fclose(file);
   }
   return packed;
+}
+
+/* What make has built for the FMUs of all scenes, if it is not older than the sources and the compiler is not chosen
+   by CC; else NULL. */
+static const char *find_built(char path[MAX_PATH], const fmu_export *e, const char *sources)
+{
+  const char *const cc = getenv("CC");
+  struct stat there;
+  snprintf(path, MAX_PATH, "%.880s/build/tool/fmu%d.so", sources, e->fmi);
+  return !e->body && !e->is_static && !(cc && *cc) && stat(path, &there) == 0 && there.st_mtime >= sources_changed
+             ? path
+             : NULL;
 }
 
 /* Into binaries/, where `binary` may be there already. */
@@ -825,6 +846,7 @@ static int read_option(void *to, const char *name, const char *text)
 static int export_fmu(fmu_export *e, const char *file, const options *o)
 {
   const int is_scene = !e->body;
+  char built[MAX_PATH];
   int status;
   snprintf(folder.path, sizeof folder.path, "%s.XXXXXX", o->out);
   watch_signals();
@@ -834,7 +856,8 @@ static int export_fmu(fmu_export *e, const char *file, const options *o)
   }
   status = is_scene && (write_resources(e, file, o->step) || open_scene(e));
   status = status || (is_scene ? write_scene_sources : write_sources)(e, o->sources) ||
-           write_documents(e, o->sources) || compile(e, o->binary) || pack(o->out, e);
+           write_documents(e, o->sources) || compile(e, o->binary ? o->binary : find_built(built, e, o->sources)) ||
+           pack(o->out, e);
   folder_remove();
   if (status && stopped) {
     fprintf(stderr, "fmu: stopped by a signal, %s is as it was\n", o->out);

@@ -1,7 +1,9 @@
 /* fmu2.c - a flexible body or a scene as a co-simulation FMU of FMI 2.0: the interface around fmu_core.h. Written into each FMU
    beside its model (build/flexbeam fmu); compile this file alone, C99, with the math library. */
 #include "fmu_config.h"
+#ifndef FMU_LINKED /* with an object of the library, by make */
 #define FLEXBEAM_STATIC
+#endif
 #define FMU_INTERFACE 2
 #if FMU_OF_A_SCENE
 #include "fmu_scene.h"

@@ -3,8 +3,8 @@
    Everything is in inches, pounds and seconds as printed, and nothing is tuned to a case: no units, no tolerances, no
    increments. A comparison fails where our error is above the printed one by more than its rounding.
    Exit: 0 well, 1 a comparison failed, 2 bad options or files that are missing. */
-#define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_STATIONS 121     /* of the tapered rod */
+#define _POSIX_C_SOURCE 200809L  /* popen, for gnuplot */
+#include "../tools/capacities.h" /* of build/flexbeam: larger models than by default */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #define PROGRAM "leigh"
@@ -142,6 +142,7 @@ static void must(fb_status status, const char *what)
 
 /* ---- the beams, and what is read off them */
 
+enum { TAPER_STATIONS = 121 };
 static const double density = 0.098 / 386.4, poisson = 0.35, aluminum = 1e7; /* [lb s^2/in^4], -, [psi] */
 
 /* Width along y, height along z; the shear area is the whole area, as in [L] D.2, torsion by Saint-Venant. */
@@ -263,9 +264,9 @@ static void rod_solve(const rod *r, int n)
   const double stiffness[6] = {aluminum * A, G * A, G * A, 2 * G * I, aluminum * I, aluminum * I};
   const double inertia[6] = {density * A, density * A, density * A, 2 * density * I, density * I, density * I};
   beam_uniform(r->length, n, stiffness, inertia);
-  beam_desc.n_station = r->taper > 0 ? FB_MAX_STATIONS : 1;
+  beam_desc.n_station = r->taper > 0 ? TAPER_STATIONS : 1;
   for (int s = 0; s < beam_desc.n_station && r->taper > 0; s++) {
-    const double h = r->length / (FB_MAX_STATIONS - 1);
+    const double h = r->length / (TAPER_STATIONS - 1);
     fb_exact_station *const station = &beam_desc.station[s];
     station->x = (fb_real)(h * s);
     for (int i = 0; i < 6; i++) {

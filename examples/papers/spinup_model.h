@@ -4,9 +4,7 @@
    one file. */
 #ifndef SPINUP_MODEL_H
 #define SPINUP_MODEL_H
-#define FB_WITH_FORMS 1
-#define FB_MAX_MODES 40
-#define FB_MAX_STRAINS 60
+#include "capacities.h"
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include "../common/boom.h"

@@ -2,7 +2,6 @@
    lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the motion left the model or a
    file could not be written; 2 bad options, or a file that makes no sense; 130, 143: SIGINT, SIGTERM stopped the run. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FLEXBEAM_STATIC
 #include "scene_run.h"
 #define PROGRAM "scene"
 #include "../common/options.h"

@@ -1,19 +1,7 @@
 /* scene_parts.h - what a scene is made of. See scene.h. */
 #ifndef SCENE_PARTS_H
 #define SCENE_PARTS_H
-#define FB_MAX_MODES 24
-#define FB_MAX_NODES 24
-#define FB_MAX_LOADS 32
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_MAX_STRAINS 60
-#define FB_MAX_BODIES 12
-#define FB_MAX_LOOPS 4
-#define FB_MAX_SPRINGS 12
-#define FB_MAX_EXACT 100
-#define FB_WITH_FORMS 1
-#define FB_WITH_DETAIL 1
-#define FLEXBEAM_IMPLEMENTATION
+#include "../tools/capacities.h"
 #include "../../flexbeam.h"
 #include "../tools/model.h"
 #include "../common/clear.h"

@@ -2,12 +2,7 @@
    compile and the lines of C that follow. The body is one of those flexbeam reduce reads.
    Exit: 0 well, 1 no advice, or what was found misses the tolerance, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
+#include "capacities.h"
 #include "../../flexbeam.h"
 #include "model.h"
 #define PROGRAM "advise"

@@ -2,12 +2,7 @@
    The body is one of those flexbeam reduce reads; its base is free, pinned, hinged or prescribed as the file says.
    Exit: 0 well, 1 it cannot be analyzed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
+#include "capacities.h"
 #include "../../flexbeam.h"
 #include "model.h"
 #define PROGRAM "analyse"

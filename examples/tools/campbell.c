@@ -3,11 +3,7 @@
    field is brought to rest in the turning frame and linearized there: complex modes, with the gyroscopic terms.
    Exit: 0 well, 1 the model failed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 20
-#define FB_MAX_STATIONS 200
-#define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
+#include "capacities.h"
 #include "../../flexbeam.h"
 #include "../common/refusal.h"
 #include "../common/boom.h"
@@ -169,7 +165,7 @@ static int read_blade(const options *o)
 static int describe(const options *o)
 {
   beam_desc.length = (fb_real)o->length;
-  beam_desc.n_element = o->blade ? 12 : FB_MAX_ELEMENTS;
+  beam_desc.n_element = o->blade ? 12 : 20;
   beam_desc.n_station = 1;
   beam_desc.station[0].mass = (fb_real)(o->mass / o->length);
   beam_desc.station[0].EI_y = beam_desc.station[0].EI_z = (fb_real)o->ei;

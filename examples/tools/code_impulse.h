@@ -78,7 +78,7 @@ static void rows_write_pairs(const code *w, code_value y[FB_MAX_MODES][3], const
 static const fb_real *rows_table(const fb_body *body, const fb_node *node, int turns)
 {
 #if FBI_WITH_QUADRATIC
-  if (body->effects & FBI_QUADRATIC_EFFECTS) {
+  if (body->effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) {
     return turns ? node->chi_theta : node->chi;
   }
 #endif

@@ -2,9 +2,7 @@
    examples/tools/README.md lists the words; examples/bend45.txt is one.
    Exit: 0 well, 1 no such state, 2 bad options or file. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_EXACT 400
-#define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
+#include "capacities.h"
 #include "../../flexbeam.h"
 #include "../common/refusal.h"
 #define PROGRAM "exact"

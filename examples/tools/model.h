@@ -2,6 +2,7 @@
    Include flexbeam.h first. Everything is static: one model at a time. */
 #ifndef MODEL_H
 #define MODEL_H
+#include "inside.h"
 #include "../common/clear.h"
 #include "../common/refusal.h"
 #include "../common/section_doubt.h"

@@ -2,12 +2,7 @@
    The desktop does the model building; the target includes the header and steps.
    Exit: 0 well, 1 the model cannot be built, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L /* stat */
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
+#include "capacities.h"
 #include "../../flexbeam.h"
 #include "model.h"
 #include "code.h"

@@ -1,5 +1,5 @@
-/* words.h - the words of build/flexbeam. Each is a translation unit with a main of its own and a private copy of the
-   library (FLEXBEAM_STATIC) with the capacities that it needs; -Dreduce_main=main compiles `reduce` alone. */
+/* words.h - the words of build/flexbeam. Each is a translation unit with a main of its own; all are linked with
+   library.c. `cc -Dreduce_main=main reduce.c library.c` is `reduce` alone. */
 #ifndef WORDS_H
 #define WORDS_H
 

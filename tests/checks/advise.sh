@@ -3,14 +3,11 @@
 # exit status); its lines of a description give a model that takes the configuration it prints, its lines of C compile
 # and run; what makes no sense is refused.
 . tests/checks/common.sh
-for program in advise reduce; do
-  try ${CC:-cc} $c99 -O1 -o "$out/$program" -D${program}_main=main examples/tools/$program.c -lm
-done
 
 scenes=0
 met=0
 scene() {
-  try "$out/advise" "$@" --simulate
+  try build/flexbeam advise "$@" --simulate
   scenes=$((scenes + 1))
   met=$((met + $(grep -c '^ found ' "$out/log")))
 }
@@ -29,7 +26,7 @@ word() {
   sed -n "s/^  $1 /$1 /p" "$out/advice"
 }
 sed -e "s/^modes .*/$(word modes)/" -e "s/^effects .*/$(word effects)/" examples/boom.txt > "$out/body.txt"
-try "$out/reduce" "$out/body.txt" --out "$out/body.h"
+try build/flexbeam reduce "$out/body.txt" --out "$out/body.h"
 grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/advice" > "$out/flags"
 sed '/^#/,$d' "$out/body.h" | grep -o -e '-DFB_[A-Z_]*=[0-9]*' | cmp - "$out/flags" ||
   fail "the flags are not those of flexbeam reduce"
@@ -43,18 +40,18 @@ try ${CC:-cc} $c99 -O1 -DLINES="\"$out/lines.h\"" -DWORK=$work -o "$out/lines" t
 try "$out/lines"
 
 # large deflection: the line of modes has the points that they want, and a body takes it
-try "$out/advise" examples/boom.txt --base prescribed --force 1,0,0,200 --frequency 0.05
+try build/flexbeam advise examples/boom.txt --base prescribed --force 1,0,0,200 --frequency 0.05
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" > "$out/advice"
 grep -q '^  effects large' "$out/advice" && grep -q '^  modes bend_z [1-9] points [1-9]' "$out/advice" ||
   fail "no points of large deflection: $(cat "$out/advice")"
 sed -e "s/^modes .*/$(word modes)/" -e "s/^effects .*/$(word effects)/" examples/boom.txt > "$out/body.txt"
-try "$out/reduce" "$out/body.txt" --out "$out/body.h"
+try build/flexbeam reduce "$out/body.txt" --out "$out/body.h"
 
 refused=0
 sed -e '/^line/d' -e 's/^effects full/effects spin/' examples/panel.txt > "$out/panel.txt"
 while read -r options; do
   status=0
-  "$out/advise" $options > "$out/log" 2>&1 || status=$?
+  build/flexbeam advise $options > "$out/log" 2>&1 || status=$?
   [ $status = 2 ] && [ "$(wc -l < "$out/log")" = 1 ] || { cat "$out/log"; fail "status $status of advise $options"; }
   refused=$((refused + 1))
 done << 'END'

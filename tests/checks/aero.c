@@ -2,7 +2,6 @@
    section table [A1], Jones' lag against Theodorsen's function [A2], loads of a strip beyond stall [A3], the gust [A6],
    inflow by momentum theory [A7], multiblade coordinates [A9]. aero.sh runs it. */
 #define _XOPEN_SOURCE 700 /* Bessel's functions */
-#define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include <complex.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 # Wings and rotors in air: each program checks itself against what is published or closed forms, and says so by its exit
 # status; aero.c checks what they do not use.
 . tests/checks/common.sh
-try ${CC:-cc} $c99 -O1 -o "$out/parts" tests/checks/aero.c -lm
+try ${CC:-cc} $c99 -O1 -o "$out/parts" tests/checks/aero.c build/library/double.o -lm
 "$out/parts" > "$out/log" || fail "$(grep FAILED "$out/log")"
 count=$(grep -c ' ok$' "$out/log")
 for program in wing_goland ground_resonance rotor_flight; do

@@ -17,9 +17,8 @@ precision() {
 # rom single|double [large]: the satellite's header and the configuration it takes; large: with lines of large deflection
 rom() {
   precision "$1"
-  [ -x "$out/reduce" ] || try gcc $c99 -O0 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
   sed "s/effects full damping/effects ${2:-full} damping/" examples/satellite.txt > "$out/satellite.txt"
-  try "$out/reduce" "$out/satellite.txt" $([ "$1" = double ] || echo --single) --out "$model/satellite_rom.h"
+  try build/flexbeam reduce "$out/satellite.txt" $([ "$1" = double ] || echo --single) --out "$model/satellite_rom.h"
   configuration="-I$model $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$model/satellite_rom.h")"
 }
 

@@ -17,7 +17,6 @@ bound_lines=37000 # 6 modes and 6 points of a geometrically exact line
 bound_board_6=7500 # on a Cortex-M4F, single precision
 bound_board_12=19000
 flags="-DFB_MAX_MODES=12 -DFB_MAX_NODES=8 -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
-try gcc $c99 -O0 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
@@ -29,8 +28,8 @@ central= # mu of gravity of a center
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
-  try "$out/reduce" "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
-  try "$out/reduce" "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${3:-} --out "$out/code.h"
+  try build/flexbeam reduce "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
+  try build/flexbeam reduce "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${3:-} --out "$out/code.h"
 }
 
 # agree OPTIMIZATION [--single]: what was generated with the library; sets worst
@@ -216,8 +215,8 @@ vary() {
   number=$(echo "$3" | tr ',' '\n' | grep -n '^damping$' | cut -d : -f 1)
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" $options -f tests/checks/code.awk > "$out/changed.txt"
-  try "$out/reduce" "$out/random.txt" --name generated --code --vary "$3" ${loads:+--loads $loads} ${5:-} --out "$out/code.h"
-  try "$out/reduce" "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
+  try build/flexbeam reduce "$out/random.txt" --name generated --code --vary "$3" ${loads:+--loads $loads} ${5:-} --out "$out/code.h"
+  try build/flexbeam reduce "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
   given="${tolerance:+-DTOLERANCE=$tolerance} ${loads:+-DLOADED} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"
   agree -O0 ${5:-}
   varied=$((varied + 1))
@@ -271,16 +270,16 @@ largest=$polynomial
 
 # refuse_vary WHY LIST [DESCRIPTION]: names that are none, or that the body has not
 refuse_vary() {
-  ! "$out/reduce" "${3:-$out/random.txt}" --code --vary "$2" --out "$out/none.h" 2> "$out/log" || fail "--vary $2 is taken"
+  ! build/flexbeam reduce "${3:-$out/random.txt}" --code --vary "$2" --out "$out/none.h" 2> "$out/log" || fail "--vary $2 is taken"
   grep -q -- "$1" "$out/log" || fail "--vary $2: $(tail -n 1 "$out/log")"
   [ ! -e "$out/none.h" ] || fail "--vary $2: a file is written"
 }
 refuse_vary "wants names" stiffness,weight
-! "$out/reduce" "$out/random.txt" --code --vary stiffness --vary mass --out "$out/none.h" 2> "$out/log" || fail "--vary is taken twice"
+! build/flexbeam reduce "$out/random.txt" --code --vary stiffness --vary mass --out "$out/none.h" 2> "$out/log" || fail "--vary is taken twice"
 grep -q "all names at once" "$out/log" || fail "--vary twice: $(tail -n 1 "$out/log")"
 refuse_vary "wants names" mass,mass
 refuse_vary "wants names" ""
-! "$out/reduce" "$out/random.txt" --vary mass > "$out/log" 2>&1 || fail "--vary without --code is taken"
+! build/flexbeam reduce "$out/random.txt" --vary mass > "$out/log" 2>&1 || fail "--vary without --code is taken"
 grep -q -- "an option of --code" "$out/log" || fail "--vary without --code: $(tail -n 1 "$out/log")"
 sed 's/^effects.*/effects large damping/' "$out/random.txt" > "$out/other.txt"
 refuse_vary "stiffness and damping only" stiffness,mass "$out/other.txt"
@@ -297,7 +296,7 @@ refuse_vary "with rotors varies" mass examples/satellite_wheels.txt
 
 # refuse_loads WHY LIST [OPTION]
 refuse_loads() {
-  ! "$out/reduce" "$out/other.txt" ${3:---code} --loads "$2" --out "$out/none.h" > "$out/log" 2>&1 || fail "--loads $2 is taken"
+  ! build/flexbeam reduce "$out/other.txt" ${3:---code} --loads "$2" --out "$out/none.h" > "$out/log" 2>&1 || fail "--loads $2 is taken"
   grep -q -- "$1" "$out/log" || fail "--loads $2: $(tail -n 1 "$out/log")"
   [ ! -e "$out/none.h" ] || fail "--loads $2: a file is written"
 }
@@ -327,10 +326,10 @@ lanes() {
 }
 given=-DNUMBER=double
 awk -v seed=3 -v effects="full damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
-try "$out/reduce" "$out/random.txt" --name generated --code --lanes --out "$out/code.h"
+try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --out "$out/code.h"
 lanes -mavx2
 given="-DNUMBER=double -DVARY"
-try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
+try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
 for width in 1 2 4 8; do
   lanes -Dgenerated_LANES=$width
 done
@@ -345,30 +344,30 @@ if command -v arm-none-eabi-gcc > /dev/null; then
 fi
 for base_is in pinned prescribed; do
   awk -v seed=5 -v effects="full damping gravity" -v base=$base_is -f tests/checks/code.awk > "$out/random.txt"
-  try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
+  try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
   lanes -Dgenerated_LANES=4
 done
 base_is=free
 given="-DNUMBER=double"
 awk -v seed=3 -v effects="full damping" -v base=free -v rotors="0 2 1g" -f tests/checks/code.awk > "$out/wheels.txt"
-try "$out/reduce" "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
+try build/flexbeam reduce "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
 lanes -Dgenerated_LANES=4
 lanes -mavx2 -Dgenerated_LANES=4
 for base_is in free pinned prescribed; do
   awk -v seed=3 -v effects="full damping" -v base=$base_is -v rotors="0 2 1g" -v central=400 -f tests/checks/code.awk > "$out/wheels.txt"
-  try "$out/reduce" "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
+  try build/flexbeam reduce "$out/wheels.txt" --name generated --code --lanes --out "$out/code.h"
   lanes -Dgenerated_LANES=4
 done
 base_is=free
 given="-DNUMBER=float -DVARY"
 sed -i 's/^base.*/base free/' "$out/random.txt"
-try "$out/reduce" "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
+try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
 lanes -Dgenerated_LANES=4
 given=
-! "$out/reduce" "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
+! build/flexbeam reduce "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
 grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
 sed 's/^effects.*/effects large damping gravity/' "$out/random.txt" > "$out/other.txt"
-! "$out/reduce" "$out/other.txt" --code --lanes > "$out/log" 2>&1 || fail "lanes of lines are taken"
+! build/flexbeam reduce "$out/other.txt" --code --lanes > "$out/log" 2>&1 || fail "lanes of lines are taken"
 grep -q -- "choose effects up to full" "$out/log" || fail "lanes of lines: $(tail -n 1 "$out/log")"
 
 # on_board: instructions of a step of what was generated, in single precision; sets count
@@ -405,7 +404,7 @@ list=
 field=
 boom() {
   printf 'beam\n%s\nhub 500 0 0 0 80 80 80\nbase free\neffects %s\nlength 10\nelements 12\nmodes bend_y %s bend_z %s%s\nstations x mass EI_y EI_z\n0 1.2 14004 14004\nend\n' "$field" "${2:-full}" $1 $1 "${3:+ points $3}" > "$out/boom.txt"
-  try "$out/reduce" "$out/boom.txt" --name generated --code ${list:+--vary "$list"} --out "$out/code.h"
+  try build/flexbeam reduce "$out/boom.txt" --name generated --code ${list:+--vary "$list"} --out "$out/code.h"
   sed 's/return generated_step.*/s.L[2] = s.L[0] = 30; s.q[0] = 0.05; for (int k = 0; k < 50; k++) { if (generated_step(\&s, 0, 0, 0, 1e-3)) { return 1; } } return 0; }/'"${list:+;s/generated_step(/&\\&m, /; s/generated_state s;/& generated_model m; generated_model_init(\\&m, 0);/}" \
     "$out/main.c" > "$out/count.c"
   (ulimit -t 5 && try gcc $c99 -O2 -I"$out" -o "$out/count" "$out/count.c" -lm) || fail "$1 + $1 modes: more than 5 s to compile"
@@ -425,7 +424,7 @@ count_falls=$count
 field=
 boom 3
 count_6=$count
-try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
+try build/flexbeam reduce "$out/boom.txt" --name generated --code --single --out "$out/code.h"
 on_board
 board_6=$count
 count=$count_6
@@ -437,7 +436,7 @@ list=
 [ $((10 * count_varied)) -le $((11 * count_6)) ] || fail "6 modes with parameters: $count_varied instructions, more than 1.1 times $count_6"
 boom 6
 count_12=$count
-try "$out/reduce" "$out/boom.txt" --name generated --code --single --out "$out/code.h"
+try build/flexbeam reduce "$out/boom.txt" --name generated --code --single --out "$out/code.h"
 on_board
 board_12=$count
 [ "$count_12" -le $bound_12 ] || fail "12 modes: $count_12 instructions, more than $bound_12"
@@ -445,8 +444,8 @@ board_12=$count
 [ "$board_12" -le $bound_board_12 ] || fail "12 modes on the board: $board_12 instructions, more than $bound_board_12"
 
 # the satellite with three wheels, of which one turns: instructions, and those of fb_rk4_step
-try "$out/reduce" examples/satellite_wheels.txt --name generated --code --out "$out/code.h"
-try "$out/reduce" examples/satellite_wheels.txt --name generated --out "$out/rom.h"
+try build/flexbeam reduce examples/satellite_wheels.txt --name generated --code --out "$out/code.h"
+try build/flexbeam reduce examples/satellite_wheels.txt --name generated --out "$out/rom.h"
 cat > "$out/count.c" <<'END'
 #include "flexbeam.h"
 #define generated_IMPLEMENTATION
@@ -487,7 +486,7 @@ refuse() {
   shift
   printf '%s\n' "$@" | cat - "$out/boom.txt" | awk '{ word = $1 } word == "effects" || word == "base" { if (seen[word]++) next } { print }' \
     | awk 'NR == 1 { first = $0; next } $1 == "beam" { print "beam"; print first; next } { print }' > "$out/other.txt"
-  ! "$out/reduce" "$out/other.txt" --code --out "$out/none.h" 2> "$out/log" || fail "$what is taken"
+  ! build/flexbeam reduce "$out/other.txt" --code --out "$out/none.h" 2> "$out/log" || fail "$what is taken"
   grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
   [ ! -e "$out/none.h" ] || fail "$what: a file is written"
 }
@@ -500,13 +499,13 @@ refuse_rotor() {
     cat "$out/random.txt"
     printf '%s\n' "$@" "axis 1 0 0" "inertia 0.1" end
   } > "$out/other.txt"
-  ! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "$what is taken"
+  ! build/flexbeam reduce "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "$what is taken"
   grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
 }
 awk -v seed=4 -v effects="large damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
 refuse_rotor "a rotor with an imbalance" "rotor wheel" "static_imbalance 1e-4"
 refuse_rotor "a rotor on a line" "rotor wheel 2"
 sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/; s/^effects.*/effects large/' "$out/boom.txt" > "$out/other.txt"
-! "$out/reduce" "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity of lines is taken"
+! build/flexbeam reduce "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity of lines is taken"
 grep -q -- "--code: central_gravity of effects large" "$out/log" || fail "central gravity of lines: $(tail -n 1 "$out/log")"
 ok "43 models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning, $fields by gravity of a center to $attracted, $count_falls instructions at 4 modes; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

@@ -5,7 +5,6 @@
 . tests/checks/common.sh
 need gcc gcc
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
-try gcc $c99 -O1 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 
 # attack WHAT OPTION...: code.h
@@ -26,7 +25,7 @@ attack() {
 # body SEED EFFECTS BASE OPTIONS [OPTION...]: of reduce, of the compiler
 body() {
   awk -v seed="$1" -v effects="$2" -v base="$3" -v rotors="${rotors:-}" -f tests/checks/code.awk > "$out/body.txt"
-  try "$out/reduce" "$out/body.txt" --name generated --code $4 --out "$out/code.h"
+  try build/flexbeam reduce "$out/body.txt" --name generated --code $4 --out "$out/code.h"
   what="seed $1, $2, $3 $4"
   shift 4
   attack "$what" "$@"

@@ -230,7 +230,6 @@ call='generated_step(&s, 0, 0, 0, 1)'
 main
 
 # Scenes: one that is written, compiled and the same as before; then each with something that is refused.
-try gcc $c99 -O0 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
 # scene LINE...: hub and array, with other lines at the end
 scene() {
   {
@@ -242,7 +241,7 @@ scene() {
   } > "$out/scene.txt"
 }
 scene
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 grep -q 'integrator auto: the step is that of rk4' "$out/log" || fail "integrator auto: $(cat "$out/log")"
 grep -q 'body_1: array, 3 modes, revolute on hub' "$out/generated.h" || fail "the head of a scene's step"
 mv "$out/generated.h" "$out/code.h"
@@ -253,8 +252,8 @@ for effects in "full damping" "large damping"; do
 ' scene "output angle coordinate hinge 1" "rotor fly hub" "axis 0.3 0 1" "inertia 4" "speed 30" "end"
   sed -i -e 's/^body hub.*/&\n  start_attitude 0 0 1 30\n  start_spin 0.1 0.05 0.02\n  start_velocity 1 2 3/' -e 's/^body array.*/&\n  start_mode 1 0.02 0.1/' \
     -e 's/^duration 1/duration 0.1\nstep 0.0001\nintegrator rk4/' "$out/scene.txt"
-  try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
-  try "$out/scene" "$out/scene.txt" --out "$out/way.csv"
+  try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
+  try build/flexbeam scene "$out/scene.txt" --out "$out/way.csv"
   printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 0, 1e-4)) { return 1; } } printf("%%.17g\\n", s.body_1.x[0]); return 0; }\n' > "$out/way.c"
   try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
   "$out/way" > "$out/end.txt" || fail "$effects: a step from the start is refused"
@@ -339,10 +338,10 @@ output angle coordinate hinge 1
 output speed speed hinge 1
 output energy energy kinetic
 END
-try "$out/scene" "$out/crank.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/crank.txt" --code "$out/generated.h"
 grep -q 'motor, value and rate of joints (from line 12) are inputs' "$out/log" && grep -q 'motor and momentum of rotors (from line 19) are inputs' "$out/log" ||
   fail "what the caller gives: $(cat "$out/log")"
-try "$out/scene" "$out/crank.txt" --out "$out/way.csv"
+try build/flexbeam scene "$out/crank.txt" --out "$out/way.csv"
 driven "a crank that turns" 'in.body_0.value[0] = 2 * t; in.body_0.rate[0] = 2; in.body_1.motor[0] = 0.3; in.body_1.rotor_motor[0] = 0.02;' \
   's.body_1.x[0], m.body_1.speed[0], e.kinetic'
 
@@ -386,10 +385,10 @@ output energy energy strain
 END
 for scheme in rk4 sdirk; do
   sed -i "s/^integrator .*/integrator $scheme/" "$out/muscles.txt"
-  try "$out/scene" "$out/muscles.txt" --code "$out/generated.h"
+  try build/flexbeam scene "$out/muscles.txt" --code "$out/generated.h"
   grep -q 'pull of springs (from line 20) are inputs' "$out/log" || fail "muscles: $(cat "$out/log")"
   ! grep -q 'integrator auto' "$out/log" || fail "the scene says which integrator"
-  try "$out/scene" "$out/muscles.txt" --out "$out/way.csv"
+  try build/flexbeam scene "$out/muscles.txt" --out "$out/way.csv"
   driven "muscles by $scheme" 'in.pull_0 = 3; in.pull_1 = 2;' 's.body_0.x[0], s.body_1.x[0], e.strain'
 done
 
@@ -420,14 +419,14 @@ output energy energy strain
 END
 for scheme in rk4 sdirk; do
   sed -i "s/^integrator .*/integrator $scheme/" "$out/tether.txt"
-  try "$out/scene" "$out/tether.txt" --code "$out/generated.h"
-  try "$out/scene" "$out/tether.txt" --out "$out/way.csv"
+  try build/flexbeam scene "$out/tether.txt" --code "$out/generated.h"
+  try build/flexbeam scene "$out/tether.txt" --out "$out/way.csv"
   driven "a tether by $scheme" 'in.pull_0 = 4;' 's.body_0.x[0], s.body_0.x[1], e.strain'
 done
 
 # one that a controller alone pulls
 scene "spring strut hub array.tip" "stiffness 1" "length 3" "end" "output angle coordinate hinge 1" "control rein" "sample 0.01" "input angle" "pid 1 0 0" "output pull strut" "end"
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 grep -q 'double pull_0;' "$out/generated.h" || fail "a controlled actuator is no input"
 
 # and where one of several axes of what flies moves at once, by both integrators
@@ -455,8 +454,8 @@ output angle coordinate knee 1
 output speed speed knee 1
 output energy energy kinetic
 END
-  try "$out/scene" "$out/knee.txt" --code "$out/generated.h"
-  try "$out/scene" "$out/knee.txt" --out "$out/way.csv"
+  try build/flexbeam scene "$out/knee.txt" --code "$out/generated.h"
+  try build/flexbeam scene "$out/knee.txt" --out "$out/way.csv"
   driven "a prescribed axis of several by $scheme" 'in.body_1.value[1] = 0.5 * t; in.body_1.rate[1] = 0.5; in.body_1.motor[0] = 0.3;' \
     's.body_1.x[0], m.body_1.speed[0], e.kinetic'
 done
@@ -495,8 +494,8 @@ output angle coordinate foot 1
 output speed speed knee 1
 output energy energy kinetic
 END
-try "$out/scene" "$out/pin.txt" --code "$out/generated.h"
-try "$out/scene" "$out/pin.txt" --out "$out/way.csv"
+try build/flexbeam scene "$out/pin.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/pin.txt" --out "$out/way.csv"
 driven "a loop that is turned" 'in.loop_0.value[0] = 0.5 * (t - sin(31.4159265358979324 * t) / 31.4159265358979324); in.loop_0.rate[0] = 0.5 * (1 - cos(31.4159265358979324 * t));' \
   's.body_0.x[0], m.body_1.speed[0], e.kinetic'
 
@@ -536,32 +535,32 @@ output angle coordinate foot 1
 output speed speed far 1
 output energy energy kinetic
 END
-try "$out/scene" "$out/rest.txt" --code "$out/generated.h"
-try "$out/scene" "$out/rest.txt" --out "$out/way.csv"
+try build/flexbeam scene "$out/rest.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/rest.txt" --out "$out/way.csv"
 driven "a loop at rest" 'in.body_2.value[0] = 0.5 * (t - sin(31.4159265358979324 * t) / 31.4159265358979324); in.body_2.rate[0] = 0.5 * (1 - cos(31.4159265358979324 * t));' \
   's.body_0.x[0], m.body_2.speed[0], e.kinetic'
 
 scene 'integrator sdirk' 'step 0.01'
 call='generated_step(&s, 0, 0, 1)'
 main
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 grep -q 'their step of sdirk, by the equations of fb_system_sdirk_step' "$out/generated.h" || fail "the head of a step of SDIRK"
 mv "$out/generated.h" "$out/code.h"
 compile
-try "$out/scene" "$out/scene.txt" --lanes --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --lanes --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
 effects="large damping"
 scene 'integrator sdirk' 'step 0.01'
 effects=
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
 call='generated_step(&s, 0, 0, 0, 1)'
 main
 # written SCENE: it compiles
 written() {
-  try "$out/scene" "$out/$1.txt" --code "$out/generated.h"
+  try build/flexbeam scene "$out/$1.txt" --code "$out/generated.h"
   mv "$out/generated.h" "$out/code.h"
   compile
 }
@@ -571,7 +570,7 @@ refuse() {
   what=$1 file=$2
   shift 2
   scene "$@"
-  ! "$out/scene" "$out/scene.txt" --code "$out/$file" 2> "$out/log" || fail "$what is taken"
+  ! build/flexbeam scene "$out/scene.txt" --code "$out/$file" 2> "$out/log" || fail "$what is taken"
   grep -q -e "$what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
   [ ! -e "$out/$file" ] || fail "$what: a file is written"
   refused=$((refused + 1))
@@ -579,13 +578,13 @@ refuse() {
 refuse "--code: load and nudge" none.h "load hub base force 1 0 0"
 # loads at nodes: their lines are inputs where --loads names them
 scene "load array.tip base force 1 0 0" "load hub.side dead torque 1 0 0" "load hub base force 1 0 0"
-try "$out/scene" "$out/scene.txt" --loads hub.side,array.tip,hub --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --loads hub.side,array.tip,hub --code "$out/generated.h"
 [ "$(grep -c 'force_1\[3\]\|torque_1\[3\]' "$out/generated.h")" = 4 ] || fail "loads at nodes are no inputs"
 mv "$out/generated.h" "$out/code.h"
 compile
 # refuse_loads LIST WORDS: of the scene above
 refuse_loads() {
-  ! "$out/scene" "$out/scene.txt" --loads "$1" --code "$out/none.h" 2> "$out/log" && grep -q -e "$2" "$out/log" || fail "--loads $1: $(tail -n 1 "$out/log")"
+  ! build/flexbeam scene "$out/scene.txt" --loads "$1" --code "$out/none.h" 2> "$out/log" && grep -q -e "$2" "$out/log" || fail "--loads $1: $(tail -n 1 "$out/log")"
   refused=$((refused + 1))
 }
 refuse_loads array.tip "load and nudge: the caller gives them as input, by --loads hub.side,hub (line"
@@ -595,7 +594,7 @@ refuse_loads hub.none "hub.none: body hub has no such node; it has 1 or side, an
 refuse_loads hub.2 "hub.2: body hub has no such node"
 refuse_loads none.side "none.side: there is no body none"
 refuse_loads hub.side,hub.side "hub.side: named twice"
-! "$out/scene" "$out/scene.txt" --loads hub 2> "$out/log" && grep -q -e "--loads belongs to --code" "$out/log" || fail "--loads alone"
+! build/flexbeam scene "$out/scene.txt" --loads hub 2> "$out/log" && grep -q -e "--loads belongs to --code" "$out/log" || fail "--loads alone"
 scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "load wheel base torque 0 0 1"
 refuse_loads wheel "wheel: loads would turn with it, a wheel"
 refuse "--code: event" none.h "event 1 lock hinge 1"
@@ -619,7 +618,7 @@ loop pin revolute array.tip tail
 end'
 written bars
 scene "loop pin spherical ground array.tip" "  position 4.8 0 0" "end"
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 ! grep -q 'lost_u' "$out/generated.h" || fail "a frame that stands still has a velocity"
 mv "$out/generated.h" "$out/code.h"
 compile
@@ -646,7 +645,7 @@ grounded 'loop pin revolute hub array.tip
   position 4.8 0 0
   motor 1 constant 1
 end'
-! "$out/scene" "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q "motor of a loop: choose one on a joint of the tree (line" "$out/log" || fail "a motor of a loop: $(cat "$out/log")"
+! build/flexbeam scene "$out/bars.txt" --code "$out/none.h" 2> "$out/log" && grep -q "motor of a loop: choose one on a joint of the tree (line" "$out/log" || fail "a motor of a loop: $(cat "$out/log")"
 refuse "C identifier" 9.h
 refuse "C identifier" fb_step.h
 for mode in locked prescribed; do
@@ -663,7 +662,7 @@ line=
 effects="large damping" scene "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end"
 written scene
 effects=
-try "$out/scene" "$out/scene.txt" --lanes --loads array.tip --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --lanes --loads array.tip --code "$out/generated.h"
 mv "$out/generated.h" "$out/code.h"
 compile
 scene "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end" \
@@ -672,7 +671,7 @@ written scene
 refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 refuse "hub: a rotor with an imbalance" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
 scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "rotor fly hub" "axis 1 0 0" "inertia 0.1" "speed 100" "end"
-try "$out/scene" "$out/scene.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 grep -q 'rotor_motor\[1\]' "$out/generated.h" || fail "a scene's rotor has no motor"
 mv "$out/generated.h" "$out/code.h"
 compile
@@ -680,17 +679,17 @@ balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 
 refuse "25 axes of joints: choose at most 24" none.h "$balls"
 refuse "28 axes of joints and modes that move a joint: choose at most 24" none.h "$(printf '%s' "$balls" | sed 's/hub ball8/array.tip ball8/')"
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint weld rigid ground hub\nend\n' > "$out/still.txt"
-! "$out/scene" "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move" "$out/log" || fail "a body at rest: $(cat "$out/log")"
+! build/flexbeam scene "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move" "$out/log" || fail "a body at rest: $(cat "$out/log")"
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint turn revolute ground hub\n  mode prescribed\nend\n' > "$out/still.txt"
-! "$out/scene" "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move by itself" "$out/log" || fail "a crank alone: $(cat "$out/log")"
+! build/flexbeam scene "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move by itself" "$out/log" || fail "a crank alone: $(cat "$out/log")"
 printf 'duration 1\nbody hub beam\n  length 4\n  stations x mass EI_y EI_z\n    0 3 400 3000\n  end\n  modes bend_y 2\nend\njoint weld rigid ground hub\nend\n' > "$out/clamped.txt"
 written clamped
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\n' > "$out/one.txt"
-! "$out/scene" "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
+! build/flexbeam scene "$out/one.txt" --code "$out/none.h" 2> "$out/log" && grep -q "one body without a joint" "$out/log" || fail "one body: $(cat "$out/log")"
 # on a free joint it is a tree, also of sdirk: 1,000 steps end where the scene does
 printf 'duration 0.1\nstep 0.0001\nintegrator sdirk\nbody hub beam\n  length 4\n  stations x mass EI_y EI_z\n    0 3 400 3000\n  end\n  hub 800  0 0 0  400 300 500\n  modes bend_y 2\n  damping 0.01\n  effects full damping\n  start_mode 1 0.01\n  start_spin 0.1 0.2 0.05\nend\njoint base free ground hub\nend\noutput q mode hub 1\n' > "$out/one.txt"
-try "$out/scene" "$out/one.txt" --code "$out/generated.h"
-try "$out/scene" "$out/one.txt" --out "$out/way.csv"
+try build/flexbeam scene "$out/one.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/one.txt" --out "$out/way.csv"
 printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 1e-4)) { return 1; } } printf("%%.17g\\n", s.body_0.q[0]); return 0; }\n' > "$out/way.c"
 try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
 "$out/way" > "$out/end.txt" || fail "one body by sdirk: a step is refused"
@@ -726,8 +725,8 @@ output angle coordinate hinge 1
 output side position hub y
 output energy energy total
 END
-try "$out/scene" "$out/orbit.txt" --code "$out/generated.h"
-try "$out/scene" "$out/orbit.txt" --out "$out/way.csv"
+try build/flexbeam scene "$out/orbit.txt" --code "$out/generated.h"
+try build/flexbeam scene "$out/orbit.txt" --out "$out/way.csv"
 printf '#include <stdio.h>\n#define generated_IMPLEMENTATION\n#include "generated.h"\nint main(void) { generated_state s; generated_motion m; generated_energy e; generated_start(&s); for (int k = 0; k < 1000; k++) { if (generated_step(&s, 0, 0, 0, 0.8)) { return 1; } } generated_motion_eval(&m, &s, 0); generated_energy_eval(&e, &s, 0); printf("%%.17g %%.17g %%.17g\\n", s.body_1.x[0], m.body_0.position[1], e.kinetic + e.strain + e.gravity); return 0; }\n' > "$out/way.c"
 try gcc $c99 -O1 -I"$out" -o "$out/way" "$out/way.c" -lm
 "$out/way" > "$out/end.txt" || fail "a low orbit: a step is refused"
@@ -735,10 +734,10 @@ awk -F, -v own="$(cat "$out/end.txt")" 'END { split(own, x, " "); for (i = 1; i 
   "$out/way.csv" || fail "a low orbit: $(cat "$out/end.txt"), the scene $(tail -n 1 "$out/way.csv")"
 mv "$out/generated.h" "$out/code.h"
 compile
-! "$out/scene" "$out/orbit.txt" --single --code "$out/none.h" 2> "$out/log" && grep -q "central_gravity of bodies on joints in single precision" "$out/log" ||
+! build/flexbeam scene "$out/orbit.txt" --single --code "$out/none.h" 2> "$out/log" && grep -q "central_gravity of bodies on joints in single precision" "$out/log" ||
   fail "central gravity in single precision: $(tail -n 1 "$out/log")"
 refused=$((refused + 1))
-! "$out/scene" "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
-! "$out/scene" "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
+! build/flexbeam scene "$out/scene.txt" --single 2> "$out/log" && grep -q -e "--single belongs to --code" "$out/log" || fail "--single alone"
+! build/flexbeam scene "$out/scene.txt" --code "$out/none.h" --out "$out/none.csv" 2> "$out/log" && grep -q -e "--code runs nothing" "$out/log" || fail "--out beside --code"
 [ ! -e "$out/none.h" ] && [ ! -e "$out/none.csv" ] || fail "--out beside --code: a file is written"
 ok "$trees trees agree with the library to $largest (single $single), lanes with single steps to the last bit; a step takes $hinge instructions for a hinged body, $booms for two booms of 4 modes, $arm for an arm of two links of 2 modes, $bars for four bars, $deploys for four on a free hub, $tether for a hub on two tethers, $wheels for two wheels and a boom on a hub, $turning for a hub and a mast with rotors and a boom, $falls for a hub and a boom in gravity of a center, $lines for a boom of large deflection with 6 modes and 6 points; SDIRK of $implicit stiff trees $largest_sdirk (single $single_sdirk), a step $hinge_sdirk, $booms_sdirk, $stiff_sdirk with a stiff hinge, $wheels_sdirk with wheels, $arm_sdirk for the arm; $refused scenes refused"

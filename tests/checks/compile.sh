@@ -12,8 +12,7 @@ need clang clang
 count=0
 programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e bench/lanes.c)
 inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c"
-try gcc -std=c99 -I. -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
-try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
+try build/flexbeam reduce examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
 body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
 

@@ -44,7 +44,7 @@ for precision in single double; do
   rom $precision
   most_code=$bound_code most_step=$bound_step
   flies $precision
-  try "$out/reduce" "$out/satellite.txt" --code $([ $precision = double ] || echo --single) --out "$model/satellite_code.h"
+  try build/flexbeam reduce "$out/satellite.txt" --code $([ $precision = double ] || echo --single) --out "$model/satellite_code.h"
   most_code=$bound_generated_code most_step=$bound_generated_step
   flies generated_$precision -DGENERATED=1
   arm-none-eabi-nm "$out/firmware.elf" | grep -E ' fb_(rk4|body)' && fail "a step of the library beside the generated one"

@@ -2,12 +2,7 @@
    the step functions themselves. A line of hexadecimal numbers after each communication step: all outputs of the FMU,
    in the order of its variables.
    usage: fmu FILE DT STEPS INTEGRATOR COUNT  (INTEGRATOR 1 to 4; COUNT communication steps of STEPS steps of DT) */
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_STATIC
-#define FB_WITH_DETAIL 1
+#include "examples/tools/capacities.h"
 #include "flexbeam.h"
 #include "examples/tools/model.h"
 #include <stdlib.h>

@@ -62,7 +62,7 @@ for cc in gcc clang; do # the headers of FMI are not ours: they have no warnings
 done
 sed 's/^damping 0.003/damping 0.006/' examples/satellite.txt > "$out/damped.txt"
 grep -q '^damping 0.006' "$out/damped.txt" || fail "examples/satellite.txt has no damping 0.003"
-try gcc $c99 -O1 -o "$out/reference" tests/checks/fmu.c -lm
+try gcc $c99 -O1 -o "$out/reference" tests/checks/fmu.c build/library/tool.o -lm
 try env CC="gcc -O0" build/flexbeam fmu examples/satellite.txt --out "$out/again.fmu"
 for part in modelDescription.xml sources/fmu_model.h; do # the same model: the same token, the same texts
   for fmu in satellite2 again; do

@@ -68,7 +68,7 @@ try mips-linux-gnu-gcc $c99 -O2 -static -o "$out/hil_mips" tests/checks/hil.c -l
 try qemu-mips "$out/hil_mips"
 
 # More steps seem slow than there is room for: none of those that are not repeated counts as slow.
-try gcc $c99 -O1 -o "$out/suspects" tests/checks/hil_suspects.c -lm
+try gcc $c99 -O1 -o "$out/suspects" -DFLEXBEAM_IMPL_INCLUDED tests/checks/hil_suspects.c build/library/double.o -lm
 try "$out/suspects"
 
 try "$plant" --simulated-time direct --seconds 30 --out "$out/direct.csv"

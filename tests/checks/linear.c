@@ -1,7 +1,6 @@
 /* linear.c - linear models of C, by examples/common/linear_out.h: a spinning beam with a rotor, bodies on joints that turn
    and slide, one of them in a loop, and an exact beam that spins and is bent. Writes FOLDER/spinning.json, FOLDER/exact.json
    and FOLDER/system.json, the first two as CSV, too, and prints the complex modes that the library finds: model, re, im. */
-#define FLEXBEAM_IMPLEMENTATION
 #define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
 #include "../../examples/common/linear_out.h"

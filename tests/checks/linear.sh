@@ -11,7 +11,7 @@ done
 [ -n "$python" ] || fail "needs NumPy and SciPy (apt-get install python3-numpy python3-scipy)"
 octave-cli -q --eval 'pkg load control' > /dev/null 2>&1 || fail "needs Octave's control package (apt-get install octave-control)"
 
-try ${CC:-cc} $c99 -O0 -o "$out/linear" tests/checks/linear.c -lm
+try ${CC:-cc} $c99 -O0 -o "$out/linear" tests/checks/linear.c build/library/double.o -lm
 try "$out/linear" "$out"
 cp "$out/log" "$out/modes.txt"
 try ${CC:-cc} $c99 -DFB_SINGLE=1 -fsyntax-only tests/checks/linear.c

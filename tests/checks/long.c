@@ -2,9 +2,8 @@
    four-bar with a flexible coupler through its whole turns. Prints what momentum, energy and closure have lost; exits 1
    beyond the bounds: momenta 1e-9 of the largest there was, energy less motor work 1e-6 of the largest kinetic energy,
    closure 1e-10 m. Usage: long STEPS */
-#define FLEXBEAM_IMPLEMENTATION
-#define FB_MAX_MODES 4
 #include "../../flexbeam.h"
+#include <string.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

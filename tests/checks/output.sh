@@ -60,7 +60,7 @@ for program in $(basename -s .c examples/*.c examples/*/*.c); do
     ;;
   assembly | firmware) unprinted $program ;;
   campaign_mpi) ;; # mpirun has its standard output
-  fmu2 | fmu3) ;;   # no programs: they go into FMUs
+  fmu2 | fmu3 | library) ;; # no programs: they go into FMUs, and the tool
   *) unprinted $program --help ;;
   esac
 done

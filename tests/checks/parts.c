@@ -1,14 +1,6 @@
 /* parts.c - bodies of parts read from text files against the same models by C calls.
    usage: parts FOLDER, into which it writes; rom.h is examples/two_booms.txt by flexbeam reduce. */
-#define FB_MAX_MODES 24
-#define FB_MAX_ELEMENTS 40
-#define FB_MAX_STATIONS 200
-#define FB_WITH_NONLINEAR_STRAIN 0
-#define FB_WITH_SYSTEM 0
-#define FB_WITH_EXACT 0
-#define FB_WITH_ANALYSE 0
-#define FB_WITH_DETAIL 1
-#define FLEXBEAM_IMPLEMENTATION
+#include "../../examples/tools/capacities.h"
 #include "../../flexbeam.h"
 #include "../../examples/tools/model.h"
 #include "rom.h"

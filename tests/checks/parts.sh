@@ -3,32 +3,29 @@
 # advise and analyse take it; what is wrong with a file is told with its line.
 . tests/checks/common.sh
 need gcc gcc
-for program in reduce advise analyse; do
-  try ${CC:-cc} $c99 -O1 -o "$out/$program" -D${program}_main=main examples/tools/$program.c -lm
-done
-try "$out/reduce" examples/two_booms.txt --name rom_body --out "$out/rom.h"
+try build/flexbeam reduce examples/two_booms.txt --name rom_body --out "$out/rom.h"
 grep -q 'left: effective mass' "$out/log" || fail "reduce tells nothing of the left boom"
-try gcc $c99 -I"$out" -O1 -o "$out/parts" tests/checks/parts.c -lm
+try gcc $c99 -I"$out" -O1 -o "$out/parts" tests/checks/parts.c build/library/tool.o -lm
 try "$out/parts" "$out"
 figures=$(tail -n 1 "$out/log")
 
 # roots of the equation of a hub with two beams: both bend along y or z, or against each other; two modes of a plane are a little stiffer
-try "$out/analyse" examples/two_booms.txt --modes 10
+try build/flexbeam analyse examples/two_booms.txt --modes 10
 awk 'BEGIN { split("0.556348344 0.556348344 0.985076724 1.07648635", hz, " ") }
   $1 == "mode" { reads = 1; next } !/^ *[0-9]/ { reads = 0 } reads && $4 > 0.1 && k < 4 { k++; off = $4 / hz[k] - 1; wrong += off < -1e-5 || off > 6e-4 }
   END { exit k != 4 || wrong > 0 }' "$out/log" || fail "other frequencies than in closed form: $(cat "$out/log")"
-try "$out/advise" examples/two_booms.txt --torque 0,0,0,5 --frequency 0.1
+try build/flexbeam advise examples/two_booms.txt --torque 0,0,0,5 --frequency 0.1
 grep -q '^ *[0-9]* *bend_y .* left ' "$out/log" && grep -q '^  beam left:$' "$out/log" || fail "advise does not name the parts"
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" | grep -A1 '^  beam' | grep -q '^    modes bend_y' || fail "advise does not say which modes of a part"
 
 # damping of parts whose modes are not orthogonal counts modes by frequency, others by coordinate: nothing is selected among them
 sed -e 's/^effects full$/effects full damping/' -e '/position 0.5 0 0.1/s/$/\n  damping 0.01/' -e '/position 0.7 -1.1 0.4/s/$/\n  damping 0.03/' \
   "$out/placed.txt" > "$out/damped.txt"
-try "$out/reduce" "$out/damped.txt" --out "$out/damped.h"
+try build/flexbeam reduce "$out/damped.txt" --out "$out/damped.h"
 for mode in 1:0.01 4:0.01 5:0.03 6:0.03; do
   grep -q "^  mode  ${mode%:*} .* damping ${mode#*:}$" "$out/log" || fail "mode $mode: $(cat "$out/log")"
 done
-! "$out/advise" "$out/damped.txt" > "$out/log" 2>&1 && grep -q 'want one damping ratio here' "$out/log" || fail "advise takes damping by frequency"
+! build/flexbeam advise "$out/damped.txt" > "$out/log" 2>&1 && grep -q 'want one damping ratio here' "$out/log" || fail "advise takes damping by frequency"
 
 # a section of no material in SI units is told by what reads descriptions, with its line; not one that is
 for program in reduce advise analyse; do
@@ -39,7 +36,7 @@ for program in reduce advise analyse; do
   esac
   for EA in 31724000 31.724; do
     sed -e 's/mass EI_y/mass EA EI_y/' -e "s/^0 1.2 /0 1.2 $EA /" -e 's/^base prescribed/hub 50  0 0 0  9 9 9/' examples/boom.txt > "$out/unit.txt"
-    "$out/$program" "$out/unit.txt" "$@" > "$out/log" 2>&1 || fail "$program of a boom: $(cat "$out/log")"
+    build/flexbeam $program "$out/unit.txt" "$@" > "$out/log" 2>&1 || fail "$program of a boom: $(cat "$out/log")"
     [ "$(grep -c 'unit.txt: warning: line 13: at x = 0 sqrt(EA/mass) = 5.14 m/s, of no material .*: E in N/mm^2' "$out/log")" = $([ $EA = 31.724 ] && echo 1 || echo 0) ] ||
       fail "$program of a boom with EA of $EA says: $(cat "$out/log")"
   done
@@ -49,7 +46,7 @@ done
 # I W; friction lets its speed decay at d (1/I + 1/J_y), and its motor balances it
 gyrostat() {
   printf 'rigid\nhub 50  0 0 0  2 3 4.5\nrotor wheel\n  axis 0 2 0\n  inertia 0.01\n  speed 80\n  damping 1e-3\nend\n' > "$out/gyrostat.txt"
-  try "$out/analyse" "$out/gyrostat.txt" --spin "0,$1,0"
+  try build/flexbeam analyse "$out/gyrostat.txt" --spin "0,$1,0"
   awk -v W="$1" 'function near(x, y) { return x - y < 5e-6 * y && y - x < 5e-6 * y }
     BEGIN { h = 0.8 + 0.01 * W; nutation = sqrt((h - 1.5 * W) * (h + W) / 9) }
     /^  rotor wheel: 80 rad/ && $11 == 0.08 { held = near($6, h) }
@@ -58,20 +55,20 @@ gyrostat() {
 }
 gyrostat 0
 gyrostat 0.3
-try "$out/analyse" examples/satellite_wheels.txt --linear "$out/wheels.csv" --inputs motor.pitch,torque.bench.y --outputs rotor_speed.0,rate.0.y
+try build/flexbeam analyse examples/satellite_wheels.txt --linear "$out/wheels.csv" --inputs motor.pitch,torque.bench.y --outputs rotor_speed.0,rate.0.y
 for option in '--inputs motor.bench' '--inputs rotor_speed.pitch' '--outputs motor.pitch'; do
-  ! "$out/analyse" examples/satellite_wheels.txt --linear "$out/wheels.csv" $option > "$out/log" 2>&1 || fail "analyse takes $option"
+  ! build/flexbeam analyse examples/satellite_wheels.txt --linear "$out/wheels.csv" $option > "$out/log" 2>&1 || fail "analyse takes $option"
 done
-try "$out/reduce" examples/satellite_wheels.txt --out "$out/wheels.h"
+try build/flexbeam reduce examples/satellite_wheels.txt --out "$out/wheels.h"
 grep -q 'rotor 0  pitch: 400 rad/s at the start, which the header has not' "$out/log" || fail "reduce does not tell of the speed of a rotor"
-try "$out/reduce" examples/satellite_wheels.txt --code --out "$out/wheels.h"
+try build/flexbeam reduce examples/satellite_wheels.txt --code --out "$out/wheels.h"
 grep -q 'rotor 0  pitch: 400 rad/s at the start, .* rotor_momentum' "$out/log" || fail "reduce --code does not tell where the speed of a rotor goes"
 
 # refuse LINE TEXT: of the file at the standard input
 : > "$out/refused"
 refuse() {
   cat > "$out/bad.txt"
-  ! "$out/reduce" "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" || fail "taken: $2"
+  ! build/flexbeam reduce "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" || fail "taken: $2"
   grep -q -F -e "bad.txt$([ "$1" = 0 ] || echo ":$1"): $2" "$out/log" || fail "not '$1: $2' but $(cat "$out/log")"
   echo "$2" >> "$out/refused"
 }
@@ -94,7 +91,7 @@ whole() {
   printf '%s\n' "$@"
 }
 whole linear "beam a" "$boom" end "component b" "$wing" end > "$out/good.txt"
-try "$out/reduce" "$out/good.txt" --out "$out/good.h"
+try build/flexbeam reduce "$out/good.txt" --out "$out/good.h"
 whole linear "beam a" "$boom" end "beam a" "$boom" end | refuse 12 "two parts have the name a"
 whole linear "beam" "$boom" end | refuse 4 "the name of a part is missing"
 whole linear "beam a b" "$boom" end | refuse 4 "too much on the line: b"
@@ -127,13 +124,13 @@ line() {
   printf '%s\n' "$@"
 }
 line "line frame 0 0 0 1 2" > "$out/good.txt"
-try "$out/reduce" "$out/good.txt" --out "$out/good.h"
+try build/flexbeam reduce "$out/good.txt" --out "$out/good.h"
 line "line 1" | refuse 10 "a line wants two places at least"
 line "line frame 0 0 0 1 3" | refuse 10 "no node has the number 3"
 line "line frame 0 0 0 1" "line 2 1" | refuse 11 "node 1 is on a line before: a line begins there, or leaves it out"
 line "line frame 0 0 0 1" | refuse 0 "node 2 moves, and is on no line"
 line "line frame 1 0 0 1 2" > "$out/bad.txt"
-! "$out/reduce" "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" && grep -q -F "node 1: a value is out of its range" "$out/log" || fail "$(cat "$out/log")"
+! build/flexbeam reduce "$out/bad.txt" --out "$out/bad.h" 2> "$out/log" && grep -q -F "node 1: a value is out of its range" "$out/log" || fail "$(cat "$out/log")"
 line "line frame 0 0 0 1 2" "geometric 1 1  1 0 0 0 0 0 0 0 1 0 0 0" |
   refuse 0 "the second order of a component is given by line, by geometric or by quadratic, not by two of them"
 line "geometric 1 1 1 0 0" | refuse 10 "stiffness by accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz, number 4 of 12"
@@ -154,7 +151,7 @@ turns() {
   printf '%s\n' "$@"
 }
 turns "axis 1 0 0" "inertia 1" end > "$out/good.txt"
-try "$out/reduce" "$out/good.txt" --out "$out/good.h"
+try build/flexbeam reduce "$out/good.txt" --out "$out/good.h"
 turns "axis 1 0 0" "inertia 1" | refuse 6 "rotor w of line 4 wants a line \`end\`"
 turns "axis 1 0 0" end | refuse 4 "rotor w wants an inertia"
 turns "inertia 1" end | refuse 4 "rotor w wants an axis, not zero"

@@ -5,7 +5,6 @@
 need gcc gcc
 need g++ g++
 need clang clang
-try gcc $c99 -O0 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 sed 's/effects full damping/effects large damping/' examples/satellite.txt > "$out/large.txt"
 grep -q 'effects large' "$out/large.txt" || fail "examples/satellite.txt has no effects full damping"
 # again NAME SOURCE SINGLE: the header is included, written again, and compared
@@ -19,17 +18,17 @@ again() {
 }
 try gcc $c99 -O0 -o "$out/rotors" tests/checks/rom_rotors.c -lm
 for taken in fb_body fbi_dot FB_OK; do # names of the library
-  ! "$out/reduce" examples/satellite.txt --name $taken --out "$out/taken.h" 2> "$out/log" || fail "--name $taken is taken"
+  ! build/flexbeam reduce examples/satellite.txt --name $taken --out "$out/taken.h" 2> "$out/log" || fail "--name $taken is taken"
   grep -q "those of the library.*$taken" "$out/log" || fail "--name $taken: $(cat "$out/log")"
   [ ! -e "$out/taken.h" ] || fail "--name $taken: a file is written"
 done
 cp examples/satellite.txt "$out/kept.txt"
-! "$out/reduce" "$out/kept.txt" --out "$out/../rom/kept.txt" 2> "$out/log" || fail "a description is written over"
+! build/flexbeam reduce "$out/kept.txt" --out "$out/../rom/kept.txt" 2> "$out/log" || fail "a description is written over"
 grep -q "that is the description itself" "$out/log" && cmp -s examples/satellite.txt "$out/kept.txt" || fail "--out FILE: $(cat "$out/log")"
 for single in 0 1; do
   precision=$([ $single = 1 ] && echo --single || true)
   for model in examples/blade examples/panel examples/satellite examples/two_booms examples/satellite_wheels "$out/large"; do
-    try "$out/reduce" $model.txt $precision --name rom_body --out "$out/rom.h"
+    try build/flexbeam reduce $model.txt $precision --name rom_body --out "$out/rom.h"
     again $model $model.txt $single
   done
   "$out/rotors" $precision > "$out/rom.h"
@@ -37,16 +36,16 @@ for single in 0 1; do
   again rotors rotors $single
 done
 for capacity in FB_MAX_POINTS=8 FB_MAX_LINE_ROWS=5 FB_MAX_LINE_TABLE=935; do # 18, 6 and 936 are wanted
-  try clang $c99 -O0 -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
+  try clang $c99 -O0 -fsanitize=address,undefined -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0 -DFB_WITH_ANALYSE=0 -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c examples/tools/library.c -lm
   ! "$out/small" "$out/large.txt" --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite with lines"
   grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
 done
 for capacity in FB_MAX_LAMBDA=20 FB_MAX_S=40 FB_MAX_RUNS=5; do # 48, 111 and 16 are wanted
-  try clang $c99 -O0 -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
+  try clang $c99 -O0 -fsanitize=address,undefined -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0 -DFB_WITH_ANALYSE=0 -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c examples/tools/library.c -lm
   ! "$out/small" examples/satellite.txt --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite"
   grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
 done
-try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
+try build/flexbeam reduce examples/satellite.txt --single --out "$out/satellite_rom.h"
 flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")
 try gcc $c99 -Os -I"$out" $flags -ffunction-sections -fdata-sections -Wl,--gc-sections -o "$out/firmware" examples/firmware/firmware.c \
   examples/firmware/board/desktop.c -lm

@@ -1,6 +1,5 @@
 /* satellite.c - the satellite of examples/scenes/satellite_control.txt as a program: its loop at 100 Hz, whose command acts
    5 ms later, around steps of 1 ms. Prints the columns of the scene as CSV. */
-#define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include <math.h>
 #include <stdio.h>

@@ -3,13 +3,12 @@
 # same bits, and write nothing unless asked to; pictures are well-formed; malformed files are refused with the right line
 # and reason, by a program under the sanitizers.
 . tests/checks/common.sh
-try ${CC:-cc} $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
-try ${CC:-cc} $c99 -O0 -o "$out/again" tests/checks/scene.c -lm
+try ${CC:-cc} $c99 -O0 -o "$out/again" tests/checks/scene.c build/library/tool.o -lm
 
 scenes=0
 for file in examples/scenes/*.txt; do
   scene=$(basename "$file" .txt)
-  try "$out/scene" "$file" --quiet --out "$out/$scene.csv" --animation "$out/$scene.svg"
+  try build/flexbeam scene "$file" --quiet --out "$out/$scene.csv" --animation "$out/$scene.svg"
   [ ! -s "$out/log" ] || fail "$scene says: $(cat "$out/log")"
   grep -q '</svg>' "$out/$scene.svg" || fail "$scene: the picture is not whole"
   ! grep -q nan "$out/$scene.csv" "$out/$scene.svg" || fail "$scene: not a number"
@@ -18,13 +17,13 @@ done
 try "$out/again" examples/scenes/slider_crank.txt examples/scenes/spinup_auto.txt examples/scenes/dead_load.txt
 [ ! -s "$out/log" ] || fail "scene_run says: $(cat "$out/log")"
 
-try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 5 --picture "$out/picture.svg"
+try build/flexbeam scene examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 5 --picture "$out/picture.svg"
 [ "$(ls "$out/frames" | wc -l)" = 5 ] && grep -q '</svg>' "$out/frames/frame_0005.svg" "$out/picture.svg" || fail "frames are missing"
 
 # signs of the ground: a pivot, a wall, one that slides with what it holds; none where nothing is held; the scale
 # drawn SCENE GROUND SCALE OPTION: so many signs, and what stands at the bar
 drawn() {
-  try "$out/scene" "examples/scenes/$1.txt" --quiet "$4" "$out/drawn.svg"
+  try build/flexbeam scene "examples/scenes/$1.txt" --quiet "$4" "$out/drawn.svg"
   [ "$(grep -c 'stroke="#333333"' "$out/drawn.svg")" = "$2" ] || fail "$1 $4: not $2 signs of the ground"
   [ "$(grep -c ">$3</text>" "$out/drawn.svg")" = $([ "$3" = none ] && echo 0 || echo 1) ] || fail "$1 $4: the scale is not $3"
 }
@@ -40,19 +39,19 @@ drawn top 0 none --picture
 grep -c '<animate attributeName="points"' "$out/slider_crank.svg" | grep -q '^5$' || fail "slider_crank: not three bodies, a link and a sign move"
 
 # the modal beam and the exact one from the same description, and parameters
-try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set spin=6
-! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
+try build/flexbeam scene examples/scenes/spinup_rate.txt --quiet --set exact=10 --set spin=6
+! build/flexbeam scene examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
 grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
 
 # [DB] 4.3: with Q = 1 the response diverges; tests/reference/p07_Q.csv: at 1.11 s
-! "$out/scene" examples/scenes/spinup_first_q2.txt --quiet --set Q=1 > "$out/log" 2>&1 || fail "Q = 1 does not diverge"
+! build/flexbeam scene examples/scenes/spinup_first_q2.txt --quiet --set Q=1 > "$out/log" 2>&1 || fail "Q = 1 does not diverge"
 grep -q 'at 1\.1[01][0-9]* s, step of' "$out/log" || fail "Q = 1 diverges elsewhere: $(cat "$out/log")"
 
 # known MEASURE VALUE PART SCENE OPTION...: another case of its table, by parameters; a measure differs by that part at most
 known() {
   measure=$1 value=$2 part=$3 scene=$4
   shift 4
-  "$out/scene" "examples/scenes/$scene.txt" "$@" > "$out/log" || true # its own references are missed
+  build/flexbeam scene "examples/scenes/$scene.txt" "$@" > "$out/log" || true # its own references are missed
   awk -v measure="$measure" -v value="$value" -v part="$part" '$1 == measure && $2 == "=" { met = ($3 / value - 1) ^ 2 <= part ^ 2 }
     END { exit !met }' "$out/log" || fail "$scene $*: $(grep "^$measure =" "$out/log"), expected $value"
 }
@@ -72,14 +71,14 @@ known final -0.02435166987479668 5e-5 beam_release --set force=1
 
 # modes that are listed are those that are measured; what moves is named
 for scene in flap spacecraft whirl; do
-  "$out/scene" examples/scenes/$scene.txt --modes > "$out/modes.txt" 2> "$out/log" || fail "$scene --modes: $(cat "$out/log")"
+  build/flexbeam scene examples/scenes/$scene.txt --modes > "$out/modes.txt" 2> "$out/log" || fail "$scene --modes: $(cat "$out/log")"
   sed -e '/^expect/d; /^measure/d; /^reference/d' examples/scenes/$scene.txt > "$out/measured.txt"
   printf '\nmeasure seventh frequency 7\n' >> "$out/measured.txt"
-  try "$out/scene" "$out/measured.txt"
+  try build/flexbeam scene "$out/measured.txt"
   awk -v wanted="$(sed -n 's/^seventh = //p' "$out/log")" '$1 == 7 { off = $4 - wanted; found = off < 1e-5 * wanted && off > -1e-5 * wanted }
     END { exit !found }' "$out/modes.txt" || fail "$scene --modes: mode 7 is not the one measured"
 done
-! "$out/scene" examples/scenes/flap.txt --modes --out "$out/modes.csv" 2> "$out/log" && grep -q "runs nothing" "$out/log" && [ ! -e "$out/modes.csv" ] ||
+! build/flexbeam scene examples/scenes/flap.txt --modes --out "$out/modes.csv" 2> "$out/log" && grep -q "runs nothing" "$out/log" && [ ! -e "$out/modes.csv" ] ||
   fail "--modes with --out: $(cat "$out/log")"
 
 # [L] 4.11: what its base's acceleration bends an aluminium wing, in closed form; a soft one, by the sum of a cantilever's modes,
@@ -102,7 +101,7 @@ grep -v '^#\|^alpha' tests/reference/p06_postbuckling.csv > "$out/bent.csv"
 while IFS=, read -r degrees _ load x y; do
   sed -e "s/^expect tip_x .*/expect tip_x $x tolerance 1e-5/" -e "s/^expect tip_y .*/expect tip_y $y tolerance 1e-5/" \
     -e "s|^expect tip_turn .*|expect tip_turn $degrees*3.141592653589793/180 tolerance 1e-5|" examples/scenes/postbuckling.txt > "$out/bent.txt"
-  try "$out/scene" "$out/bent.txt" --quiet --set p="$load"
+  try build/flexbeam scene "$out/bent.txt" --quiet --set p="$load"
   [ ! -s "$out/log" ] || fail "a column bent by $degrees degrees: $(cat "$out/log")"
 done < "$out/bent.csv"
 known tip_turn 1.0471975511966 1e-6 postbuckling --set nudge=30 # far beyond what it is to lead to
@@ -122,12 +121,12 @@ while IFS=, read -r case gain reduction phase late radius; do
   known radius "$radius" 1e-6 shaft_control --set "$@"
 done < tests/reference/p13_margins.csv
 # the response of a loop over frequency: ascending, |L| in dB and its parts agree, the margin is where it crosses
-try "$out/scene" examples/scenes/shaft_control.txt --quiet --margins "$out/margins.csv"
+try build/flexbeam scene examples/scenes/shaft_control.txt --quiet --margins "$out/margins.csv"
 awk -F, 'NR == 1 { next } $2 < last || ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) - 1 > 1e-9 || 1 - ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) > 1e-9 { wrong++ }
   { last = $2 } $3 > 0 { crossing = $4 + 180 } END { exit wrong > 0 || NR < 1000 || (crossing - 70.754) ^ 2 > 0.1 }' "$out/margins.csv" ||
   fail "the response of a loop is not what its margins say"
 # a satellite turned by a controller, and the same as a program
-try ${CC:-cc} $c99 -O1 -o "$out/program" tests/checks/satellite.c -lm
+try ${CC:-cc} $c99 -O1 -o "$out/program" tests/checks/satellite.c build/library/double.o -lm
 "$out/program" > "$out/program.csv" || fail "the satellite as a program: $(tail -n 1 "$out/program.csv")"
 {
   cat examples/scenes/satellite_control.txt
@@ -135,7 +134,7 @@ try ${CC:-cc} $c99 -O1 -o "$out/program" tests/checks/satellite.c -lm
     echo "reference program.csv t $column output $column tolerance 1e-9 relative"
   done
 } > "$out/program.txt"
-try "$out/scene" "$out/program.txt" --quiet
+try build/flexbeam scene "$out/program.txt" --quiet
 [ ! -s "$out/log" ] || fail "the satellite as a scene: $(cat "$out/log")"
 
 # hub and booms as one body, in place of bodies on rigid joints
@@ -144,7 +143,7 @@ sed -e 's|\.\./two_booms|two_booms|' -e 's/craft\.wheel wheel/craft wheel/' exam
 for column in turn rate bend wheel; do
   echo "reference satellite_control.csv t $column output $column tolerance 1e-9 relative" >> "$out/one_body.txt"
 done
-try "$out/scene" "$out/one_body.txt" --quiet
+try build/flexbeam scene "$out/one_body.txt" --quiet
 [ ! -s "$out/log" ] || fail "the satellite as one body: $(cat "$out/log")"
 
 # rotors of a description, driven and read by name, are those of a scene
@@ -167,7 +166,7 @@ for file in inside outside; do
     printf 'output h rotor_momentum %spitch\ncontrol c\n  sample 0.1\n  input h\n  reference constant 32\n' "$dot"
     printf '  pid 0.1 0 0\n  output rotor %spitch\nend\n' "$dot"
   } >> "$out/$file.txt"
-  try "$out/scene" "$out/$file.txt" --quiet --out "$out/$file.csv"
+  try build/flexbeam scene "$out/$file.txt" --quiet --out "$out/$file.csv"
 done
 [ "$(wc -l < "$out/inside.csv")" -gt 50 ] && cmp -s "$out/inside.csv" "$out/outside.csv" || fail "rotors of a description move otherwise than those of a scene"
 
@@ -179,12 +178,12 @@ awk '/^  beam left like/ { print "  beam left\n    position -0.5 0 0\n    attitu
   /^  damping/ { print "  effects full damping" }
   { sub(/craft\.left\.tip/, "craft.left_tip"); print }' examples/scenes/satellite_turn.txt > "$out/written.txt"
 ! grep -q like "$out/written.txt" || fail "not all of it is written out: $(cat "$out/written.txt")"
-try "$out/scene" "$out/written.txt" --quiet --out "$out/written.csv"
+try build/flexbeam scene "$out/written.txt" --quiet --out "$out/written.csv"
 [ "$(wc -l < "$out/written.csv")" -gt 50 ] && cmp -s "$out/written.csv" "$out/satellite_turn.csv" || fail "a satellite of equal parts moves otherwise than written out"
 [ "$(grep -c . examples/scenes/satellite_turn.txt)" -le 40 ] || fail "the satellite takes more than 40 lines"
 awk '/^body left like/ { printf "body left beam\n%s", boom; next } /^body right/ { within = 1 } { print } within && !/^body/ { boom = boom $0 "\n" }
   /^end/ { within = 0 }' examples/scenes/satellite_control.txt > "$out/written.txt"
-try "$out/scene" "$out/written.txt" --quiet --out "$out/written.csv"
+try build/flexbeam scene "$out/written.txt" --quiet --out "$out/written.csv"
 cmp -s "$out/written.csv" "$out/satellite_control.csv" || fail "a body like another one moves otherwise"
 {
   printf 'duration 2\nstep 0.01\ninterval 0.1\nbody a parts\n  hub 100  0 0 0  9 9 9\n  rotor w\n    axis 0 0 1\n    inertia 0.1\n    speed 9\n  end\n'
@@ -193,18 +192,18 @@ cmp -s "$out/written.csv" "$out/satellite_control.csv" || fail "a body like anot
   printf '  component other like panel  -1 0 0  z 180\nend\nbody b like a\nload a.other.end dead force 0 1 0\nload b.panel dead torque 0 0 1\n'
 } > "$out/copies.txt"
 refused_copies() {
-  ! "$out/scene" "$out/copies.txt" --quiet > "$out/log" 2>&1 && grep -q "$1" "$out/log" || fail "not '$1' but $(cat "$out/log")"
+  ! build/flexbeam scene "$out/copies.txt" --quiet > "$out/log" 2>&1 && grep -q "$1" "$out/log" || fail "not '$1' but $(cat "$out/log")"
 }
 refused_copies "body b has no node panel"
 sed -i -e 's/load b.panel/load b.other.end/' -e '$a output y displacement a.other.end y\noutput z displacement b.end y\noutput s rotor_speed a.w\noutput w rotor_speed b.w' "$out/copies.txt"
 sed -i 's/load b.other.end dead torque 0 0 1/load b.end dead force 0 -1 0/' "$out/copies.txt"
-try "$out/scene" "$out/copies.txt" --quiet --out "$out/copies.csv"
+try build/flexbeam scene "$out/copies.txt" --quiet --out "$out/copies.csv"
 awk -F, 'NR > 1 { n++; wrong += ($2 + $3) ^ 2 > 1e-20 || ($4 - $5) ^ 2 > 1e-20; moved += $2 ^ 2 > 1e-12 } END { exit !(n == 21 && wrong == 0 && moved == 20) }' \
   "$out/copies.csv" || fail "equal bodies under opposite loads move otherwise: $(head -3 "$out/copies.csv")"
 
 # warned SCENE TEXT: it runs, with that warning
 warned() {
-  try "$out/scene" "$1" --quiet
+  try build/flexbeam scene "$1" --quiet
   grep -q "$2" "$out/log" || fail "no warning '$2' but $(cat "$out/log")"
 }
 sed 's/^  damping 0.005/  damping 5/' examples/scenes/satellite_turn.txt | sed '/^expect/d' > "$out/damped.txt"
@@ -216,34 +215,34 @@ sed -e '/^step/d' -e '/^body craft/a auto 0.01' "$out/inside.txt" > "$out/chosen
 for axis in y z; do
   echo "reference inside.csv t tip_$axis output tip_$axis tolerance 0.01 relative" >> "$out/chosen.txt"
 done
-try "$out/scene" "$out/chosen.txt" --quiet
+try build/flexbeam scene "$out/chosen.txt" --quiet
 [ ! -s "$out/log" ] || fail "a satellite with wheels, modes and step chosen: $(cat "$out/log")"
 
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"
-"$out/scene" "$out/moved.txt" > "$out/log" 2>&1 || true
+build/flexbeam scene "$out/moved.txt" > "$out/log" 2>&1 || true
 told='joint [a-z]* starts at .* instead of .*, where its loop is closed'
 grep -q "$told" "$out/log" || fail "nothing is said of joints that a loop moves"
 sed -i '/rate 1/d; /^parameter rate/d; /^output\|^measure\|^expect/d' "$out/moved.txt"
-try "$out/scene" "$out/moved.txt" --code "$out/moved.h"
+try build/flexbeam scene "$out/moved.txt" --code "$out/moved.h"
 grep -q "$told" "$out/log" || fail "--code: nothing is said of joints that a loop moves"
 
 # a table of a spreadsheet: byte order mark, quotes, semicolons
 printf '\357\273\277"t [s]"; "x"\r\n0;3\r\n"1" ; 3\r\n' > "$out/table.csv"
 printf 'duration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 file table.csv t x\n' > "$out/table.txt"
 printf 'output v velocity b x\nmeasure v final v\nexpect v 3 tolerance 1e-9\n' >> "$out/table.txt"
-try "$out/scene" "$out/table.txt"
+try build/flexbeam scene "$out/table.txt"
 grep -q 'v = 3' "$out/log" || fail "a table with quotes and semicolons is not read"
 
 printf 't,"pos, x",x\n0,7,3\n1,7,3\n' > "$out/table.csv"
-try "$out/scene" "$out/table.txt"
+try build/flexbeam scene "$out/table.txt"
 printf '"t";"pos, x";x\n0;7;3\n1;7;3\n' > "$out/table.csv"
-try "$out/scene" "$out/table.txt"
+try build/flexbeam scene "$out/table.txt"
 
 # a frame that an earlier run left; files that are one another or the scene, or that cannot be written: told before the run
 touch "$out/frames/frame_0007.svg"
-try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 4
+try build/flexbeam scene examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 4
 [ "$(ls "$out/frames")" = "$(printf 'frame_000%d.svg\n' 1 2 3 4)" ] || fail "frames of an earlier run are left"
 printf 'duration 1e9\ninterval 1e3\nstep 1e-4\nbody b rigid\n  hub 1 0 0 0 1 1 1\nend\n' > "$out/long.txt"
 cp "$out/long.txt" "$out/kept.txt"
@@ -252,7 +251,7 @@ collides() {
   reason=$1
   shift
   status=0
-  timeout 20 "$out/scene" "$out/long.txt" "$@" > "$out/log" 2>&1 || status=$?
+  timeout 20 build/flexbeam scene "$out/long.txt" "$@" > "$out/log" 2>&1 || status=$?
   [ $status = 2 ] && grep -q -F -e "$reason" "$out/log" || {
     cat "$out/log"
     fail "$*: status $status, expected: $reason"
@@ -280,7 +279,7 @@ collides "a whole number is wanted: --frame-count" --frame-count 2.5
 # interrupted: the rows so far are there under another name, and what an earlier run wrote is as it was
 echo "of an earlier run" > "$out/rows.csv"
 sed "s/^duration.*/duration 1e7/; s/^interval.*/interval 1/; s/^step.*/step 0.1/" "$out/kept.txt" > "$out/rows.txt"
-"$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" &
+build/flexbeam scene "$out/rows.txt" --quiet --out "$out/rows.csv" &
 running=$!
 for wait in $(seq 500); do
   [ ! -s "$out/rows.csv.part" ] || break
@@ -288,7 +287,7 @@ for wait in $(seq 500); do
 done
 so_far=$(wc -c < "$out/rows.csv.part")
 status=0
-timeout 20 "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv" > "$out/log" 2>&1 || status=$?
+timeout 20 build/flexbeam scene examples/scenes/top.txt --quiet --out "$out/rows.csv" > "$out/log" 2>&1 || status=$?
 [ $status = 2 ] && grep -q "scene: --out: another run is writing it: .*/rows.csv" "$out/log" ||
   fail "two runs into one file: status $status, $(cat "$out/log")"
 [ "$(wc -c < "$out/rows.csv.part")" -ge "$so_far" ] && head -n 1 "$out/rows.csv.part" | grep -q '^t \[s\]' ||
@@ -299,11 +298,11 @@ wait $running 2> /dev/null || true
 sed -i "s/^interval.*/interval 1e5/" "$out/rows.txt" # seconds for each 4096 characters: they do not wait for that many
 rm "$out/rows.csv.part"
 status=0
-timeout --preserve-status 10 "$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" 2> "$out/log" || status=$?
+timeout --preserve-status 10 build/flexbeam scene "$out/rows.txt" --quiet --out "$out/rows.csv" 2> "$out/log" || status=$?
 [ "$(wc -l < "$out/rows.csv.part")" -gt 1 ] || fail "rows of a slow run are not in their file"
 [ $status = 143 ] && grep -q "stopped after the row of $(tail -n 1 "$out/rows.csv.part" | cut -d , -f 1) s, of 10000000 s; .* is $out/rows.csv.part\$" "$out/log" ||
   fail "a run that is terminated: status $status, $(cat "$out/log"), $(tail -n 1 "$out/rows.csv.part")"
-try "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv"
+try build/flexbeam scene examples/scenes/top.txt --quiet --out "$out/rows.csv"
 [ ! -e "$out/rows.csv.part" ] && cmp -s "$out/rows.csv" "$out/top.csv" || fail "rows do not get their name when the run has ended"
 collides "--out until the run ends and --picture are the same file" --out "$out/c.csv" --picture "$out/c.csv.part"
 
@@ -313,11 +312,11 @@ ln -s behind.csv "$out/link.csv"
 ln -s not_yet.csv "$out/dangling.csv"
 ln -s /proc/self/fd/1 "$out/stdout.csv"
 mkfifo "$out/pipe.csv"
-try "$out/scene" examples/scenes/top.txt --out "$out/link.csv"
-try "$out/scene" examples/scenes/top.txt --out "$out/dangling.csv"
-"$out/scene" examples/scenes/top.txt --quiet --out "$out/stdout.csv" > "$out/redirected.csv"
+try build/flexbeam scene examples/scenes/top.txt --out "$out/link.csv"
+try build/flexbeam scene examples/scenes/top.txt --out "$out/dangling.csv"
+build/flexbeam scene examples/scenes/top.txt --quiet --out "$out/stdout.csv" > "$out/redirected.csv"
 timeout 60 cat "$out/pipe.csv" > "$out/piped.csv" &
-timeout 60 "$out/scene" examples/scenes/top.txt --out "$out/pipe.csv" > "$out/log" 2>&1 || fail "no run into a pipe: $(cat "$out/log")"
+timeout 60 build/flexbeam scene examples/scenes/top.txt --out "$out/pipe.csv" > "$out/log" 2>&1 || fail "no run into a pipe: $(cat "$out/log")"
 wait
 for file in behind not_yet redirected piped; do
   cmp "$out/$file.csv" "$out/top.csv" || fail "$file.csv has not the rows"
@@ -328,18 +327,18 @@ done
 
 # the step that is told is the one of a drive that is faster than the modes: 0.3 rad of 100 Hz; one that is given is cut by rows
 printf 'duration 1\ninterval 0.1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 sine 1 100\n' > "$out/sine.txt"
-try "$out/scene" "$out/sine.txt"
+try build/flexbeam scene "$out/sine.txt"
 awk '/step at most/ { told = $6; steps = $8 } END { exit !(told > 0 && told <= 4.78e-4 && steps >= 2095 && steps < 3000) }' "$out/log" ||
   fail "another step is told: $(cat "$out/log")"
 sed -i 's/^interval.*/interval 0.001\nstep 0.05/' "$out/sine.txt"
-try "$out/scene" "$out/sine.txt"
+try build/flexbeam scene "$out/sine.txt"
 ! grep -q warning "$out/log" || fail "warned of steps that rows shorten: $(cat "$out/log")"
 
 # the step that is chosen resolves what each output sees: a star tracker on a mast of 17.5 rad/s beside a boom of 1.2 rad/s; a
 # step that does not is told of, with its error, and of no other output; one that does is not
 sed '/^expect/d' examples/scenes/star_tracker.txt > "$out/tracker.txt"
 sed '$a step 0.0005' "$out/tracker.txt" > "$out/tracker_fine.txt"
-try "$out/scene" "$out/tracker_fine.txt" --quiet --out "$out/tracker_fine.csv"
+try build/flexbeam scene "$out/tracker_fine.txt" --quiet --out "$out/tracker_fine.csv"
 [ ! -s "$out/log" ] || fail "a star tracker in short steps: $(cat "$out/log")"
 for step in auto 0.005 0.02; do
   error=$(case $step in auto) echo 0.002 ;; 0.005) echo 0.001 ;; 0.02) echo 0.1 ;; esac)
@@ -350,7 +349,7 @@ for step in auto 0.005 0.02; do
     echo "reference tracker_fine.csv t tip output tip tolerance 0.002 relative"
     echo "reference tracker_fine.csv t turned output turned tolerance 0.002 relative"
   } > "$out/tracker_step.txt"
-  try "$out/scene" "$out/tracker_step.txt"
+  try build/flexbeam scene "$out/tracker_step.txt"
   grep 'is not resolved' "$out/log" > "$out/told" || true
   if [ $step = 0.02 ]; then
     [ "$(wc -l < "$out/told")" = 1 ] && grep -q 'output tracker is not resolved: steps of 0.0192 s .* mode 15 of 17\.[0-9]* rad/s, of body craft' "$out/told" ||
@@ -367,9 +366,9 @@ done
 # after a second a long run tells how long it takes, and of which body its steps are so short; with --quiet nothing
 printf 'duration 10\nintegrator rk4\nbody rod beam\n length 1\n hub 1  0 0 0  1 1 1\n start_spin 0 0 1\n modes bend_z 2\n stations x mass EI_y\n  0 1 1e14\n end\nend\n' \
   > "$out/long.txt"
-"$out/scene" "$out/long.txt" > "$out/log" 2>&1 &
+build/flexbeam scene "$out/long.txt" > "$out/log" 2>&1 &
 run=$!
-"$out/scene" "$out/long.txt" --quiet > "$out/quiet" 2>&1 &
+build/flexbeam scene "$out/long.txt" --quiet > "$out/quiet" 2>&1 &
 quiet=$!
 for second in $(seq 60); do
   ! grep -q 'the others will take' "$out/log" || break
@@ -383,7 +382,7 @@ grep -q 'steps; the first .* will take some [0-9.]* [a-z]*; the modes of body ro
   fail "a long run does not say how long: $(cat "$out/log")"
 [ ! -s "$out/quiet" ] || fail "a long run with --quiet says: $(cat "$out/quiet")"
 sed 's/1e14/1e19/' "$out/long.txt" > "$out/longer.txt"
-! "$out/scene" "$out/longer.txt" --quiet > "$out/log" 2>&1 || fail "1e11 steps are taken"
+! build/flexbeam scene "$out/longer.txt" --quiet > "$out/log" 2>&1 || fail "1e11 steps are taken"
 grep -q '1e+10 at most; the modes of body rod want such short steps' "$out/log" || fail "the body of short steps is not named: $(cat "$out/log")"
 
 # a disk that is full: told, at the first row that does not fit and at the last one
@@ -391,11 +390,11 @@ for run in '1e7 1 0.1' '1 1 1'; do
   set -- $run
   sed "s/^duration.*/duration $1/; s/^interval.*/interval $2/; s/^step.*/step $3/" "$out/kept.txt" > "$out/full.txt"
   status=0
-  timeout 20 "$out/scene" "$out/full.txt" --quiet --out /dev/full > "$out/log" 2>&1 || status=$?
+  timeout 20 build/flexbeam scene "$out/full.txt" --quiet --out /dev/full > "$out/log" 2>&1 || status=$?
   [ $status = 1 ] && grep -q 'cannot write /dev/full: No space left' "$out/log" || fail "a full disk: status $status, $(cat "$out/log")"
 done
 
-try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" -Dscene_main=main examples/scene/scene.c -lm
+try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" -Dscene_main=main examples/scene/scene.c examples/tools/library.c -lm
 # meets < FILE: it runs, and its answers are those that it expects
 met=0
 meets() {

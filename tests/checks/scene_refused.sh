@@ -709,7 +709,7 @@ end
 END
 # an integrator that does not step large deflection says so, or meets what the scene asks for
 sed 's/^gravity/integrator sdirk\ngravity/' examples/scenes/large_drop.txt > "$out/implicit.txt"
-"$out/scene" "$out/implicit.txt" --quiet > "$out/log" 2>&1 || grep -q 'large deflection\|MISSED' "$out/log" ||
+build/flexbeam scene "$out/implicit.txt" --quiet > "$out/log" 2>&1 || grep -q 'large deflection\|MISSED' "$out/log" ||
   fail "large deflection by sdirk: $(cat "$out/log")"
 refuse 3 "an attitude must not be zero" << END
 body a beam

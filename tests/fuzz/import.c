@@ -7,6 +7,7 @@
 #define FB_WITH_NONLINEAR_STRAIN 0
 #define FB_MAX_EXACT 400 /* as exact */
 #define FB_WITH_DETAIL 1
+#define CAPACITIES_H /* not those of build/flexbeam */
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>

@@ -7,6 +7,7 @@
 
 static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen */
 #define fopen fuzz_file
+#define FLEXBEAM_IMPLEMENTATION
 #include "../../examples/scene/scene_run.h"
 #include "../../examples/campaign/campaign_ledger.h"
 #undef fopen

@@ -1,0 +1,97 @@
+/* library.c - the library of build/flexbeam, compiled once for all words, and the functions of inside.h. */
+#include "capacities.h"
+#define FLEXBEAM_IMPLEMENTATION
+#include "../../flexbeam.h"
+#define INSIDE_HERE
+#include "inside.h"
+#include <stddef.h>
+
+const int *inside_sym6_row(void)
+{
+  return fbi_sym6_row;
+}
+
+const int *inside_sym6_column(void)
+{
+  return fbi_sym6_column;
+}
+
+#if FB_WITH_SYSTEM
+typedef struct joint_traits { /* those of inside.h */
+  int n_axis, angle, slide, tilt, pitched, holds[7];
+} joint_traits;
+typedef char traits_are_those_of_the_library[sizeof(joint_traits) == sizeof(fbi_joint_traits) &&
+                                                     offsetof(joint_traits, holds) == offsetof(fbi_joint_traits, holds)
+                                                 ? 1
+                                                 : -1];
+
+const fbi_joint_traits *inside_traits(const fb_joint *joint)
+{
+  return fbi_traits(joint);
+}
+
+int inside_node_moves(const fb_body *body, int node)
+{
+  return fbi_node_moves(body, node);
+}
+#endif
+
+int inside_first_free(fb_base base)
+{
+  return fbi_first_free(base);
+}
+
+int inside_pair(int a, int b)
+{
+  return fbi_pair(a, b);
+}
+
+int inside_is_unbalanced(const fb_rotor *rotor)
+{
+  return fbi_is_unbalanced(rotor);
+}
+
+const fb_real *inside_line_factor(const fb_lines *all, const fb_line *line)
+{
+  return fbi_line_factor(all, line);
+}
+
+void inside_rigid_matrix(fb_real S[21], fb_real m, const fb_real c[3], const fb_real J[9])
+{
+  fbi_rigid_matrix(S, m, c, J);
+}
+
+fb_status inside_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
+{
+  return fbi_base_solve(x, base, S, y);
+}
+
+void inside_chol_forward(fb_real *x, const fb_real *L, const fb_real *b, int n)
+{
+  fbi_chol_forward(x, L, b, n);
+}
+
+void inside_balance(fb_real *A, fb_real *D, int n)
+{
+  fbi_balance(A, D, n);
+}
+
+void inside_hessenberg(fb_real *A, fb_real *Q, int n)
+{
+  fbi_hessenberg(A, Q, n);
+}
+
+unsigned inside_crc_word(unsigned crc, unsigned word)
+{
+  return fbi_crc_word(crc, word);
+}
+
+unsigned inside_crc_reals(unsigned crc, const fb_real *x, int n, int single)
+{
+  return fbi_crc_reals(crc, x, n, single);
+}
+
+unsigned inside_body_crc(const fb_body *body, int single)
+{
+  return fbi_body_crc(body, single);
+}
