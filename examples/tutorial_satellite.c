@@ -1,12 +1,13 @@
-/* tutorial_satellite - a satellite with two flexible booms is turned by 30 degrees by three reaction wheels.
-   It shows: a body with two beams in one call, wheels on hinges, a controller that runs between the steps.
-   Check: the pointing error at the end, and the angular momentum, which stays zero. Exit: 0 well, 1 a check failed. */
+/* tutorial_satellite - a satellite with two flexible booms on hinges is turned by 30 degrees by three reaction wheels.
+   It shows: wheels inside a body, a body with a beam in one call, bodies on joints, a controller that runs between the
+   steps. Check: the pointing error at the end, and the angular momentum, which stays zero. Exit: 0 well, 1 a check
+   failed. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include <math.h>
 #include <stdio.h>
 
-enum { HUB, WHEEL }; /* models; body 0 is the hub, bodies 1 to 3 are the wheels */
+enum { HUB, BOOM }; /* models; body 0 is the hub, bodies 1 and 2 are the booms */
 
 static fb_body model[2];
 static fb_build_work build_work;
@@ -16,40 +17,46 @@ static fb_system_state state;
 static fb_system_input input;
 static fb_system_motion motion;
 
-/* A hub with booms along x and -x. A boom is described along its own x axis; each part says where its root is. */
+/* A rigid hub with a wheel about each of its axes. Wheels inside a body need no joints, and their spin costs no step. */
 static fb_status make_hub(void)
 {
-  const fb_section tube = {.mass = FB_R(0.5), .EI_y = 400, .EI_z = 400}; // [kg/m], [N m^2]
-  const fb_beam_desc boom = {.length = 5, .n_element = 8, .n_station = 1, .station = {tube}};
-  const fb_modes_desc keep = {.count = {2, 2}}; // bending modes along y, along z
-  const fb_build_desc hub = {
-      .mass = 300,
-      .inertia = {60, 60, 80}, // [kg], [kg m^2]
-      .n_part = 2,
-      .part = {{.position = {FB_R(0.5)}, .n_node = 1, .node = {5}},                             // node 1: its tip
-               {.position = {-FB_R(0.5)}, .attitude = {0, 0, 0, 1}, .n_node = 1, .node = {5}}}, // half a turn about z
-      .zeta = FB_R(0.005),
-      .body = {.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING}};
-  return fb_body_build(&model[HUB], &build_work, &hub, &boom, &keep, 1);
+  const fb_real inertia = FB_R(0.05); // [kg m^2] of a wheel about its axis
+  fb_build_desc hub = {.mass = 300, .inertia = {60, 60, 80}, .body = {.effects = FB_EFFECTS_RIGID}};
+  hub.body.n_rotor = 3;
+  for (int i = 0; i < 3; i++) {
+    hub.body.rotor[i].axis[i] = 1;
+    hub.body.rotor[i].inertia = inertia;
+  }
+  return fb_body_build(&model[HUB], &build_work, &hub, NULL, NULL, 0);
 }
 
-static fb_status make_wheel(void)
+/* A boom along its own x axis, with the fitting that is on the hinge. */
+static fb_status make_boom(void)
 {
-  const fb_build_desc wheel = {.mass = 5, // [kg]
-                               .inertia = {FB_R(0.03), FB_R(0.03), FB_R(0.05)},
-                               .body = {.effects = FB_EFFECTS_RIGID}};
-  return fb_body_build(&model[WHEEL], &build_work, &wheel, NULL, NULL, 0);
+  const fb_section tube = {.mass = FB_R(0.5), .EI_y = 400, .EI_z = 400}; // [kg/m], [N m^2]
+  const fb_beam_desc beam = {.length = 5, .n_element = 8, .n_station = 1, .station = {tube}};
+  const fb_modes_desc keep = {.count = {2, 2}}; // bending modes along y, along z
+  const fb_build_desc boom = {.mass = 1,        // [kg]
+                              .inertia = {FB_R(0.01), FB_R(0.01), FB_R(0.01)},
+                              .n_part = 1,
+                              .part = {{.n_node = 1, .node = {5}}}, // node 1: its tip
+                              .zeta = FB_R(0.005),
+                              .body = {.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING}};
+  return fb_body_build(&model[BOOM], &build_work, &boom, &beam, &keep, 1);
 }
 
-/* The wheels lie along x, y and z of the hub and turn about their own z axes. */
+/* The booms lie along x and -x of the hub, each on a hinge about z with a spring and a damper. */
 static fb_status make_craft(void)
 {
-  fb_system_desc desc = {.n_body = 4, .model = {HUB, WHEEL, WHEEL, WHEEL}, .joint = {{.kind = FB_JOINT_FREE}}};
+  fb_system_desc desc = {.n_body = 3, .model = {HUB, BOOM, BOOM}, .joint = {{.kind = FB_JOINT_FREE}}};
   desc.joint[0].parent = FB_GROUND;
-  for (int i = 0; i < 3; i++) {
-    fb_joint_desc *const joint = &desc.joint[1 + i]; // its parent is body 0 where nothing else is said
-    joint->kind = FB_JOINT_REVOLUTE;
-    joint->axis[i] = joint->child_axis[2] = 1;
+  for (int side = 0; side < 2; side++) {
+    fb_joint_desc *const joint = &desc.joint[1 + side]; // its parent is body 0 where nothing else is said
+    joint->kind = FB_JOINT_REVOLUTE;                    // about z of the joint, which is that of both bodies
+    joint->position[0] = side ? -FB_R(0.5) : FB_R(0.5);
+    joint->attitude[side ? 3 : 0] = 1; // half a turn about z for the second
+    joint->stiffness[0] = 1000;        // [N m/rad]
+    joint->damping[0] = 10;            // [N m s/rad]
   }
   return fb_system_init(&craft, &work, model, &desc, 2);
 }
@@ -62,7 +69,7 @@ static double control(const fb_real wanted[4])
   fb_quat_mul(off, back, q);
   fb_quat_to_rotvec(error, off);
   for (int i = 0; i < 3; i++) { // what a motor does to its wheel it does to the hub, in the other direction
-    input.drive[1 + i].torque[0] = 5 * error[i] + 40 * motion.motion[0].w[i]; // [N m]
+    input.rotor[0][i].torque = 5 * error[i] + 40 * motion.motion[0].w[i]; // [N m]
   }
   return sqrt((double)fb_vec3_dot(error, error));
 }
@@ -75,7 +82,7 @@ int main(void)
   fb_momentum momentum = {{0}, {0}};
   double error = 0, bend = 0, wheel = 0, total = 0;
   fb_status status = make_hub();
-  status = status ? status : make_wheel();
+  status = status ? status : make_boom();
   status = status ? status : make_craft();
   status = status ? status : fb_system_state_init(&craft, model, &state, &work, NULL, NULL); // at rest
   fb_quat_from_rotvec(wanted, turn);
@@ -87,10 +94,10 @@ int main(void)
     status = status ? status : fb_system_rk4_step(&craft, model, &state, &work, &input, &input, &input, FB_R(0.01));
     status = status ? status : fb_system_momentum_eval(&craft, model, &work, &momentum, &state, &input);
     total = fmax(total, sqrt((double)fb_vec3_dot(momentum.angular, momentum.angular)));
-    wheel = fmax(wheel, 0.05 * fabs((double)motion.joint[3].speed[0]));
+    wheel = fmax(wheel, fabs((double)motion.motion[0].rotor_momentum[2]));
     for (int side = 0; side < 2 && status == FB_OK; side++) {
       fb_node_motion node;
-      status = fb_body_node_motion_eval(&model[HUB], &node, &motion.pose[0], &motion.motion[0], 1 + side);
+      status = fb_body_node_motion_eval(&model[BOOM], &node, &motion.pose[1 + side], &motion.motion[1 + side], 1);
       bend = fmax(bend, fabs((double)node.displacement[1]));
     }
   }
