@@ -15826,13 +15826,19 @@ FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, line, body, system, exact) */
 
+/* Bound of the geometric stiffening by the quadratic displacement field [1/s^2]. */
+static FBI_INLINE fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  return body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
+}
+
 /* Bound of the highest frequency (E8.8) of deflected, stretched beams: with slope s and strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
 static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
                                    fb_real strain)
 {
   const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
-  fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
+  fb_real k = fbi_stiffening(body, spin, acceleration);
 #if FB_WITH_NONLINEAR_STRAIN
   const fb_real root = FB_SQRT(body->limit_elastic) + slope * FB_SQRT(body->limit_slope);
   k += root * root + strain * body->limit_slope;
@@ -16103,7 +16109,7 @@ static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinet
   }
 #endif
   stiff = fbi_large_norm(G, &body->K, body->limit_elastic, body->n);
-  stiff += body->limit_spin * whole * whole + body->limit_acceleration * acceleration;
+  stiff += fbi_stiffening(body, whole, acceleration);
   return g + FB_SQRT(g * g + stiff);
 }
 #endif
@@ -17090,31 +17096,25 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   fbi_recoil_pose(r, w, body, k, state, V);
 }
 
-/* Frequency of the geometric stiffening by the quadratic displacement field. */
-static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  return FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
-}
-
 /* [E11.6] Largest step of the implicit integrators, set by the terms that their matrix leaves out, products of the spin
    and geometric stiffening by the quadratic displacement field: |w| dt <= 1/10, frequency of the latter times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   FBI_REQUIRE(body, FB_R(0.0));
-  return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_stiffening(body, spin, acceleration)));
+  return fbi_step_limit(FB_R(1.0),
+                        fbi_larger(FB_R(10.0) * FB_FABS(spin), FB_SQRT(fbi_stiffening(body, spin, acceleration))));
 }
 
 static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
 {
-  fb_real spin, acceleration;
+  fb_real spin, acceleration, limit;
   if (body->allow_long_step) {
     return FB_OK;
   }
   fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
-  return dt <= fb_implicit_limit(body, spin, acceleration)
-             ? FB_OK
-             : FBI_REFUSE_SPIN(FBI_WORD_SPIN, dt, fb_implicit_limit(body, spin, acceleration), spin);
+  limit = fb_implicit_limit(body, spin, acceleration);
+  return dt <= limit ? FB_OK : FBI_REFUSE_SPIN(FBI_WORD_SPIN, dt, limit, spin);
 }
 
 /* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
@@ -17448,7 +17448,7 @@ FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
   const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: no recoil */
   const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
   const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
-  fb_real bound = fbi_larger(turning, fbi_stiffening(body, spin, acceleration));
+  fb_real bound = fbi_larger(turning, FB_SQRT(fbi_stiffening(body, spin, acceleration)));
 #if FB_WITH_NONLINEAR_STRAIN
   bound = fbi_larger(bound, body->limit_tension * spin * spin);
 #endif
@@ -17746,7 +17746,7 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
                                          const fb_input *input)
 {
   const fb_real h = scheme->dt;
-  fb_real spin, acceleration;
+  fb_real spin, acceleration, longest;
   if (body->allow_long_step) {
     return FB_OK;
   }
@@ -17759,9 +17759,8 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   }
 #endif
   fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
-  return h <= fb_exponential_limit(body, spin, acceleration)
-             ? FB_OK
-             : FBI_REFUSE_SPIN(FBI_WORD_SPIN, h, fb_exponential_limit(body, spin, acceleration), spin);
+  longest = fb_exponential_limit(body, spin, acceleration);
+  return h <= longest ? FB_OK : FBI_REFUSE_SPIN(FBI_WORD_SPIN, h, longest, spin);
 }
 
 #if FB_WITH_ROTORS
@@ -18066,8 +18065,7 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
   FBI_REQUIRE(system && body, FB_R(0.0));
   fb_real stiff = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    stiff = fbi_larger(stiff, model->limit_spin * spin * spin + model->limit_acceleration * FB_FABS(acceleration));
+    stiff = fbi_larger(stiff, fbi_stiffening(fbi_model(system, body, k), spin, acceleration));
   }
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff, system->limit_spring_elastic,
                                                              system->limit_spring_damping));
@@ -18269,8 +18267,7 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
       L->acceleration = model->mass > FB_R(0.0) ? fbi_vec3_norm(L->F) / model->mass : FB_R(0.0);
     }
     *spin = fbi_larger(*spin, L->spin);
-    *stiffening =
-        fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
+    *stiffening = fbi_larger(*stiffening, fbi_stiffening(model, L->spin, L->acceleration));
   }
   if (system->has_rotors) {
     *spin = fbi_rotors_spin(w, system, body, input);
@@ -18477,8 +18474,8 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
       const fbi_link_work *L = &w->link[j];
       spin = fbi_larger(spin, L->spin);
       own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * L->spin;
-      own[1] = FB_SQRT(L->model->limit_spin * L->spin * L->spin + L->model->limit_acceleration * L->acceleration +
-                       (all ? L->model->limit_elastic : FB_R(0.0)));
+      own[1] =
+          FB_SQRT(fbi_stiffening(L->model, L->spin, L->acceleration) + (all ? L->model->limit_elastic : FB_R(0.0)));
       own[2] = all ? L->model->limit_damping : FB_R(0.0);
     }
 
