@@ -472,6 +472,12 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
   status = status == FB_OK && extra ? import_draw(n, extra, (int)c->import) : status;
   fbl_stream("effects");
   desc_draw(c, shape.n_node, *size);
+  if (status == FB_OK && c->effects != FBL_STRAIN) { /* the last node: near the root of the last beam */
+    const int last = n_beam - 1, at = fbl_seen.reverse && c->parts == FBL_TWO_BEAMS ? 0 : last;
+    int node, first = at > 0 && c->parts == FBL_TWO_BEAMS ? modes[0].n : 0;
+    status = fb_shape_add_beam_node(&shape, &node, first, &beam[at], &modes[at],
+                                    FB_R(0.1) * beam[at].start[beam[at].desc.n_element]);
+  }
   return status ? status : fb_body_init(body, &body_work, &shape, &desc);
 }
 

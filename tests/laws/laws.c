@@ -186,6 +186,27 @@ double fbl_refuse(const char *call, fb_status status)
   return FBL_REFUSED;
 }
 
+const char *fbl_record(double *have, double *need, double unit)
+{
+#if FB_WITH_DETAIL
+  *have = (double)fb_detail_last()->have / unit;
+  *need = (double)fb_detail_last()->need / unit;
+  return fb_detail_last()->what;
+#else
+  (void)have, (void)need, (void)unit;
+  return "";
+#endif
+}
+
+void fbl_spoil(void *model, size_t size)
+{
+  const unsigned short none = 0x7ff8u;
+  unsigned char *const at = (unsigned char *)model + sizeof(fb_real) * (size_t)fbl_pick((int)(size / sizeof(fb_real)));
+  for (size_t k = 0; k < sizeof(fb_real); k += sizeof none) {
+    memcpy(at + k, &none, sizeof none);
+  }
+}
+
 double fbl_difference(const fb_real *a, const fb_real *b, int n)
 {
   double most = 0.0;
@@ -279,10 +300,13 @@ int fbl_level(const char *feature)
 static int rows[ROWS][FBL_FEATURES], n_row, n_pair, n_possible;
 static unsigned char covered[FBL_FEATURES][FBL_LEVELS][FBL_FEATURES][FBL_LEVELS];
 
+static int digests; /* prints them */
+
 static int levels_of(int feature)
 {
+  const char *const *const level_ = kind->feature[feature].level;
   int n = 0;
-  while (n < FBL_LEVELS && kind->feature[feature].level[n]) {
+  while (n < FBL_LEVELS && level_[n] && !(digests && level_[n][0] == '+')) {
     n++;
   }
   return n;
@@ -615,7 +639,7 @@ int main(int argc, char **argv)
 {
   const char *name = NULL, *only = NULL, *levels = NULL;
   unsigned seed = 1;
-  int count = 60, model = 0, pairs = 0, list = 0, digest = 0;
+  int count = 60, model = 0, pairs = 0, list = 0;
   for (int i = 1; i < argc; i++) {
     const char *const value = i + 1 < argc ? argv[i + 1] : NULL;
     if (argv[i][0] != '-') {
@@ -629,7 +653,7 @@ int main(int argc, char **argv)
     } else if (strcmp(argv[i], "--stop") == 0) {
       stop = 1;
     } else if (strcmp(argv[i], "--digest") == 0) {
-      digest = 1;
+      digests = 1;
     } else if (!value) {
       return usage();
     } else if (strcmp(argv[i], "--count") == 0) {
@@ -682,13 +706,13 @@ int main(int argc, char **argv)
       print_pairs();
       continue;
     }
-    if (digest) {
+    if (digests) {
       print_digests(seed, count);
       continue;
     }
     run_kind(seed, count, only);
   }
-  if (digest) {
+  if (digests) {
     return 0;
   }
   printf("%d passed, %d failed\n", passed, failed);

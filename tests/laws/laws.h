@@ -17,7 +17,9 @@ enum { FBL_FEATURES = 24, FBL_LEVELS = 10 };
 
 typedef struct fbl_feature {
   const char *name;
-  const char *level[FBL_LEVELS]; /* level 0: without it, or the simplest; NULL behind the last */
+  /* Level 0: without it, or the simplest; NULL behind the last. Those that begin with + are none of digests, which are
+     compared with those of versions before them. */
+  const char *level[FBL_LEVELS];
 } fbl_feature;
 
 /* What a law returns instead of a miss. */
@@ -78,6 +80,10 @@ void fbl_quat(fb_real *out, const double q[4], int turned);
 
 /* ---- for laws */
 double fbl_refuse(const char *call, fb_status status); /* notes it, returns FBL_REFUSED */
+/* What the last refusal says, its value found and its bound over `unit`; "" where the library keeps no records. */
+const char *fbl_record(double *have, double *need, double unit);
+/* Overwrites one of the reals that fit into `size` bytes by what is no number, and as integers beyond every count. */
+void fbl_spoil(void *model, size_t size);
 /* Largest |a_i - b_i|, largest |a_i|. */
 double fbl_difference(const fb_real *a, const fb_real *b, int n);
 double fbl_largest(const fb_real *a, int n);
