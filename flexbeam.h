@@ -163,9 +163,9 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
-     fb_rk4_work                 55800
-     fb_implicit_work            63992
-     fb_exponential_work         58824
+     fb_rk4_work                  1728
+     fb_implicit_work             9920
+     fb_exponential_work          4752
      fb_system_work             635976
      fb_exact_work              176088
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
@@ -1924,12 +1924,12 @@ FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *mome
    elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin, acceleration and
    slopes (unless allow_long_step), or the angular velocity changes within the step by more than half a radian a step,
    or the attitude is lost; FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On
-   failure state is as before the call. WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions. */
+   failure state is as before the call. WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions.
+   What a call knows about lines of large deflection, the 54 kB of an fbi_line_work with the default FB_MAX_POINTS and
+   FB_MAX_MODES, is on the stack of that call, of a step as of every evaluation, and only of bodies that have lines. It
+   is not reached through a pointer: works may hold anything, states are copied, inputs shared by threads. */
 typedef struct fb_rk4_work {
   fb_state start, stage, rate, sum;
-#if FB_WITH_LARGE_DEFLECTION
-  fbi_line_work line;
-#endif
 } fb_rk4_work;
 FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                              const fb_input *middle, const fb_input *end, fb_real dt);
@@ -1960,7 +1960,6 @@ typedef struct fb_implicit_work {
   fb_real V[6];                           /* velocities of the gyroscopic terms */
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
 #if FB_WITH_LARGE_DEFLECTION
-  fbi_line_work line;
   fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* elastic mass at the start of the step */
   fb_real N[FB_MAX_MODES * FB_MAX_MODES]; /* less the transpose of the derivative of the elastic momenta by q */
   fb_real inertia;                        /* [kg m^2] of the lines' points about O */
@@ -2002,9 +2001,6 @@ typedef struct fb_exponential { /* constant after init, may live in ROM */
 } fb_exponential;
 typedef struct fb_exponential_work {
   fb_state start, z, half, full, at, rate, sum, N[4];
-#if FB_WITH_LARGE_DEFLECTION
-  fbi_line_work line;
-#endif
 } fb_exponential_work;
 /* As fb_body_check. */
 FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body);

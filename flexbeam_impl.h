@@ -3891,17 +3891,34 @@ static int fbi_further(const fb_body *body)
 #define FBI_WITH_LINES(k)     \
   fbi_line_work k##_line_own; \
   (k).line = &k##_line_own
-#define FBI_TAKE_LINES(k, work) ((k).line = (work))
-#define FBI_LINES(work) (&(work)->line)
-#define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
+#define FBI_TAKE_LINES(k, from) ((k).line = (from))
 #define FBI_LINE_OF(k) ((k)->line)
 #else
 #define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
-#define FBI_TAKE_LINES(k, work) ((void)(work), (void)&(k), (k).pb = NULL)
-#define FBI_LINES(work) NULL
-#define FBI_USE_LINES(k, work) ((void)0)
+#define FBI_TAKE_LINES(k, from) ((void)(from), (void)&(k), (k).pb = NULL)
 #define FBI_LINE_OF(k) NULL
 typedef void fbi_line_work;
+#endif
+
+/* Room for what a call knows about the lines of its body, on the stack of that call and of no other: defines NAME_any,
+   which calls NAME with that room, or NULL for a body without lines. */
+#if FB_WITH_LARGE_DEFLECTION
+#define FBI_ROOM_FOR_LINES(name, parameters, ...)                                    \
+  static FBI_NOINLINE fb_status name##_large parameters                              \
+  {                                                                                  \
+    fbi_line_work line;                                                              \
+    return name(&line, __VA_ARGS__);                                                 \
+  }                                                                                  \
+  static fb_status name##_any parameters                                             \
+  {                                                                                  \
+    return fbi_is_large(body) ? name##_large(__VA_ARGS__) : name(NULL, __VA_ARGS__); \
+  }
+#else
+#define FBI_ROOM_FOR_LINES(name, parameters, ...) \
+  static fb_status name##_any parameters          \
+  {                                               \
+    return name(NULL, __VA_ARGS__);               \
+  }
 #endif
 
 static void fbi_sparse_add(fb_real *A, fb_real s, const fb_sparse *sparse, int n)
@@ -6669,25 +6686,13 @@ static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_sta
   return status;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE fb_status fbi_large_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state,
-                                                   const fb_input *input)
-{
-  fbi_line_work line;
-  return fbi_rates_eval(&line, body, rate, state, input);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_rates_eval, (const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input),
+                   body, rate, state, input)
 
 FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_rates_eval(body, rate, state, input);
-  }
-#endif
-  return fbi_rates_eval(NULL, body, rate, state, input);
+  return fbi_rates_eval_any(body, rate, state, input);
 }
 
 /* ---- state, motion, energy, momentum */
@@ -7019,38 +7024,26 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
   return FB_OK;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE fb_status fbi_large_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3],
-                                                            const fb_real w[3], const fb_real *q_dot)
-{
-  fbi_line_work line;
-  return fbi_state_from_velocity(&line, body, state, v, w, q_dot);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_state_from_velocity,
+                   (const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3], const fb_real *q_dot),
+                   body, state, v, w, q_dot)
 
 FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot)
 {
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_state_from_velocity(body, state, v, w, q_dot);
-  }
-#endif
-  return fbi_state_from_velocity(NULL, body, state, v, w, q_dot);
+  return fbi_state_from_velocity_any(body, state, v, w, q_dot);
 }
 
 #if FB_WITH_ROTORS
-/* fb_state_rotor_set with room for what an evaluation knows about the lines, if there are any. */
-static fb_status fbi_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
-                               const fb_input *input)
+static fb_status fbi_rotor_set(fbi_line_work *line, const fb_body *body, fb_state *state, int rotor, fb_real speed,
+                               fb_real angle, const fb_input *input)
 {
   fb_real momentum[FB_MAX_ROTORS] = {FB_R(0.0)};
   fb_state out = *state, at, rate;
   fbi_kinetics k;
   fb_status status;
-  FBI_WITH_LINES(k);
+  FBI_TAKE_LINES(k, line);
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   status = fbi_rotor_state_rates(&rate, &k, body, &at, input, fbi_acting(body));
@@ -7068,6 +7061,11 @@ static fb_status fbi_rotor_set(const fb_body *body, fb_state *state, int rotor, 
   return FB_OK;
 }
 
+FBI_ROOM_FOR_LINES(fbi_rotor_set,
+                   (const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
+                    const fb_input *input),
+                   body, state, rotor, speed, angle, input)
+
 FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
                                     const fb_input *input)
 {
@@ -7082,7 +7080,7 @@ FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int ro
   }
   status = fbi_input_check(body, input);
   status = status ? status : fb_state_check(body, state);
-  return status ? status : fbi_rotor_set(body, state, rotor, speed, angle, input);
+  return status ? status : fbi_rotor_set_any(body, state, rotor, speed, angle, input);
 }
 #endif
 
@@ -7372,26 +7370,15 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   return status;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE fb_status fbi_large_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
-                                                    const fb_input *input)
-{
-  fbi_line_work line;
-  return fbi_motion_eval(&line, body, motion, state, input);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_motion_eval,
+                   (const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input), body, motion,
+                   state, input)
 
 FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
                                      const fb_input *input)
 {
   FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_motion_eval(body, motion, state, input);
-  }
-#endif
-  return fbi_motion_eval(NULL, body, motion, state, input);
+  return fbi_motion_eval_any(body, motion, state, input);
 }
 
 /* [E8.20] Motion of a node, s = r + u:
@@ -7400,9 +7387,11 @@ FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
    angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
    Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
 #define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
-static void fbi_node_motion(fb_node_motion *out, fbi_line_work *line, const fb_body *body, const fb_state *state,
-                            const fb_motion *motion, int node)
+static fb_status fbi_node_motion(fbi_line_work *line, const fb_body *body, fb_node_motion *result,
+                                 const fb_state *state, const fb_motion *motion, int node)
 {
+  fb_node_motion found, *const out = &found;
+  fb_real all[FBI_NODE_MOTION];
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
   fbi_kinetics at;
@@ -7452,42 +7441,27 @@ static void fbi_node_motion(fb_node_motion *out, fbi_line_work *line, const fb_b
   fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
   fbi_copy(out->displacement, f.u, 3);
   fb_quat_to_rotvec(out->rotation, turn);
+  memcpy(all, out, sizeof all);
+  if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *result = found;
+  return FB_OK;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE void fbi_large_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state,
-                                               const fb_motion *motion, int node)
-{
-  fbi_line_work line;
-  fbi_node_motion(out, &line, body, state, motion, node);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_node_motion,
+                   (const fb_body *body, fb_node_motion *result, const fb_state *state, const fb_motion *motion,
+                    int node),
+                   body, result, state, motion, node)
 
 FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node)
 {
-  fb_node_motion found;
-  fb_real all[FBI_NODE_MOTION];
   FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
   if (node < 0 || node >= body->n_node) {
     return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, -1, (fb_real)node, (fb_real)body->n_node);
   }
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_on_line(body, &body->node[node])) {
-    fbi_large_node_motion(&found, body, state, motion, node);
-  } else {
-    fbi_node_motion(&found, NULL, body, state, motion, node);
-  }
-#else
-  fbi_node_motion(&found, NULL, body, state, motion, node);
-#endif
-  memcpy(all, &found, sizeof all);
-  if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *out = found;
-  return FB_OK;
+  return fbi_node_motion_any(body, out, state, motion, node);
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -8081,26 +8055,15 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   return status;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE fb_status fbi_large_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
-                                                    const fb_input *input)
-{
-  fbi_line_work line;
-  return fbi_energy_eval(&line, body, energy, state, input);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_energy_eval,
+                   (const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input), body, energy,
+                   state, input)
 
 FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
                                      const fb_input *input)
 {
   FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_energy_eval(body, energy, state, input);
-  }
-#endif
-  return fbi_energy_eval(NULL, body, energy, state, input);
+  return fbi_energy_eval_any(body, energy, state, input);
 }
 
 /* Linear momentum R p + m u and, about the inertial origin, angular momentum R h + R c x u + rho x (R p + m u). */
@@ -8149,26 +8112,15 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
   return FB_OK;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE fb_status fbi_large_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                                      const fb_input *input)
-{
-  fbi_line_work line;
-  return fbi_momentum_eval(&line, body, momentum, state, input);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_momentum_eval,
+                   (const fb_body *body, fb_momentum *momentum, const fb_state *state, const fb_input *input), body,
+                   momentum, state, input)
 
 FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
                                        const fb_input *input)
 {
   FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_momentum_eval(body, momentum, state, input);
-  }
-#endif
-  return fbi_momentum_eval(NULL, body, momentum, state, input);
+  return fbi_momentum_eval_any(body, momentum, state, input);
 }
 
 /* ---- checks of a model whose memory may be corrupted */
@@ -16427,7 +16379,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection, rotors or central gravity
-     fb_rk4_step: fbi_further_rk4_step fbi_rotor_rk4_step
+     fb_rk4_step: fbi_further_rk4_step_any fbi_rotor_rk4_step
      fbi_further_rk4_step: fbi_rk4_stages
      fbi_rotor_rk4_step: fbi_rk4_stages
      fbi_rk4_stages: fbi_field_start fbi_center_placed
@@ -16466,7 +16418,7 @@ static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_
 /* [E11.3] Classical Runge-Kutta of a body that has `further`, a constant of each caller, which holds the loop in line and
    of it only what its bodies need.
    Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
-static FBI_INLINE fb_status fbi_rk4_stages(const fb_body *body, fb_state *state, fb_rk4_work *work,
+static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *body, fb_state *state, fb_rk4_work *work,
                                            const fb_input *start, const fb_input *middle, const fb_input *end,
                                            fb_real dt, int further)
 {
@@ -16476,10 +16428,10 @@ static FBI_INLINE fb_status fbi_rk4_stages(const fb_body *body, fb_state *state,
   const fb_state *at = &work->start;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)}, first[3];
-  FBI_USE_LINES(k, work);
+  FBI_TAKE_LINES(k, line);
   fbi_state_enter(&work->start, k.R, body, state);
-  if (further) {
-    fbi_field_start(&work->start, FBI_LINES(work), body, k.R, start, middle, end);
+  if (further & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) {
+    fbi_field_start(&work->start, line, body, k.R, start, middle, end);
   }
 
   for (int stage = 0; stage < 4; stage++) {
@@ -16491,7 +16443,7 @@ static FBI_INLINE fb_status fbi_rk4_stages(const fb_body *body, fb_state *state,
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
     if (large && status == FB_OK && stage == 0) {
-      fbi_center_placed(first, FBI_LINES(work), body, state->q);
+      fbi_center_placed(first, line, body, state->q);
     }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
       status = fbi_rk4_check(body, &k, start, dt, further);
@@ -16518,17 +16470,22 @@ static FBI_INLINE fb_status fbi_rk4_stages(const fb_body *body, fb_state *state,
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, further, large ? first : NULL);
+  return fbi_step_end(state, &work->sum, line, &work->start, body, end, NULL, further, large ? first : NULL);
 }
 
 #if FBI_WITH_FURTHER
 /* Bodies with lines, rotors or central gravity: whatever they have. */
-static FBI_NOINLINE fb_status fbi_further_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work,
-                                                   const fb_input *start, const fb_input *middle, const fb_input *end,
-                                                   fb_real dt)
+static FBI_NOINLINE fb_status fbi_further_rk4_step(fbi_line_work *line, const fb_body *body, fb_state *state,
+                                                   fb_rk4_work *work, const fb_input *start, const fb_input *middle,
+                                                   const fb_input *end, fb_real dt)
 {
-  return fbi_rk4_stages(body, state, work, start, middle, end, dt, fbi_acting(body));
+  return fbi_rk4_stages(line, body, state, work, start, middle, end, dt, fbi_acting(body));
 }
+
+FBI_ROOM_FOR_LINES(fbi_further_rk4_step,
+                   (const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                    const fb_input *middle, const fb_input *end, fb_real dt),
+                   body, state, work, start, middle, end, dt)
 #endif
 
 #if FB_WITH_ROTORS
@@ -16537,7 +16494,7 @@ static FBI_NOINLINE FBI_FLATTEN fb_status fbi_rotor_rk4_step(const fb_body *body
                                                              const fb_input *start, const fb_input *middle,
                                                              const fb_input *end, fb_real dt)
 {
-  return fbi_rk4_stages(body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_rotors_acting(body));
+  return fbi_rk4_stages(NULL, body, state, work, start, middle, end, dt, FB_EFFECT_ROTORS | fbi_rotors_acting(body));
 }
 #endif
 
@@ -16545,7 +16502,7 @@ static FBI_NOINLINE FBI_FLATTEN fb_status fbi_plain_rk4_step(const fb_body *body
                                                              const fb_input *start, const fb_input *middle,
                                                              const fb_input *end, fb_real dt)
 {
-  return fbi_rk4_stages(body, state, work, start, middle, end, dt, 0);
+  return fbi_rk4_stages(NULL, body, state, work, start, middle, end, dt, 0);
 }
 
 /* E11.3 of any body; each variant a function of its own, so that the stack holds the variables of one of them. */
@@ -16563,7 +16520,7 @@ FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
 #endif
 #if FBI_WITH_FURTHER
   if (fbi_further(body)) {
-    return fbi_further_rk4_step(body, state, work, start, middle, end, dt);
+    return fbi_further_rk4_step_any(body, state, work, start, middle, end, dt);
   }
 #endif
   return fbi_plain_rk4_step(body, state, work, start, middle, end, dt);
@@ -16791,18 +16748,18 @@ static fb_real fbi_lines_inertia(const fbi_line_work *w, const fb_lines *all)
    or three.
    Source: derivative of E14.13.  Cost: n + 1 poses and sweeps, two thirds of an evaluation each.  Fails: never.
    Test: newton_contracts_with_lines. */
-static void fbi_lines_slopes_add(fb_implicit_work *w, const fb_body *body, const fb_real *q, const fb_real *q_dot,
-                                 int first)
+static void fbi_lines_slopes_add(fb_implicit_work *w, fbi_line_work *lines, const fb_body *body, const fb_real *q,
+                                 const fb_real *q_dot, int first)
 {
   const int n = body->n;
   const fb_real h = FB_SQRT(FB_EPSILON);
   fb_real at[FB_MAX_MODES], x[FB_MAX_MODES], p[FB_MAX_MODES], y[6], x_b[FB_MAX_MODES], p_b[FB_MAX_MODES], y_b[6];
-  fbi_lines_slopes(x, p, y, &w->line, body, w->V, q, q_dot);
+  fbi_lines_slopes(x, p, y, lines, body, w->V, q, q_dot);
   fbi_copy(at, q, n);
   for (int b = 0; b < n; b++) {
     const fb_real inertia = w->M[b * (n + 1)], s = h * FB_SQRT(w->inertia / inertia), by = FB_R(1.0) / s;
     at[b] = q[b] + s;
-    fbi_lines_slopes(x_b, p_b, y_b, &w->line, body, w->V, at, q_dot);
+    fbi_lines_slopes(x_b, p_b, y_b, lines, body, w->V, at, q_dot);
     at[b] = q[b];
     for (int a = 0; a < n; a++) {
       const fb_real curve = FB_R(0.5) * by * (x_b[a] - x[a]);
@@ -16845,7 +16802,7 @@ static fb_status fbi_large_coupling(fb_implicit_work *w, const fbi_kinetics *k, 
   at.pb = w->rate.q;
   fbi_zero(w->N, n * n);
   fbi_shape_rates(w->Y, &at, body, first);
-  fbi_lines_slopes_add(w, body, k->qx + 1, w->rate.q, first);
+  fbi_lines_slopes_add(w, k->line, body, k->qx + 1, w->rate.q, first);
   return rows > 0 ? fbi_coupling_factor(w, k, body) : FB_OK;
 }
 #endif
@@ -17124,7 +17081,7 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
                                                     : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
-  fbi_field_start(&w->start, FBI_LINES(w), body, k->R, input, NULL, NULL);
+  fbi_field_start(&w->start, FBI_LINE_OF(k), body, k->R, input, NULL, NULL);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
   }
@@ -17234,7 +17191,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   }
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
-    FBI_USE_LINES(here, w);
+    FBI_TAKE_LINES(here, FBI_LINE_OF(at));
 
     /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_further(body));
@@ -17276,15 +17233,13 @@ static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
 /* [E11.7] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k).
    Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one LU.
    Fails: as E11.4.  Test: each_integrator_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
-FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
-                                  fb_real dt, int iterations)
+static fb_status fbi_midpoint_step(fbi_line_work *line, const fb_body *body, fb_state *state, fb_implicit_work *work,
+                                   const fb_input *middle, fb_real dt, int iterations)
 {
   const fb_input *first = middle;
   fbi_kinetics at;
   fb_status status;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  FBI_USE_LINES(at, work);
+  FBI_TAKE_LINES(at, line);
 
   /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
@@ -17306,8 +17261,20 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n_coordinate);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat,
-                      fbi_further(body), NULL);
+  return fbi_step_end(state, &work->sum, line, &work->start, body, middle, work->stage.quat, fbi_further(body), NULL);
+}
+
+FBI_ROOM_FOR_LINES(fbi_midpoint_step,
+                   (const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle, fb_real dt,
+                    int iterations),
+                   body, state, work, middle, dt, iterations)
+
+FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
+                                  fb_real dt, int iterations)
+{
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  return fbi_midpoint_step_any(body, state, work, middle, dt, iterations);
 }
 
 #if FB_WITH_ROTORS
@@ -17391,18 +17358,15 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
    k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
    Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
    Fails: as E11.4.  Test: each_integrator_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
-FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
-                               const fb_input *end, fb_real dt, int iterations)
+static fb_status fbi_sdirk_step(fbi_line_work *line, const fb_body *body, fb_state *state, fb_implicit_work *work,
+                                const fb_input *start, const fb_input *end, fb_real dt, int iterations)
 {
   const fb_real c = FB_R(0.29289321881345248);
   const int count = iterations > 0 ? iterations : 2;
   const fb_input *first = start;
   fbi_kinetics at;
   fb_status status;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
-  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  FBI_USE_LINES(at, work);
+  FBI_TAKE_LINES(at, line);
 
   /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
@@ -17433,7 +17397,21 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n_coordinate);
-  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL, fbi_further(body), NULL);
+  return fbi_step_end(state, &work->sum, line, &work->start, body, end, NULL, fbi_further(body), NULL);
+}
+
+FBI_ROOM_FOR_LINES(fbi_sdirk_step,
+                   (const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                    const fb_input *end, fb_real dt, int iterations),
+                   body, state, work, start, end, dt, iterations)
+
+FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                               const fb_input *end, fb_real dt, int iterations)
+{
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  return fbi_sdirk_step_any(body, state, work, start, end, dt, iterations);
 }
 
 /* ---- exponential integrator */
@@ -17480,26 +17458,15 @@ static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body 
   return FB_OK;
 }
 
-#if FB_WITH_LARGE_DEFLECTION
-/* Room for what an evaluation knows about the lines. */
-static FBI_NOINLINE fb_status fbi_large_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
-                                                   const fb_input *input)
-{
-  fbi_line_work line;
-  return fbi_limit_eval(&line, body, limit, state, input);
-}
-#endif
+FBI_ROOM_FOR_LINES(fbi_limit_eval,
+                   (const fb_body *body, fb_body_limit *limit, const fb_state *state, const fb_input *input), body,
+                   limit, state, input)
 
 FB_DEF fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, const fb_state *state,
                                     const fb_input *input)
 {
   FBI_REQUIRE(body && limit && state, FB_ERR_NULL);
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    return fbi_large_limit_eval(body, limit, state, input);
-  }
-#endif
-  return fbi_limit_eval(NULL, body, limit, state, input);
+  return fbi_limit_eval_any(body, limit, state, input);
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -17849,19 +17816,18 @@ static void fbi_exponential_sum(fb_exponential_work *w, const fb_exponential *sc
    For L = 0 this is the classical Runge-Kutta integrator.
    Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
    Test: each_integrator_converges_at_its_order, the_exponential_integrator_is_exact_for_linear_bodies. */
-FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
-                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
-                                     const fb_input *end)
+static fb_status fbi_exponential_step(fbi_line_work *line, const fb_body *body, const fb_exponential *scheme,
+                                      fb_state *state, fb_exponential_work *work, const fb_input *start,
+                                      const fb_input *middle, const fb_input *end)
 {
   fbi_kinetics k;
   fb_real turn[3];
   fb_status status;
-  FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
-  FBI_USE_LINES(k, work);
+  FBI_TAKE_LINES(k, line);
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
-  fbi_field_start(&work->start, FBI_LINES(work), body, k.R, start, middle, end);
+  fbi_field_start(&work->start, line, body, k.R, start, middle, end);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, body->n_coordinate);
   fbi_modal_from(&work->z, scheme, body, &work->at);
@@ -17878,7 +17844,20 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
   FBI_EXPONENTIAL_ROTORS(work, body, 3, scheme->dt);
-  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL, fbi_further(body), NULL);
+  return fbi_step_end(state, &work->at, line, &work->start, body, end, NULL, fbi_further(body), NULL);
+}
+
+FBI_ROOM_FOR_LINES(fbi_exponential_step,
+                   (const fb_body *body, const fb_exponential *scheme, fb_state *state, fb_exponential_work *work,
+                    const fb_input *start, const fb_input *middle, const fb_input *end),
+                   body, scheme, state, work, start, middle, end)
+
+FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
+                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
+                                     const fb_input *end)
+{
+  FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  return fbi_exponential_step_any(body, scheme, state, work, start, middle, end);
 }
 
 #if FB_WITH_SYSTEM

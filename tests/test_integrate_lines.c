@@ -594,6 +594,29 @@ TEST(steppers_take_the_steps_of_lines)
   }
 }
 
+/* Interface: works hold states and matrices and nothing of the lines, and what they held before a step does not matter. */
+TEST(works_hold_nothing_of_lines)
+{
+  fb_rk4_work work;
+  FBT_TRUE(sizeof(fb_rk4_work) == 4 * sizeof(fb_state));
+  FBT_TRUE(sizeof(fb_exponential_work) == 11 * sizeof(fb_state));
+  large_boom(FB_BASE_FREE);
+  for (int which = RK4; which < INTEGRATORS; which++) {
+    fb_state after[2];
+    prepare((integrator)which, 1e-4);
+    for (int k = 0; k < 2; k++) {
+      bend(&after[k], 0.7, 0.4);
+      memset(&work, k ? 0xFF : 0, sizeof work);
+      memset(&implicit_work, k ? 0xFF : 0, sizeof implicit_work);
+      memset(&exponential_work, k ? 0xFF : 0, sizeof exponential_work);
+      FBT_INT_EQ(which == RK4 ? fb_rk4_step(&body, &after[k], &work, NULL, NULL, NULL, FB_R(1e-4))
+                              : step((integrator)which, &after[k], NULL, NULL, NULL, 1e-4),
+                 FB_OK);
+    }
+    FBT_TRUE(memcmp(&after[0], &after[1], sizeof after[0]) == 0);
+  }
+}
+
 /* E11.22: a pinned or hinged base holds O: neither u nor what rounding keeps of it may differ from zero, for the check
    and for every step, with and without lines. */
 TEST(pins_hold_what_rounding_keeps)
@@ -625,4 +648,4 @@ SUITE(integrate_lines, RUN_LONG(each_integrator_keeps_its_order_when_lines_bend_
       RUN(implicit_steps_follow_the_slow_swing_of_bent_lines), RUN(lines_spin_at_ten_times_their_frequency),
       RUN(tips_swing_past_half_a_turn), RUN(exponential_steps_know_the_deflection),
       RUN(intervals_of_lines_turn_so_far_and_no_farther), RUN(committed_states_of_lines_pass_their_check),
-      RUN(steppers_take_the_steps_of_lines), RUN(pins_hold_what_rounding_keeps))
+      RUN(steppers_take_the_steps_of_lines), RUN(works_hold_nothing_of_lines), RUN(pins_hold_what_rounding_keeps))

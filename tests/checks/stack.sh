@@ -8,8 +8,8 @@ need gcc gcc
 step_bound=6656 # the exponential step with central gravity, 6392
 forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
-large_step_bound=22528 # with FB_WITH_LARGE_DEFLECTION=1, FB_WITH_ROTORS=1: points of the lines by axis, nodes of rotors
-large_bound=102400      # evaluations beside the step and building: what an evaluation knows about the lines (fbi_line_work)
+large_step_bound=77824 # with FB_WITH_LARGE_DEFLECTION=1, FB_WITH_ROTORS=1: what a step knows about the lines (fbi_line_work, 54072)
+large_bound=102400      # evaluations beside the step and building
 # usage NAME COMPILER...: writes the call graph of one build, to a file of that name and a number
 builds=0
 usage() {
