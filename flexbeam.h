@@ -20,7 +20,8 @@
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
-     #define FB_WITH_DETAIL 1 // says what was refused
+     #define FB_WITH_DETAIL 1   // says what was refused
+     #define FB_WITH_OPTIONAL 0 // 1: rotors, beams that bend far; twice the compile time
      #define FLEXBEAM_IMPLEMENTATION
      #include "flexbeam.h"
      #include <stdio.h>
@@ -37,7 +38,7 @@
                                     .inertia = {80, 80, 80},
                                     .n_part = 1, // the boom; its tip is node 1
                                     .part = {{.n_node = 1, .node = {10}}},
-                                    .body = {.effects = FB_EFFECTS_FULL}};       // FB_EFFECTS_LARGE: bends far
+                                    .body = {.effects = FB_EFFECTS_FULL}}; // FB_EFFECTS_LARGE and OPTIONAL 1: bends far
        const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, inertial axes
        fb_state state;
        fb_rk4_work work;
@@ -130,9 +131,10 @@
      FB_WITH_ACCELERATION_STIFFENING  1        0, 1    "
      FB_WITH_DAMPING                  1        0, 1    "
      FB_WITH_GRAVITY                  1        0, 1    "
-     FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
-     FB_WITH_LARGE_DEFLECTION         1        0, 1    "
-     FB_WITH_ROTORS                   1        0, 1    "
+     FB_WITH_NONLINEAR_STRAIN         OPTIONAL 0, 1    "
+     FB_WITH_LARGE_DEFLECTION         OPTIONAL 0, 1    "
+     FB_WITH_ROTORS                   OPTIONAL 0, 1    "
+     FB_WITH_OPTIONAL                 1        0, 1    of these three; with 0 one body compiles twice as fast
      FB_MAX_ROTORS                    4        1..99   rotors of a body
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
      FB_MAX_POINTS                    32       2..998  points of a body's lines (large deflection only), even
@@ -379,14 +381,17 @@
 #ifndef FB_WITH_GRAVITY
 #define FB_WITH_GRAVITY 1
 #endif
+#ifndef FB_WITH_OPTIONAL
+#define FB_WITH_OPTIONAL 1
+#endif
 #ifndef FB_WITH_NONLINEAR_STRAIN
-#define FB_WITH_NONLINEAR_STRAIN 1
+#define FB_WITH_NONLINEAR_STRAIN FB_WITH_OPTIONAL
 #endif
 #ifndef FB_WITH_LARGE_DEFLECTION
-#define FB_WITH_LARGE_DEFLECTION 1
+#define FB_WITH_LARGE_DEFLECTION FB_WITH_OPTIONAL
 #endif
 #ifndef FB_WITH_ROTORS
-#define FB_WITH_ROTORS 1
+#define FB_WITH_ROTORS FB_WITH_OPTIONAL
 #endif
 #ifndef FB_MAX_ROTORS
 #define FB_MAX_ROTORS 4
@@ -462,7 +467,7 @@
 #endif
 #if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
      FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_LARGE_DEFLECTION | FB_WITH_ROTORS |     \
-     FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
+     FB_WITH_OPTIONAL | FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
 #endif
 #if FB_WITH_DETAIL != 0 && FB_WITH_DETAIL != 1
@@ -3452,6 +3457,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
           fb_system_trim refuses a prescribed axis that moves and changes the equilibrium. fb_modes_join in single
           precision: slow modes of stiff parts are found, or refused.
+          What a call knows about lines is on its stack, no longer in the work of a step: sizeof(fb_rk4_work) 1728, was
+          55800. FB_WITH_OPTIONAL: default of what one body seldom wants; a refused effect names its switch.
           Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs
           nothing that was there.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,

@@ -3838,20 +3838,54 @@ static int fbi_has(unsigned effects, int effect)
   return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
 }
 
-/* 1 if an effect was removed at compile time, or foreshortening would be counted twice: by the nonlinear strain and by
-   the second-order displacement field. */
-static int fbi_is_excluded(unsigned effects)
+/* 1 if foreshortening would be counted twice: by the nonlinear strain and by the second-order displacement field. */
+static int fbi_counts_twice(unsigned effects)
 {
-  return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
-         ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & (FBI_QUADRATIC_EFFECTS | FB_EFFECT_LARGE_DEFLECTION)));
+  return (effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & (FBI_QUADRATIC_EFFECTS | FB_EFFECT_LARGE_DEFLECTION));
 }
 
-#define FBI_WORD_EXCLUDED \
-  "effects: all compiled in (FB_WITH_..), nonlinear strain without spin and acceleration stiffening"
+/* 1 if an effect was removed at compile time, or foreshortening would be counted twice. */
+static int fbi_is_excluded(unsigned effects)
+{
+  return (effects & ~(unsigned)FBI_EFFECTS_BUILT) || fbi_counts_twice(effects);
+}
+
+#if FB_WITH_DETAIL
+#define FBI_EFFECT_SWITCH(name)                                         \
+  {                                                                     \
+    FB_EFFECT_##name, "effects: FB_WITH_" #name " 1 before the include" \
+  }
+/* What to do about effects that are excluded. */
+static const char *fbi_word_excluded(unsigned effects)
+{
+  static const struct {
+    fb_effect effect;
+    const char *text;
+  } list[] = {FBI_EFFECT_SWITCH(SPIN_COUPLING),
+              FBI_EFFECT_SWITCH(RESIDUAL_INERTIA),
+              FBI_EFFECT_SWITCH(SPIN_STIFFENING),
+              FBI_EFFECT_SWITCH(ACCELERATION_STIFFENING),
+              FBI_EFFECT_SWITCH(DAMPING),
+              FBI_EFFECT_SWITCH(GRAVITY),
+              FBI_EFFECT_SWITCH(NONLINEAR_STRAIN),
+              FBI_EFFECT_SWITCH(LARGE_DEFLECTION),
+              FBI_EFFECT_SWITCH(ROTORS),
+              {FB_EFFECT_CENTRAL_GRAVITY, "effects: FB_WITH_GRAVITY 1 before the include"}};
+  for (int k = 0; k < (int)(sizeof list / sizeof *list); k++) {
+    if (effects & ~(unsigned)FBI_EFFECTS_BUILT & (unsigned)list[k].effect) {
+      return list[k].text;
+    }
+  }
+  return fbi_counts_twice(effects) ? "effects: nonlinear strain without spin and acceleration stiffening"
+                                   : "effects: those of fb_effect";
+}
+#undef FBI_EFFECT_SWITCH
+#endif
+
 FB_DEF fb_status fb_effects_check(unsigned effects)
 {
   if (fbi_is_excluded(effects)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS, fbi_word_excluded(effects), -1, FB_R(0.0), FB_R(0.0));
   }
   if ((effects & FB_EFFECT_RESIDUAL_INERTIA) &&
       (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_NONLINEAR_STRAIN)))) {
@@ -26740,7 +26774,7 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
                       fbi_vec3_norm(desc->gravity), FB_R(0.0));
   }
   if (fbi_is_excluded(desc->effects)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS, fbi_word_excluded(desc->effects), -1, FB_R(0.0), FB_R(0.0));
   }
   if (!fbi_center_is_sound(shape, desc)) {
     return FBI_REFUSE(

@@ -1,5 +1,6 @@
 /* The smallest whole program: a boom on a hub, turned by a torque for a second. It is the QUICK START of flexbeam.h. */
-#define FB_WITH_DETAIL 1 // says what was refused
+#define FB_WITH_DETAIL 1   // says what was refused
+#define FB_WITH_OPTIONAL 0 // 1: rotors, beams that bend far; twice the compile time
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>
@@ -16,7 +17,7 @@ int main(void)
                                .inertia = {80, 80, 80},
                                .n_part = 1, // the boom; its tip is node 1
                                .part = {{.n_node = 1, .node = {10}}},
-                               .body = {.effects = FB_EFFECTS_FULL}};       // FB_EFFECTS_LARGE: bends far
+                               .body = {.effects = FB_EFFECTS_FULL}}; // FB_EFFECTS_LARGE and OPTIONAL 1: bends far
   const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, inertial axes
   fb_state state;
   fb_rk4_work work;

@@ -37,6 +37,11 @@ says "flexbeam_impl.h: No such file" gcc -std=c99 -I"$out/alone" -o "$out/progra
 says "only available with '-std=c++20'" g++ -x c++ -std=c++11 -Wpedantic -Werror -I. -o "$out/program" $program -lm
 try $cc -std=c99 -DFB_MAX_MODES=5 $program -lm
 says "more than the compile-time capacity" "$out/program"
+sed 's/FB_EFFECTS_FULL}/FB_EFFECTS_LARGE}/' $program > "$out/bends.c"
+try $cc -std=c99 "$out/bends.c" -lm
+says "effects: FB_WITH_LARGE_DEFLECTION 1 before the include" "$out/program"
+sed 's/FB_EFFECTS_FULL}/FB_EFFECTS_FULL, .n_rotor = 1}/' $program > "$out/turns.c"
+says "has no member named 'n_rotor'" $cc -std=c99 "$out/turns.c" -lm
 try $cc -std=c99 "$out/on_stack.c" -lm
 says "Segmentation fault" sh -c "ulimit -s 2048; '$out/program'; exit \$?"
 ok "$cases mistakes give the messages that README.md explains"

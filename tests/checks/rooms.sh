@@ -61,9 +61,23 @@ while read -r caller callees; do
     grep -q "[^a-zA-Z0-9_]$callee(" "$out/function" || fail "WHAT A STEP OF ONE BODY RUNS: $caller does not call $callee"
   done
 done < "$out/tree"
+# what a step of one body runs with all effects compiled in: functions that -O0 leaves, their lines without comments
+need valgrind valgrind
+sed 's/^#define FB_WITH_OPTIONAL 0.*//' examples/quickstart.c > "$out/step.c"
+try gcc -std=c99 -I. -O0 -o "$out/step" "$out/step.c" -lm
+try valgrind --tool=callgrind --callgrind-out-file="$out/step.calls" --toggle-collect=fb_rk4_step "$out/step"
+grep -E '^c?fn=\([0-9]+\) ' "$out/step.calls" | sed 's/.*) //' | grep -E '^fbi?_' | sort -u > "$out/step.functions"
+awk 'NR == FNR { runs[$1] = 1; next }
+     /^(static|FB_DEF)/ { match($0, /fbi?_[a-zA-Z0-9_]*\(/); name = substr($0, RSTART, RLENGTH - 1); on = name in runs; n = 0 }
+     on && NF && !/^ *(\/\*|#)/ { n++ }
+     /^}/ && on { lines += n; on = 0 }
+     END { print lines }' "$out/step.functions" flexbeam_impl.h > "$out/step.lines"
+step="$(wc -l < "$out/step.functions") functions, $(cat "$out/step.lines") lines"
+[ "$(wc -l < "$out/step.functions")" -le 120 ] && [ "$(cat "$out/step.lines")" -le 1600 ] ||
+  fail "a step of one body runs $step; 120, 1600 at most"
 exported() { nm -g --defined-only "$out/$1.o" | grep -c ' T fb_'; }
 nm -g --defined-only "$out/0000.o" | grep -E ' T fb_(system|exact|eig|beam|modes|shape|advi|[a-z_]*_init$)' | grep -vE "fb_(state|stepper)_init" &&
   fail "functions of a removed room are still there"
 printf '#define FB_WITH_BUILD 0\n#include "flexbeam.h"\nint main(void) { return fb_shape_init(0, 0); }\n' > "$out/undeclared.c"
 gcc -std=c99 -I. -Werror -fsyntax-only "$out/undeclared.c" 2> "$out/log" && fail "fb_shape_init is declared without BUILD"
-ok "$count compilations of 12 combinations; functions exported: RUN of one body $(exported 0000), with systems and exact beams $(exported 1100), with BUILD $(exported 1110), with ANALYSE $(exported 1111); $(grep -c '^   [A-Z]* >>' flexbeam_impl.h) sections, each uses those above it as its banner says"
+ok "$count compilations of 12 combinations; functions exported: RUN of one body $(exported 0000), with systems and exact beams $(exported 1100), with BUILD $(exported 1110), with ANALYSE $(exported 1111); a step of one body runs $step; $(grep -c '^   [A-Z]* >>' flexbeam_impl.h) sections, each uses those above it as its banner says"
