@@ -70,16 +70,20 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_FAINT (FB_TINY * FB_R(1e-6))
 
 /* Unrolling of the short loops over terms, where loop control is a third of the instructions; -O2 does not unroll them.
-   FBI_UNROLL_2 is for loops of few iterations: entering one unrolled by four costs as much as it saves. */
+   FBI_UNROLL_2 is for loops of few iterations: entering one unrolled by four costs as much as it saves. FBI_WHOLE writes
+   out a loop over axes, so that sums of its own stay in registers. */
 #if defined(__clang__)
 #define FBI_UNROLL _Pragma("unroll 4")
 #define FBI_UNROLL_2 _Pragma("unroll 2")
+#define FBI_WHOLE _Pragma("unroll")
 #elif defined(__GNUC__)
 #define FBI_UNROLL _Pragma("GCC unroll 4")
 #define FBI_UNROLL_2 _Pragma("GCC unroll 2")
+#define FBI_WHOLE _Pragma("GCC unroll 6")
 #else
 #define FBI_UNROLL
 #define FBI_UNROLL_2
+#define FBI_WHOLE
 #endif
 
 /* FBI_FLATTEN compiles a step with all its callees in line, except those marked FBI_NOINLINE to limit code size. */
@@ -1828,27 +1832,27 @@ static FBI_INLINE void fbi_line_integrals_sum(fb_real y[3][FB_MAX_POINTS], const
                                               fb_real x[3][FB_MAX_POINTS], int m)
 {
   const int p = line->point, count = line->count;
-  const fb_real *const X = x[0] + p, *const Y = x[1] + p, *const Z = x[2] + p;
   FBI_UNROLL
   for (int j = 0; j < m; j += 2) { /* two points, three axes */
     const fb_real *weight = all->table + line->weight + j;
-    fb_real a = y[0][p + j], b = y[0][p + j + 1], c = y[1][p + j], d = y[1][p + j + 1], e = y[2][p + j],
-            f = y[2][p + j + 1];
-    for (int k = 0; k < count; k++, weight += m) {
-      const fb_real u = weight[0], v = weight[1];
-      a += u * X[k];
-      b += v * X[k];
-      c += u * Y[k];
-      d += v * Y[k];
-      e += u * Z[k];
-      f += v * Z[k];
+    fb_real sum[3][2];
+    FBI_WHOLE
+    for (int i = 0; i < 3; i++) {
+      sum[i][0] = y[i][p + j];
+      sum[i][1] = y[i][p + j + 1];
     }
-    y[0][p + j] = a;
-    y[0][p + j + 1] = b;
-    y[1][p + j] = c;
-    y[1][p + j + 1] = d;
-    y[2][p + j] = e;
-    y[2][p + j + 1] = f;
+    for (int k = 0; k < count; k++, weight += m) {
+      FBI_WHOLE
+      for (int i = 0; i < 3; i++) {
+        sum[i][0] += weight[0] * x[i][p + k];
+        sum[i][1] += weight[1] * x[i][p + k];
+      }
+    }
+    FBI_WHOLE
+    for (int i = 0; i < 3; i++) {
+      y[i][p + j] = sum[i][0];
+      y[i][p + j + 1] = sum[i][1];
+    }
   }
 }
 
@@ -1881,72 +1885,29 @@ static FBI_NOINLINE void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, co
   }
 }
 
-/* Y = C x of one field, axis after axis: an axis has as many numbers as points, rounded up to even; x of the spare one
-   is zero. */
-static FBI_INLINE void fbi_line_weigh(fb_real *FBI_RESTRICT Y, const fb_real *factor, const fb_real *x, int solid,
-                                      int m)
+/* Y = C x of one field, axis after axis (n = 3), or of two, one behind the other in memory, by one pass over the factor
+   (n = 6, the second to Z): an axis has as many numbers as points, rounded up to even; x of the spare one is zero. */
+static FBI_INLINE void fbi_line_weigh_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_real *factor,
+                                          const fb_real *x, int n, int solid, int m)
 {
   FBI_UNROLL
   for (int j = 0; j < m; j += 2) { /* two points */
-    fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a;
+    fb_real sum[6][2] = {{FB_R(0.0)}};
     FBI_UNROLL_2
     for (int k = solid ? 0 : j; k < m; k++) {
       const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
-      const fb_real X = x[k], y = x[FB_MAX_POINTS + k], z = x[2 * FB_MAX_POINTS + k];
-      a += s * X;
-      b += t * X;
-      c += s * y;
-      d += t * y;
-      e += s * z;
-      f += t * z;
+      FBI_WHOLE
+      for (int i = 0; i < n; i++) {
+        sum[i][0] += s * x[i * FB_MAX_POINTS + k];
+        sum[i][1] += t * x[i * FB_MAX_POINTS + k];
+      }
     }
-    Y[j] = a;
-    Y[j + 1] = b;
-    Y[m + j] = c;
-    Y[m + j + 1] = d;
-    Y[2 * m + j] = e;
-    Y[2 * m + j + 1] = f;
-  }
-}
-
-/* The same of two fields, one behind the other in memory, by one pass over the factor. */
-static FBI_INLINE void fbi_line_weigh_2_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_real *factor,
-                                            const fb_real *x, int solid, int m)
-{
-  const fb_real *const next = x + 3 * FB_MAX_POINTS;
-  FBI_UNROLL
-  for (int j = 0; j < m; j += 2) {
-    fb_real a = FB_R(0.0), b = a, c = a, d = a, e = a, f = a, g = a, h = a, o = a, q = a, r = a, l = a;
-    FBI_UNROLL_2
-    for (int k = solid ? 0 : j; k < m; k++) {
-      const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
-      const fb_real u = x[k], v = x[FB_MAX_POINTS + k], w = x[2 * FB_MAX_POINTS + k];
-      const fb_real U = next[k], V = next[FB_MAX_POINTS + k], W = next[2 * FB_MAX_POINTS + k];
-      a += s * u;
-      b += t * u;
-      c += s * v;
-      d += t * v;
-      e += s * w;
-      f += t * w;
-      g += s * U;
-      h += t * U;
-      o += s * V;
-      q += t * V;
-      r += s * W;
-      l += t * W;
+    FBI_WHOLE
+    for (int i = 0; i < n; i++) {
+      fb_real *const to = i < 3 ? Y + i * m + j : Z + (i - 3) * m + j;
+      to[0] = sum[i][0];
+      to[1] = sum[i][1];
     }
-    Y[j] = a;
-    Y[j + 1] = b;
-    Y[m + j] = c;
-    Y[m + j + 1] = d;
-    Y[2 * m + j] = e;
-    Y[2 * m + j + 1] = f;
-    Z[j] = g;
-    Z[j + 1] = h;
-    Z[m + j] = o;
-    Z[m + j + 1] = q;
-    Z[2 * m + j] = r;
-    Z[2 * m + j + 1] = l;
   }
 }
 
@@ -1965,9 +1926,9 @@ static FBI_NOINLINE void fbi_line_weighed(fb_real *Y, const fb_lines *all, const
   const fb_real *const factor = fbi_line_factor(all, line), *const from = x[0] + line->point;
   const int width = fbi_line_width(line);
   if (line->solid) {
-    fbi_line_weigh(Y, factor, from, 1, width);
+    fbi_line_weigh_sum(Y, NULL, factor, from, 3, 1, width);
   } else {
-    FBI_BY_WIDTH(width, fbi_line_weigh(Y, factor, from, 0, m))
+    FBI_BY_WIDTH(width, fbi_line_weigh_sum(Y, NULL, factor, from, 3, 0, m))
   }
 }
 
@@ -1975,9 +1936,9 @@ static FBI_NOINLINE void fbi_line_weigh_2(fb_real *Y, fb_real *Z, const fb_real 
                                           int width)
 {
   if (solid) {
-    fbi_line_weigh_2_sum(Y, Z, factor, x, 1, width);
+    fbi_line_weigh_sum(Y, Z, factor, x, 6, 1, width);
   } else {
-    FBI_BY_WIDTH(width, fbi_line_weigh_2_sum(Y, Z, factor, x, 0, m))
+    FBI_BY_WIDTH(width, fbi_line_weigh_sum(Y, Z, factor, x, 6, 0, m))
   }
 }
 
@@ -2744,21 +2705,21 @@ static FBI_INLINE void fbi_line_outboard_sum(fb_real y[3][FB_MAX_POINTS], const 
                                              fb_real x[3][FB_MAX_POINTS], int m)
 {
   const int p = line->point;
-  const fb_real *const X = x[0] + p, *const Y = x[1] + p, *const Z = x[2] + p, *weight = all->table + line->weight;
+  const fb_real *weight = all->table + line->weight;
   for (int j = p; j < p + line->count; j++, weight += m) {
-    fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0), e = FB_R(0.0), f = FB_R(0.0);
+    fb_real sum[3][2] = {{FB_R(0.0)}};
     FBI_UNROLL
     for (int s = 0; s < m; s += 2) {
-      a += weight[s] * X[s];
-      b += weight[s + 1] * X[s + 1];
-      c += weight[s] * Y[s];
-      d += weight[s + 1] * Y[s + 1];
-      e += weight[s] * Z[s];
-      f += weight[s + 1] * Z[s + 1];
+      FBI_WHOLE
+      for (int i = 0; i < 3; i++) {
+        sum[i][0] += weight[s] * x[i][p + s];
+        sum[i][1] += weight[s + 1] * x[i][p + s + 1];
+      }
     }
-    y[0][j] = a + b;
-    y[1][j] = c + d;
-    y[2][j] = e + f;
+    FBI_WHOLE
+    for (int i = 0; i < 3; i++) {
+      y[i][j] = sum[i][0] + sum[i][1];
+    }
   }
   for (int j = p + line->count; j < p + m; j++) {
     y[0][j] = y[1][j] = y[2][j] = FB_R(0.0);
@@ -2781,27 +2742,21 @@ static FBI_INLINE void fbi_line_unweigh_sum(fb_real y[3][FB_MAX_POINTS], const f
   for (int j = 0; j < m; j += 2, C += 2 * m) {
     const fb_real *const D = j + 1 < count ? C + m : C; /* beyond: an odd number of points, what follows is not read */
     const int end = solid ? m : j + 2;
-    fb_real a = FB_R(0.0), A = a, b = a, B = a, c = a, G = a, d = a, E = a, e = a, F = a, f = a, H = a;
+    fb_real sum[3][2][2] = {{{FB_R(0.0)}}};
     for (int s = 0; s < end; s += 2) {
-      a += C[s] * z[s];
-      A += C[s + 1] * z[s + 1];
-      b += D[s] * z[s];
-      B += D[s + 1] * z[s + 1];
-      c += C[s] * z[m + s];
-      G += C[s + 1] * z[m + s + 1];
-      d += D[s] * z[m + s];
-      E += D[s + 1] * z[m + s + 1];
-      e += C[s] * z[2 * m + s];
-      F += C[s + 1] * z[2 * m + s + 1];
-      f += D[s] * z[2 * m + s];
-      H += D[s + 1] * z[2 * m + s + 1];
+      FBI_WHOLE
+      for (int i = 0; i < 3; i++) {
+        sum[i][0][0] += C[s] * z[i * m + s];
+        sum[i][0][1] += C[s + 1] * z[i * m + s + 1];
+        sum[i][1][0] += D[s] * z[i * m + s];
+        sum[i][1][1] += D[s + 1] * z[i * m + s + 1];
+      }
     }
-    y[0][p + j] = a + A;
-    y[0][p + j + 1] = b + B;
-    y[1][p + j] = c + G;
-    y[1][p + j + 1] = d + E;
-    y[2][p + j] = e + F;
-    y[2][p + j + 1] = f + H;
+    FBI_WHOLE
+    for (int i = 0; i < 3; i++) {
+      y[i][p + j] = sum[i][0][0] + sum[i][0][1];
+      y[i][p + j + 1] = sum[i][1][0] + sum[i][1][1];
+    }
   }
 }
 
