@@ -1026,8 +1026,9 @@ static double words(double h)
   static look first, second;
   const unsigned word = fb_body_crc(&body);
   (void)h;
-  FBL_TRY(fb_body_check(&body));
-  FBL_TRY(fb_state_check(&body, &state));
+  if (fb_body_check(&body) != FB_OK || fb_state_check(&body, &state) != FB_OK) {
+    return 1.0;
+  }
   FBL_TRY(look_at(&first, &state, &input));
   fbl_stream("words");
   own = body;

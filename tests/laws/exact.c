@@ -1206,8 +1206,9 @@ static double words(double h)
   const unsigned word = fb_exact_crc(&beam);
   static int map[FB_MAX_EXACT + 1];
   (void)h;
-  FBL_TRY(fb_exact_check(&beam));
-  FBL_TRY(fb_exact_state_check(&beam, &state));
+  if (fb_exact_check(&beam) != FB_OK || fb_exact_state_check(&beam, &state) != FB_OK) {
+    return 1.0;
+  }
   FBL_TRY(motion_of(&first, step_of(0.7)));
   for (int k = 0; k <= beam.n; k++) {
     map[k] = k;

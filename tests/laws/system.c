@@ -2464,8 +2464,10 @@ static double words(double h)
   const unsigned word = fb_system_crc(&mechanism, model, n_model);
   (void)h;
   input_fill(&in, 0.0);
-  FBL_TRY(fb_system_check(&mechanism, model, n_model));
-  FBL_TRY(fb_system_state_check(&mechanism, model, &state));
+  if (fb_system_check(&mechanism, model, n_model) != FB_OK ||
+      fb_system_state_check(&mechanism, model, &state) != FB_OK) {
+    return 1.0;
+  }
   FBL_TRY(look_at(&first, &state, &in));
   fbl_stream("words");
   own = mechanism;
