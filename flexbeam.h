@@ -908,9 +908,9 @@ FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
    accelerations and reactions alone.
    The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
    turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
-   Bodies of systems have them, too, at less cost than wheels that are bodies on hinges: fb_link_motion starts them,
-   fb_system_input.rotor drives them. Internal loads of lines with rotors on the hub alone. Others:
-   FB_ERR_UNSUPPORTED.
+   Bodies of systems have them, too: fb_link_motion starts them, fb_system_input.rotor drives them. A wheel that is a
+   body on a hinge costs more, and its spin bounds the step as that of any body. Internal loads of lines with rotors on
+   the hub alone. Others: FB_ERR_UNSUPPORTED.
    Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
    a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
    energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
@@ -1382,14 +1382,12 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int model[FB_MAX_BODIES];
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  int has_rotors;             /* a whole body is a rotor on its hinge: rotor[] */
   int carries_rotors;         /* a body has rotors inside */
   int rubs;                   /* a joint has friction or stops */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_loop_elastic, limit_loop_damping;     /* what springs and dampers of joints of loops add at most */
   fb_real limit_spring_elastic, limit_spring_damping; /* and those between points, at zero joint coordinates */
-  fb_real rotor[FB_MAX_BODIES]; /* [kg m^2] inertia about the hinge of what looks the same at all its angles, else 0 */
   fb_joint joint[FBI_MAX_JOINTS];
   fb_spring spring[FB_MAX_SPRINGS];
 } fb_system;
@@ -1564,7 +1562,6 @@ typedef struct fbi_link_work {
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
   fb_real spin, acceleration;
-  int round; /* counts as a rotor in this step */
 #if FB_WITH_LARGE_DEFLECTION
   fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
 #endif
@@ -2057,9 +2054,9 @@ FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
 /* Largest stable step [s] of rk4 for the system, undeformed, at a spin [rad/s] and acceleration [m/s^2] of all of it;
-   0, 0: at rest. The spin of wheels about their hinges is none of all: fb_system_limit_eval counts it as it is. For
-   accuracy of the fastest mode take a fifth of it. With lines of large deflection the step's own check may allow less,
-   down to a fifth beside hubs much lighter than what bends. */
+   0, 0: at rest. That of rotors is none of all: fb_system_limit_eval counts it as it is. For accuracy of the fastest
+   mode take a fifth of it. With lines of large deflection the step's own check may allow less, down to a fifth beside
+   hubs much lighter than what bends. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 
 typedef struct fb_system_limit {
@@ -2067,11 +2064,9 @@ typedef struct fb_system_limit {
   fb_real spin;       /* [rad/s] rotation that they count: of the body that turns fastest, and nutation by all rotors */
   int body;           /* that turns fastest, its nutation included */
 } fb_system_limit;
-/* Longest steps from a state, as the steps judge them. Rotors count by the nutation that their spin causes, so that
-   steps may turn them by any angle: those inside bodies by half its frequency, with the rate at which friction brakes
-   them and the spin of those with an imbalance; and rigid bodies on a hinge through their mass center about which their
-   inertia is the same all around to 1e-6, without loads on them (gravity is none), rows or bodies that hang on them.
-   Statuses as of fb_system_rates_eval. */
+/* Longest steps from a state, as the steps judge them. Rotors inside bodies count by half the frequency of the nutation
+   that their spin causes, so that steps may turn them by any angle, with the rate at which friction brakes them and the
+   spin of those with an imbalance. Statuses as of fb_system_rates_eval. */
 FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_limit *limit, const fb_system_state *state,
                                       const fb_system_input *input);

@@ -13574,14 +13574,13 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
                               system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
     sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->has_rotors) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) &&
-            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 6);
+            fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
+            fbi_is_finite(limit, 6);
   }
 
   /* models and joints */
   for (int k = 0; sound && k < system->n_body; k++) {
     sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
-            system->rotor[k] >= FB_R(0.0) && system->rotor[k] <= FB_HUGE &&
             (system->carries_rotors || !fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_ROTORS)) &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
   }
@@ -13622,13 +13621,11 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 
   /* options and limits */
   {
-    const int whole[] = {system->n_body,      system->n_loop,          system->n_spring,
-                         (int)system->method, system->allow_long_step, system->tied,
-                         system->has_rotors,  system->carries_rotors,  system->rubs};
+    const int whole[] = {system->n_body,          system->n_loop, system->n_spring,       (int)system->method,
+                         system->allow_long_step, system->tied,   system->carries_rotors, system->rubs};
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
                               system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole)), limit, 6, FB_SINGLE);
-    crc = fbi_crc_reals(crc, system->rotor, system->n_body, FB_SINGLE);
   }
 
   /* models */
@@ -16059,7 +16056,7 @@ static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinet
 /* [E11.46] What rotors add to the rotation that a step has to resolve, spin: a rotor of momentum h turns what carries it
    by at most h times the mobility across its axis (of the undeformed body), and 2 spin bounds that frequency (E8.8);
    braking by friction; the rotation of rotors with an imbalance.
-   Source: E11.41.  Cost: 6 flops a rotor.  Fails: never.
+   Source: Euler's equations of a symmetric body.  Cost: 6 flops a rotor.  Fails: never.
    Test: wheels_at_600_rad_per_s_cost_no_step, rotors_bound_the_step. */
 static fb_real fbi_own_rotors_spin(const fb_body *body, const fb_real *momentum)
 {
@@ -17912,15 +17909,6 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
   }
 }
 
-/* E11.26 of a body; of a rotor about its axis: across it turns with what carries it. */
-static FBI_NOINLINE fb_status fbi_rotor_turn_check(const fbi_link_work *L, const fb_joint *joint, fb_real dt)
-{
-  const fb_real *const e = joint->A + 3;
-  const fb_real before[3] = {fb_vec3_dot(e, L->turn), FB_R(0.0), FB_R(0.0)};
-  const fb_real now[3] = {fb_vec3_dot(e, L->V + 3), FB_R(0.0), FB_R(0.0)};
-  return L->round ? fbi_turn_check(before, now, dt) : fbi_turn_check(L->turn, L->V + 3, dt);
-}
-
 /* E11.26 for all bodies. begin: stores the angular velocities of the start. */
 static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
 {
@@ -17930,8 +17918,7 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
   }
   for (int k = 0; k < system->n_body && status == FB_OK && !begin; k++) {
     const fbi_link_work *L = &w->link[k];
-    status =
-        system->has_rotors ? fbi_rotor_turn_check(L, &system->joint[k], dt) : fbi_turn_check(L->turn, L->V + 3, dt);
+    status = fbi_turn_check(L->turn, L->V + 3, dt);
     FBI_DETAIL_INDEX(status, k);
   }
   return status;
@@ -18039,70 +18026,6 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
                                                              system->limit_spring_damping));
 }
 
-/* Does anything of the inputs of a step turn with body k, loads or rows? */
-static int fbi_turns_with(const fb_system_input *const input[3], int k)
-{
-  int turns = 0;
-  for (int stage = 0; stage < 3; stage++) {
-    for (int i = 0; input[stage] && i < input[stage]->n_load; i++) {
-      turns |= input[stage]->load[i].body == k;
-    }
-    turns |= input[stage] && input[stage]->rows;
-  }
-  return turns;
-}
-
-/* [E11.41] Frequency of nutation by a rotor's spin s: the gyroscopic torque w x J s e turns what carries it at most by
-   s J lambda, lambda the largest eigenvalue of the mobility of rotor k across its axis, in the mass of the whole system
-   as placed, whose factors are at hand: it is this that a step has to resolve, not the rotation of a body that looks the
-   same at all angles. The result is J lambda; velocities V of the bodies are kept.
-   Source: Euler's equations of a symmetric body.  Cost: two solutions.  Fails: never, FB_HUGE without mobility.
-   Test: gyrostats_nutate_as_in_closed_form, rotors_count_by_their_nutation. */
-static fb_real fbi_nutation(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
-{
-  const fb_real *const axes = system->joint[k].child_axes;
-  const fb_real u[2][3] = {{axes[0], axes[3], axes[6]}, {axes[1], axes[4], axes[7]}};
-  fb_real G[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, half;
-  fb_status status = FB_OK;
-  fbi_motion_keep(w, system);
-  for (int i = 0; i < 2 && status == FB_OK; i++) {
-    fbi_rhs_clear(w, system, body);
-    fbi_vec3_copy(w->link[k].y + 3, u[i]);
-    status = fbi_speeds_solve(w, system, body);
-    G[i] = fb_vec3_dot(u[i], w->link[k].V + 3);
-    G[2] = fb_vec3_dot(u[0], w->link[k].V + 3);
-  }
-  fbi_motion_restore(w, system);
-  half = FB_R(0.5) * (G[0] - G[1]);
-  return status == FB_OK ? system->rotor[k] * (FB_R(0.5) * (G[0] + G[1]) + FB_SQRT(half * half + G[2] * G[2]))
-                         : FB_HUGE;
-}
-
-/* The spin that counts: the fastest of the bodies, of rotors across their axes, and the nutation of all of them. L.spin
-   of a rotor becomes what it contributes. */
-static FBI_NOINLINE fb_real fbi_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                            const fb_system_input *const input[3])
-{
-  fb_real most = FB_R(0.0), all = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    L->round = system->rotor[k] > FB_R(0.0) && !fbi_turns_with(input, k);
-    if (L->round) {
-      const fb_real about = fb_vec3_dot(system->joint[k].A + 3, L->V + 3);
-      const fb_real nutation = fbi_nutation(w, system, body, k) * FB_FABS(about);
-      fb_real across[3];
-      fbi_vec3_advance(across, L->V + 3, -about, system->joint[k].A + 3);
-      L->spin = fbi_vec3_norm(across);
-      most = fbi_larger(most, L->spin);
-      L->spin += nutation;
-      all += nutation;
-    } else {
-      most = fbi_larger(most, L->spin);
-    }
-  }
-  return most + all;
-}
-
 #if FB_WITH_ROTORS
 /* Mobility of the node of a rotor in the whole system as placed, W: angular velocity of its section by a unit torque on
    it, body axes. Velocities V and q_dot are lost. */
@@ -18145,7 +18068,7 @@ static fb_real fbi_momentum_nutation(const fb_real W[9], const fb_real H[3])
    frequency of nutation by the momentum of those on one section, H.adj(W) H under the root with the mobility W of the
    section in the whole system, summed over sections; the largest rate of friction, slope (1/I + a.W a); the rotation of
    rotors with an imbalance. The norms of gyroscopic matrices against the mass add up to a bound of their sum.
-   Source: E11.46, E11.41; eigenvalues of W [H x].  Cost: three solutions a section.  Fails: never, FB_HUGE without
+   Source: E11.46; eigenvalues of W [H x].  Cost: three solutions a section.  Fails: never, FB_HUGE without
    mobility.  Test: systems_with_rotors_are_bounded_by_nutation. */
 static fb_real fbi_link_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
 {
@@ -18217,8 +18140,7 @@ static FBI_NOINLINE void fbi_impacts_bound(fb_system_work *w, const fb_system *s
 /* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
    spin of the bodies between it and the root, and from the force on the tree. */
 static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w,
-                                             const fb_system *system, const fb_body *body,
-                                             const fb_system_input *const input[3])
+                                             const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   *spin = *stiffening = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
@@ -18237,9 +18159,6 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
     *spin = fbi_larger(*spin, L->spin);
     *stiffening = fbi_larger(*stiffening, fbi_stiffening(model, L->spin, L->acceleration));
   }
-  if (system->has_rotors) {
-    *spin = fbi_rotors_spin(w, system, body, input);
-  }
 #if FB_WITH_ROTORS
   if (system->carries_rotors) {
     *spin += fbi_links_rotors_spin(w, system, body);
@@ -18247,7 +18166,7 @@ static FBI_INLINE void fbi_system_conditions(fb_real *spin, fb_real *stiffening,
 #endif
   w->elastic = w->damping = FB_R(0.0);
   if (system->n_spring > 0) {
-    fbi_springs_bound(w, system, body, input[0]);
+    fbi_springs_bound(w, system, body, input);
   }
   w->impact[0] = FB_R(0.0);
   if (system->rubs) {
@@ -18391,7 +18310,6 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
                                       fb_system_limit *limit, const fb_system_state *state,
                                       const fb_system_input *input)
 {
-  const fb_system_input *const of_step[3] = {input, NULL, NULL};
   fb_real stiff, most = -FB_R(1.0);
   fb_system_limit found = {FB_R(0.0), FB_R(0.0), FB_R(0.0), 0};
   fb_status status;
@@ -18402,7 +18320,7 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
-  fbi_system_conditions(&found.spin, &stiff, work, system, body, of_step);
+  fbi_system_conditions(&found.spin, &stiff, work, system, body, input);
   for (int k = 0; k < system->n_body; k++) {
     found.body = work->link[k].spin > most ? k : found.body;
     most = fbi_larger(most, work->link[k].spin);
@@ -18428,7 +18346,7 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
   int index = -1;
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     static const char *const text[5] = {
-        "body: dt [s] for its spin, with the fastest spin [rad/s], at most",
+        "body: dt [s] for its spin (a wheel: fb_rotor), with the fastest spin [rad/s], at most",
         "body: dt [s] for its modes, with the fastest spin [rad/s], at most",
         "body: dt [s] for its modal damping, with the fastest spin [rad/s], at most",
         "joint: dt [s] for its spring or stop, with the fastest spin [rad/s], at most",
@@ -18881,9 +18799,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
-      const fb_system_input *const of_step[3] = {start, middle, end};
       fb_real spin, stiff, limit;
-      fbi_system_conditions(&spin, &stiff, work, system, body, of_step);
+      fbi_system_conditions(&spin, &stiff, work, system, body, start);
       limit = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, spin, stiff));
       status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
     }
@@ -19053,7 +18970,7 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
     if (fbi_is_ball(joint->kind)) {
       sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
     } else {
-      for (int j = 0; j < joint->n_axis && !(system->rotor[i] > FB_R(0.0)); j++) { /* rotors turn by any angle */
+      for (int j = 0; j < joint->n_axis; j++) {
         const fb_real move = fbi_axis_slides(joint, j) ? size * x->x[j] : x->x[j];
         sum += move * move;
       }
@@ -19208,13 +19125,12 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system *syste
 static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *start, fb_real dt)
 {
-  const fb_system_input *const of_step[3] = {start, NULL, NULL}; /* loads of its end are at the same places */
   fb_real spin, stiff, limit;
   fb_status status = fbi_system_rates(w, system, body, &w->first, state, state, start);
   if (status != FB_OK) {
     return status;
   }
-  fbi_system_conditions(&spin, &stiff, w, system, body, of_step);
+  fbi_system_conditions(&spin, &stiff, w, system, body, start);
   limit = fbi_system_sdirk_limit(system, w, spin, stiff);
   status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(w, system, 0, dt, limit);
   (void)fbi_turns_check(w, system, dt, 1);
@@ -27738,57 +27654,6 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
   return status;
 }
 
-/* Inertia about its joint's axis of body k, if it is a rotor: rigid, on a hinge through its mass center about which it
-   looks the same at all angles, with nothing that hangs on it or closes a loop; else 0. */
-static fb_real fbi_rotor_inertia(const fb_system *system, const fb_body *body, int k)
-{
-  const fb_joint *const joint = &system->joint[k];
-  const fb_real *const v = joint->A, *const e = v + 3, *const J = body->S0 + 15;
-  const fb_real own[9] = {J[0], J[1], J[2], J[1], J[3], J[4], J[2], J[4], J[5]};
-  fb_real r[3], moved[3], about, across, size = FB_R(0.0), miss = FB_R(0.0), center[9];
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    if (system->joint[j].parent == k || (j >= system->n_body && system->joint[j].child == k)) {
-      return FB_R(0.0);
-    }
-  }
-  for (int j = 0; j < system->n_spring; j++) {
-    if (system->spring[j].body[0] == k || system->spring[j].body[1] == k) {
-      return FB_R(0.0);
-    }
-  }
-  if (joint->kind != FB_JOINT_REVOLUTE || body->n > 0 || body->n_coordinate > 0 || !(body->mass > FB_R(0.0))) {
-    return FB_R(0.0);
-  }
-
-  /* The mass center is on the axis */
-  for (int i = 0; i < 3; i++) {
-    r[i] = body->c[i] / body->mass;
-  }
-  fb_vec3_cross(moved, e, r);
-  for (int i = 0; i < 3; i++) {
-    miss += FB_FABS(moved[i] + v[i]);
-    size += FB_FABS(r[i]) + FB_FABS(v[i]);
-  }
-  if (miss > FB_R(16.0) * FB_EPSILON * size) {
-    return FB_R(0.0);
-  }
-
-  /* J of the mass center = across (1 - e e^T) + about e e^T */
-  for (int i = 0; i < 9; i++) {
-    center[i] = own[i] + body->mass * r[i / 3] * r[i % 3] - (i % 4 == 0 ? body->mass * fb_vec3_dot(r, r) : FB_R(0.0));
-  }
-  fb_mat33_mul_vec3(moved, center, e);
-  about = fb_vec3_dot(e, moved);
-  across = FB_R(0.5) * (center[0] + center[4] + center[8] - about);
-  miss = size = FB_R(0.0);
-  for (int i = 0; i < 9; i++) {
-    miss += FB_FABS(center[i] - (about - across) * e[i / 3] * e[i % 3] - (i % 4 == 0 ? across : FB_R(0.0)));
-    size += FB_FABS(center[i]);
-  }
-  fbi_vec3_add(moved, -about, e); /* products of inertia with the axis: a torque by the square of the spin */
-  return fbi_vec3_norm(moved) <= FBI_ROUNDING * size && miss <= FB_R(1e-6) * size ? about : FB_R(0.0);
-}
-
 /* Limits by springs and dampers of the joints of loops: each axis adds its stiffness times the mobility along it; the
    sum is an upper bound. */
 static fb_status fbi_loop_limits(fb_system *system, fb_system_work *w, const fb_body *body)
@@ -27965,8 +27830,6 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   }
 
   for (int k = 0; k < desc->n_body; k++) {
-    out->rotor[k] = fbi_rotor_inertia(out, fbi_model(out, body, k), k);
-    out->has_rotors |= out->rotor[k] > FB_R(0.0);
     out->carries_rotors |= fbi_has(fbi_model(out, body, k)->effects, FB_EFFECT_ROTORS);
   }
 }

@@ -232,15 +232,20 @@ TEST(stops_bound_the_step)
   }
 }
 
-/* E11.43 counts the present speeds of the joints, whatever other bounds are solved for: of a body that is round about its
-   hinge, or carries a wheel, as of one that is not round. */
+#if FB_WITH_ROTORS
+/* E11.43 counts the present speeds of the joints, whatever other bounds are solved for: of a body that carries a rotor
+   as of one without. */
 TEST(stops_bound_the_step_beside_rotors)
 {
-  fb_system_limit at[3];
-  for (int k = 0; k < 3; k++) {
+  fb_system_limit at[2];
+  for (int k = 0; k < 2; k++) {
     fresh();
-    rigid(&model[0], 10.0, 0, 0, 0, 2.0, k == 1 ? 2.0 : 2.02, 2.0);
-    rigid(&model[1], 1e-3, 0, 0, 0, 1e-6, 1e-6, 2e-6);
+    if (k) {
+      body_desc.n_rotor = 1;
+      body_desc.rotor[0].axis[2] = FB_R(1.0);
+      body_desc.rotor[0].inertia = FB_R(2e-6);
+    }
+    rigid(&model[0], 10.0, 0, 0, 0, 2.0, 2.02, 2.0);
     hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
     desc.joint[0].stop[0][0] = -FB_R(1.0);
     desc.joint[0].stop[0][1] = FB_R(1.0);
@@ -248,15 +253,16 @@ TEST(stops_bound_the_step_beside_rotors)
     desc.joint[0].stop_loss[0] = FB_R(5.0);
     start[0].value[0] = FB_R(0.999);
     start[0].speed[0] = FB_R(10.0);
-    if (k == 2) {
-      hang(1, 1, FB_JOINT_REVOLUTE, 0, 0);
-    }
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_limit_eval(&mechanism, model, &work, &at[k], &state, &input), FB_OK);
     FBT_NEAR_REL(at[k].rk4, at[0].rk4, 0.02);
   }
 }
+#define BESIDE_ROTORS , RUN(stops_bound_the_step_beside_rotors)
+#else
+#define BESIDE_ROTORS
+#endif
 
 /* E9.28, E9.29: SDIRK with steps far beyond friction's time constant and the stop's period: a wheel comes to rest, one
    that a motor pushes rests on its stop where the spring holds it. */
@@ -395,4 +401,4 @@ SUITE(system_friction, RUN_LONG(friction_stops_a_wheel_as_in_closed_form),
       RUN(stops_return_an_impact_as_in_closed_form), RUN(steps_in_a_stop_converge_quadratically),
       RUN(friction_and_stops_take_the_energy_that_they_say), RUN(stops_bound_the_step),
       RUN(implicit_steps_rest_in_friction_and_on_stops), RUN(linear_models_hold_friction_and_stops),
-      RUN(friction_and_stops_are_checked), RUN(stops_bound_the_step_beside_rotors))
+      RUN(friction_and_stops_are_checked) BESIDE_ROTORS)

@@ -177,9 +177,6 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
 {
   tree_refusal(text, &engine.system, engine.body, names);
   if (!text[0]) {
-    acts_refusal(text, &engine.system, names, choice->loads);
-  }
-  if (!text[0]) {
     large_refusal(text, &engine.system, engine.body, names, choice);
   }
   if (!text[0] && choice->single && attract_refusal(&engine.system, engine.body)) {

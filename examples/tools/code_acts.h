@@ -32,9 +32,6 @@ static int tree_input_size(int k, int m)
   if (k >= tree.n) {
     return rows_input_size(&tree.system->joint[k], m);
   }
-  if (m < 2 && tree_is_wheel(k)) {
-    return 0;
-  }
   if (m >= TREE_AT_NODES) { /* force and torque of each node but O */
     const int node = (m - TREE_AT_NODES) / 2;
     return node > 0 && tree.choice->loads[k] >> node & 1u ? 3 : 0;
@@ -55,19 +52,6 @@ static const char *tree_input_what(int m)
   snprintf(what, sizeof what, m % 2 == TREE_AT_NODES % 2 ? "[N] at node %d, body axes" : "[N m]",
            (m - TREE_AT_NODES) / 2);
   return m < TREE_AT_NODES ? tree_inputs[m].what : what;
-}
-
-/* What cannot bear loads at nodes, with the body; "": nothing. */
-static inline void acts_refusal(char text[200], const fb_system *system, const char *const *names,
-                                const unsigned *loads)
-{
-  text[0] = '\0';
-  for (int k = 0; k < system->n_body; k++) {
-    if (loads[k] && system->has_rotors && !system->allow_long_step && system->rotor[k] > FB_R(0.0)) {
-      snprintf(text, 200, "%.60s: loads would turn with it, a wheel: choose those of the body that carries it",
-               names[k]);
-    }
-  }
 }
 
 /* A load at a node of link k, added to that about O, F, and to the rates of the modes. */

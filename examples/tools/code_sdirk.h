@@ -683,8 +683,8 @@ static void sdirk_add_size(const code *w, code_sum *moved, code_sum *bent, int k
   char name[24];
   for (int i = 0; i < (ball ? 4 : L->axes); i++) {
     const code_value x = code_variable("k[%d]", !ball && tree_is_driven(L, i) ? sdirk_given_at(k, i) : L->x + i);
-    const int slides = !ball && i == fbi_traits(L->joint)->slide, turns = tree.system->rotor[k] > FB_R(0.0);
-    code_add(moved, ball ? 4.0 : turns || L->joint->mode[i] == FB_AXIS_LOCKED ? 0.0 : slides ? size * size : 1.0, x, x);
+    const int slides = !ball && i == fbi_traits(L->joint)->slide;
+    code_add(moved, ball ? 4.0 : L->joint->mode[i] == FB_AXIS_LOCKED ? 0.0 : slides ? size * size : 1.0, x, x);
   }
   if (large_is(L->model)) {
     sdirk_add_square(bent, size * size / (double)L->model->mass, k);
@@ -848,7 +848,7 @@ static void sdirk_write_stage(const code *w)
   code_template(w, "    status = @_correct(%Arate, w, k, at, in, g);\n");
   if (limited) {
     code_template(w, "    if (j == n - 1 && status == @_ok) {\n      int far = 0;\n");
-    tree_write_turns(w);
+    code_template(w, tree_step_turns);
     code_template(w, "      status = far ? @_step_length : @_ok;\n    }\n");
   }
   code_template(w, sdirk_stage_end);

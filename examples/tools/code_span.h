@@ -1,5 +1,5 @@
 /* code_span.h - springs, dampers and actuators between points of a tree, in the step that code_tree.h writes and whose words
-   it uses: E9.26. What they add to the step limit, E11.42, is in code_wheels.h. Part of code_tree.h. */
+   it uses: E9.26. What they add to the step limit, E11.42, is in code_limits.h. Part of code_tree.h. */
 #ifndef CODE_SPAN_H
 #define CODE_SPAN_H
 

@@ -210,12 +210,6 @@ static void tree_call(const code *w, const char *name)
 
 static code_rotors tree_rotors[FB_MAX_BODIES];
 
-/* Does body k count by its nutation? It has no loads of the caller, which would turn with it. */
-static int tree_is_wheel(int k)
-{
-  return tree.system->has_rotors && !tree.system->allow_long_step && tree.system->rotor[k] > FB_R(0.0);
-}
-
 static int tree_has_gravity(const fb_body *body)
 {
 #if FB_WITH_GRAVITY
@@ -1541,9 +1535,8 @@ static void tree_write_loads(const code *w)
   code_begin(&work);
   for (int k = 0; k < tree.n; k++) {
     for (int i = 0; i < 6; i++) {
-      F[k][i] = tree.quiet || tree_is_wheel(k)
-                    ? code_constant(0.0)
-                    : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
+      F[k][i] = tree.quiet ? code_constant(0.0)
+                           : code_variable(i < 3 ? "in->body_%d.force[%d]" : "in->body_%d.torque[%d]", k, i % 3);
     }
     acts_write_nodes(&inner, F[k], k);
   }
@@ -1662,7 +1655,7 @@ static void tree_write_norm(const code *w, const char *name, int k, const code_v
   fputs(w->lanes && s.n == 0 ? "));\n" : ");\n", w->out);
 }
 
-#include "code_wheels.h"
+#include "code_limits.h"
 
 /* E11.43: stops of all joints at their present speeds. */
 static void tree_write_impacts(const code *w)
@@ -1731,7 +1724,7 @@ static void sdirk_write_longest(const code *w)
   const double elastic = (double)tree.system->limit_loop_elastic, damping = (double)tree.system->limit_loop_damping;
   const char *const damped = tree.system->n_spring > 0 ? " + damped" : "";
   char number[40];
-  code_template(w, tree_has_wheels() ? "    fastest += nutation;\n" : "");
+  code_template(w, tree_has_rotors() ? "    fastest += nutation;\n" : "");
   code_number(number, w, elastic);
   code_template(w, "    g = sqrt~(stiffening");
   fprintf(w->out, elastic > 0.0 ? " + %s);\n" : ");\n", number);
@@ -1764,7 +1757,7 @@ static void tree_write_limit(const code *w)
   inner.indent = 4;
   fputs("\n  /* E8.8, E11.15: longest stable step [s] */\n  if (longest) {\n", w->out);
   code_template(w, "    $ fastest = %z, stiffening = %z, g, bound;\n");
-  if (tree_has_wheels()) {
+  if (tree_has_rotors()) {
     tree_write_nutation(&inner, &code_solver, tree_solved);
   }
   for (int k = 0; k < tree.n; k++) {
@@ -1786,7 +1779,7 @@ static void tree_write_limit(const code *w)
     code_begin(&s);
     code_add(&s, (double)L->model->limit_spin, code_variable("spin_%d", k), code_variable("spin_%d", k));
     code_add_one(&s, (double)L->model->limit_acceleration, code_variable("a_%d", k));
-    tree_write_larger(w, "fastest", tree_is_wheel(k) ? "across" : "spin", k);
+    tree_write_larger(w, "fastest", "spin", k);
     if (s.n > 0) {
       char target[48];
       snprintf(target, sizeof target, "stiff_%d", k);
@@ -1806,7 +1799,7 @@ static void tree_write_limit(const code *w)
   tree_write_impacts(w);
   large_write_limit(&inner);
   code_number(number, w, 0.5 * ((double)tree.system->limit_damping + (double)tree.system->limit_loop_damping));
-  fprintf(w->out, "    g = fastest%s + %s", tree_has_wheels() ? " + nutation" : "", number);
+  fprintf(w->out, "    g = fastest%s + %s", tree_has_rotors() ? " + nutation" : "", number);
   code_template(w, tree.system->n_spring > 0 ? " + `0.5` * damped;\n" : ";\n");
   code_number(number, w, (double)tree.system->limit_elastic + (double)tree.system->limit_loop_elastic);
   code_template(w, "    bound = g + sqrt~(g * g + ");
@@ -2784,15 +2777,6 @@ static const char tree_step_turns[] = "      @_UNROLL\n"
                                       "1]), c = dt * (w[i + 2] - first[i + 2]);\n"
                                       "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n";
 
-static void tree_write_turns(const code *w)
-{
-  if (tree.system->has_rotors) {
-    tree_write_wheel_turns(w);
-  } else {
-    code_template(w, tree_step_turns);
-  }
-}
-
 static const char tree_step_far[] = "      status = status == @_ok && far ? @_step_length : status;\n    }\n";
 
 static const char tree_step_rest[] = "    if (status != @_ok) {\n      return status;\n    }\n"
@@ -2819,7 +2803,7 @@ static void tree_write_step(const code *w)
   code_template(w, tree_step_begin);
   code_template(w, tree_is_told() ? drive_refused : "");
   code_template(w, w->lanes ? "  memset(rate, 0, sizeof rate);\n  memset(sum, 0, sizeof sum);\n" : "");
-  code_template(w, (w->lanes || tree.system->has_rotors) && limited ? "  memset(first, 0, sizeof first);\n" : "");
+  code_template(w, w->lanes && limited ? "  memset(first, 0, sizeof first);\n" : "");
   code_template(w, !tree_leads() ? ""
                    : tree.flown  ? "  @_center(%Acenter, x, start);\n"
                                  : "  @_center(%Acenter, x);\n");
@@ -2837,7 +2821,7 @@ static void tree_write_step(const code *w)
                            : "NULL, at, in[stage], pushed);\n    }\n");
   if (limited) {
     code_template(w, tree_step_limits);
-    tree_write_turns(w);
+    code_template(w, tree_step_turns);
     code_template(w, tree_step_far);
   }
   code_template(w, tree_step_rest);

@@ -16,8 +16,8 @@
 
 enum { RIGID, BOOM, PANEL, WHEEL, HUB, MAST, BENT, VANE, MODELS, GIVEN = 16, RUBS = 32, LOCKED = 64, TIP = 8 };
 enum { GIVEN_2 = 128, LOCKED_2 = 256 };
-/* With RIGID..: GIVEN: the axis of its joint is prescribed; LOCKED: it is that; _2: its second axis; RUBS: it has friction and stops, which it reaches. WHEEL: looks the
-   same at all angles of its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside; BENT and VANE: of 6 and 2 modes, lines of large deflection */
+/* With RIGID..: GIVEN: the axis of its joint is prescribed; LOCKED: it is that; _2: its second axis; RUBS: it has friction and stops, which it reaches. WHEEL: turns
+   fast about its hinge; HUB and MAST: as RIGID and BOOM, with rotors inside; BENT and VANE: of 6 and 2 modes, lines of large deflection */
 
 typedef struct hang {
   fb_joint_kind kind;
@@ -1048,13 +1048,6 @@ static void build(int which)
       build_plain_joint(&desc.joint[desc.n_body++], k);
     } else {
       build_joint(&desc.joint[k], &trees[which].link[k], trees[which].turned);
-      if (is_wheel(k)) { /* about its own z axis, through its mass center; it turns freely */
-        memset(desc.joint[k].child_attitude, 0, sizeof desc.joint[k].child_attitude);
-        memset(desc.joint[k].child_position, 0, sizeof desc.joint[k].child_position);
-        memset(desc.joint[k].stiffness, 0, sizeof desc.joint[k].stiffness);
-        memset(desc.joint[k].rest, 0, sizeof desc.joint[k].rest);
-        desc.joint[k].damping[0] = FB_R(0.005); /* which would brake it too much in a step */
-      }
       if (flags & RUBS) {
         build_rubbing(&desc.joint[k]);
       }
@@ -1116,7 +1109,7 @@ static void write_members(int acts)
     const int turns = root || joint->kind == FB_JOINT_SPHERICAL, axes = root ? 0 : joint->n_axis;
     const int given = count(k, FB_AXIS_PRESCRIBED), is_free = root || count(k, FB_AXIS_FREE) > 0;
     motors |= (is_free && !root) || model[desc.model[k]].n_rotor > 0;
-    write_member(!is_wheel(k), "LOAD", k, "");
+    write_member(1, "LOAD", k, "");
     write_member(root, "MEMBER", k, ", x, PLACE");
     write_member(root, "MEMBER", k, ", lost_x, LOST");
     write_member(root && mechanism.tied < 2, "MEMBER", k, ", u, FRAME");
@@ -1145,7 +1138,7 @@ static void write_members(int acts)
   printf("#endif\n#ifdef WORK\n%s#endif\n", motors ? "WORK\n" : "");
   printf("#ifdef ACT\n");
   for (int k = 0; k < desc.n_body; k++) {
-    write_member(acts && !is_wheel(k), "ACT", k, "");
+    write_member(acts && !is_wheel(k), "ACT", k, ""); /* which has no node but its origin */
   }
   printf("#endif\n#ifdef SEEN\n");
   for (int k = 0; k < desc.n_body; k++) {
@@ -1283,7 +1276,7 @@ static void start(double speed)
     }
     fb_quat_from_rotvec(motion[k].quat, turn);
     for (int i = 0; i < 6; i++) {
-      motion[k].speed[i] = (fb_real)((is_wheel(k) ? 200 : 1) * speed * random_number());
+      motion[k].speed[i] = (fb_real)(speed * random_number());
     }
     for (int r = 0; r < body->n_rotor; r++) {
       motion[k].rotor_speed[r] = (fb_real)(200 * speed * random_number());
@@ -1386,10 +1379,9 @@ static void load(fb_system_input *in, generated_input *mine, double t)
   memset(mine, 0, sizeof *mine);
   for (int k = 0; k < desc.n_body; k++) {
     fb_load *const act = &in->load[in->n_load].load;
-    if (!is_wheel(k)) { /* loads on a wheel would turn with it */
-      in->load[in->n_load++].body = k;
-      act->axes = FB_AXES_BODY;
-    }
+    const double by = is_wheel(k) ? 0.01 : 2.0; /* its spin would bound the step */
+    in->load[in->n_load++].body = k;
+    act->axes = FB_AXES_BODY;
     for (int r = 0; r < model[desc.model[k]].n_rotor; r++) {
       const fb_real motor = (fb_real)(0.5 * sin(2 * t + r + k));
       const int given = model[desc.model[k]].rotor[r].given;
@@ -1397,11 +1389,11 @@ static void load(fb_system_input *in, generated_input *mine, double t)
       in->rotor[k][r].momentum = given ? motor : FB_R(0.0);
     }
     for (int i = 0; i < 3; i++) {
-      act->force[i] = is_wheel(k) ? FB_R(0.0) : (fb_real)(2 * sin(t + i + 2 * k));
-      act->torque[i] = is_wheel(k) ? FB_R(0.0) : (fb_real)(2 * cos(2 * t + i + k));
+      act->force[i] = (fb_real)(by * sin(t + i + 2 * k));
+      act->torque[i] = (fb_real)(by * cos(2 * t + i + k));
       in->drive[k].torque[i] = mechanism.joint[k].mode[i] == FB_AXIS_FREE && mechanism.joint[k].kind != FB_JOINT_FREE &&
                                        i < mechanism.joint[k].n_axis
-                                   ? (fb_real)(2 * sin(3 * t + i - k))
+                                   ? (fb_real)(by * sin(3 * t + i - k))
                                    : FB_R(0.0);
     }
   }

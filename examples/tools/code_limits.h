@@ -1,24 +1,15 @@
-/* code_wheels.h - wheels of a tree, whole bodies that look the same at all angles of their hinge and rotors inside bodies:
-   what they add to its step limit, E11.41 and E11.50; and what springs between points add, E11.42. Included by
-   code_tree.h. */
-#ifndef CODE_WHEELS_H
-#define CODE_WHEELS_H
+/* code_limits.h - what rotors inside the bodies of a tree add to its step limit, E11.50, and what springs between points
+   add, E11.42. Included by code_tree.h. */
+#ifndef CODE_LIMITS_H
+#define CODE_LIMITS_H
 
-/* Whether what the library looks at, or the caller, needs a rotor or a wheel. */
-static int tree_has_wheels(void)
+static int tree_has_rotors(void)
 {
   int has = 0;
   for (int k = 0; k < tree.n; k++) {
-    has |= tree_is_wheel(k) || tree.link[k].model->n_rotor > 0;
+    has |= tree.link[k].model->n_rotor > 0;
   }
   return has;
-}
-
-/* Axis of the hinge of a wheel, its axes: i 2; across it: i 0, 1. */
-static double tree_wheel_axis(int k, int i, int j)
-{
-  return i == 2 ? tree_snap((double)tree.link[k].joint->A[3 + j], 1.0)
-                : (double)tree.link[k].joint->child_axes[3 * j + i];
 }
 
 /* Momenta of root, axes and modes that move joints by the wrench of body k and, where that is open, what it does to its
@@ -89,59 +80,6 @@ static void tree_add_unit(const code *w, code_sum *s, const code_factor *f, cons
     product = code_end(w, &one, code_variable("b%d_%s_%d", k, name, i));
     code_add(s, 1.0, f->share[i], product);
   }
-}
-
-/* E11.41 of a wheel: its nutation, half (G0 + G1) + sqrt(half (G0 - G1)^2 + G2^2) times inertia and spin, G the mobility
-   across its axis in the whole; it turns across its axis by across_k. */
-static void tree_write_wheel(const code *w, const code_factor *f, const int *order, int k)
-{
-  const tree_link *const L = &tree.link[k];
-  static code_value z[2][CODE_ROWS];
-  code_value about, across[3], G[3], half;
-  char name[16], number[40];
-  code_sum s;
-  for (int i = 0; i < 2; i++) {
-    code_value wrench[6];
-    tree_nothing(wrench, 6);
-    for (int j = 0; j < 3; j++) {
-      wrench[3 + j] = code_constant(tree_wheel_axis(k, i, j));
-    }
-    snprintf(name, sizeof name, "u%d", i);
-    tree_write_unit(w, f, order, z[i], wrench, NULL, name, k);
-  }
-  for (int i = 0; i < 3; i++) {
-    snprintf(name, sizeof name, "g%d", i);
-    code_begin(&s);
-    tree_add_unit(w, &s, f, z[i == 1], z[i != 0], name, k);
-    G[i] = code_variable("b%d_G%d", k, i);
-    code_declare(w, &s, G[i].name);
-  }
-  code_begin(&s);
-  code_add_one(&s, 0.5, G[0]);
-  code_add_one(&s, -0.5, G[1]);
-  half = code_variable("b%d_half", k);
-  code_declare(w, &s, half.name);
-  code_begin(&s);
-  for (int j = 0; j < 3; j++) {
-    code_add_one(&s, tree_wheel_axis(k, 2, j), L->V[3 + j]);
-  }
-  about = code_variable("b%d_about", k);
-  code_declare(w, &s, about.name);
-  for (int j = 0; j < 3; j++) {
-    code_begin(&s);
-    code_add_one(&s, 1.0, L->V[3 + j]);
-    code_add_one(&s, -tree_wheel_axis(k, 2, j), about);
-    across[j] = code_end(w, &s, code_variable("b%d_across_%c", k, tree_axis[j]));
-  }
-  tree_write_norm(w, "across", k, across);
-  code_number(number, w, (double)tree.system->rotor[k]);
-  fprintf(w->out, "    nutation += %s * (", number);
-  code_template(w, "`0.5` * (");
-  fprintf(w->out, "%s + %s) + ", G[0].name, G[1].name);
-  code_template(w, "sqrt~(");
-  fprintf(w->out, "%s * %s + %s * %s)) * ", half.name, half.name, G[2].name, G[2].name);
-  code_template(w, "fabs~(");
-  fprintf(w->out, "%s);\n", about.name);
 }
 
 /* Are rotors r and i on the same section? */
@@ -300,9 +238,6 @@ static void tree_write_nutation(const code *w, const code_factor *f, const int *
   code_template(w, "    $ nutation = %z;\n");
   for (int k = 0; k < tree.n; k++) {
     const fb_body *const body = tree.link[k].model;
-    if (tree_is_wheel(k)) {
-      tree_write_wheel(w, f, order, k);
-    }
     for (int r = 0; r < body->n_rotor; r++) {
       int known = 0;
       for (int i = 0; i < r; i++) {
@@ -442,26 +377,6 @@ static void spans_write_bound(const code *w, const code_factor *f, const int *or
   fprintf(w->out, "e%d_tension) * e%d_share * (e%d_trace - e%d_mobile);\n", j, j, j, j);
   if (spring->damping > FB_R(0.0)) {
     fprintf(w->out, "    damped += %s * e%d_mobile;\n", damping, j);
-  }
-}
-
-/* E11.26 body by body; of wheels about their axes alone. */
-static void tree_write_wheel_turns(const code *w)
-{
-  for (int k = 0; k < tree.n; k++) {
-    char axis[3][40];
-    for (int j = 0; j < 3 && tree_is_wheel(k); j++) {
-      code_number(axis[j], w, tree_wheel_axis(k, 2, j));
-    }
-    code_template(w, "      {\n");
-    for (int j = 0; j < 3; j++) {
-      fprintf(w->out, "        const %s %c = dt * (w[%d] - first[%d]);\n", code_real(w), 'a' + j, 3 * k + j, 3 * k + j);
-    }
-    if (tree_is_wheel(k)) {
-      fprintf(w->out, "        const %s about = %s * a + %s * b + %s * c;\n", code_real(w), axis[0], axis[1], axis[2]);
-    }
-    code_template(w, tree_is_wheel(k) ? "        far |= !%((about * about <= `0.25`)%);\n      }\n"
-                                      : "        far |= !%((a * a + b * b + c * c <= `0.25`)%);\n      }\n");
   }
 }
 #endif
