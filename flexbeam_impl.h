@@ -2955,8 +2955,7 @@ static FBI_NOINLINE void fbi_line_weighed_momenta(fb_real *z, fbi_line_work *w, 
   }
 }
 
-/* Moments B and C of E14.7 beyond each interval to what acts on the sections there, y by phi, s by phi_dot. By component
-   here and in what follows: with vectors of one point a step of rk4 takes 7 % more instructions (gcc 12 -O2). */
+/* Moments B and C of E14.7 beyond each interval to what acts on the sections there, y by phi, s by phi_dot. */
 static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_MAX_POINTS],
                                                    fb_real (*FBI_RESTRICT s)[FB_MAX_POINTS], const fbi_line_work *w,
                                                    const fb_line *line, fb_real B[3][FB_MAX_POINTS],

@@ -1,7 +1,8 @@
 #!/bin/sh
 # What a program costs the compiler: user time of gcc -O2 (CC: another one), the best of three rounds over all rows, its
 # ratio to that of the whole library, and code and constants of the object. Part of `make sizes`; in README.md by
-# `sh bench/readme.sh compile`. The seconds are this machine's, the ratios hardly depend on it.
+# `sh bench/readme.sh compile`. The seconds are this machine's, the ratios hardly depend on it. Then what the first results take of
+# the processor, compiling and running, each in a folder where nothing is built: FIRST=0 leaves that out.
 set -eu
 out=build/compile
 mkdir -p "$out"
@@ -42,3 +43,26 @@ done | awk '{ seconds = $1; bytes = $2; sub(/^[^ ]+ [^ ]+ /, ""); if (NR == 1) w
   seconds = below ? 0.01 : seconds
   printf "%-52s %9s %11s %% %10.0f\n", $0, (below ? "< " : "") sprintf("%.2f", seconds), \
     (below ? "< " : "") sprintf("%.1f", 100 * seconds / whole), bytes / 1000 }'
+
+[ "${FIRST:-1}" = 1 ] || exit 0
+# first NAME COMMAND...: of the top of a copy of the project, where what ran before is built
+copy=$out/copy
+rm -rf "$copy"
+mkdir -p "$copy"
+{ git ls-files 2> /dev/null || find . -path ./build -prune -o -type f -print; } | tar cf - -T - | tar xf - -C "$copy"
+first() {
+  what=$1
+  shift
+  (cd "$copy" && sh -c '"$@" > out.txt 2>&1 || { cat out.txt >&2; exit 1; }; times' sh "$@") |
+    awk -v what="$what" 'NR == 2 { gsub(/[ms]/, " "); printf "%-52s %9.0f\n", what, 60 * $1 + $2 + 60 * $3 + $4 }'
+}
+printf '\n%-52s %9s\n' "of the processor, where nothing is built" seconds
+first "make run: the table of the spin-up" make run
+touch "$copy/examples/papers/spinup.c"
+first "make run again, its file changed" make run
+first "make tool" make tool
+first "build/flexbeam fmu, a scene" build/flexbeam fmu examples/scenes/satellite_control.txt --out build/scene.fmu
+first "build/flexbeam fmu, a body" build/flexbeam fmu examples/satellite.txt --out build/body.fmu
+first "make test" make test
+first "make quick" make quick
+rm -rf "$copy"

@@ -585,10 +585,9 @@ static double loads_at_roots(double h)
   double sum[6] = {0.0}, size_of[2] = {0.0, 0.0}, miss = 0.0;
   int n = 0;
   fbl_choice c = now;
-  if (now.effects != FBL_LARGE && now.effects != FBL_FULL) {
+  if (now.effects != FBL_LARGE) {
     return FBL_NONE;
   }
-  c.effects = FBL_LARGE;
   c.rotors = c.rotors > FBL_ON_HUB ? FBL_ON_HUB : c.rotors;
   c.gravity = c.gravity == FBL_CENTER ? FBL_GRAVITY : c.gravity;
   FBL_TRY(near_by(&c, load_level, motion_level, 1.0));

@@ -1780,7 +1780,6 @@ static double loads_within(double h)
   put(level, GRAVITY, FBL_CENTER, FBL_CENTER, FBL_GRAVITY);
   put(level, ROTORS, FBL_ON_BOOM, FBL_GIVEN, FBL_ON_HUB);
   put(level, CALLBACK, ROWS, ROWS, FORCES);
-  put(level, BODY, FULL, FULL, LARGE);
   if (level[BODY] != LARGE) {
     return FBL_NONE;
   }
