@@ -1340,8 +1340,8 @@ typedef enum fb_axis_mode {
    contradict a loop where they miss it by a millionth of the speeds (a hundredth in single precision); near a singular
    position, or where the loop is open, by more, at most by a hundredth (a tenth).
    Joints as constraints, in place of elimination: give the bodies free joints and write the joints as loops. Every body
-   then needs a positive definite S(q) of its own, which a bare clamped beam loses at small deflections (add a hub), and a
-   row counts as dependent sooner where a heavy body is behind a light one. */
+   then needs a positive definite S(q) of its own, which a bare clamped beam loses at small deflections (add a hub), and
+   a row counts as dependent sooner where a heavy body is behind a light one. */
 typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0, /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,     /* by one dense LU of all speeds (FB_MAX_SPEEDS) */
@@ -3452,6 +3452,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
           fb_system_trim refuses a prescribed axis that moves and changes the equilibrium. fb_modes_join in single
           precision: slow modes of stiff parts are found, or refused.
+          FB_METHOD_MULTIPLIERS is gone: write joints as loops of free bodies. A wheel is fb_rotor: one that is a body on a
+          hinge bounds the step by its speed, as every joint does.
           What a call knows about lines is on its stack, no longer in the work of a step: sizeof(fb_rk4_work) 1728, was
           55800. FB_WITH_OPTIONAL: default of what one body seldom wants; a refused effect names its switch.
           Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs
