@@ -50,7 +50,7 @@ TEST(friction_stops_a_wheel_as_in_closed_form)
     j->friction[0] = (fb_real)F;
     j->friction_speed[0] = (fb_real)u0;
     implicit = run % 2 ? 4 : 0;
-    set_off(run < 2 ? FB_METHOD_RECURSIVE : AS_LOOPS, 0.0, first);
+    set_off(run < 2 ? (int)FB_METHOD_RECURSIVE : AS_LOOPS, 0.0, first);
     for (int step = 0; step < 1050; step++) {
       advance(dt);
     }
@@ -89,7 +89,7 @@ TEST(stops_return_an_impact_as_in_closed_form)
     j->stop_stiffness[0] = (fb_real)k;
     j->stop_loss[0] = (fb_real)c;
     implicit = run / 2 % 2 ? 6 : 0;
-    set_off(run < 4 ? FB_METHOD_RECURSIVE : AS_LOOPS, run % 2 ? -0.1 : 0.3, side * v0);
+    set_off(run < 4 ? (int)FB_METHOD_RECURSIVE : AS_LOOPS, run % 2 ? -0.1 : 0.3, side * v0);
     for (int step = 0; step < 1000; step++) {
       advance(dt);
       look(&value, &speed);
@@ -197,7 +197,7 @@ TEST(stops_bound_the_step)
   const double radius = 2.785, k = 800.0, c = 0.4, m = 2.0, F = 3.0, u0 = 0.02;
   fb_system_limit limit;
   for (int run = 0; run < 12; run++) {
-    const int rubs = run % 3 == 2, hits = run % 3 == 1, form = run < 6 ? FB_METHOD_RECURSIVE : AS_LOOPS;
+    const int rubs = run % 3 == 2, hits = run % 3 == 1, form = run < 6 ? (int)FB_METHOD_RECURSIVE : AS_LOOPS;
     const double speed = hits ? 2.5 : 0.0;
     const double bound = (rubs ? F / (m * u0) : sqrt(k / m) * (1.0 + c * speed));
     fb_joint_desc *j = one_axis(1);

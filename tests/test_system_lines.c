@@ -387,12 +387,13 @@ TEST(power_of_distributed_loads_on_systems_is_the_rate_of_energy)
   for (int run = 0; run < FORMS * ROOTS; run++) {
     const double h = 2e-5;
     double slope = 0.0;
-    gale gales = {0};
+    gale gales;
     if (run / 3 == FLOATING && run % 3 == AS_LOOPS) {
       continue;
     }
     booms(run / 3, FB_JOINT_FREE, FB_JOINT_UNIVERSAL, 2);
     input.distributed = blow;
+    memset(&gales, 0, sizeof gales);
     input.user = &gales;
     input.t = FB_R(0.1);
     init(run % 3);
