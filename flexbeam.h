@@ -168,14 +168,14 @@
      fb_rk4_work                  1728
      fb_implicit_work             9920
      fb_exponential_work          4752
-     fb_system_work             635976
+     fb_system_work             635264
      fb_exact_work              176088
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_analyse_work           1290008
-     fb_system_analyse_work    1968520
+     fb_system_analyse_work    1967808
      fb_exact_path_work         205352
      fb_exact_spectrum_work    1627944
      fb_exact_linear_work      2001624
