@@ -326,6 +326,7 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                     "examples/scene/scene_joint.h",
                                     "examples/scene/scene_linear.h",
                                     "examples/scene/scene_margins.h",
+                                    "examples/scene/scene_modes.h",
                                     "examples/scene/scene_parts.h",
                                     "examples/scene/scene_rotor.h",
                                     "examples/scene/scene_run.h",
