@@ -29563,6 +29563,9 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
     fb_real turn[4];
     fbi_copy(at.q, steady, body->n);
     status = fb_body_node_motion_eval(body, &from, &at, motion, port->node);
+    if (status != FB_OK) {
+      return status;
+    }
     fb_quat_from_rotvec(turn, node.rotation);
     fbi_vec3_copy(node.rotation, from.rotation);
     fbi_rotvec_near(node.rotation, turn);
