@@ -1104,7 +1104,8 @@ typedef struct fb_body {
 FB_API fb_status fb_body_check(const fb_body *body);
 /* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding
    and unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on
-   FB_SINGLE, not on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
+   FB_SINGLE, not on the capacities. 0: a count or index beyond its table (whether the numbers are sound, fb_body_check
+   says). */
 FB_API unsigned fb_body_crc(const fb_body *body);
 
 /* All that changes; assignment is a snapshot. Momenta are relative to the mass center, which moves at u: rho alone
@@ -1631,8 +1632,8 @@ typedef struct fb_system_work { /* scratch; large: make it static */
 
 /* As fb_body_check, the models among it. */
 FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
-/* Check word as fb_body_crc, of joints and loops and of the models that the bodies have. 0: counts beyond the tables, a
-   model that does not exist. */
+/* Check word as fb_body_crc, of joints and loops and of the models that the bodies have. 0: a count or index beyond its
+   table, a model that does not exist. */
 FB_API unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model);
 /* Finite, within the deflection limits, modes of axes that exist, quaternions of unit length to 1e-3.
    FB_ERR_NOT_FINITE, FB_ERR_RANGE, FB_ERR_VALUE. */
@@ -1775,7 +1776,7 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
 
 /* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
 FB_API fb_status fb_exact_check(const fb_exact *exact);
-/* Check word as fb_body_crc. 0: counts beyond the tables. */
+/* Check word as fb_body_crc. 0: a count or index beyond its table. */
 FB_API unsigned fb_exact_crc(const fb_exact *exact);
 
 typedef struct fb_line_load {  /* per length of the undeformed line */
@@ -2690,6 +2691,29 @@ typedef struct fb_build_work { /* scratch; large: make it static */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
+typedef enum fb_token_kind {
+  FB_TOKEN_OPEN = 0,  /* a struct or a table begins */
+  FB_TOKEN_CLOSE = 1, /* and ends */
+  FB_TOKEN_WHOLE = 2,
+  FB_TOKEN_REAL = 3,
+  FB_TOKEN_COUNT
+} fb_token_kind;
+typedef struct fb_token { /* of the text of a model, such as an initializer of C */
+  fb_token_kind kind;
+  const char *name; /* of the field; NULL: CLOSE, or the next element of a table or of a struct written in its order */
+  const char *type; /* of a choice: its enumeration; else NULL */
+  int whole;
+  fb_real real;
+} fb_token;
+typedef void (*fb_token_write)(void *user, const fb_token *token);
+/* Calls write for all that fb_body_crc covers, in the order of the structs; what is left out is zero. FB_ERR_VALUE: a
+   count or index beyond its table, a number that is not finite. */
+FB_API fb_status fb_body_to_tokens(const fb_body *body, fb_token_write write, void *user);
+/* The same of the shape that a body was made of: what fb_body_init needs for it, nonlinear strain left out. */
+FB_API fb_status fb_shape_to_tokens(const fb_shape *shape, const fb_body *body, fb_token_write write, void *user);
+/* fb_body_crc of the body on a target with FB_SINGLE=1. */
+FB_API unsigned fb_body_crc_single(const fb_body *body);
+
 #if FB_WITH_SYSTEM
 typedef struct fb_joint_desc {
   fb_joint_kind kind;
@@ -3454,6 +3478,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           precision: slow modes of stiff parts are found, or refused.
           What a call knows about lines is on its stack, no longer in the work of a step: sizeof(fb_rk4_work) 1728, was
           55800. FB_WITH_OPTIONAL: default of what one body seldom wants; a refused effect names its switch.
+          Check words are others, by the order of the structs: headers of models in ROM have to be written again.
+          fb_body_to_tokens, fb_shape_to_tokens, fb_body_crc_single: text of models, for who writes them.
           Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs
           nothing that was there.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,

@@ -3982,16 +3982,6 @@ static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21],
   return S[20] > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
 }
 
-static int fbi_node_is_finite(const fb_node *node, int n)
-{
-  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
-#if FBI_WITH_QUADRATIC
-  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
-#else
-  return own;
-#endif
-}
-
 /* ---- kernels of the step */
 
 /* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
@@ -8112,306 +8102,40 @@ FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
   return fbi_momentum_eval_any(body, momentum, state, input);
 }
 
-/* ---- checks of a model whose memory may be corrupted */
+/* ---- fields of models
 
-static int fbi_is_flag(int value)
-{
-  return value == 0 || value == 1;
-}
+   Every field of a model stands once in the list of its struct, in its order: X(kind, name, ...). From the lists follow
+   fb_..._check of a model whose memory may be corrupted, fb_..._crc, and the text of fb_body_to_tokens. A field that is
+   not in its list does not compile, because sizes are summed (FBI_FIELDS). What no single field says, such as the order
+   of terms, is checked by functions after the walk over the fields. The structs stand in flexbeam.h with units and
+   comments: that is where they are read, and only there can parts of them be under #if.
 
-static int fbi_is_within(int n, int most)
-{
-  return n >= 0 && n <= most;
-}
+     flag, any             an integer: 0 or 1; any
+     range, range_if       least, most; used or not, such as data of an effect that is off
+     choice                an enumerator: end, type
+     wholes                a table of integers: how many, least, most
+     real, real_0, real_1  a finite number; not below 0; above 0.  real_if: used or not
+     reals, reals_0        a table: how many.  grid: a table of rows, how many in each
+     part, parts           a struct: used or not, its list; a table: how many.  rows: parts without names in the text */
 
-static int fbi_sparse_is_sound(const fb_sparse *m, int n)
-{
-  int sound = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
-  for (int k = 0; sound && k < m->n_term; k++) {
-    const fb_pair_term *t = &m->term[k];
-    sound = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
-  }
-  return sound;
-}
-
-/* Checks the terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
-static int fbi_lambda_is_sound(const fb_body *body)
-{
-  int row = 0,
-      sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
-              fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
-              fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
-  for (int k = 0; sound && k < body->n_row; k++) { /* no row is empty */
-    sound = body->lambda_row[k].i < 6 &&
-            body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
-  }
-  for (int k = 0; sound && k < body->n_lambda; k++) {
-    const fb_lambda_term *t = &body->lambda[k];
-    const int constant = k < body->n_lambda_constant;
-    row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
-    sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
-            (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
-                      : row < body->n_row && t->i == body->lambda_row[row].i &&
-                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
-  }
-  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
-}
-
-/* Checks the terms of S: runs of consecutive pairs. */
-static int fbi_S_is_sound(const fb_body *body)
-{
-  int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-                         fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
-  for (int k = 0; sound && k < body->n_run; k++) {
-    const fb_S_run *r = &body->run[k];
-    terms += r->n;
-    sound = r->i < 21 && r->pair + r->n <= body->n_pair;
-  }
-  for (int k = 0; sound && k < body->n_pair; k++) {
-    sound = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
-  }
-  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
-}
-
-#if FB_WITH_FORMS
-static int fbi_form_is_sound(const fb_body *body)
-{
-  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_COUNT - 1) &&
-              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_COUNT - 1) &&
-              fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
-              fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
-              fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
-  for (int k = 0; sound && k < body->n_gam + body->n_torque; k++) {
-    const int is_gam = k < body->n_gam;
-    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
-    sound = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
-  }
-  return sound;
-}
-#endif
-
-#if FB_WITH_NONLINEAR_STRAIN
-static int fbi_strain_is_sound(const fb_body *body)
-{
-  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  int sound = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
-              fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
-  for (int k = 0; sound && k < body->n_strain_row; k++) {
-    const fb_strain_row *r = &body->strain_row[k];
-    sound = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
-  }
-  return sound;
-}
-#endif
-
+typedef struct fbi_walk { /* over the fields of a model */
+  int sound;              /* 0: a field was out of its range; nothing more is read */
+  int is_word, single;    /* the check word instead of the check; reals enter in single precision */
+  unsigned crc;
+  int n, n_node, n_body, n_model; /* modes or elements, nodes, bodies of a system, models */
+  unsigned effects;
 #if FB_WITH_LARGE_DEFLECTION
-/* Checks n rows of a line from `row` on, by coordinate, with `length` numbers each. */
-static int fbi_line_rows_are_sound(const fb_lines *all, const fb_line *line, int row, int n, int length)
-{
-  int sound = row + n <= all->n_row;
-  for (int k = 0; sound && k < n; k++) {
-    const fb_line_row *const r = &all->row[row + k];
-    sound =
-        r->axis < 3 && r->a < line->n && (k == 0 || r->a >= r[-1].a) && r->at >= 0 && r->at <= all->n_table - length;
-  }
-  return sound;
-}
-
-/* Checks the l-th line: its points follow those of the one before; it hangs on a point of an earlier line with the same
-   coordinates. */
-static int fbi_line_is_sound(const fb_lines *all, const fb_line *line, int n)
-{
-  const int next = line > all->line ? line[-1].point + line[-1].stride : 0;
-  int sound = line->first + line->n <= n && line->point == next && line->count > 0 &&
-              line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
-              fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
-              fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
-              line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
-              fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && fbi_is_finite(line->axes, 9) &&
-              fbi_vec3_is_finite(line->root) && line->shift >= 0 &&
-              line->shift <= all->n_table - 3 * line->n * line->moves;
-  if (sound && line->hangs) {
-    sound = line->hangs <= next;
-    for (const fb_line *on = all->line; sound && on < line; on++) {
-      if (line->hangs > on->point && line->hangs <= on->point + on->stride) {
-        sound = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
-      }
-    }
-  }
-  return sound;
-}
-
-static int fbi_line_counts_are_sound(const fb_lines *all)
-{
-  return fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
-         fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE) &&
-         fbi_is_within(all->n_side, FBI_MAX_LINE_SIDES);
-}
-
-/* Checks a node's place on its line, and that it has one only where there is a line. */
-static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
-{
-  const fb_line *const line = node->line > 0 && node->line <= all->n_line ? &all->line[node->line - 1] : NULL;
-  return node->line == 0 ||
-         (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
-          fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
-          fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n) &&
-          fbi_is_finite(node->axes, 9) && fbi_is_finite(&node->x, 1));
-}
-
-/* Checks where points stand, and the masses beside them. */
-static int fbi_stations_are_sound(const fb_line_station *s, int n, int n_side)
-{
-  int sound = 1;
-  for (int k = 0; sound && k < n; k++) {
-    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
-    sound = fbi_is_finite(place, 3) && fbi_is_finite(s[k].axes, 9) && s[k].side <= n_side;
-  }
-  return sound;
-}
-
-static int fbi_sides_are_sound(const fb_lines *all)
-{
-  int sound = 1;
-  for (int k = 0; sound && k < all->n_side; k++) {
-    sound = fbi_is_finite(all->side[k].mass, 2) && fbi_is_finite(all->side[k].first[0], 6) &&
-            fbi_is_finite(all->side[k].moment[0], 12);
-  }
-  return sound;
-}
-
-/* Checks the lines, S_0^-1 in place of S_0, and what the rest of the body has. */
-static int fbi_lines_are_sound(const fb_body *body)
-{
-  const fb_lines *const all = &body->lines;
-  const int n = all->n_point;
-  int points = 0;
-  int sound = fbi_form(body) == 0 && fbi_line_counts_are_sound(all) && fbi_sparse_is_sound(&body->M_rest, body->n) &&
-              fbi_is_finite(body->c_rest, 3);
-  for (int l = 0; sound && l < all->n_line; l++) {
-    sound = fbi_line_is_sound(all, &all->line[l], body->n);
-    points += all->line[l].stride;
-  }
-  sound = sound && points == n && fbi_stations_are_sound(all->station, n, all->n_side) &&
-          fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all);
-  sound = sound && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
-          fbi_is_finite(all->inertia, 6 * n) && fbi_is_finite(all->table, all->n_table);
-  for (int i = 0; sound && i < 3; i++) {
-    sound = fbi_is_finite(all->start[i], n) && fbi_is_finite(all->tangent[i], n);
-  }
-  for (int j = 0; sound && j < n; j++) {
-    sound = all->mass[j] >= FB_R(0.0);
-  }
-  for (int k = 0; sound && k < body->n_node; k++) {
-    sound = fbi_line_node_is_sound(all, &body->node[k].line);
-  }
-  return sound;
-}
-#endif
-
-static int fbi_matrices_are_sound(const fb_body *body)
-{
-  int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
-              fbi_sparse_is_sound(&body->K, body->n);
-#if FB_WITH_DAMPING
-  sound = sound && fbi_sparse_is_sound(&body->C, body->n);
-#endif
-  for (int a = 0; sound && a < body->n; a++) {
-    sound = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
-            (!body->unit_mass || body->M.diagonal[a] > FB_R(0.0));
-  }
-  return sound;
-}
-
-#if FB_WITH_ROTORS
-static int fbi_rotors_are_sound(const fb_body *body)
-{
-  int sound = fbi_is_within(body->n_rotor, FB_MAX_ROTORS) && body->n_coordinate == body->n + body->n_rotor &&
-              fbi_has_rotors(body) == (body->n_rotor > 0);
-  for (int r = 0; sound && r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real least[6] = {rotor->damping,  rotor->friction, rotor->friction_speed,
-                              rotor->mobility, rotor->rate,     rotor->inertia};
-    const fb_real other[3] = {rotor->static_imbalance, rotor->dynamic_imbalance, rotor->dynamic_phase};
-    sound = fbi_is_within(rotor->node, body->n_node - 1) && fbi_is_flag(rotor->given) && fbi_is_flag(rotor->moves) &&
-            fbi_is_finite(least, 6) && fbi_is_finite(other, 3) && fbi_vec3_is_finite(rotor->axis) &&
-            fbi_vec3_is_finite(rotor->across) && rotor->inertia > FB_R(0.0) &&
-            (rotor->friction_speed > FB_R(0.0) || rotor->friction == FB_R(0.0));
-    for (int i = 0; sound && i < 5; i++) {
-      sound = least[i] >= FB_R(0.0);
-    }
-  }
-  return sound;
-}
-#endif
-
-/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite; of a body with
-   lines the inverse is, and S_0 finite. */
-static int fbi_rigid_is_sound(const fb_body *body)
-{
-  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-  const fb_real unit[6] = {FB_R(1.0)};
-  fb_real x[6], S0[21];
-  fbi_copy(S0, body->S0, 21);
-  for (int k = 0; k < 8; k++) {
-    if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
-      return 0;
-    }
-  }
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) { /* S0 is of the rest, which may be nothing */
-    for (int i = 0, at = 0; i < 6; i++) {
-      for (int j = i; j < 6; j++) {
-        S0[at++] = body->S0_inverse[6 * i + j];
-      }
-    }
-  }
-#endif
-  return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
-         fbi_is_finite(body->S0_inverse, 36) && (body->base != FB_BASE_FREE || fbi_sym6_solve(x, S0, unit) == FB_OK);
-}
-
-FB_DEF fb_status fb_body_check(const fb_body *body)
-{
-  int sound;
-  FBI_REQUIRE(body, FB_ERR_NULL);
-
-  /* counts first: the other checks read by them */
-  if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
-    return FB_ERR_CAPACITY;
-  }
-
-  /* values */
-  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) &&
-          fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
-          fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
-#if FB_WITH_FORMS
-  sound = sound && fbi_form_is_sound(body);
+  const fb_lines *lines;
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  sound = sound && fbi_strain_is_sound(body);
+  int n_strain;
 #endif
-#if FB_WITH_LARGE_DEFLECTION
-  sound = sound && (!fbi_is_large(body) || fbi_lines_are_sound(body));
+#if FB_WITH_BUILD
+  fb_token_write write; /* text */
+  void *user;
+  int is_row;
 #endif
-#if FB_WITH_ROTORS
-  sound = sound && fbi_rotors_are_sound(body);
-#else
-  sound = sound && body->n_coordinate == body->n;
-#endif
-#if FB_WITH_GRAVITY
-  sound = sound && fbi_is_finite(body->gravity, 3) && fbi_is_finite(body->center, 3) && body->mu < FB_HUGE &&
-          (fbi_is_central(body) ? body->mu > FB_R(0.0) && fbi_form(body) == 0 : body->mu == FB_R(0.0));
-#endif
-  for (int k = 0; sound && k < body->n_node; k++) {
-    sound = fbi_node_is_finite(&body->node[k], body->n);
-  }
-  return sound ? FB_OK : FB_ERR_VALUE;
-}
-
-/* ---- check word */
+} fbi_walk;
 
 /* [E8.40] CRC-32 of integers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
    + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
@@ -8431,15 +8155,7 @@ static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
   return crc;
 }
 
-static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
-{
-  for (int i = 0; i < n; i++) {
-    crc = fbi_crc_word(crc, (unsigned)x[i]);
-  }
-  return crc;
-}
-
-/* Reals enter in the precision of the target, which may differ from the program's. FBI_NOINLINE: smaller code. */
+/* Reals enter in the precision of the target, which may differ from the program's. */
 static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
 {
   for (int i = 0; i < n; i++) {
@@ -8458,265 +8174,455 @@ static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n
   return crc;
 }
 
-static unsigned fbi_crc_sparse(unsigned crc, const fb_sparse *m, int n, int single)
+static FBI_NOINLINE int fbi_walk_whole(fbi_walk *walk, int value, int least, int most)
 {
-  crc = fbi_crc_reals(fbi_crc_word(crc, (unsigned)m->n_term), m->diagonal, n, single);
-  for (int k = 0; k < m->n_term; k++) {
-    crc = fbi_crc_word(fbi_crc_reals(crc, &m->term[k].c, 1, single), m->term[k].a | (unsigned)m->term[k].b << 16);
+  if (walk->is_word) {
+    walk->crc = fbi_crc_word(walk->crc, (unsigned)value);
   }
-  return crc;
+  return value >= least && value <= most;
 }
 
-static unsigned fbi_crc_lambda(unsigned crc, const fb_lambda_term *list, int n, int single)
+/* sign: 0: any, 1: not below 0, 2: above 0 */
+static FBI_NOINLINE int fbi_walk_reals(fbi_walk *walk, const fb_real *x, int n, int sign)
 {
-  for (int k = 0; k < n; k++) {
-    crc = fbi_crc_word(fbi_crc_reals(crc, &list[k].c, 1, single), list[k].i | (unsigned)list[k].a << 16);
-    crc = fbi_crc_word(crc, list[k].b);
+  int sound = 1;
+  if (walk->is_word) {
+    walk->crc = fbi_crc_reals(walk->crc, x, n, walk->single);
+    return 1;
   }
-  return crc;
+  for (int i = 0; sign > 0 && sound && i < n; i++) {
+    sound = sign == 1 ? x[i] >= FB_R(0.0) : x[i] > FB_R(0.0);
+  }
+  return sound && fbi_is_finite(x, n);
 }
 
-static unsigned fbi_crc_terms(unsigned crc, const fb_body *body, int single)
+static fbi_walk fbi_walk_begin(int is_word, int single, int n)
 {
-  for (int k = 0; k < 6; k++) {
-    crc = fbi_crc_word(crc, body->lambda_row[k].i | (unsigned)body->lambda_row[k].end << 16);
-  }
-  crc = fbi_crc_lambda(crc, body->lambda, body->n_lambda, single);
-  crc = fbi_crc_reals(crc, body->S, body->n_S, single);
-  for (int k = 0; k < body->n_run; k++) {
-    crc = fbi_crc_word(fbi_crc_word(crc, body->run[k].i | (unsigned)body->run[k].pair << 16), body->run[k].n);
-  }
-  for (int k = 0; k < body->n_pair; k++) {
-    crc = fbi_crc_word(crc, body->pair[k].a | (unsigned)body->pair[k].b << 16);
-  }
-  return crc;
+  fbi_walk walk;
+  memset(&walk, 0, sizeof walk);
+  walk.sound = 1;
+  walk.is_word = is_word;
+  walk.single = single;
+  walk.crc = 0xFFFFFFFFu;
+  walk.n = n;
+  return walk;
 }
 
-static unsigned fbi_crc_nodes(unsigned crc, const fb_body *body, int single)
+/* What a walk does with a field of each kind, of the struct s. The lists have the rows of their structs. */
+/* clang-format off */
+#define FBI_WALK_ONE(call) walk->sound = walk->sound && (call);
+#define FBI_WALK_ALL(n, call)                    \
+  for (int k = 0; walk->sound && k < (n); k++) { \
+    walk->sound = (call);                        \
+  }
+#define FBI_WALK_range(name, least, most) FBI_WALK_ONE(fbi_walk_whole(walk, (int)s->name, least, most))
+#define FBI_WALK_range_if(name, used, least, most) \
+  FBI_WALK_ALL((used) != 0, fbi_walk_whole(walk, (int)s->name, least, most))
+#define FBI_WALK_flag(name) FBI_WALK_range(name, 0, 1)
+#define FBI_WALK_any(name) FBI_WALK_range(name, -2147483647 - 1, 2147483647)
+#define FBI_WALK_choice(name, end, type) FBI_WALK_range(name, 0, (int)end - 1)
+#define FBI_WALK_wholes(name, n, least, most) FBI_WALK_ALL(n, fbi_walk_whole(walk, (int)s->name[k], least, most))
+#define FBI_WALK_real(name) FBI_WALK_ONE(fbi_walk_reals(walk, &s->name, 1, 0))
+#define FBI_WALK_real_0(name) FBI_WALK_ONE(fbi_walk_reals(walk, &s->name, 1, 1))
+#define FBI_WALK_real_1(name) FBI_WALK_ONE(fbi_walk_reals(walk, &s->name, 1, 2))
+#define FBI_WALK_real_if(name, used) FBI_WALK_ONE(fbi_walk_reals(walk, &s->name, (used) != 0, 0))
+#define FBI_WALK_reals(name, n) FBI_WALK_ONE(fbi_walk_reals(walk, s->name, n, 0))
+#define FBI_WALK_reals_0(name, n) FBI_WALK_ONE(fbi_walk_reals(walk, s->name, n, 1))
+#define FBI_WALK_grid(name, n) FBI_WALK_ALL(FBI_ROWS(name), fbi_walk_reals(walk, s->name[k], n, 0))
+#define FBI_WALK_part(name, used, list) FBI_WALK_ALL((used) != 0, fbi_##list##_walk(walk, &s->name))
+#define FBI_WALK_parts(name, n, list) FBI_WALK_ALL(n, fbi_##list##_walk(walk, &s->name[k]))
+#define FBI_WALK_rows(name, n, list) FBI_WALK_parts(name, n, list)
+#define FBI_WALK(kind, ...) FBI_WALK_##kind(__VA_ARGS__)
+#define FBI_ROWS(name) (int)(sizeof s->name / sizeof *s->name)
+
+/* Defines fbi_LIST_walk, 1 if all fields are sound. The bytes of the fields are those of the struct but for `padding`
+   in single precision, and in double precision, or where enumerators are small, for less than 32. */
+#define FBI_SIZE(kind, ...) +FBI_SIZE_OF(__VA_ARGS__, )
+#define FBI_SIZE_OF(name, ...) sizeof s->name
+#define FBI_IS_LISTED(gap, padding) (FB_SINGLE && sizeof(fb_base) == sizeof(int) ? (gap) == (padding) : (gap) < 32)
+#define FBI_FIELDS_PADDED(type, list, LIST, padding)                                              \
+  static int fbi_##list##_walk(fbi_walk *walk, const type *s)                                     \
+  {                                                                                               \
+    (void)sizeof(char[FBI_IS_LISTED(sizeof *s - (0 LIST(FBI_SIZE)), padding) ? 1 : -1]);          \
+    LIST(FBI_WALK)                                                                                \
+    return walk->sound;                                                                           \
+  }
+#define FBI_FIELDS(type, list, LIST) FBI_FIELDS_PADDED(type, list, LIST, 0)
+
+/* ---- fields of bodies */
+
+#define FBI_PAIR_TERM_FIELDS(X) X(real, c) X(range, a, 0, walk->n - 1) X(range, b, 0, s->a - 1)
+FBI_FIELDS(fb_pair_term, pair_term, FBI_PAIR_TERM_FIELDS)
+
+#define FBI_SPARSE_FIELDS(X)          \
+  X(range, n_term, 0, FBI_MAX_PAIRS)  \
+  X(reals, diagonal, walk->n) X(rows, term, s->n_term, pair_term)
+FBI_FIELDS(fb_sparse, sparse, FBI_SPARSE_FIELDS)
+
+/* i, a of each kind: fbi_lambda_is_sound, fbi_form_is_sound */
+#define FBI_LAMBDA_TERM_FIELDS(X) \
+  X(real, c) X(range, i, 0, 8) X(range, a, 0, walk->n) X(range, b, 0, walk->n - 1)
+FBI_FIELDS_PADDED(fb_lambda_term, lambda_term, FBI_LAMBDA_TERM_FIELDS, 2)
+
+#define FBI_LAMBDA_ROW_FIELDS(X) X(any, i) X(any, end)
+FBI_FIELDS(fb_lambda_row, lambda_row, FBI_LAMBDA_ROW_FIELDS)
+
+#define FBI_S_RUN_FIELDS(X) X(range, i, 0, 20) X(range, pair, 0, FBI_MAX_PAIRS_S) X(range, n, 0, FBI_MAX_PAIRS_S)
+FBI_FIELDS(fb_S_run, S_run, FBI_S_RUN_FIELDS)
+
+#define FBI_S_PAIR_FIELDS(X) X(range, a, 0, walk->n) X(range, b, 0, s->a)
+FBI_FIELDS(fb_S_pair, S_pair, FBI_S_PAIR_FIELDS)
+
+#if FB_WITH_LARGE_DEFLECTION
+#define FBI_LINE_ROW_FIELDS(X) \
+  X(range, axis, 0, 2) X(range, a, 0, FB_MAX_MODES - 1) X(range, at, 0, FBI_MAX_LINE_TABLE)
+FBI_FIELDS(fb_line_row, line_row, FBI_LINE_ROW_FIELDS)
+
+/* frame is not read after init */
+#define FBI_LINE_FIELDS(X) \
+  X(range, first, 0, FB_MAX_MODES) X(range, n, 0, FB_MAX_MODES) \
+  X(range, point, 0, FB_MAX_POINTS) X(range, count, 1, FB_MAX_POINTS) X(range, stride, 1, FB_MAX_POINTS) \
+  X(range, row, 0, FBI_MAX_LINE_ROWS) X(range, n_turn, 0, FBI_MAX_LINE_ROWS) X(range, n_stretch, 0, FBI_MAX_LINE_ROWS) \
+  X(range, weight, 0, FBI_MAX_LINE_TABLE) X(range, shift, 0, FBI_MAX_LINE_TABLE) X(flag, moves) \
+  X(range, hangs, 0, FB_MAX_POINTS) X(flag, carries) X(flag, solid) X(range, plane, 0, 3) X(flag, turned) \
+  X(reals, axes, 9) X(reals, root, 3) X(reals, frame, 0)
+FBI_FIELDS(fb_line, line, FBI_LINE_FIELDS)
+
+#define FBI_STATION_FIELDS(X) \
+  X(real, x) X(real, length) X(real, before) X(reals, axes, 9) X(range, side, 0, walk->lines->n_side)
+FBI_FIELDS_PADDED(fb_line_station, station, FBI_STATION_FIELDS, 2)
+
+#define FBI_SIDE_FIELDS(X) X(reals, mass, 2) X(grid, first, 3) X(grid, moment, 6)
+FBI_FIELDS(fb_line_side, side, FBI_SIDE_FIELDS)
+
+#define FBI_LINES_COUNTS(X) \
+  X(range, n_line, 0, FB_MAX_LINES) X(range, n_point, 0, FB_MAX_POINTS) X(range, n_row, 0, FBI_MAX_LINE_ROWS) \
+  X(range, n_table, 0, FBI_MAX_LINE_TABLE) X(range, n_side, 0, FBI_MAX_LINE_SIDES)
+#define FBI_LINES_FIELDS(X) \
+  FBI_LINES_COUNTS(X) \
+  X(parts, line, s->n_line, line) X(reals_0, mass, s->n_point) X(reals, center, 3 * s->n_point) \
+  X(reals, inertia, 6 * s->n_point) X(grid, start, s->n_point) X(grid, tangent, s->n_point) \
+  X(parts, station, s->n_point, station) X(parts, root, s->n_line, station) X(parts, side, s->n_side, side) \
+  X(rows, row, s->n_row, line_row) X(reals, table, s->n_table)
+FBI_FIELDS(fb_lines, lines, FBI_LINES_FIELDS)
+
+/* Points and modes of the line that a node is on; 0: on none. */
+static int fbi_node_points(const fbi_walk *walk, const fb_line_node *node)
 {
-  const int n = body->n;
-  for (int k = 0; k < body->n_node; k++) {
-    const fb_node *node = &body->node[k];
-    crc = fbi_crc_reals(crc, node->r, 3, single);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, node->psi, 3 * n, single), node->theta, 3 * n, single);
-#if FBI_WITH_QUADRATIC
-    if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-      crc = fbi_crc_reals(crc, node->chi, 3 * n * (n + 1) / 2, single);
-      crc = fbi_crc_reals(crc, node->chi_theta, 3 * n * (n + 1) / 2, single);
-    }
+  return node->line > 0 ? walk->lines->line[node->line - 1].count : 0;
+}
+
+static int fbi_node_modes(const fbi_walk *walk, const fb_line_node *node)
+{
+  return node->line > 0 ? walk->lines->line[node->line - 1].n : 0;
+}
+
+#define FBI_LINE_NODE_FIELDS(X) \
+  X(range, line, 0, walk->lines->n_line) X(range, after, 0, FB_MAX_POINTS) \
+  X(reals, start, 3) X(reals, weight, fbi_node_points(walk, s)) X(reals, turn, 3 * fbi_node_modes(walk, s)) \
+  X(reals, bow, 3 * fbi_node_modes(walk, s)) X(real, x) X(reals, axes, 9)
+FBI_FIELDS(fb_line_node, line_node, FBI_LINE_NODE_FIELDS)
+
+#define FBI_NODE_LINE(X) X(part, line, fbi_has(walk->effects, FB_EFFECT_LARGE_DEFLECTION), line_node)
+#define FBI_BODY_LINES(X) \
+  X(part, lines, fbi_is_large(s), lines) X(part, M_rest, fbi_is_large(s), sparse) X(reals, c_rest, 3 * fbi_is_large(s))
+#else
+#define FBI_NODE_LINE(X)
+#define FBI_BODY_LINES(X)
 #endif
-  }
-  return crc;
+
+#if FBI_WITH_QUADRATIC
+static int fbi_chi_length(const fbi_walk *walk)
+{
+  return fbi_has(walk->effects, FBI_QUADRATIC_EFFECTS) ? 3 * walk->n * (walk->n + 1) / 2 : 0;
 }
+
+#define FBI_NODE_CHI(X) X(reals, chi, fbi_chi_length(walk)) X(reals, chi_theta, fbi_chi_length(walk))
+#else
+#define FBI_NODE_CHI(X)
+#endif
+
+#define FBI_NODE_FIELDS(X) \
+  X(reals, r, 3) X(reals, psi, 3 * walk->n) X(reals, theta, 3 * walk->n) FBI_NODE_CHI(X) FBI_NODE_LINE(X)
+FBI_FIELDS(fb_node, node, FBI_NODE_FIELDS)
+
+#if FB_WITH_ROTORS
+#define FBI_ROTOR_FIELDS(X) \
+  X(range, node, 0, walk->n_node - 1) X(flag, given) X(reals, axis, 3) X(real_1, inertia) \
+  X(real_0, damping) X(real_0, friction) X(real_0, friction_speed) \
+  X(real, static_imbalance) X(real, dynamic_imbalance) X(real, dynamic_phase) \
+  X(flag, moves) X(reals, across, 3) X(real_0, mobility) X(real_0, rate)
+FBI_FIELDS(fb_rotor, rotor, FBI_ROTOR_FIELDS)
+
+#define FBI_BODY_ROTORS(X) \
+  X(range_if, n_rotor, fbi_has_rotors(s), 1, FB_MAX_ROTORS) X(parts, rotor, fbi_has_rotors(s) ? s->n_rotor : 0, rotor)
+#else
+#define FBI_BODY_ROTORS(X)
+#endif
+
+#if FB_WITH_DAMPING
+#define FBI_BODY_DAMPING(X) X(part, C, fbi_has(s->effects, FB_EFFECT_DAMPING), sparse)
+#else
+#define FBI_BODY_DAMPING(X)
+#endif
+
+#if FB_WITH_GRAVITY
+#define FBI_BODY_GRAVITY(X) \
+  X(reals, gravity, 3 * fbi_has(s->effects, FB_EFFECT_GRAVITY)) \
+  X(real_if, mu, fbi_is_central(s)) X(reals, center, 3 * fbi_is_central(s))
+#else
+#define FBI_BODY_GRAVITY(X)
+#endif
 
 #if FB_WITH_FORMS
-static unsigned fbi_crc_form(unsigned crc, const fb_body *body, int single)
-{
-  const int whole[] = {(int)body->form,   (int)body->stiffness_torque, body->torque_degree,
-                       body->n_run_value, body->n_lambda_value,        body->n_gam,
-                       body->n_torque};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(crc, body->M_rr, 21, single);
-  crc = fbi_crc_lambda(crc, body->gam, body->n_gam, single);
-  return fbi_crc_lambda(crc, body->torque, body->n_torque, single);
-}
+#define FBI_BODY_FORM(X) \
+  X(range_if, form, fbi_form(s) != 0, 0, (int)FB_FORM_COUNT - 1) \
+  X(range_if, stiffness_torque, fbi_form(s) != 0, 0, (int)FB_TORQUE_COUNT - 1) \
+  X(range_if, torque_degree, fbi_form(s) != 0, 0, 3) \
+  X(range_if, n_run_value, fbi_form(s) != 0, 0, s->n_run) \
+  X(range_if, n_lambda_value, fbi_form(s) != 0, 0, s->n_lambda) \
+  X(range_if, n_gam, fbi_form(s) != 0, 0, 9 * s->n) X(range_if, n_torque, fbi_form(s) != 0, 0, FBI_MAX_TORQUE)
+#define FBI_BODY_FORM_TABLES(X) \
+  X(reals, M_rr, fbi_form(s) ? 21 : 0) X(rows, gam, fbi_form(s) ? s->n_gam : 0, lambda_term) \
+  X(rows, torque, fbi_form(s) ? s->n_torque : 0, lambda_term)
+#else
+#define FBI_BODY_FORM(X)
+#define FBI_BODY_FORM_TABLES(X)
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
+#define FBI_STRAIN_ROW_FIELDS(X) X(reals, slope, walk->n_strain) X(range, axis, 0, 2) X(range, a, 0, walk->n - 1)
+FBI_FIELDS(fb_strain_row, strain_row, FBI_STRAIN_ROW_FIELDS)
+
+static int fbi_has_strain(const fb_body *body)
 {
-  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)body->n_strain), (unsigned)body->n_strain_row);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 3, single), body->strain_weight, body->n_strain, single);
-  for (int k = 0; k < body->n_strain_row; k++) {
-    const fb_strain_row *r = &body->strain_row[k];
-    crc = fbi_crc_word(fbi_crc_reals(crc, r->slope, body->n_strain, single), r->axis | (unsigned)r->a << 16);
+  return fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN);
+}
+
+#define FBI_BODY_STRAIN(X) \
+  X(range_if, n_strain, fbi_has_strain(s), 0, FBI_MAX_STRAINS) \
+  X(range_if, n_strain_row, fbi_has_strain(s), 0, 3 * s->n) \
+  X(real_if, quartic, fbi_has_strain(s)) X(real_if, limit_slope, fbi_has_strain(s)) \
+  X(real_if, limit_tension, fbi_has_strain(s)) X(reals, strain_weight, fbi_has_strain(s) ? s->n_strain : 0) \
+  X(parts, strain_row, fbi_has_strain(s) ? s->n_strain_row : 0, strain_row)
+#else
+#define FBI_BODY_STRAIN(X)
+#endif
+
+#define FBI_BODY_FIELDS(X) \
+  X(range, n, 0, FB_MAX_MODES) X(range, n_node, 1, FB_MAX_NODES) X(range, n_coordinate, 0, FBI_MAX_COORDINATES) \
+  X(any, effects) X(choice, base, FB_BASE_COUNT, fb_base) \
+  X(flag, unit_mass) X(flag, constant_S) X(flag, allow_long_step) \
+  X(range, n_lambda, 0, FBI_MAX_LAMBDA) X(range, n_lambda_constant, 0, s->n_lambda) \
+  X(range, n_linear_constant, 0, s->n_lambda_constant) X(range, n_linear, 0, s->n_lambda - s->n_lambda_constant) \
+  X(range, n_row, 0, 6) \
+  X(range, n_S, 0, FBI_MAX_S) X(range, n_run, 0, FBI_MAX_RUNS) X(range, n_pair, 0, FBI_MAX_PAIRS_S) \
+  FBI_BODY_FORM(X) \
+  X(real_0, mass) X(reals, c, 3) X(real_0, deflection_limit) X(reals_0, reach, s->n) \
+  X(real_0, recoil) X(real_0, gyration) \
+  X(real_0, limit_elastic) X(real_0, limit_damping) X(real_0, limit_spin) X(real_0, limit_acceleration) \
+  FBI_BODY_FORM_TABLES(X) FBI_BODY_STRAIN(X) FBI_BODY_LINES(X) \
+  X(reals, S0, 21) X(reals, S0_inverse, 36) X(part, M, 1, sparse) X(part, Minv, 1, sparse) X(part, K, 1, sparse) \
+  FBI_BODY_DAMPING(X) FBI_BODY_GRAVITY(X) FBI_BODY_ROTORS(X) \
+  X(rows, lambda_row, 6, lambda_row) X(rows, lambda, s->n_lambda, lambda_term) X(reals, S, s->n_S) \
+  X(rows, run, s->n_run, S_run) X(rows, pair, s->n_pair, S_pair) X(parts, node, s->n_node, node)
+FBI_FIELDS(fb_body, body, FBI_BODY_FIELDS)
+/* clang-format on */
+
+/* Walks over the fields of a body: checks them or, where is_word is 1, makes their word. */
+static fbi_walk fbi_body_fields(const fb_body *body, int is_word, int single)
+{
+  fbi_walk walk = fbi_walk_begin(is_word, single, body->n);
+  walk.n_node = body->n_node;
+  walk.effects = body->effects;
+#if FB_WITH_LARGE_DEFLECTION
+  walk.lines = &body->lines;
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  walk.n_strain = body->n_strain;
+#endif
+  (void)fbi_body_walk(&walk, body);
+  return walk;
+}
+
+/* ---- checks of a model whose memory may be corrupted */
+
+/* Checks the terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
+static int fbi_lambda_is_sound(const fb_body *body)
+{
+  int row = 0, sound = 1;
+  for (int k = 0; sound && k < body->n_row; k++) { /* no row is empty */
+    sound = body->lambda_row[k].i < 6 &&
+            body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
   }
-  return crc;
+  for (int k = 0; sound && k < body->n_lambda; k++) {
+    const fb_lambda_term *t = &body->lambda[k];
+    const int constant = k < body->n_lambda_constant;
+    row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
+    sound = (constant ? t->a == 0 : t->a >= 1) &&
+            (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
+                      : row < body->n_row && t->i == body->lambda_row[row].i &&
+                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
+  }
+  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
+}
+
+/* Checks the terms of S: runs of consecutive pairs. */
+static int fbi_S_is_sound(const fb_body *body)
+{
+  int terms = 0, sound = 1;
+  for (int k = 0; sound && k < body->n_run; k++) {
+    terms += body->run[k].n;
+    sound = body->run[k].pair + body->run[k].n <= body->n_pair;
+  }
+  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
+}
+
+#if FB_WITH_FORMS
+static int fbi_form_is_sound(const fb_body *body)
+{
+  int sound = 1;
+  for (int k = 0; sound && fbi_form(body) && k < body->n_gam + body->n_torque; k++) {
+    const int is_gam = k < body->n_gam;
+    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
+    sound = t->i < (is_gam ? 9 : 3) && t->a >= 1;
+  }
+  return sound;
 }
 #endif
 
 #if FB_WITH_LARGE_DEFLECTION
-/* A line; without its frame, by which init alone finds it. */
-static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
+/* Checks n rows of a line from `row` on, by coordinate, with `length` numbers each. */
+static int fbi_line_rows_are_sound(const fb_lines *all, const fb_line *line, int row, int n, int length)
 {
-  const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
-                       line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
-                       line->carries, line->solid,     line->plane,  line->turned};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  return fbi_crc_reals(fbi_crc_reals(crc, line->axes, 9, single), line->root, 3, single);
-}
-
-/* Where points stand, and the masses on either side of the ends of stretches. */
-static unsigned fbi_crc_stations(unsigned crc, const fb_line_station *s, int n, int single)
-{
-  for (int k = 0; k < n; k++) {
-    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
-    crc = fbi_crc_word(fbi_crc_reals(fbi_crc_reals(crc, place, 3, single), s[k].axes, 9, single), s[k].side);
+  int sound = row + n <= all->n_row;
+  for (int k = 0; sound && k < n; k++) {
+    const fb_line_row *const r = &all->row[row + k];
+    sound =
+        r->axis < 3 && r->a < line->n && (k == 0 || r->a >= r[-1].a) && r->at >= 0 && r->at <= all->n_table - length;
   }
-  return crc;
+  return sound;
 }
 
-/* Lines, their nodes, and the rest of the body. */
-static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
+/* Checks the l-th line, whose fields are in their ranges: its points follow those of the one before; it hangs on a
+   point of an earlier line with the same coordinates. */
+static int fbi_line_is_sound(const fb_lines *all, const fb_line *line, int n)
+{
+  const int next = line > all->line ? line[-1].point + line[-1].stride : 0;
+  int sound = line->first + line->n <= n && line->point == next && line->stride == (line->count + 1) / 2 * 2 &&
+              line->point + line->stride <= all->n_point &&
+              fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
+              fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
+              line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
+              line->plane == fbi_line_plane(all, line) && line->shift <= all->n_table - 3 * line->n * line->moves;
+  if (sound && line->hangs) {
+    sound = line->hangs <= next;
+    for (const fb_line *on = all->line; sound && on < line; on++) {
+      if (line->hangs > on->point && line->hangs <= on->point + on->stride) {
+        sound = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
+      }
+    }
+  }
+  return sound;
+}
+
+/* Checks a node's place on its line. */
+static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
+{
+  const fb_line *const line = node->line > 0 ? &all->line[node->line - 1] : NULL;
+  return !line || node->after == 0 || (node->after > line->point && node->after <= line->point + line->count);
+}
+
+static int fbi_lines_are_sound(const fb_body *body)
 {
   const fb_lines *const all = &body->lines;
-  const int whole[5] = {all->n_line, all->n_point, all->n_row, all->n_table, all->n_side}, n = all->n_point;
-  crc = fbi_crc_ints(crc, whole, 5);
-  crc = fbi_crc_stations(fbi_crc_stations(crc, all->station, n, single), all->root, all->n_line, single);
-  for (int k = 0; k < all->n_side; k++) {
-    const fb_line_side *const s = &all->side[k];
-    crc = fbi_crc_reals(fbi_crc_reals(crc, s->mass, 2, single), s->first[0], 6, single);
-    crc = fbi_crc_reals(crc, s->moment[0], 12, single);
+  int points = 0, sound = fbi_form(body) == 0;
+  for (int l = 0; sound && l < all->n_line; l++) {
+    sound = fbi_line_is_sound(all, &all->line[l], body->n);
+    points += all->line[l].stride;
   }
-  for (int l = 0; l < all->n_line; l++) {
-    crc = fbi_crc_line(crc, &all->line[l], single);
+  for (int k = 0; sound && k < body->n_node; k++) {
+    sound = fbi_line_node_is_sound(all, &body->node[k].line);
   }
-  crc = fbi_crc_reals(fbi_crc_reals(crc, all->mass, n, single), all->center, 3 * n, single);
-  crc = fbi_crc_reals(crc, all->inertia, 6 * n, single);
-  for (int i = 0; i < 3; i++) {
-    crc = fbi_crc_reals(fbi_crc_reals(crc, all->start[i], n, single), all->tangent[i], n, single);
-  }
-  for (int k = 0; k < all->n_row; k++) {
-    crc = fbi_crc_word(fbi_crc_word(crc, all->row[k].axis | (unsigned)all->row[k].a << 16), (unsigned)all->row[k].at);
-  }
-  crc = fbi_crc_reals(crc, all->table, all->n_table, single);
-  crc = fbi_crc_reals(fbi_crc_sparse(crc, &body->M_rest, body->n, single), body->c_rest, 3, single);
-  for (int k = 0; k < body->n_node; k++) {
-    const fb_line_node *const node = &body->node[k].line;
-    crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)node->line), (unsigned)node->after);
-    if (node->line > 0 && node->line <= all->n_line) {
-      const fb_line *const line = &all->line[node->line - 1];
-      const int count = line->count < FB_MAX_POINTS ? line->count : FB_MAX_POINTS,
-                a = line->n < FB_MAX_MODES ? line->n : FB_MAX_MODES;
-      crc = fbi_crc_reals(fbi_crc_reals(crc, node->start, 3, single), node->weight, count, single);
-      crc = fbi_crc_reals(fbi_crc_reals(crc, node->turn, 3 * a, single), node->bow, 3 * a, single);
-      crc = fbi_crc_reals(fbi_crc_reals(crc, node->axes, 9, single), &node->x, 1, single);
+  return sound && points == all->n_point;
+}
+#endif
+
+/* Checks signs of diagonals, and S_0, which is positive definite for a free body; of a body with lines its inverse
+   is. */
+static int fbi_rigid_is_sound(const fb_body *body)
+{
+  const fb_real unit[6] = {FB_R(1.0)};
+  fb_real x[6], S0[21];
+  fbi_copy(S0, body->S0, 21);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) { /* S0 is of the rest, which may be nothing */
+    for (int i = 0, at = 0; i < 6; i++) {
+      for (int j = i; j < 6; j++) {
+        S0[at++] = body->S0_inverse[6 * i + j];
+      }
     }
   }
-  return crc;
-}
 #endif
+  for (int a = 0; a < body->n; a++) {
+    if (!(body->K.diagonal[a] >= FB_R(0.0)) || (body->unit_mass && !(body->M.diagonal[a] > FB_R(0.0)))) {
+      return 0;
+    }
+  }
+  return body->base != FB_BASE_FREE || fbi_sym6_solve(x, S0, unit) == FB_OK;
+}
 
+/* Checks what effects are on: none that is excluded, each with the data that only it has. */
+static int fbi_effects_are_sound(const fb_body *body)
+{
+  int n_rotor = 0, sound = !fbi_is_excluded(body->effects);
 #if FB_WITH_ROTORS
-static unsigned fbi_crc_rotors(unsigned crc, const fb_body *body, int single)
-{
-  crc = fbi_crc_word(crc, (unsigned)body->n_rotor);
-  for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const int whole[3] = {rotor->node, rotor->given, rotor->moves};
-    const fb_real number[] = {rotor->inertia,        rotor->damping,          rotor->friction,
-                              rotor->friction_speed, rotor->static_imbalance, rotor->dynamic_imbalance,
-                              rotor->dynamic_phase,  rotor->mobility,         rotor->rate};
-    crc = fbi_crc_reals(fbi_crc_ints(crc, whole, 3), number, (int)(sizeof number / sizeof *number), single);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, rotor->axis, 3, single), rotor->across, 3, single);
+  n_rotor = body->n_rotor;
+  sound = sound && fbi_has_rotors(body) == (n_rotor > 0);
+  for (int r = 0; sound && r < n_rotor; r++) {
+    sound = body->rotor[r].friction_speed > FB_R(0.0) || body->rotor[r].friction == FB_R(0.0);
   }
-  return crc;
-}
 #endif
-
-/* Data of optional effects and forms; a body without them adds nothing. */
-static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
-{
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    crc = fbi_crc_sparse(crc, &body->C, body->n, single);
-  }
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && body->n_strain % 4 == 0;
 #endif
 #if FB_WITH_GRAVITY
-  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
-    crc = fbi_crc_reals(crc, body->gravity, 3, single);
-  }
-  if (fbi_is_central(body)) {
-    crc = fbi_crc_reals(fbi_crc_reals(crc, &body->mu, 1, single), body->center, 3, single);
-  }
+  sound = sound && (fbi_is_central(body) ? body->mu > FB_R(0.0) && fbi_form(body) == 0 : body->mu == FB_R(0.0));
 #endif
-#if FB_WITH_FORMS
-  if (fbi_form(body) != 0) {
-    crc = fbi_crc_form(crc, body, single);
-  }
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    crc = fbi_crc_strain(crc, body, single);
-  }
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    crc = fbi_crc_lines(crc, body, single);
-  }
-#endif
-#if FB_WITH_ROTORS
-  if (fbi_has_rotors(body)) {
-    crc = fbi_crc_rotors(crc, body, single);
-  }
-#endif
-  (void)body, (void)single; /* all of it may be removed at compile time */
-  return crc;
+  return sound && body->n_coordinate == body->n + n_rotor;
 }
 
+FB_DEF fb_status fb_body_check(const fb_body *body)
+{
+  int sound;
+  FBI_REQUIRE(body, FB_ERR_NULL);
+  if (body->n < 0 || body->n > FB_MAX_MODES || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
+    return FB_ERR_CAPACITY;
+  }
+
+  /* each field, then how they go together */
+  sound = fbi_body_fields(body, 0, 0).sound && fbi_effects_are_sound(body) && fbi_rigid_is_sound(body) &&
+          fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
+#if FB_WITH_FORMS
+  sound = sound && fbi_form_is_sound(body);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  sound = sound && (!fbi_is_large(body) || fbi_lines_are_sound(body));
+#endif
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+/* The check word of a body for a target in double or single precision; 0: a field out of its range. */
 static unsigned fbi_body_crc(const fb_body *body, int single)
 {
-  const int whole[] = {body->n,
-                       body->n_node,
-                       body->n_coordinate,
-                       (int)body->effects,
-                       (int)body->base,
-                       body->n_lambda,
-                       body->n_lambda_constant,
-                       body->n_linear,
-                       body->n_linear_constant,
-                       body->n_row,
-                       body->n_S,
-                       body->n_run,
-                       body->n_pair,
-                       body->unit_mass,
-                       body->constant_S,
-                       body->allow_long_step};
-  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-  unsigned crc = fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 8, single), body->c, 3, single);
-  crc = fbi_crc_reals(crc, body->reach, body->n, single);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
-  crc = fbi_crc_sparse(fbi_crc_sparse(crc, &body->M, body->n, single), &body->Minv, body->n, single);
-  crc = fbi_crc_sparse(crc, &body->K, body->n, single);
-  crc = fbi_crc_further(crc, body, single);
-  return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
-}
-
-/* 1 if every count is within its table, so that the CRC reads nothing beyond. */
-static int fbi_counts_are_sound(const fb_body *body)
-{
-  int sound = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
-              fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
-              fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
-              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-              fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
-#if FB_WITH_DAMPING
-  sound = sound && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
-#endif
-#if FB_WITH_FORMS
-  sound = sound && fbi_is_within(body->n_gam, 9 * FB_MAX_MODES) && fbi_is_within(body->n_torque, FBI_MAX_TORQUE);
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  sound =
-      sound && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  sound = sound && (!fbi_is_large(body) ||
-                    (fbi_line_counts_are_sound(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
-#endif
-#if FB_WITH_ROTORS
-  sound = sound && fbi_is_within(body->n_rotor, FB_MAX_ROTORS);
-#endif
-  return sound;
+  const fbi_walk walk = fbi_body_fields(body, 1, single);
+  return walk.sound ? ~walk.crc : 0;
 }
 
 FB_DEF unsigned fb_body_crc(const fb_body *body)
 {
   FBI_REQUIRE(body, 0);
-  return fbi_counts_are_sound(body) ? fbi_body_crc(body, FB_SINGLE) : 0;
+  return fbi_body_crc(body, FB_SINGLE);
 }
 
 /* ---- sensors */
@@ -13512,52 +13418,57 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
   return FB_OK;
 }
 
-/* ---- checks of what is in memory */
+/* ---- checks of what is in memory: fields of systems (kinds: >>body) */
+
+/* clang-format off */
+#define FBI_JOINT_FIELDS(X) \
+  X(choice, kind, FB_JOINT_COUNT, fb_joint_kind) X(range, parent, FB_GROUND, walk->n_body - 1) \
+  X(range, parent_node, 0, FB_MAX_NODES - 1) \
+  X(range, child, 0, walk->n_body - 1) X(range, child_node, 0, FB_MAX_NODES - 1) \
+  X(range, n_axis, 0, 6) X(flag, moves) X(flag, turned) X(reals, position, 3) X(reals, axes, 9) \
+  X(reals, child_position, 3) X(reals, child_axes, 9) X(reals, A, 18) \
+  X(real, pitch) X(reals_0, stiffness, 3) X(reals, rest, 3) X(reals_0, damping, 3) X(reals_0, friction, 3) \
+  X(reals, friction_speed, 3) X(grid, stop, 2) X(reals_0, stop_stiffness, 3) X(reals_0, stop_loss, 3) \
+  X(reals, bias, 3) X(wholes, mode, 3, 0, (int)FB_AXIS_COUNT - 1) X(flag, rubs)
+FBI_FIELDS(fb_joint, joint, FBI_JOINT_FIELDS)
+
+#define FBI_SPRING_FIELDS(X) \
+  X(wholes, body, 2, FB_GROUND, walk->n_body - 1) X(wholes, node, 2, 0, FB_MAX_NODES - 1) X(grid, position, 3) \
+  X(real_0, stiffness) X(real_0, length) X(real_0, damping)
+FBI_FIELDS(fb_spring, spring, FBI_SPRING_FIELDS)
+
+#define FBI_SYSTEM_FIELDS(X) \
+  X(range, n_body, 1, FB_MAX_BODIES) X(range, n_loop, 0, FB_MAX_LOOPS) X(range, n_spring, 0, FB_MAX_SPRINGS) \
+  X(choice, method, FB_METHOD_COUNT, fb_method) X(flag, allow_long_step) \
+  X(wholes, model, s->n_body, 0, walk->n_model - 1) X(wholes, coupled, s->n_body, 0, 1) X(range, tied, 0, 2) \
+  X(flag, carries_rotors) X(flag, rubs) X(real, limit_elastic) X(real, limit_damping) \
+  X(real, limit_loop_elastic) X(real, limit_loop_damping) X(real, limit_spring_elastic) X(real, limit_spring_damping) \
+  X(parts, joint, s->n_body + s->n_loop, joint) \
+  X(parts, spring, s->n_spring, spring)
+FBI_FIELDS(fb_system, system, FBI_SYSTEM_FIELDS)
+/* clang-format on */
+
+/* Walks over the fields of a system, see fbi_body_fields. */
+static fbi_walk fbi_system_fields(const fb_system *system, int n_model, int is_word)
+{
+  fbi_walk walk = fbi_walk_begin(is_word, FB_SINGLE, 0);
+  walk.n_body = system->n_body;
+  walk.n_model = n_model;
+  (void)fbi_system_walk(&walk, system);
+  return walk;
+}
 
 static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int j)
 {
   const fb_joint *joint = &system->joint[j];
-  const int loop = j >= system->n_body, most = loop ? system->n_body : j;
-  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
-              joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
-              joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
-              fbi_is_flag(joint->turned);
-
-  /* axes and nodes */
-  sound = sound && joint->n_axis == fbi_traits(joint)->n_axis &&
-          (joint->parent < 0 ? joint->parent_node == 0 && !joint->moves
-                             : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
-          joint->child_node < fbi_model(system, body, joint->child)->n_node;
-
-  /* values */
-  sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
-          fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
-          fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
-          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
-          fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->friction_speed, 3) &&
-          fbi_is_finite(joint->stop[0], 6) && fbi_is_finite(joint->stop_stiffness, 3) &&
-          fbi_is_finite(joint->stop_loss, 3) && fbi_is_finite(joint->bias, 3);
+  const int loop = j >= system->n_body;
+  int sound = joint->parent < (loop ? system->n_body : j) && (loop || joint->child == j) &&
+              joint->n_axis == fbi_traits(joint)->n_axis &&
+              joint->child_node < fbi_model(system, body, joint->child)->n_node &&
+              (joint->parent < 0 ? joint->parent_node == 0 && !joint->moves
+                                 : joint->parent_node < fbi_model(system, body, joint->parent)->n_node);
   for (int i = 0; sound && i < 3; i++) {
-    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
-            joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
-            joint->stop_stiffness[i] >= FB_R(0.0) && joint->stop_loss[i] >= FB_R(0.0) &&
-            (joint->friction_speed[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0)));
-  }
-  return sound;
-}
-
-static int fbi_spring_is_sound(const fb_system *system, const fb_body *body, int j)
-{
-  const fb_spring *const spring = &system->spring[j];
-  const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
-  int sound = fbi_is_finite(value, 3) && fbi_is_finite(spring->position[0], 3) && fbi_is_finite(spring->position[1], 3);
-  for (int i = 0; i < 3; i++) {
-    sound = sound && value[i] >= FB_R(0.0);
-  }
-  for (int side = 0; sound && side < 2; side++) {
-    const int k = spring->body[side];
-    sound = k >= FB_GROUND && k < system->n_body &&
-            fbi_is_within(spring->node[side], k < 0 ? 0 : fbi_model(system, body, k)->n_node - 1);
+    sound = joint->friction_speed[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0));
   }
   return sound;
 }
@@ -13566,93 +13477,39 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
 {
   int sound;
   FBI_REQUIRE(system && body, FB_ERR_NULL);
-  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
-      !fbi_is_within(system->n_loop, FB_MAX_LOOPS) || !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
+  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES || system->n_loop < 0 ||
+      system->n_loop > FB_MAX_LOOPS || system->n_spring < 0 || system->n_spring > FB_MAX_SPRINGS) {
     return FB_ERR_CAPACITY;
   }
-  {
-    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
-                              system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
-            fbi_is_finite(limit, 6);
-  }
+  sound = fbi_system_fields(system, n_model, 0).sound;
 
-  /* models and joints */
+  /* models, joints, springs */
   for (int k = 0; sound && k < system->n_body; k++) {
-    sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
-            (system->carries_rotors || !fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_ROTORS)) &&
+    sound = (system->carries_rotors || !fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_ROTORS)) &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
   }
   for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
     sound = fbi_joint_is_sound(system, body, j);
   }
-  for (int j = 0; sound && j < system->n_spring; j++) {
-    sound = fbi_spring_is_sound(system, body, j);
+  for (int end = 0; sound && end < 2 * system->n_spring; end++) {
+    const fb_spring *const spring = &system->spring[end / 2];
+    const int k = spring->body[end % 2];
+    sound = spring->node[end % 2] < (k < 0 ? 1 : fbi_model(system, body, k)->n_node);
   }
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
-/* CRC of a joint (E8.40). */
-static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
-{
-  const int whole[] = {(int)joint->kind,  joint->parent,       joint->parent_node,  joint->child,
-                       joint->child_node, joint->n_axis,       joint->moves,        joint->turned,
-                       joint->rubs,       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->position, 3, FB_SINGLE), joint->axes, 9, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
-  crc = fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->friction_speed, 3, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stop[0], 6, FB_SINGLE), joint->stop_stiffness, 3, FB_SINGLE);
-  return fbi_crc_reals(fbi_crc_reals(crc, joint->stop_loss, 3, FB_SINGLE), joint->bias, 3, FB_SINGLE);
-}
-
 FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
 {
-  unsigned crc;
+  fbi_walk walk;
   FBI_REQUIRE(system && body, 0);
-  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS) ||
-      !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
-    return 0;
+  walk = fbi_system_fields(system, n_model, 1);
+  for (int k = 0; walk.sound && k < system->n_body; k++) {
+    const unsigned word = fb_body_crc(fbi_model(system, body, k));
+    walk.sound = word != 0;
+    walk.crc = fbi_crc_word(walk.crc, word);
   }
-
-  /* options and limits */
-  {
-    const int whole[] = {system->n_body,          system->n_loop, system->n_spring,       (int)system->method,
-                         system->allow_long_step, system->tied,   system->carries_rotors, system->rubs};
-    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
-                              system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole)), limit, 6, FB_SINGLE);
-  }
-
-  /* models */
-  crc = fbi_crc_ints(fbi_crc_ints(crc, system->model, system->n_body), system->coupled, system->n_body);
-  for (int k = 0; k < system->n_body; k++) {
-    unsigned word = 0;
-    if (fbi_is_within(system->model[k], n_model - 1)) {
-      word = fb_body_crc(fbi_model(system, body, k));
-    }
-    if (word == 0) {
-      return 0;
-    }
-    crc = fbi_crc_word(crc, word);
-  }
-
-  /* joints */
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    crc = fbi_crc_joint(crc, &system->joint[j]);
-  }
-  for (int j = 0; j < system->n_spring; j++) {
-    const fb_spring *const spring = &system->spring[j];
-    const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
-    crc = fbi_crc_ints(fbi_crc_ints(crc, spring->body, 2), spring->node, 2);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, spring->position[0], 3, FB_SINGLE), spring->position[1], 3, FB_SINGLE);
-    crc = fbi_crc_reals(crc, value, 3, FB_SINGLE);
-  }
-  return ~crc;
+  return walk.sound ? ~walk.crc : 0;
 }
 
 FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
@@ -14994,6 +14851,33 @@ static int fbi_exact_is_angle(fb_real angle)
   return FB_FABS(angle) < FB_R(1e9);
 }
 
+/* clang-format off */
+#define FBI_EXACT_JOINT_FIELDS(X) \
+  X(range, element, 0, walk->n - 1) X(any, driven) X(reals, axis, 3) X(real, angle) X(real, rate) \
+  X(real, rest) X(real_0, stiffness) X(real_0, damping)
+FBI_FIELDS(fb_exact_joint, exact_joint, FBI_EXACT_JOINT_FIELDS)
+
+#define FBI_EXACT_FIELDS(X) \
+  X(range, n, 1, FB_MAX_EXACT) X(range, n_lump, 0, FB_MAX_LUMPS) X(range, iterations, 1, 20) X(any, floating) \
+  X(real_1, length) X(real_1, force) X(real_1, time) X(real_0, beta) X(reals, gravity, 3) \
+  X(wholes, held, s->n + 1, 0, 127) X(range, factorizations, 1, 20) \
+  X(wholes, jointed, s->n + 1, 0, s->n_joint) X(range, n_joint, 0, FB_MAX_LUMPS) \
+  X(wholes, inboard, s->n, 0, s->n) X(range, n_branch, 0, FB_MAX_LUMPS) X(reals_0, h, s->n) X(reals, xi, 6 * s->n) \
+  X(reals, C, 36 * s->n) X(reals, S, 36 * s->n) X(reals, section, 36 * s->n) X(reals, taper, 36 * s->n) \
+  X(reals, M, 36 * s->n) X(reals, M_inverse, 36 * s->n) X(reals, r, 3 * (s->n + 1)) X(reals, quat, 4 * (s->n + 1)) \
+  X(wholes, branch, s->n_branch, 0, s->n) X(wholes, lump_node, s->n_lump, 0, s->n) \
+  X(reals, lump, 36 * s->n_lump) X(reals, lump_inverse, 36 * s->n_lump) X(parts, joint, s->n_joint, exact_joint)
+FBI_FIELDS(fb_exact, exact, FBI_EXACT_FIELDS)
+/* clang-format on */
+
+/* Walks over the fields of an exact beam, see fbi_body_fields. */
+static fbi_walk fbi_exact_fields(const fb_exact *m, int is_word)
+{
+  fbi_walk walk = fbi_walk_begin(is_word, FB_SINGLE, m->n);
+  (void)fbi_exact_walk(&walk, m);
+  return walk;
+}
+
 FB_DEF fb_status fb_exact_check(const fb_exact *m)
 {
   int sound;
@@ -15001,79 +14885,34 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   if (!fbi_exact_is_sized(m)) {
     return FB_ERR_CAPACITY;
   }
+  sound = fbi_exact_fields(m, 0).sound && m->beta <= FB_R(0.125);
 
-  /* Settings and units */
-  sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
-          m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
-          m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
-          fbi_is_finite(m->gravity, 3);
-
-  /* Tables */
-  sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
-          fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
-          fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
-          fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
-          fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
-
-  /* Ranges */
-  for (int k = 0; sound && k <= m->n; k++) {
-    sound = fbi_is_within(m->held[k], 127) && fbi_is_within(m->jointed[k], m->n_joint) &&
-            (k == m->n || (m->jointed[k] ? m->h[k] == FB_R(0.0) && m->joint[m->jointed[k] - 1].element == k
-                                         : m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
+  /* joints are elements of length zero */
+  for (int k = 0; sound && k < m->n; k++) {
+    sound = m->jointed[k] ? m->h[k] == FB_R(0.0) && m->joint[m->jointed[k] - 1].element == k
+                          : m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0);
   }
   for (int j = 0; sound && j < m->n_joint; j++) {
     const fb_exact_joint *const joint = &m->joint[j];
-    sound = fbi_is_within(joint->element, m->n - 1) && m->jointed[joint->element] == j + 1 &&
-            FB_FABS(fb_vec3_dot(joint->axis, joint->axis) - FB_R(1.0)) < FB_R(1e-5) &&
-            fbi_exact_is_angle(joint->angle) && fbi_is_finite(&joint->rest, 1) && fbi_is_finite(&joint->rate, 1) &&
-            joint->stiffness >= FB_R(0.0) && joint->stiffness <= FB_HUGE && joint->damping >= FB_R(0.0) &&
-            joint->damping <= FB_HUGE;
-  }
-  for (int k = 0; sound && k < m->n_lump; k++) {
-    sound = fbi_is_within(m->lump_node[k], m->n);
+    sound = m->jointed[joint->element] == j + 1 &&
+            FB_FABS(fb_vec3_dot(joint->axis, joint->axis) - FB_R(1.0)) < FB_R(1e-5) && fbi_exact_is_angle(joint->angle);
   }
 
-  /* Elements hang on earlier nodes, those of the list of branches alone not on the node before */
+  /* elements hang on earlier nodes, those of the list of branches alone not on the node before */
   for (int k = 0, b = 0; sound && k < m->n; k++) {
     const int listed = b < m->n_branch && m->branch[b] == k;
-    sound = fbi_is_within(m->inboard[k], k) && listed == (m->inboard[k] != k) &&
-            (k + 1 < m->n || b + listed == m->n_branch);
+    sound = m->inboard[k] <= k && listed == (m->inboard[k] != k) && (k + 1 < m->n || b + listed == m->n_branch);
     b += listed;
   }
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
-/* By E8.40. */
 FB_DEF unsigned fb_exact_crc(const fb_exact *m)
 {
-  unsigned crc;
+  fbi_walk walk;
   FBI_REQUIRE(m, 0);
-  if (!fbi_exact_is_sized(m)) {
-    return 0;
-  }
-  {
-    const int whole[7] = {m->n, m->n_lump, m->n_joint, m->n_branch, m->iterations, m->factorizations, m->floating};
-    const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
-    const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), number, 7, FB_SINGLE);
-    for (int k = 0; k < 6; k++) {
-      crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
-    }
-  }
-  crc = fbi_crc_ints(fbi_crc_ints(crc, m->held, m->n + 1), m->lump_node, m->n_lump);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->h, m->n, FB_SINGLE), m->xi, 6 * m->n, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
-  crc = fbi_crc_ints(fbi_crc_ints(crc, m->jointed, m->n + 1), m->inboard, m->n);
-  crc = fbi_crc_ints(crc, m->branch, m->n_branch);
-  for (int j = 0; j < m->n_joint; j++) {
-    const fb_exact_joint *const joint = &m->joint[j];
-    const int whole[2] = {joint->element, joint->driven};
-    const fb_real number[5] = {joint->angle, joint->rate, joint->rest, joint->stiffness, joint->damping};
-    crc = fbi_crc_reals(fbi_crc_reals(fbi_crc_ints(crc, whole, 2), joint->axis, 3, FB_SINGLE), number, 5, FB_SINGLE);
-  }
-  return ~crc;
+  walk = fbi_exact_fields(m, 1);
+  return walk.sound ? ~walk.crc : 0;
 }
 
 static int fbi_exact_rates_are_finite(const fb_exact *m, const fb_exact_state *state)
@@ -15562,7 +15401,7 @@ FB_DEF fb_status fb_exact_joint_eval(const fb_exact *m, fb_exact_hinge *out, con
   if (status != FB_OK) {
     return status;
   }
-  FBI_REQUIRE(j >= 0 && j < m->n_joint && fbi_is_within(m->joint[j].element, m->n - 1), FB_ERR_CAPACITY);
+  FBI_REQUIRE(j >= 0 && j < m->n_joint && fbi_is_choice(m->joint[j].element, m->n - 1), FB_ERR_CAPACITY);
   out->angle = state->angle[j];
   out->rate = state->angle_rate[j] / m->time;
   out->moment = -fb_vec3_dot(m->joint[j].axis, state->stress[0] + 6 * m->joint[j].element + 3) * m->force * m->length;
@@ -17624,11 +17463,11 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
 
   /* Capacities */
   n = body->n;
-  if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
+  if (!fbi_is_choice(n, FB_MAX_MODES) || !fbi_is_choice(scheme->n_axial, n)) {
     return FB_ERR_CAPACITY;
   }
 #if FB_WITH_NONLINEAR_STRAIN
-  if (!fbi_is_within(body->n_strain, FBI_MAX_STRAINS)) {
+  if (!fbi_is_choice(body->n_strain, FBI_MAX_STRAINS)) {
     return FB_ERR_CAPACITY;
   }
 #endif
@@ -17640,7 +17479,7 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
     sound = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
   }
   for (int k = 0; sound && k < scheme->n_axial; k++) {
-    sound = fbi_is_within(scheme->axial[k], n - 1);
+    sound = fbi_is_choice(scheme->axial[k], n - 1);
   }
 #if FB_WITH_NONLINEAR_STRAIN
   for (int k = 0; sound && k < scheme->n_axial; k++) {
@@ -26419,9 +26258,17 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 #endif
 
 #if FB_WITH_LARGE_DEFLECTION
+static int fbi_line_counts_are_sound(const fb_lines *s)
+{
+  fbi_walk begin = fbi_walk_begin(0, FB_SINGLE, 0), *const walk = &begin;
+  FBI_LINES_COUNTS(FBI_WALK)
+  return walk->sound;
+}
+
 /* As fbi_shape_check, of the lines and of what is beside them. */
 static fb_status fbi_shape_lines_check(const fb_shape *shape)
 {
+  fbi_walk walk = fbi_walk_begin(0, FB_SINGLE, shape->n);
   const fb_lines *const all = &shape->lines;
   const fb_second *const rest = &shape->rest;
   const int n = shape->n, nn = n * n, sound = fbi_line_counts_are_sound(all), points = sound ? all->n_point : 0;
@@ -26447,13 +26294,15 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
   if (!sound) {
     return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: counts within its tables", -1, FB_R(0.0), FB_R(0.0));
   }
+  walk.effects = FB_EFFECTS_LARGE;
+  walk.lines = all;
   status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
   for (int l = 0; l < all->n_line && status == FB_OK; l++) {
     const fbi_number line[] = {FBI_ANY(all->line[l].axes, 9, "line: shape.lines.line.axes"),
                                FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
                                FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
     status = fbi_numbers_check(line, FBI_LENGTH(line), l);
-    if (status == FB_OK && !fbi_line_is_sound(all, &all->line[l], n)) {
+    if (status == FB_OK && !(fbi_line_walk(&walk, &all->line[l]) && fbi_line_is_sound(all, &all->line[l], n))) {
       status = FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
     }
     stride += all->line[l].stride;
@@ -26462,18 +26311,27 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
     status =
         FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
   }
-  if (status == FB_OK && !(fbi_stations_are_sound(all->station, points, all->n_side) &&
-                           fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all))) {
+  if (status == FB_OK && !fbi_lines_walk(&walk, all)) {
     status = FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
   }
   for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
-    if (!fbi_line_node_is_sound(all, &shape->node[k].line)) {
+    if (!(fbi_line_node_walk(&walk, &shape->node[k].line) && fbi_line_node_is_sound(all, &shape->node[k].line))) {
       status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
   return status;
 }
 #endif
+
+static int fbi_node_is_finite(const fb_node *node, int n)
+{
+  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
+#else
+  return own;
+#endif
+}
 
 /* Counts within the tables and all values finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
@@ -28895,6 +28753,168 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
     *scheme = out;
   }
   return status;
+}
+
+/* ---- text of bodies, by the lists of fields (>>body) */
+
+static void fbi_tell(fbi_walk *walk, fb_token_kind kind, const char *name, const char *type, int whole, fb_real real)
+{
+  fb_token token;
+  token.kind = kind;
+  token.name = walk->is_row ? NULL : name;
+  token.type = type;
+  token.whole = whole;
+  token.real = real;
+  walk->write(walk->user, &token);
+}
+
+static void fbi_tell_open(fbi_walk *walk, const char *name)
+{
+  fbi_tell(walk, FB_TOKEN_OPEN, name, NULL, 0, FB_R(0.0));
+}
+
+static void fbi_tell_close(fbi_walk *walk)
+{
+  fbi_tell(walk, FB_TOKEN_CLOSE, NULL, NULL, 0, FB_R(0.0));
+}
+
+static void fbi_tell_reals(fbi_walk *walk, const char *name, const fb_real *x, int n)
+{
+  if (n > 0) {
+    fbi_tell_open(walk, name);
+    for (int i = 0; i < n; i++) {
+      fbi_tell(walk, FB_TOKEN_REAL, NULL, NULL, 0, x[i]);
+    }
+    fbi_tell_close(walk);
+  }
+}
+
+/* What the text has of a field of each kind, of the struct s: of tables without elements, and what is not used,
+   nothing. */
+#define FBI_TELL_ALL(name, n, call) \
+  if ((n) > 0) {                    \
+    fbi_tell_open(walk, #name);     \
+    for (int k = 0; k < (n); k++) { \
+      call;                         \
+    }                               \
+    fbi_tell_close(walk);           \
+  }
+#define FBI_TELL_STRUCT(list, x, row) \
+  fbi_tell_open(walk, NULL);          \
+  walk->is_row = row;                 \
+  fbi_##list##_tell(walk, x);         \
+  walk->is_row = 0;                   \
+  fbi_tell_close(walk)
+#define FBI_TELL_whole(name, type) fbi_tell(walk, FB_TOKEN_WHOLE, #name, type, (int)s->name, FB_R(0.0));
+#define FBI_TELL_range(name, least, most) FBI_TELL_whole(name, NULL)
+#define FBI_TELL_range_if(name, used, least, most) \
+  if ((used) != 0)                                 \
+  FBI_TELL_whole(name, NULL)
+#define FBI_TELL_flag(name) FBI_TELL_whole(name, NULL)
+#define FBI_TELL_any(name) FBI_TELL_whole(name, NULL)
+#define FBI_TELL_choice(name, end, type) FBI_TELL_whole(name, #type)
+#define FBI_TELL_real(name) fbi_tell(walk, FB_TOKEN_REAL, #name, NULL, 0, s->name);
+#define FBI_TELL_real_0(name) FBI_TELL_real(name)
+#define FBI_TELL_real_1(name) FBI_TELL_real(name)
+#define FBI_TELL_real_if(name, used) \
+  if ((used) != 0)                   \
+  FBI_TELL_real(name)
+#define FBI_TELL_reals(name, n) fbi_tell_reals(walk, #name, s->name, n);
+#define FBI_TELL_reals_0(name, n) FBI_TELL_reals(name, n)
+#define FBI_TELL_grid(name, n) FBI_TELL_ALL(name, FBI_ROWS(name), fbi_tell_reals(walk, NULL, s->name[k], n))
+#define FBI_TELL_part(name, used, list) FBI_TELL_ALL(name, (used) != 0, fbi_##list##_tell(walk, &s->name))
+#define FBI_TELL_parts(name, n, list) FBI_TELL_ALL(name, n, FBI_TELL_STRUCT(list, &s->name[k], 0))
+#define FBI_TELL_rows(name, n, list) FBI_TELL_ALL(name, n, FBI_TELL_STRUCT(list, &s->name[k], 1))
+#define FBI_TELL(kind, ...) FBI_TELL_##kind(__VA_ARGS__)
+#define FBI_TEXT(type, list, LIST)                             \
+  static void fbi_##list##_tell(fbi_walk *walk, const type *s) \
+  {                                                            \
+    LIST(FBI_TELL)                                             \
+  }
+
+FBI_TEXT(fb_pair_term, pair_term, FBI_PAIR_TERM_FIELDS)
+FBI_TEXT(fb_sparse, sparse, FBI_SPARSE_FIELDS)
+FBI_TEXT(fb_lambda_term, lambda_term, FBI_LAMBDA_TERM_FIELDS)
+FBI_TEXT(fb_lambda_row, lambda_row, FBI_LAMBDA_ROW_FIELDS)
+FBI_TEXT(fb_S_run, S_run, FBI_S_RUN_FIELDS)
+FBI_TEXT(fb_S_pair, S_pair, FBI_S_PAIR_FIELDS)
+#if FB_WITH_LARGE_DEFLECTION
+FBI_TEXT(fb_line_row, line_row, FBI_LINE_ROW_FIELDS)
+FBI_TEXT(fb_line, line, FBI_LINE_FIELDS)
+FBI_TEXT(fb_line_station, station, FBI_STATION_FIELDS)
+FBI_TEXT(fb_line_side, side, FBI_SIDE_FIELDS)
+FBI_TEXT(fb_lines, lines, FBI_LINES_FIELDS)
+FBI_TEXT(fb_line_node, line_node, FBI_LINE_NODE_FIELDS)
+#endif
+FBI_TEXT(fb_node, node, FBI_NODE_FIELDS)
+#if FB_WITH_ROTORS
+FBI_TEXT(fb_rotor, rotor, FBI_ROTOR_FIELDS)
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+FBI_TEXT(fb_strain_row, strain_row, FBI_STRAIN_ROW_FIELDS)
+#endif
+FBI_TEXT(fb_body, body, FBI_BODY_FIELDS)
+
+FB_DEF fb_status fb_body_to_tokens(const fb_body *body, fb_token_write write, void *user)
+{
+  fbi_walk walk;
+  FBI_REQUIRE(body && write, FB_ERR_NULL);
+  walk = fbi_body_fields(body, 0, 0);
+  walk.write = write;
+  walk.user = user;
+  if (!walk.sound) {
+    return FB_ERR_VALUE;
+  }
+  fbi_body_tell(&walk, body);
+  return FB_OK;
+}
+
+FB_DEF unsigned fb_body_crc_single(const fb_body *body)
+{
+  FBI_REQUIRE(body, 0);
+  return fbi_body_crc(body, 1);
+}
+
+/* clang-format off */
+#define FBI_SECOND_FIELDS(X) \
+  X(reals, ups, 3 * walk->n * walk->n) X(reals, Gam, 9 * walk->n) X(reals, Pi, 9 * walk->n * walk->n) \
+  X(reals, Gamchi, 9 * walk->n * walk->n) X(reals, pchi, 3 * walk->n * walk->n) X(reals, hchi, 3 * walk->n * walk->n) \
+  X(reals, reach, walk->n)
+FBI_TEXT(fb_second, second, FBI_SECOND_FIELDS)
+
+#if FB_WITH_LARGE_DEFLECTION
+#define FBI_SHAPE_LINES(X) \
+  X(part, lines, fbi_has(walk->effects, FB_EFFECT_LARGE_DEFLECTION), lines) \
+  X(part, rest, fbi_has(walk->effects, FB_EFFECT_LARGE_DEFLECTION), second)
+#else
+#define FBI_SHAPE_LINES(X)
+#endif
+
+/* without those of nonlinear strain */
+#define FBI_SHAPE_FIELDS(X) \
+  X(any, n) X(any, n_node) X(real, mass) X(reals, c, 3) X(reals, J, 9) X(reals, P, 3 * s->n) X(reals, H, 3 * s->n) \
+  X(reals, M, s->n * s->n) X(reals, K, s->n * s->n) X(part, second, 1, second) FBI_SHAPE_LINES(X) X(real, size) \
+  X(parts, node, s->n_node, node)
+FBI_TEXT(fb_shape, shape, FBI_SHAPE_FIELDS)
+/* clang-format on */
+
+FB_DEF fb_status fb_shape_to_tokens(const fb_shape *shape, const fb_body *body, fb_token_write write, void *user)
+{
+  fbi_walk walk;
+  fb_status status;
+  FBI_REQUIRE(shape && body && write, FB_ERR_NULL);
+  status = shape->n == body->n && shape->n_node == body->n_node ? fbi_shape_check(shape) : FB_ERR_CAPACITY;
+  if (status != FB_OK) {
+    return status;
+  }
+  walk = fbi_body_fields(body, 0, 0);
+  walk.write = write;
+  walk.user = user;
+#if FB_WITH_LARGE_DEFLECTION
+  walk.lines = &shape->lines;
+#endif
+  fbi_shape_tell(&walk, shape);
+  return FB_OK;
 }
 #endif /* FB_WITH_BUILD */
 

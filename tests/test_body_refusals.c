@@ -288,6 +288,56 @@ TEST(the_check_word_sees_every_term)
   FBT_INT_EQ(numbers_unseen(body.S, body.n_S), 0);
 }
 
+typedef struct text { /* what was told */
+  int depth, deepest, wholes, reals, unnamed;
+  fb_real sum;
+  char first[32], last[32]; /* members of the body */
+} text;
+
+static void text_add(void *user, const fb_token *token)
+{
+  text *const t = (text *)user;
+  if (t->depth == 0 && token->name) {
+    strncpy(t->first[0] ? t->last : t->first, token->name, sizeof t->last - 1);
+  }
+  t->unnamed += t->depth == 0 && token->kind != FB_TOKEN_CLOSE && !token->name;
+  t->depth += (token->kind == FB_TOKEN_OPEN) - (token->kind == FB_TOKEN_CLOSE);
+  t->deepest = t->depth > t->deepest ? t->depth : t->deepest;
+  t->wholes += token->kind == FB_TOKEN_WHOLE;
+  if (token->kind == FB_TOKEN_REAL) {
+    t->reals++;
+    t->sum += token->real;
+  }
+}
+
+/* Interface: the text of a body and of its shape has every number once, in structs that close; the same body of a
+   target in single precision has another word. */
+TEST(bodies_are_told_as_text)
+{
+  const int n = BOOM_MODES;
+  int node[2], reals;
+  text of_body, of_shape;
+  boom_body(FB_EFFECTS_FULL | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY, FB_BASE_FREE, node);
+  memset(&of_body, 0, sizeof of_body);
+  FBT_INT_EQ(fb_body_to_tokens(&body, text_add, &of_body), FB_OK);
+  reals = 8 + 3 + 21 + 36 + 3 + 5 * n + body.M.n_term + body.Minv.n_term + body.K.n_term + body.C.n_term +
+          body.n_lambda + body.n_S + body.n_node * (3 + 6 * n + 3 * n * (n + 1));
+  FBT_INT_EQ(of_body.reals, reals);
+  FBT_INT_EQ(of_body.depth + of_body.unnamed, 0);
+  FBT_INT_EQ(of_body.deepest, 3);
+  FBT_TRUE(strcmp(of_body.first, "n") == 0 && strcmp(of_body.last, "node") == 0);
+  memset(&of_shape, 0, sizeof of_shape);
+  FBT_INT_EQ(fb_shape_to_tokens(&shape, &body, text_add, &of_shape), FB_OK);
+  reals = 14 + 16 * n + 29 * n * n + body.n_node * (3 + 6 * n + 3 * n * (n + 1));
+  FBT_INT_EQ(of_shape.reals, reals);
+  FBT_TRUE((fb_body_crc_single(&body) == fb_body_crc(&body)) == FB_SINGLE);
+  shape.n++;
+  FBT_INT_EQ(fb_shape_to_tokens(&shape, &body, text_add, &of_shape), FB_ERR_CAPACITY);
+  body.n_S = -1;
+  FBT_INT_EQ(fb_body_to_tokens(&body, text_add, &of_body), FB_ERR_VALUE);
+  FBT_INT_EQ((int)fb_body_crc_single(&body), 0);
+}
+
 /* Interface: a row of Lambda without a term, which no flip of a single bit makes: its index is a place that a step
    writes to. */
 TEST(rows_without_terms_are_refused)
@@ -435,5 +485,5 @@ SUITE(body_refusals, RUN(models_that_were_never_initialized_are_told), RUN(value
       RUN(loads_that_are_no_numbers_are_refused_on_held_bases),
       RUN(rods_without_thickness_are_refused_in_every_attitude), RUN(rows_without_terms_are_refused),
       RUN(massless_prescribed_bodies_are_sound), RUN(the_check_word_sees_every_flipped_bit),
-      RUN(the_check_word_sees_every_number), RUN(the_check_word_sees_every_term),
+      RUN(the_check_word_sees_every_number), RUN(bodies_are_told_as_text), RUN(the_check_word_sees_every_term),
       RUN(the_check_word_is_that_of_its_polynomial), RUN(lines_of_particles_are_refused), RUN(bodies_refuse_bad_input))

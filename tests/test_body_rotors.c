@@ -679,6 +679,40 @@ TEST(given_momenta_turn_the_body_against_them)
 
 /* ---- refusals */
 
+static unsigned rotors_word(void)
+{
+  return fb_body_crc(&body);
+}
+
+/* E8.40: of rotors the word sees every byte but padding, and none of room that is not used; a number that is none is
+   refused, and what may not be negative. */
+TEST(the_check_word_of_rotors_sees_every_byte)
+{
+  const int pad = (int)(sizeof(fb_rotor) - 15 * sizeof(fb_real) - 3 * sizeof(int));
+  fresh(FB_BASE_FREE, 0);
+  rotor_add(0, 0, 0, 1, 0.1);
+  rotor_add(0, 1, 0, 0, 0.2);
+  rigid_hub(10.0, 0.0, 1.0, 1.0, 1.0);
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_INT_EQ(fbt_unseen(body.rotor, 2 * sizeof(fb_rotor), rotors_word) <= 2 * pad, 1);
+  FBT_INT_EQ(fbt_unseen(&body.n_rotor, sizeof body.n_rotor, rotors_word), 0);
+  for (int r = 0; r < 2; r++) {
+    fb_rotor *const at = &body.rotor[r];
+    fb_real *const number[] = {at->axis,      at->across,         &at->static_imbalance, &at->dynamic_imbalance,
+                               &at->inertia,  &at->dynamic_phase, &at->damping,          &at->friction,
+                               &at->mobility, &at->rate,          &at->friction_speed};
+    for (int k = 0; k < FBT_COUNT(number); k++) {
+      const fb_real was = *number[k];
+      *number[k] = (fb_real)NAN;
+      FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+      *number[k] = -FB_R(1.0);
+      FBT_INT_EQ(fb_body_check(&body), k < 4 || k == 5 ? FB_OK : FB_ERR_VALUE);
+      *number[k] = was;
+    }
+  }
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+}
+
 /* Interface: what is wrong with a rotor is refused. */
 TEST(bad_rotors_are_refused)
 {
@@ -779,6 +813,6 @@ SUITE(body_rotors, RUN(gyrostats_nutate_and_wobble_in_closed_form), RUN(gyroscop
       RUN(integrators_of_gyrostats_agree), RUN(wheels_at_600_rad_per_s_cost_no_step), RUN(rotors_bound_the_step),
       RUN(steps_of_one_body_are_those_of_its_limit), RUN(fast_tops_are_bodies_with_rotors),
       RUN(unbalanced_rotors_shake_their_body), RUN(imbalance_acts_as_a_load_on_its_node),
-      RUN(given_momenta_turn_the_body_against_them), RUN(bad_rotors_are_refused),
-      RUN(rotors_are_refused_where_there_are_none))
+      RUN(given_momenta_turn_the_body_against_them), RUN(the_check_word_of_rotors_sees_every_byte),
+      RUN(bad_rotors_are_refused), RUN(rotors_are_refused_where_there_are_none))
 #endif

@@ -722,8 +722,6 @@ static void body_refused(void)
     numbers_refused(body.node[k].r, 3);
     numbers_refused(body.node[k].psi, 3 * body.n);
     numbers_refused(body.node[k].theta, 3 * body.n);
-    numbers_refused(body.node[k].chi, 3 * body.n * (body.n + 1) / 2);
-    numbers_refused(body.node[k].chi_theta, 3 * body.n * (body.n + 1) / 2);
   }
 }
 

@@ -225,7 +225,7 @@ static void write_config(FILE *out, const fmu_export *e)
 static void write_model(FILE *out, const fmu_export *e)
 {
   const fmu_parts *const p = e->parts;
-  rom r = {out, 0, 0};
+  rom r = {out, 0, 0, 0};
   rom_write(out, e->body, "fmu_model", e->name, 0);
   fputs("\nstatic const fmu_parts fmu_model_parts = {\n", out);
   rom_shape(out, "rest", &p->rest, e->body, 0);
@@ -564,7 +564,7 @@ static void make_token(fmu_export *e)
   rest = fbi_crc_reals(rest, e->parts->hub_inertia, 6, 0);
   rest = fbi_crc_word(fbi_crc_word(rest, (unsigned)e->fmi), (unsigned)e->is_static);
   tail = (unsigned long long)fbi_crc_word(name, rest) << 16 ^ rest;
-  snprintf(e->token, sizeof e->token, "{%08x-%04x-%04x-%04x-%012llx}", fbi_body_crc(e->body, 0), name >> 16,
+  snprintf(e->token, sizeof e->token, "{%08x-%04x-%04x-%04x-%012llx}", fb_body_crc(e->body), name >> 16,
            name & 0xFFFFu, rest >> 16, tail & 0xFFFFFFFFFFFFull);
 }
 

@@ -2051,7 +2051,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
                             void (*coordinate)(FILE *, int))
 {
   static const char *const bases[3] = {"free", "pinned", "prescribed"};
-  const unsigned crc = fbi_body_crc(body, w->single);
+  const unsigned crc = w->single ? fb_body_crc_single(body) : fb_body_crc(body);
   fprintf(w->out, "/* %s - made by reduce --code from ", w->name);
   output_source(w->out, source);
   fprintf(w->out,

@@ -169,6 +169,11 @@ typedef fb_real matrices[36 * (FB_MAX_ELEMENTS + 1) * (FB_MAX_ELEMENTS + 1)];
 typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
 typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
 
+static void tell(void *user, const fb_token *token)
+{
+  (void)user, (void)token;
+}
+
 /* F(function, call, has a status, arguments...) */
 #define SLOW 2       /* it has: few poisons */
 #define ARITHMETIC 3 /* none, and pointers are valid */
@@ -364,6 +369,11 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     IN(build_desc), IN(build_beam), IN(build_modes), WHOLE(2))                                                         \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
   F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \
+  F(fb_body_crc_single, give((fb_real)fb_body_crc_single(p[0])), 0, MODEL(body))                                       \
+  F(fb_body_to_tokens, fb_body_to_tokens(p[0], tell, NULL), 1, MODEL(body))                                            \
+  F(fb_body_to_tokens_of_rotors, fb_body_to_tokens(p[0], tell, NULL), 1, MODEL(spun))                                  \
+  F(fb_body_to_tokens_of_lines, fb_body_to_tokens(p[0], tell, NULL), 1, MODEL(bent))                                   \
+  F(fb_shape_to_tokens, fb_shape_to_tokens(p[0], p[1], tell, NULL), 1, IN(shape), MODEL(body))                         \
   F(fb_state_init, fb_state_init(p[0], p[1]), 1, MODEL(body), OUT(fb_state))                                           \
   F(fb_state_from_velocity, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(body), STATE(state), IN(v), \
     IN(w), OPTIONAL(q_dot))                                                                                            \
