@@ -19657,6 +19657,20 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
   fbi_copy(next->force, work->F, 6 * (m->n + 1));
 }
 
+/* Attitudes of the middles of the elements at the start of the step, where something acts by them. */
+static void fbi_exact_middles_take(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
+{
+  for (int k = 0; k < m->n && (work->motion.gravity || work->motion.dead); k++) {
+    fb_real turn[3], half[4];
+    for (int i = 0; i < 3; i++) {
+      turn[i] = FB_R(0.5) * m->h[k] *
+                (m->xi[6 * k + 3 + i] + state->strain[6 * k + 3 + i] + state->offset[6 * k + 3 + i]);
+    }
+    fb_quat_from_rotvec(half, turn);
+    fb_quat_mul(work->middle + 4 * k, state->quat + 4 * m->inboard[k], half);
+  }
+}
+
 /* Start of a step: loads, base values of the rates, first guess of the mid-step values. */
 static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                             const fb_exact_input *middle, fb_real step)
@@ -19671,15 +19685,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
   fbi_copy(work->r, state->r, 3 * (m->n + 1));
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
-  for (int k = 0; k < m->n && (work->motion.gravity || work->motion.dead); k++) {
-    fb_real turn[3], half[4];
-    for (int i = 0; i < 3; i++) {
-      turn[i] =
-          FB_R(0.5) * m->h[k] * (m->xi[6 * k + 3 + i] + state->strain[6 * k + 3 + i] + state->offset[6 * k + 3 + i]);
-    }
-    fb_quat_from_rotvec(half, turn);
-    fb_quat_mul(work->middle + 4 * k, state->quat + 4 * m->inboard[k], half);
-  }
+  fbi_exact_middles_take(work, m, state);
   fbi_exact_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->velocity, state->velocity, state->velocity_rate, last, 6 * (m->n + 1));
