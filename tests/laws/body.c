@@ -1298,7 +1298,7 @@ static const fbl_law laws[] = {
     {"plane_lines_are_lines", "E14.3 E14.5", plane_lines, 0.0, {1e-9, 0}},
     {"integrators_have_their_order", "E11.3 E11.7 E11.8 E11.10", orders, 0.25, {0.4, 0}},
     {"iterations_suffice", "E11.4 E11.25", iterations_suffice, 0.0, {0.1, 0}},
-    {"long_steps_of_small_motions", "E11.4 E11.5 E11.25", small_steps, 1e-4, {5e-6, 0}},
+    {"long_steps_of_small_motions", "E11.4 E11.5 E11.25", small_steps, 1e-5, {1e-6, 0}},
     {"limits_of_steps", "E11.3 E11.6", limits, 0.0, {0.5, 0}},
     {"models_and_their_check_words", "E8.11", words, 0.0, {0.5, 0}},
     {"motion_goes_back", "E8.17 E11.3", goes_back, 0.1, {1e-9, 0}},
