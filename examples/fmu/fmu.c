@@ -275,6 +275,7 @@ static int write_sources(const fmu_export *e, const char *sources)
                                        "flexbeam_impl.h",
                                        "examples/common/clear.h",
                                        "examples/common/refusal.h",
+                                       "examples/common/spectrum.h",
                                        "examples/common/stepper.h",
                                        "examples/fmu/fmu_variables.h",
                                        "examples/fmu/fmu_body.h",

@@ -6,6 +6,7 @@
 #ifndef SCENE_MODES_H
 #define SCENE_MODES_H
 #include "scene_linear.h"
+#include "../common/spectrum.h"
 
 #define MODES_OF_BEAM 12
 #define MODES_NAMED 4 /* coordinates of a mode that are named */
@@ -80,17 +81,12 @@ static fb_status modes_of_beam(const scene *s)
 static int scene_print_modes(scene *s, FILE *out)
 {
   static const double pi = 3.14159265358979323846;
-  const fb_real *re = engine.spectrum.re, *im = engine.spectrum.im;
+  fb_real *const re = s->is_exact ? exact_run.spectrum.re : engine.spectrum.re;
+  fb_real *const im = s->is_exact ? exact_run.spectrum.im : engine.spectrum.im;
   fb_status status = plant_begin(s);
-  double fastest = 0;
   int n;
-  if (s->is_exact) {
-    status = status ? status : modes_of_beam(s);
-    re = exact_run.spectrum.re, im = exact_run.spectrum.im;
-  } else {
-    status = status ? status : plant_solve(s);
-    status = status ? status : scene_spectrum(s);
-  }
+  status = status ? status : s->is_exact ? modes_of_beam(s) : plant_solve(s);
+  status = status || s->is_exact ? status : scene_spectrum(s);
   if (status != FB_OK) {
     return scene_fail(s, "--modes: no modes about the start: %s", refusal_text(status));
   }
@@ -98,25 +94,18 @@ static int scene_print_modes(scene *s, FILE *out)
     plant_describe(s);
   }
   n = s->is_exact ? exact_run.spectrum.n : engine.spectrum.n;
+  (void)spectrum_drop_rounding(re, im, n);
   fprintf(out, "mode  undamped [Hz]  damped [Hz]  damped [rad/s]  damping ratio  growth [1/s]  what moves\n");
   for (int k = 0; k < n; k++) {
-    fastest = fmax(fastest, hypot((double)re[k], (double)im[k]));
-  }
-  for (int k = 0; k < n; k++) {
-    const double size = hypot((double)re[k], (double)im[k]);
+    const double size = hypot((double)re[k], (double)im[k]), omega = fabs((double)im[k]);
     const double error = s->is_exact ? (double)exact_run.spectrum.error[k] * size : (double)engine.spectrum.error[k];
-    const double rounding = error + 1e3 * (double)FB_EPSILON * fastest;
-    const int rigid = size < 16 * sqrt((double)FB_EPSILON) * fastest; /* of a double eigenvalue it is the root */
-    const double growth = rigid || fabs((double)re[k]) < rounding ? 0 : (double)re[k];
-    const double omega = rigid ? 0 : fabs((double)im[k]);
-    char what[256];
-    if (rigid) {
-      snprintf(what, sizeof what, "rigid-body motion");
-    } else {
+    const double growth = fabs((double)re[k]) > error ? (double)re[k] : 0;
+    char what[256] = "rigid-body motion";
+    if (size > 0) {
       (s->is_exact ? modes_name_exact : modes_name)(what, sizeof what, s, k);
     }
-    fprintf(out, "%4d  %13.6g  %11.6g  %14.6g  %13.4g  %12.4g  %s\n", k + 1, rigid ? 0 : size / (2 * pi),
-            omega / (2 * pi), omega, rigid ? 0 : -growth / size + 0.0, growth, what);
+    fprintf(out, "%4d  %13.6g  %11.6g  %14.6g  %13.4g  %12.4g  %s\n", k + 1, size / (2 * pi), omega / (2 * pi), omega,
+            size > 0 ? -growth / size + 0.0 : 0, growth + 0.0, what);
   }
   return 0;
 }

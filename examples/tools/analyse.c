@@ -10,6 +10,7 @@
 #include "words.h"
 #include "../common/linear_out.h"
 #include "../common/same_file.h"
+#include "../common/spectrum.h"
 #include "ports.h"
 #include "../common/plot.h"
 
@@ -81,26 +82,6 @@ static int read_option(void *to, const char *name, const char *text)
                                     : read_number(list, (int)(sizeof list / sizeof *list), name, text);
 }
 
-/* What of the spectrum is rounding becomes zero: growth of modes that are undamped; and motions at the root of
-   rounding, as which double eigenvalues at zero (rigid motion, two equal moments of inertia) come out. */
-static void drop_rounding(void)
-{
-  double fastest = 0;
-  for (int k = 0; k < spectrum.n; k++) {
-    fastest = fmax(fastest, hypot((double)spectrum.re[k], (double)spectrum.im[k]));
-  }
-  least_growth = 4096 * (double)FB_EPSILON * fastest;
-  for (int k = 0; k < spectrum.n; k++) {
-    const int still = hypot((double)spectrum.re[k], (double)spectrum.im[k]) < 16 * sqrt((double)FB_EPSILON) * fastest;
-    if (still || fabs((double)spectrum.re[k]) < least_growth) {
-      spectrum.re[k] = FB_R(0.0);
-    }
-    if (still) {
-      spectrum.im[k] = FB_R(0.0);
-    }
-  }
-}
-
 /* The torque of a motor that holds its rotor at its speed against friction. */
 static fb_real hold(const fb_rotor *rotor, fb_real speed)
 {
@@ -155,7 +136,7 @@ static fb_status solve(const double axis[3], double spin)
   status = model_body.n_rotor > 0 ? trim_rotors() : fb_body_trim(&model_body, &state, &work, &input);
   status = status ? status : fb_body_spectrum_solve(&model_body, &work, &spectrum, &state, &input);
   if (status == FB_OK) {
-    drop_rounding();
+    least_growth = spectrum_drop_rounding(spectrum.re, spectrum.im, spectrum.n);
   }
   return status;
 }
