@@ -4,12 +4,13 @@
 #ifndef INSIDE_H
 #define INSIDE_H
 #include <math.h>
-#ifndef FBI_REFUSE /* of the implementation */
+#define INSIDE_TRAITS int n_axis, angle, slide, tilt, pitched, holds[7] /* of the library's type of that name */
+#ifndef FBI_REFUSE                                                      /* of the implementation */
 #define FB_SQRT(x) ((fb_real)sqrt((double)(x)))
 #define FB_FABS(x) ((fb_real)fabs((double)(x)))
 
-typedef struct fbi_joint_traits { /* as there, which library.c makes sure of */
-  int n_axis, angle, slide, tilt, pitched, holds[7];
+typedef struct fbi_joint_traits { /* library.c compares it with the library's */
+  INSIDE_TRAITS;
 } fbi_joint_traits;
 
 #define fbi_sym6_row (inside_sym6_row())

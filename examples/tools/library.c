@@ -17,8 +17,8 @@ const int *inside_sym6_column(void)
 }
 
 #if FB_WITH_SYSTEM
-typedef struct joint_traits { /* those of inside.h */
-  int n_axis, angle, slide, tilt, pitched, holds[7];
+typedef struct joint_traits {
+  INSIDE_TRAITS;
 } joint_traits;
 typedef char traits_are_those_of_the_library[sizeof(joint_traits) == sizeof(fbi_joint_traits) &&
                                                      offsetof(joint_traits, holds) == offsetof(fbi_joint_traits, holds)
