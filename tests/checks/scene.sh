@@ -78,6 +78,10 @@ for scene in flap spacecraft whirl; do
   awk -v wanted="$(sed -n 's/^seventh = //p' "$out/log")" '$1 == 7 { off = $4 - wanted; found = off < 1e-5 * wanted && off > -1e-5 * wanted }
     END { exit !found }' "$out/modes.txt" || fail "$scene --modes: mode 7 is not the one measured"
 done
+# of two equal booms on a hub both move alike, damped by the ratio of the mode
+build/flexbeam scene examples/scenes/spacecraft.txt --modes > "$out/modes.txt"
+awk '$1 == 7 { ratio = -$6 / (6.283185307 * $2); found = ratio < 1.001 * $5 && ratio > 0.999 * $5 && /left.q1 50 %/ && /right.q1 50 %/ } END { exit !found }' \
+  "$out/modes.txt" && [ "$(grep -c 'rigid-body motion$' "$out/modes.txt")" = 6 ] || fail "spacecraft --modes: $(cat "$out/modes.txt")"
 ! build/flexbeam scene examples/scenes/flap.txt --modes --out "$out/modes.csv" 2> "$out/log" && grep -q "runs nothing" "$out/log" && [ ! -e "$out/modes.csv" ] ||
   fail "--modes with --out: $(cat "$out/log")"
 
