@@ -509,13 +509,16 @@ TEST(reactions_are_the_sum_of_joint_forces)
     motion_of(&motion, &state);
     reactions_are_of_joint(1, FBT_TOL(1e-11, 1e-3));
     FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &energy, &state, &input), FB_OK);
-    for (int k = 0; k < 2 && straight; k++) {
+    if (!straight) {
+      continue;
+    }
+    for (int k = 0; k < 2; k++) {
       fb_real R[9], center[3];
       fb_quat_to_mat33(R, motion.pose[k].quat);
       fb_mat33_mul_vec3(center, R, shape.c);
       height += (double)(shape.mass * motion.pose[k].rho[2] + center[2]);
     }
-    FBT_NEAR_ABS(straight ? energy.gravity : FB_R(0.0), g * height, FBT_TOL(1e-12, 1e-4));
+    FBT_NEAR_ABS(energy.gravity, g * height, FBT_TOL(1e-12, 1e-4));
   }
 }
 
