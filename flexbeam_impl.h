@@ -1886,7 +1886,8 @@ static FBI_NOINLINE void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, co
 }
 
 /* Y = C x of one field, axis after axis (n = 3), or of two, one behind the other in memory, by one pass over the factor
-   (n = 6, the second to Z): an axis has as many numbers as points, rounded up to even; x of the spare one is zero. */
+   (n = 6, the second to Z, which n = 3 leaves alone): an axis has as many numbers as points, rounded up to even; x of the
+   spare one is zero. */
 static FBI_INLINE void fbi_line_weigh_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_real *factor,
                                           const fb_real *x, int n, int solid, int m)
 {
@@ -1926,9 +1927,9 @@ static FBI_NOINLINE void fbi_line_weighed(fb_real *Y, const fb_lines *all, const
   const fb_real *const factor = fbi_line_factor(all, line), *const from = x[0] + line->point;
   const int width = fbi_line_width(line);
   if (line->solid) {
-    fbi_line_weigh_sum(Y, NULL, factor, from, 3, 1, width);
+    fbi_line_weigh_sum(Y, Y + 3 * width, factor, from, 3, 1, width);
   } else {
-    FBI_BY_WIDTH(width, fbi_line_weigh_sum(Y, NULL, factor, from, 3, 0, m))
+    FBI_BY_WIDTH(width, fbi_line_weigh_sum(Y, Y + 3 * m, factor, from, 3, 0, m))
   }
 }
 
