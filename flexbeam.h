@@ -1563,7 +1563,7 @@ typedef struct fbi_link_work {
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
   fb_real spin, acceleration;
 #if FB_WITH_LARGE_DEFLECTION
-  fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
+  fb_status lines_status; /* of its lines at q: FB_OK, or an interval turns too far */
 #endif
 } fbi_link_work;
 
@@ -1593,7 +1593,7 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
   int closed;    /* there are loops */
   int special;   /* so, or rotors inside bodies */
-  int flies;     /* of a step: a tree's frame may move */
+  int floating;  /* of a step: a tree's frame may move */
   int repeats;   /* within a step: what belongs to the links is known */
   int driven;    /* an axis is prescribed */
   fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
@@ -2969,10 +2969,10 @@ typedef struct fbi_coordinate { /* coordinate of a system's linear model */
 } fbi_coordinate;
 
 #if FB_WITH_ROTORS
-typedef struct fbi_turning_rotor { /* a rotor whose momentum is a state of a system's linear model */
+typedef struct fbi_free_rotor { /* a rotor whose momentum is a state of a system's linear model */
   int body, rotor;
   fb_real speed; /* [rad/s] in the steady state */
-} fbi_turning_rotor;
+} fbi_free_rotor;
 #endif
 
 typedef struct fb_system_analyse_work { /* scratch; large: make it static */
@@ -2987,7 +2987,7 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_link_motion rest[FB_MAX_BODIES];
   int n_rotor; /* whose momentum is not given */
 #if FB_WITH_ROTORS
-  fbi_turning_rotor rotor[FB_MAX_BODIES * FB_MAX_ROTORS];
+  fbi_free_rotor rotor[FB_MAX_BODIES * FB_MAX_ROTORS];
 #endif
   fb_system_state state, moved, rate;
   fb_system_motion motion;

@@ -868,7 +868,7 @@ FB_DEF void fb_quat_to_mat33(fb_real R[9], const fb_real q[4])
 }
 
 /* y = R(q) x without forming R. */
-static void fbi_quat_turn(fb_real y[3], const fb_real q[4], const fb_real x[3])
+static void fbi_quat_rotate(fb_real y[3], const fb_real q[4], const fb_real x[3])
 {
   const fb_real two = FB_R(2.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   fb_real t[3], turn[3];
@@ -1435,7 +1435,7 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
    RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient (uses config, status, vec3, solve) */
 
 /* Largest squared rotation of an interval [rad^2], and the terms of the series that are then exact to rounding. */
-#define FBI_LINE_TURN FB_R(1.5)
+#define FBI_LINE_ROTATION FB_R(1.5)
 #define FBI_LINE_TERMS 9
 #define FBI_SIXTH (FB_R(1.0) / FB_R(6.0))
 
@@ -1519,7 +1519,7 @@ static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, cons
 }
 
 /* y += s times the m numbers A, z += s times the m numbers behind them, m even */
-static FBI_INLINE void fbi_line_turn_add(fb_real *FBI_RESTRICT y, fb_real *FBI_RESTRICT z, fb_real s, const fb_real *A,
+static FBI_INLINE void fbi_line_pair_add(fb_real *FBI_RESTRICT y, fb_real *FBI_RESTRICT z, fb_real s, const fb_real *A,
                                          int m)
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
@@ -1545,7 +1545,7 @@ static FBI_INLINE void fbi_line_rows_sum(fb_real y[3][FB_MAX_POINTS], fb_real z[
     }
   }
   for (const fb_line_row *end = r + line->n_turn; r < end; r++) {
-    fbi_line_turn_add(y[r->axis] + p, z[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
+    fbi_line_pair_add(y[r->axis] + p, z[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
   }
   for (int i = 0; i < 3 && s; i++) {
     FBI_UNROLL
@@ -1592,7 +1592,7 @@ static void fbi_line_rows_add(fb_real *x, const fb_lines *all, const fb_line *li
    bending in two planes converges with the square of the interval alone.
    Source: Magnus (1954), THEORY.md 14.  Shapes: rows of A, B.  Cost: 4 flops a row and point.  Fails: never.
    Test: lines_turn_as_the_differential_equation. */
-static void fbi_line_turns(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line, const fb_real *q)
+static void fbi_line_rotvecs(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line, const fb_real *q)
 {
   const int p = line->point, m = fbi_line_width(line);
   fbi_line_rows_eval(w->turn, w->bow, w->stretch, all, line, q);
@@ -1618,7 +1618,7 @@ static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_re
 #endif
 }
 
-/* [E14.2] Rotations by x = |phi|^2, series without a branch, exact to rounding up to FBI_LINE_TURN:
+/* [E14.2] Rotations by x = |phi|^2, series without a branch, exact to rounding up to FBI_LINE_ROTATION:
    half the angle, c = cos(|phi|/2), s = sin(|phi|/2)/|phi|;  b = (|phi| - sin|phi|)/|phi|^3;  a = (1 - cos|phi|)/x
    = 2 s^2;  a1, b1: derivatives of a and b by x.
    Source: textbook, Taylor series.  Cost: 16 flops each.  Fails: never.
@@ -1669,14 +1669,14 @@ static const fb_real fbi_line_b1[FBI_LINE_TERMS] = {-FB_R(1.0) / FB_R(120.0),
                                                     FB_R(8.0) / FB_R(121645100408832000.0),
                                                     -FB_R(9.0) / FB_R(51090942171709440000.0)};
 
-/* 0 where an interval of a line turns beyond FBI_LINE_TURN or by what is not a number. */
+/* 0 where an interval of a line turns beyond FBI_LINE_ROTATION or by what is not a number. */
 static int fbi_line_is_in_range(const fbi_line_work *w, const fb_line *line)
 {
-  int sound = 1;
+  int valid = 1;
   for (int j = line->point; j < line->point + line->count; j++) {
-    sound &= w->x[j] <= FBI_LINE_TURN;
+    valid &= w->x[j] <= FBI_LINE_ROTATION;
   }
-  return sound;
+  return valid;
 }
 
 static void fbi_line_get9(fb_real A[9], fb_real from[9][FB_MAX_POINTS], int j)
@@ -2002,12 +2002,12 @@ static void fbi_line_root(fbi_line_work *w, const fb_lines *all, const fb_line *
   }
 }
 
-/* Squared angles by which the intervals before the points turn at q; 0 where one is beyond FBI_LINE_TURN or not a number
+/* Squared angles by which the intervals before the points turn at q; 0 where one is beyond FBI_LINE_ROTATION or no number
    (E14.2). */
 static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q)
 {
   fb_real A[3][FB_MAX_POINTS], B[3][FB_MAX_POINTS];
-  int sound = 1;
+  int valid = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_rows_eval(A, B, NULL, all, line, q);
     for (int j = line->point; j < line->point + line->stride; j++) {
@@ -2015,27 +2015,27 @@ static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q
       const fb_real y = A[1][j] - FBI_SIXTH * (A[2][j] * B[0][j] - A[0][j] * B[2][j]);
       const fb_real z = A[2][j] - FBI_SIXTH * (A[0][j] * B[1][j] - A[1][j] * B[0][j]);
       turn[j] = x * x + y * y + z * z;
-      sound &= turn[j] <= FBI_LINE_TURN;
+      valid &= turn[j] <= FBI_LINE_ROTATION;
     }
   }
-  return sound;
+  return valid;
 }
 
 /* The same of all lines. */
 static int fbi_lines_are_in_range(const fbi_line_work *w, const fb_lines *all)
 {
-  int sound = 1;
+  int valid = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    sound &= fbi_line_is_in_range(w, line);
+    valid &= fbi_line_is_in_range(w, line);
   }
-  return sound;
+  return valid;
 }
 
 /* Rotations of all lines at q, x, quat, H, t, and what masses are at; r is left to who asks (fbi_lines_positions). Returns 0 where an interval turns too far (E14.2). */
 static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_turns(w, all, line, q);
+    fbi_line_rotvecs(w, all, line, q);
     fbi_line_quats(w, line);
     fbi_line_tangents(w, all, line);
     fbi_line_root(w, all, line, q);
@@ -2050,7 +2050,7 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
 /* Poses of all lines at q, also how they turn with the rotation vectors. Returns 0 where an interval turns too far. */
 static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
-  const int sound = fbi_lines_place(w, all, q);
+  const int valid = fbi_lines_place(w, all, q);
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     if (line->plane) {
       fbi_plane_tangent_maps(w, line);
@@ -2058,7 +2058,7 @@ static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, co
       fbi_line_tangent_maps(w, line);
     }
   }
-  return sound;
+  return valid;
 }
 
 #if FB_WITH_SYSTEM || FB_WITH_BUILD || FB_WITH_ROTORS
@@ -2093,8 +2093,8 @@ static FBI_INLINE void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[
 }
 
 /* c = NA A + NB B, by: NA, behind it NB */
-static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by[6][FB_MAX_POINTS],
-                                          const fb_real *A, int m)
+static FBI_INLINE void fbi_line_rotvec_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real by[6][FB_MAX_POINTS],
+                                            const fb_real *A, int m)
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
@@ -2106,10 +2106,10 @@ static FBI_INLINE void fbi_line_turn_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POINT
 }
 
 /* c += NA A + NB B of the further rows of coordinate k, up to end. Returns the next row. */
-static FBI_NOINLINE const fb_line_row *fbi_line_turn_rates_add(fb_real (*c)[FB_MAX_POINTS],
-                                                               fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
-                                                               const fb_line_row *r, const fb_line_row *end, int k,
-                                                               int m)
+static FBI_NOINLINE const fb_line_row *fbi_line_rotvec_rates_add(fb_real (*c)[FB_MAX_POINTS],
+                                                                 fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
+                                                                 const fb_line_row *r, const fb_line_row *end, int k,
+                                                                 int m)
 {
   for (; r < end && r->a == k; r++) {
     const fb_real *const A = all->table + r->at, *const B = A + m;
@@ -2124,9 +2124,9 @@ static FBI_NOINLINE const fb_line_row *fbi_line_turn_rates_add(fb_real (*c)[FB_M
 }
 
 /* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
-static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS],
-                                                         fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
-                                                         const fb_line_row *r, const fb_line_row *end, int k, int m)
+static FBI_INLINE const fb_line_row *fbi_line_rotvec_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS],
+                                                           fb_real N[3][6][FB_MAX_POINTS], const fb_lines *all,
+                                                           const fb_line_row *r, const fb_line_row *end, int k, int m)
 {
   if (r == end || r->a != k) {
     for (int i = 0; i < 3; i++) {
@@ -2134,14 +2134,14 @@ static FBI_INLINE const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT 
     }
     return r;
   }
-  fbi_line_turn_rate(c, N[r->axis], all->table + r->at, m);
+  fbi_line_rotvec_rate(c, N[r->axis], all->table + r->at, m);
   r++;
-  return r < end && r->a == k ? fbi_line_turn_rates_add(c, N, all, r, end, k, m) : r;
+  return r < end && r->a == k ? fbi_line_rotvec_rates_add(c, N, all, r, end, k, m) : r;
 }
 
-/* Velocity of the roots of the lines that hang on this one per rate of coordinate k, from that of its tangents. */
-static FBI_NOINLINE void fbi_line_hung_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                             fb_real rates[3][FB_MAX_POINTS], int k)
+/* Velocity of the roots of the lines that are attached to this one per rate of coordinate k, from its tangents. */
+static FBI_NOINLINE void fbi_line_attached_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                                 fb_real rates[3][FB_MAX_POINTS], int k)
 {
   const int p = line->point;
   for (int l = 0; l < all->n_line; l++) {
@@ -2186,7 +2186,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
   for (int k = 0; k < line->n; k++) {
     fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const K)[FB_MAX_POINTS] = rates[k % 2];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    r = fbi_line_turn_rates(c, N, all, r, last, k, m);
+    r = fbi_line_rotvec_rates(c, N, all, r, last, k, m);
 
     /* its sum along the line, from where it hangs */
     if (line->hangs) { /* move: set with that line */
@@ -2224,7 +2224,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
       }
     }
     if (line->carries) {
-      fbi_line_hung_rates(w, all, line, K, k);
+      fbi_line_attached_rates(w, all, line, K, k);
     }
 
     /* Y of two coordinates together */
@@ -2296,7 +2296,7 @@ static FBI_NOINLINE void fbi_line_rates_by_coordinate(fbi_line_work *w, const fb
 }
 
 /* Rotary inertia of point j in the line's axes, I = H inertia H^T (packed xx, xy, xz, yy, yz, zz). */
-static void fbi_line_spread(fb_real I[9], fbi_line_work *w, const fb_lines *all, int j)
+static void fbi_line_rotary_inertia(fb_real I[9], fbi_line_work *w, const fb_lines *all, int j)
 {
   const fb_real *c = all->inertia + 6 * j;
   const fb_real own[9] = {c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]};
@@ -2328,7 +2328,7 @@ static void fbi_line_particle(fb_real J[6], fb_real w, const fb_real r[3])
 }
 
 /* Moments of mass in body axes: A takes the line's axes there. */
-static void fbi_line_mass_turn(fbi_line_mass *m, const fb_real A[9])
+static void fbi_line_mass_rotate(fbi_line_mass *m, const fb_real A[9])
 {
   const fb_real J[9] = {m->J[0], m->J[1], m->J[2], m->J[1], m->J[3], m->J[4], m->J[2], m->J[4], m->J[5]};
   fb_real c[3], AJ[9];
@@ -2366,7 +2366,7 @@ static FBI_NOINLINE void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I
   for (int j = line->point; j < line->point + fbi_line_width(line); j++) {
     fb_real at[3], own[9];
     fbi_line_offset(at, w, all, j);
-    fbi_line_spread(own, w, all, j);
+    fbi_line_rotary_inertia(own, w, all, j);
     fbi_line_set3(rho, j, at);
     for (int i = 0; i < 9; i++) {
       I[i][j] = own[i];
@@ -2600,7 +2600,7 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
     if (M_rr) {
       fbi_line_mass_eval(&mass, y, all, line, I);
       if (line->turned) {
-        fbi_line_mass_turn(&mass, line->axes);
+        fbi_line_mass_rotate(&mass, line->axes);
       }
       fbi_line_mass_add(M_rr, &mass);
     }
@@ -2611,8 +2611,8 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
 
 /* Angular velocities of the points relative to the frame, from the rates of the coordinates (E14.5 without its matrices),
    the rates of the tangents, w x t + H Gamma q_dot, of the rotation vectors and of the root. */
-static FBI_NOINLINE void fbi_line_turn(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
-                                       const fb_real *q_dot)
+static FBI_NOINLINE void fbi_line_angular_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+                                                const fb_real *q_dot)
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, *const move = w->root_dot[line - all->line];
@@ -2696,7 +2696,7 @@ static void fbi_line_velocities(fbi_line_work *w, const fb_lines *all, const fb_
 /* Both. */
 static void fbi_line_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q_dot)
 {
-  fbi_line_turn(w, all, line, q_dot);
+  fbi_line_angular_rates(w, all, line, q_dot);
   fbi_line_velocities(w, all, line);
 }
 
@@ -2768,8 +2768,8 @@ static FBI_NOINLINE void fbi_line_unweigh(fb_real y[3][FB_MAX_POINTS], const fb_
 }
 
 /* x_a += sum over the points of A_a f + B_a g by their axes */
-static FBI_INLINE void fbi_line_turns_dot(fb_real *x, const fb_lines *all, const fb_line *line,
-                                          fb_real f[3][FB_MAX_POINTS], fb_real g[3][FB_MAX_POINTS], int m)
+static FBI_INLINE void fbi_line_rotvecs_dot(fb_real *x, const fb_lines *all, const fb_line *line,
+                                            fb_real f[3][FB_MAX_POINTS], fb_real g[3][FB_MAX_POINTS], int m)
 {
   for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
     const fb_real *const A = all->table + r->at, *const B = A + m;
@@ -2816,13 +2816,13 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
       by_B[2][p + j] += FBI_SIXTH * (A * v - B * u);
     }
   }
-  FBI_BY_WIDTH(width, fbi_line_turns_dot(x, all, line, by_A, by_B, m))
+  FBI_BY_WIDTH(width, fbi_line_rotvecs_dot(x, all, line, by_A, by_B, m))
 }
 
 #if FB_WITH_SYSTEM || FB_WITH_ROTORS
-/* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 (E14.3). */
-static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot, fb_real b_dot, const fb_real phi[3],
-                            const fb_real rate[3], const fb_real c[3])
+/* out = (dT/dt)^T c with the tangent map T = 1 + a phi^ + b phi^2 (E14.3). */
+static void fbi_tangent_map_rate_mulT(fb_real out[3], fb_real a, fb_real b, fb_real a_dot, fb_real b_dot,
+                                      const fb_real phi[3], const fb_real rate[3], const fb_real c[3])
 {
   fb_real pc[3], rc[3], ppc[3], mixed[3];
   fb_vec3_cross(pc, phi, c);
@@ -2835,11 +2835,11 @@ static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot,
   }
 }
 
-/* The same at point j. */
-static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
-                             const fb_real c[3])
+/* out = (dT/dt)^T c with the tangent map of the interval before point j. */
+static void fbi_line_tangent_map_rate_mulT(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3],
+                                           const fb_real rate[3], const fb_real c[3])
 {
-  fbi_line_turned(out, w->a[j], w->b[j], w->a_dot[j], w->b_dot[j], phi, rate, c);
+  fbi_tangent_map_rate_mulT(out, w->a[j], w->b[j], w->a_dot[j], w->b_dot[j], phi, rate, c);
 }
 #endif
 
@@ -2917,7 +2917,7 @@ static FBI_NOINLINE void fbi_line_solid_moments(fb_real b[3][FB_MAX_POINTS], fb_
     fbi_line_get3(turn, w->w, j);
     fbi_vec3_advance(whole, o, FB_R(1.0), turn);
     fbi_line_offset(rho, w, all, j);
-    fbi_line_spread(I, w, all, j);
+    fbi_line_rotary_inertia(I, w, all, j);
     for (int i = 0; i < 3; i++) {
       P[i] = u[s] * z[i * m + s];
     }
@@ -2997,9 +2997,9 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_
   }
 }
 
-/* What hangs on the points adds to F of E14.7. */
-static FBI_NOINLINE void fbi_line_hung_add(fb_real F[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
-                                           const fb_line *line)
+/* Adds the momenta of the lines that are attached to the points to F of E14.7. */
+static FBI_NOINLINE void fbi_line_attached_add(fb_real F[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
+                                               const fb_line *line)
 {
   fb_real at[3][FB_MAX_POINTS];
   fbi_line_outboard(at, all, line, w->hung);
@@ -3033,7 +3033,7 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
   }
   fbi_line_unweigh(F, all, line, z);
   if (line->carries) {
-    fbi_line_hung_add(F, w, all, line);
+    fbi_line_attached_add(F, w, all, line);
   }
 
   /* b, c, what offset masses and lines that hang there add, and their sums from the tip to the root */
@@ -3122,7 +3122,7 @@ static FBI_NOINLINE void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, co
                                                 const fb_real *q_dot)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
-    fbi_line_turn(w, all, line, q_dot);
+    fbi_line_angular_rates(w, all, line, q_dot);
     if (line->carries) {
       fbi_line_velocities(w, all, line);
     }
@@ -3331,7 +3331,7 @@ static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_li
         fbi_line_get3(turn, w->w, j);
         fbi_line_get3(alpha, w->w_dot, j);
         fbi_line_offset(rho, w, all, j);
-        fbi_line_spread(I, w, all, j);
+        fbi_line_rotary_inertia(I, w, all, j);
         fbi_vec3_add(r, FB_R(1.0), rho);
         fbi_vec3_add_cross(a, alpha, rho);
         fb_vec3_cross(own, turn, rho);
@@ -3648,8 +3648,8 @@ static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w,
 
 #if FB_WITH_SYSTEM || FB_WITH_ROTORS
 /* x_k += J_dot_k.L of the interval before a node: what L about the node adds by that interval (E9.25). */
-static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
-                               const fbi_line_step *s, const fb_real *q_dot, const fb_real L[3])
+static void fbi_line_step_rate_add(fb_real *x, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
+                                   const fbi_line_step *s, const fb_real *q_dot, const fb_real L[3])
 {
   fb_real A_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, B_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real before[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, rate[3], mixed[3], back[3], y[3], own[3], by[3], x_dot;
@@ -3667,7 +3667,7 @@ static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line
   /* by phi, y = N^T (L x w) + (dT/dt)^T H^T L, and by its rate, N^T L */
   fb_mat33_mulT_vec3(back, s->before, L);
   x_dot = FB_R(2.0) * fb_vec3_dot(s->phi, rate);
-  fbi_line_turned(y, s->a, s->b, s->a1 * x_dot, s->b1 * x_dot, s->phi, rate, back);
+  fbi_tangent_map_rate_mulT(y, s->a, s->b, s->a1 * x_dot, s->b1 * x_dot, s->phi, rate, back);
   fb_vec3_cross(own, L, before);
   fb_mat33_mulT_vec3(mixed, s->N, own);
   fbi_vec3_add(y, FB_R(1.0), mixed);
@@ -3691,15 +3691,15 @@ static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line
    H^T (F x w) to the stretches.
    Source: derivative of E14.5 and E14.14 by time, transposed.  Cost: 250 flops a point.  Fails: never.
    Test: rates_of_systems_with_lines_are_those_of_hamilton. */
-static void fbi_line_node_take(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                               const fb_line_node *node, const fbi_line_step *step, const fb_real *q_dot,
-                               const fb_real P[3], const fb_real L[3])
+static void fbi_line_jacobian_rate_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                       const fb_line_node *node, const fbi_line_step *step, const fb_real *q_dot,
+                                       const fb_real P[3], const fb_real L[3])
 {
   fb_real y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS], f[3][FB_MAX_POINTS];
   fb_real C_in[3] = {L[0], L[1], L[2]}, D_in[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   int at = node->after - 1, spacing = 1;
   const fb_real *weight = node->weight;
-  fbi_line_step_take(x, w, line, node, step, q_dot, L);
+  fbi_line_step_rate_add(x, w, line, node, step, q_dot, L);
 
   /* its line, then those that it hangs on; at: the point where (C_in, D_in) enter */
   for (int more = 1; more;) {
@@ -3733,7 +3733,7 @@ static void fbi_line_node_take(fb_real *x, fbi_line_work *w, const fb_lines *all
       fbi_vec3_copy(own, D);
       fbi_vec3_add_cross(own, C, before);
       fb_mat33_mulT_vec3(turn, N, own);
-      fbi_line_turning(own, w, j, phi, rate, back);
+      fbi_line_tangent_map_rate_mulT(own, w, j, phi, rate, back);
       fbi_vec3_add(own, FB_R(1.0), turn);
       fbi_line_set3(y, j, own);
       fb_mat33_mulT_vec3(own, N, C);
@@ -3785,7 +3785,7 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
    (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                                           \
    (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0) | (FB_WITH_ROTORS ? FB_EFFECT_ROTORS : 0) | \
    (FB_WITH_GRAVITY ? FB_EFFECT_CENTRAL_GRAVITY : 0))
-#define FBI_WITH_FURTHER (FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS || FB_WITH_GRAVITY)
+#define FBI_WITH_OPTIONAL (FB_WITH_LARGE_DEFLECTION || FB_WITH_ROTORS || FB_WITH_GRAVITY)
 #define FBI_WORD_CENTER "body: distance of its mass center from the center of gravity [m], for the second degree above"
 #define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
 /* 1 if one of these effects is on; a compile-time 0 where they were removed. */
@@ -3869,9 +3869,9 @@ static int fbi_is_central(const fb_body *body)
 }
 #endif
 
-/* What a body has beside modes of polynomials: of its effects those of lines, rotors and central gravity, whose steps
-   run further functions. */
-static int fbi_further(const fb_body *body)
+/* The optional effects of a body, FB_EFFECT_...: lines, rotors and central gravity. A body without them runs the plain
+   step. */
+static int fbi_optional_effects(const fb_body *body)
 {
   return (int)(body->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS | FB_EFFECT_CENTRAL_GRAVITY) &
                (unsigned)FBI_EFFECTS_BUILT);
@@ -3881,11 +3881,11 @@ static int fbi_further(const fb_body *body)
 #define FBI_WITH_LINES(k)     \
   fbi_line_work k##_line_own; \
   (k).line = &k##_line_own
-#define FBI_TAKE_LINES(k, from) ((k).line = (from))
+#define FBI_SET_LINES(k, from) ((k).line = (from))
 #define FBI_LINE_OF(k) ((k)->line)
 #else
 #define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
-#define FBI_TAKE_LINES(k, from) ((void)(from), (void)&(k), (k).pb = NULL)
+#define FBI_SET_LINES(k, from) ((void)(from), (void)&(k), (k).pb = NULL)
 #define FBI_LINE_OF(k) NULL
 typedef void fbi_line_work;
 #endif
@@ -3930,7 +3930,7 @@ static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
 }
 
 /* Of a vector g in body axes, drops the components about which a hinged base cannot rotate: all but z. */
-static void fbi_turning_part(fb_real g[3], fb_base base)
+static void fbi_rotation_part(fb_real g[3], fb_base base)
 {
   if (base == FB_BASE_HINGED) {
     g[0] = g[1] = FB_R(0.0);
@@ -4358,7 +4358,7 @@ static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body, const
 /* M = L L^T of few rows, lower triangle; as fb_chol_factor. */
 static int fbi_large_factor(fb_real *M, int n)
 {
-  int sound = 1;
+  int valid = 1;
   for (int i = 0; i < n; i++) {
     fb_real *const L = M + i * n;
     fb_real sum = L[i];
@@ -4371,13 +4371,13 @@ static int fbi_large_factor(fb_real *M, int n)
       L[j] = l = l / of[j];
       sum -= l * l;
     }
-    sound &= sum > (fb_real)n * FB_EPSILON * L[i] && sum < FB_HUGE;
-    L[i] = FB_SQRT(sound ? sum : FB_R(1.0));
+    valid &= sum > (fb_real)n * FB_EPSILON * L[i] && sum < FB_HUGE;
+    L[i] = FB_SQRT(valid ? sum : FB_R(1.0));
   }
-  return sound;
+  return valid;
 }
 
-/* Range of the lines: no interval turns by more than FBI_LINE_TURN (E14.2). */
+/* Range of the lines: no interval turns by more than FBI_LINE_ROTATION (E14.2). */
 static FBI_NOINLINE fb_status fbi_large_range(const fb_body *body, const fb_real *q)
 {
   fb_real turn[FB_MAX_POINTS];
@@ -4390,7 +4390,7 @@ static FBI_NOINLINE fb_status fbi_large_range(const fb_body *body, const fb_real
   }
   (void)most;
   return fbi_is_finite(q, body->n)
-             ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_INTERVAL, most, FB_SQRT(turn[most]), FB_SQRT(FBI_LINE_TURN))
+             ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_INTERVAL, most, FB_SQRT(turn[most]), FB_SQRT(FBI_LINE_ROTATION))
              : FB_ERR_NOT_FINITE;
 }
 
@@ -4666,8 +4666,8 @@ static FBI_NOINLINE void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3
 
 #if FB_WITH_SYSTEM || FB_WITH_ROTORS
 /* x_a += (rate of the Jacobian of a node)_a . G, G a momentum about the node, body axes (E9.25). */
-static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_node *node,
-                                const fb_real *q_dot, const fb_real G[6])
+static void fbi_large_jacobian_rate_add(fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_node *node,
+                                        const fb_real *q_dot, const fb_real G[6])
 {
   const fb_line *const line = &body->lines.line[node->line.line - 1];
   fbi_line_step s;
@@ -4675,7 +4675,7 @@ static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body
   fbi_line_axes(P, line, G);
   fbi_line_axes(L, line, G + 3);
   fbi_line_step_eval(&s, k->line, line, &node->line, k->qx + 1);
-  fbi_line_node_take(x, k->line, &body->lines, line, &node->line, &s, q_dot, P, L);
+  fbi_line_jacobian_rate_add(x, k->line, &body->lines, line, &node->line, &s, q_dot, P, L);
 }
 #endif
 #endif
@@ -5004,7 +5004,7 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 }
 
 /* 1 if the frame of the momenta moves with the mass center: free bodies in momentum form. */
-static int fbi_is_flying(const fb_body *body)
+static int fbi_is_free(const fb_body *body)
 {
   return body->base == FB_BASE_FREE && fbi_form(body) == 0;
 }
@@ -5024,30 +5024,30 @@ static int fbi_rotors_acting(const fb_body *body)
 }
 #endif
 
-/* fbi_further of a body that moves. */
+/* The optional effects of a body that moves, with FBI_IMBALANCE and FBI_APART of its rotors. */
 static int fbi_acting(const fb_body *body)
 {
 #if FB_WITH_ROTORS
   if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
-    return fbi_further(body) | fbi_rotors_acting(body);
+    return fbi_optional_effects(body) | fbi_rotors_acting(body);
   }
 #endif
-  return fbi_further(body);
+  return fbi_optional_effects(body);
 }
 
 /* 1 if loads along lines or of imbalance act, or gravity of a center. */
-static int fbi_further_loads(const fb_input *input, int further)
+static int fbi_optional_loads(const fb_input *input, int optional)
 {
-  return (further & (FB_EFFECT_CENTRAL_GRAVITY | FBI_IMBALANCE)) ||
-         ((further & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
+  return (optional & (FB_EFFECT_CENTRAL_GRAVITY | FBI_IMBALANCE)) ||
+         ((optional & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
 }
 
 /* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
    without gravity. */
-static int fbi_is_oriented(const fb_body *body, const fb_input *input, int further)
+static int fbi_is_oriented(const fb_body *body, const fb_input *input, int optional)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         (further && fbi_further_loads(input, further)) ||
+         (optional && fbi_optional_loads(input, optional)) ||
          (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
@@ -5078,8 +5078,8 @@ typedef struct fbi_central {
 
 /* The body as it turns with angular velocity e about its mass center, which rests: h = J e, and x += weight d/dq
    (1/2 e.J e), by the kinetic energy of V = (c x e/m, e) and no q_dot; M_rr = S + Lambda M^-1 Lambda^T. */
-static void fbi_central_turn(fb_real h[3], fb_real *x, fb_real weight, fbi_kinetics *k, const fb_body *body,
-                             const fb_real S[21], const fb_real c[3], const fb_real e[3])
+static void fbi_central_rotation(fb_real h[3], fb_real *x, fb_real weight, fbi_kinetics *k, const fb_body *body,
+                                 const fb_real S[21], const fb_real c[3], const fb_real e[3])
 {
   const int n = body->n;
   fb_real V[6], y[6], slope[FB_MAX_MODES + 1] = {FB_R(0.0)}, none[FB_MAX_MODES] = {FB_R(0.0)};
@@ -5141,7 +5141,7 @@ static FBI_NOINLINE void fbi_central_rotors(fbi_central *f, const fbi_kinetics *
 #endif
 
 /* [E8.36] Body in the field of a center, its mass center at d n from there: J about the mass center and the gradient
-   of (tr J - 3 n.J n)/2 by three rotations (fbi_central_turn) about n and two axes across, tr J = n.J n + a.J a + b.J b.
+   of (tr J - 3 n.J n)/2 by three rotations (fbi_central_rotation) about n and two axes across, tr J = n.J n + a.J a + b.J b.
    mass: position of the mass center less that of the field's center, inertial axes.
    Source: THEORY.md 8.2.  Cost: 3 gradients of E8.10 and E8.12.
    Fails: d not above twice the root mean square radius, sqrt(tr J/(2 m)).
@@ -5182,11 +5182,11 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
     fbi_S_eval(own, body, k->qx, body->n_run);
   }
   fbi_zero(f->x, body->n);
-  fbi_central_turn(f->Jn, f->x, -FB_R(2.0), k, body, S, c, f->n);
+  fbi_central_rotation(f->Jn, f->x, -FB_R(2.0), k, body, S, c, f->n);
   f->nJn = f->sum = fb_vec3_dot(f->n, f->Jn);
-  fbi_central_turn(h, f->x, FB_R(1.0), k, body, S, c, a);
+  fbi_central_rotation(h, f->x, FB_R(1.0), k, body, S, c, a);
   f->sum += fb_vec3_dot(a, h);
-  fbi_central_turn(h, f->x, FB_R(1.0), k, body, S, c, b);
+  fbi_central_rotation(h, f->x, FB_R(1.0), k, body, S, c, b);
   f->sum += fb_vec3_dot(b, h);
 #if FB_WITH_ROTORS
   fbi_central_rotors(f, k, body);
@@ -5265,16 +5265,16 @@ static FBI_NOINLINE fb_status fbi_central_energy_add(fb_real *energy, fbi_kineti
 }
 #endif
 
-/* Gravity of a center, where a body has any. */
-static FBI_INLINE fb_status fbi_further_gravity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                                int further)
+/* Adds central gravity, if the body has it. */
+static FBI_INLINE fb_status fbi_optional_gravity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                 int optional)
 {
 #if FB_WITH_GRAVITY
-  if (further & FB_EFFECT_CENTRAL_GRAVITY) {
-    return fbi_central_add(k, body, state->rho, fbi_is_flying(body));
+  if (optional & FB_EFFECT_CENTRAL_GRAVITY) {
+    return fbi_central_add(k, body, state->rho, fbi_is_free(body));
   }
 #endif
-  (void)k, (void)body, (void)state, (void)further;
+  (void)k, (void)body, (void)state, (void)optional;
   return FB_OK;
 }
 
@@ -5284,7 +5284,7 @@ static FBI_INLINE fb_status fbi_further_gravity(fbi_kinetics *k, const fb_body *
 static void fbi_line_origin(fb_real origin[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   fbi_vec3_copy(origin, state->rho);
-  if (fbi_is_flying(body)) {
+  if (fbi_is_free(body)) {
     const fbi_line_work *const w = k->line;
     fb_real c[3], own[3];
     c[0] = w->M_rr[10];
@@ -5334,7 +5334,7 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
 /* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
 static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
-  const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  const int n_load = input ? input->n_load : 0, flying = fbi_is_free(body);
   fbi_vec6_zero(k->fg);
   k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
@@ -5356,7 +5356,7 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
 static FBI_INLINE fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                              const fb_real *pi, const fb_input *input)
 {
-  const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  const int n_load = input ? input->n_load : 0, flying = fbi_is_free(body);
   const int distributed = fbi_is_distributed(input), loaded = n_load > 0 || distributed;
   fb_status status = FB_OK;
   fbi_vec6_zero(k->fg);
@@ -5403,12 +5403,12 @@ static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body,
   fbi_damping_add(f, -FB_R(1.0), body, q_dot);
 }
 
-/* turn = (w x p, w x h + v x p), the transport term of momenta in rotating axes */
-static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6])
+/* y = (w x p, w x h + v x p), the transport term of momenta in rotating axes */
+static void fbi_transport(fb_real y[6], const fb_real V[6], const fb_real ph[6])
 {
-  fb_vec3_cross(turn, V + 3, ph);
-  fb_vec3_cross(turn + 3, V + 3, ph + 3);
-  fbi_vec3_add_cross(turn + 3, V, ph);
+  fb_vec3_cross(y, V + 3, ph);
+  fb_vec3_cross(y + 3, V + 3, ph + 3);
+  fbi_vec3_add_cross(y + 3, V, ph);
 }
 
 /* [E8.17] Elastic equations.
@@ -5460,7 +5460,7 @@ static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body
   /* momenta */
   if (k->loaded) {
     fbi_copy(rate->h, k->fg + 3, 3);
-    fbi_turning_part(rate->h, body->base);
+    fbi_rotation_part(rate->h, body->base);
     fb_mat33_mul_vec3(rate->L, k->R, rate->h);
     fb_mat33_mul_vec3(rate->u, k->R, k->a);
   }
@@ -5594,7 +5594,7 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, k->pb, n);
   fbi_form_momenta(k, body);
-  fbi_turning(turn, k->V, k->ph);
+  fbi_transport(turn, k->V, k->ph);
   fbi_S_rate(k->dS, body, k->qx, xd);
   fb_sym6_mul_vec6(SV, k->dS, k->V);
   for (int i = 0; i < 6; i++) {
@@ -5804,7 +5804,7 @@ static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics
 {
   fb_status status = fbi_large_velocity(k, body, state, input);
   status = status == FB_OK ? fbi_large_forces(k, body, state, state->pi, input) : status;
-  status = status == FB_OK ? fbi_further_gravity(k, body, state, fbi_further(body)) : status;
+  status = status == FB_OK ? fbi_optional_gravity(k, body, state, fbi_optional_effects(body)) : status;
   if (status == FB_OK) {
     fbi_large_rates(rate->q, k, body, state->pi);
     fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
@@ -5836,9 +5836,10 @@ static void fbi_elastic_copy(fb_state *out, const fb_state *in, int n)
 #if FB_WITH_SYSTEM || FB_WITH_ROTORS
 #if FB_WITH_LARGE_DEFLECTION
 /* E9.12 of a node on a line, with J_dot_a.G by E9.25. */
-static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
-                                        const fb_node *node, const fb_real *q_dot, const fb_real V[6],
-                                        const fb_real n[3], const fb_real G[6], const fb_real F[6])
+static FBI_NOINLINE void fbi_large_node_forces_add(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k,
+                                                   const fb_body *body, const fb_node *node, const fb_real *q_dot,
+                                                   const fb_real V[6], const fb_real n[3], const fb_real G[6],
+                                                   const fb_real F[6])
 {
   fb_real at[6], turn[6], load[6];
   fbi_vec6_copy(at, V);
@@ -5846,14 +5847,14 @@ static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, con
   for (int a = 0; a < body->n; a++) {
     fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
   }
-  fbi_turning(turn, at, G);
+  fbi_transport(turn, at, G);
   for (int i = 0; i < 6; i++) {
     load[i] = F[i] - turn[i];
   }
   for (int a = 0; a < body->n; a++) {
     x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3);
   }
-  fbi_large_node_take(x, k, body, node, q_dot, G);
+  fbi_large_jacobian_rate_add(x, k, body, node, q_dot, G);
 }
 #endif
 
@@ -5863,13 +5864,14 @@ static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, con
    the node, w of the body.
    Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
    Test: systems_keep_energy_and_momentum. */
-static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
-                                       const fb_node *node, const fb_real *q_dot, const fb_real V[6],
-                                       const fb_real n[3], const fb_real G[6], const fb_real F[6])
+static FBI_NOINLINE void fbi_node_forces_add(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k,
+                                             const fb_body *body, const fb_node *node, const fb_real *q_dot,
+                                             const fb_real V[6], const fb_real n[3], const fb_real G[6],
+                                             const fb_real F[6])
 {
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_on_line(body, node)) {
-    fbi_large_take(x, f, k, body, node, q_dot, V, n, G, F);
+    fbi_large_node_forces_add(x, f, k, body, node, q_dot, V, n, G, F);
     return;
   }
 #endif
@@ -5889,7 +5891,7 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
   shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
 
   /* F - turning */
-  fbi_turning(turn, at, G);
+  fbi_transport(turn, at, G);
   for (int i = 0; i < 6; i++) {
     load[i] = F[i] - turn[i];
   }
@@ -5958,7 +5960,7 @@ static void fbi_rotor_place(fb_real axis[3], fbi_node_field *f, const fbi_kineti
   fb_real turn[4];
   fbi_node_eval(f, k, body, &body->node[rotor->node], q);
   fbi_node_quat(turn, f, body, &body->node[rotor->node]);
-  fbi_quat_turn(axis, turn, rotor->axis);
+  fbi_quat_rotate(axis, turn, rotor->axis);
 }
 
 /* E8.41 of rotor r if it is given or on a node that moves; pi = from - h_r J_r^T a_r, returns what of the two is valid. */
@@ -6025,10 +6027,10 @@ static FBI_NOINLINE void fbi_rotors_enter_apart(fbi_node_field *f, fbi_own_momen
 }
 
 static void fbi_rotors_enter(fbi_node_field *f, fbi_own_momenta *own, fbi_kinetics *k, const fb_body *body,
-                             const fb_state *state, const fb_rotor_input *input, int further)
+                             const fb_state *state, const fb_rotor_input *input, int optional)
 {
   fbi_vec3_copy(own->h, state->h);
-  if (further & FBI_APART) {
+  if (optional & FBI_APART) {
     fbi_rotors_enter_apart(f, own, k, body, state, input);
   } else {
     own->pi = fbi_rotors_sub(own->h, own->room, state->pi, f, k, body, state->q, state->pi + body->n, input, 0);
@@ -6037,7 +6039,7 @@ static void fbi_rotors_enter(fbi_node_field *f, fbi_own_momenta *own, fbi_kineti
 
 /* E8.13 of a body with rotors. */
 static fb_status fbi_rotor_velocity(fbi_node_field *f, fbi_own_momenta *own, fbi_kinetics *k, const fb_body *body,
-                                    const fb_state *state, const fb_input *input, int further)
+                                    const fb_state *state, const fb_input *input, int optional)
 {
   const fb_rotor_input *const motors = fbi_rotors_input(input);
   fb_status status = input ? fbi_rotors_check(body, motors) : FB_OK;
@@ -6045,18 +6047,18 @@ static fb_status fbi_rotor_velocity(fbi_node_field *f, fbi_own_momenta *own, fbi
     return status;
   }
 #if FB_WITH_LARGE_DEFLECTION
-  if (further & FB_EFFECT_LARGE_DEFLECTION) {
+  if (optional & FB_EFFECT_LARGE_DEFLECTION) {
     fbi_modes_enter(k, state->q, body->n);
     status = fbi_large_inertia(k, body, state->q);
     if (status == FB_OK) {
-      fbi_rotors_enter(f, own, k, body, state, motors, further);
+      fbi_rotors_enter(f, own, k, body, state, motors, optional);
       status = fbi_large_solve(k, body, state, own->h, own->pi, input);
     }
     fbi_vec3_copy(k->ph + 3, state->h);
     return status;
   }
 #endif
-  fbi_rotors_enter(f, own, k, body, state, motors, further);
+  fbi_rotors_enter(f, own, k, body, state, motors, optional);
   status = fbi_velocity(k, body, state, own->h, own->pi, input);
   fbi_vec3_copy(k->ph + 3, state->h);
   return status;
@@ -6096,7 +6098,7 @@ static FBI_NOINLINE void fbi_imbalance_add(fbi_kinetics *k, const fb_body *body,
       fbi_load_add(k, body, &load, state->q);
     }
   }
-  if (fbi_is_flying(body)) {
+  if (fbi_is_free(body)) {
     fbi_fall(k, body, large);
   }
   k->loaded = 1;
@@ -6116,9 +6118,10 @@ static fb_real fbi_rotor_torque(const fb_rotor *rotor, const fb_rotor_input *inp
   return rotor->given ? input->torque : input->torque + fbi_rotor_friction(rotor, speed);
 }
 
-/* E8.43 of rotor r on a node that moves: what its momentum does to the modes; returns a_r.(w + J_r q_dot). */
-static FBI_NOINLINE fb_real fbi_rotor_turn(fb_real *pi_dot, const fbi_node_field *f, const fbi_kinetics *k,
-                                           const fb_body *body, int r, const fb_real *q_dot)
+/* E8.43 of rotor r on a node that modes move: adds what its momentum does to the modes to pi_dot and returns
+   a_r.(w + J_r q_dot). */
+static FBI_NOINLINE fb_real fbi_rotor_modes_add(fb_real *pi_dot, const fbi_node_field *f, const fbi_kinetics *k,
+                                                const fb_body *body, int r, const fb_real *q_dot)
 {
   static const fb_real none[6] = {FB_R(0.0)};
   const fb_real *const axis = k->rotor_axis[r], h = k->rotor_momentum[r];
@@ -6128,7 +6131,7 @@ static FBI_NOINLINE fb_real fbi_rotor_turn(fb_real *pi_dot, const fbi_node_field
   for (int a = 0; a < body->n; a++) {
     fbi_vec3_add(w, q_dot[a], f[r].Jphi + 3 * a);
   }
-  fbi_node_take(pi_dot, &f[r], k, body, &body->node[body->rotor[r].node], q_dot, k->V, none, G, none);
+  fbi_node_forces_add(pi_dot, &f[r], k, body, &body->node[body->rotor[r].node], q_dot, k->V, none, G, none);
   return fb_vec3_dot(axis, w);
 }
 
@@ -6137,8 +6140,8 @@ static FBI_NOINLINE fb_real fbi_rotor_turn(fb_real *pi_dot, const fbi_node_field
    momentum h_r a_r and no load. The body feels motor and friction by E8.41: its momenta are those of all of it.
    Source: gradient by q of h_r a_r(q).(w + J_r(q) q_dot); Euler-Poincare equations of rotations.  Fails: never.
    Test: rotors_are_wheels_on_hinges, gyrostats_keep_energy_and_momentum. */
-static FBI_INLINE void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f, fbi_kinetics *k,
-                                       const fb_body *body, const fb_rotor_input *input, int apart)
+static FBI_INLINE void fbi_rotors_rates(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f, fbi_kinetics *k,
+                                        const fb_body *body, const fb_rotor_input *input, int apart)
 {
   const int n = body->n;
   const fb_real x = k->V[3], y = k->V[4], z = k->V[5];
@@ -6146,38 +6149,38 @@ static FBI_INLINE void fbi_rotors_turn(fb_real *q_dot, fb_real *pi_dot, const fb
     const fb_rotor *const rotor = &body->rotor[r];
     fb_real about = rotor->axis[0] * x + rotor->axis[1] * y + rotor->axis[2] * z;
     if (apart && rotor->moves) {
-      about = fbi_rotor_turn(pi_dot, f, k, body, r, q_dot);
+      about = fbi_rotor_modes_add(pi_dot, f, k, body, r, q_dot);
     }
     k->rotor_speed[r] = q_dot[n + r] = k->rotor_momentum[r] / rotor->inertia - about;
     pi_dot[n + r] = apart && rotor->given ? FB_R(0.0) : input[r].torque + fbi_rotor_friction(rotor, k->rotor_speed[r]);
   }
 }
 
-static FBI_NOINLINE void fbi_rotors_turn_apart(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f,
-                                               fbi_kinetics *k, const fb_body *body, const fb_rotor_input *input)
+static FBI_NOINLINE void fbi_rotors_rates_apart(fb_real *q_dot, fb_real *pi_dot, const fbi_node_field *f,
+                                                fbi_kinetics *k, const fb_body *body, const fb_rotor_input *input)
 {
-  fbi_rotors_turn(q_dot, pi_dot, f, k, body, input, 1);
+  fbi_rotors_rates(q_dot, pi_dot, f, k, body, input, 1);
 }
 
-/* Rates of a body with rotors, and with lines, central gravity or an imbalance, further. */
+/* Rates of a body with rotors, and with lines, central gravity or an imbalance (optional). */
 static fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                       const fb_input *input, int further)
+                                       const fb_input *input, int optional)
 {
-  const int large = (further & FB_EFFECT_LARGE_DEFLECTION) != 0;
+  const int large = (optional & FB_EFFECT_LARGE_DEFLECTION) != 0;
   fbi_node_field f[FB_MAX_ROTORS];
   fbi_own_momenta own;
-  fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input, further);
+  fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input, optional);
   if (status != FB_OK) {
     return status;
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (large) {
     status = fbi_large_forces(k, body, state, own.pi, input);
-    status = status == FB_OK ? fbi_further_gravity(k, body, state, further) : status;
+    status = status == FB_OK ? fbi_optional_gravity(k, body, state, optional) : status;
     if (status != FB_OK) {
       return status;
     }
-    if (further & FBI_IMBALANCE) {
+    if (optional & FBI_IMBALANCE) {
       fbi_imbalance_add(k, body, state, large);
     }
     fbi_large_rates(rate->q, k, body, own.pi);
@@ -6186,20 +6189,20 @@ static fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb
 #endif
   if (!large) {
     fbi_forces(k, body, state, input);
-    status = fbi_further_gravity(k, body, state, further);
+    status = fbi_optional_gravity(k, body, state, optional);
     if (status != FB_OK) {
       return status;
     }
-    if (further & FBI_IMBALANCE) {
+    if (optional & FBI_IMBALANCE) {
       fbi_imbalance_add(k, body, state, large);
     }
     fbi_elastic_rates(rate, k, body, state->q, own.pi);
   }
   fbi_rigid_rates(rate, k, body, state);
-  if (further & FBI_APART) {
-    fbi_rotors_turn_apart(rate->q, rate->pi, f, k, body, fbi_rotors_input(input));
+  if (optional & FBI_APART) {
+    fbi_rotors_rates_apart(rate->q, rate->pi, f, k, body, fbi_rotors_input(input));
   } else {
-    fbi_rotors_turn(rate->q, rate->pi, f, k, body, fbi_rotors_input(input), 0);
+    fbi_rotors_rates(rate->q, rate->pi, f, k, body, fbi_rotors_input(input), 0);
   }
   return FB_OK;
 }
@@ -6236,7 +6239,7 @@ static void fbi_rotors_push(fb_real torque[3], fb_real *pi, fbi_kinetics *k, con
       fb_real x[FB_MAX_MODES];
       fbi_zero(x, n);
       if (own) {
-        fbi_node_take(x, &f, k, body, &body->node[rotor->node], q_dot, k->V, none, G, none);
+        fbi_node_forces_add(x, &f, k, body, &body->node[rotor->node], q_dot, k->V, none, G, none);
       }
       for (int a = 0; a < n; a++) {
         pi[a] += fb_vec3_dot(f.Jphi + 3 * a, T) - x[a];
@@ -6272,7 +6275,7 @@ static void fbi_rotors_add(fb_state *state, fbi_kinetics *k, const fb_body *body
   fb_real h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, L[3];
   fbi_rotors_sum(h, state->pi, FB_R(1.0), k, body, state->q, momentum);
   if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_turning_part(h, body->base);
+    fbi_rotation_part(h, body->base);
     fb_mat33_mul_vec3(L, k->R, h);
     fbi_vec3_add(state->L, FB_R(1.0), L);
     fbi_vec3_add(state->h, FB_R(1.0), h);
@@ -6293,7 +6296,7 @@ static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_b
 }
 
 /* Angles of rotors within half a turn, momenta that are given as the input has them. */
-static void fbi_rotors_settle(fb_real *q, fb_real *pi, const fb_body *body, const fb_rotor_input *last)
+static void fbi_rotors_normalize(fb_real *q, fb_real *pi, const fb_body *body, const fb_rotor_input *last)
 {
   const fb_real turn = FB_R(6.283185307179586477);
   for (int r = 0; r < body->n_rotor; r++) {
@@ -6317,19 +6320,19 @@ static FBI_NOINLINE fb_status fbi_central_state_rates(fb_state *rate, fbi_kineti
   fb_status status = fbi_velocity(k, body, state, state->h, state->pi, input);
   if (status == FB_OK) {
     fbi_forces(k, body, state, input);
-    status = fbi_central_add(k, body, state->rho, fbi_is_flying(body));
+    status = fbi_central_add(k, body, state->rho, fbi_is_free(body));
   }
   return status == FB_OK ? fbi_momentum_rates(rate, k, body, state) : status;
 }
 #endif
 
-#if FBI_WITH_FURTHER
-/* Rates of a body with lines, rotors or central gravity, further. */
-static fb_status fbi_further_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                   const fb_input *input, int further)
+#if FBI_WITH_OPTIONAL
+/* Rates of a body with lines, rotors or central gravity (optional). */
+static fb_status fbi_optional_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                    const fb_input *input, int optional)
 {
   fb_status status = FB_ERR_UNSUPPORTED;
-  switch (further & (FB_EFFECT_ROTORS | FB_EFFECT_LARGE_DEFLECTION)) {
+  switch (optional & (FB_EFFECT_ROTORS | FB_EFFECT_LARGE_DEFLECTION)) {
 #if FB_WITH_GRAVITY
   case 0:
     status = fbi_central_state_rates(rate, k, body, state, input);
@@ -6343,14 +6346,14 @@ static fb_status fbi_further_rates(fb_state *rate, fbi_kinetics *k, const fb_bod
 #if FB_WITH_ROTORS
   case FB_EFFECT_ROTORS:
   case FB_EFFECT_ROTORS | FB_EFFECT_LARGE_DEFLECTION:
-    status = fbi_rotor_state_rates(rate, k, body, state, input, further);
+    status = fbi_rotor_state_rates(rate, k, body, state, input, optional);
     break;
 #endif
   default:
     break;
   }
 #if FB_WITH_GRAVITY
-  if ((further & FB_EFFECT_CENTRAL_GRAVITY) && status == FB_OK && fbi_is_flying(body)) {
+  if ((optional & FB_EFFECT_CENTRAL_GRAVITY) && status == FB_OK && fbi_is_free(body)) {
     fbi_vec3_add(rate->u, FB_R(1.0), k->fall);
   }
 #endif
@@ -6415,14 +6418,14 @@ static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body 
 
 /* Rates of a body that has `further` (fbi_acting). */
 static fb_status fbi_rates_of(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                              const fb_input *input, int further)
+                              const fb_input *input, int optional)
 {
-#if FBI_WITH_FURTHER
-  if (further) {
-    return fbi_further_rates(rate, k, body, state, input, further);
+#if FBI_WITH_OPTIONAL
+  if (optional) {
+    return fbi_optional_rates(rate, k, body, state, input, optional);
   }
 #endif
-  (void)further;
+  (void)optional;
   return fbi_state_rates(rate, k, body, state, input);
 }
 
@@ -6440,14 +6443,14 @@ static int fbi_state_is_finite(const fb_state *state, int n)
 }
 
 /* 1 if the attitude follows from the angular momentum about all axes: free and pinned bodies in momentum form. */
-static int fbi_is_turned(const fb_body *body)
+static int fbi_rotates_freely(const fb_body *body)
 {
   return fbi_form(body) == 0 && (body->base == FB_BASE_FREE || body->base == FB_BASE_PINNED);
 }
 
 #if FB_SINGLE
 /* h = R^T L */
-static void fbi_turning_back(fb_real h[3], const fb_state *state)
+static void fbi_body_momentum(fb_real h[3], const fb_state *state)
 {
   fb_real R[9];
   fb_quat_to_mat33(R, state->quat);
@@ -6457,16 +6460,16 @@ static void fbi_turning_back(fb_real h[3], const fb_state *state)
 /* Updates lost_h, the part of h across R^T L that the rounding of R^T L has lost: eps of L is much spin about an axis
    of little inertia. more: increment of h since `from`; the differences are small and lose nothing.
    Test: slender_bodies_keep_their_energy. */
-static FBI_NOINLINE void fbi_turning_keep(fb_state *next, const fb_state *from, const fb_body *body,
-                                          const fb_real more[3])
+static FBI_NOINLINE void fbi_lost_momentum_update(fb_state *next, const fb_state *from, const fb_body *body,
+                                                  const fb_real more[3])
 {
   fb_real before[3], after[3], size;
   fbi_zero(next->lost_h, 3);
-  if (!fbi_is_turned(body)) {
+  if (!fbi_rotates_freely(body)) {
     return;
   }
-  fbi_turning_back(before, from);
-  fbi_turning_back(after, next);
+  fbi_body_momentum(before, from);
+  fbi_body_momentum(after, next);
   size = fb_vec3_dot(after, after);
   if (!(size > FB_R(0.0))) {
     return;
@@ -6602,7 +6605,7 @@ static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_bo
 {
   fb_real own[3], c[3];
   fbi_copy(own, k->V, 3);
-  if (fbi_is_flying(body)) {
+  if (fbi_is_free(body)) {
     fbi_center_eval(c, FBI_LINE_OF(k), body, k->qx + 1);
     fbi_center_rate(own, k, body, k->qx + 1, q_dot);
     fbi_vec3_add_cross(own, k->V + 3, c);
@@ -6623,7 +6626,7 @@ static FBI_NOINLINE void fbi_large_start(fbi_line_work *line, const fb_body *bod
   fbi_center_eval(c, line, body, state->q);
   fb_mat33_mul_vec3(own, R, c);
   for (int i = 0; i < 3; i++) {
-    line->center[i] = fbi_is_flying(body) ? own[i] / body->mass : FB_R(0.0);
+    line->center[i] = fbi_is_free(body) ? own[i] / body->mass : FB_R(0.0);
   }
 }
 #endif
@@ -6639,7 +6642,7 @@ static void fbi_field_start(fb_state *state, fbi_line_work *line, const fb_body 
   }
 #endif
 #if FB_WITH_GRAVITY
-  if (fbi_is_central(body) && fbi_is_flying(body)) {
+  if (fbi_is_central(body) && fbi_is_free(body)) {
     fb_real c[3], own[3];
     fbi_center_eval(c, line, body, state->q);
     fb_mat33_mul_vec3(own, R, c);
@@ -6660,13 +6663,13 @@ static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_sta
   fbi_kinetics k;
   fb_state out, at;
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   memset(&out, 0, sizeof out);
   status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
-  if (status == FB_OK && fbi_is_flying(body)) {
+  if (status == FB_OK && fbi_is_free(body)) {
     fbi_origin_velocity(out.rho, &k, body, &at, out.q);
   }
   status = status == FB_OK && !fbi_state_is_finite(&out, body->n_coordinate) ? FB_ERR_NOT_FINITE : status;
@@ -6754,8 +6757,8 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
-/* The same of a body with lines or rotors; line: its lines at this state (NULL: not known). */
-static fb_status fbi_further_range(const fb_body *body, const fb_state *state, const fbi_line_work *line)
+/* fbi_state_range of a body with lines or rotors; line: its lines at this state (NULL: not known). */
+static fb_status fbi_optional_range(const fb_body *body, const fb_state *state, const fbi_line_work *line)
 {
   fb_status status = fbi_state_range(body, state);
 #if FB_WITH_ROTORS
@@ -6794,7 +6797,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
   FBI_REQUIRE_MADE(body->n_node);
-  status = fbi_further(body) ? fbi_further_range(body, state, NULL) : fbi_state_range(body, state);
+  status = fbi_optional_effects(body) ? fbi_optional_range(body, state, NULL) : fbi_state_range(body, state);
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
@@ -6921,7 +6924,7 @@ static fb_status fbi_velocity_check(const fb_body *body, const fb_state *state, 
   }
   fbi_copy(quat, state->quat, 4);
   fbi_vec3_copy(turning, w);
-  fbi_turning_part(turning, body->base);
+  fbi_rotation_part(turning, body->base);
   if (fb_quat_normalize(quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
       (body->base == FB_BASE_HINGED && fbi_vec3_norm(turning) < fbi_vec3_norm(w))) {
     return FB_ERR_VALUE;
@@ -6951,7 +6954,7 @@ static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *bod
     fbi_vec3_add(state->u, FB_R(1.0) / body->mass, own);
   }
   if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_turning_part(k->ph + 3, body->base);
+    fbi_rotation_part(k->ph + 3, body->base);
     fb_mat33_mul_vec3(state->L, k->R, k->ph + 3);
     fbi_copy(state->h, k->ph + 3, 3);
   }
@@ -6964,7 +6967,7 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
   fb_state out;
   fbi_kinetics k;
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
   status = fbi_velocity_check(body, state, v, w, rates);
   if (status != FB_OK) {
     return status;
@@ -7033,7 +7036,7 @@ static fb_status fbi_rotor_set(fbi_line_work *line, const fb_body *body, fb_stat
   fb_state out = *state, at, rate;
   fbi_kinetics k;
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   status = fbi_rotor_state_rates(&rate, &k, body, &at, input, fbi_acting(body));
@@ -7179,7 +7182,7 @@ static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kineti
   fbi_vec6_zero(own);
   fbi_lambda_sub(own, body, k->qx, q_dot);
   fbi_vec6_add(k->ph, -FB_R(1.0), own);
-  fbi_turning(turn, k->V, k->ph);
+  fbi_transport(turn, k->V, k->ph);
   fbi_S_rate(k->dS, body, k->qx, xd);
   fb_sym6_mul_vec6(SV, k->dS, k->V);
   for (int i = 0; i < 6; i++) {
@@ -7261,7 +7264,7 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   fbi_mass_solve(pb_dot, body, rate->pi);
   fbi_momenta(k, body);
   fbi_S_rate(k->dS, body, k->qx, xd);
-  fbi_turning(turn, k->V, k->ph);
+  fbi_transport(turn, k->V, k->ph);
   fb_sym6_mul_vec6(SV, k->dS, k->V);
   for (int i = 0; i < 6; i++) {
     y[i] = k->fg[i] - turn[i] - SV[i];
@@ -7308,7 +7311,7 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   fb_motion out;
   fb_real velocity[3];
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
 
   /* rates of the state */
   status = fbi_input_check(body, input);
@@ -7385,7 +7388,7 @@ static fb_status fbi_node_motion(fbi_line_work *line, const fb_body *body, fb_no
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
   fbi_kinetics at;
-  FBI_TAKE_LINES(at, line);
+  FBI_SET_LINES(at, line);
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_on_line(body, &body->node[node])) {
     fbi_lines_move(at.line, &body->lines, state->q);
@@ -8009,7 +8012,7 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   fb_state at;
   fb_real u[3], p[3];
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
 
   /* velocities */
   fbi_state_enter(&at, k.R, body, state);
@@ -8065,7 +8068,7 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
   fb_state at;
   fb_real u[3], c[3], arm[3];
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
 
   /* velocities, (p, h) */
   fbi_state_enter(&at, k.R, body, state);
@@ -8086,7 +8089,7 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
   fb_mat33_mul_vec3(out.linear, k.R, k.ph);
   fbi_vec3_add(out.linear, body->mass, u);
   fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
-  if (fbi_is_flying(body)) {
+  if (fbi_is_free(body)) {
     fbi_copy(out.angular, at.L, 3);
   }
 
@@ -8125,125 +8128,125 @@ static int fbi_is_within(int n, int most)
   return n >= 0 && n <= most;
 }
 
-static int fbi_sparse_is_sound(const fb_sparse *m, int n)
+static int fbi_sparse_is_valid(const fb_sparse *m, int n)
 {
-  int sound = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
-  for (int k = 0; sound && k < m->n_term; k++) {
+  int valid = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
+  for (int k = 0; valid && k < m->n_term; k++) {
     const fb_pair_term *t = &m->term[k];
-    sound = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
+    valid = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
   }
-  return sound;
+  return valid;
 }
 
 /* Checks the terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
-static int fbi_lambda_is_sound(const fb_body *body)
+static int fbi_lambda_is_valid(const fb_body *body)
 {
   int row = 0,
-      sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
+      valid = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
               fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
               fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
-  for (int k = 0; sound && k < body->n_row; k++) { /* no row is empty */
-    sound = body->lambda_row[k].i < 6 &&
+  for (int k = 0; valid && k < body->n_row; k++) { /* no row is empty */
+    valid = body->lambda_row[k].i < 6 &&
             body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
   }
-  for (int k = 0; sound && k < body->n_lambda; k++) {
+  for (int k = 0; valid && k < body->n_lambda; k++) {
     const fb_lambda_term *t = &body->lambda[k];
     const int constant = k < body->n_lambda_constant;
     row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
-    sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
+    valid = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
             (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
                       : row < body->n_row && t->i == body->lambda_row[row].i &&
                             (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
   }
-  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
+  return valid && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
 }
 
 /* Checks the terms of S: runs of consecutive pairs. */
-static int fbi_S_is_sound(const fb_body *body)
+static int fbi_S_is_valid(const fb_body *body)
 {
-  int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
+  int terms = 0, valid = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
                          fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
-  for (int k = 0; sound && k < body->n_run; k++) {
+  for (int k = 0; valid && k < body->n_run; k++) {
     const fb_S_run *r = &body->run[k];
     terms += r->n;
-    sound = r->i < 21 && r->pair + r->n <= body->n_pair;
+    valid = r->i < 21 && r->pair + r->n <= body->n_pair;
   }
-  for (int k = 0; sound && k < body->n_pair; k++) {
-    sound = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
+  for (int k = 0; valid && k < body->n_pair; k++) {
+    valid = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
   }
-  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
+  return valid && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
 }
 
 #if FB_WITH_FORMS
-static int fbi_form_is_sound(const fb_body *body)
+static int fbi_form_is_valid(const fb_body *body)
 {
-  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_COUNT - 1) &&
+  int valid = fbi_is_choice((int)body->form, (int)FB_FORM_COUNT - 1) &&
               fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_COUNT - 1) &&
               fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
               fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
               fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
-  for (int k = 0; sound && k < body->n_gam + body->n_torque; k++) {
+  for (int k = 0; valid && k < body->n_gam + body->n_torque; k++) {
     const int is_gam = k < body->n_gam;
     const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
-    sound = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
+    valid = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
   }
-  return sound;
+  return valid;
 }
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-static int fbi_strain_is_sound(const fb_body *body)
+static int fbi_strain_is_valid(const fb_body *body)
 {
   const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  int sound = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
+  int valid = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
               fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
-  for (int k = 0; sound && k < body->n_strain_row; k++) {
+  for (int k = 0; valid && k < body->n_strain_row; k++) {
     const fb_strain_row *r = &body->strain_row[k];
-    sound = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
+    valid = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
   }
-  return sound;
+  return valid;
 }
 #endif
 
 #if FB_WITH_LARGE_DEFLECTION
 /* Checks n rows of a line from `row` on, by coordinate, with `length` numbers each. */
-static int fbi_line_rows_are_sound(const fb_lines *all, const fb_line *line, int row, int n, int length)
+static int fbi_line_rows_are_valid(const fb_lines *all, const fb_line *line, int row, int n, int length)
 {
-  int sound = row + n <= all->n_row;
-  for (int k = 0; sound && k < n; k++) {
+  int valid = row + n <= all->n_row;
+  for (int k = 0; valid && k < n; k++) {
     const fb_line_row *const r = &all->row[row + k];
-    sound =
+    valid =
         r->axis < 3 && r->a < line->n && (k == 0 || r->a >= r[-1].a) && r->at >= 0 && r->at <= all->n_table - length;
   }
-  return sound;
+  return valid;
 }
 
 /* Checks the l-th line: its points follow those of the one before; it hangs on a point of an earlier line with the same
    coordinates. */
-static int fbi_line_is_sound(const fb_lines *all, const fb_line *line, int n)
+static int fbi_line_is_valid(const fb_lines *all, const fb_line *line, int n)
 {
   const int next = line > all->line ? line[-1].point + line[-1].stride : 0;
-  int sound = line->first + line->n <= n && line->point == next && line->count > 0 &&
+  int valid = line->first + line->n <= n && line->point == next && line->count > 0 &&
               line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
-              fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
-              fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
+              fbi_line_rows_are_valid(all, line, line->row, line->n_turn, 2 * line->stride) &&
+              fbi_line_rows_are_valid(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
               fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && fbi_is_finite(line->axes, 9) &&
               fbi_vec3_is_finite(line->root) && line->shift >= 0 &&
               line->shift <= all->n_table - 3 * line->n * line->moves;
-  if (sound && line->hangs) {
-    sound = line->hangs <= next;
-    for (const fb_line *on = all->line; sound && on < line; on++) {
+  if (valid && line->hangs) {
+    valid = line->hangs <= next;
+    for (const fb_line *on = all->line; valid && on < line; on++) {
       if (line->hangs > on->point && line->hangs <= on->point + on->stride) {
-        sound = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
+        valid = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
       }
     }
   }
-  return sound;
+  return valid;
 }
 
-static int fbi_line_counts_are_sound(const fb_lines *all)
+static int fbi_line_counts_are_valid(const fb_lines *all)
 {
   return fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
          fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE) &&
@@ -8251,7 +8254,7 @@ static int fbi_line_counts_are_sound(const fb_lines *all)
 }
 
 /* Checks a node's place on its line, and that it has one only where there is a line. */
-static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
+static int fbi_line_node_is_valid(const fb_lines *all, const fb_line_node *node)
 {
   const fb_line *const line = node->line > 0 && node->line <= all->n_line ? &all->line[node->line - 1] : NULL;
   return node->line == 0 ||
@@ -8262,94 +8265,94 @@ static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
 }
 
 /* Checks where points stand, and the masses beside them. */
-static int fbi_stations_are_sound(const fb_line_station *s, int n, int n_side)
+static int fbi_stations_are_valid(const fb_line_station *s, int n, int n_side)
 {
-  int sound = 1;
-  for (int k = 0; sound && k < n; k++) {
+  int valid = 1;
+  for (int k = 0; valid && k < n; k++) {
     const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
-    sound = fbi_is_finite(place, 3) && fbi_is_finite(s[k].axes, 9) && s[k].side <= n_side;
+    valid = fbi_is_finite(place, 3) && fbi_is_finite(s[k].axes, 9) && s[k].side <= n_side;
   }
-  return sound;
+  return valid;
 }
 
-static int fbi_sides_are_sound(const fb_lines *all)
+static int fbi_sides_are_valid(const fb_lines *all)
 {
-  int sound = 1;
-  for (int k = 0; sound && k < all->n_side; k++) {
-    sound = fbi_is_finite(all->side[k].mass, 2) && fbi_is_finite(all->side[k].first[0], 6) &&
+  int valid = 1;
+  for (int k = 0; valid && k < all->n_side; k++) {
+    valid = fbi_is_finite(all->side[k].mass, 2) && fbi_is_finite(all->side[k].first[0], 6) &&
             fbi_is_finite(all->side[k].moment[0], 12);
   }
-  return sound;
+  return valid;
 }
 
 /* Checks the lines, S_0^-1 in place of S_0, and what the rest of the body has. */
-static int fbi_lines_are_sound(const fb_body *body)
+static int fbi_lines_are_valid(const fb_body *body)
 {
   const fb_lines *const all = &body->lines;
   const int n = all->n_point;
   int points = 0;
-  int sound = fbi_form(body) == 0 && fbi_line_counts_are_sound(all) && fbi_sparse_is_sound(&body->M_rest, body->n) &&
+  int valid = fbi_form(body) == 0 && fbi_line_counts_are_valid(all) && fbi_sparse_is_valid(&body->M_rest, body->n) &&
               fbi_is_finite(body->c_rest, 3);
-  for (int l = 0; sound && l < all->n_line; l++) {
-    sound = fbi_line_is_sound(all, &all->line[l], body->n);
+  for (int l = 0; valid && l < all->n_line; l++) {
+    valid = fbi_line_is_valid(all, &all->line[l], body->n);
     points += all->line[l].stride;
   }
-  sound = sound && points == n && fbi_stations_are_sound(all->station, n, all->n_side) &&
-          fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all);
-  sound = sound && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
+  valid = valid && points == n && fbi_stations_are_valid(all->station, n, all->n_side) &&
+          fbi_stations_are_valid(all->root, all->n_line, all->n_side) && fbi_sides_are_valid(all);
+  valid = valid && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
           fbi_is_finite(all->inertia, 6 * n) && fbi_is_finite(all->table, all->n_table);
-  for (int i = 0; sound && i < 3; i++) {
-    sound = fbi_is_finite(all->start[i], n) && fbi_is_finite(all->tangent[i], n);
+  for (int i = 0; valid && i < 3; i++) {
+    valid = fbi_is_finite(all->start[i], n) && fbi_is_finite(all->tangent[i], n);
   }
-  for (int j = 0; sound && j < n; j++) {
-    sound = all->mass[j] >= FB_R(0.0);
+  for (int j = 0; valid && j < n; j++) {
+    valid = all->mass[j] >= FB_R(0.0);
   }
-  for (int k = 0; sound && k < body->n_node; k++) {
-    sound = fbi_line_node_is_sound(all, &body->node[k].line);
+  for (int k = 0; valid && k < body->n_node; k++) {
+    valid = fbi_line_node_is_valid(all, &body->node[k].line);
   }
-  return sound;
+  return valid;
 }
 #endif
 
-static int fbi_matrices_are_sound(const fb_body *body)
+static int fbi_matrices_are_valid(const fb_body *body)
 {
-  int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
-              fbi_sparse_is_sound(&body->K, body->n);
+  int valid = fbi_sparse_is_valid(&body->M, body->n) && fbi_sparse_is_valid(&body->Minv, body->n) &&
+              fbi_sparse_is_valid(&body->K, body->n);
 #if FB_WITH_DAMPING
-  sound = sound && fbi_sparse_is_sound(&body->C, body->n);
+  valid = valid && fbi_sparse_is_valid(&body->C, body->n);
 #endif
-  for (int a = 0; sound && a < body->n; a++) {
-    sound = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
+  for (int a = 0; valid && a < body->n; a++) {
+    valid = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
             (!body->unit_mass || body->M.diagonal[a] > FB_R(0.0));
   }
-  return sound;
+  return valid;
 }
 
 #if FB_WITH_ROTORS
-static int fbi_rotors_are_sound(const fb_body *body)
+static int fbi_rotors_are_valid(const fb_body *body)
 {
-  int sound = fbi_is_within(body->n_rotor, FB_MAX_ROTORS) && body->n_coordinate == body->n + body->n_rotor &&
+  int valid = fbi_is_within(body->n_rotor, FB_MAX_ROTORS) && body->n_coordinate == body->n + body->n_rotor &&
               fbi_has_rotors(body) == (body->n_rotor > 0);
-  for (int r = 0; sound && r < body->n_rotor; r++) {
+  for (int r = 0; valid && r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
     const fb_real least[6] = {rotor->damping,  rotor->friction, rotor->friction_speed,
                               rotor->mobility, rotor->rate,     rotor->inertia};
     const fb_real other[3] = {rotor->static_imbalance, rotor->dynamic_imbalance, rotor->dynamic_phase};
-    sound = fbi_is_within(rotor->node, body->n_node - 1) && fbi_is_flag(rotor->given) && fbi_is_flag(rotor->moves) &&
+    valid = fbi_is_within(rotor->node, body->n_node - 1) && fbi_is_flag(rotor->given) && fbi_is_flag(rotor->moves) &&
             fbi_is_finite(least, 6) && fbi_is_finite(other, 3) && fbi_vec3_is_finite(rotor->axis) &&
             fbi_vec3_is_finite(rotor->across) && rotor->inertia > FB_R(0.0) &&
             (rotor->friction_speed > FB_R(0.0) || rotor->friction == FB_R(0.0));
-    for (int i = 0; sound && i < 5; i++) {
-      sound = least[i] >= FB_R(0.0);
+    for (int i = 0; valid && i < 5; i++) {
+      valid = least[i] >= FB_R(0.0);
     }
   }
-  return sound;
+  return valid;
 }
 #endif
 
 /* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite; of a body with
    lines the inverse is, and S_0 finite. */
-static int fbi_rigid_is_sound(const fb_body *body)
+static int fbi_rigid_is_valid(const fb_body *body)
 {
   const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
                              body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
@@ -8376,7 +8379,7 @@ static int fbi_rigid_is_sound(const fb_body *body)
 
 FB_DEF fb_status fb_body_check(const fb_body *body)
 {
-  int sound;
+  int valid;
   FBI_REQUIRE(body, FB_ERR_NULL);
 
   /* counts first: the other checks read by them */
@@ -8385,31 +8388,31 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
   }
 
   /* values */
-  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) &&
+  valid = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) &&
           fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
-          fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
+          fbi_rigid_is_valid(body) && fbi_matrices_are_valid(body) && fbi_lambda_is_valid(body) && fbi_S_is_valid(body);
 #if FB_WITH_FORMS
-  sound = sound && fbi_form_is_sound(body);
+  valid = valid && fbi_form_is_valid(body);
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  sound = sound && fbi_strain_is_sound(body);
+  valid = valid && fbi_strain_is_valid(body);
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  sound = sound && (!fbi_is_large(body) || fbi_lines_are_sound(body));
+  valid = valid && (!fbi_is_large(body) || fbi_lines_are_valid(body));
 #endif
 #if FB_WITH_ROTORS
-  sound = sound && fbi_rotors_are_sound(body);
+  valid = valid && fbi_rotors_are_valid(body);
 #else
-  sound = sound && body->n_coordinate == body->n;
+  valid = valid && body->n_coordinate == body->n;
 #endif
 #if FB_WITH_GRAVITY
-  sound = sound && fbi_is_finite(body->gravity, 3) && fbi_is_finite(body->center, 3) && body->mu < FB_HUGE &&
+  valid = valid && fbi_is_finite(body->gravity, 3) && fbi_is_finite(body->center, 3) && body->mu < FB_HUGE &&
           (fbi_is_central(body) ? body->mu > FB_R(0.0) && fbi_form(body) == 0 : body->mu == FB_R(0.0));
 #endif
-  for (int k = 0; sound && k < body->n_node; k++) {
-    sound = fbi_node_is_finite(&body->node[k], body->n);
+  for (int k = 0; valid && k < body->n_node; k++) {
+    valid = fbi_node_is_finite(&body->node[k], body->n);
   }
-  return sound ? FB_OK : FB_ERR_VALUE;
+  return valid ? FB_OK : FB_ERR_VALUE;
 }
 
 /* ---- check word */
@@ -8617,7 +8620,7 @@ static unsigned fbi_crc_rotors(unsigned crc, const fb_body *body, int single)
 #endif
 
 /* Data of optional effects and forms; a body without them adds nothing. */
-static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
+static unsigned fbi_crc_optional(unsigned crc, const fb_body *body, int single)
 {
 #if FB_WITH_DAMPING
   if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
@@ -8682,42 +8685,42 @@ static unsigned fbi_body_crc(const fb_body *body, int single)
   crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
   crc = fbi_crc_sparse(fbi_crc_sparse(crc, &body->M, body->n, single), &body->Minv, body->n, single);
   crc = fbi_crc_sparse(crc, &body->K, body->n, single);
-  crc = fbi_crc_further(crc, body, single);
+  crc = fbi_crc_optional(crc, body, single);
   return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
 }
 
 /* 1 if every count is within its table, so that the CRC reads nothing beyond. */
-static int fbi_counts_are_sound(const fb_body *body)
+static int fbi_counts_are_valid(const fb_body *body)
 {
-  int sound = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
+  int valid = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
               fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
               fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
               fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
               fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
 #if FB_WITH_DAMPING
-  sound = sound && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
+  valid = valid && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
 #endif
 #if FB_WITH_FORMS
-  sound = sound && fbi_is_within(body->n_gam, 9 * FB_MAX_MODES) && fbi_is_within(body->n_torque, FBI_MAX_TORQUE);
+  valid = valid && fbi_is_within(body->n_gam, 9 * FB_MAX_MODES) && fbi_is_within(body->n_torque, FBI_MAX_TORQUE);
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  sound =
-      sound && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
+  valid =
+      valid && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  sound = sound && (!fbi_is_large(body) ||
-                    (fbi_line_counts_are_sound(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
+  valid = valid && (!fbi_is_large(body) ||
+                    (fbi_line_counts_are_valid(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
 #endif
 #if FB_WITH_ROTORS
-  sound = sound && fbi_is_within(body->n_rotor, FB_MAX_ROTORS);
+  valid = valid && fbi_is_within(body->n_rotor, FB_MAX_ROTORS);
 #endif
-  return sound;
+  return valid;
 }
 
 FB_DEF unsigned fb_body_crc(const fb_body *body)
 {
   FBI_REQUIRE(body, 0);
-  return fbi_counts_are_sound(body) ? fbi_body_crc(body, FB_SINGLE) : 0;
+  return fbi_counts_are_valid(body) ? fbi_body_crc(body, FB_SINGLE) : 0;
 }
 
 /* ---- sensors */
@@ -8772,7 +8775,7 @@ FB_DEF fb_status fb_body_gravity_eval(const fb_body *body, fb_real g[3], const f
    holds: the directions of its constraint rows, 0..2 translations along x, y, z, FBI_SQUARE(i, j) the right angle
    between axis i of the parent and axis j of the child; -1 ends the list.
    Pose, twists, coordinates, efforts and rows follow from these. With a tilt the twist of the angle depends on the
-   coordinates: A_dot of the universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes the angle
+   coordinates: A_dot of the universal joint (fbi_joint_pose, fbi_momentum_rate, fbi_bias_acceleration) takes the angle
    as axis 0 and the tilt as axis 1. */
 #define FBI_SQUARE(i, j) (3 + 3 * (i) + (j))
 typedef struct fbi_joint_traits {
@@ -8844,7 +8847,7 @@ static int fbi_node_moves(const fb_body *body, int node)
 
 /* C = axes rotated by the joint coordinates x; slide [m]: translation along z of the axes. Universal joint: also the
    twists of its axes, of which the first depends on the second angle, and the derivative A_dot by that angle. */
-static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
+static void fbi_joint_pose(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
                            const fb_link_state *x)
 {
   const fbi_joint_traits *is = fbi_traits(joint);
@@ -8915,7 +8918,7 @@ static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_re
                             const fb_link_state *x)
 {
   fb_real J[9], slide;
-  fbi_joint_turn(joint->turned ? J : L->C, &slide, L, joint, axes, x);
+  fbi_joint_pose(joint->turned ? J : L->C, &slide, L, joint, axes, x);
   for (int i = 0; i < 9 && joint->turned; i++) {
     L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
   }
@@ -9087,7 +9090,7 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
 #if FB_WITH_LARGE_DEFLECTION
     if (fbi_is_large(model)) { /* poses of its lines, M, Lambda and M_rr at q */
       L->k.line = &w->line[k];
-      L->sound = fbi_large_matrices(&L->k, model, L->k.qx + 1);
+      L->lines_status = fbi_large_matrices(&L->k, model, L->k.qx + 1);
     }
 #endif
 
@@ -9109,7 +9112,7 @@ static fb_axis_mode fbi_axis_mode(const fbi_link_work *L, const fb_joint *joint,
 }
 
 /* Y = C X C^T */
-static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+static void fbi_mat33_congruence(fb_real Y[9], const fb_real C[9], const fb_real X[9])
 {
   fb_real T[9];
   fb_mat33_mul(T, C, X);
@@ -9121,8 +9124,8 @@ static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
   }
 }
 
-/* The same for symmetric X. */
-static void fbi_sym3_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+/* Y = C X C^T of a symmetric X. */
+static void fbi_sym3_congruence(fb_real Y[9], const fb_real C[9], const fb_real X[9])
 {
   fb_real T[9];
   fb_mat33_mul(T, C, X);
@@ -9219,9 +9222,9 @@ static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_
 {
   fb_real a[9], b[9], d[9], A[9], B[9], D[9];
   fbi_sym6_blocks(a, b, d, S);
-  fbi_sym3_turn(A, C, a);
-  fbi_mat33_turn(B, C, b);
-  fbi_sym3_turn(D, C, d);
+  fbi_sym3_congruence(A, C, a);
+  fbi_mat33_congruence(B, C, b);
+  fbi_sym3_congruence(D, C, d);
   fbi_sym6_shift_add(T, A, B, D, arm);
 }
 
@@ -9262,8 +9265,8 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
 }
 
 #if FB_WITH_LARGE_DEFLECTION
-/* fbi_link_open of a body with lines: E += s M(q) (lower triangle), X = Lambda(q)^T, S = M_rr(q). */
-static void fbi_large_open(fbi_link_work *L, int n, fb_real s)
+/* fbi_modes_assemble of a body with lines: E += s M(q) (lower triangle), X = Lambda(q)^T, S = M_rr(q). */
+static void fbi_large_modes_assemble(fbi_link_work *L, int n, fb_real s)
 {
   const fbi_line_work *const w = L->k.line;
   for (int a = 0; a < n; a++) {
@@ -9281,7 +9284,7 @@ static void fbi_large_open(fbi_link_work *L, int n, fb_real s)
 /* Elastic block of the articulated-body inertia, for bodies whose nodes carry children or whose modes are integrated
    implicitly: E = (1 + heavy) M + g C + g^2 K_t, X = Lambda^T (6 per mode), S = M_rr = S + Lambda M^-1 Lambda^T.
    heavy: extra modal mass while loops are closed. */
-static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
+static FBI_NOINLINE void fbi_modes_assemble(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
 {
   fb_real sum[21];
   const int n = body->n;
@@ -9307,7 +9310,7 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    fbi_large_open(L, n, FB_R(1.0) + heavy);
+    fbi_large_modes_assemble(L, n, FB_R(1.0) + heavy);
     return;
   }
 #endif
@@ -9344,7 +9347,7 @@ static fb_status fbi_large_begin(fbi_link_work *L)
 {
 #if FB_WITH_LARGE_DEFLECTION
   fbi_sym6_copy(L->S, L->k.line->M_rr);
-  return L->sound;
+  return L->lines_status;
 #else
   (void)L;
   return FB_OK;
@@ -9354,7 +9357,7 @@ static fb_status fbi_large_begin(fbi_link_work *L)
 /* Adds a child of inertia S on a node that modes move: E += J^T I J (the lower triangle, which is factored),
    X += J^T I V, S += V^T I V with I the child's inertia about the node and V = (v + w x n, w) the node's velocity by
    the parent's. */
-static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
+static FBI_NOINLINE void fbi_child_inertia_add(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
 {
   fb_real I[21], A[9], B[9], D[9], column[6];
   fbi_zero(I, 21);
@@ -9374,7 +9377,7 @@ static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L
 }
 
 /* Eliminates the modes: E = L L^T, X = L^-1 X, S -= X^T X. */
-static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
+static FBI_NOINLINE fb_status fbi_modes_eliminate(fbi_link_work *L, int n)
 {
   if (fb_chol_factor(L->E, n) != FB_OK) {
     return FB_ERR_RANGE;
@@ -9410,7 +9413,7 @@ static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joi
    where D is round-off, of its own summands or of the largest inertia that an axis further out has eliminated.
    Source: block elimination of M u = p from the tips; [FE] 7.
    Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
-static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
+static fb_status fbi_joint_eliminate(fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
   const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
 
@@ -9478,7 +9481,7 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
     if (L->open) {
-      fbi_link_open(L, model, g, w->heavy);
+      fbi_modes_assemble(L, model, g, w->heavy);
     }
     L->mass = L->moment = FB_R(0.0);
   }
@@ -9488,8 +9491,8 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     fbi_link_work *L = &w->link[k], *parent = L->parent;
     const fb_joint *joint = L->joint;
     if (L->settled < 2) {
-      fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
-      status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
+      fb_status status = L->open ? fbi_modes_eliminate(L, L->model->n) : FB_OK;
+      status = status == FB_OK ? fbi_joint_eliminate(L, joint, g) : status;
       if (status != FB_OK) {
         w->joint = k;
         return status;
@@ -9503,7 +9506,7 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
       parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
     }
     if (parent && joint->moves) {
-      fbi_link_carry(parent, L, L->S, parent->model->n);
+      fbi_child_inertia_add(parent, L, L->S, parent->model->n);
     } else if (parent) {
       fbi_sym6_to_parent_add(parent->S, L->S, L->C, L->arm);
     }
@@ -9511,9 +9514,9 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
   return FB_OK;
 }
 
-/* Forward elimination in one body: b is the momentum that the body and its subtree transmit to the joint, e the
+/* Inward pass (elimination) of one body: b is the momentum that the body and its subtree transmit to the joint, e the
    right-hand side of the modes. */
-static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *body)
+static void fbi_link_inward(fbi_link_work *L, const fb_joint *joint, const fb_body *body)
 {
   const int n = body->n;
 
@@ -9625,9 +9628,9 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
   }
 }
 
-/* Back-substitution in one body: V from the velocity of the node that carries it (NULL: the ground), the speeds of its
-   joint and modes, and the momentum G = S V + b of the subtree. */
-static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+/* Outward pass (back-substitution) of one body: V from the velocity of the node that carries it (NULL: the ground), the
+   speeds of its joint and modes, and the momentum G = S V + b of the subtree. */
+static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
 {
   fb_real *const V = L->V;
   if (node) {
@@ -9648,8 +9651,9 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
   return FB_OK;
 }
 
-/* Transmits b of a body to its parent (NULL: none) and subtracts its projection on the parent's n modes from e. */
-static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_joint *joint, int n)
+/* Adds the right-hand side b of a child to that of its parent (NULL: none) and subtracts its projection on the parent's
+   n modes from e. */
+static void fbi_child_rhs_add(fbi_link_work *parent, const fbi_link_work *L, const fb_joint *joint, int n)
 {
   if (parent && joint->moves) {
     fb_real b[6] = {0};
@@ -9664,12 +9668,12 @@ static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_
   }
 }
 
-/* The same for body k, without the pointers that fbi_links_place sets. */
-static void fbi_hand_in_at(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
+/* fbi_child_rhs_add for body k, without the pointers that fbi_links_place sets. */
+static void fbi_child_rhs_add_at(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
 {
   const fb_joint *joint = &system->joint[k];
-  fbi_hand_in(fbi_parent(w, joint), &w->link[k], joint,
-              joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
+  fbi_child_rhs_add(fbi_parent(w, joint), &w->link[k], joint,
+                    joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
 }
 
 /* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out
@@ -9689,8 +9693,8 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
   /* in from the tips */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k], *parent = L->parent;
-    fbi_link_in(L, L->joint, L->model);
-    fbi_hand_in(parent, L, L->joint, parent ? parent->model->n : 0);
+    fbi_link_inward(L, L->joint, L->model);
+    fbi_child_rhs_add(parent, L, L->joint, parent ? parent->model->n : 0);
   }
 
   /* out from the ground */
@@ -9704,7 +9708,7 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
       fbi_node_velocity(node, L, L->joint, parent->model, parent->V, parent->q_dot);
       at = node;
     }
-    status = fbi_link_out(L, L->joint, L->model, at);
+    status = fbi_link_outward(L, L->joint, L->model, at);
     if (status != FB_OK) {
       w->joint = k;
       return status;
@@ -9773,7 +9777,7 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
   if (!fbi_is_large(model)) {
     fbi_S_eval(L->S, model, L->k.qx, model->n_run);
   }
-  fbi_link_open(L, model, g, w->heavy);
+  fbi_modes_assemble(L, model, g, w->heavy);
   fbi_velocity_map(w, system, body, k, N);
 
   /* T^T M_rr T and Lambda^T T */
@@ -9867,7 +9871,7 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
       w->z[at + i] = fbi_axis_mode(L, joint, i) != FB_AXIS_FREE ? given : L->p[i] - along;
     }
     fbi_copy(w->z + at + joint->n_axis, L->e, fbi_model(system, body, k)->n);
-    fbi_hand_in_at(w, system, body, k);
+    fbi_child_rhs_add_at(w, system, body, k);
   }
 
   /* speeds, velocities and momenta of the bodies */
@@ -9893,7 +9897,7 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
   /* momenta G of the subtrees */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_vec6_copy(w->link[k].G, w->link[k].b);
-    fbi_hand_in_at(w, system, body, k);
+    fbi_child_rhs_add_at(w, system, body, k);
   }
 }
 
@@ -10825,8 +10829,8 @@ static FBI_NOINLINE void fbi_links_rotors_sub(fb_system_work *w, const fb_system
   }
 }
 
-/* E8.43 of the rotors of a body at known velocities, q_dot among them; the lines are posed. */
-static void fbi_link_rotors_turn(fb_real *q_dot, fb_real *pi_dot, fbi_link_work *L, const fb_rotor_input *input)
+/* E8.43 of the rotors of a body at known velocities and q_dot; the lines are posed. */
+static void fbi_link_rotors_eval(fb_real *q_dot, fb_real *pi_dot, fbi_link_work *L, const fb_rotor_input *input)
 {
   fbi_node_field f[FB_MAX_ROTORS];
   fb_real unused[3];
@@ -10836,7 +10840,7 @@ static void fbi_link_rotors_turn(fb_real *q_dot, fb_real *pi_dot, fbi_link_work 
       fbi_rotor_place(unused, &f[r], &L->k, L->model, &L->model->rotor[r], L->k.qx + 1);
     }
   }
-  fbi_rotors_turn_apart(q_dot, pi_dot, f, &L->k, L->model, input);
+  fbi_rotors_rates_apart(q_dot, pi_dot, f, &L->k, L->model, input);
 }
 
 /* k.rotor_speed alone */
@@ -10845,7 +10849,7 @@ static void fbi_link_rotors_look(fbi_link_work *L, const fb_rotor_input *input)
   fb_real q_dot[FBI_MAX_COORDINATES], unused[FBI_MAX_COORDINATES];
   fbi_copy(q_dot, L->q_dot, L->model->n);
   fbi_zero(unused, L->model->n);
-  fbi_link_rotors_turn(q_dot, unused, L, input);
+  fbi_link_rotors_eval(q_dot, unused, L, input);
 }
 
 /* Power of the motors of a body's rotors; given: with what holds the momentum of those where it is given. */
@@ -10863,7 +10867,7 @@ static fb_real fbi_link_rotors_power(const fbi_link_work *L, const fb_rotor_inpu
 /* Rates of the rotors of a body and what they do to the modes that move them; returns the power of the motors. */
 static FBI_NOINLINE fb_real fbi_link_rotors_rate(fb_link_state *rate, fbi_link_work *L, const fb_rotor_input *input)
 {
-  fbi_link_rotors_turn(rate->q, rate->pi, L, input);
+  fbi_link_rotors_eval(rate->q, rate->pi, L, input);
   return fbi_link_rotors_power(L, input, 0);
 }
 
@@ -11221,7 +11225,7 @@ static fb_real fbi_stop_secant(const fb_joint *joint, int i, fb_real depth, fb_r
 }
 
 /* Effort of friction and stops on axis i. */
-static FBI_NOINLINE fb_real fbi_rubbing(const fb_joint *joint, int i, fb_real value, fb_real speed)
+static FBI_NOINLINE fb_real fbi_friction_effort(const fb_joint *joint, int i, fb_real value, fb_real speed)
 {
   const fb_real depth = fbi_stop_depth(joint, i, value);
   return joint->bias[i] - fbi_friction(joint, i, speed) * speed - fbi_stop_secant(joint, i, depth, speed) * depth;
@@ -11233,7 +11237,7 @@ static FBI_NOINLINE fb_real fbi_rubbing(const fb_joint *joint, int i, fb_real va
 static fb_real fbi_axis_torque(const fb_joint *joint, fb_real motor, int i, fb_real value, fb_real speed)
 {
   const fb_real linear = motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
-  return joint->rubs ? linear + fbi_rubbing(joint, i, value, speed) : linear;
+  return joint->rubs ? linear + fbi_friction_effort(joint, i, value, speed) : linear;
 }
 
 #if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
@@ -11644,7 +11648,7 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
       /* on the modes; on the body about O */
       if (end->moves) {
         const fb_body *model = fbi_model(system, body, end->link);
-        fbi_node_take(L->k.x + 1, &end->f, &L->k, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
+        fbi_node_forces_add(L->k.x + 1, &end->f, &L->k, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
       }
       fbi_vec3_add_cross(F + 3, end->n, F);
       fbi_vec6_add(L->F, FB_R(1.0), F);
@@ -11697,7 +11701,7 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
   }
 
   /* F - turning */
-  fbi_turning(turn, L->V, L->G);
+  fbi_transport(turn, L->V, L->G);
   fbi_vec6_copy(load, L->F);
   fbi_vec6_add(load, -FB_R(1.0), turn);
 
@@ -11734,8 +11738,8 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
   return power;
 }
 
-/* Transmits F, if any, and G of a body to its parent: F to its load, both to the modes that move the node. */
-static void fbi_load_hand_in(const fbi_link_work *L)
+/* Adds the load F of a body to that of its parent, F and the momentum G to the modes that move the node. */
+static void fbi_child_load_add(const fbi_link_work *L)
 {
   const fb_joint *joint = L->joint;
   fbi_link_work *parent = L->parent;
@@ -11747,8 +11751,8 @@ static void fbi_load_hand_in(const fbi_link_work *L)
     fb_real F[6] = {0}, G[6] = {0};
     fbi_to_parent_add(F, L, L->F);
     fbi_to_parent_add(G, L, L->G);
-    fbi_node_take(parent->k.x + 1, &L->node, &parent->k, on, &on->node[joint->parent_node], parent->q_dot, parent->V,
-                  L->n, G, F);
+    fbi_node_forces_add(parent->k.x + 1, &L->node, &parent->k, on, &on->node[joint->parent_node], parent->q_dot,
+                        parent->V, L->n, G, F);
     fbi_vec3_add_cross(F + 3, L->n, F);
     fbi_vec6_add(parent->F, FB_R(1.0), F);
     parent->k.loaded = 1;
@@ -11788,7 +11792,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
     fb_link_state *out = &rate->link[k];
     fbi_coordinate_rates(out, L, L->joint, &state->link[k]);
     rate->motor_work += fbi_momentum_rate(out, w, &state->link[k], input, k);
-    fbi_load_hand_in(L);
+    fbi_child_load_add(L);
     if (model->n_coordinate > 0) {
       fbi_copy(out->q, L->q_dot, model->n);
       fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
@@ -11827,7 +11831,7 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     fbi_link_momenta(L, model, 1);
     fbi_vec6_copy(L->b, L->k.ph);
     for (int a = 0; a < model->n; a++) {
-      L->e[a] = -L->e[a]; /* fbi_hand_in subtracts from e */
+      L->e[a] = -L->e[a]; /* fbi_child_rhs_add subtracts from e */
     }
 #if FB_WITH_ROTORS
     if (system->carries_rotors) {
@@ -11842,7 +11846,7 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     const fb_joint *joint = &system->joint[k];
     fb_link_state *x = &state->link[k];
     fb_real p[6];
-    fbi_hand_in_at(w, system, body, k);
+    fbi_child_rhs_add_at(w, system, body, k);
     fbi_vec6_zero(x->p);
     for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
       x->pi[a] = -L->e[a];
@@ -11857,18 +11861,18 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
 
 /* ---- frames of flying trees */
 
-/* Is there a tree whose frame may move? */
-static int fbi_flies(const fb_system *system)
+/* 1 if a tree of the system stands on a free joint, so that its frame may move. */
+static int fbi_has_free_joint(const fb_system *system)
 {
-  int flies = 0;
+  int found = 0;
   for (int k = 0; k < system->n_body; k++) {
-    flies |= system->joint[k].kind == FB_JOINT_FREE;
+    found |= system->joint[k].kind == FB_JOINT_FREE;
   }
-  return flies;
+  return found;
 }
 
 /* x += d with compensation: lost collects the round-off and passes on to x what x can hold. Source: Knuth's two-sum. */
-static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
+static void fbi_compensated_add(fb_real *x, fb_real *lost, const fb_real *d, int n)
 {
   for (int i = 0; i < n; i++) {
     const fb_real a = x[i], sum = a + d[i], b = sum - a, rest = lost[i] + ((a - (sum - b)) + (d[i] - b));
@@ -12112,9 +12116,9 @@ static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const 
 
 /* Transforms momenta to the chosen frames: those of the state, or (more) the increments that it is to grow by. The
    linear momentum of a free root becomes exactly zero. */
-static FBI_FLATTEN void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state,
-                                        fb_system_state *more, const fb_system_state *modes,
-                                        const fb_system_input *input)
+static FBI_FLATTEN void fbi_frames_apply(fb_system_work *w, const fb_system *system, fb_system_state *state,
+                                         fb_system_state *more, const fb_system_state *modes,
+                                         const fb_system_input *input)
 {
   fbi_trees_sum(w, system, state, more);
   fbi_trees_hold(w, system, modes);
@@ -12143,7 +12147,7 @@ static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_s
   for (int k = 0; k < system->n_body; k++) {
     fb_link_state *x = &state->link[k];
     if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fbi_keep(x->u, x->lost_u, w->link[w->link[k].root].change, 3);
+      fbi_compensated_add(x->u, x->lost_u, w->link[w->link[k].root].change, 3);
       for (int i = 0; i < 3; i++) {
         const fb_real lost = FB_FABS(x->lost_u[i]) < FBI_FAINT ? FB_R(0.0) : x->lost_u[i];
         rest[i] = FBI_FAINT + FB_R(4.0) * FB_EPSILON * FB_FABS(w->link[w->link[k].root].change[i]);
@@ -12159,12 +12163,12 @@ static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_s
 }
 
 /* Moves as much of lost_x into the positions x as they can hold. */
-static void fbi_places_settle(fb_system_state *state, const fb_system *system, const fb_system_work *w)
+static void fbi_places_compensate(fb_system_state *state, const fb_system *system, const fb_system_work *w)
 {
   const fb_real none[3] = {0};
   for (int k = 0; k < system->n_body; k++) {
     if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fbi_keep(state->link[k].x, state->link[k].lost_x, none, 3);
+      fbi_compensated_add(state->link[k].x, state->link[k].lost_x, none, 3);
     }
   }
 }
@@ -12173,9 +12177,9 @@ static void fbi_places_settle(fb_system_state *state, const fb_system *system, c
 static void fbi_frames_renew(fb_system_state *state, fb_system_work *w, const fb_system *system,
                              const fb_system_input *input)
 {
-  fbi_frames_take(w, system, state, NULL, state, input);
+  fbi_frames_apply(w, system, state, NULL, state, input);
   fbi_frames_set(state, w, system);
-  fbi_places_settle(state, system, w);
+  fbi_places_compensate(state, system, w);
 }
 
 /* Adds s times m c, mass times mass center in the frame, of each tree after E9.22 to its center. */
@@ -12307,8 +12311,8 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
 }
 
 /* Restores the momenta of free axes and of modes from before. */
-static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state *before, const fb_system *system,
-                                  const fb_system_state *modes)
+static void fbi_free_momenta_restore(fb_system_state *state, const fb_system_state *before, const fb_system *system,
+                                     const fb_system_state *modes)
 {
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = &system->joint[k];
@@ -12334,7 +12338,7 @@ static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, c
   } else if (status == FB_OK) {
     w->sum = *state;
     fbi_momenta_fill(state, w, system, body);
-    fbi_free_momenta_keep(state, &w->sum, system, modes);
+    fbi_free_momenta_restore(state, &w->sum, system, modes);
   }
   return status;
 }
@@ -12378,8 +12382,8 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
 }
 
 /* Speeds of a placed tree: of motion (NULL: none) where axes are free, of the input where they are prescribed. */
-static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb_body *body,
-                            const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
+static void fbi_speeds_set(fb_system_work *w, const fb_system *system, const fb_body *body,
+                           const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
 {
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -12494,7 +12498,7 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
   fbi_frames_init(state, system, motion, input);
   fbi_prescribe(state, system, state, input);
   fbi_links_place(w, system, body, state, state);
-  fbi_speeds_take(w, system, body, state, motion, input);
+  fbi_speeds_set(w, system, body, state, motion, input);
 #if FB_WITH_ROTORS
   if (system->carries_rotors) {
     return fbi_links_rotors_set(state, w, system, motion, input);
@@ -12646,7 +12650,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   if (status == FB_OK && fbi_has_rows(work, input)) {
     status = fbi_motion_close(out, work, system, body, input);
   }
-  if (status == FB_OK && fbi_flies(system)) {
+  if (status == FB_OK && fbi_has_free_joint(system)) {
     fbi_frames_renew(out, work, system, input);
   }
 
@@ -12872,7 +12876,7 @@ static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_rea
   }
 #endif
   fbi_own_momentum_rates(L, body, V_dot, q_ddot);
-  fbi_turning(turn, L->V, L->k.ph);
+  fbi_transport(turn, L->V, L->k.ph);
   for (int i = 0; i < 6; i++) {
     L->y[i] = L->k.fg[i] - turn[i] - L->b[i];
   }
@@ -13515,57 +13519,57 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
 
 /* ---- checks of what is in memory */
 
-static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int j)
+static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int j)
 {
   const fb_joint *joint = &system->joint[j];
   const int loop = j >= system->n_body, most = loop ? system->n_body : j;
-  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
+  int valid = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
               joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
               joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
               fbi_is_flag(joint->turned);
 
   /* axes and nodes */
-  sound = sound && joint->n_axis == fbi_traits(joint)->n_axis &&
+  valid = valid && joint->n_axis == fbi_traits(joint)->n_axis &&
           (joint->parent < 0 ? joint->parent_node == 0 && !joint->moves
                              : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
           joint->child_node < fbi_model(system, body, joint->child)->n_node;
 
   /* values */
-  sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
+  valid = valid && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
           fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
           fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
           fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
           fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->friction_speed, 3) &&
           fbi_is_finite(joint->stop[0], 6) && fbi_is_finite(joint->stop_stiffness, 3) &&
           fbi_is_finite(joint->stop_loss, 3) && fbi_is_finite(joint->bias, 3);
-  for (int i = 0; sound && i < 3; i++) {
-    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
+  for (int i = 0; valid && i < 3; i++) {
+    valid = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
             joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
             joint->stop_stiffness[i] >= FB_R(0.0) && joint->stop_loss[i] >= FB_R(0.0) &&
             (joint->friction_speed[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0)));
   }
-  return sound;
+  return valid;
 }
 
-static int fbi_spring_is_sound(const fb_system *system, const fb_body *body, int j)
+static int fbi_spring_is_valid(const fb_system *system, const fb_body *body, int j)
 {
   const fb_spring *const spring = &system->spring[j];
   const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
-  int sound = fbi_is_finite(value, 3) && fbi_is_finite(spring->position[0], 3) && fbi_is_finite(spring->position[1], 3);
+  int valid = fbi_is_finite(value, 3) && fbi_is_finite(spring->position[0], 3) && fbi_is_finite(spring->position[1], 3);
   for (int i = 0; i < 3; i++) {
-    sound = sound && value[i] >= FB_R(0.0);
+    valid = valid && value[i] >= FB_R(0.0);
   }
-  for (int side = 0; sound && side < 2; side++) {
+  for (int side = 0; valid && side < 2; side++) {
     const int k = spring->body[side];
-    sound = k >= FB_GROUND && k < system->n_body &&
+    valid = k >= FB_GROUND && k < system->n_body &&
             fbi_is_within(spring->node[side], k < 0 ? 0 : fbi_model(system, body, k)->n_node - 1);
   }
-  return sound;
+  return valid;
 }
 
 FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
 {
-  int sound;
+  int valid;
   FBI_REQUIRE(system && body, FB_ERR_NULL);
   if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
       !fbi_is_within(system->n_loop, FB_MAX_LOOPS) || !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
@@ -13574,24 +13578,24 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   {
     const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
                               system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
+    valid = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
             fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
             fbi_is_finite(limit, 6);
   }
 
   /* models and joints */
-  for (int k = 0; sound && k < system->n_body; k++) {
-    sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
+  for (int k = 0; valid && k < system->n_body; k++) {
+    valid = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
             (system->carries_rotors || !fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_ROTORS)) &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
   }
-  for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
-    sound = fbi_joint_is_sound(system, body, j);
+  for (int j = 0; valid && j < system->n_body + system->n_loop; j++) {
+    valid = fbi_joint_is_valid(system, body, j);
   }
-  for (int j = 0; sound && j < system->n_spring; j++) {
-    sound = fbi_spring_is_sound(system, body, j);
+  for (int j = 0; valid && j < system->n_spring; j++) {
+    valid = fbi_spring_is_valid(system, body, j);
   }
-  return sound ? FB_OK : FB_ERR_VALUE;
+  return valid ? FB_OK : FB_ERR_VALUE;
 }
 
 /* CRC of a joint (E8.40). */
@@ -14737,8 +14741,8 @@ static void fbi_exact_offset(fb_exact_work *work, const fb_exact *m)
 }
 
 /* Loads, gravity and motion of the base, times `part`, in the beam's units and the axes of the base at mid-step. */
-static void fbi_exact_input_take(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
-                                 const fb_exact_input *input, fb_real part, fb_real dt)
+static void fbi_exact_input_set(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
+                                const fb_exact_input *input, fb_real part, fb_real dt)
 {
   fb_real base[9], turn[3], half[4], quat[4];
   fbi_exact_motion *const motion = &work->motion;
@@ -14791,7 +14795,7 @@ static void fbi_exact_input_take(fb_exact_work *work, const fb_exact *m, const f
 }
 
 /* Twist of a node fixed in the base, section axes. */
-static void fbi_exact_carried(fb_real V[6], const fb_exact_work *work, const fb_real r[3], const fb_real R[9])
+static void fbi_exact_base_twist(fb_real V[6], const fb_exact_work *work, const fb_real r[3], const fb_real R[9])
 {
   fb_real v[3];
   fbi_copy(v, work->twist, 3);
@@ -14820,7 +14824,7 @@ static void fbi_exact_nodes_eval(fb_exact_work *work, const fb_exact *m)
       fb_quat_to_mat33(R, quat);
     } else {
       fb_quat_to_mat33(R, work->quat + 4 * j);
-      fbi_exact_carried(work->V + 6 * j, work, work->r + 3 * j, R);
+      fbi_exact_base_twist(work->V + 6 * j, work, work->r + 3 * j, R);
     }
 
     /* Gravity, section axes */
@@ -14974,7 +14978,7 @@ static void fbi_exact_pose_copy(fb_exact_state *to, const fb_exact_work *work, c
   fbi_copy(to->angle, work->angle, m->n_joint);
 }
 
-static void fbi_exact_pose_take(fb_exact_work *work, const fb_exact_state *from, const fb_exact *m)
+static void fbi_exact_pose_enter(fb_exact_work *work, const fb_exact_state *from, const fb_exact *m)
 {
   fbi_copy(work->r, from->r, 3 * (m->n + 1));
   fbi_copy(work->quat, from->quat, 4 * (m->n + 1));
@@ -15172,7 +15176,7 @@ static void fbi_exact_reactions(fb_real *reaction, const fb_exact_work *work, co
 }
 
 /* State from the velocities, stresses and internal loads in work, with all rates zero. */
-static void fbi_exact_state_take(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
+static void fbi_exact_state_fill(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
 {
   fbi_exact_cell *const c = &work->cell;
 
@@ -15429,7 +15433,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
     state->angle[j] = m->joint[j].angle;
     work->motor[j] = FB_R(0.0);
   }
-  fbi_exact_pose_take(work, state, m);
+  fbi_exact_pose_enter(work, state, m);
 
   /* No loads, prescribed velocity */
   work->motion = still;
@@ -15447,7 +15451,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
   /* Velocities and momenta */
   fbi_exact_nodes_eval(work, m);
   fbi_exact_rates_add(work, m);
-  fbi_exact_state_take(state, work, m);
+  fbi_exact_state_fill(state, work, m);
   if (m->floating && fbi_exact_mass(m) > FB_R(0.0)) { /* u = velocity of the mass center by the spin about O */
     fb_real du[3], h[3];
     fbi_exact_momenta(du, h, m, state, NULL);
@@ -15847,7 +15851,7 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
 
 /* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
-                              const fb_state *rate, int further)
+                              const fb_state *rate, int optional)
 {
   fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
   fbi_vec3_advance(out->u, state->u, s, rate->u);
@@ -15855,10 +15859,10 @@ static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state
   if (fbi_form(body) != 0) {
     fbi_vec3_advance(out->L, state->L, s, rate->L);
   }
-  if (further & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) { /* which see rho */
+  if (optional & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) { /* which see rho */
     fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   }
-  fbi_modes_advance(out, state, s, rate, further & FB_EFFECT_ROTORS ? body->n_coordinate : body->n);
+  fbi_modes_advance(out, state, s, rate, optional & FB_EFFECT_ROTORS ? body->n_coordinate : body->n);
 }
 
 /* out = state + s rate; out may be state */
@@ -15910,7 +15914,7 @@ static fb_status fbi_refuse_spin(const char *what, fb_real dt, fb_real limit, fb
 #endif
 #define FBI_WORD_NEWTON "last Newton correction of a stage [rad], at most"
 #define FBI_WORD_LOST "body: rotates so far in a step that its attitude is lost to round-off"
-#define FBI_WORD_TURN "body: change of the angular velocity, times this dt [s], at most"
+#define FBI_WORD_ROTATION "body: change of the angular velocity, times this dt [s], at most"
 
 /* Arguments of the step limits: spin, and acceleration of O from the prescribed motion and gravity or, of a free base,
    from the rotation about the mass center and the loads. */
@@ -15922,8 +15926,8 @@ static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_b
 
   /* Free base */
   if (body->base == FB_BASE_FREE) {
-    fb_real by_loads = fbi_vec3_norm(fbi_is_flying(body) ? k->a : k->fg);
-    by_loads = fbi_is_flying(body) ? by_loads : by_loads / body->mass;
+    fb_real by_loads = fbi_vec3_norm(fbi_is_free(body) ? k->a : k->fg);
+    by_loads = fbi_is_free(body) ? by_loads : by_loads / body->mass;
     *acceleration = *spin * *spin * fbi_vec3_norm(body->c) / body->mass + by_loads;
     return;
   }
@@ -16071,31 +16075,31 @@ static fb_real fbi_own_rotors_spin(const fb_body *body, const fb_real *momentum)
 }
 #endif
 
-/* Arguments of the step limits of a body with rotors, central gravity (further) or without. */
-static FBI_INLINE void fbi_further_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body,
-                                              const fbi_kinetics *k, const fb_input *input, int further)
+/* Arguments of the step limits of a body, with or without rotors and central gravity (optional). */
+static FBI_INLINE void fbi_optional_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body,
+                                               const fbi_kinetics *k, const fb_input *input, int optional)
 {
   fbi_step_conditions(spin, acceleration, body, k, input);
 #if FB_WITH_ROTORS
-  if (further & FB_EFFECT_ROTORS) {
+  if (optional & FB_EFFECT_ROTORS) {
     *spin += fbi_own_rotors_spin(body, k->rotor_momentum);
   }
 #endif
 #if FB_WITH_GRAVITY
-  if (further & FB_EFFECT_CENTRAL_GRAVITY) { /* E8.37 */
+  if (optional & FB_EFFECT_CENTRAL_GRAVITY) { /* E8.37 */
     *spin += k->fall_rate;
-    *acceleration += fbi_is_flying(body) ? FB_R(0.0) : fbi_vec3_norm(k->fall);
+    *acceleration += fbi_is_free(body) ? FB_R(0.0) : fbi_vec3_norm(k->fall);
   }
 #endif
-  (void)further;
+  (void)optional;
 }
 
 /* Longest step of rk4 from where rates were evaluated, with the spin and acceleration that it counts. */
 static FBI_INLINE fb_real fbi_rk4_longest(fb_real *spin, fb_real *acceleration, const fb_body *body,
-                                          const fbi_kinetics *k, const fb_input *input, int further)
+                                          const fbi_kinetics *k, const fb_input *input, int optional)
 {
   fb_real slope = FB_R(0.0), strain = FB_R(0.0), bound;
-  fbi_further_conditions(spin, acceleration, body, k, input, further);
+  fbi_optional_conditions(spin, acceleration, body, k, input, optional);
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     fbi_largest_slopes(&slope, &strain, k, body->n_strain);
@@ -16103,16 +16107,16 @@ static FBI_INLINE fb_real fbi_rk4_longest(fb_real *spin, fb_real *acceleration, 
 #endif
   bound = fbi_frequency_bound(body, *spin, *acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = further & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, *spin, *acceleration) : bound;
+  bound = optional & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, *spin, *acceleration) : bound;
 #endif
   return fbi_step_limit(FBI_RK4_RADIUS, bound);
 }
 
 static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt,
-                                          int further)
+                                          int optional)
 {
   fb_real spin, acceleration;
-  const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, further);
+  const fb_real longest = fbi_rk4_longest(&spin, &acceleration, body, k, input, optional);
   return dt <= longest ? FB_OK
                        : FBI_REFUSE_SPIN("dt [s] for the modes at this spin [rad/s], at most", dt, longest, spin);
 }
@@ -16121,12 +16125,12 @@ static FBI_INLINE fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetic
    radian per step: no integrator resolves this motion, and the step limits of rk4 are evaluated at the start alone.
    Source: w = const over a step is what attitudes are summed by.
    Test: steps_that_turn_too_far_are_refused, slender_bodies_keep_their_energy. */
-static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
+static fb_status fbi_rotation_check(const fb_real start[3], const fb_real w[3], fb_real dt)
 {
   const fb_real x = dt * (w[0] - start[0]), y = dt * (w[1] - start[1]), z = dt * (w[2] - start[2]);
   return x * x + y * y + z * z <= FB_R(0.25)
              ? FB_OK
-             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_TURN, -1, FB_SQRT(x * x + y * y + z * z), FB_R(0.5), dt);
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_ROTATION, -1, FB_SQRT(x * x + y * y + z * z), FB_R(0.5), dt);
 }
 
 /* [E11.22] Kahan (compensated) summation: d becomes the sum x + d, and `lost` its round-off error, which the next step
@@ -16135,7 +16139,7 @@ static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_r
    Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
    Test: short_steps_lose_nothing, systems_lose_nothing_by_short_steps, positions_are_sums_without_loss,
    the_faintest_loads_add_up. */
-static void fbi_sum_kept(fb_real *d, fb_real *lost, const fb_real *x, const fb_real *lost_before, int n)
+static void fbi_sum_compensated(fb_real *d, fb_real *lost, const fb_real *x, const fb_real *lost_before, int n)
 {
   for (int i = 0; i < n; i++) {
     const fb_real more = d[i] + lost_before[i];
@@ -16144,13 +16148,14 @@ static void fbi_sum_kept(fb_real *d, fb_real *lost, const fb_real *x, const fb_r
   }
 }
 
-#define FBI_SUM_KEPT(d, x, what, n) fbi_sum_kept((d)->what, (d)->lost_##what, (x)->what, (x)->lost_##what, n)
+#define FBI_SUM_COMPENSATED(d, x, what, n) \
+  fbi_sum_compensated((d)->what, (d)->lost_##what, (x)->what, (x)->lost_##what, n)
 #if FB_SINGLE
-#define FBI_SUM(d, x, what, n) FBI_SUM_KEPT(d, x, what, n)
-#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n), fbi_copy((x)->lost_##what, (y)->lost_##what, n)
-#define FBI_SUM_4(d, x, what) FBI_SUM_KEPT(d, x, what, 4)
-#define FBI_SUM_3(d, x, what) FBI_SUM_KEPT(d, x, what, 3)
-#define FBI_SUM_FLUSHED(d, x, what, n) FBI_SUM_KEPT(d, x, what, n), fbi_flush((d)->what, n, FB_TINY)
+#define FBI_SUM(d, x, what, n) FBI_SUM_COMPENSATED(d, x, what, n)
+#define FBI_COPY(x, y, what, n) fbi_copy((x)->what, (y)->what, n), fbi_copy((x)->lost_##what, (y)->lost_##what, n)
+#define FBI_SUM_4(d, x, what) FBI_SUM_COMPENSATED(d, x, what, 4)
+#define FBI_SUM_3(d, x, what) FBI_SUM_COMPENSATED(d, x, what, 3)
+#define FBI_SUM_FLUSHED(d, x, what, n) FBI_SUM_COMPENSATED(d, x, what, n), fbi_flush((d)->what, n, FB_TINY)
 #else
 /* x + d, and small values become zero (E11.2). */
 static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
@@ -16162,14 +16167,14 @@ static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
 }
 
 #define FBI_SUM(d, x, what, n) fbi_row_sub((d)->what, -FB_R(1.0), (x)->what, n)
-#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n)
+#define FBI_COPY(x, y, what, n) fbi_copy((x)->what, (y)->what, n)
 #define FBI_SUM_3(d, x, what) fbi_vec3_add((d)->what, FB_R(1.0), (x)->what)
 #define FBI_SUM_4(d, x, what) fbi_vec4_advance((d)->what, (d)->what, FB_R(1.0), (x)->what)
 #define FBI_SUM_FLUSHED(d, x, what, n) fbi_sum_flushed((d)->what, (x)->what, n)
 #endif
 
 /* Copies the part of a state that a body uses, with its compensation terms. */
-static void fbi_state_take(fb_state *state, const fb_state *next, int n)
+static void fbi_state_copy(fb_state *state, const fb_state *next, int n)
 {
   fbi_frame_copy(state, next);
   fbi_elastic_copy(state, next, n);
@@ -16235,13 +16240,13 @@ static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real
 static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const fb_state *start)
 {
   fb_real quat[4], a[3], b[3], h[3];
-  if (!fbi_is_turned(body)) {
+  if (!fbi_rotates_freely(body)) {
     return;
   }
   fbi_vec4_advance(quat, start->quat, FB_R(1.0), d->quat);
   fbi_vec3_advance(h, start->h, FB_R(1.0), d->h);
   fbi_vec3_advance(b, start->L, FB_R(1.0), d->L);
-  fbi_quat_turn(a, quat, h);
+  fbi_quat_rotate(a, quat, h);
   fbi_attitude_onto(d->quat, quat, a, b, fbi_vec3_norm(d->L));
 }
 
@@ -16264,8 +16269,8 @@ static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], fbi_line_work *line, co
     }
     fbi_center_eval(after, line, body, next->q);
   }
-  fbi_quat_turn(old, start->quat, before);
-  fbi_quat_turn(own, next->quat, after);
+  fbi_quat_rotate(old, start->quat, before);
+  fbi_quat_rotate(own, next->quat, after);
   for (int i = 0; i < 3; i++) {
     rho[i] += share * (old[i] - own[i]);
   }
@@ -16280,7 +16285,7 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
   fb_real R[9];
   fb_quat_to_mat33(R, next->quat);
   if (at) {
-    fbi_quat_turn(next->u, at, v);
+    fbi_quat_rotate(next->u, at, v);
   } else {
     fb_mat33_mul_vec3(next->u, R, v);
   }
@@ -16288,13 +16293,13 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
   fbi_frame_shift(next->pi, line, body, next->q, R, next->u);
 }
 
-/* Of lines and rotors at the end of a step: range, and the above. */
-static fb_status fbi_further_end(fb_state *next, const fbi_line_work *line, const fb_body *body, const fb_input *last)
+/* End of a step of a body with lines or rotors: range of the state, angles and given momenta of the rotors. */
+static fb_status fbi_optional_end(fb_state *next, const fbi_line_work *line, const fb_body *body, const fb_input *last)
 {
-  const fb_status status = fbi_further_range(body, next, fbi_is_flying(body) ? line : NULL);
+  const fb_status status = fbi_optional_range(body, next, fbi_is_free(body) ? line : NULL);
 #if FB_WITH_ROTORS
   if (status == FB_OK) {
-    fbi_rotors_settle(next->q, next->pi, body, fbi_rotors_input(last));
+    fbi_rotors_normalize(next->q, next->pi, body, fbi_rotors_input(last));
   }
 #endif
   (void)last;
@@ -16306,7 +16311,7 @@ static fb_status fbi_further_end(fb_state *next, const fbi_line_work *line, cons
    the start where known, of bodies with lines. FB_ERR_STEP: a rotation in one step so large that the attitude is lost to
    round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
-                              const fb_body *body, const fb_input *last, const fb_real at[4], int further,
+                              const fb_body *body, const fb_input *last, const fb_real at[4], int optional,
                               const fb_real *c)
 {
   const int n = body->n_coordinate;
@@ -16323,30 +16328,30 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
 
   /* Momenta and velocity */
   FBI_SUM_FLUSHED(next, state, pi, n);
-  FBI_SUM_KEPT(next, state, u, 3);
+  FBI_SUM_COMPENSATED(next, state, u, 3);
   FBI_SUM_3(next, state, L);
   fbi_flush(next->u, 3, FBI_FAINT);
   fbi_flush(next->L, 3, FBI_FAINT);
 #if FB_SINGLE
-  fbi_turning_keep(next, state, body, next->h);
+  fbi_lost_momentum_update(next, state, body, next->h);
 #endif
   fbi_vec3_add(next->h, FB_R(1.0), start->h);
 
   /* Position */
-  if (fbi_is_flying(body)) {
+  if (fbi_is_free(body)) {
     fbi_origin_lead(next->rho, line, body, start, next, c);
   } else {
     status = status ? status : fbi_pin_check(body, state);
   }
-  FBI_SUM_KEPT(next, state, rho, 3);
+  FBI_SUM_COMPENSATED(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : further ? fbi_further_end(next, line, body, last) : fbi_state_range(body, next);
+  status = status ? status : optional ? fbi_optional_end(next, line, body, last) : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
   if (status == FB_OK) {
-    fbi_state_take(state, next, n);
+    fbi_state_copy(state, next, n);
   }
   return status;
 }
@@ -16355,7 +16360,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
    default (check-rooms compares these lines with the code). The equations are those of the section body.
      fb_rk4_step: fbi_plain_rk4_step
      fbi_plain_rk4_step: fbi_rk4_stages
-     fbi_rk4_stages: fbi_state_enter fbi_input_check fbi_rates_of fbi_rk4_check fbi_turn_check fbi_stage_advance
+     fbi_rk4_stages: fbi_state_enter fbi_input_check fbi_rates_of fbi_rk4_check fbi_rotation_check fbi_stage_advance
                      fbi_step_end
      fbi_rates_of: fbi_state_rates
      fbi_state_rates: fbi_velocity fbi_forces fbi_momentum_rates
@@ -16366,26 +16371,26 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection, rotors or central gravity
-     fb_rk4_step: fbi_further_rk4_step_any fbi_rotor_rk4_step
-     fbi_further_rk4_step: fbi_rk4_stages
+     fb_rk4_step: fbi_optional_rk4_step_any fbi_rotor_rk4_step
+     fbi_optional_rk4_step: fbi_rk4_stages
      fbi_rotor_rk4_step: fbi_rk4_stages
      fbi_rk4_stages: fbi_field_start fbi_center_placed
-     fbi_rates_of: fbi_further_rates
-     fbi_further_rates: fbi_rotor_state_rates fbi_large_state_rates fbi_central_state_rates
+     fbi_rates_of: fbi_optional_rates
+     fbi_optional_rates: fbi_rotor_state_rates fbi_large_state_rates fbi_central_state_rates
      fbi_central_state_rates: fbi_velocity fbi_forces fbi_central_add fbi_momentum_rates
      fbi_central_add: fbi_central_eval
-     fbi_central_eval: fbi_central_turn
-     fbi_central_turn: fbi_lambda_gradients fbi_lambda_sub fbi_S_gradient fbi_lines_gradient_add
-     fbi_further_gravity: fbi_central_add
+     fbi_central_eval: fbi_central_rotation
+     fbi_central_rotation: fbi_lambda_gradients fbi_lambda_sub fbi_S_gradient fbi_lines_gradient_add
+     fbi_optional_gravity: fbi_central_add
      fbi_rotor_state_rates: fbi_rotor_velocity fbi_forces fbi_imbalance_add fbi_elastic_rates fbi_rigid_rates
-                            fbi_rotors_turn fbi_rotors_turn_apart
+                            fbi_rotors_rates fbi_rotors_rates_apart
      fbi_rotor_velocity: fbi_rotors_check fbi_rotors_enter fbi_velocity fbi_large_inertia fbi_large_solve
      fbi_rotors_enter: fbi_rotors_sub fbi_rotors_enter_apart
      fbi_rotors_enter_apart: fbi_rotors_sub
      fbi_rotors_sub: fbi_rotor_sub
-     fbi_rotors_turn_apart: fbi_rotors_turn
-     fbi_rotors_turn: fbi_rotor_turn
-     fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_further_gravity fbi_large_rates fbi_elastic_forces fbi_rigid_rates
+     fbi_rotors_rates_apart: fbi_rotors_rates
+     fbi_rotors_rates: fbi_rotor_modes_add
+     fbi_large_state_rates: fbi_large_velocity fbi_large_forces fbi_optional_gravity fbi_large_rates fbi_elastic_forces fbi_rigid_rates
      fbi_large_forces: fbi_load_add fbi_gravity_add fbi_distributed_add fbi_fall
      fbi_large_velocity: fbi_large_inertia fbi_large_solve
      fbi_large_solve: fbi_large_S fbi_base_solve fbi_given_velocity
@@ -16395,8 +16400,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
      fbi_rk4_check: fbi_rk4_longest
-     fbi_rk4_longest: fbi_further_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
-     fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
+     fbi_rk4_longest: fbi_optional_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
+     fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_copy */
 
 static const fb_real fbi_rk4_node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
 static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
@@ -16407,17 +16412,17 @@ static const fb_real fbi_rk4_weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_
    Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
 static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *body, fb_state *state, fb_rk4_work *work,
                                            const fb_input *start, const fb_input *middle, const fb_input *end,
-                                           fb_real dt, int further)
+                                           fb_real dt, int optional)
 {
   const fb_input *const input[5] = {start, middle, middle, end, NULL};
-  const int large = (further & FB_EFFECT_LARGE_DEFLECTION) != 0;
-  const int n = further & FB_EFFECT_ROTORS ? body->n_coordinate : body->n;
+  const int large = (optional & FB_EFFECT_LARGE_DEFLECTION) != 0;
+  const int n = optional & FB_EFFECT_ROTORS ? body->n_coordinate : body->n;
   const fb_state *at = &work->start;
   fbi_kinetics k;
   fb_real spin[3] = {FB_R(0.0)}, first[3];
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
   fbi_state_enter(&work->start, k.R, body, state);
-  if (further & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) {
+  if (optional & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) {
     fbi_field_start(&work->start, line, body, k.R, start, middle, end);
   }
 
@@ -16425,7 +16430,7 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
     /* Rates */
     fb_status status = fbi_input_check(body, input[stage]);
     if (status == FB_OK) {
-      status = fbi_rates_of(&work->rate, &k, body, at, input[stage], further);
+      status = fbi_rates_of(&work->rate, &k, body, at, input[stage], optional);
     }
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
@@ -16433,11 +16438,11 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
       fbi_center_placed(first, line, body, state->q);
     }
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &k, start, dt, further);
+      status = fbi_rk4_check(body, &k, start, dt, optional);
       fbi_vec3_copy(spin, k.V + 3);
     }
     if (status == FB_OK && stage == 3 && !body->allow_long_step) {
-      status = fbi_turn_check(spin, k.V + 3, dt);
+      status = fbi_rotation_check(spin, k.V + 3, dt);
     }
     if (status != FB_OK) {
       return status;
@@ -16450,26 +16455,26 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
       fbi_state_advance(&work->sum, &work->sum, dt * fbi_rk4_weight[stage], &work->rate, n);
     }
     if (stage < 3) {
-      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, further);
-      if (fbi_is_oriented(body, input[stage + 1], further)) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * fbi_rk4_node[stage], &work->rate, optional);
+      if (fbi_is_oriented(body, input[stage + 1], optional)) {
         fb_quat_to_mat33(k.R, work->stage.quat);
       }
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, line, &work->start, body, end, NULL, further, large ? first : NULL);
+  return fbi_step_end(state, &work->sum, line, &work->start, body, end, NULL, optional, large ? first : NULL);
 }
 
-#if FBI_WITH_FURTHER
-/* Bodies with lines, rotors or central gravity: whatever they have. */
-static FBI_NOINLINE fb_status fbi_further_rk4_step(fbi_line_work *line, const fb_body *body, fb_state *state,
-                                                   fb_rk4_work *work, const fb_input *start, const fb_input *middle,
-                                                   const fb_input *end, fb_real dt)
+#if FBI_WITH_OPTIONAL
+/* The step of a body with any combination of lines, rotors and central gravity. */
+static FBI_NOINLINE fb_status fbi_optional_rk4_step(fbi_line_work *line, const fb_body *body, fb_state *state,
+                                                    fb_rk4_work *work, const fb_input *start, const fb_input *middle,
+                                                    const fb_input *end, fb_real dt)
 {
   return fbi_rk4_stages(line, body, state, work, start, middle, end, dt, fbi_acting(body));
 }
 
-FBI_ROOM_FOR_LINES(fbi_further_rk4_step,
+FBI_ROOM_FOR_LINES(fbi_optional_rk4_step,
                    (const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                     const fb_input *middle, const fb_input *end, fb_real dt),
                    body, state, work, start, middle, end, dt)
@@ -16501,13 +16506,13 @@ FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
 #if FB_WITH_ROTORS
-  if (fbi_further(body) == FB_EFFECT_ROTORS) {
+  if (fbi_optional_effects(body) == FB_EFFECT_ROTORS) {
     return fbi_rotor_rk4_step(body, state, work, start, middle, end, dt);
   }
 #endif
-#if FBI_WITH_FURTHER
-  if (fbi_further(body)) {
-    return fbi_further_rk4_step_any(body, state, work, start, middle, end, dt);
+#if FBI_WITH_OPTIONAL
+  if (fbi_optional_effects(body)) {
+    return fbi_optional_rk4_step_any(body, state, work, start, middle, end, dt);
   }
 #endif
   return fbi_plain_rk4_step(body, state, work, start, middle, end, dt);
@@ -16602,7 +16607,7 @@ static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
 }
 
 /* y = (1 + g w^)^-1 x: solves with the Newton matrix of the gyroscopic term w x h. */
-static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const fb_real x[3])
+static void fbi_gyroscopic_solve(fb_real y[3], fb_real g, const fb_real w[3], const fb_real x[3])
 {
   const fb_real a[3] = {g * w[0], g * w[1], g * w[2]}, s = FB_R(1.0) / (FB_R(1.0) + fb_vec3_dot(a, a));
   const fb_real along = fb_vec3_dot(a, x);
@@ -16615,7 +16620,7 @@ static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const
 
 /* X <- (1 + g w^) X on the three rotational rows, rows x n; nothing for a hinge, whose one row w does not rotate.
    Multiplying instead of dividing keeps the pivots of a slender body positive. */
-static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first, int n)
+static void fbi_gyroscopic_mul(fb_real *X, fb_real g, const fb_real w[3], int first, int n)
 {
   for (int a = 0; a < n && first <= 3; a++) {
     fb_real *const x = X + (3 - first) * n + a;
@@ -16629,7 +16634,7 @@ static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first
 }
 
 /* A -= g h^ on the rotational rows: derivative of w x h by w. */
-static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first)
+static void fbi_gyroscopic_sub(fb_real *A, fb_real g, const fb_real h[3], int first)
 {
   const fb_real cross[9] = {FB_R(0.0), -h[2], h[1], h[2], FB_R(0.0), -h[0], -h[1], h[0], FB_R(0.0)};
   const int rows = 6 - first;
@@ -16643,8 +16648,8 @@ static fb_status fbi_coupling_factor(fb_implicit_work *w, const fbi_kinetics *k,
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
   if (momentum) {
-    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
-    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
+    fbi_gyroscopic_mul(w->A, w->g, w->V + 3, first, rows);
+    fbi_gyroscopic_sub(w->A, w->g, k->ph + 3, first);
   }
   if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
     return FB_ERR_RANGE;
@@ -16653,7 +16658,7 @@ static fb_status fbi_coupling_factor(fb_implicit_work *w, const fbi_kinetics *k,
     w->Z[i] = w->X[i] + w->g * w->Y[i];
   }
   if (momentum) {
-    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
+    fbi_gyroscopic_mul(w->Z, w->g, w->V + 3, first, n);
   }
   fbi_rows_solve(w->Z, w->A, rows, n);
   return FB_OK;
@@ -16678,7 +16683,7 @@ static void fbi_lines_momenta_add(fb_real y[6], fb_real *p, fbi_line_work *w, co
         fb_real rho[3], I[9];
         fbi_line_get3(turn, w->w, j);
         fbi_line_offset(rho, w, all, j);
-        fbi_line_spread(I, w, all, j);
+        fbi_line_rotary_inertia(I, w, all, j);
         fbi_vec3_add(r, FB_R(1.0), rho);
         fbi_vec3_add_cross(own, turn, rho);
         fbi_vec3_add(turn, FB_R(1.0), o);
@@ -16926,7 +16931,7 @@ static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_bo
     t[i] = fbi_dot(w->X + i * body->n, u, body->n);
   }
   if (fbi_form(body) == 0) {
-    fbi_turning_mul(t, w->g, w->V + 3, first, 1);
+    fbi_gyroscopic_mul(t, w->g, w->V + 3, first, 1);
     for (int i = 0; i < 3; i++) {
       if (3 + i >= first) {
         t[3 + i - first] += w->g * r->h[i];
@@ -16937,7 +16942,7 @@ static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_bo
 }
 
 /* Quaternion (1 - g w/2)^-1, which solves the implicit rate k = r + 1/2 g k o w of an attitude. */
-static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
+static void fbi_attitude_implicit(fb_real own[4], fb_real g, const fb_real w[3])
 {
   const fb_real half = FB_R(0.5) * g, s = FB_R(1.0) / (FB_R(1.0) + half * half * fb_vec3_dot(w, w));
   own[0] = s;
@@ -16952,7 +16957,7 @@ static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_bod
                             const fb_state *state, const fb_real V[6])
 {
   fb_real own[4], turn[4], h[3];
-  fbi_turn_inverse(own, w->g, w->V + 3);
+  fbi_attitude_implicit(own, w->g, w->V + 3);
   fbi_quat_rate(turn, state->quat, V + 3);
   for (int i = 0; i < 4; i++) {
     turn[i] += r->quat[i];
@@ -16961,7 +16966,7 @@ static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_bod
   if (fbi_form(body) == 0 && body->base != FB_BASE_PRESCRIBED) {
     fbi_copy(h, r->h, 3);
     fbi_vec3_add_cross(h, k->ph + 3, V + 3);
-    fbi_turning_solve(r->h, w->g, w->V + 3, h);
+    fbi_gyroscopic_solve(r->h, w->g, w->V + 3, h);
   }
 }
 
@@ -17056,7 +17061,7 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
   if (body->allow_long_step) {
     return FB_OK;
   }
-  fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
+  fbi_optional_conditions(&spin, &acceleration, body, k, input, fbi_optional_effects(body));
   limit = fb_implicit_limit(body, spin, acceleration);
   return dt <= limit ? FB_OK : FBI_REFUSE_SPIN(FBI_WORD_SPIN, dt, limit, spin);
 }
@@ -17111,8 +17116,8 @@ static void fbi_rotors_correct(fb_real *r_q, fb_real *r_pi, const fb_body *body,
 }
 
 /* E11.25 for the momenta of rotors: the last correction dh of one is at most a hundredth of its increment, or round-off. */
-static int fbi_rotors_have_settled(const fb_real *dh, const fb_real *k, const fb_real *pi, const fb_body *body,
-                                   fb_real g)
+static int fbi_rotors_have_converged(const fb_real *dh, const fb_real *k, const fb_real *pi, const fb_body *body,
+                                     fb_real g)
 {
   for (int r = body->n; r < body->n_coordinate; r++) {
     const fb_real bound = FB_R(0.01) * FB_FABS(g * k[r]) + FB_SQRT(FB_EPSILON) * FB_FABS(pi[r]);
@@ -17159,10 +17164,10 @@ static fb_real fbi_rate_size(const fb_state *k, const fb_implicit_work *w, const
    o (1 - g w/2)^-1, w the rate of the stage. An error of it in the first guess, times v, is one of the velocity of the
    base. It would reach the modes with the second correction, which is then no measure of what is left.
    Source: definition, E4.4.  Cost: 70 flops.  Fails: never.  Test: a_fast_base_that_begins_to_turn_is_no_failure. */
-static void fbi_base_turn(fb_real k[4], fb_real at[4], const fb_real base[4], fb_real g, const fb_real w[3])
+static void fbi_base_attitude(fb_real k[4], fb_real at[4], const fb_real base[4], fb_real g, const fb_real w[3])
 {
   fb_real own[4];
-  fbi_turn_inverse(own, g, w);
+  fbi_attitude_implicit(own, g, w);
   fb_quat_mul(at, base, own);
   fbi_quat_rate(k, at, w);
 }
@@ -17174,20 +17179,20 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   fb_status status = fbi_input_check(body, input);
   fb_real first = FB_R(0.0), last = FB_R(0.0);
   if (fbi_is_following(body) && input) {
-    fbi_base_turn(k->quat, w->stage.quat, base->quat, w->g, input->w);
+    fbi_base_attitude(k->quat, w->stage.quat, base->quat, w->g, input->w);
   }
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
-    FBI_TAKE_LINES(here, FBI_LINE_OF(at));
+    FBI_SET_LINES(here, FBI_LINE_OF(at));
 
     /* Residual f - k */
-    fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_further(body));
+    fbi_stage_advance(&w->stage, body, base, w->g, k, fbi_optional_effects(body));
     if (fbi_is_oriented(body, input, fbi_acting(body))) {
       fb_quat_to_mat33(here.R, w->stage.quat);
     }
     status = fbi_rates(&w->rate, &here, body, &w->stage, input);
     if (status == FB_OK && i == iterations - 1 && !body->allow_long_step) {
-      status = fbi_turn_check(at->V + 3, here.V + 3, dt);
+      status = fbi_rotation_check(at->V + 3, here.V + 3, dt);
     }
     fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n_coordinate);
 
@@ -17201,7 +17206,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
     first = i == 0 ? last : first;
   }
 #if FB_WITH_ROTORS
-  if (status == FB_OK && iterations > 1 && !fbi_rotors_have_settled(w->rate.pi, k->pi, w->stage.pi, body, w->g)) {
+  if (status == FB_OK && iterations > 1 && !fbi_rotors_have_converged(w->rate.pi, k->pi, w->stage.pi, body, w->g)) {
     return FBI_REFUSE(FB_ERR_CONVERGENCE, "rotor: friction, resolved by the step", -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
@@ -17212,7 +17217,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
 static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
 {
   fb_real own[4], R[9];
-  fbi_turn_inverse(own, g, middle->w);
+  fbi_attitude_implicit(own, g, middle->w);
   fb_quat_to_mat33(R, own);
   fb_mat33_mul_vec3(v, R, middle->v);
 }
@@ -17226,7 +17231,7 @@ static fb_status fbi_midpoint_step(fbi_line_work *line, const fb_body *body, fb_
   const fb_input *first = middle;
   fbi_kinetics at;
   fb_status status;
-  FBI_TAKE_LINES(at, line);
+  FBI_SET_LINES(at, line);
 
   /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
@@ -17248,7 +17253,8 @@ static fb_status fbi_midpoint_step(fbi_line_work *line, const fb_body *body, fb_
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n_coordinate);
-  return fbi_step_end(state, &work->sum, line, &work->start, body, middle, work->stage.quat, fbi_further(body), NULL);
+  return fbi_step_end(state, &work->sum, line, &work->start, body, middle, work->stage.quat, fbi_optional_effects(body),
+                      NULL);
 }
 
 FBI_ROOM_FOR_LINES(fbi_midpoint_step,
@@ -17322,11 +17328,11 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
   fb_real own[4], middle[4], end[4], rate[4], R[9], first[3], last[3];
 
   /* Attitudes at the stage and at the end, by E11.8 */
-  fbi_base_turn(rate, middle, start->quat, c * dt, stage->w);
+  fbi_base_attitude(rate, middle, start->quat, c * dt, stage->w);
   for (int i = 0; i < 4; i++) {
     rate[i] = start->quat[i] + (FB_R(1.0) - c) * dt * rate[i];
   }
-  fbi_turn_inverse(own, c * dt, b->w);
+  fbi_attitude_implicit(own, c * dt, b->w);
   fb_quat_mul(end, rate, own);
 
   /* Velocities in inertial axes, interpolated */
@@ -17353,7 +17359,7 @@ static fb_status fbi_sdirk_step(fbi_line_work *line, const fb_body *body, fb_sta
   const fb_input *first = start;
   fbi_kinetics at;
   fb_status status;
-  FBI_TAKE_LINES(at, line);
+  FBI_SET_LINES(at, line);
 
   /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
@@ -17375,7 +17381,7 @@ static fb_status fbi_sdirk_step(fbi_line_work *line, const fb_body *body, fb_sta
   /* Second stage */
   if (status == FB_OK) {
     fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n_coordinate);
-    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_further(body));
+    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_optional_effects(body));
     status = fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt);
   }
   if (status != FB_OK) {
@@ -17384,7 +17390,7 @@ static fb_status fbi_sdirk_step(fbi_line_work *line, const fb_body *body, fb_sta
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n_coordinate);
-  return fbi_step_end(state, &work->sum, line, &work->start, body, end, NULL, fbi_further(body), NULL);
+  return fbi_step_end(state, &work->sum, line, &work->start, body, end, NULL, fbi_optional_effects(body), NULL);
 }
 
 FBI_ROOM_FOR_LINES(fbi_sdirk_step,
@@ -17427,7 +17433,7 @@ static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body 
   fbi_kinetics k;
   fb_state rate, at;
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
@@ -17435,7 +17441,7 @@ static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body 
   if (status != FB_OK) {
     return status;
   }
-  found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_further(body));
+  found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_optional_effects(body));
   found.implicit = fb_implicit_limit(body, found.spin, found.acceleration);
   found.exponential = fb_exponential_limit(body, found.spin, found.acceleration);
   if (!fbi_is_finite(&found.spin, 1) || !fbi_is_finite(&found.acceleration, 1)) {
@@ -17620,7 +17626,7 @@ static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *s
 
 FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body)
 {
-  int n, sound;
+  int n, valid;
   FBI_REQUIRE(scheme && body, FB_ERR_NULL);
 
   /* Capacities */
@@ -17635,20 +17641,20 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
 #endif
 
   /* Values */
-  sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
+  valid = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
           fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
-  for (int k = 0; sound && k < 5; k++) {
-    sound = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
+  for (int k = 0; valid && k < 5; k++) {
+    valid = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
   }
-  for (int k = 0; sound && k < scheme->n_axial; k++) {
-    sound = fbi_is_within(scheme->axial[k], n - 1);
+  for (int k = 0; valid && k < scheme->n_axial; k++) {
+    valid = fbi_is_within(scheme->axial[k], n - 1);
   }
 #if FB_WITH_NONLINEAR_STRAIN
-  for (int k = 0; sound && k < scheme->n_axial; k++) {
-    sound = fbi_is_finite(scheme->G + k * FBI_MAX_STRAINS, body->n_strain);
+  for (int k = 0; valid && k < scheme->n_axial; k++) {
+    valid = fbi_is_finite(scheme->G + k * FBI_MAX_STRAINS, body->n_strain);
   }
 #endif
-  return sound ? FB_OK : FB_ERR_VALUE;
+  return valid ? FB_OK : FB_ERR_VALUE;
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -17712,7 +17718,7 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
     }
   }
 #endif
-  fbi_further_conditions(&spin, &acceleration, body, k, input, fbi_further(body));
+  fbi_optional_conditions(&spin, &acceleration, body, k, input, fbi_optional_effects(body));
   longest = fb_exponential_limit(body, spin, acceleration);
   return h <= longest ? FB_OK : FBI_REFUSE_SPIN(FBI_WORD_SPIN, h, longest, spin);
 }
@@ -17810,7 +17816,7 @@ static fb_status fbi_exponential_step(fbi_line_work *line, const fb_body *body, 
   fbi_kinetics k;
   fb_real turn[3];
   fb_status status;
-  FBI_TAKE_LINES(k, line);
+  FBI_SET_LINES(k, line);
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
@@ -17824,14 +17830,14 @@ static fb_status fbi_exponential_step(fbi_line_work *line, const fb_body *body, 
 
   /* z_2, z_3, z_4 and their N; increments, in z and in the state */
   status = status == FB_OK ? fbi_exponential_stages(work, &k, scheme, body, middle, end) : status;
-  status = status == FB_OK && !body->allow_long_step ? fbi_turn_check(turn, k.V + 3, scheme->dt) : status;
+  status = status == FB_OK && !body->allow_long_step ? fbi_rotation_check(turn, k.V + 3, scheme->dt) : status;
   if (status != FB_OK) {
     return status;
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
   FBI_EXPONENTIAL_ROTORS(work, body, 3, scheme->dt);
-  return fbi_step_end(state, &work->at, line, &work->start, body, end, NULL, fbi_further(body), NULL);
+  return fbi_step_end(state, &work->at, line, &work->start, body, end, NULL, fbi_optional_effects(body), NULL);
 }
 
 FBI_ROOM_FOR_LINES(fbi_exponential_step,
@@ -17911,7 +17917,7 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
 }
 
 /* E11.26 for all bodies. begin: stores the angular velocities of the start. */
-static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
+static fb_status fbi_rotations_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
 {
   fb_status status = FB_OK;
   for (int k = 0; k < system->n_body && begin; k++) {
@@ -17919,7 +17925,7 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
   }
   for (int k = 0; k < system->n_body && status == FB_OK && !begin; k++) {
     const fbi_link_work *L = &w->link[k];
-    status = fbi_turn_check(L->turn, L->V + 3, dt);
+    status = fbi_rotation_check(L->turn, L->V + 3, dt);
     FBI_DETAIL_INDEX(status, k);
   }
   return status;
@@ -17934,9 +17940,9 @@ static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_re
   return g + FB_SQRT(g * g + system->limit_elastic + system->limit_loop_elastic + elastic + stiffening);
 }
 
-/* What bounds of the step solve for goes to the bodies' velocities, speeds of joints and of modes: these are kept meanwhile,
-   and the speeds of modes are solved for, which rates may have left out. */
-static void fbi_motion_keep(fb_system_work *w, const fb_system *system)
+/* Saves velocities of the bodies and speeds of joints and modes, which the solutions of the step bounds overwrite. Those
+   solve for the speeds of modes too, which the rates may have left out. */
+static void fbi_motion_save(fb_system_work *w, const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *const L = &w->link[k];
@@ -18000,12 +18006,12 @@ static FBI_NOINLINE void fbi_springs_bound(fb_system_work *w, const fb_system *s
                                            const fb_system_input *input)
 {
   fb_status status = FB_OK;
-  fbi_motion_keep(w, system);
+  fbi_motion_save(w, system);
   w->elastic = w->damping = FB_R(0.0);
   for (int j = 0; j < system->n_spring; j++) {
     status = status ? status : fbi_spring_bound(w, system, body, fbi_pull(w, input, j), FB_HUGE, j);
     fbi_motion_restore(w, system);
-    fbi_motion_keep(w, system);
+    fbi_motion_save(w, system);
     w->elastic += w->spring_elastic[j];
     w->damping += w->spring_damping[j];
   }
@@ -18109,7 +18115,7 @@ static fb_real fbi_link_rotors_spin(fb_system_work *w, const fb_system *system, 
 static FBI_NOINLINE fb_real fbi_links_rotors_spin(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   fb_real all = FB_R(0.0);
-  fbi_motion_keep(w, system);
+  fbi_motion_save(w, system);
   for (int k = 0; k < system->n_body; k++) {
     const fb_real spin = fbi_link_rotors_spin(w, system, body, k);
     w->link[k].spin += spin;
@@ -18250,7 +18256,7 @@ static FBI_NOINLINE fb_real fbi_system_bent(fb_system_work *w, const fb_system *
   fb_status status;
   fb_real size = FB_R(0.0);
   fbi_rhs_clear(w, system, body);
-  fbi_motion_keep(w, system);
+  fbi_motion_save(w, system);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *const L = &w->link[k];
     const fb_sparse *const K = &L->model->K;
@@ -18398,7 +18404,7 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
 #endif
 
 #if FB_SINGLE
-#define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_TAKE(x, d, what, n)
+#define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_COPY(x, d, what, n)
 #else
 #define FBI_ADD(x, d, what, n) fbi_row_sub((x)->what, -FB_R(1.0), (d)->what, n)
 #endif
@@ -18547,7 +18553,7 @@ static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_sy
         step[i] = dt * w->link[w->link[k].root].frame[i];
         x->lost_x[i] += dt * x->lost_u[i];
       }
-      fbi_keep(x->x, x->lost_x, step, 3);
+      fbi_compensated_add(x->x, x->lost_x, step, 3);
     }
   }
   fbi_frames_set(next, w, system);
@@ -18555,8 +18561,8 @@ static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_sy
 
 /* Adds weight times the rates of a stage to the increments of the step and sets the next stage to start + ahead rates
    (last: no next stage). */
-static FBI_FLATTEN void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
-                                     const fb_system_state *start, fb_real weight, fb_real ahead, int last)
+static FBI_FLATTEN void fbi_rk4_accumulate(fb_system_work *w, const fb_system *system, const fb_system_state *at,
+                                           const fb_system_state *start, fb_real weight, fb_real ahead, int last)
 {
   w->sum.motor_work += weight * w->rate.motor_work;
   for (int k = 0; k < system->n_body; k++) {
@@ -18605,11 +18611,11 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
 }
 
 #if FB_WITH_ROTORS
-static FBI_NOINLINE void fbi_links_rotors_settle(fb_system_state *next, const fb_system_work *w,
-                                                 const fb_system *system, const fb_system_input *last)
+static FBI_NOINLINE void fbi_links_rotors_normalize(fb_system_state *next, const fb_system_work *w,
+                                                    const fb_system *system, const fb_system_input *last)
 {
   for (int k = 0; k < system->n_body; k++) {
-    fbi_rotors_settle(next->link[k].q, next->link[k].pi, w->link[k].model, fbi_link_rotors_input(last, k));
+    fbi_rotors_normalize(next->link[k].q, next->link[k].pi, w->link[k].model, fbi_link_rotors_input(last, k));
   }
 }
 #endif
@@ -18620,7 +18626,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
                                 const fb_system_input *input, fb_real dt)
 {
   fb_system_state *const next = &w->stage;
-  const int flies = w->flies, rows = fbi_has_rows(w, input);
+  const int floating = w->floating, rows = fbi_has_rows(w, input);
   fb_status status = FB_OK;
 
   /* Attitude of free roots (E11.28), positions */
@@ -18645,14 +18651,14 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   if (w->driven) {
     fbi_prescribe(next, system, state, input);
   }
-  if (flies && !rows) {
+  if (floating && !rows) {
     fbi_links_place(w, system, body, next, state);
-    fbi_frames_take(w, system, next, &w->sum, state, input);
+    fbi_frames_apply(w, system, next, &w->sum, state, input);
   }
   fbi_links_push(next, w, system);
 #if FB_WITH_ROTORS
   if (system->carries_rotors) {
-    fbi_links_rotors_settle(next, w, system, input);
+    fbi_links_rotors_normalize(next, w, system, input);
   }
 #endif
 
@@ -18662,10 +18668,10 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
 
   /* Frames of free-flying trees */
-  if (flies && rows && status == FB_OK) {
-    fbi_frames_take(w, system, next, NULL, state, input);
+  if (floating && rows && status == FB_OK) {
+    fbi_frames_apply(w, system, next, NULL, state, input);
   }
-  if (flies && status == FB_OK) {
+  if (floating && status == FB_OK) {
     fbi_flight_end(next, w, system, dt);
   }
 
@@ -18682,7 +18688,7 @@ static void fbi_step_enter(fb_system_work *w, const fb_system *system, const fb_
                            const fb_system_state *state)
 {
   fbi_system_enter(w, system);
-  w->flies = fbi_flies(system);
+  w->floating = fbi_has_free_joint(system);
   fbi_links_enter(w, system, body, state);
   w->repeats = 1;
 }
@@ -18768,16 +18774,16 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 {
   const fb_system_input *input[4];
   fb_status status = FB_OK;
-  int flies, owns;
+  int floating, owns;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   fbi_step_enter(work, system, body, state);
-  flies = work->flies;
+  floating = work->floating;
 
   /* Inputs of the four stages; E11.27 for free flight without constraints */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  owns = flies && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
+  owns = floating && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
   status = fbi_drives_check(work, system, state, start, middle, end, dt);
@@ -18806,23 +18812,23 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
     }
     if (status == FB_OK && !system->allow_long_step) {
-      status = fbi_turns_check(work, system, dt, stage == 0);
+      status = fbi_rotations_check(work, system, dt, stage == 0);
     }
 
     /* Weighted sum of rates, next stage */
     if (status == FB_OK) {
-      if (stage == 0 && flies) {
+      if (stage == 0 && floating) {
         fbi_flight_begin(work, system);
       }
-      fbi_rk4_take(work, system, at, state, dt * fbi_rk4_weight[stage],
-                   stage < 3 ? dt * fbi_rk4_node[stage] : FB_R(0.0), stage == 3);
+      fbi_rk4_accumulate(work, system, at, state, dt * fbi_rk4_weight[stage],
+                         stage < 3 ? dt * fbi_rk4_node[stage] : FB_R(0.0), stage == 3);
     }
   }
   return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
 }
 
 /* Angular velocity [rad/s], body axes, of a quaternion and its rate: 2 quat^* o rate. */
-static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
+static void fbi_body_rate_from_quat_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
 {
   const fb_real back[4] = {FB_R(2.0) * quat[0], -FB_R(2.0) * quat[1], -FB_R(2.0) * quat[2], -FB_R(2.0) * quat[3]};
   fb_real turn[4];
@@ -18890,7 +18896,7 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     /* Springs of the joint */
     if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3];
-      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
+      fbi_body_rate_from_quat_rate(turn, at->link[k].quat, x->quat);
       fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
     }
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
@@ -18902,8 +18908,8 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
 }
 
 /* r becomes k: k_v = r_v + z, k_p = r_p - g K k_v - C z with the solution z of E11.13. */
-static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_system *system, const fb_body *body,
-                            const fb_system_state *at, fb_real g)
+static void fbi_newton_substitute(fb_system_state *r, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *at, fb_real g)
 {
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = &system->joint[k];
@@ -18932,7 +18938,7 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
       fbi_vec3_add_cross(x->p + 3, at->link[k].p, move.lost_x);
     } else if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3], torque[3], inertial[3];
-      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
+      fbi_body_rate_from_quat_rate(turn, at->link[k].quat, x->quat);
       for (int i = 0; i < 3; i++) {
         turn[i] = -g * joint->stiffness[0] * turn[i] - joint->damping[0] * L->u[i];
       }
@@ -19028,7 +19034,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     fbi_prescribe(&w->stage, system, modes, input);
     status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
     if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
-      status = fbi_turns_check(w, system, dt, 0);
+      status = fbi_rotations_check(w, system, dt, 0);
     }
 
     /* Residual f - k and iteration matrix */
@@ -19047,7 +19053,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
       status = w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
     }
     if (status == FB_OK) {
-      fbi_newton_take(&w->rate, w, system, body, &w->stage, g);
+      fbi_newton_substitute(&w->rate, w, system, body, &w->stage, g);
       fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
       before = last;
       last = fbi_rates_size(&bent, &w->rate, system, body, g);
@@ -19063,8 +19069,8 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
     status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
 #if FB_WITH_ROTORS
     for (int i = 0; i < system->n_body && system->carries_rotors && status == FB_OK; i++) {
-      if (!fbi_rotors_have_settled(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
-                                   g)) {
+      if (!fbi_rotors_have_converged(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
+                                     g)) {
         status = FBI_REFUSE(FB_ERR_CONVERGENCE, "rotor: friction, resolved by the step", i, FB_R(0.0), FB_R(0.0));
       }
     }
@@ -19134,7 +19140,7 @@ static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *sy
   fbi_system_conditions(&spin, &stiff, w, system, body, start);
   limit = fbi_system_sdirk_limit(system, w, spin, stiff);
   status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(w, system, 0, dt, limit);
-  (void)fbi_turns_check(w, system, dt, 1);
+  (void)fbi_rotations_check(w, system, dt, 1);
   return status;
 }
 
@@ -19154,12 +19160,12 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   const int count = iterations > 0 ? iterations : 2;
   const fb_system_input *first = start;
   fb_status status;
-  int flies;
+  int floating;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
   fbi_step_enter(work, system, body, state);
-  flies = work->flies;
+  floating = work->floating;
 
   /* Inputs, step limit at the start */
   status = fbi_system_step_check(system, body, start, dt);
@@ -19177,7 +19183,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   }
 
   /* First stage */
-  if (flies) {
+  if (floating) {
     fbi_links_place(work, system, body, state, state);
     fbi_flight_begin(work, system);
   }
@@ -19189,7 +19195,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
 
   /* Second stage */
   if (status == FB_OK) {
-    if (flies) {
+    if (floating) {
       fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
     }
     work->clock = dt;
@@ -19202,7 +19208,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   }
 
   /* Increments (1-c) dt k_1 + c dt k_2 */
-  if (flies) {
+  if (floating) {
     fbi_flight_add(work, system, &work->base, c * dt, &work->first, c * dt);
   }
   fbi_system_advance(&work->sum, &work->sum, c * dt, &work->first, system, body);
@@ -19240,8 +19246,8 @@ static void fbi_exact_rate_base(fb_real *base, const fb_real *x, const fb_real *
 }
 
 /* Rate from the value x_alpha at mid-step (middle), and x after the step, small values flushed. */
-static void fbi_exact_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
-                                fb_real dt, int n)
+static void fbi_exact_rate_update(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
+                                  fb_real dt, int n)
 {
   for (int i = 0; i < n; i++) {
     rate[i] = shift * (middle[i] - base[i]);
@@ -19325,7 +19331,7 @@ static void fbi_exact_move(fb_exact_state *state, fb_exact_work *work, const fb_
   if (m->floating) {
     fbi_exact_fall(y, state, m, dt);
   }
-  fbi_sum_kept(y, state->lost, state->base_position, state->lost, 3);
+  fbi_sum_compensated(y, state->lost, state->base_position, state->lost, 3);
   fbi_copy(state->base_position, y, 3);
 
   /* Attitude of the base, poses of the nodes */
@@ -19368,13 +19374,13 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
   /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
-    fbi_exact_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
-    fbi_exact_rate_take(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
-                        shift, dt, 6);
+    fbi_exact_rate_update(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
+    fbi_exact_rate_update(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
+                          shift, dt, 6);
   }
   for (int l = 0; l < m->n_lump; l++) {
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
-    fbi_exact_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
+    fbi_exact_rate_update(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
   }
 
   /* Joints */
@@ -19399,7 +19405,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   const fb_real last = m->beta * (state->step > FB_R(0.0) && state->step < step ? state->step : step);
   fb_real u[3];
   work->motion = march;
-  fbi_exact_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
+  fbi_exact_input_set(work, m, state->base_quat, middle, FB_R(1.0), step);
   fbi_exact_frame(u, m, state);
   fb_mat33_mulT_vec3(work->drift, work->half, u);
   fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
@@ -19665,7 +19671,7 @@ FB_DEF fb_status fb_stepper_step(fb_stepper *stepper)
   status = fbi_stepper_advance(stepper);
   if (status == FB_OK) {
     fb_real t = stepper->desc.dt;
-    fbi_sum_kept(&t, &stepper->lost_t, &stepper->t, &stepper->lost_t, 1);
+    fbi_sum_compensated(&t, &stepper->lost_t, &stepper->t, &stepper->lost_t, 1);
     stepper->t = t;
   }
   return status;
@@ -20005,7 +20011,7 @@ static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
 }
 
 /* Givens rotation: (x, y) becomes (c x + s y, c y - s* x); for two rows with s, for two columns with s*. */
-static void fbi_complex_turn(fbi_complex *x, fbi_complex *y, fb_real c, fbi_complex s)
+static void fbi_complex_rotate(fbi_complex *x, fbi_complex *y, fb_real c, fbi_complex s)
 {
   const fbi_complex conjugate = {s.re, -s.im};
   const fbi_complex sy = fbi_complex_mul(s, *y), sx = fbi_complex_mul(conjugate, *x);
@@ -20038,13 +20044,13 @@ static void fbi_qr_step(fbi_complex *H, fbi_complex *Q, int low, int high, fbi_c
 
     /* H = G H G^H, Q = Q G^H */
     for (int j = k > low ? k - 1 : low; j < n; j++) {
-      fbi_complex_turn(&H[k * n + j], &H[(k + 1) * n + j], c, s);
+      fbi_complex_rotate(&H[k * n + j], &H[(k + 1) * n + j], c, s);
     }
     for (int i = 0; i <= (k + 2 < high ? k + 2 : high); i++) {
-      fbi_complex_turn(&H[i * n + k], &H[i * n + k + 1], c, conjugate);
+      fbi_complex_rotate(&H[i * n + k], &H[i * n + k + 1], c, conjugate);
     }
     for (int i = 0; i < n; i++) {
-      fbi_complex_turn(&Q[i * n + k], &Q[i * n + k + 1], c, conjugate);
+      fbi_complex_rotate(&Q[i * n + k], &Q[i * n + k + 1], c, conjugate);
     }
 
     /* The next pair: subdiagonal element and the bulge below it */
@@ -20720,7 +20726,7 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
    plates are the semidefinite cases.
    Source: [GV] 4.2.  Fails: the inertia is not one of a distribution of positive mass.
    Test: lumped_bodies_must_have_a_physical_inertia. */
-static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
+static fb_status fbi_spread_directions(fb_real s[3][3], const fb_real inertia[6])
 {
   fb_real S[9], tol;
   fbi_second_moments(S, inertia);
@@ -20833,7 +20839,7 @@ static fb_status fbi_stations_check(const fb_beam_desc *desc)
 
 /* [E6.11] Shortest rotation that takes the unit vector a to b, R = 1 + v^ + v^ v^ / (1 + a.b), v = a x b.
    Source: Rodrigues.  Cost: 40 flops.  Fails: opposite vectors.  Test: a_chain_follows_its_points. */
-static void fbi_shortest_turn(fb_real R[9], const fb_real a[3], const fb_real b[3])
+static void fbi_shortest_rotation(fb_real R[9], const fb_real a[3], const fb_real b[3])
 {
   const fb_real c = fb_vec3_dot(a, b);
   fb_real v[3];
@@ -20885,7 +20891,7 @@ static fb_status fbi_line_fill(fb_beam *beam)
       }
 
       /* Frame: that of the previous element, rotated by the shortest rotation */
-      fbi_shortest_turn(turn, along, chord);
+      fbi_shortest_rotation(turn, along, chord);
       fb_mat33_mul(beam->frame + 9 * e, turn, frame);
       fbi_copy(frame, beam->frame + 9 * e, 9);
       fbi_copy(along, chord, 3);
@@ -20921,7 +20927,7 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
     if (!(lump->mass >= FB_R(0.0))) {
       return FBI_REFUSE(FB_ERR_VALUE, "lump: mass [kg], at least", k, lump->mass, FB_R(0.0));
     }
-    if (fbi_spread(spread, lump->inertia) != FB_OK) {
+    if (fbi_spread_directions(spread, lump->inertia) != FB_OK) {
       return FBI_REFUSE_MOMENTS(lump->inertia, "lump: " FBI_WORD_INERTIA, k);
     }
   }
@@ -21184,7 +21190,7 @@ typedef struct fbi_section_field {
 } fbi_section_field;
 
 /* Components of (y, z) in axes rotated by the twist. */
-static void fbi_turn_yz(fb_real *y_out, fb_real *z_out, fb_real y, fb_real z, fb_real twist)
+static void fbi_rotate_yz(fb_real *y_out, fb_real *z_out, fb_real y, fb_real z, fb_real twist)
 {
   const fb_real c = FB_COS(twist), s = FB_SIN(twist);
   *y_out = c * y + s * z;
@@ -21198,10 +21204,10 @@ static void fbi_section_eval(fbi_section_field *out, const fbi_field *f, const f
   out->theta[0] = f->theta[0];
   out->curvature[0] = f->curvature[0];
   out->u[0] = f->u[0];
-  fbi_turn_yz(&out->theta[1], &out->theta[2], f->theta[1], f->theta[2], s->twist);
-  fbi_turn_yz(&out->curvature[1], &out->curvature[2], f->curvature[1], f->curvature[2], s->twist);
-  fbi_turn_yz(&out->u[1], &out->u[2], f->u[1], f->u[2], s->twist);
-  fbi_turn_yz(&out->shear[0], &out->shear[1], f->slope[0] - f->theta[2], f->slope[1] + f->theta[1], s->twist);
+  fbi_rotate_yz(&out->theta[1], &out->theta[2], f->theta[1], f->theta[2], s->twist);
+  fbi_rotate_yz(&out->curvature[1], &out->curvature[2], f->curvature[1], f->curvature[2], s->twist);
+  fbi_rotate_yz(&out->u[1], &out->u[2], f->u[1], f->u[2], s->twist);
+  fbi_rotate_yz(&out->shear[0], &out->shear[1], f->slope[0] - f->theta[2], f->slope[1] + f->theta[1], s->twist);
   out->strain = f->strain + s->tension_z * out->curvature[1] - s->tension_y * out->curvature[2];
   out->shear[0] -= s->shear_z * out->curvature[0];
   out->shear[1] += s->shear_y * out->curvature[0];
@@ -21494,8 +21500,8 @@ static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const
   }
 }
 
-/* Does the root condition constrain this degree of freedom? */
-static int fbi_is_held(const fb_beam *beam, int dof)
+/* 1 if the root condition constrains this degree of freedom. */
+static int fbi_is_constrained(const fb_beam *beam, int dof)
 {
   return dof < 6 && (beam->desc.root == FB_ROOT_CLAMPED || (beam->desc.root == FB_ROOT_PINNED && dof < 4));
 }
@@ -21597,7 +21603,7 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
 }
 
 /* Reverses the order of n eigenvalues and rows of eigenvectors. */
-static void fbi_eig_turn(fb_real *d, fb_real *X, int n)
+static void fbi_eig_reverse(fb_real *d, fb_real *X, int n)
 {
   for (int k = 0; k < n / 2; k++) {
     fbi_swap(d + k, d + n - 1 - k, 1);
@@ -21636,7 +21642,7 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
   }
 
   /* omega^2 = 1/mu - shift, ascending */
-  fbi_eig_turn(work->omega2, work->X, n);
+  fbi_eig_reverse(work->omega2, work->X, n);
   for (int k = 0; k < *found; k++) {
     work->omega2[k] = FB_R(1.0) / work->omega2[k] - shift;
   }
@@ -21789,8 +21795,8 @@ typedef struct fbi_choice { /* which modes to take */
 
 /* Takes modes first..last - 1 of a solved group with the n coordinates dof into work.found, as far as the choice and
    the mass fraction allow. A shape in the span of earlier ones (modes at a spin) is skipped. */
-static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, const int *dof,
-                                int n, int first, int last, int taken[FB_KIND_COUNT], const fbi_choice *choice)
+static fb_status fbi_group_select(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, const int *dof,
+                                  int n, int first, int last, int taken[FB_KIND_COUNT], const fbi_choice *choice)
 {
   fb_modes *out = &work->found;
   const int by_mass = desc->mass_fraction > FB_R(0.0);
@@ -21854,8 +21860,8 @@ static void fbi_modes_sort(fb_modes *modes)
 
 /* Basis of finite-element coordinates: unit nodal displacements of the kinds asked for, with the condensed internal
    coordinates (E6.13). */
-static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                   const int group[FB_KIND_COUNT])
+static fb_status fbi_element_modes_fill(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                        const int group[FB_KIND_COUNT])
 {
   const fbi_rows rows = fbi_rows_of(beam->desc.n_element, 6, 0, 0);
   fb_modes *out = &work->found;
@@ -21962,9 +21968,9 @@ static fb_status fbi_lowest_limit(fb_real *limit, int share[FB_KIND_COUNT], fb_m
 }
 
 /* Solves every group with the present work.K and work.M; takes up to count modes per kind, or the lowest of all. */
-static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                const int group[FB_KIND_COUNT], int taken[FB_KIND_COUNT],
-                                const int count[FB_KIND_COUNT])
+static fb_status fbi_modes_select(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                  const int group[FB_KIND_COUNT], int taken[FB_KIND_COUNT],
+                                  const int count[FB_KIND_COUNT])
 {
   static const int all[FB_KIND_COUNT] = {FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES};
   fbi_choice choice = {count, FB_MAX_MODES + 1, desc->omega_limit};
@@ -21989,7 +21995,7 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
     fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
     choice.most = desc->lowest > 0 ? work->found.n + share[id] : choice.most;
     if (status == FB_OK && n > 0) {
-      status = fbi_group_take(desc, work, beam, dof, n, rigid, found, taken, &choice);
+      status = fbi_group_select(desc, work, beam, dof, n, rigid, found, taken, &choice);
     }
     if (status != FB_OK) {
       return status;
@@ -22088,7 +22094,7 @@ static void fbi_shape_move(fb_modes *modes, int to, int from)
 }
 
 /* Appends a full-length shape to those found; returns 0 if it depends linearly on them. */
-static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_real *shape, fb_real omega)
+static int fbi_shape_append(fb_modes_work *work, const fb_beam *beam, const fb_real *shape, fb_real omega)
 {
   fb_modes *out = &work->found;
   fbi_copy(out->shape + out->n * out->ndof, shape, out->ndof);
@@ -22139,7 +22145,7 @@ static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
 }
 
 /* Puts the n rigid-body modes of work.free in front of the modes found. */
-static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
+static fb_status fbi_rigid_modes_insert(fb_modes_work *work, const fb_beam *beam, int n)
 {
   fb_modes *out = &work->found;
   if (out->n > FB_MAX_MODES - n) {
@@ -22184,8 +22190,8 @@ static void fbi_load_rest(fb_real *f, const fb_real *modes, const fb_real *M, in
    Source: [H] 2.5; Craig, Structural Dynamics, 1981, 19 (inertia relief).  Fails: capacity; no stiffness there; the
    modes kept miss no deflection, or none that has inertia.
    Test: static_corrections_make_loads_exact, every_load_has_its_correction. */
-static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                 const int group[FB_KIND_COUNT], int n_free, int n_natural)
+static fb_status fbi_static_modes_append(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                         const int group[FB_KIND_COUNT], int n_free, int n_natural)
 {
   const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
@@ -22210,7 +22216,7 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
 
     if (out->n == FB_MAX_MODES) {
       status = FBI_REFUSE_ROOM(out->n + 1);
-    } else if (!fbi_shape_take(work, beam, x, FB_R(0.0))) {
+    } else if (!fbi_shape_append(work, beam, x, FB_R(0.0))) {
       status = FBI_REFUSE(FB_ERR_MODES,
                           "load: modes with its deflection, which those before have already, or which has no inertia",
                           k, (fb_real)out->n, (fb_real)(out->n + desc->n_load - k));
@@ -22255,18 +22261,18 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
     const int bending = k == FB_KIND_BEND_Y || k == FB_KIND_BEND_Z;
     count[k] = spinning && bending ? (desc->count[k] + 1) / 2 : desc->count[k];
   }
-  status = fbi_modes_take(desc, work, beam, group, taken, count);
+  status = fbi_modes_select(desc, work, beam, group, taken, count);
   n_natural = out->n;
   if (status == FB_OK && spinning) {
     const fb_preload under = {FB_R(0.0), FB_R(0.0), desc->spin, desc->spin_radius};
     fbi_matrices(work->K, work->M, &rows, beam, &under);
-    status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
+    status = fbi_modes_select(desc, work, beam, group, taken, desc->count);
     fbi_matrices(work->K, work->M, &rows, beam, &desc->preload);
   }
 
   /* Attachment modes; Ritz modes of all of them */
   status = status ? status : fbi_count_check(desc, taken, out->n);
-  status = status || desc->n_load == 0 ? status : fbi_static_take(desc, work, beam, group, n_free, n_natural);
+  status = status || desc->n_load == 0 ? status : fbi_static_modes_append(desc, work, beam, group, n_free, n_natural);
   status = status || (!spinning && desc->n_load == 0) ? status : fbi_modes_ritz(work, beam);
   if (status != FB_OK) {
     return status;
@@ -22274,7 +22280,7 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
 
   /* Ascending, rigid-body modes first */
   fbi_modes_sort(out);
-  status = desc->rigid ? fbi_free_take(work, beam, n_free) : FB_OK;
+  status = desc->rigid ? fbi_rigid_modes_insert(work, beam, n_free) : FB_OK;
   if (status != FB_OK) {
     return status;
   }
@@ -22360,12 +22366,12 @@ static void fbi_acceleration_modes(const fb_real *constraint, const fb_modes_des
     }
     fbi_load_rest(x, work->found.shape, work->M, n_natural, &rows);
     fbi_static_solve(x, work, dof, n, rows.ndof);
-    (void)fbi_shape_take(work, beam, x, FB_R(0.0));
+    (void)fbi_shape_append(work, beam, x, FB_R(0.0));
   }
 }
 
 /* Puts the m constraint modes, at the end of the table of shapes, in front of the modes found. */
-static void fbi_constraint_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, int m)
+static void fbi_constraint_modes_insert(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, int m)
 {
   fb_modes *out = &work->found;
   fbi_copy(work->X, out->shape + (FB_MAX_MODES - m) * out->ndof, m * out->ndof);
@@ -22387,8 +22393,8 @@ static void fbi_constraint_take(const fb_modes_desc *desc, fb_modes_work *work, 
    Source: [H] 2.5, C.3 with ERRATA.md H15.  Shapes: n_boundary constraint modes first.
    Fails: capacity; the boundary leaves rigid motion.
    Test: hurty_example_has_the_printed_numbers, components_deflect_exactly_at_their_boundary. */
-static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                    const int group[FB_KIND_COUNT])
+static fb_status fbi_component_modes_fill(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                          const int group[FB_KIND_COUNT])
 {
   fb_modes *out = &work->found;
   const int m = desc->n_boundary;
@@ -22396,7 +22402,7 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
   int taken[FB_KIND_COUNT] = {0}, dof[FBI_MAX_DOF], n;
 
   /* Fixed-interface modes */
-  fb_status status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
+  fb_status status = fbi_modes_select(desc, work, beam, group, taken, desc->count);
   status = status ? status : fbi_count_check(desc, taken, out->n);
   if (status != FB_OK) {
     return status;
@@ -22424,7 +22430,7 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
 
   /* Constraint modes in front of the others; M and K */
   fbi_modes_sort(out);
-  fbi_constraint_take(desc, work, beam, m);
+  fbi_constraint_modes_insert(desc, work, beam, m);
   fbi_shapes_matrices(work, beam);
   fbi_rigid_clear(work, beam, m);
   return FB_OK;
@@ -22632,8 +22638,8 @@ static fb_status fbi_functions_solve(fb_modes_work *work, const fb_beam *beam, c
    Source: [DB] 4.3 (the same basis functions in each direction), orthonormalized.  Shapes: m functions of ndof.
    Fails: no mass, not clamped, more modes asked for than there are.
    Test: functions_are_orthonormal_and_as_smooth_as_they_claim, functions_close_the_basis. */
-static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                    const int group[FB_KIND_COUNT])
+static fb_status fbi_function_modes_fill(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                         const int group[FB_KIND_COUNT])
 {
   const int degree = desc->degree > 0 ? desc->degree : 3;
   const fbi_rows rows = fbi_function_rows(beam, degree);
@@ -22708,7 +22714,7 @@ static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const f
     if (status != FB_OK) {
       return status;
     }
-    if (fbi_is_held(beam, fbi_coordinate_dof(&list[k]))) {
+    if (fbi_is_constrained(beam, fbi_coordinate_dof(&list[k]))) {
       return FBI_REFUSE(FB_ERR_VALUE, "coordinate: held by the root", k, FB_R(0.0), FB_R(0.0));
     }
     if (group[fbi_dof_kind(beam, fbi_coordinate_dof(&list[k]))] < 0) {
@@ -22814,7 +22820,8 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   /* Constrained: root condition, internal coordinates of cubic elements, boundary */
   for (int i = 0; i < out->ndof; i++) {
     const int internal = i - 6 * (beam->desc.n_element + 1); /* shear coordinates come after these */
-    work->held[i] = fbi_is_held(beam, i) || (desc->cubic && internal >= 0 && internal < 8 * beam->desc.n_element);
+    work->held[i] =
+        fbi_is_constrained(beam, i) || (desc->cubic && internal >= 0 && internal < 8 * beam->desc.n_element);
   }
   for (int k = 0; k < desc->n_boundary && hold_boundary; k++) {
     work->held[fbi_coordinate_dof(&desc->boundary[k])] = 1;
@@ -22891,13 +22898,13 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   /* The basis */
   switch (desc->basis) {
   case FB_BASIS_ELEMENTS:
-    status = fbi_elements_take(desc, work, beam, group);
+    status = fbi_element_modes_fill(desc, work, beam, group);
     break;
   case FB_BASIS_FUNCTIONS:
-    status = fbi_functions_take(desc, work, beam, group);
+    status = fbi_function_modes_fill(desc, work, beam, group);
     break;
   case FB_BASIS_COMPONENT:
-    status = fbi_component_take(desc, work, beam, group);
+    status = fbi_component_modes_fill(desc, work, beam, group);
     break;
   default:
     status = fbi_natural_modes(desc, work, beam, group);
@@ -23234,7 +23241,7 @@ static int fbi_join_is_definite(fb_join_work *work, int m)
 
 /* Is every component fixed to the frame, by a clamped root of its own or through welds? There are no rigid-body modes
    then, however slow the lowest mode is. */
-static int fbi_join_is_held(const fb_beam *beam, const fb_join_desc *desc, int n_component)
+static int fbi_join_is_fixed(const fb_beam *beam, const fb_join_desc *desc, int n_component)
 {
   int held[FB_MAX_COMPONENTS], all = 1;
   for (int c = 0; c < n_component; c++) {
@@ -23290,7 +23297,7 @@ static fb_status fbi_join_shifted(fb_join_work *work, fb_real shift, int m)
   }
   status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
   if (status == FB_OK) {
-    fbi_eig_turn(work->d, work->X, m);
+    fbi_eig_reverse(work->d, work->X, m);
   }
   return status;
 }
@@ -23482,7 +23489,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   fbi_congruence(work->M, work->Z, work->A, N, m);
 
   /* Common modes, n of them up to the limits */
-  status = fbi_join_solve(work, m, fbi_join_is_held(beam, desc, n_component), &found);
+  status = fbi_join_solve(work, m, fbi_join_is_fixed(beam, desc, n_component), &found);
   if (status != FB_OK) {
     return status;
   }
@@ -23653,7 +23660,7 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
       return status;
     }
   }
-  if (fbi_spread(spread, inertia) != FB_OK) {
+  if (fbi_spread_directions(spread, inertia) != FB_OK) {
     return FBI_REFUSE_MOMENTS(inertia, FBI_WORD_INERTIA, -1);
   }
   fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0, 0);
@@ -23834,7 +23841,7 @@ static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fb_fi
     const fb_lump *lump = &beam->desc.lump[k];
     const fb_real unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
     fb_real local[3][3], spread[3][3], d[3];
-    if (lump->node == node && fbi_spread(local, lump->inertia) == FB_OK) {
+    if (lump->node == node && fbi_spread_directions(local, lump->inertia) == FB_OK) {
       for (int i = 0; i < 3; i++) {
         fb_mat33_mul_vec3(spread[i], beam->axes, local[i]);
       }
@@ -23853,10 +23860,11 @@ static void fbi_section_to_shape(fb_shape *shape, const fb_fields *st, const fb_
   fb_real local[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, spread[3][3], d[3];
   memset(spread, 0, sizeof spread);
   for (int k = 1; k < 3; k++) {
-    fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0), -section->twist);
+    fbi_rotate_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0),
+                  -section->twist);
     fb_mat33_mul_vec3(spread[k], axes, local);
   }
-  fbi_turn_yz(&local[1], &local[2], section->mass_y, section->mass_z, -section->twist);
+  fbi_rotate_yz(&local[1], &local[2], section->mass_y, section->mass_z, -section->twist);
   fb_mat33_mul_vec3(d, axes, local);
   fbi_slice_add(shape, st, first, n, dx * section->mass, d, spread, w, 1);
 }
@@ -23891,7 +23899,7 @@ static fb_status fbi_field_lump_add(fb_shape *shape, const fb_fields *at, fb_rea
   if (status != FB_OK) {
     return status;
   }
-  if (fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
+  if (fbi_spread_directions(spread, inertia ? inertia : none) != FB_OK) {
     return FBI_REFUSE_MOMENTS(inertia ? inertia : none, FBI_WORD_INERTIA, -1);
   }
   fbi_slice_add(shape, at, 0, shape->n, mass, none, spread, unit, 0);
@@ -24687,10 +24695,10 @@ static void fbi_line_section_add(fbi_line_slice *s, const fb_beam *beam, const f
   w[1] = dx * section.i_z;
   w[2] = dx * section.i_y;
   for (int k = 1; k < 3; k++) {
-    fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0), -section.twist);
+    fbi_rotate_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0), -section.twist);
     fbi_line_vector(spread[k], beam, modes, element, local);
   }
-  fbi_turn_yz(&local[1], &local[2], section.mass_y, section.mass_z, -section.twist);
+  fbi_rotate_yz(&local[1], &local[2], section.mass_y, section.mass_z, -section.twist);
   fbi_line_vector(d, beam, modes, element, local);
   fbi_line_slice_add(s, dx * section.mass, d, spread, w);
 }
@@ -24716,7 +24724,7 @@ static void fbi_line_lump_add(fbi_line_slice *s, const fb_beam *beam, const fb_m
 {
   const fb_real unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)}, at = beam->start[lump->node];
   fb_real local[3][3], spread[3][3], d[3], place[3];
-  if (fbi_spread(local, lump->inertia) != FB_OK) {
+  if (fbi_spread_directions(local, lump->inertia) != FB_OK) {
     return;
   }
   for (int i = 0; i < 3; i++) {
@@ -24753,7 +24761,7 @@ typedef struct fbi_line_plan {     /* points of a beam, from the root on */
 } fbi_line_plan;
 
 /* Where the section of node j of a stretch, at x, is taken: beside the ramps at the ends, in the middle where they meet. */
-static fb_real fbi_line_taken_at(const fbi_line_stretch *s, int j, fb_real x)
+static fb_real fbi_line_section_at(const fbi_line_stretch *s, int j, fb_real x)
 {
   if (j == 0 || j == s->m) {
     return j == 0 ? s->right : s->left;
@@ -24797,7 +24805,7 @@ static int fbi_line_plan_add(fbi_line_plan *plan, fb_real x, int before)
 
 /* Lumped bodies go to the nearest point, which is at most the least length of a stretch away; at a root at rest they
    belong to the body. */
-static void fbi_line_lumps_take(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
+static void fbi_line_lumps_assign(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
 {
   for (int k = 0; k < beam->desc.n_lump; k++) {
     const fb_real x = beam->start[beam->desc.lump[k].node];
@@ -24871,7 +24879,7 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
     fbi_lobatto_rule(node, weight, s->m);
     for (int j = 0; j <= s->m; j++) {
       const fb_real x = s->x0 + node[j] * (s->x1 - s->x0);
-      const fb_real from = fbi_line_taken_at(s, j, x);
+      const fb_real from = fbi_line_section_at(s, j, x);
       point = j == 0 ? s->start : fbi_line_plan_add(plan, j == s->m ? s->x1 : x, 1);
       if (point >= 0) {
         fbi_line_section_add(&plan->slice[point], beam, modes, x, j > 0, from, weight[j] * (s->x1 - s->x0));
@@ -24884,7 +24892,7 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
   if (!fbi_line_is_resolved(plan, beam)) {
     return FB_ERR_VALUE;
   }
-  fbi_line_lumps_take(plan, beam, modes);
+  fbi_line_lumps_assign(plan, beam, modes);
   return FB_OK;
 }
 
@@ -25071,7 +25079,8 @@ static void fbi_line_section_axes(fb_real axes[9], const fb_beam *beam, const fb
     fb_real column[3], local[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
     if (k > 0) {
       local[0] = FB_R(0.0);
-      fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0), -section.twist);
+      fbi_rotate_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0),
+                    -section.twist);
     }
     fbi_line_vector(column, beam, modes, element, local);
     for (int i = 0; i < 3; i++) {
@@ -25133,7 +25142,7 @@ static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan
       const fb_real x = j == s->m ? s->x1 : s->x0 + node[j] * width;
       status =
           fbi_line_station_add(all, at < 0 ? &all->root[all->n_line] : &all->station[line->point + at], beam, modes, x,
-                               j == 0, j == 0 || j == s->m, fbi_line_taken_at(s, j, x), weight[j] * width);
+                               j == 0, j == 0 || j == s->m, fbi_line_section_at(s, j, x), weight[j] * width);
     }
   }
   return status;
@@ -25251,8 +25260,8 @@ static void fbi_line_describe(fb_line *line, const fb_lines *all, const fbi_line
 }
 
 /* What the root of a line moves with: the point of an earlier one, the modes, or the body. */
-static fb_status fbi_line_hang(fb_lines *all, fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
-                               const fb_modes *modes)
+static fb_status fbi_line_root_attach(fb_lines *all, fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
+                                      const fb_modes *modes)
 {
   if (modes->joined && plan->moves) {
     const int on = fbi_line_support(all, line->first, modes->n, beam->desc.position, beam->desc.length);
@@ -25344,7 +25353,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     return status;
   }
   fbi_line_describe(line, all, plan, first, beam, modes);
-  status = fbi_line_hang(all, line, plan, beam, modes);
+  status = fbi_line_root_attach(all, line, plan, beam, modes);
   status = status == FB_OK ? fbi_line_tables_fill(all, line, plan, beam, modes) : status;
   if (status != FB_OK) {
     return status;
@@ -26425,7 +26434,7 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
 {
   const fb_lines *const all = &shape->lines;
   const fb_second *const rest = &shape->rest;
-  const int n = shape->n, nn = n * n, sound = fbi_line_counts_are_sound(all), points = sound ? all->n_point : 0;
+  const int n = shape->n, nn = n * n, valid = fbi_line_counts_are_valid(all), points = valid ? all->n_point : 0;
   const fbi_number table[] = {FBI_NOT_NEGATIVE(all->mass, points, "shape.lines.mass [kg]"),
                               FBI_ANY(all->center, 3 * points, "shape.lines.center [m]"),
                               FBI_ANY(all->inertia, 6 * points, "shape.lines.inertia [kg m^2]"),
@@ -26435,7 +26444,7 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
                               FBI_ANY(all->tangent[0], points, "shape.lines.tangent[0]"),
                               FBI_ANY(all->tangent[1], points, "shape.lines.tangent[1]"),
                               FBI_ANY(all->tangent[2], points, "shape.lines.tangent[2]"),
-                              FBI_ANY(all->table, sound ? all->n_table : 0, "shape.lines.table"),
+                              FBI_ANY(all->table, valid ? all->n_table : 0, "shape.lines.table"),
                               FBI_ANY(rest->reach, n, "shape.rest.reach"),
                               FBI_ANY(rest->ups, 3 * nn, "shape.rest.ups"),
                               FBI_ANY(rest->Gam, 9 * n, "shape.rest.Gam"),
@@ -26445,7 +26454,7 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
                               FBI_ANY(rest->hchi, 3 * nn, "shape.rest.hchi")};
   int stride = 0;
   fb_status status;
-  if (!sound) {
+  if (!valid) {
     return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: counts within its tables", -1, FB_R(0.0), FB_R(0.0));
   }
   status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
@@ -26454,7 +26463,7 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
                                FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
                                FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
     status = fbi_numbers_check(line, FBI_LENGTH(line), l);
-    if (status == FB_OK && !fbi_line_is_sound(all, &all->line[l], n)) {
+    if (status == FB_OK && !fbi_line_is_valid(all, &all->line[l], n)) {
       status = FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
     }
     stride += all->line[l].stride;
@@ -26463,12 +26472,12 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
     status =
         FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
   }
-  if (status == FB_OK && !(fbi_stations_are_sound(all->station, points, all->n_side) &&
-                           fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all))) {
+  if (status == FB_OK && !(fbi_stations_are_valid(all->station, points, all->n_side) &&
+                           fbi_stations_are_valid(all->root, all->n_line, all->n_side) && fbi_sides_are_valid(all))) {
     status = FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
   }
   for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
-    if (!fbi_line_node_is_sound(all, &shape->node[k].line)) {
+    if (!fbi_line_node_is_valid(all, &shape->node[k].line)) {
       status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
@@ -26616,7 +26625,7 @@ static fb_status fbi_body_lines_check(const fb_shape *shape)
 #endif
 
 /* 1 if there is no central gravity, or E8.36 holds: M_rr(q) and c(q) to the same degree. */
-static int fbi_center_is_sound(const fb_shape *shape, const fb_body_desc *desc)
+static int fbi_center_is_valid(const fb_shape *shape, const fb_body_desc *desc)
 {
   const unsigned inertia = FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA, quadratic = FBI_QUADRATIC_EFFECTS,
                  effects = desc->effects;
@@ -26648,7 +26657,7 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   if (fbi_is_excluded(desc->effects)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, fbi_word_excluded(desc->effects), -1, FB_R(0.0), FB_R(0.0));
   }
-  if (!fbi_center_is_sound(shape, desc)) {
+  if (!fbi_center_is_valid(shape, desc)) {
     return FBI_REFUSE(
         FB_ERR_EFFECTS,
         "mu [m^3/s^2], 0 without mass, FB_WITH_GRAVITY, momentum form, FB_EFFECTS_FULL, _LARGE or _STRAIN of "
@@ -28210,7 +28219,7 @@ static fb_real fbi_exact_place(const fb_exact_desc *desc, const fbi_exact_line *
 
 /* The ends of element k must be rotated against each other by less than 3 rad (pi is the limit) before anything acts:
    integral of the initial curvature from station to station, and the twist. */
-static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, const fbi_exact_line *line, int k)
+static fb_status fbi_exact_rotation_check(const fb_exact_desc *desc, const fbi_exact_line *line, int k)
 {
   const fb_exact_station *const station = desc->station + line->station;
   const fb_real end = fbi_exact_place(desc, line, k + 1);
@@ -28358,7 +28367,7 @@ static fb_status fbi_exact_line_check(const fb_exact_desc *desc, int index)
                         line.length);
   }
   for (int k = 0; k < line.n && status == FB_OK; k++) {
-    status = fbi_exact_turn_check(desc, &line, k);
+    status = fbi_exact_rotation_check(desc, &line, k);
   }
   return status;
 }
@@ -29082,7 +29091,7 @@ static int fbi_exact_unstable(const fb_exact_work *work, const fb_exact *m)
 #define FBI_EXACT_TOLERANCE (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9))
 /* Adds the correction; FB_ERR_CONVERGENCE where `change`, its relative size, reaches 100 or it rotates neighboring
    nodes by more than a radian against each other. */
-static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_real change)
+static fb_status fbi_exact_correction_add(fb_exact_work *work, const fb_exact *m, fb_real change)
 {
   fb_status status = change < FB_R(100.0) ? FB_OK : FB_ERR_CONVERGENCE;
   for (int k = 0; k < m->n; k++) {
@@ -29130,7 +29139,7 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
 
   /* Steady motion; without angular velocity there are no inertia forces */
   work->motion = steady;
-  fbi_exact_input_take(work, m, base_quat, input, part, FB_R(0.0));
+  fbi_exact_input_set(work, m, base_quat, input, part, FB_R(0.0));
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
   fbi_zero(work->lump, 6 * m->n_lump);
@@ -29147,7 +29156,7 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
     fbi_exact_solve(work, m);
     work->iterations++;
     change = fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* round-off apart */
-    status = it > 8 && change > before ? FB_ERR_CONVERGENCE : fbi_exact_turn_add(work, m, change);
+    status = it > 8 && change > before ? FB_ERR_CONVERGENCE : fbi_exact_correction_add(work, m, change);
     before = change;
   }
   if (status == FB_OK && change > FBI_EXACT_TOLERANCE) {
@@ -29179,7 +29188,7 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
   while (part < FB_R(1.0)) {
     const fb_real next = part + step < FB_R(0.999) ? part + step : FB_R(1.0);
     const int before = work->iterations;
-    fbi_exact_pose_take(work, &work->state, m);
+    fbi_exact_pose_enter(work, &work->state, m);
     status = fbi_exact_newton(work, m, base_quat, input, next);
     work->increments++;
     if (status == FB_OK) {
@@ -29207,7 +29216,7 @@ static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_
   fbi_copy(work->drift, work->twist, 3);
   fbi_zero(work->twist, 3); /* from here on relative to the present velocity of the base */
   fbi_exact_nodes_eval(work, m);
-  fbi_exact_state_take(state, work, m);
+  fbi_exact_state_fill(state, work, m);
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mul_vec3(state->u, base, work->drift);
   for (int i = 0; i < 3; i++) {
@@ -29231,7 +29240,7 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
   /* The full load at once, else in increments */
   work->iterations = 0;
   work->increments = 1;
-  fbi_exact_pose_take(work, state, m);
+  fbi_exact_pose_enter(work, state, m);
   fbi_copy(work->hold, state->angle, m->n_joint);
   status = fbi_exact_newton(work, m, state->base_quat, input, FB_R(1.0));
   if (status != FB_OK) {
@@ -29389,9 +29398,9 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
          FBI_UNREST * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
 }
 
-/* What the rounding of momenta L, of wheels above all, leaves of w where the base is to be at rest is no spin: takes it
-   away, and returns the torque [N m] to add for what it does. */
-static fb_real fbi_rest_settle(fb_real w[3], const fb_real wanted[3], const fb_real L[3])
+/* Sets w to zero where the base is to be at rest: what the rounding of the momenta L (of wheels above all) leaves there
+   is no spin. Returns the size of the torque [N m] that this round-off would cause. */
+static fb_real fbi_rest_spin_clear(fb_real w[3], const fb_real wanted[3], const fb_real L[3])
 {
   const fb_real noise = FB_R(16.0) * fbi_vec3_norm(w) * fbi_vec3_norm(L);
   if (!fbi_is_zero(wanted, 3)) {
@@ -29406,7 +29415,7 @@ static fb_real fbi_rest_settle(fb_real w[3], const fb_real wanted[3], const fb_r
 #if FB_WITH_LARGE_DEFLECTION
 /* Most that a unit of coordinate a turns a point of the lines [rad], or stretches and shifts one in parts of `size`
    [m]. */
-static fb_real fbi_lines_turn(const fb_lines *all, int a, fb_real size)
+static fb_real fbi_lines_rotation_bound(const fb_lines *all, int a, fb_real size)
 {
   fb_real most = FB_R(0.0);
   for (int l = 0; l < all->n_line; l++) {
@@ -29447,7 +29456,7 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    most = fbi_larger(most, fbi_lines_turn(&body->lines, a, large));
+    most = fbi_larger(most, fbi_lines_rotation_bound(&body->lines, a, large));
   }
 #endif
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
@@ -29502,8 +29511,8 @@ static void fbi_shift_rate(fb_real rate[3], const fb_real quat0[4], const fb_rea
 
 /* Angular velocity of the frame relative to the reference, in its own axes: w - (R_0^T R)^T w_0; to first order the
    rate of the small angles between the two. */
-static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real w0[3], const fb_real quat[4],
-                          const fb_real w[3])
+static void fbi_frame_angular_rate(fb_real rate[3], const fb_real quat0[4], const fb_real w0[3], const fb_real quat[4],
+                                   const fb_real w[3])
 {
   fb_real R[9], R0[9], carried[3];
   fb_quat_to_mat33(R, quat);
@@ -29516,8 +29525,8 @@ static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real
 }
 
 /* Rate of the body-axes components of a vector P given in inertial axes: R^T P' - w x R^T P. */
-static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w[3], const fb_real P[3],
-                            const fb_real P_dot[3])
+static void fbi_rotated_rate(fb_real rate[3], const fb_real R[9], const fb_real w[3], const fb_real P[3],
+                             const fb_real P_dot[3])
 {
   fb_real p[3], turn[3];
   fb_mat33_mulT_vec3(p, R, P);
@@ -29718,7 +29727,7 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
 /* Does the trim look for an orbit? */
 static int fbi_is_orbit(const fb_body *body, const fb_input *input)
 {
-  return fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY) && fbi_is_flying(body) && !fbi_is_zero(input->w, 3);
+  return fbi_has(body->effects, FB_EFFECT_CENTRAL_GRAVITY) && fbi_is_free(body) && !fbi_is_zero(input->w, 3);
 }
 
 #if FB_WITH_GRAVITY
@@ -29842,7 +29851,7 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
 }
 
 /* Magnitude of the component of x perpendicular to the spin axis w; 0 without spin. */
-static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
+static fb_real fbi_transverse_norm(const fb_real w[3], const fb_real x[3])
 {
   const fb_real spin = fbi_vec3_norm(w);
   fb_real turn[3];
@@ -29890,13 +29899,13 @@ static fb_status fbi_gravity_size(fb_real *torque, fb_real *across, const fb_bod
   const fb_real lever = body->mass * body->gyration;
   fb_real g[3];
   const fb_status status = fb_body_gravity_eval(body, g, state->rho);
-  if (fbi_is_central(body) && fbi_is_flying(body)) {
+  if (fbi_is_central(body) && fbi_is_free(body)) {
     *torque +=
         FB_R(64.0) * FB_EPSILON / FBI_UNREST * lever * fbi_vec3_norm(g) + lever * body->gyration * fb_vec3_dot(w, w);
     fbi_vec3_copy(g, body->gravity);
   }
   *torque += lever * fbi_vec3_norm(g);
-  *across += lever * fbi_across(w, g);
+  *across += lever * fbi_transverse_norm(w, g);
   return status;
 }
 #endif
@@ -29924,12 +29933,12 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
   fb_mat33_mul_vec3(w, R, work->motion.w);
-  noise = fbi_rest_settle(w, input->w, work->moved.L);
+  noise = fbi_rest_spin_clear(w, input->w, work->moved.L);
   for (int i = 0; i < input->n_load; i++) {
     const fb_load *const load = &input->load[i];
     const fb_real *const seen = load->axes == FB_AXES_INERTIAL ? w : none;
     torque += fbi_vec3_norm(load->torque) + length * fbi_vec3_norm(load->force);
-    across += fbi_across(seen, load->torque) + length * fbi_across(seen, load->force);
+    across += fbi_transverse_norm(seen, load->torque) + length * fbi_transverse_norm(seen, load->force);
   }
 #if FB_WITH_GRAVITY
   status = fbi_gravity_size(&torque, &across, body, &work->moved, w);
@@ -30000,13 +30009,13 @@ static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, cons
   fbi_copy(V0 + 3, work->steady.w, 3);
   fb_quat_to_mat33(R, at->quat);
   fb_mat33_mul_vec3(velocity, R, work->motion.v);
-  fbi_turned_rate(rate, R, w, at->u, work->rate.u);
+  fbi_rotated_rate(rate, R, w, at->u, work->rate.u);
   for (int i = 0; i < 3; i++) {
     rate[i] *= mass;
   }
-  fbi_turned_rate(rate + 3, R, w, at->L, work->rate.L);
+  fbi_rotated_rate(rate + 3, R, w, at->L, work->rate.L);
   fbi_shift_rate(rate + 6, state->quat, state->rho, V0, at->rho, velocity);
-  fbi_turn_rate(rate + 9, state->quat, V0 + 3, at->quat, w);
+  fbi_frame_angular_rate(rate + 9, state->quat, V0 + 3, at->quat, w);
 }
 
 /* Increases an input by h. */
@@ -30409,13 +30418,13 @@ static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, in
   const fb_link_state *const rate = &work->rate.link[k];
   if (joint->kind == FB_JOINT_FREE) {
     fbi_shift_rate(z, x0->quat, x0->x, work->steady[k], x->x, rate->x);
-    fbi_turn_rate(z + 3, x0->quat, work->steady[k] + 3, x->quat, L->V + 3);
-    fbi_turned_rate(p, L->k.R, L->V + 3, x->p, rate->p);
-    fbi_turned_rate(p + 3, L->k.R, L->V + 3, x->p + 3, rate->p + 3);
+    fbi_frame_angular_rate(z + 3, x0->quat, work->steady[k] + 3, x->quat, L->V + 3);
+    fbi_rotated_rate(p, L->k.R, L->V + 3, x->p, rate->p);
+    fbi_rotated_rate(p + 3, L->k.R, L->V + 3, x->p + 3, rate->p + 3);
   } else if (joint->kind == FB_JOINT_SPHERICAL) {
     fb_real h[3];
-    fbi_turn_rate(z, x0->quat, work->steady[k], x->quat, L->u);
-    fbi_turned_rate(h, L->k.R, L->V + 3, x->p, rate->p);
+    fbi_frame_angular_rate(z, x0->quat, work->steady[k], x->quat, L->u);
+    fbi_rotated_rate(h, L->k.R, L->V + 3, x->p, rate->p);
     fb_mat33_mulT_vec3(p, joint->child_axes, h);
   } else {
     fbi_copy(z, rate->x, joint->n_axis);
@@ -30445,7 +30454,7 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
 
 #if FB_WITH_ROTORS
 /* Lists the rotors whose momenta are states, with their speeds where the rates have just been evaluated. */
-static fb_status fbi_turning_rotors_find(const fbi_subject *s)
+static fb_status fbi_free_rotors_find(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
   work->n_rotor = 0;
@@ -30453,7 +30462,7 @@ static fb_status fbi_turning_rotors_find(const fbi_subject *s)
     const fb_body *const model = fbi_model(s->system, s->body, k);
     for (int r = 0; r < model->n_rotor; r++) {
       if (!model->rotor[r].given) {
-        const fbi_turning_rotor found = {k, r, work->system.link[k].k.rotor_speed[r]};
+        const fbi_free_rotor found = {k, r, work->system.link[k].k.rotor_speed[r]};
         work->rotor[work->n_rotor++] = found;
       }
     }
@@ -30463,11 +30472,11 @@ static fb_status fbi_turning_rotors_find(const fbi_subject *s)
 }
 
 /* f: rates of the momenta of rotors, with friction as its tangent (E8.47), which the motors of work->input get. */
-static void fbi_turning_rotors_rate(fb_real *f, const fbi_subject *s)
+static void fbi_free_rotors_rate(fb_real *f, const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
   for (int i = 0; i < work->n_rotor; i++) {
-    const fbi_turning_rotor *const at = &work->rotor[i];
+    const fbi_free_rotor *const at = &work->rotor[i];
     const fb_body *const model = fbi_model(s->system, s->body, at->body);
     const fb_link_state *const rate = &work->rate.link[at->body];
     const fb_real more = fbi_rotor_tangent(&model->rotor[at->rotor], at->speed, rate->q[model->n + at->rotor]);
@@ -30525,7 +30534,7 @@ static fb_status fbi_roots_rest(const fbi_subject *s)
     const fb_real *const momentum = work->moved.link[k].p + 3;
     fb_real noise;
     fb_mat33_mul_vec3(w, L->k.R, L->V + 3);
-    noise = fbi_rest_settle(w, s->system_input ? s->system_input->drive[k].rate + 3 : none, momentum);
+    noise = fbi_rest_spin_clear(w, s->system_input ? s->system_input->drive[k].rate + 3 : none, momentum);
     if (fbi_is_afloat(s->system, &work->moved, k) &&
         !fbi_is_balanced(rate, rate + 3, momentum, w, length, torque + noise)) {
       work->system.joint = k;
@@ -30548,7 +30557,7 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   }
   status = fbi_loops_shut(s, &work->moved);
   status = status ? status : fbi_roots_spin(s);
-  fbi_speeds_take(w, s->system, s->body, &work->moved, work->rest, s->system_input);
+  fbi_speeds_set(w, s->system, s->body, &work->moved, work->rest, s->system_input);
   fbi_momenta_fill(&work->moved, w, s->system, s->body);
   status = status ? status : fb_system_rates_eval(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
   if (status == FB_OK) {
@@ -30577,7 +30586,7 @@ static void fbi_system_momenta(fb_real *out, fb_real *p, const fbi_subject *s, c
 /* Sets the momenta of the state `moved`, whose loops are closed, along the axes of the joints: the steady ones, with h
    added to that of independent coordinate j. In loops the momenta of dependent coordinates are set to zero, since the
    reduced momenta of the independent ones contain them; fbi_loops_reduced gives the rates. */
-static void fbi_momenta_keep(const fbi_subject *s, int j, fb_real h)
+static void fbi_steady_momenta_set(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
   fb_real p[FB_MAX_BODIES][6];
@@ -30614,16 +30623,16 @@ static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
   }
 #if FB_WITH_ROTORS
   if (j >= 2 * n && j < 2 * n + work->n_rotor) {
-    const fbi_turning_rotor *const at = &work->rotor[j - 2 * n];
+    const fbi_free_rotor *const at = &work->rotor[j - 2 * n];
     work->moved.link[at->body].pi[fbi_model(s->system, s->body, at->body)->n + at->rotor] += h;
   }
 #endif
   status = fbi_loops_shut(s, &work->moved);
   if (j < n && s->system->n_loop == 0 && !fbi_is_pose(s, j)) {
-    fbi_speeds_take(&work->system, s->system, s->body, &work->moved, work->rest, s->system_input);
+    fbi_speeds_set(&work->system, s->system, s->body, &work->moved, work->rest, s->system_input);
     fbi_momenta_fill(&work->moved, &work->system, s->system, s->body);
   } else {
-    fbi_momenta_keep(s, j - n, h);
+    fbi_steady_momenta_set(s, j - n, h);
   }
   fbi_system_momenta(work->p_moved, work->p_dot, s, &work->moved);
   return status;
@@ -30693,7 +30702,7 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
   /* Rates of x, momenta, outputs */
   fbi_system_linear_rates(f, s);
 #if FB_WITH_ROTORS
-  fbi_turning_rotors_rate(f + 2 * work->n_independent, s);
+  fbi_free_rotors_rate(f + 2 * work->n_independent, s);
 #endif
   fbi_copy(f + states + s->desc->n_out, work->p_moved, work->n_independent);
   if (s->desc->n_out > 0) {
@@ -30800,7 +30809,7 @@ static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_
   return status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
 }
 
-static int fbi_is_settled(fb_real change)
+static int fbi_is_converged(fb_real change)
 {
   return !(change > (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9)));
 }
@@ -30875,7 +30884,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   }
   status = status ? status : fbi_trim_newton(&change, &work->common, &s, n);
   status = status ? status : fb_state_check(body, &work->moved);
-  if (status == FB_OK && !fbi_is_settled(change)) {
+  if (status == FB_OK && !fbi_is_converged(change)) {
     status = FB_ERR_CONVERGENCE;
   }
 
@@ -31028,7 +31037,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   status = status ? status : fbi_loops_shut(&s, &work->state);
   status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
   status = status ? status : fbi_system_range(system, body, &work->moved);
-  if (status == FB_OK && !fbi_is_settled(change)) {
+  if (status == FB_OK && !fbi_is_converged(change)) {
     status = FB_ERR_CONVERGENCE;
   }
 
@@ -31040,7 +31049,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
     const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
     const fb_body *const model = fbi_model(system, body, k);
     status = fbi_rotors_rest(model, work->system.link[k].k.rotor_speed, own);
-    fbi_rotors_settle(work->moved.link[k].q, work->moved.link[k].pi, model, own);
+    fbi_rotors_normalize(work->moved.link[k].q, work->moved.link[k].pi, model, own);
   }
 #endif
   if (status == FB_OK) {
@@ -31053,7 +31062,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
 #if FB_WITH_EXACT
 /* ---- paths of steady states */
 
-static void fbi_exact_loads_take(fbi_exact_loads *to, const fb_exact_work *work, const fb_exact *m)
+static void fbi_exact_loads_copy(fbi_exact_loads *to, const fb_exact_work *work, const fb_exact *m)
 {
   fbi_copy(to->line, work->line, 6 * m->n);
   fbi_copy(to->line_dead, work->line_dead, 6 * m->n);
@@ -31093,11 +31102,11 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
   fb_exact_work *const work = &w->exact;
   int dead;
   work->motion = steady;
-  fbi_exact_input_take(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
-  fbi_exact_loads_take(&w->varied, work, m);
+  fbi_exact_input_set(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
+  fbi_exact_loads_copy(&w->varied, work, m);
   dead = work->motion.dead;
-  fbi_exact_input_take(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
-  fbi_exact_loads_take(&w->constant, work, m);
+  fbi_exact_input_set(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
+  fbi_exact_loads_copy(&w->constant, work, m);
   work->motion.dead |= dead;
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
@@ -31174,7 +31183,7 @@ static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb
     fbi_exact_sum(work->ds, w->ds, more, work->ds, 6 * m->n);
     change = fbi_larger(fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)),
                         FB_FABS(more) / (FB_R(1.0) + FB_FABS(path->factor)));
-    status = fbi_exact_turn_add(work, m, change);
+    status = fbi_exact_correction_add(work, m, change);
     path->factor += more;
   }
   if (status != FB_OK || change > FBI_EXACT_TOLERANCE) {
@@ -31221,7 +31230,7 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
     next = *path;
     next.iterations = iterations;
     next.arc = arc;
-    fbi_exact_pose_take(&w->exact, state, m);
+    fbi_exact_pose_enter(&w->exact, state, m);
     fbi_copy(w->exact.hold, state->angle, m->n_joint);
     status = fbi_exact_path_try(w, m, &next, arc);
     iterations = next.iterations;
@@ -31497,7 +31506,7 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
     fbi_system_momenta(work->momenta, work->p_dot, s, s->system_state);
   }
 #if FB_WITH_ROTORS
-  return status ? status : fbi_turning_rotors_find(s);
+  return status ? status : fbi_free_rotors_find(s);
 #else
   return status;
 #endif
@@ -31525,7 +31534,7 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
   }
 #if FB_WITH_ROTORS
   for (int i = 0; i < work->n_rotor; i++) {
-    const fbi_turning_rotor *const at = &work->rotor[i];
+    const fbi_free_rotor *const at = &work->rotor[i];
     const fb_real turns = FB_FABS(at->speed) + fbi_own_rate(FB_R(0.0), FB_R(0.0), rate, other);
     step[2 * n + i] =
         FB_R(100.0) * FBI_DIFFERENCE * fbi_model(s->system, s->body, at->body)->rotor[at->rotor].inertia * turns;
@@ -31669,7 +31678,7 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
 }
 
 /* A + part E, rows and columns of the states keep[0..size-1]. */
-static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb_real part)
+static void fbi_spectrum_matrix(fb_real *A, const fbi_analysis *work, int size, fb_real part)
 {
   const int n = work->linear.n, *const keep = work->keep;
   for (int i = 0; i < size * size; i++) {
@@ -31704,9 +31713,9 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   fb_status status;
 
   /* Eigenvalues of A + E, then of A */
-  fbi_spectrum_take(work->A, work, size, FB_R(1.0));
+  fbi_spectrum_matrix(work->A, work, size, FB_R(1.0));
   status = fbi_eig_general(work->other_re, work->other_im, work->X, &least, work->A, work->eig, size);
-  fbi_spectrum_take(work->A, work, size, FB_R(0.0));
+  fbi_spectrum_matrix(work->A, work, size, FB_R(0.0));
   status = status ? status : fbi_eig_general(work->re, work->im, work->X, &least, work->A, work->eig, size);
 
   /* Errors; a double zero splits by the square root of round-off, in both matrices alike */
@@ -32472,8 +32481,8 @@ static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, con
   const fbi_exact_motion motion = {0, 1, 0, 0, FB_R(1.0), shift};
   fbi_exact_cell *const c = &work->cell;
   work->motion = motion;
-  fbi_exact_pose_take(work, state, m);
-  fbi_exact_input_take(work, m, state->base_quat, input, FB_R(1.0), FB_R(0.0));
+  fbi_exact_pose_enter(work, state, m);
+  fbi_exact_input_set(work, m, state->base_quat, input, FB_R(1.0), FB_R(0.0));
   fbi_exact_nodes_eval(work, m);
   for (int k = 0; k < m->n; k++) {
     fbi_exact_cell_eval(c, work, m, k);
@@ -32772,7 +32781,7 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
                  port->kind == FB_EXACT_PORT_BASE_VELOCITY ? m->time / m->length : m->time, unit);
     for (int j = 0; j <= m->n; j++) {
       fb_real carried[6];
-      fbi_exact_carried(carried, work, work->r + 3 * j, work->R + 9 * j);
+      fbi_exact_base_twist(carried, work, work->r + 3 * j, work->R + 9 * j);
       fbi_vec6_add(b + 6 * j, -FB_R(1.0), carried);
     }
   }
@@ -32816,7 +32825,7 @@ static fbi_complex fbi_exact_distance(const fb_exact_linear_work *w, const fb_ex
 }
 
 /* Number of modes to keep, at least `count`: those with equal eigenvalues stay together. */
-static int fbi_exact_keep(const fb_exact_spectrum_work *work, const int *order, int found, int count)
+static int fbi_exact_mode_count(const fb_exact_spectrum_work *work, const int *order, int found, int count)
 {
   while (count < found) {
     const int a = order[count - 1], b = order[count];
@@ -33020,7 +33029,7 @@ static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact 
   if (status != FB_OK) {
     return status;
   }
-  out->n_mode = fbi_exact_keep(&w->spectrum, w->order, found, count);
+  out->n_mode = fbi_exact_mode_count(&w->spectrum, w->order, found, count);
   if (out->n_mode > FB_EXACT_MODES) {
     return FB_ERR_VALUE;
   }
@@ -34167,7 +34176,7 @@ static fb_real fbi_frame_part(fb_real dt, fb_real frame)
 }
 
 /* integral of e^(i turn u) u^k du over 0..1, k = 0, 1, 2 */
-static void fbi_turn_moments(fbi_complex m[3], fb_real turn)
+static void fbi_phase_moments(fbi_complex m[3], fb_real turn)
 {
   const fbi_complex z = {FB_R(0.0), turn}, end = {FB_COS(turn), FB_SIN(turn)};
   for (int k = 0; k < 3; k++) {
@@ -34195,7 +34204,7 @@ static fb_real fbi_advice_end(fb_real turn, fb_real at, int smooth)
   /* e^(i turn after) less its series to degree 1, 2, over z^2, z^3, z = i turn; less that of the parabola */
   off.re = (smooth ? FB_R(0.0) - sine : FB_R(0.0) - cosine) / size;
   off.im = (smooth ? cosine + FB_R(0.5) * turn * turn * after * after : FB_R(0.0) - sine) / size;
-  fbi_turn_moments(m, turn);
+  fbi_phase_moments(m, turn);
   off.re -= 4 * middle * (m[1].re - m[2].re) + end * (m[0].re - 3 * m[1].re + 2 * m[2].re);
   off.im -= 4 * middle * (m[1].im - m[2].im) + end * (m[0].im - 3 * m[1].im + 2 * m[2].im);
   return size * fbi_complex_abs(off);

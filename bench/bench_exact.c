@@ -186,8 +186,8 @@ static void iteration(int way, int at)
 {
   const fbi_exact_motion steady = {0, 1, 0, 0, 1, 0};
   work.motion = steady;
-  fbi_exact_pose_take(&work, &start[at], &beam);
-  fbi_exact_input_take(&work, &beam, start[at].base_quat, &input, 1, 0);
+  fbi_exact_pose_enter(&work, &start[at], &beam);
+  fbi_exact_input_set(&work, &beam, start[at].base_quat, &input, 1, 0);
   fbi_exact_middle(&work, &beam, 0, 1);
   fbb_check(factor(way), "factors");
   solve(way);

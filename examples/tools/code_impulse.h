@@ -1038,7 +1038,7 @@ static void rows_write_loads(const code *w)
   }
 }
 
-/* F less the turning of G at a node that moves (fbi_node_take). */
+/* F less the turning of G at a node that moves (fbi_node_forces_add). */
 static void rows_write_turning(const code *w, code_value load[6], const rows_end *end, code_value name)
 {
   const code_value *const V = tree.link[end->link].V;

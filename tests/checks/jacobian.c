@@ -151,7 +151,7 @@ static void scatter(int what, int way)
   fill(state.base_quat, 4, 1);
   require(fb_quat_normalize(state.base_quat), "attitude");
   work.motion = motion;
-  fbi_exact_input_take(&work, &beam, state.base_quat, &input, 1, way == MARCH ? step : 0);
+  fbi_exact_input_set(&work, &beam, state.base_quat, &input, 1, way == MARCH ? step : 0);
   fill(work.s, 6 * beam.n, 0.7);
   fill(work.strain, 6 * beam.n, 0.1);
   fill(work.momentum, 6 * beam.n, 1);
