@@ -790,14 +790,12 @@ typedef struct fb_line_point {
                                                      `length` */
 } fb_line_point;
 
-/* Distributed loads: writes force and torque of all n points of a body, which are zero before, at time t; called once
-   an evaluation, of a system for each body with lines. Points are the roots and the nodes of quadrature, by lines from
-   the root on: a load that varies smoothly along the line is integrated as accurately as its product with the modes by
-   a polynomial through them; one that jumps where no point ends a stretch (lumped body, kink, step of the sections),
-   less so. The status of a callback that fails
-   ends the call, which then leaves the state as it was; FB_ERR_NOT_FINITE: it has written what is no number. It may be
-   called several times for one step, at attempts too: keep no history in it. Loads that grow with the velocity are not
-   part of the step limit. */
+/* Distributed loads at time t: writes force and torque of all n points of a body, zero before. Called once an
+   evaluation, of a system for each body with lines; several times a step, at attempts, too: keep no history in it.
+   Points are the roots and the quadrature nodes, by lines from the root on. A load that is smooth along the line is
+   integrated as accurately as a polynomial through them times the modes; one that jumps where no stretch ends (lumped
+   body, kink, step of the sections) less so. Loads that grow with the velocity are not part of the step limit.
+   A status other than FB_OK ends the call, and so does a number that is not finite (FB_ERR_NOT_FINITE). */
 typedef fb_status (*fb_distributed)(fb_line_point *point, int n, fb_real t, void *user);
 
 typedef struct fb_line_node {              /* a node on a line, line axes */
@@ -863,16 +861,14 @@ typedef enum fb_effect {
 #define FB_EFFECTS_LARGE 287u  /* level 4: geometrically exact beams, any deflection */
 #define FB_EFFECTS_STRAIN 135u /* stiffening by axial coordinates instead of the quadratic field, beside level 3 */
 
-/* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
-   (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges
-   above its first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the
-   foreshortening would count twice), when large deflection comes without all of FB_EFFECTS_FULL, which the parts that
-   are no beams need, or when an effect was removed at compile time. fb_body_init also refuses spin stiffening of a FREE
-   body without acceleration stiffening: its meaning would depend on the choice of O.
-   Without residual inertia the inertia does not follow the shape, and with few modes the centrifugal loads on them
-   (products of w) are missing, too: such sets are for a body that turns slowly, however fast it flies by itself. In a
-   system they are for bodies whose O is slow, too: the loads w x v of O on their modes are missing there. On a
-   prescribed base that turns and whose v changes every integrator is of order 1 with them. */
+/* FB_ERR_EFFECTS: an effect was removed at compile time, or the set is one of HALF AN EFFECT IS WORSE THAN NONE:
+     residual inertia without spin coupling, or without the spin stiffening (or nonlinear strain) that outweighs it;
+     nonlinear strain with spin or acceleration stiffening: the foreshortening would count twice;
+     large deflection without all of FB_EFFECTS_FULL, which the parts that are no beams need.
+   fb_body_init also refuses spin stiffening of a FREE body without acceleration stiffening: it would depend on O.
+   Sets without residual inertia are for bodies that turn slowly, in a system for those whose O moves slowly, too: loads
+   on the modes by products of w, and by w x v of O, are missing. With them every integrator is of order 1 on a
+   prescribed base that turns while its v changes. */
 FB_API fb_status fb_effects_check(unsigned effects);
 
 /* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
@@ -897,24 +893,21 @@ typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds
 FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
 
 #if FB_WITH_ROTORS
-/* A rotor: a wheel that turns about an axis of its own inside a body, with its speed as the only freedom: reaction
-   wheels, gyros, flywheels, turbines (a gyrostat). It has no body and no joint, and however fast it turns it costs no
-   shorter step: a step resolves the nutation that its momentum causes.
-   What the caller gives as mass and inertia of the body (hub, lumped bodies) has the mass of the rotor and its inertia
-   across its axis, but NOT that about its axis. Of a craft whose inertia is known with its wheels locked, subtract
-   inertia axis axis^T of each; of a wheel on a beam leave out the component about its axis of the lumped body.
-   Its momentum is inertia (rate of the node about the axis + speed), of fb_state the pi behind those of the modes. A
-   momentum that is given follows the input whatever torque that takes; torque of the input, its rate, matters to
-   accelerations and reactions alone.
-   The spin of a body that looks the same at all angles about its axis counts in every limit of its steps: its frame
-   turns with it. As a rotor on a body that does not spin it counts by its nutation alone: a fast top, a spun stage.
-   Bodies of systems have them, too: fb_link_motion starts them, fb_system_input.rotor drives them. A wheel that is a
-   body on a hinge costs more, and its spin bounds the step as that of any body. Internal loads of lines with rotors on
-   the hub alone. Others: FB_ERR_UNSUPPORTED.
-   Imbalance is the usual model of jitter: a force and a torque that turn with the rotor and have the size of those at
-   a constant speed. They are loads on the body: they do not brake the rotor, whose motor would have to provide the
-   energy, and have neither harmonics of the speed nor resonances of the wheel itself. A step has to resolve the
-   rotation of a rotor that has any. */
+/* A rotor: a wheel inside a body, whose speed about its own axis is its only freedom: reaction wheel, gyro, flywheel,
+   turbine (a gyrostat). Bodies of systems have them, too: started by fb_link_motion, driven by fb_system_input.
+     Momentum   inertia (rate of the node about the axis + speed), behind the momenta of the modes in fb_state.pi. One
+                that is given follows the input whatever torque that takes; the torque of the input, its rate, then
+                matters to accelerations and reactions alone.
+     Inertia    the mass and inertia that the caller gives to hub or lumped bodies have the rotor's mass and its inertia
+                across the axis, but NOT that about the axis. Of a craft measured with its wheels locked subtract
+                inertia axis axis^T of each.
+     Step       its speed shortens no step; the nutation that its momentum causes does. The spin of the body itself
+                counts in every limit: a fast top or a spun stage is better a rotor on a body that does not spin. A
+                wheel that is a body on a hinge costs more and bounds the step by its speed.
+     Imbalance  (jitter) a force and a torque that turn with the rotor, of their size at constant speed. They are loads
+                on the body, do not brake the rotor, and have no harmonics and no resonances of the wheel. A step has to
+                resolve the rotation.
+   Internal loads of lines are known with rotors on the hub alone, otherwise FB_ERR_UNSUPPORTED. */
 typedef struct fb_rotor {
   int node;        /* on whose section it sits; 0: on the body frame. On other nodes the modes turn its axis */
   int given;       /* 1: its momentum is that of the input; 0: it follows from the torques */
@@ -929,9 +922,8 @@ typedef struct fb_rotor {
   /* set by fb_body_init: */
   int moves;         /* modes move the node */
   fb_real across[3]; /* x at angle 0 */
-  fb_real
-      mobility; /* [1/(kg m^2)] largest of the undeformed body across the axis: nutation is at most momentum times it */
-  fb_real rate; /* [1/s] by which friction brakes at most */
+  fb_real mobility;  /* [1/(kg m^2)] of the body across the axis, largest: nutation is at most momentum times it */
+  fb_real rate;      /* [1/s] by which friction brakes at most */
 } fb_rotor;
 
 typedef struct fb_rotor_input {
@@ -940,12 +932,13 @@ typedef struct fb_rotor_input {
 } fb_rotor_input;
 #endif
 
-typedef enum fb_base { /* how the body frame moves */
-                       FB_BASE_FREE = 0,
-                       FB_BASE_PRESCRIBED = 1, /* v, w of the input */
-                       FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
-                       FB_BASE_HINGED = 3,     /* O and the z axis stay where they are, the body turns about z */
-                       FB_BASE_COUNT
+/* How the body frame moves. */
+typedef enum fb_base {
+  FB_BASE_FREE = 0,
+  FB_BASE_PRESCRIBED = 1, /* v, w of the input */
+  FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
+  FB_BASE_HINGED = 3,     /* O and the z axis stay where they are, the body turns about z */
+  FB_BASE_COUNT
 } fb_base;
 
 #if FB_WITH_FORMS
@@ -1156,8 +1149,7 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   fb_real t;                  /* [s] for distributed */
-  fb_distributed distributed; /* loads along the lines of a body with FB_EFFECT_LARGE_DEFLECTION; NULL: none; others:
-                                 FB_ERR_UNSUPPORTED */
+  fb_distributed distributed; /* loads along the lines; NULL: none. FB_ERR_UNSUPPORTED: the body has no lines */
   void *user;
 #endif
 } fb_input;
@@ -1178,10 +1170,9 @@ typedef struct fb_node_motion { /* inertial axes */
   fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad], within half a turn */
 } fb_node_motion;
 
-typedef struct fb_energy {
-  fb_real kinetic, strain,
-      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin, and that of
-                  a center, zero far from it */
+typedef struct fb_energy { /* [J] */
+  fb_real kinetic, strain;
+  fb_real gravity; /* -m g.(rho + R c(q)/m), zero with the mass center at the origin; of a center zero far from it */
 } fb_energy;
 
 typedef struct fb_momentum {
@@ -1226,21 +1217,21 @@ typedef struct fb_line_motion {
   fb_real acceleration[3], angular_acceleration[3]; /* [m/s^2], [rad/s^2] inertial axes */
   fb_real force[3], moment[3]; /* [N], [N m] internal loads, section axes: force[0] tension, moment[0] torsion */
 } fb_line_motion;
-/* Motion and internal loads at all points of the lines of a single body, point[FB_MAX_LINE_POINTS], *n of them, in the
-   order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by
-   equilibrium: loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the
-   point itself included, damping, too; at a root at rest they are the load on the hub. They balance the motion as
-   computed: what the modes miss of it is missing in them (blades that spin: take fb_modes_desc.spin). motion and
-   input are those of fb_body_motion_eval at state.
+/* Motion and internal loads at all points of the lines of a single body: point[FB_MAX_LINE_POINTS], *n of them, in the
+   order of fb_distributed. motion and input are those of fb_body_motion_eval at state.
+   Internal loads are what the part beyond the section exerts on it, at the line, by equilibrium: loads of the input,
+   gravity, damping and inertia forces of all that is outboard, with lumped bodies and loads at the point itself. At a
+   root at rest they are the load on the hub. They balance the motion as computed: what the modes miss of it is missing
+   in them (blades that spin: take fb_modes_desc.spin).
    FB_ERR_UNSUPPORTED: a body without lines, with central gravity, or with a rotor on a node that moves;
-   FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
+   FB_ERR_NOT_FINITE; a status of input->distributed. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
 typedef struct fb_node_loads { /* internal loads, section axes: force[0] tension, moment[0] torsion */
   fb_real force[3], moment[3]; /* [N], [N m] */
 } fb_node_loads;
-/* Of these the internal loads at a node anywhere on a line, what acts at the node included. FB_ERR_UNSUPPORTED: a node on
-   no line; FB_ERR_CAPACITY: no such node. */
+/* Internal loads as fb_body_lines_eval at a node anywhere on a line, with what acts at the node. FB_ERR_UNSUPPORTED: a
+   node on no line; FB_ERR_CAPACITY: no such node. */
 FB_API fb_status fb_body_node_loads_eval(const fb_body *body, fb_node_loads *loads, const fb_state *state,
                                          const fb_motion *motion, const fb_input *input, int node);
 #endif
@@ -1294,10 +1285,6 @@ typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
 #endif
 } fbi_node_field;
 
-/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
-   axis. */
-
 typedef struct fb_imu {                       /* section axes of the node */
   fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
 } fb_imu;
@@ -1316,16 +1303,17 @@ FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 #define FB_GROUND (-1)
 
-typedef enum fb_joint_kind {                     /* z, x: axes of the joint frame */
-                             FB_JOINT_FREE = 0,  /* no joint, six speeds (v, w) against the ground; parent is ignored */
-                             FB_JOINT_RIGID = 1, /* none */
-                             FB_JOINT_REVOLUTE = 2,    /* angle about z */
-                             FB_JOINT_PRISMATIC = 3,   /* slide along z */
-                             FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
-                             FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
-                             FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the turned x */
-                             FB_JOINT_SPHERICAL = 7,   /* any rotation; speeds about the child's joint axes */
-                             FB_JOINT_COUNT
+/* z, x: axes of the joint frame */
+typedef enum fb_joint_kind {
+  FB_JOINT_FREE = 0,        /* no joint, six speeds (v, w) against the ground; parent is ignored */
+  FB_JOINT_RIGID = 1,       /* no motion */
+  FB_JOINT_REVOLUTE = 2,    /* angle about z */
+  FB_JOINT_PRISMATIC = 3,   /* slide along z */
+  FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
+  FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
+  FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the rotated x */
+  FB_JOINT_SPHERICAL = 7,   /* any rotation; speeds about the child's joint axes */
+  FB_JOINT_COUNT
 } fb_joint_kind;
 
 typedef enum fb_axis_mode {
@@ -1407,8 +1395,8 @@ typedef struct fb_link_state {
   fb_real lost_x[3], lost_u[3]; /* what x of a free joint and u have lost by rounding: x + lost_x is accurate to
                                    rounding of its size for ever */
 #if FB_SINGLE
-  fb_real lost_quat[4], lost_p[6], lost_q[FBI_MAX_COORDINATES],
-      lost_pi[FBI_MAX_COORDINATES]; /* as in fb_state; lost_x of all joints */
+  /* as in fb_state; lost_x of all joints */
+  fb_real lost_quat[4], lost_p[6], lost_q[FBI_MAX_COORDINATES], lost_pi[FBI_MAX_COORDINATES];
 #endif
 } fb_link_state;
 
@@ -1432,12 +1420,10 @@ typedef struct fb_link_motion {
 #endif
 } fb_link_motion;
 
-/* The value of a prescribed axis goes as its rate says. A jump would turn what hangs on the axis and keep its momenta, of
-   joints and modes, in axes that turn, too; where the frame of the joint spins, as that of the pitch bearing of a rotor's
-   blade, the joints and modes further out would get speeds that no jump of the bearing gives them. A step is refused
-   (FB_ERR_CONTRADICTION) where a value changes by more than twice its largest rate makes of the step, from the state to
-   the start (not of loops: their states have no values) or in it. With one input for all
-   of a step it is not known how the value came there, nor refused. */
+/* Value and rate of a prescribed axis belong together. A step is refused (FB_ERR_CONTRADICTION) where a value changes,
+   in it or from the state to its start, by more than twice what its largest rate makes of the step: a jump would keep
+   the momenta of all that hangs on the axis and so give speeds to joints and modes further out. Not refused: values of
+   loops, whose states have none, and one input for all of a step, of which it is not known how the value came there. */
 typedef struct fb_drive { /* of a joint, by axis */
   /* [N m], [N] of the motor on the child (and back on the parent), of free axes; [0] is the first axis of the joint. An
      axis that the joint does not have has no motor, nor has a free joint: FB_ERR_VALUE unless zero (load a node) */
@@ -1496,13 +1482,12 @@ typedef struct fb_system_forces { /* all that forces may depend on */
   fb_real pull[FB_MAX_SPRINGS];            /* [N] to be written: what its actuator does beside fb_system_input.pull */
 } fb_system_forces;
 
-/* Forces as functions of the state: reads where nodes, joints and springs are and how they move, and writes what acts
-   on them, which is zero before; called once an evaluation, also for attempts: keep no history in it. A node is seen
-   and loaded if a load, which may be zero, names it. What grows with deflection or velocity is not part of the step
-   limit: a penalty of stiffness k [N/m] on mass m [kg] takes rk4 steps below 2.7 sqrt(m/k); fb_system_sdirk_step finds
-   it by iteration, FB_ERR_CONVERGENCE from about sqrt(m/k) on. A status other than FB_OK ends the call, which leaves
-   the state as it was; FB_ERR_NOT_FINITE: what it wrote is no number; FB_ERR_VALUE: a torque on an axis without
-   motor. */
+/* Forces as functions of the state: reads how nodes, joints and springs move, and writes what acts on them (zero
+   before). A node is seen and loaded if a load, which may be zero, names it. Called once an evaluation, also at
+   attempts: keep no history in it. What grows with deflection or velocity is not part of the step limit: with a penalty
+   of stiffness k [N/m] on a mass m [kg] rk4 takes steps below 2.7 sqrt(m/k); fb_system_sdirk_step finds it by
+   iteration, FB_ERR_CONVERGENCE from about sqrt(m/k) on. A status other than FB_OK ends the call. FB_ERR_NOT_FINITE: it
+   wrote what is no number; FB_ERR_VALUE: a torque on an axis without motor. */
 typedef fb_status (*fb_forces)(fb_system_forces *now, void *user);
 
 typedef struct fb_system_input { /* all zero: nothing acts */
@@ -1518,9 +1503,8 @@ typedef struct fb_system_input { /* all zero: nothing acts */
   void *user;                     /* for rows, forces and distributed */
   fb_real t;                      /* [s] for rows, forces and distributed */
 #if FB_WITH_LARGE_DEFLECTION
-  fb_distributed
-      distributed; /* loads along the lines of all bodies that have FB_EFFECT_LARGE_DEFLECTION; NULL: none; no
-                                 such body: FB_ERR_UNSUPPORTED */
+  /* loads along the lines of all bodies that have them; NULL: none. FB_ERR_UNSUPPORTED: no body has lines */
+  fb_distributed distributed;
 #endif
 } fb_system_input;
 
@@ -1538,8 +1522,7 @@ typedef struct fbi_link_work {
   int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
   fb_axis_mode mode[3];
   fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
-  fb_real origin[3],
-      frame[3]; /* of roots: what rho of the tree is from, and its velocity: that momenta are relative to */
+  fb_real origin[3], frame[3];        /* of roots: what rho of the tree is from; its velocity, that of the momenta */
   fb_real change[3], glide[3], center[3];   /* of roots: that of frame, integral of P, m times the mass center before */
   fb_real total, impulse[3];                /* of roots: mass and momentum of the tree */
   fb_real turn[3];                          /* w at the start of the step */
@@ -1637,11 +1620,11 @@ FB_API unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
 /* Finite, within the deflection limits, modes of axes that exist, quaternions of unit length to 1e-3.
    FB_ERR_NOT_FINITE, FB_ERR_RANGE, FB_ERR_VALUE. */
 FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
-/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
-   value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
-   velocities changed as little as the kinetic energy goes, given ones among them: prescribe what must not change, or
-   give values that fit. Locked axes of loops stay where that leaves them.
-   FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
+/* State from joint coordinates and speeds; motion: one for each body, NULL: all zero, at rest. Prescribed axes take
+   value and speed from the input, locked ones are at rest. Loops are then closed, joints first, with the least change
+   of positions and velocities by kinetic energy. That may change given ones: prescribe what must stay. Locked axes of
+   loops stay where that leaves them.
+   FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off (work->joint); FB_ERR_NOT_FINITE;
    FB_ERR_RANGE. */
 FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_link_motion *motion, const fb_system_input *input);
@@ -1650,10 +1633,10 @@ FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
 FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, int joint, int axis, fb_axis_mode mode,
                                     const fb_system_input *input);
-/* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis that moves no inertia,
-   FB_ERR_CONTRADICTION: constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY (also
-   more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE; FB_ERR_RANGE also: the points of
-   a spring meet. On failure rate is as before. */
+/* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis moves no inertia;
+   FB_ERR_CONTRADICTION: constraints against each other (work->joint); FB_ERR_RANGE: a deflection, or the points of a
+   spring meet; FB_ERR_CAPACITY: also more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints;
+   FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_system_rates_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_state *rate, const fb_system_state *state,
                                       const fb_system_input *input);
@@ -1662,8 +1645,7 @@ typedef struct fb_joint_motion {
   /* of the axes; spherical: value is the rotation vector. Of joints of loops angles are within half a turn, also for
      their springs, and accelerations are zero */
   fb_real value[3], speed[6], acceleration[6];
-  fb_real force[3],
-      torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
+  fb_real force[3], torque[3]; /* [N], [N m] of the joint on the child, about its joint frame, inertial axes */
   fb_real drive[3]; /* of them the part along each axis: motor, spring, damper, friction and stop, or what holds it */
 } fb_joint_motion;
 
@@ -1921,38 +1903,35 @@ FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *mome
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>integrate: every step and its limit */
 
-/* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
-   the same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
-   elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin, acceleration and
-   slopes (unless allow_long_step), or the angular velocity changes within the step by more than half a radian a step,
-   or the attitude is lost; FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On
-   failure state is as before the call. WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions.
-   What a call knows about lines of large deflection, the 54 kB of an fbi_line_work with the default FB_MAX_POINTS and
-   FB_MAX_MODES, is on the stack of that call, of a step as of every evaluation, and only of bodies that have lines. It
-   is not reached through a pointer: works may hold anything, states are copied, inputs shared by threads. */
+/* Classical Runge-Kutta scheme, order 4, four evaluations. start, middle, end: inputs at t, t + dt/2 and t + dt; the
+   same pointer three times holds one input over the step, NULL: nothing acts. The quaternion is normalized, momenta and
+   elastic values below FB_TINY become zero.
+   FB_ERR_VALUE: dt <= 0; FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin, acceleration and slopes (unless
+   allow_long_step), the angular velocity changes within the step by more than half a radian a step, or the attitude is
+   lost; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model.
+   A body with lines of large deflection takes 54 kB of stack more in this as in every other call (an fbi_line_work with
+   the default FB_MAX_POINTS and FB_MAX_MODES). WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions. */
 typedef struct fb_rk4_work {
   fb_state start, stage, rate, sum;
 } fb_rk4_work;
 FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                              const fb_input *middle, const fb_input *end, fb_real dt);
-/* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
-   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by
-   loads and by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own
-   check takes the slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for
-   input that is not a number. FB_EFFECT_LARGE_DEFLECTION: of the undeformed body, too; mass and recoil change as it
-   bends, and the step's own check takes those it finds, and the fastest rotation of a section: a tip at 80 degrees may
-   allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
-   for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam.
-   Of a body with rotors, here and in the limits of the other steps of one body, the spin is |w| + sum |momentum|
-   mobility/2 + the largest rate, + |momentum|/inertia of those with an imbalance; with central gravity at the distance
-   d + sqrt(3 mu/d^3). */
+/* Largest stable step [s] of rk4 at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of the highest
+   frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The bound costs no eigenvalues: it
+   is up to 9 % too high where two frequencies are equal, as in both planes of a round beam. FB_HUGE: a rigid body at
+   rest; 0: an argument that is not a number.
+   It is that of the undeformed body, without stiffening by loads and by angular acceleration. The check of the step
+   knows the slopes (of 0.1 lower the limit by some 5 %) and, of lines, mass, recoil and the fastest rotation of a
+   section: a tip at 80 degrees may allow 1.3 times this step or, beside a hub lighter than the beam, a third.
+   In this and the other limits of one body rotors add to the spin sum |momentum| mobility/2, the largest of their
+   rates, and |momentum|/inertia of those with an imbalance; central gravity at the distance d adds sqrt(3 mu/d^3). */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
-/* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
-   motion but for the stiffening of the quadratic field, products of the spin and compression (with
-   FB_EFFECT_LARGE_DEFLECTION all but loads and gravity, by differences that cost two thirds of n + 1 evaluations); in
-   the other forms without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that
-   matrix, a fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+/* The implicit integrators solve their stages by a fixed number of Newton iterations (at most 50) with one n x n
+   matrix, factored once a step (LU): the Jacobian of the equations of motion but for stiffening by the quadratic field,
+   products of the spin and compression. With FB_EFFECT_LARGE_DEFLECTION it is all but loads and gravity, by differences
+   that cost two thirds of n + 1 evaluations; in other forms it lacks gyroscopic terms and, first order, the stiffness
+   torque. Inputs, status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state start, rate, first, base, stage, sum;
   fb_input between;
@@ -1985,17 +1964,17 @@ FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations);
 
-/* Exponential Runge-Kutta scheme of order 4: the constant linear elastic part (K, and M with the base's recoil) is
-   propagated exactly, so that stiff modes cost nothing in step size; everything else is explicit. No factorization:
-   four evaluations and 16 n^2 flops each for the change to modal coordinates. With nonlinear strain it works in the
-   coordinates s = q + G(q) that make the membrane strain linear: axial modes then follow the foreshortening exactly.
-   Momentum form only; made for one step size. */
+/* Exponential Runge-Kutta scheme of order 4: the constant linear elastic part (K, and M with the recoil of the base) is
+   propagated exactly, so that stiff modes do not bound the step; the rest is explicit. Four evaluations and 16 n^2
+   flops each for the change to modal coordinates, no factorization. Momentum form only; made for one step size.
+   With nonlinear strain the coordinates s = q + G(q) make the membrane strain linear: axial modes follow the
+   foreshortening exactly. */
 typedef struct fb_exponential { /* constant after init, may live in ROM */
   fb_real dt;
   int n_axial; /* coordinates that take up foreshortening */
   int axial[FB_MAX_MODES];
-  fb_real G[FB_MAX_MODES *
-            FBI_EXPONENTIAL_STRAINS]; /* n_axial x strain stations: s_a = q_a + sum_g G_ag 1/2 (u_y'^2 + u_z'^2)_g */
+  /* n_axial x strain stations: s_a = q_a + sum_g G_ag 1/2 (u_y'^2 + u_z'^2)_g */
+  fb_real G[FB_MAX_MODES * FBI_EXPONENTIAL_STRAINS];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES];  /* row k: mode k, K x = omega^2 M_free x, X M_free X^T = 1 */
   fb_real MX[FB_MAX_MODES * FB_MAX_MODES]; /* X M_free */
   fb_real omega2[FB_MAX_MODES];
@@ -2010,13 +1989,13 @@ FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
 FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
                                      const fb_input *end);
-/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the
-   tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
-   of fb_body, 1 for a heavy hub; it counts squared), and with damping ratios above 1/4: choose a heavy hub, or an
-   implicit integrator. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4
-   is seen where omega dt is below about 5 for the modes that move. FB_EFFECT_LARGE_DEFLECTION: the linear part is that
-   of the undeformed body, and what a deflection changes in it is explicit; the step refuses with FB_ERR_STEP when that
-   change times dt, or the rotation of a section within dt, is too large. For bodies that bend a little. */
+/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base. It is less where the quadratic field or
+   the tension of a spinning beam stiffens much, with damping ratios above 1/4, and by the square of fb_body.recoil
+   where the base is lighter than its modes and trembles with them: take a heavy hub or an implicit integrator. It holds
+   for any motion; a smooth one may be stepped further (allow_long_step). Order 4 shows for modes with omega dt below
+   about 5. FB_EFFECT_LARGE_DEFLECTION: for bodies that bend a little. What a deflection changes in the linear part is
+   explicit; the step refuses (FB_ERR_STEP) where that change times dt, or the rotation of a section within dt, is too
+   large. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 typedef struct fb_body_limit {
@@ -2032,31 +2011,28 @@ FB_API fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, c
 #if FB_WITH_SYSTEM
 /* ---- systems: body is the array of models; the inputs as those of a body */
 
-/* rk4; with constraints (loops, rows) positions and velocities are brought onto them after every
-   step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
-   at zero joint coordinates or, with lines of large deflection, as it is bent if that is higher; spin, of rotors
-   nutation; stiffening), or a body turns faster or slower within it by more than half a radian; FB_ERR_UNDETERMINED,
-   FB_ERR_CONTRADICTION: work->joint; else as fb_rk4_step. On failure state is as before the call.
-   FB_ERR_CONTRADICTION is also a prescribed axis whose value is the same at the start and the end of the step while its
-   rates there have the same sign (of different inputs: one that is held over the step does not tell). Let value and
-   rate belong together, with rate 0 where the value stays. */
+/* rk4 of a system; after every step positions and velocities are brought onto its constraints (loops, rows).
+   FB_ERR_STEP: dt exceeds 2.785 / (bound of the highest frequency): springs and modes of the whole, undeformed at zero
+   joint coordinates or, if higher, with lines as they are bent; spin, of rotors nutation; stiffening. Also where the
+   angular velocity of a body changes within the step by more than half a radian a step.
+   FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint says where; the latter also where a prescribed axis has one
+   value at the start and the end of the step but rates of the same sign (of different inputs; one that is held over the
+   step does not tell). Let value and rate belong together, with rate 0 where the value stays. Else as fb_rk4_step. */
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);
 
 /* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
-   but the first with one more factorization. Springs and dampers between points, and springs, dampers, friction and
-   stops of joints of loops, are explicit in it and bound the step, as does the fastest spin:
-   |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
-   FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
-   the first stage tells. Else as fb_system_rk4_step. */
+   but the first with one more factorization. The inputs at t and t + dt list the same loads. The fastest spin bounds
+   the step, |w| dt <= 1/10, and so does what is explicit: springs and dampers between points; springs, dampers,
+   friction and stops of joints of loops. FB_ERR_CONVERGENCE: the last correction is not small (of one iteration the
+   first stage alone tells): take a shorter step or more iterations. Else as fb_system_rk4_step. */
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
-/* Largest stable step [s] of rk4 for the system, undeformed, at a spin [rad/s] and acceleration [m/s^2] of all of it;
-   0, 0: at rest. That of rotors is none of all: fb_system_limit_eval counts it as it is. For accuracy of the fastest
-   mode take a fifth of it. With lines of large deflection the step's own check may allow less, down to a fifth beside
-   hubs much lighter than what bends. */
+/* Largest stable step [s] of rk4 for the undeformed system, at a spin [rad/s] and acceleration [m/s^2] of all of it (0,
+   0: at rest); for accuracy of the fastest mode take a fifth. Rotors are not in it (fb_system_limit_eval has them).
+   With lines the step's own check may allow less, down to a fifth beside hubs much lighter than what bends. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 
 typedef struct fb_system_limit {
@@ -2173,10 +2149,9 @@ FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
 /* Generalized eigenproblem K x = d M x, K symmetric, M positive definite (both n x n, M is overwritten): d ascending,
    rows of X with X M X^T = 1. FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
 FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, const fb_real *K, fb_real *M, int n);
-/* Eigenvalues re + i im (n each) and eigenvectors of the real A (n x n, overwritten), symmetric or not. Row k of X (n x
-   2n) is the eigenvector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective
-   A gives (nearly) parallel eigenvectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps: re, im and X are
-   undefined. */
+/* Eigenvalues re + i im (n each) and eigenvectors of a real A (n x n, overwritten). Row k of X (n x 2n): eigenvector k,
+   of unit length, n real then n imaginary parts; nearly parallel ones where A is defective. work: 4 n^2 reals.
+   FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps: re, im and X are undefined. */
 FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -2253,7 +2228,7 @@ typedef struct fb_beam_desc {
 /* Appends n >= 2 stations of a taper whose sizes vary linearly from one profile to the other. Linear interpolation
    between the stations has the same integrals as the taper. A last station of the desc at from->x or beyond is
    replaced. FB_ERR_CAPACITY: more than FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds of
-   profile; else as fb_section_init. desc is changed only on FB_OK. */
+   profile; else as fb_section_init. */
 FB_API fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
                                         const fb_profile *to, int n);
 
@@ -2267,7 +2242,7 @@ typedef struct fb_beam { /* a checked desc */
   fb_real frame[9 * FB_MAX_ELEMENTS];      /* element axes to beam axes */
 } fb_beam;
 
-/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. An array of a desc
+/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL. An array of a desc
    whose count is 0 holds nothing: FB_ERR_VALUE if its first entry is filled (of points the second), for the count was
    forgotten; to drop the entries, zero them, too. So with lumps and points here, load, boundary, weld, part and its
    node, rotor, loop, spring, and support, lump and joint of exact beams. */
@@ -2281,12 +2256,13 @@ FB_API void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M);
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>modes: assumed modes, the Ritz basis of a beam's deformation */
 
-typedef enum fb_kind {                     /* what a mode mainly does */
-                       FB_KIND_BEND_Y = 0, /* displacement along y, stiffness EI_z */
-                       FB_KIND_BEND_Z = 1, /* displacement along z, stiffness EI_y */
-                       FB_KIND_AXIAL = 2,
-                       FB_KIND_TORSION = 3,
-                       FB_KIND_COUNT
+/* What a mode mainly does. */
+typedef enum fb_kind {
+  FB_KIND_BEND_Y = 0, /* displacement along y, stiffness EI_z */
+  FB_KIND_BEND_Z = 1, /* displacement along z, stiffness EI_y */
+  FB_KIND_AXIAL = 2,
+  FB_KIND_TORSION = 3,
+  FB_KIND_COUNT
 } fb_kind;
 
 #define FB_ALL_MODES 1000 /* a count: all modes that exist (below omega_limit) */
@@ -2319,21 +2295,19 @@ typedef struct fb_preload {  /* axial preload of a straight beam; all zero: none
 
 typedef struct fb_modes_desc {
   fb_basis basis;
-  int count
-      [FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all coordinates of the kind */
-  fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
-  /* Steady spin [rad/s] about an axis normal to the beam, at the distance spin_radius [m] from the clamped root. Of the
-     bending modes in each plane half are those at rest and half those under centrifugal tension, combined to Ritz modes
-     of the unloaded beam. Few of them suffice for every spin up to about this one, where modes at rest converge slowly.
-     A mode under tension that adds to those before it less than 1e-4 of its amplitude (in single precision 2 %, which a
-     spin below some third of the first frequency does not reach) is passed over for the next one.
-     0: modes at rest. */
+  int count[FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all of the kind */
+  fb_real omega_limit;      /* [rad/s] modes above are left out; 0: no limit */
+  /* Steady spin [rad/s] about an axis normal to the beam, at the distance spin_radius [m] from the clamped root; 0:
+     modes at rest. Of the bending modes in each plane half are those at rest and half those under centrifugal tension,
+     as Ritz modes of the unloaded beam: few of them suffice up to about that spin. One that adds to those before it
+     less than 1e-4 of its amplitude (single precision: 2 %, never below some third of the first frequency) is passed
+     over. */
   fb_real spin, spin_radius;
   /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 in double precision only).
-     n_element elements have 2 n_element + (degree - 3) n_element functions, in the order of the bending frequencies;
-     count is the number to keep in each direction. The coordinates are f_1 along y, z and x, f_2 along y, z and x, and
-     so on. root_strain = 1 adds a function of u_x with a slope at the root, where strain is largest: without it the
-     axial strain at the root is zero, with it the basis is not exactly closed under rotation. */
+     There are (degree - 1) n_element functions in the order of the bending frequencies; count is the number to keep in
+     each direction, and the coordinates are f_1 along y, z, x, then f_2 along y, z, x, and so on. root_strain = 1 adds
+     a function of u_x with a slope at the root, where strain is largest: without it the axial strain is zero there,
+     with it the basis is not exactly closed under rotation. */
   int degree, root_strain;
   int lowest; /* natural modes: number of lowest ones of all kinds; count is then ignored. Not with spin */
   /* Natural modes, 0..1: keeps as many modes as needed for this fraction of effective mass (of the beam without bodies
@@ -2343,11 +2317,10 @@ typedef struct fb_modes_desc {
   fb_preload preload; /* modes are those under the preload, and K contains its geometric stiffness ([H] C.1): leave the
                          load itself out of the effects of the body. Not for FB_BASIS_FUNCTIONS, nor for
                          FB_EFFECT_LARGE_DEFLECTION: lines take their loads themselves */
-  /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
-     attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
-     inertia relief. They are further modes, orthogonal to the others, one for each load: where the kept ones miss
-     nothing, or nothing with inertia, the load is refused (FB_ERR_MODES). Nodes are those of the elements,
-     0..n_element: the tip is n_element, not the number of a node of the body. */
+  /* Natural modes: positions of loads whose static deflection is to be exact. Each adds a residual-flexibility
+     attachment mode (static correction), the deflection under a unit load that the kept modes miss (of a free beam with
+     inertia relief), orthogonal to the others. FB_ERR_MODES: they miss nothing, or nothing that has inertia. Nodes are
+     those of the elements, 0 root .. n_element tip, not nodes of the body. */
   int n_load;
   fb_coordinate load[FB_MAX_COORDINATES];
   int n_boundary; /* FB_BASIS_COMPONENT */
@@ -2356,12 +2329,12 @@ typedef struct fb_modes_desc {
                            boundary (inertia-relief modes); worth more than as many natural modes. What the other
                            shapes span is not added */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
-  /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line). 0: 7 more than the most modes of a kind, at least 3
-     for each of the plane with most and 1, and 4.5 for each where the beam bends in both planes or twists, as far as
-     FB_MAX_POINTS holds those of one beam. Where a lumped body, a kink or a step of the sections ends a smooth stretch,
-     they are shared among the stretches, at least 3 each; the steps that matter most count, up to three times this
-     number. Shapes of 1 rad in which up to 6 modes a plane have equal shares are then
-     exact to 0.05 % of the length and 0.05 degrees; where higher modes move little, 5 more than modes are enough. */
+  /* FB_EFFECT_LARGE_DEFLECTION: points along the beam (>>line), 2 or more. 0: 7 more than the modes of the kind with
+     most, at least 3 for each mode of the plane with most and 1, 4.5 for each where the beam bends in both planes or
+     twists, as far as FB_MAX_POINTS holds those of one beam: shapes of 1 rad in which up to 6 modes a plane have equal
+     shares are exact to 0.05 % of the length and 0.05 degrees. Where higher modes move little 5 more than modes are
+     enough. Stretches between lumped bodies, kinks and steps of the sections share them, at least 3 each; the steps
+     that matter most count, up to three times this number. */
   int line_points;
   int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
 } fb_modes_desc;
@@ -2374,8 +2347,8 @@ typedef struct fb_modes {
   int line_points;             /* as in the desc; 0: none, modes under a preload or of buckling */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
-  fb_real
-      shape[FB_MAX_MODES * FBI_MAX_DOF];  /* n x ndof nodal values; a mode's main displacement at the tip is positive */
+  /* n x ndof nodal values; the main displacement of a mode at the tip is positive */
+  fb_real shape[FB_MAX_MODES * FBI_MAX_DOF];
   fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
   /* Momentum and angular momentum about the root per unit rate of each coordinate, beam axes (n x 6); mass and moments
@@ -2395,21 +2368,22 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
   fb_modes found;
 } fb_modes_work;
 
-/* Modes of a beam. Rigid-body modes of pinned and free roots are left out (unless desc->rigid): the body frame carries
-   that motion. modes is written only on FB_OK.
-   FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
-   mass_fraction needs, a load without a mode of its own; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with
-   torsion, or with root_strain but no axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also
-   FB_BASIS_FUNCTIONS, spin or mass_fraction without a clamped root, load and boundary of another basis than theirs, a
-   preload on a curved line or on natural modes of a root that is not clamped, a coordinate that the root constrains or
-   that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load, or the boundary permits rigid-body
-   motion; FB_ERR_CONVERGENCE. */
+/* Modes of a beam, without the rigid-body modes of pinned and free roots (unless desc->rigid): the body frame carries
+   that motion.
+     FB_ERR_KIND          a requested kind has no stiffness or no inertia
+     FB_ERR_MODES         fewer modes than requested, or than mass_fraction needs; a load without a mode of its own
+     FB_ERR_UNSUPPORTED   FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no axial functions
+     FB_ERR_CAPACITY      more than FB_MAX_MODES
+     FB_ERR_VALUE         also FB_BASIS_FUNCTIONS, spin or mass_fraction without a clamped root; load or boundary of
+                          another basis than theirs; a preload on a curved line, or on natural modes of a root that is
+                          not clamped; a coordinate that the root constrains or that is named twice
+     FB_ERR_SINGULAR      the preload exceeds the buckling load, or the boundary permits rigid-body motion
+     FB_ERR_CONVERGENCE */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
-/* Linear buckling: buckling shapes and, in place of omega, the load factors of desc->preload, ascending (desc->lowest
-   of them; 0: one). The coordinates of desc->boundary are constrained: u_y and u_z of the tip for a pinned one. The
-   supports must permit no rigid-body motion. FB_ERR_MODES: fewer positive factors than requested; else as
-   fb_modes_solve. */
+/* Linear buckling under desc->preload: buckling shapes with, in place of omega, its load factors, ascending
+   (desc->lowest of them; 0: one). Supports are the root and the coordinates of desc->boundary, such as u_y and u_z of a
+   pinned tip; they must permit no rigid-body motion. FB_ERR_MODES: fewer positive factors; else as fb_modes_solve. */
 FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc);
 
@@ -2434,26 +2408,27 @@ typedef struct fb_join_desc {
 typedef struct fb_join_work { /* scratch; large: make it static */
   fb_real K[FBI_MAX_JOINED * FBI_MAX_JOINED], M[FBI_MAX_JOINED * FBI_MAX_JOINED];
   fb_real Z[FBI_MAX_JOINED * FBI_MAX_JOINED], A[FBI_MAX_JOINED * FBI_MAX_JOINED];
-  fb_real X[FBI_MAX_JOINED *
-            (FBI_MAX_JOINED > FBI_MAX_WELD_ROWS ? FBI_MAX_JOINED : FBI_MAX_WELD_ROWS)]; /* constraints, modes */
+  /* constraints, modes */
+  fb_real X[FBI_MAX_JOINED * (FBI_MAX_JOINED > FBI_MAX_WELD_ROWS ? FBI_MAX_JOINED : FBI_MAX_WELD_ROWS)];
   fb_real d[FBI_MAX_JOINED], scale[FBI_MAX_JOINED];
   int pivot[FBI_MAX_JOINED];
   fb_modes joined;
 } fb_join_work;
 
-/* joined, beam and component are arrays of n_component; joined may be component. A component attached to another one
-   needs a free root and rigid-body modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root in
-   the boundary; a clamped root stays fixed to the body frame. Motion of a weld that one side does not have in its basis
-   is locked on both. Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node
-   a boundary. Rigid-body modes of the whole are left out. joined[k].M and K are the contribution of component k.
-   Redundant welds do no harm. Welds that close a loop are kept to first degree in the coordinates:
-   FB_EFFECT_LARGE_DEFLECTION refuses them (joined = 2); close loops by joints of a system.
-   Build the shape as for one beam, all parts with first = 0 and n = joined->n: add beam 0, a node at each of its welds,
-   then the beams attached there by their roots (their second-order displacement continues from that node), and so on.
-   FB_ERR_CONVERGENCE: slow elastic modes cannot be distinguished from rigid-body modes in this precision (keep fewer,
-   or use double); FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4
-   of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_MODES: fewer modes than requested; FB_ERR_SINGULAR: a
-   coordinate without mass. */
+/* Common modes of components connected rigidly at nodes, without the rigid-body modes of the whole. joined, beam and
+   component are arrays of n_component; joined may be component. joined[k].M and K are the contribution of component k.
+     Components   one that is attached to another has a free root and rigid-body modes (fb_modes_desc.rigid), or all
+                  coordinates of FB_BASIS_ELEMENTS, or its root in the boundary; a clamped root stays fixed to the body
+                  frame. Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its
+                  node a boundary. Motion of a weld that one side does not have in its basis is locked on both.
+     Welds        redundant ones do no harm. Those that close a loop are kept to first degree in the coordinates, which
+                  FB_EFFECT_LARGE_DEFLECTION refuses (joined = 2): close such loops by joints of a system.
+     Shape        with n = joined->n and first = 0 of all parts add beam 0, a node at each of its welds, then the beams
+                  attached there by their roots, whose second-order displacement continues from that node, and so on.
+   FB_ERR_CONVERGENCE: slow elastic modes look like rigid-body modes in this precision (keep fewer, or use double);
+   FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams'
+   length apart, FB_BASIS_FUNCTIONS; FB_ERR_MODES: fewer modes than requested; FB_ERR_SINGULAR: a coordinate without
+   mass. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                const fb_join_desc *desc, int n_component);
 
@@ -2518,33 +2493,34 @@ FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
 /* Adds a rigid body fixed to the body frame: mass [kg], center of mass [m], inertia about it [kg m^2] (xx, yy, zz, xy,
    xz, yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
-/* Import of a finite-element model. fb_shape_add_lump adds the mass of a node: lumped mass [kg], inertia [kg m^2] about
-   the node (xx, yy, zz, xy, xz, yz; NULL: none), displacement and rotation shapes psi, theta (n x 3).
-   fb_shape_add_node adds a node for loads and sensors. fb_shape_add_pair adds the integrals of the second-order
-   displacement of the coordinates a and b (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none), which are symmetric
-   in a and b. Set shape->K yourself: for modes omega^2 times shape->M on the diagonal. With FB_EFFECT_LARGE_DEFLECTION
-   not for coordinates of a beam: such shapes do not follow it far (fb_beam_desc.lump, fb_shape_add_beam_node do).
-   Errors as fb_shape_add_particle; FB_ERR_CAPACITY: nodes, coordinates. */
+/* Import of a finite-element model, part by part, in body axes. Set shape->K yourself: for modes omega^2 times shape->M
+   on the diagonal.
+     fb_shape_add_lump   mass of a node: lumped mass [kg], inertia [kg m^2] about the node (xx, yy, zz, xy, xz, yz;
+                         NULL: none), displacement and rotation shapes psi, theta (n x 3)
+     fb_shape_add_node   a node for loads and sensors
+     fb_shape_add_pair   integrals of the second-order displacement of coordinates a and b, symmetric in them: p^chi
+                         [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none
+   With FB_EFFECT_LARGE_DEFLECTION not for coordinates of a beam, which such shapes do not follow far: take
+   fb_beam_desc.lump, fb_shape_add_beam_node. Errors as fb_shape_add_particle; FB_ERR_CAPACITY: nodes, coordinates. */
 FB_API fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
                                    const fb_real *psi, const fb_real *theta);
 FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
                                    const fb_real *theta);
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
-/* Import with the effects of second degree (stiffening by spin and by acceleration), in one of two ways beside
-   fb_shape_add_pair. Of any part: geometric stiffness K_G of the coordinates a, b, once for each a >= b, as a
-   finite-element program has it for the stresses under the inertia loads of a frame that accelerates by 1 m/s^2 along x,
-   y, z (acceleration; a gravity of -1 m/s^2 is the same load), turns faster by 1 rad/s^2 about x, y, z (turn), or spins
-   with w: K_G = s0 w_x^2 + s1 w_y^2 + s2 w_z^2 + s3 w_x w_y + s4 w_x w_z + s5 w_y w_z (spin), [kg/m] and [kg] of modes
-   without a unit. Forces at nodes do not stiffen such parts. */
+/* Effects of second degree (stiffening by spin and acceleration) of any imported part, from a finite-element program:
+   the geometric stiffness K_G of coordinates a and b, once for each a >= b, from stresses under inertia loads of a frame
+     acceleration[3]   that accelerates by 1 m/s^2 along x, y, z (a gravity of -1 m/s^2 is the same load)
+     turn[3]           whose angular acceleration is 1 rad/s^2 about x, y, z
+     spin[6]           that spins with w: K_G = s0 w_x^2 + s1 w_y^2 + s2 w_z^2 + s3 w_x w_y + s4 w_x w_z + s5 w_y w_z
+   in [kg/m] and [kg] of modes without a unit. Forces at nodes do not stiffen such parts. */
 FB_API fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb_real acceleration[3],
                                          const fb_real turn[3], const fb_real spin[6]);
-/* Of line-like parts (masts, booms, frames; a panel that hangs on a mast is a line of two points): from mode shapes
-   alone, as lines keep their length. fb_fields_init finds the fields of a point of a line from those of the point
-   before it (from; NULL: the first one, whose quadratic fields are zero, as at an interface); theta NULL, where the
-   model has no rotations: lines from point to point stay straight. Then, in place of fb_shape_add_lump and
-   fb_shape_add_node, fb_shape_add_field_lump and fb_shape_add_field_node. Errors as there; FB_ERR_VALUE: a point on the
-   one before it. */
+/* The same effects of line-like parts (masts, booms, frames; a panel that hangs on a mast is a line of two points),
+   from the shapes alone, as lines keep their length. fb_fields_init finds the fields of a point at r [m] from those of
+   the point before it, from (NULL: the first one, whose quadratic fields are zero, as at an interface); theta NULL: a
+   model without rotations, lines are straight from point to point. Then add masses and nodes by fb_shape_add_field_lump
+   and fb_shape_add_field_node. Errors as fb_shape_add_lump; FB_ERR_VALUE: a point on the one before it. */
 FB_API fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const fb_fields *from, const fb_real r[3],
                                 const fb_real *psi, const fb_real *theta);
 FB_API fb_status fb_shape_add_field_lump(fb_shape *shape, const fb_fields *fields, fb_real mass,
@@ -2565,13 +2541,12 @@ FB_API fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
                                fb_real y, fb_real z);
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* Adds the quadrature points of the axial strain of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. The
-   Gauss points of each element integrate the strain energy exactly: 2 degree - 1 (cubic functions: 5; natural modes:
-   9), rounded up to a multiple of four per beam. The axial coordinates must be able to represent the foreshortening;
-   otherwise the beam is too stiff (membrane locking). Use FB_BASIS_FUNCTIONS with as many axial as bending functions
-   (error of the deflection in the spin-up: one cubic element 29 %, two 4 %, three 0.4 %); a few natural axial modes are
-   far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS; FB_ERR_KIND: EA is zero somewhere; else as
-   fb_shape_add_beam. */
+/* Adds the quadrature points of the axial strain of that beam, once per beam, for FB_EFFECT_NONLINEAR_STRAIN: 2 degree
+   - 1 an element (cubic functions: 5; natural modes: 9), so that the strain energy is exact, per beam up to the next
+   multiple of four. Axial coordinates that cannot represent the foreshortening make the beam too stiff (membrane
+   locking): take FB_BASIS_FUNCTIONS with as many axial as bending functions (error of the deflection in the spin-up:
+   one cubic element 29 %, two 4 %, three 0.4 %), not natural modes. FB_ERR_CAPACITY: more than FB_MAX_STRAINS;
+   FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
 FB_API fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 #endif
 
@@ -2591,18 +2566,17 @@ typedef struct fb_body_desc {
      fb_body_spectrum_solve tells. Must be zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
   fb_real zeta[FB_MAX_MODES];
   fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
-  /* Gravity of a center, beside that: mu [m^3/s^2] (0: none; G times its mass), the center [m] in inertial axes. Force,
+  /* Gravity of a center, beside that: mu [m^3/s^2] (G times its mass; 0: none), the center [m] in inertial axes. Force,
      gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
-     deformed body; what is left out is, relative to them, about its size over the distance. Of the momentum form, with
-     rigid bodies or FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines. Bodies of systems
-     have it in double precision alone, and not in trim, linear models and spectra (FB_ERR_UNSUPPORTED). The mass center
-     must stay farther from the center than twice the root mean square distance of the body's mass from it (FB_ERR_RANGE) */
+     deformed body; what is left out is, relative to them, about its size over the distance. FB_ERR_RANGE: the mass
+     center is nearer to the center than twice the root mean square distance of the body's mass from it. Momentum form,
+     with rigid bodies, FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines. In systems only
+     in double precision, and not in trim, linear models and spectra (FB_ERR_UNSUPPORTED). */
   fb_real mu, center[3];
-  fb_real
-      deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The error of the quadratic displacement field is 0.1 % (held root) to 1 % (light hub) at
-                                 deflections of 6 % of the length, some percent at 15 %. Beams of FB_EFFECTS_LARGE have
-                                 no such limit: it is then one of the modes in which no beam bends */
+  /* [m] Limit of the sum of modal deflections, FB_ERR_RANGE beyond it; 0: half the body's size. The error of the
+     quadratic displacement field is 0.1 % (held root) to 1 % (light hub) at deflections of 6 % of the length, some
+     percent at 15 %. Of FB_EFFECTS_LARGE a limit of the modes in which no beam bends. */
+  fb_real deflection_limit;
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
@@ -2629,15 +2603,16 @@ typedef struct fb_body_work {
 #endif
   fb_body body;
 } fb_body_work;
-/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or
-   S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest, in single precision 1e-5),
-   FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL; FB_EFFECT_LARGE_DEFLECTION: lines_status of
-   the shape, FB_ERR_EFFECTS of a node that moves with a beam but was added before it or by fb_shape_add_node, and of a
-   mass that does (fb_shape_add_particle, _lump, _pair).
-   mu: FB_ERR_VALUE: negative; FB_ERR_EFFECTS: another form, or modes without inertia that follows the shape.
-   Rotors: FB_ERR_CAPACITY: their number or a node; FB_ERR_VALUE: an axis of no length, inertia not above 0, friction
-   without friction_speed, what is negative; FB_ERR_EFFECTS: another form than the momentum form, FB_EFFECT_ROTORS
-   without any. body is written only on FB_OK. */
+/* The model of a body from its shape integrals.
+     FB_ERR_CAPACITY    FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS; number or node of a rotor
+     FB_ERR_EFFECTS     see fb_effects_check; large deflection: a node that moves with a beam but was added before it or
+                        by fb_shape_add_node, or such a mass (fb_shape_add_particle, _lump, _pair); mu with modes but
+                        without inertia that follows the shape; mu or rotors of another form; FB_EFFECT_ROTORS alone
+     FB_ERR_SINGULAR    M, or S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest,
+                        in single precision 1e-5
+     FB_ERR_VALUE       no mass, negative damping, negative mu; of a rotor: axis of no length, inertia not above 0,
+                        friction without friction_speed, what is negative
+     FB_ERR_NOT_FINITE; large deflection: lines_status of the shape */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
 /* Builds a body of a rigid hub, beams on it or joined to each other, and nodes from one description: fb_beam_init,
@@ -2653,10 +2628,9 @@ typedef struct fb_part {
 } fb_part;
 
 typedef struct fb_build_desc {
-  fb_real mass, center[3],
-      inertia[6];             /* hub [kg], [m], [kg m^2] about its center, as fb_shape_add_rigid; all 0: none */
-  int n_part;                 /* 0..FB_MAX_PARTS */
-  fb_part part[FB_MAX_PARTS]; /* their modes are the coordinates of the body, in this order */
+  fb_real mass, center[3], inertia[6]; /* hub [kg], [m], [kg m^2] about its center; all 0: none */
+  int n_part;                          /* 0..FB_MAX_PARTS */
+  fb_part part[FB_MAX_PARTS];          /* their modes are the coordinates of the body, in this order */
   /* Rigid connections between parts (weld.component: a part), as fb_modes_join: the common modes of all parts are then
      the coordinates. A part attached to another one follows it in the list, and that one has a node at the weld. All
      zero: not joined */
@@ -2686,7 +2660,7 @@ typedef struct fb_build_work { /* scratch; large: make it static */
    n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
    no node where a part is attached; a weld at a clamped root, which is fixed to the frame; natural modes of a pinned
    root without rigid (fb_modes_desc); a free root without a weld, or its natural modes without rigid. A part that is
-   the whole body needs neither weld nor rigid. Else as the functions it calls. body is written only on FB_OK. */
+   the whole body needs neither weld nor rigid. Else as the functions it calls. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
@@ -2697,12 +2671,11 @@ typedef struct fb_joint_desc {
   int child, child_node;   /* loops only: a joint of the tree carries its own body at node 0 and child_position */
   fb_real position[3];     /* [m] joint frame on the parent, relative to the node in the axes of its section */
   fb_real attitude[4];     /* quaternion, joint axes to section axes, normalized; all zero: identity */
-  fb_real child_position[3],
-      child_attitude[4]; /* joint frame on the child, in its axes: both frames coincide at zero coordinates */
-  fb_real pitch;         /* [m/rad] screw */
-  fb_axis_mode mode[3];  /* initial mode of each axis; spherical and free: mode[0] applies to all */
-  fb_real stiffness[3], rest[3],
-      damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
+  fb_real child_position[3], child_attitude[4]; /* joint frame on the child; both coincide at zero coordinates */
+  fb_real pitch;                                /* [m/rad] screw */
+  fb_axis_mode mode[3]; /* initial mode of each axis; spherical and free: mode[0] applies to all */
+  /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
+  fb_real stiffness[3], rest[3], damping[3];
   /* Friction, E9.28: Coulomb's [N m, N], regularized. It has 71 % of its size at friction_speed [rad/s, m/s], positive
      where there is friction; below it is a damper, so that a joint under load creeps. Stops, E9.29: springs [N m/rad,
      N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; stop_loss c [s/rad, s/m]: an impact
@@ -2729,16 +2702,14 @@ typedef struct fb_system_desc {
   int allow_long_step; /* 1: accept steps beyond the stability limit */
 } fb_system_desc;
 
-/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form. Their base has no influence, except that FB_BASE_PRESCRIBED also accepts bodies without mass, or without
-   inertia about some axis. */
-
-/* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
-   springs, friction or stops, negative stiffness, damping or length, friction without friction_speed, stops out of
-   order, friction or stops of a spherical joint, a spring with both ends on the ground, an invalid mode, form or base
-   of a body; FB_ERR_CAPACITY: numbers of bodies, loops, springs, models, nodes; FB_ERR_UNSUPPORTED: a body in single
-   precision with central gravity; FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is
-   singular. work->joint is the joint that failed. */
+/* work->joint is the joint that failed.
+     FB_ERR_VALUE         a parent that is not an earlier body; both axis and attitude on one side; a free joint as loop
+                          or with springs, friction or stops; friction or stops of a spherical joint; friction without
+                          friction_speed; stops out of order; negative stiffness, damping or length; a spring with both
+                          ends on the ground; an invalid mode, form or base of a body
+     FB_ERR_CAPACITY      numbers of bodies, loops, springs, models, nodes
+     FB_ERR_UNSUPPORTED   a body with central gravity in single precision
+     FB_ERR_SINGULAR      the mass matrix of the undeformed system at zero coordinates */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -2822,7 +2793,7 @@ FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
 
 /* Copies the shape with the modes coordinate[0..n-1] (ascending) alone. Meant for natural modes; of other bases the
    coordinates left out are constrained to zero. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending.
-   selected is written only on FB_OK and may not be shape. */
+   selected may not be shape. */
 FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
 
 #endif /* FB_WITH_BUILD */
@@ -2888,20 +2859,21 @@ typedef struct fb_linear_desc {
   fb_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
 } fb_linear_desc;
 
-/* Linear model d/dt x = A x + B u, y = C x + D u of perturbations about a steady state.
-   One body: x = (q, pi, momenta, pose). pi: with a prescribed base relative to the ground. Momenta p = m u and h in
-   body axes (free base: h about the center of mass). Pose: position and attitude relative to a frame that moves on with
-   the steady v, w, body axes (in orbit on its circle). Of momenta and pose only the free components: 6 for a free
-   base, 3 for a pinned one (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
-   (hinged: the last); a star tracker is a row of C with a 1 there.
-   With rotors x = (q, pi, rotors, momenta, pose): rotors are the momenta of those whose momentum is not given. Their
-   angles act on nothing. Of friction the model has the tangent.
-   System: x = (free axes of all joints, q of all bodies, both in the order of the bodies, conjugate momenta in the same
-   order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
-   the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
-   frame, which is constant here. The attitude of a free joint is x_3 to x_5 from its first axis on. With loops x has
-   the independent coordinates and their conjugate momenta only; the others depend on them. Behind them the momenta of
-   rotors inside the bodies, as above. */
+/* Linear model d/dt x = A x + B u, y = C x + D u of perturbations about a steady state. Order of x:
+     one body   q, pi, momenta of rotors, momenta, pose
+     system     free axes of all joints, q of all bodies, both in the order of the bodies; their conjugate momenta in
+                the same order; momenta of rotors
+   pi            with a prescribed base relative to the ground
+   rotors        those whose momentum is not given; of their friction the tangent
+   momenta       p = m u and h, body axes; h of a free base about the center of mass
+   pose          position and attitude, body axes, relative to a frame that moves on with the steady v, w (in orbit on
+                 its circle). Of momenta and pose the free components: 6 of a free base, 3 of a pinned one (angular), 1
+                 of a hinged one (about the hinge), none of a prescribed one. Attitude is last: a star tracker is a row
+                 of C with a 1 there
+   free axes     free and spherical joints: position and attitude in axes of the child, relative to a frame that moves
+                 on with the steady speeds; momenta along the same axes, of a free joint relative to fb_link_state.u,
+                 which is constant here. The attitude of a free joint is x_3 to x_5 from its first axis on
+   loops         the independent coordinates and their conjugate momenta alone; the others depend on them */
 typedef struct fb_linear {
   int n, n_in, n_out;
   int n_free;  /* number of pose components, or of free axes: n = 2 (modes + n_free) + n_rotor */
@@ -2940,27 +2912,28 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
   fb_input input;
 } fb_analyse_work;
 
-/* Steady state of a body: sets q, with q_dot = 0, and the momenta to match. With a prescribed base the frame moves with
-   v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
-   direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
-   input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
-   loads are included, distributed ones as they are at the state and input.t. state gives the attitude and the first
-   guess; at most 40 Newton iterations. input is required, here and in the following functions of one body.
-   FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
-   the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
-   FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
-   prescribed.
-   With central gravity a free body turns as one with a circular orbit at the rate |input.w|, about the normal that
-   input.w, without its part along the vertical, has at the attitude of the state: sets attitude, position and velocity,
-   too. The attitude is in balance with the gradient, loads and rotors included; the first guess should be within some
-   30 degrees, and within a factor of 1.5 of the distance, about (mu/w.w)^(1/3). It need not be stable (see the
-   spectrum). Angles about which it is in balance anyhow stay as they are. FB_ERR_VALUE: input.w along the vertical;
-   FB_ERR_UNREST: also input.w 0, since it falls, and a force along the flight. Other bases feel the field where they are.
-   Rotors keep the momenta that they have in state, or input. A free or pinned body with turning rotors spins at
-   |input.w| such that w and the momentum of all of it are parallel, found from the direction of input.w, not always the
-   nearest such axis; input.w 0: at rest, whatever the rotors do. FB_ERR_UNREST: also a motor that does not balance the
-   friction of its rotor, given: one whose momentum has a rate; a turning rotor with an imbalance, here and in linear
-   models and spectra. */
+/* Steady state of a body: sets q, with q_dot = 0, and the momenta that belong to it. state gives the attitude and the
+   first guess; at most 40 Newton iterations. input is required, here and in the following functions of one body;
+   distributed loads are taken as they are at the state and input.t.
+     Prescribed   the frame moves with v, w of the input. Gravity and loads in inertial axes, which do not rotate with
+                  it, are taken in their present direction
+     Free         or pinned: spins at |input.w| about the principal axis of the deformed body nearest to input.w, with
+                  the center of mass (or the pin) at rest. With turning rotors w and the momentum of the whole are parallel,
+                  found from the direction of input.w, not always the nearest such axis; input.w 0: at rest, whatever
+                  they do
+     Hinged       spins at input.w about the hinge
+     Rotors       keep the momenta that they have in state, or input
+     In orbit     a free body with central gravity turns once per circular orbit, at the rate |input.w| about the normal
+                  that input.w has without its part along the vertical at the attitude of state. Sets attitude, position
+                  and velocity, too: the attitude is in balance with the gradient, loads and rotors. The first guess
+                  should be within some 30 degrees and a factor of 1.5 of the distance, about (mu/w.w)^(1/3). The
+                  balance need not be stable (see the spectrum); angles about which it is in balance anyhow stay. Other
+                  bases feel the field where they are
+   FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; a motor does not balance the friction of
+   its rotor, a given momentum has a rate; a turning rotor has an imbalance (here, in linear models and spectra); in
+   orbit input.w 0, or a force along the flight. FB_ERR_VALUE: a w that the hinge does not permit, or along the vertical
+   in orbit; another form than the momentum form with a base that is not prescribed. FB_ERR_RANGE: beyond the deflection
+   limit (buckled, or a large load); FB_ERR_SINGULAR: no stiffness in some direction; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
@@ -2994,19 +2967,20 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_system_input input;
 } fb_system_analyse_work;
 
-/* Relative equilibrium of a system, loops included; the caller's own constraints give FB_ERR_UNSUPPORTED. body is the
-   caller's array of models; input may be NULL. Prescribed axes have the value and rate of the input, locked axes stay,
-   and free axes and modes are at rest relative to them. Such a state must exist: one rotating axis, or a prescribed free
-   joint with constant v, w in body axes. The
-   tree on a free joint whose motion is free spins about the principal axis nearest to the w in the rate of its drive,
-   as in fb_body_trim. The equilibrium may be unstable, and is not always the nearest.
-   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess, and a prescribed axis whose
-   motion changes the equilibrium (not looked for under gravity, loads and callbacks, which are taken in their present
-   direction); FB_ERR_SINGULAR: also an axis without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
-   too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
-   fb_system_rates_eval. Rotors inside bodies keep their momenta, and are refused, as in fb_body_trim.
-   FB_ERR_UNSUPPORTED: also a body with central gravity, here and in linear models and spectra of systems (a satellite of
-   a hub and flexible parts is one body, see fb_body_build).
+/* Relative equilibrium of a system, loops included; input may be NULL. Prescribed axes have the value and rate of the
+   input, locked axes stay, free axes and modes are at rest relative to them. Such a state must exist: one rotating
+   axis, or a prescribed free joint with constant v, w in body axes. The tree on a free joint that moves freely spins
+   about the principal axis nearest to the w in the rate of its drive, as in fb_body_trim; rotors inside bodies as
+   there. The equilibrium may be unstable, and is not always the nearest.
+     FB_ERR_UNREST        also wheels with momentum normal to that axis, which make it precess, and a prescribed axis
+                          whose motion changes the equilibrium (not looked for under gravity, loads and callbacks, which
+                          are taken in their present direction)
+     FB_ERR_SINGULAR      also an axis without restoring torque: a hinge at standstill, a wheel (lock it)
+     FB_ERR_CONVERGENCE   also a first guess too far away, such as a horizontal pendulum
+     FB_ERR_CONTRADICTION a loop cannot be closed
+     FB_ERR_UNSUPPORTED   the caller's own constraints; a body with central gravity, here and in linear models and
+                          spectra of systems (a satellite of a hub and flexible parts is one body, see fb_body_build)
+   else as fb_body_trim and fb_system_rates_eval.
    For the posture of an arm lock its joints, trim, apply the torques that hold them (fb_joint_motion.drive) as motor
    torques and free the joints. For wheels prescribe their rates, trim and free them. fb_system_axis_set changes the
    mode of an axis and keeps the momenta; the state is then ready for fb_system_linearize. */
@@ -3062,12 +3036,12 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
    ANALYSE >>linear: linear models, complex modes, step advice */
 
 /* Linearizes the motion of a body about a steady state (of fb_body_trim or otherwise), with the inputs and outputs of
-   desc (NULL: none). Each element is the best of finite differences of several widths; linear->error estimates their
-   error without round-off. It is below 1e-10 (single precision: 1e-3), except for bodies near the limit of their range.
-   The steps of the inputs are scaled by the forces that act already, so the unit of force has no influence.
-   FB_ERR_CONVERGENCE: the error is above 0.01; FB_ERR_CAPACITY: a port of a node or body that does not exist, no room
-   in input for one more load; FB_ERR_VALUE: an axis, an input kind among the outputs or the reverse, motion of a base
-   that is not prescribed, a port of systems. On failure linear is unchanged. */
+   desc (NULL: none). Each element is the best of finite differences of several widths; linear->error, their error
+   without round-off, is below 1e-10 (single precision: 1e-3) but near the limit of a body's range. The steps of the
+   inputs are scaled by the forces that act already: the unit of force has no influence.
+   FB_ERR_CONVERGENCE: an error above 0.01; FB_ERR_CAPACITY: a port of a node or body that does not exist, no room in
+   input for one more load; FB_ERR_VALUE: an axis, an input kind among the outputs or the reverse, motion of a base that
+   is not prescribed, a port of systems. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
 
@@ -3086,15 +3060,14 @@ typedef struct fb_spectrum {
 /* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
    The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
    on it (gravity, loads in inertial axes). In orbit the spectrum contains that of the orbit: 0 twice, +-i w twice.
-   FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
-   0.01 of the fastest. */
+   FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above 0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);
 #if FB_WITH_SYSTEM
-/* Linearizes the motion of a system, as fb_body_linearize. Prescribed and locked axes are not states; an axis that
-   moves at a constant rate is taken at its present position (for a prescribed axis with gravity normal to it A would
-   not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states;
-   FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
+/* As fb_body_linearize, of a system. Prescribed and locked axes are not states; an axis that moves at a constant rate
+   is taken at its present position (with gravity normal to it A would not be constant). FB_ERR_CAPACITY: also an axis
+   that the joint does not have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not
+   free. */
 FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                      fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
                                      const fb_linear_desc *desc);
@@ -3107,23 +3080,22 @@ FB_API fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
 
 /* Damping ratio -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
-/* Stability margin [1/s] of n modes: the smallest -re, negative if a mode grows; *mode is the mode that has it (NULL:
-   not requested). n = 0: FB_HUGE, mode -1; an re that is not finite: that mode. For re of fb_spectrum,
-   fb_exact_spectrum and fb_exact_linear. Without damping the margin is round-off, or its square root for a double
-   eigenvalue (rigid-body motion: 0). */
+/* Stability margin [1/s] of n modes by their re (of fb_spectrum, fb_exact_spectrum, fb_exact_linear): the smallest -re,
+   negative if a mode grows. *mode: the mode that has it (NULL: not requested), or the first whose re is not finite.
+   n = 0: FB_HUGE, mode -1. Without damping it is round-off, of double eigenvalues (rigid-body motion) the root of it. */
 FB_API fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n);
 
-/* Largest step [s] at which the integrator is stable for every mode; a mode that grows by itself counts as an undamped
-   one of its frequency. FB_HUGE for the implicit integrators, 0 for an invalid integrator or spectrum. For a freely
-   spinning base it is approximate: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The step functions refuse
-   steps beyond their own, quicker bounds, most of which are shorter (fb_rk4_limit and fb_implicit_limit at that spin,
-   fb_system_rk4_limit): take the smaller step, or set allow_long_step. */
+/* Largest step [s] at which the integrator is stable for every mode; one that grows by itself counts as an undamped one
+   of its frequency. FB_HUGE of implicit integrators; 0: an invalid integrator or spectrum. For a base that spins freely
+   some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. Steps refuse what is beyond their own, quicker bounds, most of
+   which are shorter (fb_rk4_limit, fb_implicit_limit, fb_system_rk4_limit): take the smaller one, or set
+   allow_long_step. */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator);
-/* Step [s] at which the largest errors of the modes within `duration` [s] add up to `tolerance`; mode k has
-   amplitude[k] (NULL: 1 each, so that the fastest mode decides) in the unit of the tolerance. At most 0.9 of the
-   stability limit, and the duration. 0 for an invalid integrator, duration, tolerance or amplitude, or if no step is
-   short enough (a mode that grows too far). The estimate is linear about a state and becomes less accurate with larger
-   motion; the error in the steady motion itself (the attitude of a freely spinning body) is not included. */
+/* Step [s] at which the largest errors of the modes within `duration` [s] add up to `tolerance`, at most the duration
+   and 0.9 of the stability limit. amplitude: of each mode, in the unit of the tolerance (NULL: 1 each, the fastest mode
+   decides). 0: an invalid integrator, duration, tolerance or amplitude, or no step is short enough (a mode grows too
+   far). Linear about a state, so less accurate with larger motion; without the error of the steady motion itself, such
+   as the attitude of a base that spins freely. */
 FB_API fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
                               fb_real duration, fb_real tolerance);
 /* The errors of fb_spectrum_dt at a step of dt [s]: their sum, in the unit of the amplitudes (NULL: 1 each). 0 for an
@@ -3353,7 +3325,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency, frame or lasts, duration or
    tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
    natural modes, a rotor has an imbalance, or rotors couple the modes too much for an estimate; FB_ERR_STEP: no
-   integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
+   integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. */
 FB_API fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
@@ -3420,44 +3392,33 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             scheme in scenes, --scheme of the examples    integrator, --integrator
             shape.ups, .Gam, .Pi, .Gamchi, .pchi, .hchi,  shape.second.ups, ...
             .reach
-          Joints: friction and stops (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
-          FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
-          Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included.
-          It measures the quadratic field by the lines, where a body has any, and foresees exponential steps with large
-          deflection: fb_envelope.smooth, .lasts, fb_advice.line_points.
-          fb_rotor: wheels inside a body. fb_state.q and .pi have room for them; fb_body.n_coordinate. In trim, linear
-          models (FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED) and spectra. fb_body_limit_eval. In advice: fb_envelope.rotor;
-          descriptions of bodies have them.
-          Exact beams have joints: fb_exact_desc.joint, fb_exact_input.motor, fb_exact_joint_eval, in steady states, paths,
-          spectra and linear models (FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE); a line `joint` in their descriptions.
-          They have branches: fb_exact_desc.branch, at any node and angle. Reactions of nodes held beyond the root
+          Bodies: beams that bend and twist by any angle (FB_EFFECT_LARGE_DEFLECTION, >>line); fb_rotor, wheels inside
+          (fb_state.q and .pi have room for them, fb_body.n_coordinate, FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED), in systems,
+          too; gravity of a center with its gradient, circular orbits (fb_body_desc.mu); fb_body_limit_eval,
+          fb_linear.rate, fb_spectrum_error. Imported models with effects of second degree: fb_shape_add_stiffening,
+          fb_fields_init, fb_shape_add_field_lump, fb_shape_add_field_node. FB_WITH_OPTIONAL: default of what one body
+          seldom wants; a refused effect names its switch. sizeof(fb_rk4_work) is 1728, was 55800: lines are on the
+          stack of a call. Implicit steps: a fast prescribed base that begins to turn does not end in
+          FB_ERR_CONVERGENCE.
+          Systems: friction and stops of joints (fb_joint_desc.friction, friction_speed, stop, stop_stiffness,
+          stop_loss). FB_METHOD_MULTIPLIERS is gone: write joints as loops of free bodies. A wheel is fb_rotor: one that
+          is a body on a hinge bounds the step by its speed, as every joint does. Refused are prescribed values that
+          jump, prescribed rates that contradict a closed loop from 1e-6 of its speeds on (was a hundredth; generated
+          code the same), and by fb_system_trim a prescribed axis that moves and changes the equilibrium. Loops at rest
+          are no contradiction to an axis that is prescribed elsewhere; they close alike with a dense LU. SDIRK: stiff
+          modes that hardly move do not end in FB_ERR_CONVERGENCE; lines without a deflection_limit do where their
+          motion has not converged. fb_modes_join in single precision: slow modes of stiff parts are found, or refused.
+          Exact beams have joints and branches: fb_exact_desc.joint, .branch, fb_exact_input.motor, fb_exact_joint_eval,
+          FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE; `joint` in descriptions. Reactions of nodes held beyond the root
           converge with the step.
-          Bodies of systems have rotors: fb_system_input.rotor, fb_link_motion.rotor_speed, .rotor_angle; fb_link_state.q
-          and .pi have room for them. A prescribed value that jumps is refused.
-          fb_linear.rate: how the state itself moves on. fb_spectrum_error: the error of a step, beside fb_spectrum_dt.
-          Gravity of a center and its gradient: mu and center of fb_body_desc, fb_body_gravity_eval. Trim, linear models
-          and spectra of bodies in circular orbit.
-          Imported models with the effects of second degree: fb_shape_add_stiffening, fb_fields_init,
-          fb_shape_add_field_lump, fb_shape_add_field_node.
-          build/flexbeam reduce --code: the rk4 step of one body as C of its own, geometrically exact lines included.
-          With --vary factors of stiffness, damping and masses stay variable, with --lanes several bodies step at once.
-          build/flexbeam scene --code: the same of bodies on joints.
-          SDIRK of systems: stiff modes that hardly move do not end in FB_ERR_CONVERGENCE; lines without a
-          deflection_limit do where their motion has not converged.
-          Implicit steps: a fast prescribed base that begins to turn does not end in FB_ERR_CONVERGENCE.
-          Loops at rest are no contradiction to an axis that is prescribed elsewhere; they close alike with a dense LU.
-          Prescribed rates that contradict a closed loop are refused from 1e-6 of its speeds on, not from a hundredth.
-          Generated code the same.
-          FMUs of scenes: several instances in a process; saved states hold what the model has. FMUs: derivatives of
-          outputs by time, adjoint derivatives; early return and event mode at latches, an icon.
-          fb_system_trim refuses a prescribed axis that moves and changes the equilibrium. fb_modes_join in single
-          precision: slow modes of stiff parts are found, or refused.
-          FB_METHOD_MULTIPLIERS is gone: write joints as loops of free bodies. A wheel is fb_rotor: one that is a body on a
-          hinge bounds the step by its speed, as every joint does.
-          What a call knows about lines is on its stack, no longer in the work of a step: sizeof(fb_rk4_work) 1728, was
-          55800. FB_WITH_OPTIONAL: default of what one body seldom wants; a refused effect names its switch.
-          Programs write a file as FILE.part and give it its name when it is whole: a full disk or a signal costs
-          nothing that was there.
+          Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
+          the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
+          .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).
+          Programs: build/flexbeam reduce --code, the rk4 step of one body as C of its own, with --vary factors of
+          stiffness, damping and masses, with --lanes several bodies at once; scene --code, the same of bodies on
+          joints. FMUs of scenes: several instances in a process; saved states hold what the model has; derivatives of
+          outputs by time, adjoint derivatives; early return, event mode at latches, an icon. Files are written as
+          FILE.part and get their name when they are whole.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
