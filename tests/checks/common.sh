@@ -20,10 +20,11 @@ skip() {
   exit 0
 }
 
-# today NUMBER: is it among the random models of this day, every fourth one? CHECK_ALL=1 (make ci-all): all are
+# today NUMBER: is it among those of this day (of random models, of what other checks run, too), every fourth one?
+# CHECK_ALL=1 (make ci-all): all are
 today() {
   [ -z "${CHECK_ALL:-}" ] || return 0
-  slice="; of the random models slice $((day % 4 + 1)) of 4"
+  slice="; slice $((day % 4 + 1)) of 4"
   [ $((($1 + day) % 4)) = 0 ]
 }
 day=${CHECK_DAY:-$(($(date +%s) / 86400))}

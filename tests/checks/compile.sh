@@ -2,37 +2,43 @@
 # Every program compiles without a warning: gcc in C99 and single, in C17 and double precision, clang in C99 and double, in C11
 # and single; the tests by gcc in C17 and single, as C++11 by clang++ in double; others build them by gcc and clang in C99 and
 # double, by clang in single, by g++ (`make test`, suite.sh, memory.sh). clang has all its warnings from the syntax. gcc has more from the flow in optimized code, the same in
-# either precision: that of the examples is looked at by `make ci`, which builds them, that of the benchmarks and hard cases
-# here, without the library (FLEXBEAM_IMPL_INCLUDED) unless they use its inside; that of the tests and of the library by
-# suite.sh, removed.sh and `make test`, and here by -O3 for a single mode, where arrays are shortest.
+# either precision: that of the examples is looked at by `make ci`, which builds them, and by firmware.sh, that of the
+# benchmarks and hard cases here; that of the tests and of the library by suite.sh, removed.sh and `make test`, and here by -O3 for a single mode, where
+# arrays are shortest. The library is a file of its own, left out of all programs (FLEXBEAM_IMPL_INCLUDED) but those that use its inside.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
 need clang clang
 count=0
 programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e bench/lanes.c)
-inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c"
+inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c examples/tools/library.c tests/test_main.c tests/test_status_detail.c"
+boards="examples/firmware/firmware.c examples/tutorial_firmware.c bench/target.c bench/step_cost.c"
 try build/flexbeam reduce examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
 body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
 
 # compile COMPILER OPTIONS...: without a warning
 compile() {
-  try "$@" $base -o "$out/object.o"
+  library=-DFLEXBEAM_IMPL_INCLUDED
+  for argument; do
+    case " $inside $boards $out/impl.c " in *" $argument "*) library= ;; esac
+  done
+  try "$@" $base $library -o "$out/object.o"
   count=$((count + 1))
 }
 
 compile gcc -std=c99 $WARNINGS_C -O3 -DFB_WITH_FORMS=1 -DFB_MAX_MODES=1 -c "$out/impl.c"
 for points in 2 6 10; do # lines shorter than those that have a kernel of their own
+  today $points || continue
   compile gcc -std=c99 $WARNINGS_C -O2 -DFB_MAX_POINTS=$points -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0 -DFB_WITH_ANALYSE=0 -c "$out/impl.c"
 done
 for file in $(echo "$programs" | grep -v '^examples/'); do
-  library=$(case " $inside " in *" $file "*) ;; *) echo -DFLEXBEAM_IMPL_INCLUDED ;; esac)
-  compile gcc -std=c99 $WARNINGS_C -O2 $library -c $file
+  case " $inside " in *" $file "*) continue ;; esac
+  compile gcc -std=c99 $WARNINGS_C -O2 -c $file
 done
-for cc in "gcc -c -O2" "clang -fsyntax-only"; do
-  for file in examples/firmware/firmware.c examples/tutorial_firmware.c "bench/target.c $body" "bench/step_cost.c -DDESKTOP $body" examples/firmware/board/desktop.c; do
-    compile $cc -std=c99 $WARNINGS_C $rom $file
+for cc in gcc clang; do
+  for file in $boards examples/firmware/board/desktop.c; do
+    compile $cc -std=c99 $WARNINGS_C -fsyntax-only $rom $body -DDESKTOP $file
   done
 done
 for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the peers are installed
@@ -40,7 +46,7 @@ for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the
   compile gcc -fsyntax-only -std=c99 $WARNINGS_C bench/bench_peers_${peer%:*}.c
 done
 for single in 0 1; do
-  for file in $programs; do
+  for file in "$out/impl.c" $programs; do
     for cc in $([ $single = 1 ] && echo gcc:c99 clang:c11 || echo gcc:c17 clang:c99); do
       compile ${cc%:*} -std=${cc#*:} -fsyntax-only $WARNINGS_C -DFB_SINGLE=$single $file
     done

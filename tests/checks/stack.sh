@@ -19,16 +19,17 @@ usage() {
   (cd "$out" && "$@" -std=c99 -I../../.. -ffp-contract=off -fstack-usage -fcallgraph-info=su -c -o "$object" impl.c)
 }
 
+flies="-DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0"
 for opt in -O2 -Os; do # on the desktop numbers of double precision are the larger ones
-  for forms in 0 1; do
-    usage forms$forms gcc $opt -DFB_WITH_FORMS=$forms -DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0
-  done
   usage large gcc $opt
+  usage forms0 gcc $opt $flies -DFB_WITH_BUILD=0 # building: below
   for single in 0 1; do
     precision $([ $single = 1 ] && echo single || echo double)
-    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single -DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0
+    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single $flies -DFB_WITH_BUILD=0
   done
 done
+usage forms0 gcc -O2 $flies
+usage forms1 gcc -O2 $flies -DFB_WITH_FORMS=1
 # node: { title: "impl.c:f" label: "f\nfile:line:col\nBYTES bytes (static)" }, edge: { sourcename: "f" targetname: "g" }
 awk -F '"' '
   /^node/ && $4 ~ / bytes / { t = $4; sub(/.*\\n/, "", t); split(t, part, " "); own[FILENAME, $2] = part[1]

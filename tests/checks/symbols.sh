@@ -6,9 +6,9 @@ need gcc gcc
 need clang clang
 allowed='sqrtf?|sinf?|cosf?|sincosf?|atan2f?|fabsf?|expf?|memcpy|memset|memmove|memcmp|strcmp'
 for cc in gcc clang; do
-  for opt in "-O0 -DFB_SINGLE=1" "-O2 -DFB_SINGLE=0" "-Os -DFB_SINGLE=1"; do
+  for opt in $([ $cc = gcc ] && echo -O2,-DFB_SINGLE=0 -Os,-DFB_SINGLE=1 || echo -O0,-DFB_SINGLE=0 -O2,-DFB_SINGLE=1); do
     object=$out/object.o
-    try $cc $c99 $opt -fno-stack-protector -c -o "$object" "$out/impl.c"
+    try $cc $c99 ${opt%,*} ${opt#*,} -fno-stack-protector -c -o "$object" "$out/impl.c"
     nm -u "$object" | sed 's/.* U //' >> "$out/undefined"
     size -A -d "$object" | awk '$1 ~ /^\.(data|bss|tdata|tbss)$/ { sum += $2 } END { exit sum != 0 }' ||
       fail "$cc $opt: writable data"

@@ -18,10 +18,16 @@ command -v clang > /dev/null || {
 }
 mkdir -p build/fuzz
 findings=0
+number=${FUZZ_DAY:-}
 printf '%-8s %-9s %10s %8s %9s\n' harness build executions edges findings
 for harness in api step import scene; do
-  for build in double single forms; do
-    [ $build != forms ] || [ $harness = step ] || continue
+  builds="double single $([ $harness != step ] || echo forms)"
+  if [ -n "$number" ]; then # that of the day
+    set -- $builds
+    shift $((number % $#))
+    builds=$1 number=$((number + 1))
+  fi
+  for build in $builds; do
     to=build/fuzz/$harness-$build
     mkdir -p "$to/corpus"
     clang -std=c99 -I. -ffp-contract=off $level -g -DFB_SINGLE=$([ $build = single ] && echo 1 || echo 0) $([ $build != forms ] || echo -DFB_WITH_FORMS=1) -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
