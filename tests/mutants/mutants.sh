@@ -5,8 +5,8 @@
 # section leave an array or (where there is clang) use what nothing was written to, which check-sanitize forbids. Those that
 # change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the
 # same code, are told and do not count. All are compiled into one program (switch.awk), the environment chooses. Restartable:
-# build/mutants/caught is kept, survivors are tried again. Ends with a table by section and by kind of change, which is in
-# build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners, suites those of tests/test_main.c.
+# build/mutants/caught is kept, survivors are tried again. On all cores (JOBS). Ends with a table by section and by kind of change,
+# which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners, suites those of test_main.c.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
@@ -24,20 +24,23 @@ tests="-DFBT_SHORT=1 -DFBT_STOP=1 -DFB_WITH_FORMS=1" # every equation is there
 tab=$(printf '\t')
 suites="$(grep -o 'X([a-z0-9]*[_)]' tests/test_main.c | tr -d 'X(_)' | awk '!seen[$0]++') check-jacobian check-shape_rates"
 
+rm -rf "$out/tree" "$out"/at-*
 mkdir -p "$out/tree/tests"
 cp flexbeam.h "$out/tree"
 cp flexbeam_impl.h "$out/original.h" # what may be edited meanwhile
 cp tests/*.[ch] "$out/tree/tests"
-rm -f "$out"/sanitized*
 touch "$out/caught"
 
 # tree FILE: what is compiled has this implementation
 tree() { cp "$1" "$out/tree/flexbeam_impl.h"; }
 
-build_main() { $CC $flags $tests -c -o "$1" "$out/tree/tests/test_main.c" 2> "$out/errors"; }
+# what one mutant needs, too
+cat > "$out/parts.sh" << 'END'
+# main FOLDER: compiles test_main.c of it
+main() { (cd "$1" && $CC $flags $tests -c -o main.o tests/test_main.c 2> errors); }
 
 # run SECONDS COMMAND...: fails by a claim, a crash or too much time of the processor
-run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log" 2>&1) 2> "$out/crash"; }
+run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log-$MUTANT" 2>&1) 2> "$out/crash-$MUTANT"; }
 
 # command_of SUITE: its tests, or a check
 command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1/" ;; esac; }
@@ -55,22 +58,60 @@ seen_by() {
   done
 }
 
-# same_code: the mutant in the tree compiles to what the original does
-same_code() { build_main "$out/main.o" && cmp -s "$out/main.o" "$out/original.o"; }
+# same_code: the mutant compiles to what the original does
+same_code() {
+  at=$out/at-$MUTANT
+  cp -r "$out/tree" "$at"
+  text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
+    "$out/original.h" > "$at/flexbeam_impl.h"
+  main "$at" && cmp -s "$at/main.o" "$out/original.o" && same=1 || same=0
+  rm -r "$at"
+  [ $same = 1 ]
+}
 
 # sanitized SECTION: its tests, for bodies those of the forms, too, for what is analysed linear models of the exact beam, stay
 # within all arrays and use nothing uninitialized, as check-sanitize wants it (slow: survivors alone)
 sanitized() {
-  if [ ! -f "$out/sanitized" ]; then
-    tree "$out/switch.h"
-    $CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
-    clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
-  fi
   for program in "$out"/sanitized*; do
     run 600 "$program" "$1/" && { [ "$1" != body ] || run 200 "$program" forms/; } &&
       { [ "$1" != analyse ] || run 200 "$program" exact/linear/linear_beams; } || return 1
   done
 }
+
+END
+
+# one LINE of $out/compiling
+cat > "$out/one.sh" << 'END'
+set -eu
+. "$out/parts.sh"
+IFS="$tab" read -r MUTANT hash kind section name line times text << LINE
+$(sed -n "$1p" "$out/compiling")
+LINE
+export MUTANT
+original=$(sed -n "${line}s/^ *//p" "$out/original.h")
+text=$(printf '%s\n' "$text" | sed 's/^ *//')
+key="$name | $original | $text"
+by=
+if grep -q -F -e "$key | " $here/equivalent.txt; then
+  verdict=equivalent
+elif by=$(key="$key" awk -F'\t' -v n="$times" '$3 == ENVIRON["key"] && $2 == n { print $1; found = 1 } END { exit !found }' \
+  "$out/caught"); then
+  verdict=caught
+else
+  verdict=survived
+  by=$(seen_by "$(tests_of "$section")" "$name")
+  if [ -z "$by" ]; then
+    if same_code; then verdict=same; else sanitized "$(tests_of "$section")" || by=sanitize; fi
+  fi
+  [ -z "$by" ] || {
+    verdict=caught
+    printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
+  }
+fi
+rm -f "$out/log-$MUTANT" "$out/crash-$MUTANT"
+printf '%s %s %s: %s:%d %s: %s -> %s  (%s)\n' "$section" "$kind" "$verdict" "$section" "$line" "$name" "$original" "$text" "$by"
+END
+. "$out/parts.sh"
 
 tree "$out/original.h" # test_status_detail.c has a copy of it
 for file in "$out"/tree/tests/test_*.c; do
@@ -78,7 +119,9 @@ for file in "$out"/tree/tests/test_*.c; do
   [ "$object" = "$out/test_main.o" ] || $CC $flags $tests -c -o "$object" "$file"
 done
 rm -f "$out/test_main.o"
-build_main "$out/original.o"
+MUTANT=0
+main "$out/tree"
+mv "$out/tree/main.o" "$out/original.o"
 
 # in the order drawn, one kind after the other, so that all are there equally; some more than COUNT, for those passed over
 awk -v seed="$seed" -f $here/mutants.awk "$out/original.h" | sort |
@@ -91,79 +134,58 @@ for round in 1 2 3 4 5 6 7 8 9; do
   cut -f 1,6,8 "$out/compiling" > "$out/list"
   awk -v prelude=$here/switch.h -f $here/switch.awk "$out/list" "$out/original.h" > "$out/switch.h"
   tree "$out/switch.h"
-  ! build_main "$out/main.o" || break
-  [ "$round" -lt 9 ] || { cat "$out/errors"; exit 1; }
-  sed -n 's/^[^:]*flexbeam_impl.h:\([0-9]*\):.*error.*/\1/p' "$out/errors" |
+  ! main "$out/tree" || break
+  [ "$round" -lt 9 ] || { cat "$out/tree/errors"; exit 1; }
+  sed -n 's/^[^:]*flexbeam_impl.h:\([0-9]*\):.*error.*/\1/p' "$out/tree/errors" |
     awk 'FNR == NR { wrong[$1]; next } /^\/\* mutant / { k = $3 } FNR in wrong { print k }' - "$out/switch.h" > "$out/wrong"
   awk -F'\t' 'FNR == NR { wrong[$1]; next } !($1 in wrong)' "$out/wrong" "$out/compiling" > "$out/rest"
   mv "$out/rest" "$out/compiling"
 done
 awk -F'\t' 'FNR == NR { compiles[$1]; next } !($1 in compiles) { print "does not compile: " $4 ":" $6 " " $5 ": " $8 }' \
   "$out/compiling" "$out/drawn" | tee "$out/not-compiling"
-$CC -o "$out/runner" "$out/main.o" "$out"/test_*.o -lm
+$CC -o "$out/runner" "$out/tree/main.o" "$out"/test_*.o -lm
 for check in jacobian shape_rates; do
   $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
 done
-export MUTANT=0
+$CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
+clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
+export MUTANT
 for suite in $suites; do # without a mutant they pass; cheap ones are asked first
   times > "$out/before"
-  REACHED=$out/reached-$suite run 600 $(command_of "$suite") || { cat "$out/log" >&2; exit 1; }
+  REACHED=$out/reached-$suite run 600 $(command_of "$suite") || { cat "$out/log-0" >&2; exit 1; }
   times > "$out/after"
   awk -v suite="$suite" 'FNR == 2 { split($1, t, /[ms]/); s = 60 * t[1] + t[2] - s } END { print int(s), suite }' "$out/before" "$out/after"
 done > "$out/seconds"
 suites=$(sort -s -n "$out/seconds" | sed 's/.* //')
 too_long=$(awk '$1 > most { most = $1 } END { print 5 * most + 10 }' "$out/seconds")
 
+# on all cores; for those that compile to the same code, which do not count, others are taken
+export out here tab CC flags tests suites too_long
 : > "$out/results"
-: > "$out/same-code"
-n=0
-while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name line times text; do
-  original=$(sed -n "${line}s/^ *//p" "$out/original.h")
-  text=$(printf '%s\n' "$text" | sed 's/^ *//')
-  key="$name | $original | $text"
-  by=
-  if grep -q -F -e "$key | " $here/equivalent.txt; then
-    verdict=equivalent
-  elif by=$(key="$key" awk -F'\t' -v n="$times" '$3 == ENVIRON["key"] && $2 == n { print $1; found = 1 } END { exit !found }' \
-    "$out/caught"); then
-    verdict=caught
-  else
-    by=$(seen_by "$(tests_of "$section")" "$name")
-    if [ -z "$by" ]; then
-      text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
-        "$out/original.h" > "$out/alone.h"
-      tree "$out/alone.h"
-      if same_code; then
-        echo "compiles to the same code: $section:$line $name: $original -> $text" | tee -a "$out/same-code"
-        continue
-      fi
-      sanitized "$(tests_of "$section")" || by=sanitize
-    fi
-    verdict=$([ -n "$by" ] && echo caught || echo survived)
-    [ -z "$by" ] || printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
-  fi
-  n=$((n + 1))
-  printf '%s %s %s\n' "$section" "$kind" "$verdict" >> "$out/results"
-  printf '%3d/%d %-10s %-8s %s:%d %s: %s -> %s  (%s)\n' \
-    "$n" "$count" "$verdict" "$kind" "$section" "$line" "$name" "$original" "$text" "$by"
-done < "$out/compiling"
+asked=0
+drawn=$(wc -l < "$out/compiling")
+while n=$(awk '$3 != "same:"' "$out/results" | wc -l) && [ "$n" -lt "$count" ] && [ "$asked" -lt "$drawn" ]; do
+  more=$((asked + count - n < drawn ? count - n : drawn - asked))
+  seq $((asked + 1)) $((asked + more)) | xargs -n 1 -P "${JOBS:-$(nproc)}" sh "$out/one.sh" | tee -a "$out/results"
+  asked=$((asked + more))
+done
 [ "$n" -eq "$count" ] || echo "only $n drawn"
 
 sections=$(sed -n 's/^   [A-Z]* >>\([a-z0-9]*\).*/\1/p' "$out/original.h" | grep -v -x -E 'config|status|version' | tr '\n' ' ')
-awk -v seed="$seed" -v sections="$sections" -v wrong="$(wc -l < "$out/not-compiling")" -v same="$(wc -l < "$out/same-code")" '
+awk -v seed="$seed" -v sections="$sections" -v wrong="$(wc -l < "$out/not-compiling")" '
   function row(s) { printf "%-10s %7d %11d %9d\n", s, of[s, "caught"], of[s, "equivalent"], of[s, "survived"] }
   function rows(title, names, n, name, i) {
     printf "%-10s %7s %11s %9s\n", title, "caught", "equivalent", "survived"
     n = split(names, name, " ")
     for (i = 1; i <= n; i++) row(name[i])
   }
-  { of[$1, $3]++; of[$2, $3]++; of["all", $3]++ }
+  { sub(/:$/, "", $3); of[$1, $3]++; of[$2, $3]++; of["all", $3]++ }
   END {
     rows("section", sections)
     rows("kind", "sign operator factor index bound term all")
     caught = of["all", "caught"]
     counted = caught + of["all", "survived"]
-    printf "%d of those drawn do not compile, %d compile to the same code\n", wrong, same
+    printf "%d of those drawn do not compile, %d compile to the same code\n", wrong, of["all", "same"]
     printf "seed %d: %.1f %% of %d caught\n", seed, 100 * caught / counted, counted
     exit !(caught >= 0.95 * counted)
   }' "$out/results" > "$out/table-$seed.txt" || low=1
