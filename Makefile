@@ -33,7 +33,7 @@ help:
 	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
 	@echo "make firmware  the attitude loop of examples/firmware/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
-	@echo "make test      build and run the tests: the default configuration, then the other forms (FB_WITH_FORMS)"
+	@echo "make test      build and run the tests"
 	@echo "make laws      random legal models against laws that need no reference, both precisions (LAWS_COUNT=300, LAWS_SEED=days)"
 	@echo "make quick     before a commit, two minutes: short tests in both precisions, C++, layout, ids, documents, quick start"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
@@ -109,12 +109,11 @@ campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
 	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
-# The library as it ships; what FB_WITH_FORMS makes a difference to, with it; a few random models against the laws that
-# every model keeps. The last line counts all.
-test: check-quickstart build/test_runner build/test_forms build/laws
-	@{ build/test_runner; build/test_forms --forms; build/laws --count 20 --seed 1; } | awk \
+# The tests; a few random models against the laws that every model keeps. The last line counts all.
+test: check-quickstart build/test_runner build/laws
+	@{ build/test_runner; build/laws --count 20 --seed 1; } | awk \
 	  '/^[0-9]+ passed, [0-9]+ failed$$/ { passed += $$1; failed += $$3; ends++; next } { print; fflush() } \
-	   END { failed += 3 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
+	   END { failed += 2 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
 
 laws: check-laws
 
@@ -181,7 +180,7 @@ readme: examples build/bench/bench_exact_double build/bench/bench_system_double 
 	sh bench/readme.sh
 
 build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme
-	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -DFB_WITH_FORMS=1 -o $@ $(TESTS) -lm
+	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(TESTS) -lm
 
 # ---- packages: recipes of examples/packages, laid out under build/packages with the headers
 
@@ -287,8 +286,7 @@ build/page/flexbeam.html: $(wildcard examples/page/*) bench/case.h bench/check.h
 	@sh examples/page/pack.sh $@
 
 build/test_runner: $(TESTS:tests/%.c=build/tests/%.o)
-build/test_forms: $(TESTS:tests/%.c=build/tests/forms/%.o)
-build/test_runner build/test_forms:
+build/test_runner:
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
 LAWS = $(notdir $(basename $(wildcard tests/laws/*.c)))
@@ -306,9 +304,6 @@ build/laws_of_single/%.o: tests/laws/%.c build/flags | build/laws_of_single
 build/tests/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests
 	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
 
-build/tests/forms/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests/forms
-	$(CC) $(FLAGS) $(CFLAGS) -DFB_WITH_FORMS=1 -c -o $@ $<
-
 build/quick_double: $(TESTS:tests/%.c=build/tests/double/%.o)
 build/quick_single: $(TESTS:tests/%.c=build/tests/single/%.o)
 build/quick_double build/quick_single:
@@ -323,7 +318,7 @@ build/tests/double/%.o: tests/%.c | build/tests/double
 build/tests/single/%.o: tests/%.c | build/tests/single
 	$(CC) $(OF_QUICK) -DFB_SINGLE=1 -c -o $@ $<
 
-build/tests/test_main.o build/tests/forms/test_main.o: flexbeam_impl.h
+build/tests/test_main.o: flexbeam_impl.h
 
 quick-double quick-single: quick-%: build/quick_%
 	@$< --brief > build/quick_$*.txt || { grep -v '^ok ' build/quick_$*.txt; exit 1; }
@@ -334,7 +329,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/seconds build/laws_of_double build/laws_of_single:
+build build/tests build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/seconds build/laws_of_double build/laws_of_single:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -349,7 +344,7 @@ build/commit: FORCE | build
 
 ci:
 	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory CFLAGS='$(filter-out -Werror,$(CFLAGS)) -Werror' \
-	  $(CHECKS:%=check-%) examples build/test_runner build/test_forms
+	  $(CHECKS:%=check-%) examples build/test_runner
 	@echo "ci: none of $(words $(CHECKS)) checks failed"
 
 ci-all:
@@ -361,13 +356,13 @@ check-hil: build/examples/hil_plant build/examples/hil_controller
 
 check-aero: build/examples/wing_goland build/examples/ground_resonance build/examples/rotor_flight
 
-# The library of check-hostile and check-faults, under sanitizers: in single precision; in double with all forms.
-check-hostile check-faults: build/sanitized/single.o build/sanitized/forms.o
+# The library of check-hostile and check-faults, under sanitizers.
+check-hostile check-faults: build/sanitized/single.o build/sanitized/double.o
 
 SANITIZE = gcc $(FLAGS) -Werror -O1 -fsanitize=address,undefined -fno-sanitize-recover=all
 
 build/sanitized/%.o: tests/checks/hostile_sizes.h $(LIBRARY) | build/sanitized
-	echo '#include "flexbeam.h"' | $(SANITIZE) -include $< -DFLEXBEAM_IMPLEMENTATION $(if $(findstring single,$@),-DFB_SINGLE=1,-DFB_WITH_FORMS=1) -c -o $@ -x c -
+	echo '#include "flexbeam.h"' | $(SANITIZE) -include $< -DFLEXBEAM_IMPLEMENTATION $(if $(findstring single,$@),-DFB_SINGLE=1) -c -o $@ -x c -
 
 check-linear check-long check-scene check-hil check-aero: build/library/double.o
 

@@ -103,6 +103,7 @@
                 >>beam       sections, tapers, stations, bent lines, lumped bodies, element matrices
                 >>modes      natural modes, components, buckling, synthesis; finite-element coordinates
                 >>assemble   shape integrals; every _init of a model: bodies, systems, exact beams
+                >>forms      the second-order and the first-order form of [DB], for comparison
      ANALYSE    >>trim       steady states and their paths
                 >>linear     linear models, complex modes, step advice
                 >>advise     which effects, modes, integrator and step a scene calls for
@@ -144,7 +145,8 @@
      FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
      FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: build/flexbeam
                                                       reduce (make tool) tells what one takes
-     FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
+     FB_WITH_FORMS                    0        0, 1    1: fb_form_..., the equations of [DB]. No struct
+                                                       depends on it: it may differ between files
      FB_WITH_SYSTEM                   1        0, 1    0 removes systems of bodies: their types, functions and code
      FB_WITH_EXACT                    1        0, 1    0 removes the geometrically exact beam
      FB_WITH_BUILD                    1        0, 1    0 removes BUILD: for firmware whose models are in ROM
@@ -174,6 +176,7 @@
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
+     fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290008
      fb_system_analyse_work    1967808
      fb_exact_path_work         205352
@@ -278,12 +281,12 @@
 
    WHICH INTEGRATOR? (all fixed work; a step beyond its limit is refused)
      integrator            order  limit               a step costs            takes
-     fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
+     fb_rk4_step           4      stiffest mode       4 evaluations           any body
      fb_midpoint_step      2      spin                3 evaluations, one LU   stiff bodies; keeps energy
      fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
      fb_system_rk4_step    4      stiffest mode       4 evaluations           systems; loops are closed after each step
      fb_system_sdirk_step  2      spin                6 evaluations           systems with stiff joints; L-stable
-     fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
+     fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly
      fb_exact_step         2      -                   one factorization       the exact beam; keeps energy, or damps
                                                                               what is too fast for the step
      fb_stepper_step       one call for all of these: the integrator is a field of its description
@@ -495,8 +498,8 @@
     FB_MAX_RUNS > 60000
 #error "flexbeam: FB_MAX_LAMBDA, FB_MAX_S and FB_MAX_RUNS are 0..60000"
 #endif
-#if FB_WITH_FORMS && !(FB_WITH_SPIN_COUPLING && FB_WITH_RESIDUAL_INERTIA)
-#error "flexbeam: FB_WITH_FORMS needs FB_WITH_SPIN_COUPLING and FB_WITH_RESIDUAL_INERTIA"
+#if FB_WITH_FORMS && !(FB_WITH_SPIN_COUPLING && FB_WITH_RESIDUAL_INERTIA && FB_WITH_NONLINEAR_STRAIN && FB_WITH_BUILD)
+#error "flexbeam: FB_WITH_FORMS needs FB_WITH_SPIN_COUPLING, _RESIDUAL_INERTIA, _NONLINEAR_STRAIN and _BUILD"
 #endif
 #ifndef FB_ALLOW_FAST_MATH
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST)
@@ -544,18 +547,18 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K, \
-                L, M)                                                                                                 \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_forms##o##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K, \
-                 L, M)                                                                                                 \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J, K, L, M)
-#define FBI_CONFIG_SYMBOL                                                                                              \
-  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
-           FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
-           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
-           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,     \
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, \
+                M)                                                                                                    \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, \
+                 M)                                                                                                    \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M)
+#define FBI_CONFIG_SYMBOL                                                                                           \
+  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,          \
+           FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,   \
+           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN,             \
+           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,  \
            FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS, FB_MAX_ROTORS, FB_WITH_ROTORS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
@@ -941,29 +944,6 @@ typedef enum fb_base {
   FB_BASE_COUNT
 } fb_base;
 
-#if FB_WITH_FORMS
-/* The equations of motion of a body. The momentum form is the library's own; the others are for comparison. */
-typedef enum fb_form {
-  FB_FORM_MOMENTUM = 0,
-  FB_FORM_SECOND =
-      1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
-  FB_FORM_FIRST =
-      2, /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
-                         It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no
-                         quadratic field */
-  FB_FORM_COUNT
-} fb_form;
-
-/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
-   does not fit the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
-typedef enum fb_stiffness_torque {
-  FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
-  FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
-  FB_TORQUE_BOUNDARY = 2, /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
-  FB_TORQUE_COUNT
-} fb_stiffness_torque;
-#endif
-
 /* A symmetric n x n matrix by its diagonal and those elements below it (a > b) that are not zero. Modal matrices are a
    diagonal, finite-element ones blocks and bands. */
 typedef struct fb_pair_term {
@@ -1023,10 +1003,6 @@ typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (
 } fb_strain_row;
 #endif
 
-#if FB_WITH_FORMS
-#define FBI_MAX_TORQUE (3 * FB_MAX_MODES * FB_MAX_MODES)
-#endif
-
 /* The model a step needs; constant after init, may live in ROM. */
 typedef struct fb_body {
   int n, n_node;    /* modes, nodes */
@@ -1040,23 +1016,11 @@ typedef struct fb_body {
   int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
   int n_row;                       /* rows of Lambda that have terms linear in q */
   int n_S, n_run, n_pair;          /* terms of S, their runs, and the pairs of (1, q) they belong to */
-#if FB_WITH_FORMS
-  fb_form form;
-  fb_stiffness_torque stiffness_torque;
-  int torque_degree;               /* 3, or what truncation leaves */
-  int n_run_value, n_lambda_value; /* second-order form: those in the mass matrix, the others in its rates alone */
-  int n_gam, n_torque;             /* first-order form */
-#endif
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real recoil; /* sqrt of the largest ratio of the body's inertia to what the modes leave the frame; 1: heavy hub */
   fb_real gyration;                                                     /* [m] radius of gyration about O */
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
-#if FB_WITH_FORMS
-  fb_real M_rr[21];                      /* rigid mass matrix of the undeformed body */
-  fb_lambda_term gam[9 * FB_MAX_MODES];  /* Gamma_a, element i of 9 */
-  fb_lambda_term torque[FBI_MAX_TORQUE]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
-#endif
 #if FB_WITH_NONLINEAR_STRAIN
   int n_strain, n_strain_row;
   fb_real quartic;       /* 1, or 0 where the strain energy of degree 4 is left out */
@@ -1119,8 +1083,7 @@ typedef struct fb_state {
 #if FB_SINGLE
   fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FBI_MAX_COORDINATES], lost_pi[FBI_MAX_COORDINATES];
 #endif
-} fb_state; /* other forms: u is that of O (but for a prescribed base), L is w (body axes), pi is q_dot (second-order)
-               or v_e (first-order) */
+} fb_state;
 
 typedef enum fb_axes {
   FB_AXES_INERTIAL = 0, /* dead load */
@@ -1263,10 +1226,6 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
 #endif
   fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
   fb_real e[FB_MAX_MODES];     /* scratch */
-#if FB_WITH_FORMS
-  fb_real y[6];     /* right-hand side of the rigid equations */
-  fb_real V_dot[6]; /* accelerations, body axes */
-#endif
 #if FB_WITH_NONLINEAR_STRAIN
   fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
 #endif
@@ -1930,8 +1889,7 @@ FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
 /* The implicit integrators solve their stages by a fixed number of Newton iterations (at most 50) with one n x n
    matrix, factored once a step (LU): the Jacobian of the equations of motion but for stiffening by the quadratic field,
    products of the spin and compression. With FB_EFFECT_LARGE_DEFLECTION it is all but loads and gravity, by differences
-   that cost two thirds of n + 1 evaluations; in other forms it lacks gyroscopic terms and, first order, the stiffness
-   torque. Inputs, status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+   that cost two thirds of n + 1 evaluations. Inputs, status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state start, rate, first, base, stage, sum;
   fb_input between;
@@ -2456,12 +2414,6 @@ typedef struct fb_shape {
   fb_real stretch;                        /* [s^2] bound of the centrifugal strain of a beam per spin squared */
   fb_real strain_weight[FBI_MAX_STRAINS]; /* [N m] EA dx */
   fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
-#if FB_WITH_FORMS
-  /* n x n x 3: bilinear part of the stiffness torque as printed, and the boundary term missing there;
-     torque_unknown: 1 if they are not complete, which they are only for beams along x with FB_BASIS_FUNCTIONS */
-  fb_real torque[3 * FB_MAX_MODES * FB_MAX_MODES], torque_boundary[3 * FB_MAX_MODES * FB_MAX_MODES];
-  int torque_unknown;
-#endif
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   fb_lines lines;         /* of the beams */
@@ -2569,8 +2521,8 @@ typedef struct fb_body_desc {
   /* Gravity of a center, beside that: mu [m^3/s^2] (G times its mass; 0: none), the center [m] in inertial axes. Force,
      gravity-gradient torque and modal forces are those of the field to second degree about the mass center of the
      deformed body; what is left out is, relative to them, about its size over the distance. FB_ERR_RANGE: the mass
-     center is nearer to the center than twice the root mean square distance of the body's mass from it. Momentum form,
-     with rigid bodies, FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines. In systems only
+     center is nearer to the center than twice the root mean square distance of the body's mass from it. With rigid
+     bodies, FB_EFFECTS_FULL, _STRAIN or _LARGE; not with advice and internal loads of lines. In systems only
      in double precision, and not in trim, linear models and spectra (FB_ERR_UNSUPPORTED). */
   fb_real mu, center[3];
   /* [m] Limit of the sum of modal deflections, FB_ERR_RANGE beyond it; 0: half the body's size. The error of the
@@ -2581,13 +2533,9 @@ typedef struct fb_body_desc {
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
   fb_truncation truncation;
-#if FB_WITH_FORMS
-  fb_form form;
-  fb_stiffness_torque stiffness_torque;
-#endif
 #if FB_WITH_ROTORS
   int n_rotor;
-  fb_rotor rotor[FB_MAX_ROTORS]; /* of the momentum form */
+  fb_rotor rotor[FB_MAX_ROTORS];
 #endif
   int allow_split_effects; /* 1: accept an incomplete set of effects, which fb_effects_check refuses */
   int allow_long_step;     /* 1: accept steps beyond the stability limit */
@@ -2607,7 +2555,7 @@ typedef struct fb_body_work {
      FB_ERR_CAPACITY    FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS; number or node of a rotor
      FB_ERR_EFFECTS     see fb_effects_check; large deflection: a node that moves with a beam but was added before it or
                         by fb_shape_add_node, or such a mass (fb_shape_add_particle, _lump, _pair); mu with modes but
-                        without inertia that follows the shape; mu or rotors of another form; FB_EFFECT_ROTORS alone
+                        without inertia that follows the shape; FB_EFFECT_ROTORS without any
      FB_ERR_SINGULAR    M, or S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest,
                         in single precision 1e-5
      FB_ERR_VALUE       no mass, negative damping, negative mu; of a rotor: axis of no length, inertia not above 0,
@@ -2786,8 +2734,7 @@ typedef struct fb_exact_desc {
 FB_API fb_status fb_exact_init(fb_exact *exact, const fb_exact_desc *desc);
 #endif
 
-/* Coefficients of fb_exponential_step for the step dt [s]. FB_ERR_VALUE: dt, or a body of another form than the
-   momentum form; FB_ERR_SINGULAR: K or the mass matrix is not positive definite; FB_ERR_EFFECTS: nonlinear strain with
+/* Coefficients of fb_exponential_step for the step dt [s]. FB_ERR_VALUE: dt; FB_ERR_SINGULAR: K or the mass matrix is not positive definite; FB_ERR_EFFECTS: nonlinear strain with
    axial coordinates that also bend. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
 
@@ -2795,6 +2742,95 @@ FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
    coordinates left out are constrained to zero. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending.
    selected may not be shape. */
 FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
+
+#if FB_WITH_FORMS
+/* ---------------------------------------------------------------------------------------------------------------
+   BUILD >>forms: a body by the equations of motion of [DB], for comparison with the momentum form. Not for flight: it
+   has no ROM text, no systems and no analysis */
+
+typedef enum fb_form {
+  FB_FORM_MOMENTUM = 0, /* the functions of bodies: fb_rk4_step, fb_body_motion_eval, .. */
+  FB_FORM_SECOND = 1,   /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every
+                           evaluation */
+  FB_FORM_FIRST = 2,    /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness
+                           torque. It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and
+                           no quadratic field */
+  FB_FORM_COUNT
+} fb_form;
+
+/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
+   does not fit the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
+typedef enum fb_stiffness_torque {
+  FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
+  FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
+  FB_TORQUE_BOUNDARY = 2, /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+  FB_TORQUE_COUNT
+} fb_stiffness_torque;
+
+/* Bilinear part of the stiffness torque as printed, and the boundary term missing there, n x n x 3; all zero before the
+   first beam. unknown: 1 if they are not complete, which they are only for beams along x with FB_BASIS_FUNCTIONS. */
+typedef struct fb_form_torque {
+  int n, n_beam, unknown;
+  fb_real inside[3 * FB_MAX_MODES * FB_MAX_MODES], boundary[3 * FB_MAX_MODES * FB_MAX_MODES];
+} fb_form_torque;
+
+typedef struct fb_form_desc {
+  fb_form form;
+  fb_stiffness_torque stiffness_torque; /* of the first-order form */
+  const fb_form_torque *torque; /* needed by FB_TORQUE_PRINTED and FB_TORQUE_BOUNDARY, of all beams of the shape */
+} fb_form_desc;
+
+typedef struct fb_form_body {
+  fb_body body; /* nodes, sizes, step limits; of the second-order form S is M_rr(q): it moves by the functions below */
+  fb_form form;
+  fb_stiffness_torque stiffness_torque;
+  int degree;          /* 3, or what truncation leaves */
+  int n_run, n_lambda; /* second-order form: those in the mass matrix, the others of body in its rates alone */
+  int n_gam, n_torque; /* first-order form */
+  fb_real M_rr[21];    /* rigid mass matrix of the undeformed body */
+  fb_lambda_term gam[9 * FB_MAX_MODES];                   /* Gamma_a, element i of 9 */
+  fb_lambda_term torque[3 * FB_MAX_MODES * FB_MAX_MODES]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
+} fb_form_body;
+
+typedef struct fb_form_work {
+  fb_rk4_work rk4;
+  fb_implicit_work implicit;
+} fb_form_work;
+
+/* Adds a beam that fb_shape_add_beam_strain has added. Statuses as of that. */
+FB_API fb_status fb_form_torque_add_beam(fb_form_torque *torque, const fb_shape *shape, int first, const fb_beam *beam,
+                                         const fb_modes *modes);
+
+/* As fb_body_init. FB_ERR_EFFECTS: also, but for the momentum form, large deflection, rotors, central gravity; second
+   order: one of spin coupling and residual inertia; first order: the quadratic field, or a printed torque that is not
+   known. */
+FB_API fb_status fb_form_init(fb_form_body *formed, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc,
+                              const fb_form_desc *form);
+/* As fb_body_check and fb_body_crc, with the tables of the form. */
+FB_API fb_status fb_form_check(const fb_form_body *formed);
+FB_API unsigned fb_form_crc(const fb_form_body *formed);
+
+/* As fb_state_from_velocity and fb_body_.._eval. fb_state_init and fb_state_check with formed->body. In the two other
+   forms state.u is the velocity of O, inertial axes, and state.L the angular velocity, body axes, both zero of a
+   prescribed base; state.pi is q_dot or v_e. fb_body_node_motion_eval takes a state and a motion of any form. */
+FB_API fb_status fb_form_state_from_velocity(const fb_form_body *formed, fb_state *state, const fb_real v[3],
+                                             const fb_real w[3], const fb_real *q_dot);
+FB_API fb_status fb_form_rates_eval(const fb_form_body *formed, fb_state *rate, const fb_state *state,
+                                    const fb_input *input);
+FB_API fb_status fb_form_motion_eval(const fb_form_body *formed, fb_motion *motion, const fb_state *state,
+                                     const fb_input *input);
+FB_API fb_status fb_form_energy_eval(const fb_form_body *formed, fb_energy *energy, const fb_state *state,
+                                     const fb_input *input);
+FB_API fb_status fb_form_momentum_eval(const fb_form_body *formed, fb_momentum *momentum, const fb_state *state,
+                                       const fb_input *input);
+
+/* A step by FB_INTEGRATOR_RK4, _MIDPOINT or _SDIRK with the limits and statuses of fb_rk4_step, fb_midpoint_step (takes
+   the input at the middle), fb_sdirk_step (start and end); iterations: of the latter two. In the two other forms their
+   matrix lacks gyroscopic terms and stiffness torque. FB_ERR_VALUE: another integrator. */
+FB_API fb_status fb_form_step(const fb_form_body *formed, fb_state *state, fb_form_work *work, fb_integrator integrator,
+                              const fb_input *start, const fb_input *middle, const fb_input *end, fb_real dt,
+                              int iterations);
+#endif
 
 #endif /* FB_WITH_BUILD */
 
@@ -2932,7 +2968,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; a motor does not balance the friction of
    its rotor, a given momentum has a rate; a turning rotor has an imbalance (here, in linear models and spectra); in
    orbit input.w 0, or a force along the flight. FB_ERR_VALUE: a w that the hinge does not permit, or along the vertical
-   in orbit; another form than the momentum form with a base that is not prescribed. FB_ERR_RANGE: beyond the deflection
+   in orbit. FB_ERR_RANGE: beyond the deflection
    limit (buckled, or a large load); FB_ERR_SINGULAR: no stiffness in some direction; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
@@ -3414,6 +3450,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
           .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).
+          The forms of [DB] (FB_WITH_FORMS) have functions and a type of their own, fb_form_init, fb_form_step, ..:
+          fb_body, fb_body_desc and fb_shape do not depend on it. Of such a body analysis is gone.
           Programs: build/flexbeam reduce --code, the rk4 step of one body as C of its own, with --vary factors of
           stiffness, damping and masses, with --lanes several bodies at once; scene --code, the same of bodies on
           joints. FMUs of scenes: several instances in a process; saved states hold what the model has; derivatives of

@@ -4011,17 +4011,6 @@ static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sp
   }
 }
 
-/* Form of the equations of motion; the constant 0, momentum (Hamiltonian) form, where no other is compiled. */
-static int fbi_form(const fb_body *body)
-{
-#if FB_WITH_FORMS
-  return (int)body->form;
-#else
-  (void)body;
-  return 0;
-#endif
-}
-
 /* y = M^-1 x; mass-normalized modes: a copy */
 static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
 {
@@ -4477,16 +4466,13 @@ static FBI_INLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb
 }
 #endif
 
-/* V of a prescribed base: v relative to the frame of state.pi, which moves at state.u (momentum form), or to O and zero
-   (the other forms). */
-static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+/* V of a prescribed base: v relative to the frame of state.pi, which moves at state.u. */
+static void fbi_given_velocity(fbi_kinetics *k, const fb_state *state, const fb_input *input)
 {
   fbi_vec6_zero(k->V);
-  if (fbi_form(body) == 0) {
-    fb_mat33_mulT_vec3(k->V, k->R, state->u);
-    for (int i = 0; i < 3; i++) {
-      k->V[i] = (input ? input->v[i] : FB_R(0.0)) - k->V[i];
-    }
+  fb_mat33_mulT_vec3(k->V, k->R, state->u);
+  for (int i = 0; i < 3; i++) {
+    k->V[i] = (input ? input->v[i] : FB_R(0.0)) - k->V[i];
   }
   if (input) {
     fbi_vec3_copy(k->V + 3, input->w);
@@ -4512,7 +4498,7 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
   fb_real y[6];
   fbi_line_work *const w = k->line;
   if (body->base == FB_BASE_PRESCRIBED) {
-    fbi_given_velocity(k, body, state, input);
+    fbi_given_velocity(k, state, input);
     return FB_OK;
   }
   fbi_large_S(k, body, pi);
@@ -4560,21 +4546,17 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
     k->x[a + 1] = FB_R(0.0);
   }
   k->pb = pi;
-  if (!body->unit_mass && fbi_form(body) == 0) {
+  if (!body->unit_mass) {
     fbi_mass_solve(k->Minv_pi, body, pi);
     k->pb = k->Minv_pi;
   }
 
   /* velocities that need no solution */
   if (body->base == FB_BASE_PRESCRIBED) {
-    fbi_given_velocity(k, body, state, input);
+    fbi_given_velocity(k, state, input);
     return FB_OK;
   }
   fbi_vec3_zero(k->V);
-  if (fbi_form(body) != 0) { /* v relative to O, which moves at u; L holds w */
-    fbi_vec3_copy(k->V + 3, state->L);
-    return FB_OK;
-  }
 
   /* y = (0, h) - Lambda(q) pb */
   fbi_vec3_zero(k->ph);
@@ -5003,10 +4985,10 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
   return FB_OK;
 }
 
-/* 1 if the frame of the momenta moves with the mass center: free bodies in momentum form. */
+/* 1 if the frame of the momenta moves with the mass center: free bodies. */
 static int fbi_is_free(const fb_body *body)
 {
-  return body->base == FB_BASE_FREE && fbi_form(body) == 0;
+  return body->base == FB_BASE_FREE;
 }
 
 /* Bits of `further` beside those of effects: a rotor has an imbalance; a rotor is on a node that moves, or given. */
@@ -5042,11 +5024,10 @@ static int fbi_optional_loads(const fb_input *input, int optional)
          ((optional & FB_EFFECT_LARGE_DEFLECTION) && fbi_is_distributed(input));
 }
 
-/* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
-   without gravity. */
+/* 1 if the rates depend on the attitude: not without loads, if the body is free, or pinned or hinged without gravity. */
 static int fbi_is_oriented(const fb_body *body, const fb_input *input, int optional)
 {
-  return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
+  return body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
          (optional && fbi_optional_loads(input, optional)) ||
          (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
@@ -5331,10 +5312,10 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
 }
 #endif
 
-/* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
-static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+/* k.fg, k.x, k.a of gravity and loads; flying: relative to the mass center (E8.33). */
+static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input, int flying)
 {
-  const int n_load = input ? input->n_load : 0, flying = fbi_is_free(body);
+  const int n_load = input ? input->n_load : 0;
   fbi_vec6_zero(k->fg);
   k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
@@ -5479,8 +5460,6 @@ static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_bo
   return FB_OK;
 }
 
-/* ---- second-order and first-order forms */
-
 static const fb_real fbi_origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
 /* Acceleration of O of a prescribed base, body axes: v_dot + w x v. */
@@ -5489,313 +5468,6 @@ static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
   fb_vec3_cross(a, input->w, input->v);
   fbi_vec3_add(a, FB_R(1.0), input->v_dot);
 }
-
-#if FB_WITH_FORMS
-/* (p, h) = M_rr V + Lambda pb by the mass matrix of the form, of q (second order) or constant (first); k.S = M_rr. */
-static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
-{
-  if (body->form == FB_FORM_SECOND) {
-    fbi_S_eval(k->S, body, k->qx, body->n_run_value);
-  } else {
-    fbi_copy(k->S, body->M_rr, 21);
-  }
-  fb_sym6_mul_vec6(k->ph, k->S, k->V);
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    k->ph[term->i] -= term->c * k->qx[term->a] * k->pb[term->b];
-  }
-}
-
-/* e -= Lambda^T V, Lambda of the mass matrix of the form */
-static void fbi_form_lambda_sub(fb_real *e, const fb_body *body, const fb_real V[6], const fb_real *qx)
-{
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    e[term->b] += term->c * qx[term->a] * V[term->i];
-  }
-}
-
-/* Rates of the pose; V_dot of a prescribed base, else zero. */
-static void fbi_form_pose(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                          const fb_input *input)
-{
-  const int given = body->base == FB_BASE_PRESCRIBED && input;
-  fbi_copy(rate->rho, state->u, 3);
-  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
-  fbi_zero(k->V_dot, 6);
-  if (given) {
-    fbi_given_acceleration(k->V_dot, input);
-    fbi_copy(k->V_dot + 3, input->w_dot, 3);
-    fb_mat33_mul_vec3(rate->rho, k->R, input->v);
-  }
-}
-
-/* Rates of the velocities in the state, u of O in inertial axes and L = w in body axes; zero for a prescribed base. */
-static void fbi_form_velocity_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body)
-{
-  fbi_zero(rate->u, 3);
-  fbi_zero(rate->L, 3);
-  fbi_zero(rate->h, 3);
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fb_mat33_mul_vec3(rate->u, k->R, k->V_dot);
-    fbi_copy(rate->L, k->V_dot + 3, 3);
-  }
-}
-
-/* A = mass matrix of the second-order form, size x size: the rigid-body rows from first on, then the elastic ones. */
-static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *body, int first, int size)
-{
-  const int rigid = 6 - first;
-  fbi_zero(A, size * size);
-
-  /* M_rr(q) */
-  for (int i = first; i < 6; i++) {
-    for (int j = first; j < 6; j++) {
-      A[(i - first) * size + j - first] = k->S[fb_sym6_index(i, j)];
-    }
-  }
-
-  /* Lambda(q) and its transpose */
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    const int row = term->i - first, column = rigid + term->b;
-    if (row >= 0) {
-      A[row * size + column] -= term->c * k->qx[term->a];
-      A[column * size + row] -= term->c * k->qx[term->a];
-    }
-  }
-
-  /* M */
-  for (int a = 0; a < body->n; a++) {
-    A[(rigid + a) * (size + 1)] = body->M.diagonal[a];
-  }
-  for (int t = 0; t < body->M.n_term; t++) {
-    const int a = rigid + body->M.term[t].a, b = rigid + body->M.term[t].b;
-    A[a * size + b] = A[b * size + a] = body->M.term[t].c;
-  }
-}
-
-/* [E8.25] Second-order form. With y = (f, g) - transport term of (p, h) - M_rr_dot V - Lambda_dot q_dot
-   [M_rr(q) Lambda(q); Lambda(q)^T M] (V_dot; q_ddot) =
-     (y; f_e - dU/dq - C q_dot - Lambda_dot^T V + d/dq (V^T Lambda q_dot + 1/2 V^T M_rr V)),
-   solved by dense LU at every evaluation. Written out for a linear displacement field these are the printed equations:
-   Lambda = M_re(q) = [P; h(q)], M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)].
-   Source: [DB] (7)-(8) with ERRATA.md DB1 and DB2.  Cost: 2/3 (n+6)^3 flops.  Fails: mass matrix singular.
-   Test: second_order_form_is_the_printed_one, forms_agree_on_a_closed_basis. */
-static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  const int n = body->n, first = fbi_first_free(body->base), size = 6 - first + n;
-  fb_real A[(FB_MAX_MODES + 6) * (FB_MAX_MODES + 6)], b[FB_MAX_MODES + 6], x[FB_MAX_MODES + 6], scale[FB_MAX_MODES + 6];
-  fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
-  int perm[FB_MAX_MODES + 6];
-  fb_status status;
-
-  /* y: right-hand side of the rigid-body rows */
-  xd[0] = FB_R(0.0);
-  fbi_copy(xd + 1, k->pb, n);
-  fbi_form_momenta(k, body);
-  fbi_transport(turn, k->V, k->ph);
-  fbi_S_rate(k->dS, body, k->qx, xd);
-  fb_sym6_mul_vec6(SV, k->dS, k->V);
-  for (int i = 0; i < 6; i++) {
-    k->y[i] = k->fg[i] - turn[i] - SV[i];
-  }
-  fbi_lambda_linear_sub(k->y, body, xd, k->pb);
-  fbi_copy(b, k->y + first, 6 - first);
-
-  /* f: right-hand side of the elastic rows; k.e = -Lambda_dot^T V */
-  fbi_zero(k->e, n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
-  fbi_S_gradient(k->x, body, k->V, k->qx);
-  if (first == 6) {
-    fbi_form_lambda_sub(k->e, body, k->V_dot, k->qx);
-  }
-  fbi_elastic_forces(f, k, body, state->q, k->pb);
-  for (int a = 0; a < n; a++) {
-    f[a] += k->e[a];
-  }
-
-  /* accelerations */
-  fbi_second_matrix(A, k, body, first, size);
-  status = fb_lu_factor(A, perm, scale, size);
-  if (status != FB_OK) {
-    return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
-  }
-  fb_lu_solve(x, A, perm, b, size);
-  fbi_copy(k->V_dot + first, x, 6 - first);
-  fbi_copy(rate->q, k->pb, n);
-  fbi_copy(rate->pi, x + 6 - first, n);
-  return FB_OK;
-}
-
-#if FB_WITH_NONLINEAR_STRAIN
-/* [E8.26] Stiffness torque as printed, degrees 2 and 3 by quadrature of the slopes at the strain stations, degree 1
-   from the table of E8.24: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z',
-   r = u_y'^2 + u_z'^2.
-   g -= g_s.
-   Source: [DB] (34)-(36) with ERRATA.md DB10 and DB11.  Cost: 10 flops a station.  Fails: never.
-   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb_body *body)
-{
-  const fb_real second = body->torque_degree >= 2 ? FB_R(1.0) : FB_R(0.0);
-  const fb_real third = body->torque_degree >= 3 ? FB_R(1.0) : FB_R(0.0);
-  for (int t = 0; t < body->n_torque; t++) {
-    const fb_lambda_term *term = &body->torque[t];
-    g[term->i] -= term->c * k->qx[term->a] * k->qx[term->b + 1];
-  }
-  for (int s = 0; s < body->n_strain; s++) {
-    const fb_real x = k->slope[0][s], y = k->slope[1][s], z = k->slope[2][s], half = FB_R(0.5) * (y * y + z * z);
-    const fb_real c = body->strain_weight[s] * (second * (half - x * x) - third * x * half);
-    g[1] += c * z;
-    g[2] -= c * y;
-  }
-}
-#endif
-
-/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e =
-   F_re q: forces on the modes act on the frame through the v_e that rotate with it. y += F_re q - K_re q; loads: f_e,
-   elastic: -dU/dq and damping. With a printed K_re dU/dq is left out; otherwise its terms up to torque_degree are in.
-   Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
-   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
-                                    const fb_real *q_dot, const fb_real *loads, const fb_real *elastic)
-{
-  fb_real f[FB_MAX_MODES] = {FB_R(0.0)}, acceleration[FB_MAX_MODES];
-  fbi_copy(f, loads, body->n);
-  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree == 3) {
-    for (int a = 0; a < body->n; a++) {
-      f[a] += elastic[a];
-    }
-  } else {
-    fbi_damping_add(f, -FB_R(1.0), body, q_dot);
-  }
-  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree > 0 && body->torque_degree < 3) {
-    fbi_sparse_eval(f, f, FB_R(-1.0), &body->K, q, body->n);
-#if FB_WITH_NONLINEAR_STRAIN
-    if (body->torque_degree == 2 && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-      fb_real slope[3][FBI_MAX_STRAINS];
-      fbi_strain_sub(f, slope, body, q, FB_R(0.0));
-    }
-#endif
-  }
-  fbi_mass_solve(acceleration, body, f);
-  fbi_lambda_linear_sub(y, body, k->qx, acceleration);
-}
-
-/* Velocity-dependent inertia forces of the first-order form, [DB] (23): y = (f, g) less those of the rigid-body rows; f
-   and k.x take those of the elastic rows. */
-static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
-{
-  const fb_real *w = k->V + 3;
-  fb_real wv[6] = {0}, wp[3], cwv[3], Jw[3], wJw[3], G[9] = {0}, Gw[3];
-
-  /* w x v, w x p, c x (w x v), w x J w */
-  fbi_form_momenta(k, body);
-  fb_vec3_cross(wv, w, k->V);
-  fb_vec3_cross(wp, w, k->ph);
-  fb_vec3_cross(cwv, body->c, wv);
-  Jw[0] = k->S[15] * w[0] + k->S[16] * w[1] + k->S[17] * w[2];
-  Jw[1] = k->S[16] * w[0] + k->S[18] * w[1] + k->S[19] * w[2];
-  Jw[2] = k->S[17] * w[0] + k->S[19] * w[1] + k->S[20] * w[2];
-  fb_vec3_cross(wJw, w, Jw);
-
-  /* Gamma: sum_a v_a Gamma_a^T w; k.x += w^T Gamma_a w */
-  for (int t = 0; t < body->n_gam; t++) {
-    const fb_lambda_term *term = &body->gam[t];
-    G[term->i] += term->c * k->pb[term->a - 1];
-    k->x[term->a] += term->c * w[term->i / 3] * w[term->i % 3];
-  }
-  fb_mat33_mulT_vec3(Gw, G, w);
-
-  /* y, f */
-  for (int i = 0; i < 3; i++) {
-    k->y[i] = k->fg[i] - wp[i];
-    k->y[3 + i] = k->fg[3 + i] - cwv[i] - wJw[i] - Gw[i];
-  }
-  fbi_zero(f, body->n);
-  fbi_form_lambda_sub(f, body, wv, k->qx);
-}
-
-/* q_dot = v_e + M^-1 q_b Ups_b^T w; adds the gyroscopic (Coriolis) forces -ups_ab.w v_b to k.x. */
-static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
-{
-  fbi_zero(k->e, body->n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
-  fbi_mass_solve(q_dot, body, k->e);
-  for (int a = 0; a < body->n; a++) {
-    q_dot[a] += k->pb[a];
-  }
-}
-
-/* [E8.28] First-order form: with the constant mass matrix
-   m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
-   c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
-   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e
-   q_dot = v_e + M^-1 q_b Ups_b^T w
-   solved by the Schur complement of M, a constant 6x6 whose inverse is part of the model.
-   Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
-   Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  const int n = body->n;
-  fb_real f[FB_MAX_MODES] = {0}, loads[FB_MAX_MODES] = {0}, elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
-
-  /* q_dot; inertia forces and loads */
-  fbi_copy(loads, k->x + 1, n);
-  fbi_zero(k->x + 1, n);
-  fbi_elastic_rotation(rate->q, k, body);
-  fbi_first_inertia(f, k, body);
-  for (int i = 0; i < n; i++) {
-    f[i] += loads[i] + k->x[i + 1];
-    k->x[i + 1] = FB_R(0.0);
-  }
-
-  /* elastic forces; their torque and that of the loads on the frame */
-  fbi_elastic_forces(elastic, k, body, state->q, rate->q);
-#if FB_WITH_NONLINEAR_STRAIN
-  if (body->stiffness_torque != FB_TORQUE_IDENTITY) {
-    fbi_printed_torque_sub(k->y + 3, k, body);
-  }
-#endif
-  fbi_identity_torque_add(k->y, k, body, state->q, rate->q, loads, elastic);
-  for (int i = 0; i < n; i++) {
-    f[i] += elastic[i];
-  }
-
-  /* V_dot = S_0^-1 (y - Lambda M^-1 f) */
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_copy(y, k->y, 6);
-    fbi_mass_solve(a, body, f);
-    for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda_constant; t++) {
-      y[t->i] += t->c * a[t->b];
-    }
-    for (int i = 0; i < 6; i++) {
-      k->V_dot[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
-    }
-  }
-
-  /* v_e_dot = M^-1 (f - Lambda^T V_dot) */
-  fbi_form_lambda_sub(f, body, k->V_dot, k->qx);
-  fbi_mass_solve(rate->pi, body, f);
-}
-
-static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                const fb_input *input)
-{
-  fb_status status = FB_OK;
-  if (body->form == FB_FORM_MOMENTUM) {
-    return fbi_momentum_rates(rate, k, body, state);
-  }
-  fbi_form_pose(rate, k, body, state, input);
-  if (body->form == FB_FORM_SECOND) {
-    status = fbi_second_rates(rate, k, body, state);
-  } else {
-    fbi_first_rates(rate, k, body, state);
-  }
-  fbi_form_velocity_rates(rate, k, body);
-  return status;
-}
-#endif
 
 #if FB_WITH_LARGE_DEFLECTION
 /* Rates of a body with lines. A function of its own, so that the registers and the stack of all others are theirs. */
@@ -6188,7 +5860,7 @@ static fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb
   }
 #endif
   if (!large) {
-    fbi_forces(k, body, state, input);
+    fbi_forces(k, body, state, input, fbi_is_free(body));
     status = fbi_optional_gravity(k, body, state, optional);
     if (status != FB_OK) {
       return status;
@@ -6319,7 +5991,7 @@ static FBI_NOINLINE fb_status fbi_central_state_rates(fb_state *rate, fbi_kineti
 {
   fb_status status = fbi_velocity(k, body, state, state->h, state->pi, input);
   if (status == FB_OK) {
-    fbi_forces(k, body, state, input);
+    fbi_forces(k, body, state, input, fbi_is_free(body));
     status = fbi_central_add(k, body, state->rho, fbi_is_free(body));
   }
   return status == FB_OK ? fbi_momentum_rates(rate, k, body, state) : status;
@@ -6408,12 +6080,8 @@ static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body 
   if (status != FB_OK) {
     return status;
   }
-  fbi_forces(k, body, state, input);
-#if FB_WITH_FORMS
-  return fbi_form_rates(rate, k, body, state, input);
-#else
+  fbi_forces(k, body, state, input, fbi_is_free(body));
   return fbi_momentum_rates(rate, k, body, state);
-#endif
 }
 
 /* Rates of a body that has `further` (fbi_acting). */
@@ -6442,10 +6110,10 @@ static int fbi_state_is_finite(const fb_state *state, int n)
          fbi_is_finite(state->pi, n);
 }
 
-/* 1 if the attitude follows from the angular momentum about all axes: free and pinned bodies in momentum form. */
+/* 1 if the attitude follows from the angular momentum about all axes: free and pinned bodies. */
 static int fbi_rotates_freely(const fb_body *body)
 {
-  return fbi_form(body) == 0 && (body->base == FB_BASE_FREE || body->base == FB_BASE_PINNED);
+  return body->base == FB_BASE_FREE || body->base == FB_BASE_PINNED;
 }
 
 #if FB_SINGLE
@@ -6497,10 +6165,10 @@ static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_b
 #endif
 }
 
-/* 1 for a prescribed base in momentum form: its elastic momenta are relative to a frame that follows the base. */
+/* 1 for a prescribed base: its elastic momenta are relative to a frame that follows the base. */
 static int fbi_is_following(const fb_body *body)
 {
-  return body->base == FB_BASE_PRESCRIBED && fbi_form(body) == 0;
+  return body->base == FB_BASE_PRESCRIBED;
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -6872,47 +6540,6 @@ static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, 
   fbi_momenta(k, body);
 }
 
-#if FB_WITH_FORMS
-/* State of the second- or first-order form from pose, v, w and q_dot (in state.pi): velocities of a base that is not
-   prescribed, and in state.pi q_dot or v_e (E8.28). */
-static void fbi_form_state(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real velocity[3])
-{
-  fb_real v[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
-  fbi_zero(state->u, 3);
-  fbi_zero(state->L, 3);
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fb_mat33_mul_vec3(state->u, k->R, velocity);
-    fbi_copy(state->L, k->V + 3, 3);
-  }
-  if (body->form == FB_FORM_FIRST) {
-    fbi_zero(k->e, body->n);
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V, k->qx, state->pi);
-    fbi_mass_solve(v, body, k->e);
-    for (int a = 0; a < body->n; a++) {
-      state->pi[a] -= v[a];
-    }
-  }
-}
-
-/* (p, h) of the two forms; of the first-order form through the momentum form, pi = M v_e + M_re^T V. */
-static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
-{
-  fb_real pi[FB_MAX_MODES];
-  if (body->form == FB_FORM_SECOND) {
-    fbi_form_momenta(k, body);
-    return;
-  }
-  fbi_zero(k->e, body->n);
-  fbi_form_lambda_sub(k->e, body, k->V, k->qx);
-  fbi_mass_solve(pi, body, k->e);
-  for (int a = 0; a < body->n; a++) {
-    k->Minv_pi[a] = k->pb[a] - pi[a];
-  }
-  k->pb = k->Minv_pi;
-  fbi_momenta(k, body);
-}
-#endif
-
 /* Velocities and the pose of a state: finite, attitude not zero, no motion that the base does not allow. */
 static fb_status fbi_velocity_check(const fb_body *body, const fb_state *state, const fb_real v[3], const fb_real w[3],
                                     const fb_real *q_dot)
@@ -6980,16 +6607,6 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
   fbi_copy(k.qx + 1, state->q, body->n);
   fbi_zero(k.V, 3);
   fbi_copy(k.V + 3, w, 3);
-
-  /* other forms: velocities are the state */
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) {
-    fbi_copy(out.pi, rates, body->n);
-    fbi_form_state(&out, &k, body, v);
-    *state = out;
-    return FB_OK;
-  }
-#endif
 
   /* momenta; no compensation terms */
 #if FB_WITH_LARGE_DEFLECTION
@@ -7089,33 +6706,6 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
     m->reaction_torque[i] = body->base == FB_BASE_FREE || turns ? FB_R(0.0) : SV[3 + i] - y[3 + i];
   }
 }
-
-#if FB_WITH_FORMS
-/* Accelerations of the second- and first-order forms: the rates of the state, to which the first-order form adds the
-   rate of M^-1 q_b Ups_b^T w in q_dot. */
-static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
-{
-  fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
-  fbi_copy(xd + 1, rate->q, body->n);
-  fbi_copy(m->acceleration, k->V_dot, 3);
-  fbi_copy(m->w_dot, k->V_dot + 3, 3);
-  fbi_zero(k->e, body->n);
-  if (body->form == FB_FORM_FIRST) {
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V, xd, k->pb);
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V_dot, k->qx, k->pb);
-  }
-  fbi_mass_solve(m->q_ddot, body, k->e);
-  for (int a = 0; a < body->n; a++) {
-    m->q_ddot[a] += rate->pi[a];
-  }
-  fbi_copy(y, k->y, 6);
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    y[term->i] += term->c * k->qx[term->a] * rate->pi[term->b];
-  }
-  fbi_reactions(m, body, k->S, k->V_dot, y);
-}
-#endif
 
 /* Acceleration of O from that of the mass center, body axes: a - (w_dot x c + w x (w x c + 2 c_dot) + c_ddot)/m, xd the
    rate of (1, q). */
@@ -7293,14 +6883,16 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   return FB_OK;
 }
 
-static int fbi_rotors_are_finite(const fb_motion *motion, const fb_body *body)
+static int fbi_motion_is_finite(const fb_motion *motion, const fb_body *body)
 {
 #if FB_WITH_ROTORS
-  return fbi_is_finite(motion->rotor_speed, body->n_rotor) && fbi_is_finite(motion->rotor_momentum, body->n_rotor);
-#else
-  (void)motion, (void)body;
-  return 1;
+  if (!fbi_is_finite(motion->rotor_speed, body->n_rotor) || !fbi_is_finite(motion->rotor_momentum, body->n_rotor)) {
+    return 0;
+  }
 #endif
+  return fbi_is_finite(motion->v, 3) && fbi_is_finite(motion->w, 3) && fbi_is_finite(motion->acceleration, 3) &&
+         fbi_is_finite(motion->w_dot, 3) && fbi_is_finite(motion->q_dot, body->n) &&
+         fbi_is_finite(motion->q_ddot, body->n);
 }
 
 static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_motion *motion, const fb_state *state,
@@ -7335,26 +6927,17 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   fbi_copy(out.q_dot, rate.q, body->n);
 
   /* accelerations */
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) {
-    fbi_form_motion(&out, &k, body, &rate);
-  }
-#endif
-  if (fbi_form(body) == 0) {
 #if FB_WITH_ROTORS
-    if (fbi_has_rotors(body)) {
-      fbi_rotors_push(k.fg + 3, rate.pi, &k, body, rate.q, fbi_rotors_input(input), 1);
-      fbi_copy(out.rotor_speed, k.rotor_speed, body->n_rotor);
-      fbi_copy(out.rotor_momentum, k.rotor_momentum, body->n_rotor);
-    }
-#endif
-    status = fbi_accelerations(&out, &k, body, &rate, input);
+  if (fbi_has_rotors(body)) {
+    fbi_rotors_push(k.fg + 3, rate.pi, &k, body, rate.q, fbi_rotors_input(input), 1);
+    fbi_copy(out.rotor_speed, k.rotor_speed, body->n_rotor);
+    fbi_copy(out.rotor_momentum, k.rotor_momentum, body->n_rotor);
   }
+#endif
+  status = fbi_accelerations(&out, &k, body, &rate, input);
 
   /* result, if finite */
-  if (status == FB_OK && (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.acceleration, 3) ||
-                          !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) ||
-                          !fbi_is_finite(out.q_ddot, body->n) || !fbi_rotors_are_finite(&out, body))) {
+  if (status == FB_OK && !fbi_motion_is_finite(&out, body)) {
     status = FB_ERR_NOT_FINITE;
   }
   if (status == FB_OK) {
@@ -7926,17 +7509,6 @@ FB_DEF fb_status fb_body_node_loads_eval(const fb_body *body, fb_node_loads *loa
 static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   fb_real SV[6], T = FB_R(0.0);
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) { /* 1/2 V^T (p, h) + 1/2 pb^T (M pb + Lambda^T V) */
-    fbi_form_momenta(k, body);
-    fbi_sparse_eval(k->e, NULL, FB_R(-1.0), &body->M, k->pb, body->n);
-    fbi_form_lambda_sub(k->e, body, k->V, k->qx);
-    for (int a = 0; a < body->n; a++) {
-      T -= FB_R(0.5) * k->pb[a] * k->e[a];
-    }
-    return T + FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
-  }
-#endif
   fbi_S_now(k, body);
   fb_sym6_mul_vec6(SV, k->S, k->V);
   for (int a = 0; a < body->n; a++) {
@@ -7976,25 +7548,9 @@ static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body 
   (void)rho;
 }
 
-/* Velocity u of the frame to which k.V is relative, inertial axes. */
-static void fbi_frame_velocity(fb_real u[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                               const fb_input *input)
-{
-  fbi_copy(u, state->u, 3);
-  if (fbi_form(body) != 0 && body->base == FB_BASE_PRESCRIBED) {
-    fb_mat33_mul_vec3(u, k->R, input ? input->v : fbi_origin);
-  }
-}
-
-/* (p, h) relative to that frame, from the velocities; a free body in momentum form has them from fbi_velocity. */
+/* (p, h) relative to the frame of the velocities k.V; a free body has them from fbi_velocity. */
 static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
 {
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) {
-    fbi_form_true_momenta(k, body);
-    return;
-  }
-#endif
   if (body->base != FB_BASE_FREE) {
     fbi_momenta(k, body);
   }
@@ -8010,7 +7566,7 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   fbi_kinetics k;
   fb_energy out;
   fb_state at;
-  fb_real u[3], p[3];
+  fb_real p[3];
   fb_status status;
   FBI_SET_LINES(k, line);
 
@@ -8029,10 +7585,9 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   }
 #endif
   fbi_true_momenta(&k, body);
-  fbi_frame_velocity(u, &k, body, &at, input);
   fb_mat33_mul_vec3(p, k.R, k.ph);
-  fbi_vec3_add(p, FB_R(0.5) * body->mass, u);
-  out.kinetic += fb_vec3_dot(u, p);
+  fbi_vec3_add(p, FB_R(0.5) * body->mass, at.u);
+  out.kinetic += fb_vec3_dot(at.u, p);
 
   /* potentials */
   out.strain = FB_R(0.0);
@@ -8066,7 +7621,7 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
   fbi_kinetics k;
   fb_momentum out;
   fb_state at;
-  fb_real u[3], c[3], arm[3];
+  fb_real c[3], arm[3];
   fb_status status;
   FBI_SET_LINES(k, line);
 
@@ -8083,11 +7638,10 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
     fbi_vec3_add(k.ph + 3, FB_R(1.0), arm);
   }
 #endif
-  fbi_frame_velocity(u, &k, body, &at, input);
 
   /* linear; angular about O, in the frame */
   fb_mat33_mul_vec3(out.linear, k.R, k.ph);
-  fbi_vec3_add(out.linear, body->mass, u);
+  fbi_vec3_add(out.linear, body->mass, at.u);
   fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
   if (fbi_is_free(body)) {
     fbi_copy(out.angular, at.L, 3);
@@ -8096,7 +7650,7 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
   /* angular about the inertial origin */
   fbi_center_eval(c, FBI_LINE_OF(&k), body, at.q);
   fb_mat33_mul_vec3(arm, k.R, c);
-  fbi_vec3_add_cross(out.angular, arm, u);
+  fbi_vec3_add_cross(out.angular, arm, at.u);
   fbi_vec3_add_cross(out.angular, at.rho, out.linear);
   if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
     return FB_ERR_NOT_FINITE;
@@ -8174,25 +7728,8 @@ static int fbi_S_is_valid(const fb_body *body)
   for (int k = 0; valid && k < body->n_pair; k++) {
     valid = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
   }
-  return valid && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
+  return valid && terms == body->n_S;
 }
-
-#if FB_WITH_FORMS
-static int fbi_form_is_valid(const fb_body *body)
-{
-  int valid = fbi_is_choice((int)body->form, (int)FB_FORM_COUNT - 1) &&
-              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_COUNT - 1) &&
-              fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
-              fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
-              fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
-  for (int k = 0; valid && k < body->n_gam + body->n_torque; k++) {
-    const int is_gam = k < body->n_gam;
-    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
-    valid = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
-  }
-  return valid;
-}
-#endif
 
 #if FB_WITH_NONLINEAR_STRAIN
 static int fbi_strain_is_valid(const fb_body *body)
@@ -8291,8 +7828,8 @@ static int fbi_lines_are_valid(const fb_body *body)
   const fb_lines *const all = &body->lines;
   const int n = all->n_point;
   int points = 0;
-  int valid = fbi_form(body) == 0 && fbi_line_counts_are_valid(all) && fbi_sparse_is_valid(&body->M_rest, body->n) &&
-              fbi_is_finite(body->c_rest, 3);
+  int valid =
+      fbi_line_counts_are_valid(all) && fbi_sparse_is_valid(&body->M_rest, body->n) && fbi_is_finite(body->c_rest, 3);
   for (int l = 0; valid && l < all->n_line; l++) {
     valid = fbi_line_is_valid(all, &all->line[l], body->n);
     points += all->line[l].stride;
@@ -8391,9 +7928,6 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
   valid = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) &&
           fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
           fbi_rigid_is_valid(body) && fbi_matrices_are_valid(body) && fbi_lambda_is_valid(body) && fbi_S_is_valid(body);
-#if FB_WITH_FORMS
-  valid = valid && fbi_form_is_valid(body);
-#endif
 #if FB_WITH_NONLINEAR_STRAIN
   valid = valid && fbi_strain_is_valid(body);
 #endif
@@ -8407,7 +7941,7 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 #endif
 #if FB_WITH_GRAVITY
   valid = valid && fbi_is_finite(body->gravity, 3) && fbi_is_finite(body->center, 3) && body->mu < FB_HUGE &&
-          (fbi_is_central(body) ? body->mu > FB_R(0.0) && fbi_form(body) == 0 : body->mu == FB_R(0.0));
+          (fbi_is_central(body) ? body->mu > FB_R(0.0) : body->mu == FB_R(0.0));
 #endif
   for (int k = 0; valid && k < body->n_node; k++) {
     valid = fbi_node_is_finite(&body->node[k], body->n);
@@ -8420,7 +7954,7 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 /* [E8.40] CRC-32 of integers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
    + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
    Source: IEEE 802.3, 3.2.9.  Cost: 8 words of a table of remainders, by the four bits that leave.  Fails: never.
-   Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
+   Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_effect. */
 typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
 
 static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
@@ -8512,19 +8046,6 @@ static unsigned fbi_crc_nodes(unsigned crc, const fb_body *body, int single)
   }
   return crc;
 }
-
-#if FB_WITH_FORMS
-static unsigned fbi_crc_form(unsigned crc, const fb_body *body, int single)
-{
-  const int whole[] = {(int)body->form,   (int)body->stiffness_torque, body->torque_degree,
-                       body->n_run_value, body->n_lambda_value,        body->n_gam,
-                       body->n_torque};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(crc, body->M_rr, 21, single);
-  crc = fbi_crc_lambda(crc, body->gam, body->n_gam, single);
-  return fbi_crc_lambda(crc, body->torque, body->n_torque, single);
-}
-#endif
 
 #if FB_WITH_NONLINEAR_STRAIN
 static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
@@ -8635,11 +8156,6 @@ static unsigned fbi_crc_optional(unsigned crc, const fb_body *body, int single)
     crc = fbi_crc_reals(fbi_crc_reals(crc, &body->mu, 1, single), body->center, 3, single);
   }
 #endif
-#if FB_WITH_FORMS
-  if (fbi_form(body) != 0) {
-    crc = fbi_crc_form(crc, body, single);
-  }
-#endif
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     crc = fbi_crc_strain(crc, body, single);
@@ -8699,9 +8215,6 @@ static int fbi_counts_are_valid(const fb_body *body)
               fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
 #if FB_WITH_DAMPING
   valid = valid && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
-#endif
-#if FB_WITH_FORMS
-  valid = valid && fbi_is_within(body->n_gam, 9 * FB_MAX_MODES) && fbi_is_within(body->n_torque, FBI_MAX_TORQUE);
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   valid =
@@ -15849,16 +15362,13 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
+/* Stage value out = state + s rate of all that rates depend on. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
                               const fb_state *rate, int optional)
 {
   fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
   fbi_vec3_advance(out->u, state->u, s, rate->u);
   fbi_vec3_advance(out->h, state->h, s, rate->h);
-  if (fbi_form(body) != 0) {
-    fbi_vec3_advance(out->L, state->L, s, rate->L);
-  }
   if (optional & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_CENTRAL_GRAVITY)) { /* which see rho */
     fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   }
@@ -16356,7 +15866,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   return status;
 }
 
-/* WHAT A STEP OF ONE BODY RUNS, in the momentum form: NAME: what it calls, but for vectors, copies and what is off by
+/* WHAT A STEP OF ONE BODY RUNS: NAME: what it calls, but for vectors, copies and what is off by
    default (check-rooms compares these lines with the code). The equations are those of the section body.
      fb_rk4_step: fbi_plain_rk4_step
      fbi_plain_rk4_step: fbi_rk4_stages
@@ -16646,20 +16156,16 @@ static void fbi_gyroscopic_sub(fb_real *A, fb_real g, const fb_real h[3], int fi
 /* Gyroscopic terms of the rigid mass matrix A and its LU factors, Z = A^-1 (X + g Y). */
 static fb_status fbi_coupling_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
-  if (momentum) {
-    fbi_gyroscopic_mul(w->A, w->g, w->V + 3, first, rows);
-    fbi_gyroscopic_sub(w->A, w->g, k->ph + 3, first);
-  }
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  fbi_gyroscopic_mul(w->A, w->g, w->V + 3, first, rows);
+  fbi_gyroscopic_sub(w->A, w->g, k->ph + 3, first);
   if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
     return FB_ERR_RANGE;
   }
   for (int i = 0; i < rows * n; i++) {
     w->Z[i] = w->X[i] + w->g * w->Y[i];
   }
-  if (momentum) {
-    fbi_gyroscopic_mul(w->Z, w->g, w->V + 3, first, n);
-  }
+  fbi_gyroscopic_mul(w->Z, w->g, w->V + 3, first, n);
   fbi_rows_solve(w->Z, w->A, rows, n);
   return FB_OK;
 }
@@ -16800,40 +16306,27 @@ static fb_status fbi_large_coupling(fb_implicit_work *w, const fbi_kinetics *k, 
 #endif
 
 /* Coupling of the free rigid rows to the modes at the present deformation: X = Lambda, Y = D - Lambda M^-1 N^T, Z =
-   A^-1 (X + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g
-   h^, as are X + g Y then. */
+   A^-1 (1 + g w^) (X + g Y) with the rigid mass matrix A = (1 + g w^) (S + Lambda M^-1 Lambda^T) - g h^. */
 static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
   const fb_real *S = body->constant_S ? body->S0 : k->S;
-  int terms = body->n_lambda;
   if (rows == 0) { /* no free rigid row */
     return FB_OK;
   }
-#if FB_WITH_FORMS
-  terms = momentum ? terms : body->n_lambda_value;
-  S = body->form == FB_FORM_FIRST ? body->M_rr : S;
-#endif
 
   /* X and Y */
-  fbi_lambda_rows(w->X, body, k->qx, first, terms);
-  if (momentum) {
-    fbi_shape_rates(w->Y, k, body, first);
-  } else {
-    fbi_zero(w->Y, rows * n);
-  }
+  fbi_lambda_rows(w->X, body, k->qx, first, body->n_lambda);
+  fbi_shape_rates(w->Y, k, body, first);
 
   /* Y -= Lambda M^-1 N^T, rigid mass matrix A */
   S += 21 - rows * (rows + 1) / 2; /* of the free rows */
   for (int i = 0; i < rows; i++) {
     fb_real a[FB_MAX_MODES];
-    if (momentum) {
-      fbi_mass_solve(a, body, w->X + i * n);
-      fbi_gyro_add(w->Y + i * n, -FB_R(1.0), w->V, body, a);
-    }
+    fbi_mass_solve(a, body, w->X + i * n);
+    fbi_gyro_add(w->Y + i * n, -FB_R(1.0), w->V, body, a);
     for (int j = i; j < rows; j++) {
-      const fb_real elastic = momentum ? fbi_dot(a, w->X + j * n, n) : FB_R(0.0);
-      w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
+      w->A[i * rows + j] = w->A[j * rows + i] = *S++ + fbi_dot(a, w->X + j * n, n);
     }
   }
   return fbi_coupling_factor(w, k, body);
@@ -16857,11 +16350,22 @@ static FBI_NOINLINE void fbi_square_add(fb_real *y, fb_real s, const fb_real *A,
 }
 #endif
 
-/* [E11.4] Iteration matrix of the implicit integrators: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the
-   momentum form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
+/* A += s C where damping is on, n x n */
+static void fbi_damping_matrix_add(fb_real *A, fb_real s, const fb_body *body)
+{
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    fbi_sparse_add(A, s, &body->C, body->n);
+  }
+#endif
+  (void)A, (void)s, (void)body;
+}
+
+/* [E11.4] Iteration matrix of the implicit integrators: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian,
+   q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
    without the second derivatives of S and the products g^2 of gyroscopic terms, reduced to the n modes:
    E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. At g = 0 it is M - Lambda^T M_rr^-1 Lambda, the modal mass with a
-   free base. The other forms have no N and Y.
+   free base.
    Source: block elimination; Newmark's effective stiffness is the case of a fixed base.  Shapes: n x n.  Cost: 2/3 n^3
    flops.
    Fails: M_rr or E singular.  Test: each_integrator_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
@@ -16891,7 +16395,7 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
   }
 #endif
   fbi_row_sub(w->E, -g * g, w->K, n * n);
-  for (int t = body->n_lambda_constant; t < body->n_lambda && fbi_form(body) == 0; t++) {
+  for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
     const fb_lambda_term *term = &body->lambda[t];
     const int a = term->a - 1, b = term->b;
     w->E[a * n + b] += g * term->c * w->V[term->i];
@@ -16904,11 +16408,7 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
       fbi_row_sub(w->E + a * n, w->X[i * n + a] - g * w->Y[i * n + a], w->Z + i * n, n);
     }
   }
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_sparse_add(w->E, g, &body->C, n);
-  }
-#endif
+  fbi_damping_matrix_add(w->E, g, body);
   status = fbi_lu_plain_factor(w->E, n);
   return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
 }
@@ -16921,8 +16421,7 @@ static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_
   }
 }
 
-/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): increments of the base velocity with the modes fixed; the gyroscopic
-   terms in the momentum form only. */
+/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): increments of the base velocity with the modes fixed. */
 static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fb_state *r,
                             const fb_real *u)
 {
@@ -16930,12 +16429,10 @@ static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_bo
   for (int i = 0; i < rows; i++) {
     t[i] = fbi_dot(w->X + i * body->n, u, body->n);
   }
-  if (fbi_form(body) == 0) {
-    fbi_gyroscopic_mul(t, w->g, w->V + 3, first, 1);
-    for (int i = 0; i < 3; i++) {
-      if (3 + i >= first) {
-        t[3 + i - first] += w->g * r->h[i];
-      }
+  fbi_gyroscopic_mul(t, w->g, w->V + 3, first, 1);
+  for (int i = 0; i < 3; i++) {
+    if (3 + i >= first) {
+      t[3 + i - first] += w->g * r->h[i];
     }
   }
   fbi_lu_plain_solve(t, w->A, rows);
@@ -16951,98 +16448,81 @@ static void fbi_attitude_implicit(fb_real own[4], fb_real g, const fb_real w[3])
   }
 }
 
-/* Solution for attitude and h, which depend on the increment V (times g) of the base velocity: as implicit as the
-   modes. */
-static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
-                            const fb_state *state, const fb_real V[6])
+/* Rate r of an attitude that depends on the increment w_dot (times g) of the angular velocity w:
+   k = r + 1/2 quat o w_dot + 1/2 g k o w. */
+static void fbi_recoil_turn(fb_real r[4], fb_real g, const fb_real w[3], const fb_real quat[4], const fb_real w_dot[3])
 {
-  fb_real own[4], turn[4], h[3];
-  fbi_attitude_implicit(own, w->g, w->V + 3);
-  fbi_quat_rate(turn, state->quat, V + 3);
+  fb_real own[4], turn[4];
+  fbi_attitude_implicit(own, g, w);
+  fbi_quat_rate(turn, quat, w_dot);
   for (int i = 0; i < 4; i++) {
-    turn[i] += r->quat[i];
+    turn[i] += r[i];
   }
-  fb_quat_mul(r->quat, turn, own); /* k = r + 1/2 quat o dw + 1/2 g k o w */
-  if (fbi_form(body) == 0 && body->base != FB_BASE_PRESCRIBED) {
-    fbi_copy(h, r->h, 3);
-    fbi_vec3_add_cross(h, k->ph + 3, V + 3);
-    fbi_gyroscopic_solve(r->h, w->g, w->V + 3, h);
-  }
+  fb_quat_mul(r, turn, own);
 }
 
 /* [E11.5] r becomes k = (I - g W)^-1 r, with t of fbi_base_answer.
-   Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T t,  g dV = t - Z k_q,  d = k_q - r_q,
-   k_pi = r_pi - g K_t k_q - (C + N) d + Y^T g dV.
-   The others, elastic velocities u:  E k_u = M r_u - X^T t - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V + t - Z k_u.
+   E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T t,  g dV = t - Z k_q,  d = k_q - r_q,
+   k_pi = r_pi - g K_t k_q - (C + N) d + Y^T g dV.  Attitude and h are as implicit as the modes.
    Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_integrator_converges_at_its_order. */
 static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
                                const fb_state *state)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
   const fb_real g = w->g;
   fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], t[6], V[6] = {0};
-  fb_real *u = momentum ? r->q : r->pi;
 
   /* Right-hand side of the modes */
-  fbi_copy(d, u, n);
-  fbi_mass_mul(b, body, u);
+  fbi_copy(d, r->q, n);
+  fbi_mass_mul(b, body, r->q);
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
     fbi_zero(b, n);
-    fbi_square_add(b, FB_R(1.0), w->M, u, n);
+    fbi_square_add(b, FB_R(1.0), w->M, r->q, n);
     fbi_square_add(b, g, w->N, r->q, n);
   }
 #endif
-  fbi_base_answer(t, w, body, r, u);
+  fbi_base_answer(t, w, body, r, r->q);
   for (int i = 0; i < rows; i++) {
     fbi_row_sub(b, t[i], w->X + i * n, n);
     fbi_row_sub(b, -g * t[i], w->Y + i * n, n);
   }
-  if (momentum) {
-    fbi_row_sub(b, -g, r->pi, n);
-    fbi_damping_add(b, g, body, r->q);
-    fbi_gyro_add(b, g, w->V, body, r->q);
-  } else {
-    fbi_symmetric_sub(b, g, w->K, r->q, n);
-  }
+  fbi_row_sub(b, -g, r->pi, n);
+  fbi_damping_add(b, g, body, r->q);
+  fbi_gyro_add(b, g, w->V, body, r->q);
 
-  /* Modes k_q (or k_u), velocity increment V of the base */
+  /* Modes k_q, velocity increment V of the base */
   fbi_lu_plain_solve(b, w->E, n);
-  fbi_copy(u, b, n);
+  fbi_copy(r->q, b, n);
   for (int i = 0; i < rows; i++) {
-    V[first + i] = t[i] - fbi_dot(w->Z + i * n, u, n);
+    V[first + i] = t[i] - fbi_dot(w->Z + i * n, r->q, n);
   }
   for (int a = 0; a < n; a++) {
-    d[a] = u[a] - d[a];
+    d[a] = r->q[a] - d[a];
   }
 
-  /* Momenta, or displacements and base velocity */
-  if (momentum) {
-    fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
-    fbi_damping_add(r->pi, -FB_R(1.0), body, d);
-    fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
+  /* Momenta */
+  fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
+  fbi_damping_add(r->pi, -FB_R(1.0), body, d);
+  fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
 #if FB_WITH_LARGE_DEFLECTION
-    if (fbi_is_large(body)) {
-      fbi_square_add(r->pi, -FB_R(1.0), w->N, d, n);
-    }
+  if (fbi_is_large(body)) {
+    fbi_square_add(r->pi, -FB_R(1.0), w->N, d, n);
+  }
 #endif
-    for (int i = 0; i < rows; i++) {
-      fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
-    }
-  } else {
-    fbi_row_sub(r->q, -g, r->pi, n);
-    fb_real v[3];
-    fb_mat33_mul_vec3(v, k->R, V);
-    for (int i = 0; i < 3; i++) {
-      r->u[i] += v[i];
-      r->L[i] += V[3 + i];
-      V[3 + i] = g * r->L[i];
-    }
+  for (int i = 0; i < rows; i++) {
+    fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
   }
 
   /* Position, attitude and h */
   fbi_vec3_add(r->rho, g, r->u);
-  fbi_recoil_pose(r, w, body, k, state, V);
+  fbi_recoil_turn(r->quat, g, w->V + 3, state->quat, V + 3);
+  if (rows > 0) {
+    fb_real h[3];
+    fbi_copy(h, r->h, 3);
+    fbi_vec3_add_cross(h, k->ph + 3, V + 3);
+    fbi_gyroscopic_solve(r->h, g, w->V + 3, h);
+  }
 }
 
 /* [E11.6] Largest step of the implicit integrators, set by the terms that their matrix leaves out, products of the spin
@@ -24203,10 +23683,6 @@ FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   fbi_select_rows(selected->slope, shape->slope, 3 * FBI_MAX_STRAINS, coordinate, n);
-#if FB_WITH_FORMS
-  fbi_select_pairs(selected->torque, shape->torque, 3, coordinate, n, shape->n);
-  fbi_select_pairs(selected->torque_boundary, shape->torque_boundary, 3, coordinate, n, shape->n);
-#endif
 #endif
 
   /* Nodes */
@@ -25569,60 +25045,6 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
   return FB_OK;
 }
 
-#if FB_WITH_FORMS && FB_WITH_NONLINEAR_STRAIN
-/* [E8.24] Stiffness torque as printed, its part of degree 1: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
-   g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.
-   At the root of a clamped beam the integration by parts leaves -u_x'(0) EI_z u_y''(0) in g_s,3, + .. u_z''(0) in
-   g_s,2.
-   Source: [DB] (34)-(36) with ERRATA.md DB9 and DBc.  Shapes: n x n x 3.  Fails: never.
-   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_torque_add(fb_real g[3], const fbi_field *x, const fbi_field *b, fb_real EA, fb_real EI_y, fb_real EI_z)
-{
-  g[0] -= (EI_z - EI_y) * x->curvature[2] * b->curvature[1];
-  g[1] -= -EA * x->strain * b->theta[1] + EI_y * x->strain_slope * b->curvature[1];
-  g[2] += EA * x->strain * b->theta[2] - EI_z * x->strain_slope * b->curvature[2];
-}
-
-/* Adds E8.24 at a quadrature point; torque_unknown: the printed torque does not cover this beam. */
-static void fbi_torque_station(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes,
-                               const fb_section *section, int element, fb_real s, fb_real dx)
-{
-  const int n = modes->n;
-  fbi_field f[FB_MAX_MODES];
-  shape->torque_unknown |= /* not covered: section axes that differ from the beam's */
-      FB_FABS(section->twist) + FB_FABS(section->tension_y) + FB_FABS(section->tension_z) > FB_R(0.0);
-  for (int a = 0; a < n; a++) {
-    fbi_mode_field(&f[a], beam, modes, a, element, s);
-  }
-  for (int ab = 0; ab < n * n; ab++) {
-    const int at = 3 * ((first + ab / n) * shape->n + first + ab % n);
-    fbi_torque_add(shape->torque + at, &f[ab / n], &f[ab % n], dx * section->EA, dx * section->EI_y,
-                   dx * section->EI_z);
-  }
-}
-
-/* Adds the boundary term of E8.24 at the root. */
-static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
-{
-  const int n = modes->n;
-  fb_section section;
-  fbi_field f[FB_MAX_MODES];
-  fb_beam_section_eval(beam, &section, FB_R(0.0));
-  for (int a = 0; a < n; a++) {
-    fbi_mode_field(&f[a], beam, modes, a, 0, FB_R(0.0));
-  }
-  for (int ab = 0; ab < n * n; ab++) {
-    fb_real *g = shape->torque_boundary + 3 * ((first + ab / n) * shape->n + first + ab % n);
-    g[1] -= f[ab / n].strain * section.EI_y * f[ab % n].curvature[1];
-    g[2] -= f[ab / n].strain * section.EI_z * f[ab % n].curvature[2];
-  }
-  shape->torque_unknown |= modes->degree == 0;
-  for (int i = 0; i < 9; i++) { /* terms of higher degree are not rotated to body axes */
-    shape->torque_unknown |= FB_FABS(beam->axes[i] - (i % 4 == 0 ? FB_R(1.0) : FB_R(0.0))) > FBI_ROUNDING;
-  }
-}
-#endif
-
 #if FB_WITH_NONLINEAR_STRAIN
 /* Number of intervals between stations and elements; each needs axial stiffness at both ends. */
 static fb_status fbi_strain_intervals(int *intervals, const fb_beam *beam)
@@ -25670,12 +25092,18 @@ static void fbi_strain_point(fb_shape *shape, int first, const fb_beam *beam, co
   }
 }
 
+/* Number of quadrature points per interval, exact for slopes^4. */
+static int fbi_strain_points(const fb_modes *modes)
+{
+  return modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS;
+}
+
 /* [E8.48] Points of the axial strain (E8.23), and the bound of the strain that a spin w causes at the root of the beam
    by the mass on it, int m |r| dx w^2/EA with the least EA, a lumped body as if at the tip: for the step limit.
    Source: equilibrium of the centrifugal force.  Fails: see the header.  Test: own_mass_stretches_a_spinning_beam. */
 FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
-  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
+  const int points = fbi_strain_points(modes);
   fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   int n, intervals = 0;
@@ -25702,9 +25130,6 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       softest = section.EA < softest ? section.EA : softest;
       shape->strain_weight[n] = dx * section.EA;
       fbi_strain_point(shape, first, beam, modes, &section, cell.element, s, n);
-#if FB_WITH_FORMS
-      fbi_torque_station(shape, first, beam, modes, &section, cell.element, s, dx);
-#endif
     }
   }
 
@@ -25713,9 +25138,6 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
     moment += beam->desc.lump[k].mass * (fbi_vec3_norm(beam->desc.position) + beam->desc.length);
   }
   shape->stretch = fbi_larger(shape->stretch, moment / softest);
-#if FB_WITH_FORMS
-  fbi_torque_root(shape, first, beam, modes);
-#endif
   shape->n_strain = (n + 3) / 4 * 4; /* padded to groups of four with weight 0 */
   return FB_OK;
 }
@@ -26387,47 +25809,6 @@ static int fbi_depends_on_origin(unsigned effects, fb_base base)
          !fbi_has(effects, FB_EFFECT_ACCELERATION_STIFFENING);
 }
 
-#if FB_WITH_FORMS
-/* Effects that a form needs or excludes: the second-order form with its configuration-dependent mass matrix needs
-   J(q) and h(q) together (ERRATA.md DBe); the printed first-order form has no quadratic field, and its printed torque
-   belongs to one kind of basis. */
-static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
-{
-  const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
-  if (!fbi_is_choice((int)desc->form, (int)FB_FORM_COUNT - 1) ||
-      !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_COUNT - 1)) {
-    return FBI_REFUSE(FB_ERR_VALUE, "form, an fb_form; stiffness_torque, an fb_stiffness_torque", -1,
-                      (fb_real)(int)desc->form, (fb_real)(int)FB_FORM_COUNT - 1);
-  }
-
-  /* Effects */
-  if (desc->form == FB_FORM_SECOND && !desc->allow_split_effects &&
-      spin != fbi_has(desc->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the second-order form, spin coupling and residual inertia together",
-                      -1, FB_R(0.0), FB_R(0.0));
-  }
-  if (desc->form == FB_FORM_FIRST && fbi_has(desc->effects, FBI_QUADRATIC_EFFECTS)) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the first-order form, without stiffening", -1, FB_R(0.0), FB_R(0.0));
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (desc->form == FB_FORM_FIRST && desc->stiffness_torque != FB_TORQUE_IDENTITY &&
-      (shape->n_strain == 0 || shape->torque_unknown)) {
-    return FBI_REFUSE(
-        FB_ERR_EFFECTS,
-        "stiffness_torque of the first-order form, as printed only with fb_shape_add_beam_strain of one basis", -1,
-        FB_R(0.0), FB_R(0.0));
-  }
-#else
-  if (desc->stiffness_torque != FB_TORQUE_IDENTITY) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "stiffness_torque, FB_TORQUE_IDENTITY without FB_WITH_NONLINEAR_STRAIN", -1,
-                      FB_R(0.0), FB_R(0.0));
-  }
-#endif
-  (void)shape;
-  return FB_OK;
-}
-#endif
-
 #if FB_WITH_LARGE_DEFLECTION
 /* As fbi_shape_check, of the lines and of what is beside them. */
 static fb_status fbi_shape_lines_check(const fb_shape *shape)
@@ -26516,10 +25897,6 @@ static fb_status fbi_shape_check(const fb_shape *shape)
 #if FB_WITH_NONLINEAR_STRAIN
     FBI_ANY(&shape->stretch, 1, "shape.stretch"),
     FBI_ANY(shape->strain_weight, shape->n_strain, "shape.strain_weight"),
-#if FB_WITH_FORMS
-    FBI_ANY(shape->torque, 3 * nn, "shape.torque"),
-    FBI_ANY(shape->torque_boundary, 3 * nn, "shape.torque_boundary"),
-#endif
 #endif
   };
   fb_status status;
@@ -26635,9 +26012,6 @@ static int fbi_center_is_valid(const fb_shape *shape, const fb_body_desc *desc)
   if (desc->mu == FB_R(0.0)) {
     return !(effects & FB_EFFECT_CENTRAL_GRAVITY);
   }
-#if FB_WITH_FORMS
-  whole = whole && desc->form == FB_FORM_MOMENTUM;
-#endif
   return FB_WITH_GRAVITY && whole && shape->mass > FB_R(0.0);
 }
 
@@ -26658,11 +26032,10 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
     return FBI_REFUSE(FB_ERR_EFFECTS, fbi_word_excluded(desc->effects), -1, FB_R(0.0), FB_R(0.0));
   }
   if (!fbi_center_is_valid(shape, desc)) {
-    return FBI_REFUSE(
-        FB_ERR_EFFECTS,
-        "mu [m^3/s^2], 0 without mass, FB_WITH_GRAVITY, momentum form, FB_EFFECTS_FULL, _LARGE or _STRAIN of "
-        "modes; above 0 with FB_EFFECT_CENTRAL_GRAVITY",
-        -1, desc->mu, FB_R(0.0));
+    return FBI_REFUSE(FB_ERR_EFFECTS,
+                      "mu [m^3/s^2], 0 without mass, FB_WITH_GRAVITY, FB_EFFECTS_FULL, _LARGE or _STRAIN of "
+                      "modes; above 0 with FB_EFFECT_CENTRAL_GRAVITY",
+                      -1, desc->mu, FB_R(0.0));
   }
   if (!desc->allow_split_effects) {
     const int whole = fb_effects_check(desc->effects) == FB_OK; /* with a record of its own */
@@ -26683,11 +26056,6 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
                       FB_R(0.0));
   }
 #endif
-#if FB_WITH_LARGE_DEFLECTION && FB_WITH_FORMS
-  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && desc->form != FB_FORM_MOMENTUM) {
-    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with the momentum form", -1, FB_R(0.0), FB_R(0.0));
-  }
-#endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION)) {
     const fb_status status = fbi_body_lines_check(shape);
@@ -26696,11 +26064,7 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
     }
   }
 #endif
-#if FB_WITH_FORMS
-  return fbi_form_check(shape, desc);
-#else
   return FB_OK;
-#endif
 }
 
 #if FB_WITH_ROTORS
@@ -26737,11 +26101,6 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
                           FB_R(0.0));
     }
   }
-#if FB_WITH_FORMS
-  if (status == FB_OK && desc->n_rotor > 0 && desc->form != FB_FORM_MOMENTUM) {
-    status = FBI_REFUSE(FB_ERR_EFFECTS, "rotors, with the momentum form", -1, FB_R(0.0), FB_R(0.0));
-  }
-#endif
   if (status == FB_OK && desc->n_rotor == 0 && fbi_has(desc->effects, FB_EFFECT_ROTORS)) {
     status = FBI_REFUSE(FB_ERR_EFFECTS, "effects: rotors, with n_rotor above", -1, FB_R(0.0), FB_R(0.0));
   }
@@ -26813,14 +26172,6 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   if (desc->truncation == FB_TRUNCATE_ABOVE_0) {
     body->effects &= ~(unsigned)FB_EFFECT_NONLINEAR_STRAIN;
   }
-#if FB_WITH_FORMS
-  body->form = desc->form;
-  body->stiffness_torque = desc->stiffness_torque;
-  body->torque_degree = desc->truncation == FB_TRUNCATE_NONE ? 3 : (int)desc->truncation - 1;
-  if (desc->form == FB_FORM_FIRST) {
-    body->effects &= ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
-  }
-#endif
 
   /* Sizes and options */
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
@@ -26863,70 +26214,6 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   }
 }
 
-#if FB_WITH_FORMS
-/* Appends the elements of a table (n x m, element i of coordinate or pair k at table[m k + i]) that are not
-   round-off, times c. */
-static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *table, int m, int n, int bilinear,
-                           fb_real c)
-{
-  fb_real largest = FB_R(0.0);
-  const int count = bilinear ? n * n : n;
-  for (int k = 0; k < m * count; k++) {
-    largest = fbi_larger(largest, FB_FABS(table[k]));
-  }
-  for (int k = 0; k < m * count; k++) {
-    if (FB_FABS(table[k]) > FBI_ROUNDING * largest) {
-      fb_lambda_term *term = &list[(*n_list)++];
-      term->c = c * table[k];
-      term->i = (unsigned short)(k % m);
-      term->a = (unsigned short)(bilinear ? k / m / n + 1 : k / m + 1);
-      term->b = (unsigned short)(bilinear ? k / m % n : 0);
-    }
-  }
-}
-
-/* Tables of the form: S(q), or M_rr(q) in its place for the second-order form, with the terms that truncation leaves.
-   Rates and gradients keep one degree more than values: Gamma^(Q) belongs to J^(Q+1). */
-static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
-{
-  const int n = body->n;
-  int linear;
-
-  /* S(q), or with Lambda = 0 M_rr(q) */
-  fbi_rigid_matrix(body->M_rr, shape->mass, shape->c, shape->J);
-  if (body->form == FB_FORM_SECOND) {
-    fbi_zero(work->Lambda, (n + 1) * 6 * n);
-  }
-  linear = fbi_S_list(body, work, shape);
-
-  /* Number of terms that the values keep */
-  body->n_run_value = body->n_run;
-  body->n_lambda_value = body->form == FB_FORM_FIRST ? body->n_lambda_constant : body->n_lambda;
-  if (body->form == FB_FORM_SECOND && body->torque_degree < 2) {
-    body->n_run_value = body->torque_degree == 0 ? 0 : linear;
-    body->n_run = body->torque_degree == 0 ? linear : body->n_run;
-    body->n_lambda_value = body->torque_degree == 0 ? body->n_lambda_constant : body->n_lambda;
-  }
-
-  /* First-order form: Gam_a and the printed stiffness torque */
-  body->n_gam = body->n_torque = 0;
-  if (body->form != FB_FORM_FIRST) {
-    return;
-  }
-  fbi_table_list(body->gam, &body->n_gam, shape->second.Gam, 9, n, 0, FB_R(1.0));
-#if FB_WITH_NONLINEAR_STRAIN
-  if (body->stiffness_torque != FB_TORQUE_IDENTITY && body->torque_degree > 0) {
-    fb_real *table = work->Lambda; /* free by now */
-    for (int k = 0; k < 3 * n * n; k++) {
-      const fb_real boundary = body->stiffness_torque == FB_TORQUE_BOUNDARY ? shape->torque_boundary[k] : FB_R(0.0);
-      table[k] = shape->torque[k] + boundary;
-    }
-    fbi_table_list(body->torque, &body->n_torque, table, 3, n, 1, FB_R(1.0));
-  }
-#endif
-}
-#endif
-
 #define FBI_REFUSE_LAMBDA(body)                                                                                  \
   FBI_REFUSE(FB_ERR_CAPACITY, "count of terms of Lambda, FB_MAX_LAMBDA, at most", -1, (fb_real)(body)->n_lambda, \
              FB_R(1.0) * FBI_MAX_LAMBDA)
@@ -26967,11 +26254,7 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   for (int row = 0; row < (n + 1) * 6; row++) {
     fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
   }
-#if FB_WITH_FORMS
-  fbi_form_fill(body, work, shape);
-#else
   (void)fbi_S_list(body, work, shape);
-#endif
   return fbi_S_room(body);
 }
 
@@ -27108,10 +26391,6 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_zero(work->Lambda, (n + 1) * 6 * n);
   fbi_zero(body->S0, 21);
   (void)fbi_S_list(body, work, &work->rest);
-#if FB_WITH_FORMS
-  body->n_run_value = body->n_run;
-  body->n_lambda_value = body->n_lambda;
-#endif
   fbi_copy(body->c_rest, work->rest.c, 3);
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
@@ -27770,9 +27049,8 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
       return FBI_REFUSE(FB_ERR_INIT, "body: its model, initialized", k, FB_R(0.0), FB_R(0.0));
     }
     used += fbi_is_first(desc->model, k);
-    if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
-      return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
-                        FB_R(0.0));
+    if (fbi_holds_origin(body[desc->model[k]].base)) {
+      return FBI_REFUSE(FB_ERR_VALUE, "body: its model, neither pinned nor hinged", k, FB_R(0.0), FB_R(0.0));
     }
     if (FB_SINGLE &&
         fbi_is_central(&body[desc->model[k]])) { /* rounding of mu/d^2 is more than what bodies differ by */
@@ -28882,7 +28160,7 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
   fb_status status = FB_OK;
   FBI_REQUIRE(scheme && work && body, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE) || fbi_form(body) != 0) {
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
 
@@ -28906,6 +28184,1069 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
   }
   return status;
 }
+
+#if FB_WITH_FORMS
+/* ---------------------------------------------------------------------------------------------------------------
+   BUILD >>forms: the second-order and the first-order form of [DB], for comparison with the momentum form
+   (uses config, status, vec3, rotation, solve, body, integrate, beam, modes, assemble) */
+
+/* ---- model: `body` has the tables of Lambda and, second-order form, of M_rr(q) in place of S(q) */
+
+/* [E8.24] Stiffness torque as printed, its part of degree 1: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
+   g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.
+   At the root of a clamped beam the integration by parts leaves -u_x'(0) EI_z u_y''(0) in g_s,3, + .. u_z''(0) in
+   g_s,2.
+   Source: [DB] (34)-(36) with ERRATA.md DB9 and DBc.  Shapes: n x n x 3.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_torque_add(fb_real g[3], const fbi_field *x, const fbi_field *b, fb_real EA, fb_real EI_y, fb_real EI_z)
+{
+  g[0] -= (EI_z - EI_y) * x->curvature[2] * b->curvature[1];
+  g[1] -= -EA * x->strain * b->theta[1] + EI_y * x->strain_slope * b->curvature[1];
+  g[2] += EA * x->strain * b->theta[2] - EI_z * x->strain_slope * b->curvature[2];
+}
+
+/* Adds E8.24 at a quadrature point. */
+static void fbi_torque_station(fb_form_torque *torque, int first, const fb_beam *beam, const fb_modes *modes,
+                               const fb_section *section, int element, fb_real s, fb_real dx)
+{
+  const int n = modes->n;
+  fbi_field f[FB_MAX_MODES];
+  torque->unknown |= /* not covered: section axes that differ from the beam's */
+      FB_FABS(section->twist) + FB_FABS(section->tension_y) + FB_FABS(section->tension_z) > FB_R(0.0);
+  for (int a = 0; a < n; a++) {
+    fbi_mode_field(&f[a], beam, modes, a, element, s);
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    const int at = 3 * ((first + ab / n) * torque->n + first + ab % n);
+    fbi_torque_add(torque->inside + at, &f[ab / n], &f[ab % n], dx * section->EA, dx * section->EI_y,
+                   dx * section->EI_z);
+  }
+}
+
+/* Adds the boundary term of E8.24 at the root. */
+static void fbi_torque_root(fb_form_torque *torque, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  const int n = modes->n;
+  fb_section section;
+  fbi_field f[FB_MAX_MODES];
+  fb_beam_section_eval(beam, &section, FB_R(0.0));
+  for (int a = 0; a < n; a++) {
+    fbi_mode_field(&f[a], beam, modes, a, 0, FB_R(0.0));
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    fb_real *g = torque->boundary + 3 * ((first + ab / n) * torque->n + first + ab % n);
+    g[1] -= f[ab / n].strain * section.EI_y * f[ab % n].curvature[1];
+    g[2] -= f[ab / n].strain * section.EI_z * f[ab % n].curvature[2];
+  }
+  torque->unknown |= modes->degree == 0;
+  for (int i = 0; i < 9; i++) { /* terms of higher degree are not rotated to body axes */
+    torque->unknown |= FB_FABS(beam->axes[i] - (i % 4 == 0 ? FB_R(1.0) : FB_R(0.0))) > FBI_ROUNDING;
+  }
+}
+
+FB_DEF fb_status fb_form_torque_add_beam(fb_form_torque *torque, const fb_shape *shape, int first, const fb_beam *beam,
+                                         const fb_modes *modes)
+{
+  fb_real x[FBI_RULE], w[FBI_RULE];
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  int points;
+  fb_status status;
+  FBI_REQUIRE(torque && shape && beam && modes, FB_ERR_NULL);
+  FBI_REQUIRE(torque->n_beam == 0 || torque->n == shape->n, FB_ERR_VALUE);
+  status = fbi_beam_fits(shape, first, beam, modes);
+  if (status != FB_OK) {
+    return status;
+  }
+  torque->n = shape->n;
+  torque->n_beam++;
+  points = fbi_strain_points(modes);
+  fbi_gauss_rule(x, w, points);
+  while (fbi_cell_next(&cell, beam)) {
+    for (int g = 0; g < points; g++) {
+      const fb_real dx = w[g] * (cell.x1 - cell.x0);
+      fb_section section;
+      fb_beam_section_eval(beam, &section, cell.x0 + x[g] * (cell.x1 - cell.x0));
+      fbi_torque_station(torque, first, beam, modes, &section, cell.element, fbi_cell_s(&cell, beam, x[g]), dx);
+    }
+  }
+  fbi_torque_root(torque, first, beam, modes);
+  return FB_OK;
+}
+
+/* Effects that a form needs or excludes: the second-order form with its configuration-dependent mass matrix needs
+   J(q) and h(q) together (ERRATA.md DBe); the printed first-order form has no quadratic field, and its printed torque
+   belongs to one kind of basis. */
+static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc, const fb_form_desc *form)
+{
+  const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
+  const fb_form_torque *const torque = form->torque;
+  if (!fbi_is_choice((int)form->form, (int)FB_FORM_COUNT - 1) ||
+      !fbi_is_choice((int)form->stiffness_torque, (int)FB_TORQUE_COUNT - 1)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "form, an fb_form; stiffness_torque, an fb_stiffness_torque", -1,
+                      (fb_real)(int)form->form, (fb_real)(int)FB_FORM_COUNT - 1);
+  }
+  if (form->form == FB_FORM_MOMENTUM) {
+    return FB_OK;
+  }
+  if (form->form == FB_FORM_SECOND && !desc->allow_split_effects &&
+      spin != fbi_has(desc->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the second-order form, spin coupling and residual inertia together",
+                      -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (form->form == FB_FORM_FIRST && fbi_has(desc->effects, FBI_QUADRATIC_EFFECTS)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: of the first-order form, without stiffening", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (form->form == FB_FORM_FIRST && form->stiffness_torque != FB_TORQUE_IDENTITY &&
+      (!torque || torque->n_beam == 0 || torque->n != shape->n || torque->unknown || shape->n_strain == 0)) {
+    return FBI_REFUSE(
+        FB_ERR_EFFECTS,
+        "stiffness_torque of the first-order form, as printed only with fb_form_torque_add_beam of one basis", -1,
+        FB_R(0.0), FB_R(0.0));
+  }
+  return FB_OK;
+}
+
+/* Appends the elements of a table (n x m, element i of coordinate or pair k at table[m k + i]) that are not
+   round-off. */
+static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *table, int m, int n, int bilinear)
+{
+  fb_real largest = FB_R(0.0);
+  const int count = bilinear ? n * n : n;
+  for (int k = 0; k < m * count; k++) {
+    largest = fbi_larger(largest, FB_FABS(table[k]));
+  }
+  for (int k = 0; k < m * count; k++) {
+    if (FB_FABS(table[k]) > FBI_ROUNDING * largest) {
+      fb_lambda_term *term = &list[(*n_list)++];
+      term->c = table[k];
+      term->i = (unsigned short)(k % m);
+      term->a = (unsigned short)(bilinear ? k / m / n + 1 : k / m + 1);
+      term->b = (unsigned short)(bilinear ? k / m % n : 0);
+    }
+  }
+}
+
+/* What a body of the same effects lacks. Of the second-order form body.S holds M_rr(q); rates and gradients keep one
+   degree more than values, which truncation limits: Gamma^(Q) belongs to J^(Q+1). linear: runs of first degree. */
+static void fbi_form_fill(fb_form_body *formed, int linear, const fb_shape *shape, const fb_form_torque *torque)
+{
+  fb_body *const body = &formed->body;
+  const int n = body->n;
+  fb_real table[3 * FB_MAX_MODES * FB_MAX_MODES];
+  formed->n_run = body->n_run;
+  formed->n_lambda = body->n_lambda;
+  formed->n_gam = formed->n_torque = 0;
+  fbi_rigid_matrix(formed->M_rr, shape->mass, shape->c, shape->J);
+
+  /* second-order form */
+  if (formed->form == FB_FORM_SECOND && formed->degree < 2) {
+    formed->n_run = formed->degree == 0 ? 0 : linear;
+  }
+  if (formed->form == FB_FORM_SECOND && formed->degree == 0) {
+    formed->n_lambda = body->n_lambda_constant;
+    body->n_run = linear;
+    body->n_S = 0;
+    for (int r = 0; r < linear; r++) {
+      body->n_S += body->run[r].n;
+    }
+  }
+
+  /* first-order form: Gam_a and the printed stiffness torque */
+  if (formed->form != FB_FORM_FIRST) {
+    return;
+  }
+  formed->n_lambda = body->n_lambda_constant;
+  fbi_table_list(formed->gam, &formed->n_gam, shape->second.Gam, 9, n, 0);
+  if (formed->stiffness_torque != FB_TORQUE_IDENTITY && formed->degree > 0) {
+    const fb_real boundary = formed->stiffness_torque == FB_TORQUE_BOUNDARY ? FB_R(1.0) : FB_R(0.0);
+    for (int k = 0; k < 3 * n * n; k++) {
+      table[k] = torque->inside[k] + boundary * torque->boundary[k];
+    }
+    fbi_table_list(formed->torque, &formed->n_torque, table, 3, n, 1);
+  }
+}
+
+FB_DEF fb_status fb_form_init(fb_form_body *formed, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc,
+                              const fb_form_desc *form)
+{
+  fb_body *body;
+  fb_body_desc own;
+  fb_status status;
+  int linear = 0;
+  FBI_REQUIRE(formed && work && shape && desc && form, FB_ERR_NULL);
+  status = fbi_body_desc_check(shape, desc);
+  status = status ? status : fbi_form_check(shape, desc, form);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* A body of the same effects; second-order form: M_rr(q) in place of S(q) */
+  own = *desc;
+  if (form->form == FB_FORM_FIRST) {
+    own.effects &= ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
+    own.allow_split_effects = 1;
+  }
+  body = &work->body;
+  status = fb_body_init(body, work, shape, &own);
+  if (status == FB_OK && form->form != FB_FORM_MOMENTUM && fbi_optional_effects(body)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, rotors and central gravity, with the momentum form",
+                      -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (status == FB_OK && form->form == FB_FORM_SECOND) {
+    fbi_zero(work->Lambda, (body->n + 1) * 6 * body->n);
+    linear = fbi_S_list(body, work, shape);
+    status = fbi_S_room(body);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+
+  formed->body = *body;
+  formed->form = form->form;
+  formed->stiffness_torque = form->stiffness_torque;
+  formed->degree = desc->truncation == FB_TRUNCATE_NONE ? 3 : (int)desc->truncation - 1;
+  fbi_form_fill(formed, linear, shape, form->torque);
+  return FB_OK;
+}
+
+/* ---- check and check word */
+
+/* 1 if the counts of the form's own tables are within them. */
+static int fbi_form_counts_are_valid(const fb_form_body *formed)
+{
+  const fb_body *const body = &formed->body;
+  return fbi_is_within(formed->n_run, body->n_run) && fbi_is_within(formed->n_lambda, body->n_lambda) &&
+         fbi_is_within(formed->n_gam, 9 * body->n) && fbi_is_within(formed->n_torque, 3 * body->n * body->n);
+}
+
+FB_DEF fb_status fb_form_check(const fb_form_body *formed)
+{
+  fb_status status;
+  int valid;
+  FBI_REQUIRE(formed, FB_ERR_NULL);
+  status = fb_body_check(&formed->body);
+  if (status != FB_OK) {
+    return status;
+  }
+  valid = fbi_is_choice((int)formed->form, (int)FB_FORM_COUNT - 1) &&
+          fbi_is_choice((int)formed->stiffness_torque, (int)FB_TORQUE_COUNT - 1) && fbi_is_within(formed->degree, 3) &&
+          fbi_form_counts_are_valid(formed) && fbi_is_finite(formed->M_rr, 21);
+  for (int k = 0; valid && k < formed->n_gam + formed->n_torque; k++) {
+    const int is_gam = k < formed->n_gam;
+    const fb_lambda_term *t = is_gam ? &formed->gam[k] : &formed->torque[k - formed->n_gam];
+    valid = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= formed->body.n &&
+            t->b < formed->body.n;
+  }
+  return valid ? FB_OK : FB_ERR_VALUE;
+}
+
+/* Goes on with a check word, not yet inverted, over the tables of a form. */
+static unsigned fbi_crc_form(unsigned crc, const fb_form_body *formed)
+{
+  const int whole[] = {
+      (int)formed->form, (int)formed->stiffness_torque, formed->degree, formed->n_run, formed->n_lambda, formed->n_gam,
+      formed->n_torque};
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
+  crc = fbi_crc_reals(crc, formed->M_rr, 21, FB_SINGLE);
+  crc = fbi_crc_lambda(crc, formed->gam, formed->n_gam, FB_SINGLE);
+  return fbi_crc_lambda(crc, formed->torque, formed->n_torque, FB_SINGLE);
+}
+
+FB_DEF unsigned fb_form_crc(const fb_form_body *formed)
+{
+  FBI_REQUIRE(formed, 0);
+  if (!fbi_counts_are_valid(&formed->body) || !fbi_form_counts_are_valid(formed)) {
+    return 0;
+  }
+  return ~fbi_crc_form(~fbi_body_crc(&formed->body, FB_SINGLE), formed);
+}
+
+/* ---- rates */
+
+typedef struct fbi_form_kinetics { /* what an evaluation knows about a state */
+  fbi_kinetics k;
+  fb_real y[6];     /* right-hand side of the rigid equations */
+  fb_real V_dot[6]; /* accelerations, body axes */
+} fbi_form_kinetics;
+
+/* (p, h) = M_rr V + Lambda pb by the mass matrix of the form, of q (second order) or constant (first); k.S = M_rr. */
+static void fbi_form_momenta(fbi_kinetics *k, const fb_form_body *formed)
+{
+  if (formed->form == FB_FORM_SECOND) {
+    fbi_S_eval(k->S, &formed->body, k->qx, formed->n_run);
+  } else {
+    fbi_copy(k->S, formed->M_rr, 21);
+  }
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  for (int t = 0; t < formed->n_lambda; t++) {
+    const fb_lambda_term *term = &formed->body.lambda[t];
+    k->ph[term->i] -= term->c * k->qx[term->a] * k->pb[term->b];
+  }
+}
+
+/* e -= Lambda^T V, Lambda of the mass matrix of the form */
+static void fbi_form_lambda_sub(fb_real *e, const fb_form_body *formed, const fb_real V[6], const fb_real *qx)
+{
+  for (int t = 0; t < formed->n_lambda; t++) {
+    const fb_lambda_term *term = &formed->body.lambda[t];
+    e[term->b] += term->c * qx[term->a] * V[term->i];
+  }
+}
+
+/* (1, q), elastic velocities pb, velocities V: v relative to O, which moves at state.u, and w, state.L. */
+static void fbi_form_enter(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  const int given = body->base == FB_BASE_PRESCRIBED;
+  k->qx[0] = FB_R(1.0);
+  fbi_copy(k->qx + 1, state->q, body->n);
+  fbi_zero(k->x, body->n + 1);
+  k->pb = state->pi;
+  fbi_zero(k->V, 6);
+  if (!given || input) {
+    fbi_copy(k->V + 3, given ? input->w : state->L, 3);
+  }
+}
+
+/* A = mass matrix of the second-order form, size x size: the rigid-body rows from first on, then the elastic ones. */
+static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_form_body *formed, int first, int size)
+{
+  const fb_body *const body = &formed->body;
+  const int rigid = 6 - first;
+  fbi_zero(A, size * size);
+
+  /* M_rr(q) */
+  for (int i = first; i < 6; i++) {
+    for (int j = first; j < 6; j++) {
+      A[(i - first) * size + j - first] = k->S[fb_sym6_index(i, j)];
+    }
+  }
+
+  /* Lambda(q) and its transpose */
+  for (int t = 0; t < formed->n_lambda; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    const int row = term->i - first, column = rigid + term->b;
+    if (row >= 0) {
+      A[row * size + column] -= term->c * k->qx[term->a];
+      A[column * size + row] -= term->c * k->qx[term->a];
+    }
+  }
+
+  /* M */
+  for (int a = 0; a < body->n; a++) {
+    A[(rigid + a) * (size + 1)] = body->M.diagonal[a];
+  }
+  for (int t = 0; t < body->M.n_term; t++) {
+    const int a = rigid + body->M.term[t].a, b = rigid + body->M.term[t].b;
+    A[a * size + b] = A[b * size + a] = body->M.term[t].c;
+  }
+}
+
+/* [E8.25] Second-order form. With y = (f, g) - transport term of (p, h) - M_rr_dot V - Lambda_dot q_dot
+   [M_rr(q) Lambda(q); Lambda(q)^T M] (V_dot; q_ddot) =
+     (y; f_e - dU/dq - C q_dot - Lambda_dot^T V + d/dq (V^T Lambda q_dot + 1/2 V^T M_rr V)),
+   solved by dense LU at every evaluation. Written out for a linear displacement field these are the printed equations:
+   Lambda = M_re(q) = [P; h(q)], M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)].
+   Source: [DB] (7)-(8) with ERRATA.md DB1 and DB2.  Cost: 2/3 (n+6)^3 flops.  Fails: mass matrix singular.
+   Test: second_order_form_is_the_printed_one, forms_agree_on_a_closed_basis. */
+static fb_status fbi_second_rates(fb_state *rate, fbi_form_kinetics *e, const fb_form_body *formed,
+                                  const fb_state *state)
+{
+  const fb_body *const body = &formed->body;
+  const int n = body->n, first = fbi_first_free(body->base), size = 6 - first + n;
+  fbi_kinetics *const k = &e->k;
+  fb_real A[(FB_MAX_MODES + 6) * (FB_MAX_MODES + 6)], b[FB_MAX_MODES + 6], x[FB_MAX_MODES + 6], scale[FB_MAX_MODES + 6];
+  fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
+  int perm[FB_MAX_MODES + 6];
+  fb_status status;
+
+  /* y: right-hand side of the rigid-body rows */
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, k->pb, n);
+  fbi_form_momenta(k, formed);
+  fbi_transport(turn, k->V, k->ph);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    e->y[i] = k->fg[i] - turn[i] - SV[i];
+  }
+  fbi_lambda_linear_sub(e->y, body, xd, k->pb);
+  fbi_copy(b, e->y + first, 6 - first);
+
+  /* f: right-hand side of the elastic rows; k.e = -Lambda_dot^T V */
+  fbi_zero(k->e, n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
+  fbi_S_gradient(k->x, body, k->V, k->qx);
+  if (first == 6) {
+    fbi_form_lambda_sub(k->e, formed, e->V_dot, k->qx);
+  }
+  fbi_elastic_forces(f, k, body, state->q, k->pb);
+  for (int a = 0; a < n; a++) {
+    f[a] += k->e[a];
+  }
+
+  /* accelerations */
+  fbi_second_matrix(A, k, formed, first, size);
+  status = fb_lu_factor(A, perm, scale, size);
+  if (status != FB_OK) {
+    return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
+  }
+  fb_lu_solve(x, A, perm, b, size);
+  fbi_copy(e->V_dot + first, x, 6 - first);
+  fbi_copy(rate->q, k->pb, n);
+  fbi_copy(rate->pi, x + 6 - first, n);
+  return FB_OK;
+}
+
+/* [E8.26] Stiffness torque as printed, degrees 2 and 3 by quadrature of the slopes at the strain stations, degree 1
+   from the table of E8.24: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z',
+   r = u_y'^2 + u_z'^2.
+   g -= g_s.
+   Source: [DB] (34)-(36) with ERRATA.md DB10 and DB11.  Cost: 10 flops a station.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb_form_body *formed)
+{
+  const fb_body *const body = &formed->body;
+  const fb_real second = formed->degree >= 2 ? FB_R(1.0) : FB_R(0.0);
+  const fb_real third = formed->degree >= 3 ? FB_R(1.0) : FB_R(0.0);
+  for (int t = 0; t < formed->n_torque; t++) {
+    const fb_lambda_term *term = &formed->torque[t];
+    g[term->i] -= term->c * k->qx[term->a] * k->qx[term->b + 1];
+  }
+  for (int s = 0; s < body->n_strain; s++) {
+    const fb_real x = k->slope[0][s], y = k->slope[1][s], z = k->slope[2][s], half = FB_R(0.5) * (y * y + z * z);
+    const fb_real c = body->strain_weight[s] * (second * (half - x * x) - third * x * half);
+    g[1] += c * z;
+    g[2] -= c * y;
+  }
+}
+
+/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e =
+   F_re q: forces on the modes act on the frame through the v_e that rotate with it. y += F_re q - K_re q; loads: f_e,
+   elastic: -dU/dq and damping. With a printed K_re dU/dq is left out; otherwise its terms up to the degree are in.
+   Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_form_body *formed, const fb_real *q,
+                                    const fb_real *q_dot, const fb_real *loads, const fb_real *elastic)
+{
+  const fb_body *const body = &formed->body;
+  const int whole = formed->degree == 3, identity = formed->stiffness_torque == FB_TORQUE_IDENTITY;
+  fb_real f[FB_MAX_MODES] = {FB_R(0.0)}, acceleration[FB_MAX_MODES];
+  fbi_copy(f, loads, body->n);
+  if (identity && whole) {
+    for (int a = 0; a < body->n; a++) {
+      f[a] += elastic[a];
+    }
+  } else {
+    fbi_damping_add(f, -FB_R(1.0), body, q_dot);
+  }
+  if (identity && !whole && formed->degree > 0) {
+    fbi_sparse_eval(f, f, FB_R(-1.0), &body->K, q, body->n);
+    if (formed->degree == 2 && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+      fb_real slope[3][FBI_MAX_STRAINS];
+      fbi_strain_sub(f, slope, body, q, FB_R(0.0));
+    }
+  }
+  fbi_mass_solve(acceleration, body, f);
+  fbi_lambda_linear_sub(y, body, k->qx, acceleration);
+}
+
+/* Velocity-dependent inertia forces of the first-order form, [DB] (23): y = (f, g) less those of the rigid-body rows; f
+   and k.x take those of the elastic rows. */
+static void fbi_first_inertia(fb_real *f, fbi_form_kinetics *e, const fb_form_body *formed)
+{
+  fbi_kinetics *const k = &e->k;
+  const fb_real *w = k->V + 3;
+  fb_real wv[6] = {0}, wp[3], cwv[3], Jw[3], wJw[3], G[9] = {0}, Gw[3];
+
+  /* w x v, w x p, c x (w x v), w x J w */
+  fbi_form_momenta(k, formed);
+  fb_vec3_cross(wv, w, k->V);
+  fb_vec3_cross(wp, w, k->ph);
+  fb_vec3_cross(cwv, formed->body.c, wv);
+  Jw[0] = k->S[15] * w[0] + k->S[16] * w[1] + k->S[17] * w[2];
+  Jw[1] = k->S[16] * w[0] + k->S[18] * w[1] + k->S[19] * w[2];
+  Jw[2] = k->S[17] * w[0] + k->S[19] * w[1] + k->S[20] * w[2];
+  fb_vec3_cross(wJw, w, Jw);
+
+  /* Gamma: sum_a v_a Gamma_a^T w; k.x += w^T Gamma_a w */
+  for (int t = 0; t < formed->n_gam; t++) {
+    const fb_lambda_term *term = &formed->gam[t];
+    G[term->i] += term->c * k->pb[term->a - 1];
+    k->x[term->a] += term->c * w[term->i / 3] * w[term->i % 3];
+  }
+  fb_mat33_mulT_vec3(Gw, G, w);
+
+  /* y, f */
+  for (int i = 0; i < 3; i++) {
+    e->y[i] = k->fg[i] - wp[i];
+    e->y[3 + i] = k->fg[3 + i] - cwv[i] - wJw[i] - Gw[i];
+  }
+  fbi_zero(f, formed->body.n);
+  fbi_form_lambda_sub(f, formed, wv, k->qx);
+}
+
+/* q_dot = v_e + M^-1 q_b Ups_b^T w; adds the gyroscopic (Coriolis) forces -ups_ab.w v_b to k.x. */
+static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
+{
+  fbi_zero(k->e, body->n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
+  fbi_mass_solve(q_dot, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    q_dot[a] += k->pb[a];
+  }
+}
+
+/* [E8.28] First-order form: with the constant mass matrix
+   m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
+   c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
+   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e
+   q_dot = v_e + M^-1 q_b Ups_b^T w
+   solved by the Schur complement of M, a constant 6x6 whose inverse is part of the model.
+   Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
+   Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_first_rates(fb_state *rate, fbi_form_kinetics *e, const fb_form_body *formed, const fb_state *state)
+{
+  const fb_body *const body = &formed->body;
+  const int n = body->n;
+  fbi_kinetics *const k = &e->k;
+  fb_real f[FB_MAX_MODES] = {0}, loads[FB_MAX_MODES] = {0}, elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
+
+  /* q_dot; inertia forces and loads */
+  fbi_copy(loads, k->x + 1, n);
+  fbi_zero(k->x + 1, n);
+  fbi_elastic_rotation(rate->q, k, body);
+  fbi_first_inertia(f, e, formed);
+  for (int i = 0; i < n; i++) {
+    f[i] += loads[i] + k->x[i + 1];
+    k->x[i + 1] = FB_R(0.0);
+  }
+
+  /* elastic forces; their torque and that of the loads on the frame */
+  fbi_elastic_forces(elastic, k, body, state->q, rate->q);
+  if (formed->stiffness_torque != FB_TORQUE_IDENTITY) {
+    fbi_printed_torque_sub(e->y + 3, k, formed);
+  }
+  fbi_identity_torque_add(e->y, k, formed, state->q, rate->q, loads, elastic);
+  for (int i = 0; i < n; i++) {
+    f[i] += elastic[i];
+  }
+
+  /* V_dot = S_0^-1 (y - Lambda M^-1 f) */
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_copy(y, e->y, 6);
+    fbi_mass_solve(a, body, f);
+    for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda_constant; t++) {
+      y[t->i] += t->c * a[t->b];
+    }
+    for (int i = 0; i < 6; i++) {
+      e->V_dot[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
+    }
+  }
+
+  /* v_e_dot = M^-1 (f - Lambda^T V_dot) */
+  fbi_form_lambda_sub(f, formed, e->V_dot, k->qx);
+  fbi_mass_solve(rate->pi, body, f);
+}
+
+/* Rates of the second- or first-order form: state.u is the velocity of O, inertial axes, state.L = w, body axes, both zero
+   for a prescribed base; state.pi = q_dot or v_e. On entry k.R is that of the state. */
+static fb_status fbi_form_rates(fb_state *rate, fbi_form_kinetics *e, const fb_form_body *formed, const fb_state *state,
+                                const fb_input *input)
+{
+  const fb_body *const body = &formed->body;
+  const int given = body->base == FB_BASE_PRESCRIBED;
+  fbi_kinetics *const k = &e->k;
+  fb_status status = fbi_input_check(body, input);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* Velocities, loads; acceleration by loads for the step limit */
+  fbi_form_enter(k, body, state, input);
+  fbi_forces(k, body, state, input, 0);
+  for (int i = 0; i < 3 && body->base == FB_BASE_FREE; i++) {
+    k->a[i] = k->fg[i] / body->mass;
+  }
+
+  /* Pose, acceleration of a prescribed base */
+  fbi_copy(rate->rho, state->u, 3);
+  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
+  fbi_zero(e->V_dot, 6);
+  if (given && input) {
+    fbi_given_acceleration(e->V_dot, input);
+    fbi_copy(e->V_dot + 3, input->w_dot, 3);
+    fb_mat33_mul_vec3(rate->rho, k->R, input->v);
+  }
+
+  /* Velocities */
+  if (formed->form == FB_FORM_SECOND) {
+    status = fbi_second_rates(rate, e, formed, state);
+  } else {
+    fbi_first_rates(rate, e, formed, state);
+  }
+  fbi_zero(rate->u, 3);
+  fbi_zero(rate->L, 3);
+  fbi_zero(rate->h, 3);
+  if (!given) {
+    fb_mat33_mul_vec3(rate->u, k->R, e->V_dot);
+    fbi_copy(rate->L, e->V_dot + 3, 3);
+  }
+  return status;
+}
+
+/* Rates at a state whose pose is not known. */
+static fb_status fbi_form_look(fb_state *at, fb_state *rate, fbi_form_kinetics *e, const fb_form_body *formed,
+                               const fb_state *state, const fb_input *input)
+{
+  fbi_state_enter(at, e->k.R, &formed->body, state);
+  return fbi_form_rates(rate, e, formed, at, input);
+}
+
+FB_DEF fb_status fb_form_rates_eval(const fb_form_body *formed, fb_state *rate, const fb_state *state,
+                                    const fb_input *input)
+{
+  fbi_form_kinetics e;
+  fb_state at, out;
+  fb_status status;
+  FBI_REQUIRE(formed && rate && state, FB_ERR_NULL);
+  if (formed->form == FB_FORM_MOMENTUM) {
+    return fb_body_rates_eval(&formed->body, rate, state, input);
+  }
+  memset(&out, 0, sizeof out);
+  status = fbi_form_look(&at, &out, &e, formed, state, input);
+  if (status == FB_OK && !fbi_state_is_finite(&out, formed->body.n)) {
+    status = FB_ERR_NOT_FINITE;
+  }
+  *rate = status ? *rate : out;
+  return status;
+}
+
+/* ---- state, motion, energy, momentum */
+
+FB_DEF fb_status fb_form_state_from_velocity(const fb_form_body *formed, fb_state *state, const fb_real v[3],
+                                             const fb_real w[3], const fb_real *q_dot)
+{
+  const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
+  const fb_body *body;
+  fb_real R[9], qx[FB_MAX_MODES + 1], V[6] = {0}, e[FB_MAX_MODES], own[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  fb_state out;
+  fb_status status;
+  FBI_REQUIRE(formed && state && v && w, FB_ERR_NULL);
+  body = &formed->body;
+  if (formed->form == FB_FORM_MOMENTUM) {
+    return fb_state_from_velocity(body, state, v, w, q_dot);
+  }
+  status = fbi_velocity_check(body, state, v, w, rates);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* q_dot, or v_e = q_dot - M^-1 q_b Ups_b^T w */
+  out = *state;
+  fbi_copy(out.pi, rates, body->n);
+  if (formed->form == FB_FORM_FIRST) {
+    qx[0] = FB_R(1.0);
+    fbi_copy(qx + 1, state->q, body->n);
+    fbi_copy(V + 3, w, 3);
+    fbi_zero(e, body->n);
+    fbi_lambda_linear_gradients(e, unused, body, V, qx, rates);
+    fbi_mass_solve(own, body, e);
+    for (int a = 0; a < body->n; a++) {
+      out.pi[a] -= own[a];
+    }
+  }
+
+  /* velocities of the base */
+  fbi_zero(out.u, 3);
+  fbi_zero(out.L, 3);
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fb_quat_to_mat33(R, state->quat);
+    fb_mat33_mul_vec3(out.u, R, v);
+    fbi_copy(out.L, w, 3);
+  }
+  if (!fbi_state_is_finite(&out, body->n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *state = out;
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_form_motion_eval(const fb_form_body *formed, fb_motion *motion, const fb_state *state,
+                                     const fb_input *input)
+{
+  fbi_form_kinetics e;
+  fbi_kinetics *const k = &e.k;
+  const fb_body *body;
+  fb_state at, rate;
+  fb_motion out;
+  fb_real xd[FB_MAX_MODES + 1], velocity[3], y[6], unused[FB_MAX_MODES + 1] = {0};
+  fb_status status;
+  FBI_REQUIRE(formed && motion && state, FB_ERR_NULL);
+  body = &formed->body;
+  if (formed->form == FB_FORM_MOMENTUM) {
+    return fb_body_motion_eval(body, motion, state, input);
+  }
+  status = fbi_form_look(&at, &rate, &e, formed, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* Velocities */
+  memset(&out, 0, sizeof out);
+  fb_mat33_mul_vec3(velocity, k->R, k->V);
+  fbi_vec3_add(velocity, FB_R(1.0), at.u);
+  fb_mat33_mulT_vec3(out.v, k->R, velocity);
+  if (body->base == FB_BASE_PRESCRIBED) { /* exactly as prescribed */
+    fbi_copy(out.v, input ? input->v : fbi_origin, 3);
+  }
+  fbi_copy(out.w, k->V + 3, 3);
+  fbi_copy(out.q_dot, rate.q, body->n);
+
+  /* Accelerations: the rates of the state, to which the first-order form adds the rate of M^-1 q_b Ups_b^T w */
+  fbi_copy(xd + 1, rate.q, body->n);
+  fbi_copy(out.acceleration, e.V_dot, 3);
+  fbi_copy(out.w_dot, e.V_dot + 3, 3);
+  fbi_zero(k->e, body->n);
+  if (formed->form == FB_FORM_FIRST) {
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V, xd, k->pb);
+    fbi_lambda_linear_gradients(k->e, unused, body, e.V_dot, k->qx, k->pb);
+  }
+  fbi_mass_solve(out.q_ddot, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    out.q_ddot[a] += rate.pi[a];
+  }
+
+  /* Reactions */
+  fbi_copy(y, e.y, 6);
+  for (int t = 0; t < formed->n_lambda; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    y[term->i] += term->c * k->qx[term->a] * rate.pi[term->b];
+  }
+  fbi_reactions(&out, body, k->S, e.V_dot, y);
+  if (!fbi_motion_is_finite(&out, body)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *motion = out;
+  return FB_OK;
+}
+
+/* Velocities at a state and that of O, u; T = 1/2 V^T (p, h) + 1/2 pb^T (M pb + Lambda^T V) of the motion relative to O;
+   (p, h) as bodies have it: of the first-order form through the momentum form, pi = M v_e + M_re^T V. */
+static void fbi_form_momentum_enter(fb_state *at, fbi_kinetics *k, fb_real u[3], fb_real *T, const fb_form_body *formed,
+                                    const fb_state *state, const fb_input *input)
+{
+  const fb_body *const body = &formed->body;
+  fb_real pi[FB_MAX_MODES];
+  fbi_state_enter(at, k->R, body, state);
+  fbi_form_enter(k, body, at, input);
+  fbi_copy(u, at->u, 3);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fb_mat33_mul_vec3(u, k->R, input ? input->v : fbi_origin);
+  }
+
+  /* T */
+  *T = FB_R(0.0);
+  fbi_form_momenta(k, formed);
+  fbi_sparse_eval(k->e, NULL, FB_R(-1.0), &body->M, k->pb, body->n);
+  fbi_form_lambda_sub(k->e, formed, k->V, k->qx);
+  for (int a = 0; a < body->n; a++) {
+    *T -= FB_R(0.5) * k->pb[a] * k->e[a];
+  }
+  *T += FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
+
+  /* (p, h) */
+  if (formed->form == FB_FORM_FIRST) {
+    fbi_zero(k->e, body->n);
+    fbi_form_lambda_sub(k->e, formed, k->V, k->qx);
+    fbi_mass_solve(pi, body, k->e);
+    for (int a = 0; a < body->n; a++) {
+      k->Minv_pi[a] = k->pb[a] - pi[a];
+    }
+    k->pb = k->Minv_pi;
+    fbi_momenta(k, body);
+  }
+}
+
+FB_DEF fb_status fb_form_energy_eval(const fb_form_body *formed, fb_energy *energy, const fb_state *state,
+                                     const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_energy out;
+  fb_state at;
+  fb_real u[3], p[3];
+  FBI_REQUIRE(formed && energy && state, FB_ERR_NULL);
+  if (formed->form == FB_FORM_MOMENTUM) {
+    return fb_body_energy_eval(&formed->body, energy, state, input);
+  }
+  fbi_form_momentum_enter(&at, &k, u, &out.kinetic, formed, state, input);
+  fb_mat33_mul_vec3(p, k.R, k.ph);
+  fbi_vec3_add(p, FB_R(0.5) * formed->body.mass, u);
+  out.kinetic += fb_vec3_dot(u, p);
+  out.strain = out.gravity = FB_R(0.0);
+  fbi_potential_add(&out, &k, &formed->body, state->q, state->rho);
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_form_momentum_eval(const fb_form_body *formed, fb_momentum *momentum, const fb_state *state,
+                                       const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_momentum out;
+  fb_state at;
+  fb_real u[3], c[3], arm[3], unused;
+  FBI_REQUIRE(formed && momentum && state, FB_ERR_NULL);
+  if (formed->form == FB_FORM_MOMENTUM) {
+    return fb_body_momentum_eval(&formed->body, momentum, state, input);
+  }
+  fbi_form_momentum_enter(&at, &k, u, &unused, formed, state, input);
+  fb_mat33_mul_vec3(out.linear, k.R, k.ph);
+  fbi_vec3_add(out.linear, formed->body.mass, u);
+  fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
+  fbi_center_eval(c, NULL, &formed->body, at.q);
+  fb_mat33_mul_vec3(arm, k.R, c);
+  fbi_vec3_add_cross(out.angular, arm, u);
+  fbi_vec3_add_cross(out.angular, at.rho, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
+  return FB_OK;
+}
+
+/* ---- steps */
+
+/* End of a step: sums the increments, flushes small values, normalizes the quaternion and checks the range. */
+static fb_status fbi_form_step_end(fb_state *state, fb_state *next, const fb_body *body)
+{
+  fb_status status = fbi_quat_increment(next->quat, state->quat);
+  FBI_SUM_4(next, state, quat);
+  FBI_SUM_FLUSHED(next, state, q, body->n);
+  FBI_SUM_FLUSHED(next, state, pi, body->n);
+  FBI_SUM_COMPENSATED(next, state, u, 3);
+  FBI_SUM_3(next, state, L);
+  fbi_flush(next->u, 3, FBI_FAINT);
+  fbi_flush(next->L, 3, FBI_FAINT);
+  FBI_SUM_COMPENSATED(next, state, rho, 3);
+  fbi_zero(next->h, 3);
+#if FB_SINGLE
+  fbi_zero(next->lost_h, 3);
+#endif
+  status = status ? status : fbi_pin_check(body, state);
+  status = status ? status : fbi_state_range(body, next);
+  if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
+    status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (status == FB_OK) {
+    fbi_state_copy(state, next, body->n);
+  }
+  return status;
+}
+
+/* E11.3 */
+static fb_status fbi_form_rk4_step(const fb_form_body *formed, fb_state *state, fb_implicit_work *w,
+                                   const fb_input *const input[4], fb_real dt)
+{
+  const fb_body *const body = &formed->body;
+  const fb_state *at = &w->start;
+  fbi_form_kinetics e;
+  fb_real spin[3] = {FB_R(0.0)};
+  fbi_state_enter(&w->start, e.k.R, body, state);
+  for (int stage = 0; stage < 4; stage++) {
+    fb_status status = fbi_form_rates(&w->rate, &e, formed, at, input[stage]);
+    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
+      status = fbi_rk4_check(body, &e.k, input[0], dt, 0);
+      fbi_vec3_copy(spin, e.k.V + 3);
+    }
+    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
+      status = fbi_rotation_check(spin, e.k.V + 3, dt);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+    if (stage == 0) {
+      fbi_state_scale(&w->sum, dt * fbi_rk4_weight[stage], &w->rate, body->n);
+    } else {
+      fbi_state_advance(&w->sum, &w->sum, dt * fbi_rk4_weight[stage], &w->rate, body->n);
+    }
+    if (stage < 3) {
+      fbi_state_advance(&w->stage, &w->start, dt * fbi_rk4_node[stage], &w->rate, body->n);
+      fb_quat_to_mat33(e.k.R, w->stage.quat);
+      at = &w->stage;
+    }
+  }
+  return fbi_form_step_end(state, &w->sum, body);
+}
+
+/* Iteration matrix of E11.4 without gyroscopic terms and stiffness torque: X = Lambda, A = M_rr, Z = A^-1 X,
+   E = M + g C + g^2 K_t - X^T Z. */
+static fb_status fbi_form_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_form_body *formed, fb_real g)
+{
+  const fb_body *const body = &formed->body;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  fb_status status;
+  w->g = g;
+  fbi_copy(w->V, k->V, 6);
+  fbi_tangent(w, body, k->qx + 1);
+
+  /* X, A, Z */
+  fbi_lambda_rows(w->X, body, k->qx, first, formed->n_lambda);
+  for (int i = 0; i < rows * rows; i++) {
+    w->A[i] = k->S[fb_sym6_index(first + i / rows, first + i % rows)];
+  }
+  if (rows > 0 && fbi_lu_plain_factor(w->A, rows) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  fbi_copy(w->Z, w->X, rows * n);
+  fbi_rows_solve(w->Z, w->A, rows, n);
+
+  /* E */
+  fbi_sparse_to_dense(w->E, &body->M, n);
+  fbi_row_sub(w->E, -g * g, w->K, n * n);
+  for (int i = 0; i < rows; i++) {
+    for (int a = 0; a < n; a++) {
+      fbi_row_sub(w->E + a * n, w->X[i * n + a], w->Z + i * n, n);
+    }
+  }
+  fbi_damping_matrix_add(w->E, g, body);
+  status = fbi_lu_plain_factor(w->E, n);
+  return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
+}
+
+/* r becomes k = (I - g W)^-1 r, of the elastic velocities u: E k_u = M r_u - X^T t - g K_t r_q,  t = A^-1 X r_u,
+   k_q = r_q + g k_u,  k_V = r_V + t - Z k_u. */
+static void fbi_form_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
+                           const fb_state *state)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const fb_real g = w->g;
+  fb_real b[FB_MAX_MODES], t[6], V[6] = {0}, v[3];
+
+  /* Elastic velocities */
+  fbi_mass_mul(b, body, r->pi);
+  for (int i = 0; i < rows; i++) {
+    t[i] = fbi_dot(w->X + i * n, r->pi, n);
+  }
+  fbi_lu_plain_solve(t, w->A, rows);
+  for (int i = 0; i < rows; i++) {
+    fbi_row_sub(b, t[i], w->X + i * n, n);
+  }
+  fbi_symmetric_sub(b, g, w->K, r->q, n);
+  fbi_lu_plain_solve(b, w->E, n);
+  fbi_copy(r->pi, b, n);
+  fbi_row_sub(r->q, -g, r->pi, n);
+
+  /* Velocities of the base */
+  for (int i = 0; i < rows; i++) {
+    V[first + i] = t[i] - fbi_dot(w->Z + i * n, r->pi, n);
+  }
+  fb_mat33_mul_vec3(v, k->R, V);
+  for (int i = 0; i < 3; i++) {
+    r->u[i] += v[i];
+    r->L[i] += V[3 + i];
+    V[3 + i] = g * r->L[i];
+  }
+
+  /* Pose */
+  fbi_vec3_add(r->rho, g, r->u);
+  fbi_recoil_turn(r->quat, g, w->V + 3, state->quat, V + 3);
+}
+
+/* As fbi_stage_solve */
+static fb_status fbi_form_stage(fb_implicit_work *w, fb_state *k, const fb_form_body *formed, const fbi_kinetics *at,
+                                const fb_state *base, const fb_input *input, int iterations, fb_real dt)
+{
+  const fb_body *const body = &formed->body;
+  fb_real first = FB_R(0.0), last = FB_R(0.0);
+  for (int i = 0; i < iterations; i++) {
+    fbi_form_kinetics here;
+    fb_status status;
+    fbi_state_advance(&w->stage, base, w->g, k, body->n);
+    fb_quat_to_mat33(here.k.R, w->stage.quat);
+    status = fbi_form_rates(&w->rate, &here, formed, &w->stage, input);
+    if (status == FB_OK && i == iterations - 1 && !body->allow_long_step) {
+      status = fbi_rotation_check(at->V + 3, here.k.V + 3, dt);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+    fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
+    fbi_form_solve(&w->rate, w, body, at, &w->start);
+    fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
+    last = fbi_rate_size(&w->rate, w, body, w->g);
+    first = i == 0 ? last : first;
+  }
+  return iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, w, body, w->g)) : FB_OK;
+}
+
+/* E11.7 or E11.8 */
+static fb_status fbi_form_implicit_step(const fb_form_body *formed, fb_state *state, fb_implicit_work *w,
+                                        int two_stages, const fb_input *start, const fb_input *end, fb_real dt,
+                                        int iterations)
+{
+  const fb_body *const body = &formed->body;
+  const fb_real c = two_stages ? FB_R(0.29289321881345248) : FB_R(0.5), rest = (FB_R(1.0) - c) * dt;
+  const fb_input *between = start;
+  fbi_form_kinetics at;
+  fb_status status;
+
+  /* Rates, limit and iteration matrix at the start; input at the first stage */
+  status = fbi_form_look(&w->start, &w->rate, &at, formed, state, start);
+  status = status ? status : fbi_implicit_check(body, &at.k, start, dt);
+  status = status ? status : fbi_form_factor(w, &at.k, formed, c * dt);
+  if (status == FB_OK && start != end) {
+    status = fbi_input_between(&w->between, start, end, c);
+    between = &w->between;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* Stages */
+  w->first = w->rate;
+  fbi_form_solve(&w->first, w, body, &at.k, &w->start);
+  status = fbi_form_stage(w, &w->first, formed, &at.k, &w->start, between, iterations, dt);
+  if (status == FB_OK && two_stages) {
+    fbi_state_scale(&w->sum, rest, &w->first, body->n);
+    fbi_state_advance(&w->base, &w->start, rest, &w->first, body->n);
+    status = fbi_form_stage(w, &w->first, formed, &at.k, &w->base, end, iterations, dt);
+    fbi_state_advance(&w->sum, &w->sum, c * dt, &w->first, body->n);
+  } else {
+    fbi_state_scale(&w->sum, dt, &w->first, body->n);
+  }
+  return status ? status : fbi_form_step_end(state, &w->sum, body);
+}
+
+FB_DEF fb_status fb_form_step(const fb_form_body *formed, fb_state *state, fb_form_work *work, fb_integrator integrator,
+                              const fb_input *start, const fb_input *middle, const fb_input *end, fb_real dt,
+                              int iterations)
+{
+  const fb_input *const input[4] = {start, middle, middle, end};
+  const int count = iterations > 0 ? iterations : 2, momentum = formed && formed->form == FB_FORM_MOMENTUM;
+  FBI_REQUIRE(formed && state && work, FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
+  }
+  switch ((int)integrator) {
+  case FB_INTEGRATOR_RK4:
+    return momentum ? fb_rk4_step(&formed->body, state, &work->rk4, start, middle, end, dt)
+                    : fbi_form_rk4_step(formed, state, &work->implicit, input, dt);
+  case FB_INTEGRATOR_MIDPOINT:
+    return momentum ? fb_midpoint_step(&formed->body, state, &work->implicit, middle, dt, iterations)
+                    : fbi_form_implicit_step(formed, state, &work->implicit, 0, middle, middle, dt, count);
+  case FB_INTEGRATOR_SDIRK:
+    FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
+    return momentum ? fb_sdirk_step(&formed->body, state, &work->implicit, start, end, dt, iterations)
+                    : fbi_form_implicit_step(formed, state, &work->implicit, 1, start, end, dt, count);
+  default:
+    return FB_ERR_VALUE;
+  }
+}
+#endif
 #endif /* FB_WITH_BUILD */
 
 #if FB_WITH_ANALYSE
@@ -29610,9 +29951,6 @@ static fb_status fbi_rotors_balanced(const fb_body *body, const fb_real *pi, con
 static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
 {
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
-  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
-    return FB_ERR_VALUE;
-  }
 #if FB_WITH_ROTORS
   {
     const fb_status status = fbi_rotors_balanced(body, state->pi, input->rotor);
@@ -31380,7 +31718,7 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
     return fbi_difference_step(body, j);
   }
   if (j < 2 * n) {
-    const fb_real inertia = fbi_form(body) ? FB_R(1.0) : body->M.diagonal[j - n];
+    const fb_real inertia = body->M.diagonal[j - n];
     return FB_R(100.0) * fbi_difference_step(body, j - n) * inertia *
            fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
   }

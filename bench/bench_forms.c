@@ -16,7 +16,7 @@
 enum { FORMS = 3, INTEGRATORS = 3 };
 
 static const char *const integrator_name[INTEGRATORS] = {"rk4", "midpoint", "sdirk"};
-static fb_body body[FORMS]; /* by fb_form */
+static fb_form_body body[FORMS]; /* by fb_form */
 
 static void build(int n_element)
 {
@@ -30,33 +30,28 @@ static void build(int n_element)
   desc.effects = FB_EFFECTS_STRAIN;
   desc.base = FB_BASE_HINGED;
   for (int form = 0; form < FORMS; form++) {
-    desc.form = (fb_form)form;
-    fbb_check(fb_body_init(&body[form], &body_work, &shape, &desc), "body");
+    const fb_form_desc kind = {(fb_form)form, FB_TORQUE_IDENTITY, NULL};
+    fbb_check(fb_form_init(&body[form], &body_work, &shape, &desc, &kind), "body");
   }
 }
 
 /* Microseconds of a step, all of them from rest. */
 static double run(int form, int integrator)
 {
-  static fb_rk4_work rk4;
-  static fb_implicit_work implicit;
-  const fb_body *b = &body[form];
+  static fb_form_work work;
+  const fb_form_body *b = &body[form];
+  const fb_real dt = integrator == FB_INTEGRATOR_RK4 ? FB_R(0.0001) : FB_R(0.0005);
   fb_state state;
   fb_input torque;
   double start;
   memset(&torque, 0, sizeof torque);
   torque.n_load = 1;
   torque.load[0].torque[2] = 20; /* [N m] */
-  fbb_check(fb_state_init(b, &state), "state");
+  fbb_check(fb_state_init(&b->body, &state), "state");
   start = clock_ns();
   for (int k = 0; k < STEPS; k++) {
-    if (integrator == 0) {
-      fbb_check(fb_rk4_step(b, &state, &rk4, &torque, &torque, &torque, FB_R(0.0001)), "rk4");
-    } else if (integrator == 1) {
-      fbb_check(fb_midpoint_step(b, &state, &implicit, &torque, FB_R(0.0005), 0), "midpoint");
-    } else {
-      fbb_check(fb_sdirk_step(b, &state, &implicit, &torque, &torque, FB_R(0.0005), 0), "sdirk");
-    }
+    fbb_check(fb_form_step(b, &state, &work, (fb_integrator)integrator, &torque, &torque, &torque, dt, 0),
+              integrator_name[integrator]);
   }
   return 1e-3 * (clock_ns() - start) / STEPS;
 }
@@ -64,7 +59,7 @@ static double run(int form, int integrator)
 static void print(const char *name, int n_element, const clock_timing *t)
 {
   const clock_timing *momentum = &t[FB_FORM_MOMENTUM], *first = &t[FB_FORM_FIRST], *second = &t[FB_FORM_SECOND];
-  printf("%s,%d,%d,%.3f,%.3f,%.3f,%.2f,%.2f,%.3f,%.3f,%.3f\n", name, n_element, body[0].n, momentum->lowest,
+  printf("%s,%d,%d,%.3f,%.3f,%.3f,%.2f,%.2f,%.3f,%.3f,%.3f\n", name, n_element, body[0].body.n, momentum->lowest,
          first->lowest, second->lowest, second->lowest / momentum->lowest, first->lowest / momentum->lowest,
          momentum->median, first->median, second->median);
 }

@@ -104,6 +104,7 @@ static inline void particle_at(double x[3], double J[MAX_N][3], double xd[3], co
 }
 
 static fb_body body;
+static const fb_form_body *formed; /* whose tables `body` has, in another form; NULL: it moves as a body */
 static fb_body_work body_work;
 static fb_shape shape;
 static particles cloud;
@@ -235,6 +236,8 @@ static inline void combine_state(fb_real *q)
   }
 }
 
+#define BODY_EVAL(what, ...) (formed ? fb_form_##what(formed, __VA_ARGS__) : fb_body_##what(&body, __VA_ARGS__))
+
 /* A moving, deflected state; deflection of the modes of about size. Combined: the same in those other coordinates. */
 static inline void moving_state(fb_state *state, double size, int combined)
 {
@@ -257,7 +260,9 @@ static inline void moving_state(fb_state *state, double size, int combined)
   if (body.base == FB_BASE_HINGED) {
     w[0] = w[1] = 0;
   }
-  FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, qd), FB_OK);
+  FBT_INT_EQ(formed ? fb_form_state_from_velocity(formed, state, v, w, qd)
+                    : fb_state_from_velocity(&body, state, v, w, qd),
+             FB_OK);
 }
 
 static inline void boom_state(fb_state *state, double size)
@@ -288,7 +293,7 @@ static inline double power_of(const fb_state *state, const fb_input *input)
 {
   fb_motion motion;
   double power = 0.0;
-  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, input), FB_OK);
+  FBT_INT_EQ(BODY_EVAL(motion_eval, &motion, state, input), FB_OK);
   for (int i = 0; i < input->n_load; i++) {
     const fb_load *load = &input->load[i];
     fb_real R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, F[3], T[3];
@@ -309,11 +314,11 @@ static inline double energy_rate(const fb_state *state, const fb_input *input, d
 {
   fb_state rate, ahead, behind;
   fb_energy up, down;
-  FBT_INT_EQ(fb_body_rates_eval(&body, &rate, state, input), FB_OK);
+  FBT_INT_EQ(BODY_EVAL(rates_eval, &rate, state, input), FB_OK);
   state_along(&ahead, state, &rate, h);
   state_along(&behind, state, &rate, -h);
-  FBT_INT_EQ(fb_body_energy_eval(&body, &up, &ahead, NULL), FB_OK);
-  FBT_INT_EQ(fb_body_energy_eval(&body, &down, &behind, NULL), FB_OK);
+  FBT_INT_EQ(BODY_EVAL(energy_eval, &up, &ahead, NULL), FB_OK);
+  FBT_INT_EQ(BODY_EVAL(energy_eval, &down, &behind, NULL), FB_OK);
   return ((double)(up.kinetic - down.kinetic) + (double)(up.strain - down.strain) +
           (double)(up.gravity - down.gravity)) /
          (2.0 * h);

@@ -19,6 +19,9 @@
 #ifndef FB_MAX_LOOPS
 #define FB_MAX_LOOPS 8
 #endif
+#ifndef FB_WITH_FORMS
+#define FB_WITH_FORMS 1 /* beside what ships, which does not know of it */
+#endif
 #include "../flexbeam.h"
 #include <math.h>
 #include <stdio.h>
@@ -32,7 +35,6 @@
 typedef struct fbt_case {
   const char *name;
   void (*run)(void);
-  int forms; /* 1: FB_WITH_FORMS makes a difference: test_runner --forms runs these alone */
   int lasts; /* 1: shows no line or branch of the library that others do not: test_runner --brief leaves it out */
 } fbt_case;
 
@@ -40,17 +42,13 @@ typedef struct fbt_case {
 /* At file scope: the array has one element for each of `count` enumerators, else it does not compile. */
 #define FBT_ONE_EACH(array, count) typedef char array##_one_each[FBT_COUNT(array) == (int)(count) ? 1 : -1]
 #define TEST(name) static void name(void)
-#define RUN(name)     \
-  {                   \
-#name, name, 0, 0 \
-  }
-#define RUN_FORMS(name) \
-  {                     \
-#name, name, 1, 0   \
+#define RUN(name)  \
+  {                \
+#name, name, 0 \
   }
 #define RUN_LONG(name) \
   {                    \
-#name, name, 0, 1  \
+#name, name, 1     \
   }
 #define SUITE(section, ...)                        \
   void fbt_suite_##section(void);                  \
@@ -63,19 +61,9 @@ typedef struct fbt_case {
 /* A tolerance for double and one for single precision. */
 #define FBT_TOL(in_double, in_single) (FB_SINGLE ? (in_single) : (in_double))
 
-/* The forms of the equations of motion and the stiffness torques, by number: of the forms the first FBT_FORMS are
-   there. The library as shipped has one, and no members to choose it by. */
-#if FB_WITH_FORMS
+/* The forms of the equations of motion and the stiffness torques, by number. */
 enum { FBT_MOMENTUM = FB_FORM_MOMENTUM, FBT_SECOND = FB_FORM_SECOND, FBT_FIRST = FB_FORM_FIRST, FBT_FORMS = 3 };
 enum { FBT_IDENTITY = FB_TORQUE_IDENTITY, FBT_PRINTED = FB_TORQUE_PRINTED, FBT_BOUNDARY = FB_TORQUE_BOUNDARY };
-#define FBT_SET_FORM(desc, number) ((desc).form = (fb_form)(number))
-#define FBT_SET_TORQUE(desc, number) ((desc).stiffness_torque = (fb_stiffness_torque)(number))
-#else
-enum { FBT_MOMENTUM, FBT_SECOND, FBT_FIRST, FBT_FORMS = 1 };
-enum { FBT_IDENTITY, FBT_PRINTED, FBT_BOUNDARY };
-#define FBT_SET_FORM(desc, number) ((void)(number))
-#define FBT_SET_TORQUE(desc, number) ((void)(number))
-#endif
 
 /* Steps or seconds of a long run. Sanitizers (tests/checks/common.sh) set FBT_SHORT: the code that a step runs
    through is the same in every step, a short run shows them all of it, under the same bounds. */

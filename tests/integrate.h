@@ -133,13 +133,29 @@ static inline void strained_beam(int n_element, double EA, double EI_y, int root
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, FB_R(10.0)), FB_OK);
 }
 
+static fb_form_body formed;
+static fb_form_work form_work;
+
+/* The body of shape and body_desc in a form: `formed`, `body` its tables. */
+static inline void form_body(int form)
+{
+  const fb_form_desc kind = {(fb_form)form, FB_TORQUE_IDENTITY, NULL};
+  FBT_INT_EQ(fb_form_init(&formed, &body_work, &shape, &body_desc, &kind), FB_OK);
+  body = formed.body;
+}
+
+static inline fb_status form_step(integrator which, fb_state *state, const fb_input *in0, const fb_input *in1,
+                                  const fb_input *in2, double dt, int iterations)
+{
+  return fb_form_step(&formed, state, &form_work, which, in0, in1, in2, (fb_real)dt, iterations);
+}
+
 static inline void strained_body(fb_base base, int form)
 {
   memset(&body_desc, 0, sizeof body_desc);
   body_desc.effects = FB_EFFECTS_STRAIN;
   body_desc.base = base;
-  FBT_SET_FORM(body_desc, form);
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+  form_body(form);
 }
 
 /* Two elements in both planes on a hub. */

@@ -28,7 +28,9 @@ static fb_modes modes;
 static fb_modes_work modes_work;
 static fb_shape shape;
 static fb_body_desc desc;
-static fb_body body;
+static fb_form_torque torque_of; /* of the shape */
+static fb_form_body formed;
+static fb_body body; /* of it: in the momentum form it moves alike */
 static fb_body_work body_work;
 
 static inline void scene_modes(const scene *s, double EI_y)
@@ -74,6 +76,8 @@ static inline void scene_shape(const scene *s, double EI_y, int hub)
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  memset(&torque_of, 0, sizeof torque_of);
+  FBT_INT_EQ(fb_form_torque_add_beam(&torque_of, &shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, (fb_real)LENGTH), FB_OK);
   if (hub) {
     FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(20.0 * kilogram), center, inertia), FB_OK);
@@ -82,13 +86,13 @@ static inline void scene_shape(const scene *s, double EI_y, int hub)
 
 static inline void scene_body(int form, int torque, fb_base base, unsigned effects)
 {
-  FBT_SET_FORM(desc, form);
-  FBT_SET_TORQUE(desc, torque);
+  const fb_form_desc kind = {(fb_form)form, (fb_stiffness_torque)torque, &torque_of};
   desc.base = base;
   desc.effects = effects;
   memset(&body_work, 0xff, sizeof body_work); /* what is in it means nothing */
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
-  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_INT_EQ(fb_form_init(&formed, &body_work, &shape, &desc, &kind), FB_OK);
+  body = formed.body;
+  FBT_INT_EQ(fb_form_check(&formed), FB_OK);
 }
 
 static inline void desc_clear(void)
@@ -117,7 +121,7 @@ static inline void moving_state(fb_state *state)
   bend(q_dot);
   fbt_fill(v, 3, 1.0);
   fbt_fill(w, 3, 1.0);
-  FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, q_dot), FB_OK);
+  FBT_INT_EQ(fb_form_state_from_velocity(&formed, state, v, w, q_dot), FB_OK);
 }
 
 /* Loads at O in body axes. */
@@ -136,7 +140,7 @@ static inline void accelerations(fb_real *acc, fb_state *state, const fb_input *
 {
   fb_motion motion;
   moving_state(state);
-  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, input), FB_OK);
+  FBT_INT_EQ(fb_form_motion_eval(&formed, &motion, state, input), FB_OK);
   memcpy(acc, fbt_v_dot(&motion), 3 * sizeof *acc);
   memcpy(acc + 3, motion.w_dot, sizeof motion.w_dot);
   for (int a = 0; a < modes.n; a++) {
@@ -214,10 +218,10 @@ static inline void account(track *out, const fb_state *state, const fb_input *in
   const double g = (double)input->load[0].torque[2];
   fb_motion motion;
   fb_energy e;
-  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, input), FB_OK);
+  FBT_INT_EQ(fb_form_motion_eval(&formed, &motion, state, input), FB_OK);
   out->work += (step % 2 ? 4.0 : 1.0) * g * (double)motion.w[2] * dt / 3.0;
   if (step % 2 == 0) {
-    FBT_INT_EQ(fb_body_energy_eval(&body, &e, state, NULL), FB_OK);
+    FBT_INT_EQ(fb_form_energy_eval(&formed, &e, state, NULL), FB_OK);
     out->energy = fmax(out->energy, (double)e.kinetic + (double)e.strain);
     out->balance = fmax(out->balance, fabs((double)e.kinetic + (double)e.strain - out->work));
     out->work += g * (double)motion.w[2] * dt / 3.0; /* begins the next pair */
@@ -227,7 +231,7 @@ static inline void account(track *out, const fb_state *state, const fb_input *in
 static inline void spin(track *out, const spin_up *s, int with_energy)
 {
   static fb_input end[2], middle;
-  static fb_rk4_work work;
+  static fb_form_work work;
   const int steps = (int)(s->end * s->per_second);
   const double dt = 1.0 / s->per_second;
   fb_state state;
@@ -241,7 +245,7 @@ static inline void spin(track *out, const spin_up *s, int with_energy)
     const fb_input *start = &end[k % 2], *next = &end[(k + 1) % 2];
     spin_input(&middle, s->prescribed, (k + 0.5) * dt);
     spin_input(&end[(k + 1) % 2], s->prescribed, (k + 1) * dt);
-    out->status = fb_rk4_step(&body, &state, &work, start, &middle, next, (fb_real)dt);
+    out->status = fb_form_step(&formed, &state, &work, FB_INTEGRATOR_RK4, start, &middle, next, (fb_real)dt, 0);
     if (out->status != FB_OK) {
       out->stop = k * dt;
       FBT_INT_EQ(fb_state_check(&body, &state), FB_OK); /* is as before the step */

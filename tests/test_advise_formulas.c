@@ -29,10 +29,6 @@ TEST(selection_takes_rows_and_pairs)
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   fbt_fill(shape.slope, FBT_COUNT(shape.slope), 1.0);
-#if FB_WITH_FORMS
-  fbt_fill(shape.torque, 3 * 49, 1.0);
-  fbt_fill(shape.torque_boundary, 3 * 49, 1.0);
-#endif
 #endif
   FBT_INT_EQ(fb_shape_select(&other, &shape, coordinate, 3), FB_OK);
   for (int k = 0; k < 3; k++) {
@@ -46,10 +42,6 @@ TEST(selection_takes_rows_and_pairs)
     const int width = FBT_COUNT(shape.slope) / FB_MAX_MODES;
     FBT_NEAR_ABS(fbt_difference(other.slope + width * k, shape.slope + width * coordinate[k], width), 0.0, 0.0);
   }
-#if FB_WITH_FORMS
-  FBT_TRUE(pairs_follow(other.torque, shape.torque, 3, coordinate));
-  FBT_TRUE(pairs_follow(other.torque_boundary, shape.torque_boundary, 3, coordinate));
-#endif
 #endif
   FBT_TRUE(pairs_follow(other.K, shape.K, 1, coordinate));
 }
@@ -914,7 +906,7 @@ TEST(advice_counts_loads_through_other_modes)
   FBT_NEAR_REL(z[0], z[1], 0.02);
 }
 
-SUITE(advise_formulas, RUN_FORMS(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_body_of_their_own),
+SUITE(advise_formulas, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_body_of_their_own),
       RUN(selection_refuses_nonsense), RUN(advice_estimates_the_deflection), RUN(modes_err_by_what_gives_way),
       RUN(sets_err_by_the_change_of_frequency), RUN(sets_err_as_long_as_something_acts),
       RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),

@@ -496,6 +496,8 @@ TEST(accelerometers_read_the_difference_of_the_field)
 /* E8.36: refusals, and what mu = 0 leaves as it was. */
 TEST(centers_refuse_what_they_do_not_know)
 {
+  static fb_form_body second;
+  const fb_form_desc kind = {FB_FORM_SECOND, FB_TORQUE_IDENTITY, NULL};
   static const double c[3] = {0, 0, 0}, still[3] = {0, 0, 0};
   const double inside[3] = {1.0, 0.0, 0.0};
   fb_state kept;
@@ -527,11 +529,8 @@ TEST(centers_refuse_what_they_do_not_know)
   desc.effects = FB_EFFECTS_FULL | FB_EFFECT_CENTRAL_GRAVITY;
   desc.mu = FB_R(0.0);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_ERR_EFFECTS);
-#if FB_WITH_FORMS
   desc.mu = FB_R(1.0);
-  FBT_SET_FORM(desc, FBT_SECOND);
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_ERR_EFFECTS);
-#endif
+  FBT_INT_EQ(fb_form_init(&second, &body_work, &shape, &desc, &kind), FB_ERR_EFFECTS);
 
   /* the center inside the body, at its mass center, not finite: the state stays */
   fresh(0, FB_BASE_FREE, 5.0);

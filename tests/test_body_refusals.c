@@ -137,7 +137,7 @@ TEST(the_check_word_sees_every_flipped_bit)
   static fb_body flipped, unseen;
   static const fb_real r[3] = {1, 2, 3}, inertia[6] = {3, 4, 5}, psi[6] = {0, 1, 0, 0, 0, 1};
   unsigned char *const bits = (unsigned char *)&flipped, *const rest = (unsigned char *)&unseen;
-  const size_t every = FBT_LONG(37, 61); /* bit; of every byte: the_check_word_sees_every_form */
+  const size_t every = FBT_LONG(37, 61); /* bit; of every byte: the_check_word_sees_every_effect */
   fb_body_work *const scratch = &body_work;
   fb_body_desc desc;
   fb_state state, rate, again;

@@ -1,5 +1,5 @@
 /* >>body and >>assemble: nonlinear axial strain: its energy, forces and limits, the spin-up of D'Eleuterio and Barfoot
-   [DB], what is refused in such bodies; with FB_WITH_FORMS in every form of the equations. */
+   [DB], what is refused in such bodies; in every form of the equations. */
 #include "strain.h"
 
 /* ---- strain */
@@ -255,7 +255,7 @@ TEST(limits_of_slope_and_tension_are_in_closed_form)
 /* E8.25 to E8.28: in every form, with each torque that it may have, a body moves the same in any unit of mass. */
 TEST(forms_know_no_unit_of_mass)
 {
-  for (int run = 0; run < (FB_WITH_FORMS ? 5 : 1); run++) {
+  for (int run = 0; run < 5; run++) {
     const int form = run < 2 ? run : FBT_FIRST;
     const int torque = run < 2 ? FBT_IDENTITY : (run - 2);
     fb_real first[6 + FB_MAX_MODES], acc[6 + FB_MAX_MODES];
@@ -390,7 +390,7 @@ TEST(work_of_the_torque_is_the_energy)
   static const char *const name[] = {"energy, momentum form", "energy, second-order form", "energy, first-order form",
                                      "energy, boundary term", "energy, printed torque"};
   const scene beam_of = {FB_SINGLE ? 1 : 2, 3, 1, 1, 0};
-  for (int i = 0; i < (FB_WITH_FORMS ? FBT_COUNT(form) : 1); i++) {
+  for (int i = 0; i < FBT_COUNT(form); i++) {
     static track t;
     spin_up s;
     double miss;
@@ -450,12 +450,12 @@ TEST(what_is_held_keeps_no_momentum)
     bend(q_dot);
     fbt_fill(v, origin ? 0 : 3, 1.0);
     fbt_fill(w + (base == FB_BASE_HINGED ? 2 : 0), base == FB_BASE_HINGED ? 1 : 3, 1.0);
-    FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, q_dot), FB_OK);
+    FBT_INT_EQ(fb_form_state_from_velocity(&formed, &state, v, w, q_dot), FB_OK);
     held_are_zero(&state, state.quat, base, form == FBT_MOMENTUM);
     loads_at_O(&input);
     memcpy(input.v, v, sizeof v);
     memcpy(input.w, w, sizeof w);
-    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_form_rates_eval(&formed, &rate, &state, &input), FB_OK);
     held_are_zero(&rate, state.quat, base, form == FBT_MOMENTUM);
     FBT_TRUE(base == FB_BASE_FREE || fbt_largest(rate.u, 3) == 0.0);
     FBT_TRUE(base == FB_BASE_PRESCRIBED || fbt_largest(rate.L, 3) > 0.1);
@@ -476,6 +476,8 @@ static void shape_with_pairs(int first)
   FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, first, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, first, &beam, &modes), FB_OK);
+  memset(&torque_of, 0, sizeof torque_of);
+  FBT_INT_EQ(fb_form_torque_add_beam(&torque_of, &shape, first, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, first, &beam, &modes, (fb_real)LENGTH), FB_OK);
   for (int k = 0; k < FB_MAX_MODES - modes.n; k++) {
     const fb_real r[3] = {FB_R(0.1) * (fb_real)k, FB_R(0.5), -FB_R(0.3)};
@@ -494,7 +496,7 @@ static void shape_with_pairs(int first)
    the beam, bent and in motion; what the pairs do of it. */
 static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
 {
-  static fb_implicit_work implicit;
+  static fb_form_work work;
   static fb_exponential exponential;
   static fb_exponential_work exponential_work;
   const fb_real dt = FB_R(2e-5);
@@ -510,10 +512,10 @@ static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
   bend(q_dot + first);
   fbt_fill(v, 3, 1.0);
   fbt_fill(w, 3, 1.0);
-  FBT_INT_EQ(fb_state_from_velocity(&body, &start, v, w, q_dot), FB_OK);
+  FBT_INT_EQ(fb_form_state_from_velocity(&formed, &start, v, w, q_dot), FB_OK);
   loads_at_O(&input);
   input.load[0].node = 1;
-  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &start, &input), FB_OK);
+  FBT_INT_EQ(fb_form_motion_eval(&formed, &motion, &start, &input), FB_OK);
   memcpy(moved, fbt_v_dot(&motion), 3 * sizeof *moved);
   memcpy(moved + 3, motion.w_dot, sizeof motion.w_dot);
   memcpy(moved + count, motion.q_ddot + first, sizeof(fb_real) * (size_t)modes.n);
@@ -522,12 +524,9 @@ static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
   FBT_INT_EQ(form == FBT_MOMENTUM ? fb_exponential_init(&exponential, &body_work, &body, dt) : FB_OK, FB_OK);
   for (int integrator = 0; integrator < (form == FBT_MOMENTUM ? 4 : 3); integrator++) {
     fb_state state = start;
-    fb_rk4_work work;
     for (int k = 0; k < 10; k++) {
-      FBT_INT_EQ(integrator == 0   ? fb_rk4_step(&body, &state, &work, &input, &input, &input, dt)
-                 : integrator == 1 ? fb_midpoint_step(&body, &state, &implicit, &input, dt, 0)
-                 : integrator == 2
-                     ? fb_sdirk_step(&body, &state, &implicit, &input, &input, dt, 0)
+      FBT_INT_EQ(integrator < 3
+                     ? fb_form_step(&formed, &state, &work, (fb_integrator)integrator, &input, &input, &input, dt, 0)
                      : fb_exponential_step(&body, &exponential, &state, &exponential_work, &input, &input, &input),
                  FB_OK);
     }
@@ -562,13 +561,14 @@ TEST(coordinates_at_rest_do_not_count)
 
 /* ---- refusals */
 
-/* fb_body_init with desc fails with that status and leaves the body as it was. */
-static void refused(fb_status expected)
+/* fb_form_init with desc fails with that status and leaves the body as it was. */
+static void refused(int form, int torque, fb_status expected)
 {
-  static fb_body before;
-  memcpy(&before, &body, sizeof body);
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), expected);
-  FBT_TRUE(memcmp(&before, &body, sizeof body) == 0);
+  static fb_form_body before;
+  const fb_form_desc kind = {(fb_form)form, (fb_stiffness_torque)torque, &torque_of};
+  memcpy(&before, &formed, sizeof formed);
+  FBT_INT_EQ(fb_form_init(&formed, &body_work, &shape, &desc, &kind), expected);
+  FBT_TRUE(memcmp(&before, &formed, sizeof formed) == 0);
 }
 
 /* Stations for that beam and those modes fail with that status and leave the shape as it was. */
@@ -598,7 +598,7 @@ TEST(indexes_beyond_the_tables_are_refused)
   int n;
   scene_shape(&closed_3d, BENDING, 1);
   desc_clear();
-  scene_body(FB_WITH_FORMS ? FBT_FIRST : FBT_MOMENTUM, FBT_PRINTED, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+  scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
   n = body.n;
   FBT_TRUE(body.n_lambda > body.n_lambda_constant && body.n_lambda_constant > 1);
   for (int last = 0; last < 2; last++) {
@@ -612,17 +612,6 @@ TEST(indexes_beyond_the_tables_are_refused)
     index_refused(&constant->b, n);
     index_refused(&linear->b, n);
   }
-#if FB_WITH_FORMS
-  FBT_TRUE(body.n_gam > 1 && body.n_torque > 1);
-  for (int k = 0; k < 4; k++) {
-    fb_lambda_term *const table = k % 2 ? body.torque : body.gam;
-    fb_lambda_term *const term = &table[k / 2 ? (k % 2 ? body.n_torque : body.n_gam) - 1 : 0];
-    index_refused(&term->i, k % 2 ? 3 : 9);
-    index_refused(&term->a, 0);
-    index_refused(&term->a, n + 1);
-    index_refused(&term->b, n);
-  }
-#endif
   scene_shape(&natural, BENDING, 1);
   desc_clear();
   scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
@@ -727,7 +716,7 @@ static void body_refused(void)
   }
 }
 
-/* What its effects and its form call for. */
+/* What its effects call for. */
 static void tables_refused(void)
 {
   count_refused(&body.n, FB_MAX_MODES);
@@ -757,16 +746,6 @@ static void tables_refused(void)
     index_refused(&body.lambda_row[body.n_row - 1].end, body.n_lambda + 1);
     index_refused(&body.lambda_row[body.n_row - 1].end, body.n_lambda - 1);
   }
-#if FB_WITH_FORMS
-  count_refused(&body.torque_degree, 3);
-  count_refused(&body.n_run_value, body.n_run);
-  count_refused(&body.n_lambda_value, body.n_lambda);
-  count_refused(&body.n_gam, 9 * body.n);
-  count_refused(&body.n_torque, FBT_COUNT(body.torque));
-  numbers_refused(body.M_rr, 21);
-  terms_refused(body.gam, body.n_gam);
-  terms_refused(body.torque, body.n_torque);
-#endif
 }
 
 /* The walk over the body would leave its tables: no word. */
@@ -795,50 +774,40 @@ static void walks_refused(void)
   walk_refused(&body.n_pair, FBT_COUNT(body.pair));
   walk_refused(&body.n_strain, FBT_COUNT(body.strain_weight));
   walk_refused(&body.n_strain_row, FBT_COUNT(body.strain_row));
-#if FB_WITH_FORMS
-  walk_refused(&body.n_gam, FBT_COUNT(body.gam));
-  walk_refused(&body.n_torque, FBT_COUNT(body.torque));
-#endif
 }
 
 /* A body's tables may change in memory: every count beyond its table and below zero, every number that is none, what
-   may not be negative, in each form; E8.40: with such a count there is no word. */
+   may not be negative; E8.40: with such a count there is no word. */
 TEST(what_memory_has_spoiled_is_refused)
 {
   static const scene natural = {2, 0, 0, 2, 1};
-  for (int form = 0; form < FBT_FORMS; form++) {
-    scene_shape(form == FBT_FIRST ? &closed_3d : &natural, BENDING, 1);
-    desc_clear();
-    for (int ab = 0; ab < shape.n * shape.n; ab++) { /* as full as matrices can be */
-      const int diagonal = ab % (shape.n + 1) == 0;
-      shape.M[ab] = diagonal ? FB_R(1.5) : FB_R(0.01);
-      shape.K[ab] += diagonal ? FB_R(0.0) : FB_R(0.001);
-      desc.zeta[ab / shape.n] = FB_R(0.1);
-    }
-    desc.gravity[1] = FB_R(2.0);
-    scene_body(form, form == FBT_FIRST ? FBT_PRINTED : FBT_IDENTITY, FB_BASE_FREE,
-               FB_EFFECTS_STRAIN | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
-    FBT_TRUE(body.M.n_term > 1 && body.Minv.n_term > 1 && body.K.n_term > 1 && body.C.n_term > 1);
-    FBT_TRUE(body.n_strain > 0 && (body.n_run > 0) == (form != FBT_FIRST));
-#if FB_WITH_FORMS
-    FBT_TRUE((body.n_gam > 0) == (form == FBT_FIRST));
-#endif
-    body_refused();
-    tables_refused();
-    walks_refused();
-    body.n_strain -= 1; /* no whole group of four */
-    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
-    body.n_strain += 1;
-    body.n_S -= 1; /* fewer than its runs have; the first-order form has none */
-    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
-    body.n_S += 1;
-    FBT_INT_EQ(fb_body_check(&body), FB_OK);
-    memset(&body.base, 1, sizeof body.base); /* no value of the enum */
-    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
-    body.base = FB_BASE_FREE;
-    body.effects |= 1u << 20;
-    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  scene_shape(&natural, BENDING, 1);
+  desc_clear();
+  for (int ab = 0; ab < shape.n * shape.n; ab++) { /* as full as matrices can be */
+    const int diagonal = ab % (shape.n + 1) == 0;
+    shape.M[ab] = diagonal ? FB_R(1.5) : FB_R(0.01);
+    shape.K[ab] += diagonal ? FB_R(0.0) : FB_R(0.001);
+    desc.zeta[ab / shape.n] = FB_R(0.1);
   }
+  desc.gravity[1] = FB_R(2.0);
+  scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
+  FBT_TRUE(body.M.n_term > 1 && body.Minv.n_term > 1 && body.K.n_term > 1 && body.C.n_term > 1);
+  FBT_TRUE(body.n_strain > 0 && body.n_run > 0);
+  body_refused();
+  tables_refused();
+  walks_refused();
+  body.n_strain -= 1; /* no whole group of four */
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  body.n_strain += 1;
+  body.n_S -= 1; /* fewer than its runs have */
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  body.n_S += 1;
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  memset(&body.base, 1, sizeof body.base); /* no value of the enum */
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  body.base = FB_BASE_FREE;
+  body.effects |= 1u << 20;
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
 }
 
 /* Interface: ERRATA.md DBe: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is
@@ -848,49 +817,38 @@ TEST(half_an_inertia_is_refused)
   static const scene natural = {2, 0, 0, 2, 1};
   scene_shape(&closed_3d, BENDING, 1);
   desc_clear();
-  scene_body(FB_WITH_FORMS ? FBT_SECOND : FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
-#if FB_WITH_FORMS
+  scene_body(FBT_SECOND, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
   desc.effects = FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING;
-  refused(FB_ERR_EFFECTS);
+  refused(FBT_SECOND, FBT_IDENTITY, FB_ERR_EFFECTS);
   desc.effects = FB_EFFECTS_STRAIN & ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
-  refused(FB_ERR_EFFECTS);
-#endif
+  refused(FBT_SECOND, FBT_IDENTITY, FB_ERR_EFFECTS);
   desc.allow_split_effects = 1;
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  scene_body(FBT_SECOND, FBT_IDENTITY, FB_BASE_FREE, desc.effects);
   desc.effects = FB_EFFECTS_STRAIN | FB_EFFECT_SPIN_STIFFENING; /* foreshortening would count twice */
   for (int form = 0; form < FBT_FORMS; form++) {
-    FBT_SET_FORM(desc, form);
-    refused(FB_ERR_EFFECTS);
+    refused(form, FBT_IDENTITY, FB_ERR_EFFECTS);
   }
-#if FB_WITH_FORMS
   desc.effects = FB_EFFECTS_FULL; /* the first-order form has no quadratic field */
-  refused(FB_ERR_EFFECTS);
-#endif
+  refused(FBT_FIRST, FBT_IDENTITY, FB_ERR_EFFECTS);
   desc_clear();
   desc.effects = FB_EFFECTS_STRAIN;
   desc.truncation = FB_TRUNCATE_ABOVE_2;
-  refused(FB_ERR_EFFECTS);
+  refused(FBT_MOMENTUM, FBT_IDENTITY, FB_ERR_EFFECTS);
   memset(&desc.truncation, 1, sizeof desc.truncation); /* no value of the enum, which a cast may not make in C++ */
-  refused(FB_ERR_VALUE);
+  refused(FBT_MOMENTUM, FBT_IDENTITY, FB_ERR_VALUE);
   desc_clear();
   desc.effects = FB_EFFECTS_STRAIN;
-#if FB_WITH_FORMS
-  desc.form = FB_FORM_COUNT;
-  refused(FB_ERR_VALUE);
-  desc.form = FB_FORM_FIRST;
-  desc.stiffness_torque = FB_TORQUE_COUNT;
-  refused(FB_ERR_VALUE);
-  desc.stiffness_torque = FB_TORQUE_PRINTED;
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  refused(FB_FORM_COUNT, FBT_IDENTITY, FB_ERR_VALUE);
+  refused(FBT_FIRST, FB_TORQUE_COUNT, FB_ERR_VALUE);
+  scene_body(FBT_FIRST, FBT_PRINTED, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+  torque_of.n_beam = 0;
+  refused(FBT_FIRST, FBT_PRINTED, FB_ERR_EFFECTS);
   scene_shape(&natural, BENDING, 1); /* its printed torque is not known for natural modes */
-  refused(FB_ERR_EFFECTS);
-  desc.stiffness_torque = FB_TORQUE_IDENTITY;
-#endif
-  scene_shape(&natural, BENDING, 1);
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  refused(FBT_FIRST, FBT_PRINTED, FB_ERR_EFFECTS);
+  scene_body(FBT_FIRST, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
-  refused(FB_ERR_EFFECTS); /* no stations */
+  refused(FBT_MOMENTUM, FBT_IDENTITY, FB_ERR_EFFECTS); /* no stations */
 }
 
 /* Of each byte of the body: 1: no word needs to see it; 2: in a table, whose entries are alike. */
@@ -958,7 +916,7 @@ static void list_unused_of_lines(void)
 }
 #endif
 
-/* What there is: the room of tables that is not used, and what other forms have. */
+/* What there is: the room of tables that is not used. */
 static void list_unused(void)
 {
   const int n = body.n, pairs = n * (n + 1) / 2;
@@ -997,24 +955,6 @@ static void list_unused(void)
   unused_from(&body.n_rotor, 0, sizeof body.n_rotor);
   UNUSED(body.rotor, 0);
 #endif
-#if FB_WITH_FORMS
-  UNUSED(body.gam, body.n_gam);
-  UNUSED(body.torque, body.n_torque);
-  if (body.form == FB_FORM_MOMENTUM) {
-    unused_from(&body.stiffness_torque, 0, 6 * sizeof(int)); /* up to n_torque */
-    UNUSED(body.M_rr, 0);
-  }
-#endif
-}
-
-/* Terms that the first-order form has. */
-static int first_order_terms(void)
-{
-#if FB_WITH_FORMS
-  return body.n_gam + body.n_torque;
-#else
-  return 0;
-#endif
 }
 
 /* Bytes between the members of the terms it has, and of structs where a real follows an int. */
@@ -1029,35 +969,33 @@ static int padding(void)
 #else
   const int stations = 0;
 #endif
-  return stations + lambda * (body.n_lambda + first_order_terms()) + row * body.n_strain_row +
+  return stations + lambda * body.n_lambda + row * body.n_strain_row +
          pair * (body.M.n_term + body.Minv.n_term + body.K.n_term + body.C.n_term) +
          4 * (int)(sizeof(fb_real) - sizeof(int));
 }
 
-/* E8.40: one bit of every byte of every form flipped, in long tables of one in 61. The word sees all but what is listed
+/* E8.40: one bit of every byte of a body flipped, in long tables of one in 61. The word sees all but what is listed
    and padding; all that at once changes nothing of a motion. */
-TEST(the_check_word_sees_every_form)
+TEST(the_check_word_sees_every_effect)
 {
   static const scene short_one = {1, 3, 0, 1, 0};
-  static const int form[] = {FBT_MOMENTUM, FBT_SECOND, FBT_FIRST, FBT_MOMENTUM, FBT_MOMENTUM};
-  static const unsigned effects[] = {FB_EFFECTS_STRAIN, FB_EFFECTS_STRAIN, FB_EFFECTS_STRAIN, FB_EFFECTS_FULL,
-                                     FB_EFFECTS_LARGE};
+  static const unsigned effects[] = {FB_EFFECTS_STRAIN, FB_EFFECTS_FULL, FB_EFFECTS_LARGE};
   static fb_body flipped, unseen;
   scene_shape(&short_one, BENDING, 1);
   desc_clear();
-  for (int k = 0; k < FBT_COUNT(form); k++) {
+  for (int k = 0; k < FBT_COUNT(effects); k++) {
     fb_state state, rate, again;
     unsigned word;
     int missed = 0;
-    if (form[k] >= FBT_FORMS || (!FB_WITH_LARGE_DEFLECTION && effects[k] == FB_EFFECTS_LARGE)) {
+    if (!FB_WITH_LARGE_DEFLECTION && effects[k] == FB_EFFECTS_LARGE) {
       continue;
     }
     desc.gravity[1] = FB_R(2.0);
     for (int a = 0; a < shape.n; a++) {
       desc.zeta[a] = FB_R(0.1);
     }
-    scene_body(form[k], FBT_IDENTITY, FB_BASE_FREE, effects[k] | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
-    FBT_TRUE((body.n_strain > 0) == (k < 3) && (first_order_terms() > 0) == (form[k] == FBT_FIRST) && body.n_node > 1);
+    scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, effects[k] | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
+    FBT_TRUE((body.n_strain > 0) == (k == 0) && body.n_node > 1);
     list_unused();
     word = fb_body_crc(&body);
     flipped = unseen = body;
@@ -1104,11 +1042,10 @@ TEST(strain_stations_refuse_bad_input)
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, NULL), FB_ERR_NULL);
 }
 
-SUITE(body_strain, RUN_FORMS(forms_know_no_unit_of_mass), RUN(limits_of_slope_and_tension_are_in_closed_form),
-      RUN_FORMS(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
+SUITE(body_strain, RUN(forms_know_no_unit_of_mass), RUN(limits_of_slope_and_tension_are_in_closed_form),
+      RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
       RUN(gauss_rules_integrate_polynomials), RUN(own_mass_stretches_a_spinning_beam),
-      RUN_FORMS(spin_up_follows_the_references_of_each_form), RUN_LONG(two_elements_of_degree_6_are_converged),
-      RUN_FORMS(work_of_the_torque_is_the_energy), RUN_FORMS(indexes_beyond_the_tables_are_refused),
-      RUN_FORMS(what_memory_has_spoiled_is_refused), RUN_FORMS(coordinates_at_rest_do_not_count),
-      RUN_FORMS(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input),
-      RUN_FORMS(the_check_word_sees_every_form))
+      RUN(spin_up_follows_the_references_of_each_form), RUN_LONG(two_elements_of_degree_6_are_converged),
+      RUN(work_of_the_torque_is_the_energy), RUN(indexes_beyond_the_tables_are_refused),
+      RUN(what_memory_has_spoiled_is_refused), RUN(coordinates_at_rest_do_not_count), RUN(half_an_inertia_is_refused),
+      RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_effect))

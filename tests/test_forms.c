@@ -1,9 +1,7 @@
-/* >>body and >>assemble: the equations of D'Eleuterio and Barfoot [DB] beside the momentum form: FB_WITH_FORMS. */
+/* >>forms: the equations of D'Eleuterio and Barfoot [DB] beside the momentum form. */
 #include "strain.h"
 
-#if FB_WITH_FORMS
-
-static fb_shape other;
+static fb_form_torque other;
 
 /* ---- the forms, one evaluation */
 
@@ -30,7 +28,7 @@ TEST(forms_agree_on_a_closed_basis)
     for (int form = 0; form < 3; form++) {
       scene_body(form, FBT_IDENTITY, FB_BASE_FREE, effects);
       accelerations(acc[form], &state, &input);
-      FBT_INT_EQ(fb_body_momentum_eval(&body, &momentum[form], &state, &input), FB_OK);
+      FBT_INT_EQ(fb_form_momentum_eval(&formed, &momentum[form], &state, &input), FB_OK);
       if (form != FBT_FIRST || !open) {
         FBT_BELOW(fbt_difference(momentum[form].linear, momentum[0].linear, 3), FBT_TOL(1e-11, 1e-3));
         FBT_BELOW(fbt_difference(momentum[form].angular, momentum[0].angular, 3), FBT_TOL(1e-10, 1e-2));
@@ -55,7 +53,7 @@ static void first_order_rates(fb_real *acc, fb_state *rate, fb_state *state, int
   fb_real R[9];
   scene_body(FBT_FIRST, torque, FB_BASE_FREE, FB_EFFECTS_STRAIN);
   moving_state(state);
-  FBT_INT_EQ(fb_body_rates_eval(&body, rate, state, input), FB_OK);
+  FBT_INT_EQ(fb_form_rates_eval(&formed, rate, state, input), FB_OK);
   fb_quat_to_mat33(R, state->quat);
   fb_mat33_mulT_vec3(acc, R, rate->u); /* the acceleration of O: v_dot + w x v, of both torques alike */
   memcpy(acc + 3, rate->L, sizeof rate->L);
@@ -86,7 +84,7 @@ static double energy_leak(const fb_state *state, const fb_state *rate, const fb_
       at.q[a] += dt * rate->q[a];
       at.pi[a] += dt * rate->pi[a];
     }
-    FBT_INT_EQ(fb_body_energy_eval(&body, &energy, &at, NULL), FB_OK);
+    FBT_INT_EQ(fb_form_energy_eval(&formed, &energy, &at, NULL), FB_OK);
     change += c[k] * ((double)energy.kinetic + (double)energy.strain) / (12.0 * h);
     strain += c[k] * (double)energy.strain / (12.0 * h);
   }
@@ -145,16 +143,17 @@ TEST(stiffness_torques_are_those_of_tapered_beams)
   }
   scene_modes(&open_3d, 2.0 * BENDING); /* the same functions for both beams */
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
-  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
-  other = shape;
+  memset(&other, 0, sizeof other);
+  FBT_INT_EQ(fb_form_torque_add_beam(&other, &shape, 0, &beam, &modes), FB_OK);
   beam_desc.n_station = 1;
   FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n + later), FB_OK);
-  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, later, &beam, &modes), FB_OK);
-  FBT_TRUE(fbt_largest(other.torque_boundary, 3 * modes.n * modes.n) > 0.0);
+  memset(&torque_of, 0, sizeof torque_of);
+  FBT_INT_EQ(fb_form_torque_add_beam(&torque_of, &shape, later, &beam, &modes), FB_OK);
+  FBT_TRUE(fbt_largest(other.boundary, 3 * modes.n * modes.n) > 0.0);
   for (int a = 0; a < modes.n; a++) {
-    FBT_TRUE(fbt_difference(other.torque_boundary + 3 * a * modes.n,
-                            shape.torque_boundary + 3 * ((later + a) * shape.n + later), 3 * modes.n) == 0.0);
+    FBT_TRUE(fbt_difference(other.boundary + 3 * a * modes.n, torque_of.boundary + 3 * ((later + a) * shape.n + later),
+                            3 * modes.n) == 0.0);
   }
   outer = 1.0;
 }
@@ -340,7 +339,7 @@ static void moving_random(moving *s, fb_state *state, fb_input *input)
   fbt_fill(qd, MODES, 1.0);
   FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
   fbt_fill(state->q, MODES, 0.5);
-  FBT_INT_EQ(fb_state_from_velocity(&body, state, input->v, input->w, qd), FB_OK);
+  FBT_INT_EQ(fb_form_state_from_velocity(&formed, state, input->v, input->w, qd), FB_OK);
   input->n_load = 1;
   input->load[0].axes = FB_AXES_BODY;
   fbt_fill(input->load[0].force, 3, 1.0);
@@ -384,7 +383,7 @@ TEST(second_order_form_is_the_printed_one)
     scene_body(FBT_SECOND, FBT_IDENTITY, base[i],
                FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA);
     moving_random(&s, &state, &input);
-    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_form_motion_eval(&formed, &motion, &state, &input), FB_OK);
     moving_from(&s, &motion);
     printed_from(&e, &particles, s.q);
     printed_rigid(f, g, &e, &s);
@@ -456,8 +455,88 @@ TEST(truncation_does_what_the_paper_shows)
   FBT_BELOW(late, 0.01);
 }
 
-SUITE(forms, RUN_FORMS(forms_agree_on_a_closed_basis), RUN_FORMS(stiffness_torques_agree_on_a_closed_basis),
-      RUN_FORMS(truncated_torques_agree_on_a_closed_basis), RUN_FORMS(stiffness_torques_are_those_of_tapered_beams),
-      RUN_FORMS(second_order_form_is_the_printed_one), RUN_FORMS(truncation_does_what_the_paper_shows))
+/* Does the check word change with each byte from `what` on, one bit in each? */
+static int bytes_seen(void *what, size_t size)
+{
+  const unsigned word = fb_form_crc(&formed);
+  unsigned char *const byte = (unsigned char *)what;
+  int seen = word != 0;
+  for (size_t k = 0; k < size; k++) {
+    byte[k] = (unsigned char)(byte[k] ^ (1u << k % 8));
+    seen = seen && fb_form_crc(&formed) != word;
+    byte[k] = (unsigned char)(byte[k] ^ (1u << k % 8));
+  }
+  return seen;
+}
 
-#endif
+/* A term of a form beyond its tables, or no number, is refused; the word sees every number and index. */
+static void terms_are_watched(fb_lambda_term *term, int n)
+{
+  for (int k = 0; k < n; k++) {
+    const fb_lambda_term was = term[k];
+    FBT_TRUE(bytes_seen(&term[k].c, sizeof term[k].c) && bytes_seen(&term[k].i, sizeof term[k].i));
+    FBT_TRUE(bytes_seen(&term[k].a, sizeof term[k].a) && bytes_seen(&term[k].b, sizeof term[k].b));
+    term[k].i = 9;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    term[k] = was;
+    term[k].a = (unsigned short)(modes.n + 1);
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    term[k].a = 0;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    term[k] = was;
+    term[k].b = (unsigned short)modes.n;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    term[k] = was;
+    term[k].c = (fb_real)NAN;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    term[k] = was;
+  }
+}
+
+/* E8.40: check and check word of a body in each form see what its body has and what the form adds; with a count beyond
+   its table there is no word. */
+TEST(forms_are_checked_with_their_tables)
+{
+  static fb_form_body none;
+  scene_shape(&closed_3d, BENDING, 1);
+  desc_clear();
+  for (int form = 0; form < 3; form++) {
+    int *const count[] = {&formed.n_run, &formed.n_lambda, &formed.n_gam, &formed.n_torque};
+    scene_body(form, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+    FBT_TRUE(fb_form_crc(&formed) != fb_body_crc(&formed.body));
+    FBT_TRUE((formed.n_gam > 0) == (form == FBT_FIRST));
+    FBT_TRUE(bytes_seen(&formed.form, sizeof formed.form) && bytes_seen(&formed.body.mass, sizeof formed.body.mass));
+    FBT_TRUE(bytes_seen(&formed.stiffness_torque, sizeof formed.stiffness_torque));
+    FBT_TRUE(bytes_seen(&formed.degree, sizeof formed.degree) && bytes_seen(formed.M_rr, sizeof formed.M_rr));
+    terms_are_watched(formed.gam, formed.n_gam);
+    terms_are_watched(formed.torque, formed.n_torque);
+    for (int k = 0; k < FBT_COUNT(count); k++) {
+      const int was = *count[k];
+      for (int beyond = 0; beyond < 2; beyond++) {
+        *count[k] = beyond ? 1 << 20 : -1;
+        FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+        FBT_TRUE(fb_form_crc(&formed) == 0);
+      }
+      *count[k] = was;
+    }
+    formed.M_rr[20] = (fb_real)NAN;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    scene_body(form, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+    formed.degree = 4;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    formed.degree = 3;
+    formed.body.mass = (fb_real)NAN; /* of the body */
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
+    formed.body.n = FB_MAX_MODES + 1;
+    FBT_INT_EQ(fb_form_check(&formed), FB_ERR_CAPACITY);
+    FBT_TRUE(fb_form_crc(&formed) == 0);
+  }
+  FBT_TRUE(fb_form_check(&none) != FB_OK);
+  FBT_INT_EQ(fb_form_check(NULL), FB_ERR_NULL);
+  FBT_TRUE(fb_form_crc(NULL) == 0);
+}
+
+SUITE(forms, RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
+      RUN(truncated_torques_agree_on_a_closed_basis), RUN(stiffness_torques_are_those_of_tapered_beams),
+      RUN(second_order_form_is_the_printed_one), RUN(truncation_does_what_the_paper_shows),
+      RUN(forms_are_checked_with_their_tables))

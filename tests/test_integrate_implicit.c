@@ -321,56 +321,6 @@ TEST(stiff_axial_modes_do_not_set_the_step)
   }
 }
 
-/* E11.4, E11.5: on a base at rest a linear body's step is linear: one iteration leaves nothing, in every form. */
-TEST(one_iteration_steps_linear_bodies_of_every_form)
-{
-  for (int k = 0; k < 2 * FBT_FORMS; k++) {
-    fb_state once, often;
-    boom(FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING, FB_BASE_PRESCRIBED, 2, 2, 0, 0.02);
-    FBT_SET_FORM(body_desc, k % FBT_FORMS);
-    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
-    fbt_seed(8);
-    start(&once, 0.05, 0.2);
-    often = once;
-    for (int n = 1; n <= 10; n += 9) {
-      fb_state *const s = n == 1 ? &once : &often;
-      FBT_INT_EQ(k < FBT_FORMS ? fb_midpoint_step(&body, s, &implicit_work, NULL, FB_R(0.02), n)
-                               : fb_sdirk_step(&body, s, &implicit_work, NULL, NULL, FB_R(0.02), n),
-                 FB_OK);
-    }
-    FBT_BELOW(fbt_difference(once.q, often.q, body.n), FBT_TOL(1e-14, 1e-6));
-    FBT_BELOW(fbt_difference(once.pi, often.pi, body.n), FBT_TOL(1e-13, 1e-5));
-  }
-}
-
-/* E11.4, E11.5: small motion of a free body at rest, or a pinned one, is linear: one iteration leaves next to nothing,
-   in every form. */
-TEST(one_iteration_steps_small_motion_of_every_form)
-{
-  for (int k = 0; k < 4 * FBT_FORMS; k++) {
-    const double size = FBT_TOL(1e-7, 1e-4);
-    fb_state once, often;
-    boom(FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING, k / (2 * FBT_FORMS) ? FB_BASE_PINNED : FB_BASE_FREE, 2, 2, 0, 0.02);
-    FBT_SET_FORM(body_desc, k % FBT_FORMS);
-    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
-    FBT_INT_EQ(fb_state_init(&body, &once), FB_OK);
-    fbt_seed(8);
-    fbt_fill(once.q, body.n, size);
-    often = once;
-    for (int n = 1; n <= 10; n += 9) {
-      fb_state *const s = n == 1 ? &once : &often;
-      for (int m = 0; m < 3; m++) {
-        FBT_INT_EQ(k / FBT_FORMS % 2 ? fb_midpoint_step(&body, s, &implicit_work, NULL, FB_R(0.02), n)
-                                     : fb_sdirk_step(&body, s, &implicit_work, NULL, NULL, FB_R(0.02), n),
-                   FB_OK);
-      }
-    }
-    FBT_BELOW(fbt_difference(once.q, often.q, body.n), FBT_TOL(1e-6, 1e-3) * size);
-    FBT_BELOW(fbt_difference(once.pi, often.pi, body.n), FBT_TOL(1e-6, 1e-3) * fbt_largest(often.pi, body.n));
-    FBT_BELOW(fbt_difference(once.quat, often.quat, 4), FBT_TOL(1e-6, 1e-3) * size);
-  }
-}
-
 /* E11.32: two iterations that leave more than a tenth of the first correction and a hundredth of the step's way do not
    make a step: a light, soft, fast body whose steps are long is refused, or right to a few parts in a hundred. */
 TEST(implicit_steps_that_have_not_converged_say_so)
@@ -469,6 +419,4 @@ SUITE(integrate_implicit, RUN(a_fast_base_that_begins_to_turn_is_no_failure),
       RUN(implicit_integrators_do_not_mind_drift), RUN(iterations_are_newtons),
       RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
       RUN(the_exponential_integrator_is_exact_for_linear_bodies), RUN(the_exponential_integrator_knows_its_functions),
-      RUN(the_exponential_integrator_is_exact_for_constant_loads), RUN(stiff_axial_modes_do_not_set_the_step),
-      RUN_FORMS(one_iteration_steps_linear_bodies_of_every_form),
-      RUN_FORMS(one_iteration_steps_small_motion_of_every_form))
+      RUN(the_exponential_integrator_is_exact_for_constant_loads), RUN(stiff_axial_modes_do_not_set_the_step))

@@ -659,25 +659,21 @@ TEST(damping_of_lines_takes_its_power)
   FBT_NEAR_REL(energy - energy_of(&state), done, FBT_TOL(1e-7, 1e-2));
 }
 
-#if FB_WITH_FORMS
 /* Interface: the other forms have no terms for lines. */
 TEST(other_forms_than_the_momentum_form_refuse_lines)
 {
+  static fb_form_body formed;
   line_make(0);
   line_body(0.0);
-  level.form = FB_FORM_SECOND;
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_ERR_EFFECTS);
-  level.form = FB_FORM_FIRST;
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_ERR_EFFECTS);
+  for (int form = FBT_SECOND; form < FBT_FORMS; form++) {
+    const fb_form_desc kind = {(fb_form)form, FB_TORQUE_IDENTITY, NULL};
+    FBT_INT_EQ(fb_form_init(&formed, &body_work, &shape, &level, &kind), FB_ERR_EFFECTS);
+  }
 }
-#define LINE_FORMS , RUN(other_forms_than_the_momentum_form_refuse_lines)
-#else
-#define LINE_FORMS
-#endif
 
 SUITE(line_loads, RUN(a_weight_by_callback_is_gravity), RUN(power_of_distributed_loads_is_the_rate_of_energy),
       RUN(drag_by_mass_slows_momenta_in_closed_form), RUN(a_field_of_springs_conserves_energy),
       RUN(points_of_lines_move_as_nodes), RUN(callbacks_that_fail_leave_the_state),
       RUN(a_spinning_rod_is_under_its_tension), RUN(internal_loads_end_at_the_base),
       RUN(internal_moments_bend_the_line), RUN(internal_loads_of_nodes_are_those_of_points),
-      RUN(damping_of_lines_takes_its_power) LINE_FORMS)
+      RUN(damping_of_lines_takes_its_power), RUN(other_forms_than_the_momentum_form_refuse_lines))

@@ -1,7 +1,6 @@
 /* Runs every suite and closes with "N passed, N failed". Optional argument:
    only the tests whose section/name or section/topic/name contains it (`body/`
-   is all tests of that section); --forms: only those for which FB_WITH_FORMS
-   makes a difference; --brief: all but those that last; --figures: print the measured figures, fields separated
+   is all tests of that section); --brief: all but those that last; --figures: print the measured figures, fields separated
    by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
@@ -9,18 +8,13 @@
 #include "fbt.h"
 
 /* In this order they run. */
-#if FB_WITH_FORMS
-#define FORMS(X) X(forms) X(integrate_forms)
-#else
-#define FORMS(X)
-#endif
 // clang-format off
 #define SUITES(X) \
   X(status) X(status_detail) X(vec3) X(rotation) X(linalg) X(beam) \
   X(modes_frequencies) X(modes_components) X(modes_selection) \
   X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_imports) X(body_strain) X(body_rotors) X(body_gravity) X(body_refusals) X(body_build) \
   X(line_parts) X(line_loads) X(line_refusals) \
-  FORMS(X) \
+  X(forms) X(integrate_forms) \
   X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
   X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_machines) X(system_rotors) X(system_gravity) X(system_springs) X(system_friction) X(system_references) X(system_refusals) \
   X(line_kinematics) X(line_statics) X(line_motion) \
@@ -33,7 +27,7 @@
 SUITES(DECLARE)
 
 static int passed, failed, claims_failed;
-static int figures, forms_alone, brief;
+static int figures, brief;
 static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
 double fbt_compared;
@@ -129,7 +123,7 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
     char path[128];
     snprintf(path, sizeof path, "%s/%s", section, cases[i].name);
     path[strcspn(path, "_/")] = '/'; /* a topic of the section */
-    if (strstr(path, only) == NULL || (forms_alone && !cases[i].forms) || (brief && cases[i].lasts)) {
+    if (strstr(path, only) == NULL || (brief && cases[i].lasts)) {
       continue;
     }
     claims_failed = 0;
@@ -284,9 +278,8 @@ double fbt_value(const fbt_table *table, int row, const char *column)
 int main(int argc, char **argv)
 {
   figures = argc > 1 && strcmp(argv[1], "--figures") == 0;
-  forms_alone = argc > 1 && strcmp(argv[1], "--forms") == 0;
   brief = argc > 1 && strcmp(argv[1], "--brief") == 0;
-  only = argc > 1 && !figures && !forms_alone && !brief ? argv[1] : "";
+  only = argc > 1 && !figures && !brief ? argv[1] : "";
   if (!figures) {
     printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
   }

@@ -32,6 +32,10 @@ static inline void boom_beam(fb_beam_desc *desc, const boom *b, int n_element)
   desc->station[0].EI_y = b->planes > 1 ? (fb_real)b->EI : FB_R(0.0);
 }
 
+#if FB_WITH_FORMS
+static fb_form_torque boom_torque; /* stiffness torque as printed, of the last boom_shape with elements */
+#endif
+
 /* Shape integrals of the boom clamped at the origin, and the node of its tip. */
 static inline fb_status boom_shape(fb_shape *shape, int *tip, const boom *b)
 {
@@ -59,6 +63,12 @@ static inline fb_status boom_shape(fb_shape *shape, int *tip, const boom *b)
 #if FB_WITH_NONLINEAR_STRAIN
   if (b->elements) {
     status = status ? status : fb_shape_add_beam_strain(shape, 0, &beam, &basis);
+  }
+#endif
+#if FB_WITH_FORMS
+  memset(&boom_torque, 0, sizeof boom_torque);
+  if (b->elements) {
+    status = status ? status : fb_form_torque_add_beam(&boom_torque, shape, 0, &beam, &basis);
   }
 #endif
   return status ? status : fb_shape_add_beam_node(shape, tip, 0, &beam, &basis, desc.length);

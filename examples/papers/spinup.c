@@ -347,7 +347,7 @@ static int simulate(const scene *s, int timed)
   if (s->dt > step_limit(s)) {
     char message[96], limit[64];
     snprintf(message, sizeof message, "--dt is longer than the stability limit of %s", integrators[s->integrator].name);
-    snprintf(limit, sizeof limit, "%.4g s for %d %s", step_limit(s), model.body.n,
+    snprintf(limit, sizeof limit, "%.4g s for %d %s", step_limit(s), model.formed.body.n,
              s->elements ? "coordinates" : "modes");
     return fail(message, limit);
   }
@@ -392,7 +392,7 @@ static void print_run(const options *o)
   const double peak = tip_peak(&result, &t);
   if (s->elements) {
     printf("%d element(s) of degree %d, %s basis, %d coordinates: ", s->elements, s->polynomial,
-           s->basis == BASIS_OPEN ? "open" : "closed", model.body.n);
+           s->basis == BASIS_OPEN ? "open" : "closed", model.formed.body.n);
   } else {
     printf("%d mode(s): ", s->modes);
   }

@@ -89,7 +89,8 @@ static const integrator integrators[] = {
 static struct {
   fb_shape shape;
   fb_body_work body_work;
-  fb_body body;
+  fb_form_body formed;
+  fb_form_work form_work;
   int tip;   /* node */
   int split; /* the library takes this body for half of something */
 } model;
@@ -103,19 +104,18 @@ static fb_status build_shape(const scene *s)
 
 static fb_status build(const scene *s)
 {
+  const fb_form_desc form = {(fb_form)s->form, (fb_stiffness_torque)s->torque_form, &boom_torque};
   fb_body_desc desc;
   fb_status status = build_shape(s);
   memset(&desc, 0, sizeof desc);
   desc.effects = s->elements ? FB_EFFECTS_STRAIN : s->effects;
   desc.base = s->drive == DRIVE_TORQUE ? FB_BASE_HINGED : FB_BASE_PRESCRIBED;
   desc.truncation = s->degree < 3 ? (fb_truncation)(FB_TRUNCATE_ABOVE_0 + s->degree) : FB_TRUNCATE_NONE;
-  desc.form = (fb_form)s->form;
-  desc.stiffness_torque = (fb_stiffness_torque)s->torque_form;
-  status = status ? status : fb_body_init(&model.body, &model.body_work, &model.shape, &desc);
+  status = status ? status : fb_form_init(&model.formed, &model.body_work, &model.shape, &desc, &form);
   model.split = status == FB_ERR_EFFECTS;
   if (model.split) { /* to show what halves do; the programs say so */
     desc.allow_split_effects = 1;
-    status = fb_body_init(&model.body, &model.body_work, &model.shape, &desc);
+    status = fb_form_init(&model.formed, &model.body_work, &model.shape, &desc, &form);
   }
   return status;
 }
@@ -143,7 +143,7 @@ static double final_spin(const scene *s)
 /* The longest step [s] of the integrator for the undeflected body at its final rate. */
 static double step_limit(const scene *s)
 {
-  return (double)integrators[s->integrator].limit(&model.body, (fb_real)final_spin(s), 0);
+  return (double)integrators[s->integrator].limit(&model.formed.body, (fb_real)final_spin(s), 0);
 }
 
 /* A step [s] with some room below the limit (slopes of the beam lower it where strain is nonlinear); a whole number of
@@ -215,7 +215,7 @@ static power power_of(const fb_state *state, const fb_input *input, double g_dot
   const double g = (double)input->load[0].torque[2];
   power out = {0, 0};
   fb_motion motion;
-  if (input->n_load > 0 && fb_body_motion_eval(&model.body, &motion, state, input) == FB_OK) {
+  if (input->n_load > 0 && fb_form_motion_eval(&model.formed, &motion, state, input) == FB_OK) {
     out.p = g * (double)motion.w[2];
     out.p_dot = g_dot * (double)motion.w[2] + g * (double)motion.w_dot[2];
   }
@@ -227,9 +227,9 @@ static void record(history *h, const fb_state *state, const fb_input *input, dou
   fb_motion motion;
   fb_node_motion node;
   fb_energy energy;
-  if (fb_body_motion_eval(&model.body, &motion, state, input) == FB_OK &&
-      fb_body_node_motion_eval(&model.body, &node, state, &motion, model.tip) == FB_OK &&
-      fb_body_energy_eval(&model.body, &energy, state, input) == FB_OK) {
+  if (fb_form_motion_eval(&model.formed, &motion, state, input) == FB_OK &&
+      fb_body_node_motion_eval(&model.formed.body, &node, state, &motion, model.tip) == FB_OK &&
+      fb_form_energy_eval(&model.formed, &energy, state, input) == FB_OK) {
     h->t[h->rows] = t;
     h->tip_x[h->rows] = (double)node.displacement[0];
     h->tip_y[h->rows] = (double)node.displacement[1];
@@ -252,9 +252,10 @@ static void run(history *h, const scene *s, long stride)
   fb_input input[3];
   power start, end;
   clock_t begin;
-  (void)fb_state_init(&model.body, &state);
-  h->status =
-      body_stepper(&by, &exponential, &model.body_work, &model.body, &state, input, (fb_integrator)s->integrator, dt);
+  (void)fb_state_init(&model.formed.body, &state);
+  h->status = s->form == FB_FORM_MOMENTUM ? body_stepper(&by, &exponential, &model.body_work, &model.formed.body,
+                                                         &state, input, (fb_integrator)s->integrator, dt)
+                                          : FB_OK;
   if (h->status != FB_OK) {
     h->rows = 0;
     h->t_stop = 0;
@@ -279,7 +280,10 @@ static void run(history *h, const scene *s, long stride)
     }
     (void)drive(&input[1], s, middle, middle);
     g_dot = drive(&input[2], s, t + dt, middle);
-    h->status = fb_stepper_step(&by);
+    h->status = s->form == FB_FORM_MOMENTUM
+                    ? fb_stepper_step(&by)
+                    : fb_form_step(&model.formed, &state, &model.form_work, (fb_integrator)s->integrator, &input[0],
+                                   &input[1], &input[2], (fb_real)dt, 0);
     if (h->status != FB_OK) {
       h->t_stop = t;
       break;

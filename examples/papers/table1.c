@@ -117,7 +117,7 @@ static int print_times(const scene *s, int repeat)
     return status;
   }
   printf("%-10s %3d %3d %6.3f %8.3f %7.3f %9.3f %9.1f %6.1f %13.1f %13.1e %13.1e\n", integrators[s->integrator].name,
-         s->elements, model.body.n, 1e3 * s->dt, t.seconds[0], t.seconds[1], t.seconds[2], saving(&t, 1),
+         s->elements, model.formed.body.n, 1e3 * s->dt, t.seconds[0], t.seconds[1], t.seconds[2], saving(&t, 1),
          paper[s->elements - 1], saving(&t, 2), t.difference, t.leak);
   fflush(stdout);
   check(t.status == FB_OK, "every form runs to the end");
@@ -308,8 +308,8 @@ static int print_accuracy(const options *o, scene *s, const accuracy_row *row, c
   run_timed(&result, s, o->repeat);
   peak = tip_peak(&result, &t);
   printf("%-6s  %-33s %3d  %-11s %7.3f %8.3f %12.0f %7.3f %8.3f\n", s->drive == DRIVE_HUB ? "hub" : "torque", row->name,
-         model.body.n, integrators[s->integrator].name, 1e3 * s->dt, 1e-3 * result.ns, real_time_factor(&result, s),
-         100 * (peak / exact - 1), 100 * tip_error(&result, target));
+         model.formed.body.n, integrators[s->integrator].name, 1e3 * s->dt, 1e-3 * result.ns,
+         real_time_factor(&result, s), 100 * (peak / exact - 1), 100 * tip_error(&result, target));
   fflush(stdout);
   check(result.status == FB_OK, "every model runs to the end");
   check(row->same == NULL || fabs(peak / same - 1) < row->tolerance, "the peak of the same model by other means");

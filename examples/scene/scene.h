@@ -50,6 +50,9 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
                            (fb_real)gauges->x[k][0], (fb_real)gauges->x[k][1], (fb_real)gauges->x[k][2]);
   }
   if (status == FB_OK) {
+    status = scene_add_torque(body);
+  }
+  if (status == FB_OK) {
     status = scene_add_drawn(body);
   }
   if (status != FB_OK) {

@@ -38,7 +38,13 @@ static fb_status scene_init_body(const scene *s, int k, const fb_advice *advice)
   if (scene_is_system(s)) {
     level.base = FB_BASE_PRESCRIBED;
   }
-  return status ? status : fb_body_init(&engine.body[k], &engine.body_work, advice ? &selected : &b->shape, &level);
+  status = status ? status : fb_body_init(&engine.body[k], &engine.body_work, advice ? &selected : &b->shape, &level);
+  if (status == FB_OK && b->form.form != FB_FORM_MOMENTUM) {
+    const fb_form_desc form = {b->form.form, b->form.stiffness_torque, &b->torque};
+    status = fb_form_init(&engine.formed, &engine.body_work, &b->shape, &level, &form);
+  }
+  engine.is_formed = b->form.form != FB_FORM_MOMENTUM;
+  return status;
 }
 
 /* ---- the most that happens, by rigid bodies */
@@ -60,6 +66,7 @@ static void scene_widen(fb_real *x, fb_real value)
 static fb_status scene_build_rigid(const scene *s)
 {
   fb_status status = FB_OK;
+  engine.is_formed = 0;
   for (int k = 0; k < s->n_body && status == FB_OK; k++) {
     fb_body_desc level = s->body[k].level;
     level.effects &= FB_EFFECT_GRAVITY;
@@ -485,7 +492,7 @@ static int scene_may_choose(const scene *s, fb_integrator integrator)
     return 0;
   }
   return integrator == FB_INTEGRATOR_RK4 ||
-         (s->body[0].level.form != FB_FORM_FIRST &&
+         (s->body[0].form.form != FB_FORM_FIRST &&
           (integrator == FB_INTEGRATOR_SDIRK || (integrator == FB_INTEGRATOR_MIDPOINT && !scene_is_system(s))));
 }
 

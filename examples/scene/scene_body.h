@@ -153,13 +153,13 @@ static int scene_seen_numbered(const text_words *words, const char *word, int nu
 }
 
 /* form momentum, second or first [identity, printed or boundary]: of the stiffness torque */
-static void scene_read_form(text_file *t)
+static void scene_read_form(text_file *t, fb_form_desc *form)
 {
   static const char *const forms[] = {"momentum", "second", "first", NULL};
   static const char *const torques[] = {"identity", "printed", "boundary", NULL};
-  model.level.form = (fb_form)text_choice(t, "form", forms);
-  if (model.level.form == FB_FORM_FIRST && text_more(t)) {
-    model.level.stiffness_torque = (fb_stiffness_torque)text_choice(t, "stiffness torque", torques);
+  form->form = (fb_form)text_choice(t, "form", forms);
+  if (form->form == FB_FORM_FIRST && text_more(t)) {
+    form->stiffness_torque = (fb_stiffness_torque)text_choice(t, "stiffness torque", torques);
   }
 }
 
@@ -200,7 +200,7 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
       text_fail(t, "a tolerance must be greater than 0");
     }
   } else if (strcmp(word, "form") == 0) {
-    scene_read_form(t);
+    scene_read_form(t, &body->form);
   } else if (strcmp(word, "truncate") == 0) {
     scene_read_truncation(t);
   } else {
@@ -208,6 +208,19 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
   }
   text_end_of_line(t);
   return 1;
+}
+
+/* The stiffness torque of the beams as printed. */
+static fb_status scene_add_torque(scene_body *body)
+{
+  fb_status status = FB_OK;
+  for (int p = 0; p < model.n_part && body->form.stiffness_torque != FB_TORQUE_IDENTITY && status == FB_OK; p++) {
+    status = model.part[p].kind != MODEL_BEAM
+                 ? FB_OK
+                 : fb_form_torque_add_beam(&body->torque, &model_shape, model.part[p].first, &model_beam[p],
+                                           &model_modes[p]);
+  }
+  return status;
 }
 
 static int scene_draws = 1; /* 0: a program that draws nothing */

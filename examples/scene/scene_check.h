@@ -51,13 +51,13 @@ static void scene_check_form(text_file *t, const scene_body *body)
 {
   const fb_body_desc *const level = &body->level;
   const unsigned effects = level->effects;
-  if (level->form == FB_FORM_FIRST && effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) {
+  if (body->form.form == FB_FORM_FIRST && effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) {
     scene_refuse(t, &body->seen, "form", "first has no quadratic displacement: effects strain, spin or linear");
   }
-  if (level->stiffness_torque != FB_TORQUE_IDENTITY && !(effects & FB_EFFECT_NONLINEAR_STRAIN)) {
+  if (body->form.stiffness_torque != FB_TORQUE_IDENTITY && !(effects & FB_EFFECT_NONLINEAR_STRAIN)) {
     scene_refuse(t, &body->seen, "form", "first with a stiffness torque of that kind wants effects strain");
   }
-  if (level->form == FB_FORM_SECOND &&
+  if (body->form.form == FB_FORM_SECOND &&
       !(effects & FB_EFFECT_SPIN_COUPLING) != !(effects & FB_EFFECT_RESIDUAL_INERTIA)) {
     scene_refuse(t, &body->seen, "form", "second wants both of spin_coupling and residual_inertia, or neither");
   }
@@ -82,7 +82,7 @@ static void scene_check_nodes(text_file *t, const scene_body *body)
 static void scene_check_auto(text_file *t, const scene_body *body)
 {
   const unsigned wanted = body->level.effects & ~(unsigned)(FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
-  if (body->level.form != FB_FORM_MOMENTUM || body->level.truncation != FB_TRUNCATE_NONE) {
+  if (body->form.form != FB_FORM_MOMENTUM || body->level.truncation != FB_TRUNCATE_NONE) {
     scene_refuse(t, &body->seen, "auto", "chooses among effects of the momentum form, not truncated");
   }
   if (body->level.mu > FB_R(0.0)) {
@@ -146,7 +146,7 @@ static void scene_check_single(text_file *t, const scene *s)
   const fb_base base = body->level.base;
   const int modal = body->shape.n > 0 || !s->is_exact;
   scene_refuse(t, &s->seen, "method", "is that of bodies on joints");
-  if (body->level.form != FB_FORM_MOMENTUM && s->integrator == FB_INTEGRATOR_EXPONENTIAL) {
+  if (body->form.form != FB_FORM_MOMENTUM && s->integrator == FB_INTEGRATOR_EXPONENTIAL) {
     scene_refuse(t, &s->seen, "integrator", "exponential moves the momentum form alone");
   }
   for (int k = 0; k < s->n_output; k++) {
@@ -265,7 +265,7 @@ static void scene_check_system(text_file *t, const scene *s)
     scene_refuse(t, &s->seen, "integrator", "of bodies on joints is rk4 or sdirk");
   }
   for (int k = 0; k < s->n_body; k++) {
-    if (s->body[k].level.form != FB_FORM_MOMENTUM) {
+    if (s->body[k].form.form != FB_FORM_MOMENTUM) {
       scene_refuse(t, &s->body[k].seen, "form", "is that of a body alone: joints want momentum");
     }
     scene_check_center(t, s, &s->body[k]);
@@ -339,7 +339,7 @@ static void scene_check_rotors(text_file *t, const scene *s)
     if (s->is_exact) {
       text_fail(t, "a rotor is that of a body, not of an exact beam");
     }
-    if (body->level.form != FB_FORM_MOMENTUM) {
+    if (body->form.form != FB_FORM_MOMENTUM) {
       scene_refuse(t, &body->seen, "form", "of a body with rotors is momentum");
     }
   }

@@ -17,6 +17,10 @@ struct scene_engine {
   fb_integrator integrator;
   int long_step;  /* steps beyond the limit are not refused */
   fb_state state; /* one body alone */
+  int is_formed;  /* it moves by another form than the momentum form: */
+  fb_form_body formed;
+  fb_form_work form_work;
+  fb_state plain; /* its start in the momentum form */
   fb_input at[3]; /* start, middle, end of the step */
   fb_stepper by;  /* of the body or the bodies on joints */
   fb_exponential exponential;
@@ -139,6 +143,19 @@ static fb_status single_start_rotors(const scene *s)
   return status;
 }
 
+/* The start in another form: those velocities, or the steady state of the momentum form, which is there. */
+static fb_status single_form(const scene *s, const fb_real v[3], const fb_real w[3], const fb_real *q_dot)
+{
+  fb_motion motion;
+  fb_status status;
+  engine.plain = engine.state;
+  if (!s->trim) {
+    return fb_form_state_from_velocity(&engine.formed, &engine.state, v, w, q_dot);
+  }
+  status = fb_body_motion_eval(&engine.body[0], &motion, &engine.plain, &engine.at[0]);
+  return status ? status : fb_form_state_from_velocity(&engine.formed, &engine.state, motion.v, motion.w, NULL);
+}
+
 /* Pose, velocities and modal deflection at the start, or the steady state. */
 static fb_status single_start(const scene *s)
 {
@@ -168,13 +185,16 @@ static fb_status single_start(const scene *s)
         status ? status : fb_state_from_velocity(&engine.body[0], x, held ? input->v : v, held ? input->w : w, q_dot);
   }
   status = status ? status : single_start_rotors(s);
-  return status || !s->trim ? status : fb_body_trim(&engine.body[0], x, &engine.analyse, input);
+  if (status == FB_OK && s->trim) {
+    status = fb_body_trim(&engine.body[0], x, &engine.analyse, input);
+  }
+  return status == FB_OK && engine.is_formed ? single_form(s, held ? input->v : v, held ? input->w : w, q_dot) : status;
 }
 
 static fb_status single_step(const scene *s, double t, double dt)
 {
   fb_input *const at = engine.at;
-  if (dt != engine.by_step) {
+  if (dt != engine.by_step && !engine.is_formed) {
     const fb_status status = body_stepper(&engine.by, &engine.exponential, &engine.body_work, &engine.body[0],
                                           &engine.state, at, engine.integrator, dt);
     if (status != FB_OK) {
@@ -185,7 +205,9 @@ static fb_status single_step(const scene *s, double t, double dt)
   single_input(s, &at[0], t, t + 0.5 * dt);
   single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   single_input(s, &at[2], t + dt, t + 0.5 * dt);
-  return fb_stepper_step(&engine.by);
+  return engine.is_formed ? fb_form_step(&engine.formed, &engine.state, &engine.form_work, engine.integrator, &at[0],
+                                         &at[1], &at[2], (fb_real)dt, 0)
+                          : fb_stepper_step(&engine.by);
 }
 
 static fb_status single_look(const scene *s, double t)
@@ -195,6 +217,11 @@ static fb_status single_look(const scene *s, double t)
   fb_status status;
   single_input(s, &engine.at[0], t, t + timing.slack);
   view->motion.pose[0] = engine.state;
+  if (engine.is_formed) {
+    status = fb_form_motion_eval(&engine.formed, &view->motion.motion[0], &engine.state, &engine.at[0]);
+    status = status ? status : fb_form_energy_eval(&engine.formed, &view->energy, &engine.state, &engine.at[0]);
+    return status ? status : fb_form_momentum_eval(&engine.formed, &view->momentum, &engine.state, &engine.at[0]);
+  }
   status = fb_body_motion_eval(body, &view->motion.motion[0], &engine.state, &engine.at[0]);
   status = status ? status : fb_body_energy_eval(body, &view->energy, &engine.state, &engine.at[0]);
   return status ? status : fb_body_momentum_eval(body, &view->momentum, &engine.state, &engine.at[0]);
@@ -585,7 +612,8 @@ static fb_status scene_spectrum(const scene *s)
                                       &engine.system_state, &engine.system_at[0]);
   } else {
     single_input(s, &engine.at[0], 0, 0);
-    status = fb_body_spectrum_solve(&engine.body[0], &engine.analyse, &engine.spectrum, &engine.state, &engine.at[0]);
+    status = fb_body_spectrum_solve(&engine.body[0], &engine.analyse, &engine.spectrum,
+                                    engine.is_formed ? &engine.plain : &engine.state, &engine.at[0]);
   }
   scene_put_weight(s, weight);
   return status;

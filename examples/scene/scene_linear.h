@@ -208,8 +208,8 @@ static fb_status plant_solve(const scene *s)
                                  &engine.system_state, &engine.system_at[0], &plant.desc);
   } else {
     single_input(s, &engine.at[0], 0, 0);
-    status =
-        fb_body_linearize(&engine.body[0], &engine.analyse, &plant.linear, &engine.state, &engine.at[0], &plant.desc);
+    status = fb_body_linearize(&engine.body[0], &engine.analyse, &plant.linear,
+                               engine.is_formed ? &engine.plain : &engine.state, &engine.at[0], &plant.desc);
   }
   scene_put_weight(s, weight);
   return status;

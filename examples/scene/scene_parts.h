@@ -51,6 +51,8 @@ typedef struct scene_body {
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
+  fb_form_desc form;         /* of a body alone */
+  fb_form_torque torque;     /* of its shape, where that form wants it */
   int n_node;                /* with node 0; further ones of the shape are drawn: */
   int n_beam, n_drawn;       /* of each of its beams so many, from the root on */
   int on_beam[FB_MAX_NODES]; /* is the node on one of them? */

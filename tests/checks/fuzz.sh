@@ -1,7 +1,6 @@
 #!/bin/sh
 # Every harness of tests/fuzz runs its corpus clean, under the address and undefined-behavior sanitizers, in both
-# precisions, steps with FB_WITH_FORMS, too, and looks for more for some seconds: `make fuzz`, which does so for longer. Of each
-# harness one build on each day.
+# precisions, and looks for more for some seconds: `make fuzz`, which does so for longer. Of each harness one build on each day.
 . tests/checks/common.sh
 need clang "clang libclang-rt-14-dev, or the version of clang"
 FUZZ_DAY=$([ -n "${CHECK_ALL:-}" ] || echo $day) FUZZ_SECONDS=${FUZZ_SECONDS:-4} sh tests/fuzz/fuzz.sh > "$out/log" 2>&1 || {

@@ -38,7 +38,10 @@ static struct world {
   fb_body body, held, bent, bent_held, spun,
       calm,  /* bent ones with lines, the last with rotors, central gravity; calm: balanced, held */
       orbit; /* the same in orbit */
-  fb_state state, bent_state, spun_state, calm_state, orbit_state;
+  fb_form_torque form_torque;
+  fb_form_desc form_desc;
+  fb_form_body formed;
+  fb_state state, bent_state, spun_state, calm_state, orbit_state, form_state;
   fb_input input, bent_input, spun_input, orbit_input;
   fb_motion motion, bent_motion;
   fb_node_motion node_motion;
@@ -73,6 +76,7 @@ static fb_body_work body_work;
 static fb_build_work build_work;
 static fb_rk4_work rk4_work;
 static fb_implicit_work implicit_work;
+static fb_form_work form_work;
 static fb_exponential_work exponential_work;
 static fb_system_work system_work;
 static fb_exact_work exact_work;
@@ -383,6 +387,24 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
     OPTIONAL(input))                                                                                                   \
   F(fb_body_momentum_eval, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state), \
     OPTIONAL(input))                                                                                                   \
+  F(fb_form_torque_add_beam, fb_form_torque_add_beam(p[0], p[1], i[0], p[2], p[3]), 1, BUILT(form_torque),             \
+    MODEL(shape), WHOLE(0), MODEL(beam[0]), MODEL(modes))                                                              \
+  F(fb_form_init, fb_form_init(p[0], p[1], p[2], p[3], p[4]), 1, OUT(fb_form_body), WORK(body_work), IN(shape),        \
+    IN(body_desc), IN(form_desc))                                                                                      \
+  F(fb_form_check, fb_form_check(p[0]), 1, MODEL(formed))                                                              \
+  F(fb_form_crc, give((fb_real)fb_form_crc(p[0])), 0, MODEL(formed))                                                   \
+  F(fb_form_state_from_velocity, fb_form_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(formed),          \
+    STATE(form_state), IN(v), IN(w), OPTIONAL(q_dot))                                                                  \
+  F(fb_form_rates_eval, fb_form_rates_eval(p[0], p[1], p[2], p[3]), 1, MODEL(formed), OUT(fb_state), IN(form_state),   \
+    OPTIONAL(input))                                                                                                   \
+  F(fb_form_motion_eval, fb_form_motion_eval(p[0], p[1], p[2], p[3]), 1, MODEL(formed), OUT(fb_motion),                \
+    IN(form_state), OPTIONAL(input))                                                                                   \
+  F(fb_form_energy_eval, fb_form_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(formed), OUT(fb_energy),                \
+    IN(form_state), OPTIONAL(input))                                                                                   \
+  F(fb_form_momentum_eval, fb_form_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(formed), OUT(fb_momentum),          \
+    IN(form_state), OPTIONAL(input))                                                                                   \
+  F(fb_form_step, fb_form_step(p[0], p[1], p[2], (fb_integrator)i[0], p[3], p[4], p[5], x[0], i[1]), 1, MODEL(formed), \
+    STATE(form_state), WORK(form_work), WHOLE(2), IN(input), OPTIONAL(input), IN(input), REAL(FB_R(0.01)), WHOLE(2))   \
   F(fb_system_init, fb_system_init(p[0], p[1], p[2], p[3], i[0]), 1, OUT(fb_system), WORK(system_work), MODEL(body),   \
     IN(system_desc), WHOLE(1))                                                                                         \
   F(fb_system_check, fb_system_check(p[0], p[1], i[0]), 1, MODEL(system), MODEL(body), WHOLE(1))                       \
@@ -663,6 +685,8 @@ static void body_fill(void)
   w.body_desc.gravity[2] = -FB_R(1.0);
   w.body_desc.zeta[0] = w.body_desc.zeta[1] = FB_R(0.01);
   need(fb_body_init(&w.body, &body_work, &w.natural, &w.body_desc), "body");
+  w.form_desc.form = FB_FORM_SECOND;
+  need(fb_form_init(&w.formed, &body_work, &w.natural, &w.body_desc, &w.form_desc), "body in the second-order form");
   w.build_desc.mass = FB_R(5.0);
   w.build_desc.inertia[0] = w.build_desc.inertia[1] = w.build_desc.inertia[2] = FB_R(2.0);
   w.build_beam[0] = w.build_beam[1] = w.beam_desc;
@@ -723,6 +747,8 @@ static void body_fill(void)
   w.coordinate[1] = 1;
   need(fb_gauge_init(&w.gauge, 0, &w.beam[0], &w.modes, FB_R(0.5), FB_R(0.1), FB_R(0.1)), "gauge");
   need(fb_state_init(&w.body, &w.state), "state");
+  need(fb_state_init(&w.formed.body, &w.form_state), "state in the second-order form");
+  w.form_state.q[0] = FB_R(0.01);
   w.input.n_load = 1;
   w.input.load[0].node = 1;
   w.input.load[0].force[1] = FB_R(0.1);

@@ -13,4 +13,5 @@
 #define FB_MAX_SPEEDS 20
 #define FB_MAX_EXACT 6
 #define FB_WITH_DETAIL 1
+#define FB_WITH_FORMS 1
 #endif

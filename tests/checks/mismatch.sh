@@ -18,7 +18,7 @@ for cc in gcc clang; do
     for opt in -O0 -O2; do
       try $cc -std=c99 -I. $opt $room ${sections%-Wl*} -c -o "$out/impl.o" "$out/impl.c"
       try $cc -std=c99 -I. $opt $room $sections -o "$out/program" "$out/user.c" "$out/impl.o" -lm
-      for option in FB_MAX_MODES=6 FB_SINGLE=1 FB_MAX_NODES=9 FB_MAX_ELEMENTS=30 FB_WITH_GRAVITY=0 FB_WITH_LARGE_DEFLECTION=0 FB_WITH_ROTORS=0 FB_MAX_ROTORS=7 FB_MAX_POINTS=40 FB_MAX_LINES=2 FB_MAX_LINE_ROWS=90 FB_MAX_LINE_TABLE=900 FB_MAX_STRAINS=28 FB_MAX_LAMBDA=90 FB_MAX_EXACT=50 FB_WITH_FORMS=1; do
+      for option in FB_MAX_MODES=6 FB_SINGLE=1 FB_MAX_NODES=9 FB_MAX_ELEMENTS=30 FB_WITH_GRAVITY=0 FB_WITH_LARGE_DEFLECTION=0 FB_WITH_ROTORS=0 FB_MAX_ROTORS=7 FB_MAX_POINTS=40 FB_MAX_LINES=2 FB_MAX_LINE_ROWS=90 FB_MAX_LINE_TABLE=900 FB_MAX_STRAINS=28 FB_MAX_LAMBDA=90 FB_MAX_EXACT=50; do
         if $cc -std=c99 -I. $opt $room $sections -D$option -o "$out/program" "$out/user.c" "$out/impl.o" -lm \
           2> "$out/log"; then
           fail "$cc $opt $sections: -D$option in one file alone links"

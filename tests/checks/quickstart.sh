@@ -29,7 +29,7 @@ cmp -s "$out/printed" "$out/said" || fail "examples/quickstart.c prints \"$(cat 
 # The table of MEMORY: a line for each work struct, its size, a note
 structs=$(sed -n 's/^} \(fb_[a-z0-9_]*_work\);$/\1/p' flexbeam.h)
 {
-  printf '#define FLEXBEAM_STATIC\n#include "flexbeam.h"\n#include <stdio.h>\nint main(void)\n{\n'
+  printf '#define FLEXBEAM_STATIC\n#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include <stdio.h>\nint main(void)\n{\n'
   printf '  printf("pointer %%d\\n", (int)sizeof(void *));\n'
   printf '  printf("%s %%lu\\n", (unsigned long)sizeof(%s));\n' $(for struct in $structs; do echo $struct $struct; done)
   printf '  return 0;\n}\n'

@@ -30,7 +30,7 @@ while read -r rooms system exact single variant; do
 done << END
 00 1 1 0 FB_WITH_FORMS=0
 00 0 0 1 FLEXBEAM_STATIC
-00 1 0 1 FB_WITH_FORMS=1
+00 1 0 1 FB_WITH_FORMS=0
 00 1 0 0 FB_WITH_DETAIL=1
 10 1 1 0 FB_WITH_FORMS=0
 10 1 1 1 FLEXBEAM_STATIC

@@ -1,12 +1,11 @@
 #!/bin/sh
 # Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
-# all forms of the equations in double precision, each board in its own; without large deflection and rotors, and with both). libc and libm count as nothing. Bounds: what was measured and
+# double precision, each board in its own; without large deflection and rotors, and with both). libc and libm count as nothing. Bounds: what was measured and
 # about a quarter more.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
 step_bound=6656 # the exponential step with central gravity, 6392
-forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
 large_step_bound=77824 # with FB_WITH_LARGE_DEFLECTION=1, FB_WITH_ROTORS=1: what a step knows about the lines (fbi_line_work, 54072)
 large_bound=102400      # evaluations beside the step and building
@@ -22,14 +21,13 @@ usage() {
 flies="-DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0"
 for opt in -O2 -Os; do # on the desktop numbers of double precision are the larger ones
   usage large gcc $opt
-  usage forms0 gcc $opt $flies -DFB_WITH_BUILD=0 # building: below
+  usage desktop gcc $opt $flies -DFB_WITH_BUILD=0 # building: below
   for single in 0 1; do
     precision $([ $single = 1 ] && echo single || echo double)
     usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single $flies -DFB_WITH_BUILD=0
   done
 done
-usage forms0 gcc -O2 $flies
-usage forms1 gcc -O2 $flies -DFB_WITH_FORMS=1
+usage desktop gcc -O2 $flies
 # node: { title: "impl.c:f" label: "f\nfile:line:col\nBYTES bytes (static)" }, edge: { sourcename: "f" targetname: "g" }
 awk -F '"' '
   /^node/ && $4 ~ / bytes / { t = $4; sub(/.*\\n/, "", t); split(t, part, " "); own[FILENAME, $2] = part[1]
@@ -45,8 +43,8 @@ awk -F '"' '
     return total[file, f] = own[file, f] + most
   }
   END { for (key in name) { split(key, part, SUBSEP); f = part[2]; sub(/.*:/, "", f)
-                            forms = part[1] ~ /forms1/ ? "forms" : part[1] ~ /large/ ? "large" : ""
-                            print "total" forms, f, depth(part[1], part[2]); print "own", f, own[key] } }
+                            large = part[1] ~ /large/ ? "large" : ""
+                            print "total" large, f, depth(part[1], part[2]); print "own", f, own[key] } }
 ' "$out"/*.ci | sort -k 3,3nr > "$out/stack"
 grep -E '^(unbounded|recursion)' "$out/stack" && fail "stack without a bound"
 # deepest KIND PATTERN: bytes, of which function
@@ -55,14 +53,13 @@ deepest() {
 }
 
 stepper='^fb_((system_)?rk4|midpoint|(system_)?sdirk|exponential|exact)_step$'
-step=$(deepest total $stepper) forms=$(deepest totalforms $stepper) build=$(deepest total .)
+step=$(deepest total $stepper) build=$(deepest total .)
 worst=$(awk '$1 == "own" { print $3 " in " $2; exit }' "$out/stack")
 large_step=$(deepest totallarge $stepper) large=$(deepest totallarge .)
-step=${step:-99999} forms=${forms:-99999}
+step=${step:-99999}
 [ "${step%% *}" -le $step_bound ] || fail "a step takes $step bytes with what it calls, bound $step_bound"
-[ "${forms%% *}" -le $forms_bound ] || fail "a step takes $forms bytes with FB_WITH_FORMS, bound $forms_bound"
 large_step=${large_step:-99999} large=${large:-99999}
 [ "${large_step%% *}" -le $large_step_bound ] || fail "with large deflection a step takes $large_step bytes, bound $large_step_bound"
 [ "${large%% *}" -le $large_bound ] || fail "with large deflection $large bytes, bound $large_bound"
 [ "${build%% *}" -le $build_bound ] || fail "model building takes $build bytes, bound $build_bound"
-ok "$builds builds, steps with all below them $step bytes, with all forms $forms, deepest $build, single function $worst; with large deflection a step $large_step, deepest $large"
+ok "$builds builds, steps with all below them $step bytes, deepest $build, single function $worst; with large deflection a step $large_step, deepest $large"

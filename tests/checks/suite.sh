@@ -1,20 +1,20 @@
 #!/bin/sh
-# The tests pass in single precision by clang, with FB_WITH_FORMS, and those of the forms as C++11 by g++. Others run them
-# by gcc in double precision (`make test`), with FB_WITH_FORMS, too (check-sanitize), and by clang (check-memory);
-# check-bits shows that both compilers give the same bits in both precisions.
+# The tests pass in single precision by clang, and those of the forms as C++11 by g++. Others run them by gcc in double
+# precision (`make test`, check-sanitize) and by clang (check-memory); check-bits shows that both compilers give the same
+# bits in both precisions.
 . tests/checks/common.sh
 need g++ g++
 need clang clang
 result=
-# compiler, FB_SINGLE, FB_WITH_FORMS, FBT_SHORT, optimization, which tests
-for run in "clang 1 1 0 -O2" "g++ 0 1 1 -O1 --forms"; do
+# compiler, FB_SINGLE, FBT_SHORT, optimization, which tests
+for run in "clang 1 0 -O2" "g++ 0 1 -O1 forms/"; do
   set -- $run
-  options="$5 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3 -DFBT_SHORT=$4"
+  options="$4 -DFB_SINGLE=$2 -DFBT_SHORT=$3"
   case $1 in
   g++) try g++ -x c++ -std=c++11 $base $options -o "$out/runner" tests/test_*.c -lm ;;
   *) try $1 $c99 $options -o "$out/runner" tests/test_*.c -lm ;;
   esac
-  try "$out/runner" ${6:-}
-  result="$result, $1 $([ $2 = 1 ] && echo single || echo double)$([ $3 = 0 ] || echo ' forms') $(tail -n 1 "$out/log" | cut -d ' ' -f 1)"
+  try "$out/runner" ${5:-}
+  result="$result, $1 $([ $2 = 1 ] && echo single || echo double) $(tail -n 1 "$out/log" | cut -d ' ' -f 1)"
 done
 ok "tests passed:${result#,}"

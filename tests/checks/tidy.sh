@@ -1,7 +1,7 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks, gcc's analyzer
 # nothing in the library and the tests.
-# All see the library in either precision, and the rest once: programs in double, tests in single with all forms; what differs are
+# All see the library in either precision, and the rest once: programs in double, tests in single; what differs are
 # conversions, of which the compilers warn (compile.sh). FLEXBEAM_IMPL_INCLUDED leaves the library out of what does not use its
 # inside; the paths of what does are followed where the library is looked at alone. cppcheck takes the library as a file of its own
 # and finds what one file does wrong to another's functions by its analysis of the whole program.
@@ -31,14 +31,14 @@ check() {
 look examples/tools/library.c 0
 look "--checks=-clang-analyzer-* $inside" 0
 look "$(echo "$files" | grep -v -e tests/test_ -e bench/bench_exact.c -e bench/bench_system.c -e tools/library.c)" 0 -DFLEXBEAM_IMPL_INCLUDED
-look tests/test_main.c 1 -DFB_WITH_FORMS=1
-look "$(ls tests/test_*.c | grep -v test_main.c)" 1 -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED
+look tests/test_main.c 1
+look "$(ls tests/test_*.c | grep -v test_main.c)" 1 -DFLEXBEAM_IMPL_INCLUDED
 check "$files" 0
 check "" 1 # the library alone
 analyze="gcc -std=c99 -I. -O0 -fanalyzer -fanalyzer-call-summaries --param analyzer-max-svalue-depth=4 -Werror"
 analyze="$analyze -Wno-analyzer-use-of-uninitialized-value -c -o $out/analyzed.o"
 for file in $(ls tests/test_*.c | grep -v test_status_detail.c); do # that one has a copy of the library, which is next
-  try $analyze -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED $file
+  try $analyze -DFLEXBEAM_IMPL_INCLUDED $file
 done
 try $analyze -DFB_WITH_FORMS=1 "$out/impl.c"
 ok "clang-tidy $(clang-tidy --version | sed -n 's/.*version \([0-9.]*\).*/\1/p'), $(cppcheck --version), gcc $(gcc -dumpfullversion) -fanalyzer: nothing found"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # fuzz.sh - `make fuzz`: each harness of tests/fuzz for FUZZ_SECONDS (60) from its corpus on, in double and in single
-# precision half of the time each, what steps in double with FB_WITH_FORMS, too; executions, coverage (edges), findings. A finding stays in build/fuzz/HARNESS, as its
+# precision half of the time each; executions, coverage (edges), findings. A finding stays in build/fuzz/HARNESS, as its
 # message says; minimized it belongs into tests/fuzz/corpus/HARNESS, with a mended library.
 set -eu
 : "${WARNINGS:?run it as: make fuzz}"
@@ -21,7 +21,7 @@ findings=0
 number=${FUZZ_DAY:-}
 printf '%-8s %-9s %10s %8s %9s\n' harness build executions edges findings
 for harness in api step import scene; do
-  builds="double single $([ $harness != step ] || echo forms)"
+  builds="double single"
   if [ -n "$number" ]; then # that of the day
     set -- $builds
     shift $((number % $#))
@@ -30,7 +30,7 @@ for harness in api step import scene; do
   for build in $builds; do
     to=build/fuzz/$harness-$build
     mkdir -p "$to/corpus"
-    clang -std=c99 -I. -ffp-contract=off $level -g -DFB_SINGLE=$([ $build = single ] && echo 1 || echo 0) $([ $build != forms ] || echo -DFB_WITH_FORMS=1) -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+    clang -std=c99 -I. -ffp-contract=off $level -g -DFB_SINGLE=$([ $build = single ] && echo 1 || echo 0) -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
       -o "$to/run" tests/fuzz/$harness.c -lm > "$to/log" 2>&1 || {
       cat "$to/log"
       echo "no harness: libFuzzer is missing? (Debian: apt-get install libclang-rt-14-dev, or the version of clang)"

@@ -15,6 +15,7 @@
 #define FB_MAX_EXACT 8
 #define FB_MAX_POINTS 16
 #define FB_MAX_LINES 1
+#define FB_WITH_FORMS 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "fuzz.h"
@@ -24,6 +25,9 @@ static fb_modes modes;
 static fb_modes_work modes_work;
 static fb_shape shape;
 static fb_body body;
+static fb_form_body formed; /* in another form than the momentum form, if `form` says so; body: its tables */
+static fb_form_work form_work;
+static fb_form form;
 static fb_body_work body_work;
 static fb_state state;
 static fb_rk4_work rk4_work;
@@ -116,7 +120,8 @@ static int build_body(bytes *b, int plain, int lines)
   fb_beam_desc desc;
   fb_modes_desc keep;
   fb_body_desc level;
-  int node, form, bits;
+  int node, bits;
+  fb_form_desc kind = {FB_FORM_MOMENTUM, FB_TORQUE_IDENTITY, NULL};
   memset(&desc, 0, sizeof desc);
   memset(&keep, 0, sizeof keep);
   memset(&level, 0, sizeof level);
@@ -132,16 +137,11 @@ static int build_body(bytes *b, int plain, int lines)
   level.effects = effects[take_below(b, 7)];
   level.effects |= lines ? FB_EFFECTS_LARGE : 0u;
   level.base = (fb_base)take_below(b, FB_BASE_COUNT);
-  form = plain ? 0 : take_below(b, 3); /* with or without forms, the bytes mean the same */
-#if FB_WITH_FORMS
-  level.form = (fb_form)form;
-#else
-  (void)form;
-#endif
+  kind.form = form = plain ? FB_FORM_MOMENTUM : (fb_form)take_below(b, FB_FORM_COUNT);
   level.allow_long_step = take_byte(b) & 1;
   bits = take_byte(b);
   level.zeta[0] = level.zeta[1] = bits & 1 ? FB_R(0.02) : FB_R(1.5);
-  if ((bits & 2) && form == 0) {
+  if ((bits & 2) && form == FB_FORM_MOMENTUM) {
     level.n_rotor = 2;
     level.rotor[0].axis[0] = level.rotor[1].axis[2] = FB_R(1.0);
     level.rotor[0].inertia = level.rotor[1].inertia = FB_R(0.05);
@@ -150,7 +150,8 @@ static int build_body(bytes *b, int plain, int lines)
     level.rotor[1].node = 1;
     level.rotor[1].given = (bits & 8) != 0;
   }
-  if ((bits & 16) && !(plain && FB_SINGLE) && form == 0 && (level.effects & FB_EFFECT_RESIDUAL_INERTIA)) {
+  if ((bits & 16) && !(plain && FB_SINGLE) && form == FB_FORM_MOMENTUM &&
+      (level.effects & FB_EFFECT_RESIDUAL_INERTIA)) {
     level.mu = FB_R(20.0);
     level.center[1] = FB_R(5.0);
   }
@@ -171,14 +172,18 @@ static int build_body(bytes *b, int plain, int lines)
     keep.count[FB_KIND_BEND_Z] = take_byte(b) & 1;
     keep.count[FB_KIND_AXIAL] = take_byte(b) & 1;
   }
-  return fb_beam_init(&beam, &desc) == FB_OK && fb_modes_solve(&modes, &modes_work, &beam, &keep) == FB_OK &&
-         fb_shape_init(&shape, modes.n) == FB_OK &&
-         fb_shape_add_rigid(&shape, take_byte(b) & 1 ? FB_R(20.0) : FB_R(0.01), center, inertia) == FB_OK &&
-         fb_shape_add_beam(&shape, 0, &beam, &modes) == FB_OK &&
-         fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(2.0)) == FB_OK &&
-         (!(level.effects & FB_EFFECT_NONLINEAR_STRAIN) ||
-          fb_shape_add_beam_strain(&shape, 0, &beam, &modes) == FB_OK) &&
-         fb_body_init(&body, &body_work, &shape, &level) == FB_OK;
+  if (!(fb_beam_init(&beam, &desc) == FB_OK && fb_modes_solve(&modes, &modes_work, &beam, &keep) == FB_OK &&
+        fb_shape_init(&shape, modes.n) == FB_OK &&
+        fb_shape_add_rigid(&shape, take_byte(b) & 1 ? FB_R(20.0) : FB_R(0.01), center, inertia) == FB_OK &&
+        fb_shape_add_beam(&shape, 0, &beam, &modes) == FB_OK &&
+        fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(2.0)) == FB_OK &&
+        (!(level.effects & FB_EFFECT_NONLINEAR_STRAIN) ||
+         fb_shape_add_beam_strain(&shape, 0, &beam, &modes) == FB_OK) &&
+        fb_form_init(&formed, &body_work, &shape, &level, &kind) == FB_OK)) {
+    return 0;
+  }
+  body = formed.body;
+  return 1;
 }
 
 static void take_load(fb_load *load, bytes *b)
@@ -239,6 +244,11 @@ static fb_status step_body(const char **name, fb_stepper_desc *way, bytes *b, co
   way->exponential = &exponential;
   way->dt = dt;
   way->iterations = iterations;
+  if (form != FB_FORM_MOMENTUM) {
+    *name = "fb_form_step";
+    way->body = NULL;
+    return fb_form_step(&formed, &state, &form_work, way->integrator, start, middle, end, dt, iterations);
+  }
   switch (way->integrator) {
   case FB_INTEGRATOR_RK4:
     *name = "fb_rk4_step";
@@ -316,21 +326,21 @@ static void run_body(bytes *b, int lines)
     if (k % 4 == 0 && way.body) {
       step_again(&way, &state, &before, sizeof state, status, fb_state_check(&body, &before));
     }
-    status = fb_body_motion_eval(&body, &motion, &state, input);
+    status = fb_form_motion_eval(&formed, &motion, &state, input);
     promise(status != FB_OK ||
                 (all_finite(motion.v, 3) && all_finite(motion.w, 3) && all_finite(motion.acceleration, 3) &&
                  all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, body.n) &&
                  all_finite(motion.reaction_force, 3) && all_finite(motion.reaction_torque, 3)),
-            "not finite", "fb_body_motion_eval");
+            "not finite", "fb_form_motion_eval");
     if (status == FB_OK && fb_body_node_motion_eval(&body, &node, &state, &motion, 1) == FB_OK) {
       promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion_eval");
     }
     if (status == FB_OK && lines) {
       lines_look(&motion, input);
     }
-    status = fb_body_energy_eval(&body, &energy, &state, input);
+    status = fb_form_energy_eval(&formed, &energy, &state, input);
     promise(status != FB_OK || (isfinite(energy.kinetic) && isfinite(energy.strain)), "not finite",
-            "fb_body_energy_eval");
+            "fb_form_energy_eval");
     if (fb_state_check(&body, &state) != FB_OK) {
       promise(fb_state_init(&body, &state) == FB_OK, "refused", "fb_state_init");
     }
