@@ -301,8 +301,8 @@ build/laws_of_double/%.o: tests/laws/%.c build/flags | build/laws_of_double
 build/laws_of_single/%.o: tests/laws/%.c build/flags | build/laws_of_single
 	$(CC) $(SHARED) -DFB_WITH_DETAIL=1 -DFB_SINGLE=1 -c -o $@ $<
 
-build/tests/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests
-	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
+build/tests/%.o: tests/%.c build/flags | build/tests
+	$(CC) $(if $(filter test_main,$*),$(SHARED),$(QUICKLY)) -c -o $@ $<
 
 build/quick_double: $(TESTS:tests/%.c=build/tests/double/%.o)
 build/quick_single: $(TESTS:tests/%.c=build/tests/single/%.o)
@@ -317,8 +317,6 @@ build/tests/double/%.o: tests/%.c | build/tests/double
 
 build/tests/single/%.o: tests/%.c | build/tests/single
 	$(CC) $(OF_QUICK) -DFB_SINGLE=1 -c -o $@ $<
-
-build/tests/test_main.o: flexbeam_impl.h
 
 quick-double quick-single: quick-%: build/quick_%
 	@$< --brief > build/quick_$*.txt || { grep -v '^ok ' build/quick_$*.txt; exit 1; }

@@ -1,4 +1,4 @@
-/* Runs every suite and closes with "N passed, N failed". Optional argument:
+/* Runs every suite and closes with "N passed, N failed". Optional arguments:
    only the tests whose section/name or section/topic/name contains it (`body/`
    is all tests of that section); --brief: all but those that last; --figures: print the measured figures, fields separated
    by |. */
@@ -277,9 +277,11 @@ double fbt_value(const fbt_table *table, int row, const char *column)
 
 int main(int argc, char **argv)
 {
-  figures = argc > 1 && strcmp(argv[1], "--figures") == 0;
-  brief = argc > 1 && strcmp(argv[1], "--brief") == 0;
-  only = argc > 1 && !figures && !brief ? argv[1] : "";
+  for (int i = 1; i < argc; i++) {
+    figures = figures || strcmp(argv[i], "--figures") == 0;
+    brief = brief || strcmp(argv[i], "--brief") == 0;
+    only = argv[i][0] == '-' ? only : argv[i];
+  }
   if (!figures) {
     printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
   }
