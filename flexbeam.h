@@ -171,7 +171,7 @@
      fb_implicit_work             9920
      fb_exponential_work          4752
      fb_system_work             635264
-     fb_exact_work              176088
+     fb_exact_work              187864
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
@@ -179,9 +179,9 @@
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290008
      fb_system_analyse_work    1967808
-     fb_exact_path_work         205352
-     fb_exact_spectrum_work    1627944
-     fb_exact_linear_work      2001624
+     fb_exact_path_work         217128
+     fb_exact_spectrum_work    1834552
+     fb_exact_linear_work      2287432
      fb_advice_work            1135776
 
    CONVENTIONS
@@ -1647,16 +1647,19 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    loads as fields of their own ([L] 3.92-3.105): any deflection, any rotation, full 6x6 sections. For each element
 
      h strain_t = D1 V1 + D2 V2        V = (velocity, angular velocity) of the nodes, section axes
-     momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ X/12, D = -+1 + X A
+     momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ tanh(X/4)/2, D2 = X/(1 - e^-X)
      F2 = D2^T s - h A2^T f            s = stiffness strain, F = (force, moment) at the nodes, f = load less momentum_t
 
-   piecewise constant in space and time as in [L], with two corrections of the means: at the nodes a linear beam is then
-   exact, a bent one and the bending frequencies of a straight one without shear and rotary inertia are of order 4,
-   motion and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 6.5e-4, 1.5e-4, 3.6e-5 high with 10,
-   20, 40 elements, 9.4e-5, 5.9e-6, 3.7e-7 without; no constant element matrix mends what the box scheme makes of shear,
-   stretch and twist waves). An element that turns, by bending or as built, by 15 degrees is 9e-4 too stiff, by 45
-   degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A is to D as
-   velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the step.
+   piecewise constant in space and time as in [L], but for the compliance, which has the variation of the strain, and the
+   mass, two thirds of which move with the middle of an element and a sixth with each node: at the nodes a linear beam is
+   then exact, a bent one and the bending frequencies of a straight one without shear and rotary inertia are of order 4,
+   motion in time and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 2.0e-4, 4.9e-5, 1.2e-5 high
+   with 10, 20, 40 elements, 1.0e-5, 6.3e-7, 4.0e-8 without). A1 V1 + A2 V2 is the velocity of a pose, the middle
+   between those of the nodes: the beam is a Hamiltonian system at any mesh, and what is stable without loss has no growth
+   but rounding, spinning with its mass off its line, too. An element that turns, by bending or as built, by 15 degrees is
+   9e-4 too stiff, by 45 degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A
+   is to D as velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the
+   step.
    Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root.
    Elements may be joints, hinges with springs, dampers and motors: links, folded booms, hinged blades, closed chains whose
    tip is held, are one such beam. A joint keeps energy as the elements do; its outboard side wants inertia, or a spring,
@@ -1693,7 +1696,7 @@ typedef struct fb_exact_joint {
 } fb_exact_joint;
 
 typedef struct fb_exact { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
-  int n, n_lump, iterations, floating;
+  int n, iterations, floating, box;
   fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
   fb_real beta;                /* of dissipation */
   fb_real gravity[3];
@@ -1706,11 +1709,12 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
   fb_real S[36 * FB_MAX_EXACT]; /* its inverse, zero where rigid */
   fb_real section[36 * FB_MAX_EXACT],
       taper[36 * FB_MAX_EXACT]; /* the section's own compliance, its change over the element */
-  fb_real M[36 * FB_MAX_EXACT], M_inverse[36 * FB_MAX_EXACT];
-  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* undeformed nodes in the base frame */
+  fb_real M[36 * FB_MAX_EXACT], M_inverse[36 * FB_MAX_EXACT]; /* inertia per length that moves with the middle */
+  fb_real weight[4 * FB_MAX_EXACT]; /* mass and first moment of mass per length, of the middle */
+  fb_real share[8 * FB_MAX_EXACT];  /* those that move with the inboard and the outboard node */
+  fb_real node_M[36 * (FB_MAX_EXACT + 1)], node_weight[4 * (FB_MAX_EXACT + 1)]; /* of the nodes, with lumped bodies */
+  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)];              /* undeformed nodes in the base frame */
   int branch[FB_MAX_LUMPS]; /* elements whose inboard node is another, ascending */
-  int lump_node[FB_MAX_LUMPS];
-  fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
   fb_exact_joint joint[FB_MAX_LUMPS];
 } fb_exact;
 
@@ -1736,8 +1740,9 @@ typedef struct fb_exact_input { /* all zero: nothing acts, the base rests */
 typedef struct fb_exact_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
   fb_real base_position[3], base_quat[4]; /* base frame, inertial; [m]. Nothing held: the frame of the root section */
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* nodes in the base frame */
-  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS];
-  fb_real strain_rate[6 * FB_MAX_EXACT], momentum_rate[6 * FB_MAX_EXACT], lump_rate[6 * FB_MAX_LUMPS];
+  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT];    /* of the elements */
+  fb_real strain_rate[6 * FB_MAX_EXACT], momentum_rate[6 * FB_MAX_EXACT];
+  fb_real velocity[6 * (FB_MAX_EXACT + 1)], velocity_rate[6 * (FB_MAX_EXACT + 1)]; /* of the nodes, after the step */
   fb_real angle[FB_MAX_LUMPS], angle_rate[FB_MAX_LUMPS]; /* of the joints, [rad]; the rate in the last step */
   /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
      before it; loads between elements */
@@ -1762,13 +1767,19 @@ typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the
   fb_real shift;                  /* rate of a strain, momentum or pose by itself */
 } fbi_exact_motion;
 
+/* Functions of the twist of an element (E10.28). */
+typedef struct fbi_exact_twist {
+  fb_real f[6], even, screw, beta[6];
+} fbi_exact_twist;
+
 /* What an element knows about itself, and the derivatives of it. */
 typedef struct fbi_exact_cell {
   fb_real h;
   fb_real strain[6], theta[6]; /* strain, twist from end to end */
-  fb_real V[6], dV[6], dG[3];  /* mean velocity; differences between the ends of velocity and gravity */
-  fb_real P[6];                /* momentum per length */
-  fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
+  fbi_exact_twist twist;
+  fb_real V[6], P[6];          /* of the middle: velocity, momentum per length */
+  fb_real f[6], dead[6], G[3]; /* load per length there, dead line loads, gravity */
+  fb_real p[6], F1[6], F2[6];  /* ad(theta)^T s; loads on the nodes */
 } fbi_exact_cell;
 
 typedef struct fbi_exact_jacobian {
@@ -1787,9 +1798,12 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)], R[9 * (FB_MAX_EXACT + 1)];
   fb_real V[6 * (FB_MAX_EXACT + 1)], G[6 * (FB_MAX_EXACT + 1)], s[6 * FB_MAX_EXACT];
-  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
+  fb_real
+      middle[9 * FB_MAX_EXACT]; /* dead loads, gravity in axes of the middles of elements at the start of the step */
+  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], velocity[6 * (FB_MAX_EXACT + 1)],
+      node_momentum[6 * (FB_MAX_EXACT + 1)];                                            /* where rates start */
   fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
-  fb_real back[6 * (FB_MAX_EXACT + 1)]; /* way of held nodes back to their place */
+  fb_real way[2][6 * (FB_MAX_EXACT + 1)], away, along[2], pull[3]; /* of held nodes back to their place (E10.16) */
   /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
      angle to hold in a steady state; motors */
   fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
@@ -1851,10 +1865,8 @@ FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3],
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
    in every step of a conservative beam. This and the momentum refuse what fb_exact_state_check refuses. */
 FB_API fb_status fb_exact_energy_eval(const fb_exact *exact, fb_energy *energy, const fb_exact_state *state);
-/* A free beam's own momenta drift with the mesh and the step, order 2, by what turns differently within an element (the
-   mean of w x p is not that of the means): 5 m, 1 kg/m, EI 100 N m^2, pushed across at its tip by 50 N for 1 s, steps
-   of 5 ms, six seconds: by 2e-3, 5e-4, 1.1e-4 of the linear and 7.3e-3, 2e-3, 9e-4 of the angular with 10, 20, 40
-   elements; by 10 N, which bends it less, 1.2e-4, 3e-5, 5e-6 and 3e-4, 8e-5, 1.6e-5. Rigid flight keeps them. */
+/* A free beam's own momenta drift with the step, order 2, whatever the mesh: the beam of Simo and Vu-Quoc (10 m, 50 N s in
+   5 s, steps of 10 ms) leaves with 8e-5 too little and keeps that to 2e-5, its energy to 4e-6. Rigid flight keeps them. */
 FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *momentum, const fb_exact_state *state);
 
 #endif /* FB_WITH_EXACT */
@@ -2011,8 +2023,8 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
 
 /* One step under loads and motion of the base of its middle. Order 2. Without dissipation the energy of a beam of any
    line and section on a root that is held and at rest, under no loads, is constant but for the last correction of the
-   iteration, whatever the step. The energy of a free beam varies by order 2 of step and element length together (10
-   elements that bend far: some 1e-4 in steps that resolve it), that of gravity by order 2 of the step. A limit of
+   iteration, whatever the step. The energy of a free beam (some 1e-6 in steps that resolve it) and that of gravity vary by
+   order 2 of the step, whatever the mesh. A limit of
    stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root
    are brought back to their place within the next step, or over 0.03 fb_exact.time if that is longer (about a sixtieth
    of the period of a cantilever's first mode), across the reaction, so that they do no work. Steps may differ; one that
@@ -2708,6 +2720,8 @@ typedef struct fb_exact_desc {
   int n_branch;       /* further chains */
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
+  int box; /* nonzero: mass that moves along the line stays in the middle of the elements, as in the box scheme of
+                         [L], where stretch waves of a straight beam travel without error in steps of dx/c */
   fb_real
       place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
                        joint; all 0: equal elements, joints of length zero between them. The same of each branch, the
@@ -3144,7 +3158,7 @@ FB_API fb_real fb_spectrum_error(const fb_spectrum *spectrum, fb_integrator inte
 
 #define FB_EXACT_MODES 24 /* maximum number of modes of a call */
 #define FBI_EXACT_BASIS 120
-#define FBI_EXACT_DIM (12 * FB_MAX_EXACT + 6 + 6 * FB_MAX_LUMPS)
+#define FBI_EXACT_DIM (18 * FB_MAX_EXACT + 12)
 
 typedef struct fb_exact_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;

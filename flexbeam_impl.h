@@ -13554,89 +13554,236 @@ static FBI_NOINLINE void fbi_exact_joint_jacobian(fbi_exact_jacobian *jac, const
 
 /* ---- one element */
 
-/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a twist in section axes; d = b - a. */
-static void fbi_exact_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
+/* [E10.28] Functions of the twist theta = (v, w) of an element and of z = ad(theta), with the geodesic middle of its two
+   poses, g_1 exp(theta/2), exp(theta) = g_1^-1 g_2:
+     velocity of the middle  A1 V1 + A2 V2, A = 1/2 -+ tanh(z/4)/2
+     rate of the twist       D1 V1 + D2 V2, D2 = z/(1 - e^-z) = 1 + z/2 + E, D1 = -z/(e^z - 1) = -1 + z/2 - E
+   Both are exact for any theta. A function of z is one of the rotation w alone with its derivative in the direction v
+   beside it (z is a dual number over w^): with x = w.w, T = tan(phi/4)/(2 phi), q = (phi/2 cot(phi/2) - 1)/x, phi^2 = x,
+     tanh(z/4)/2 = ad(beta), beta = (T v + 2 T' (w.v) w, T w)
+     E = -q z^2 - 2 q' (w.v) Omega, Omega (y_v, y_w) = (w x (w x y_w), 0).
+   f: T, T', T'', q, q', q''. Series where these cancel, up to half a radian.
+   Source: own; dexp of SE(3), [L] 3.96-3.105 have D to the first order.  Cost: 80 flops.  Fails: never below 2 pi.
+   Test: velocity_of_the_middle_is_that_of_a_pose. */
+static void fbi_exact_functions(fb_real f[6], fb_real x)
 {
-  for (int i = 0; i < 6; i++) {
-    d[i] = b[i] - a[i];
+  static const fb_real tangent[9] = {FB_R(0.125),
+                                     FB_R(0.0026041666666666665),
+                                     FB_R(6.510416666666667e-5),
+                                     FB_R(1.6469804067460317e-6),
+                                     FB_R(4.1712739059744268e-8),
+                                     FB_R(1.056580010640883e-9),
+                                     FB_R(2.6763439450953014e-11),
+                                     FB_R(6.7792571478119039e-13),
+                                     FB_R(1.7172058606100792e-14)};
+  static const fb_real cotangent[9] = {
+      FB_R(-0.08333333333333333),    FB_R(-0.001388888888888889),   FB_R(-3.306878306878307e-5),
+      FB_R(-8.267195767195768e-7),   FB_R(-2.08767569878681e-8),    FB_R(-5.284190138687493e-10),
+      FB_R(-1.3382536530684679e-11), FB_R(-3.3896802963225828e-13), FB_R(-8.5860620562778446e-15)};
+  if (x < FB_R(0.25)) {
+    for (int k = 0; k < 6; k += 3) { /* Horner's scheme, with derivatives */
+      const fb_real *const c = k == 0 ? tangent : cotangent;
+      fb_real y = c[8], y1 = FB_R(0.0), y2 = FB_R(0.0);
+      for (int i = 7; i >= 0; i--) {
+        y2 = y2 * x + y1;
+        y1 = y1 * x + y;
+        y = y * x + c[i];
+      }
+      f[k] = y;
+      f[k + 1] = y1;
+      f[k + 2] = FB_R(2.0) * y2;
+    }
+    return;
   }
-  fbi_ad(y, theta, d);
-  for (int i = 0; i < 6; i++) {
-    y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
+  {
+    const fb_real phi = FB_SQRT(x), tan4 = FB_SIN(FB_R(0.25) * phi) / FB_COS(FB_R(0.25) * phi);
+    const fb_real sec2 = FB_R(0.125) * (FB_R(1.0) + tan4 * tan4);
+    const fb_real sine = FB_SIN(FB_R(0.5) * phi), cot = FB_COS(FB_R(0.5) * phi) / sine;
+    const fb_real csc2 = FB_R(1.0) / (sine * sine), slope = cot / (FB_R(4.0) * phi) - csc2 / FB_R(8.0);
+    const fb_real bend =
+        (csc2 * cot / FB_R(8.0) - csc2 / (FB_R(8.0) * phi) - cot / (FB_R(4.0) * x)) / (FB_R(2.0) * phi);
+    f[0] = tan4 / (FB_R(2.0) * phi);
+    f[1] = (sec2 - f[0]) / (FB_R(2.0) * x);
+    f[2] = (sec2 * tan4 / (FB_R(4.0) * phi) - FB_R(3.0) * f[1]) / (FB_R(2.0) * x);
+    f[3] = (FB_R(0.5) * phi * cot - FB_R(1.0)) / x;
+    f[4] = (slope - f[3]) / x;
+    f[5] = (bend - FB_R(2.0) * f[4]) / x;
   }
 }
 
-/* The same mean of a vector, by the rotational part of theta alone. */
-static void fbi_exact_mean3(fb_real y[3], fb_real d[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
+static void fbi_exact_twist_eval(fbi_exact_twist *t, const fb_real theta[6])
 {
+  const fb_real *const v = theta, *const w = theta + 3;
+  const fb_real along = fb_vec3_dot(w, v);
+  fbi_exact_functions(t->f, fb_vec3_dot(w, w));
   for (int i = 0; i < 3; i++) {
+    t->beta[i] = t->f[0] * v[i] + FB_R(2.0) * t->f[1] * along * w[i];
+    t->beta[i + 3] = t->f[0] * w[i];
+  }
+  t->even = -t->f[3];
+  t->screw = -FB_R(2.0) * t->f[4] * along;
+}
+
+/* y = A1 a + A2 b: velocity of the middle, of those of the ends. */
+static void fbi_exact_mean(fb_real y[6], const fbi_exact_twist *t, const fb_real a[6], const fb_real b[6])
+{
+  fb_real d[6];
+  for (int i = 0; i < 6; i++) {
     d[i] = b[i] - a[i];
   }
-  fb_vec3_cross(y, theta + 3, d);
-  for (int i = 0; i < 3; i++) {
-    y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
+  fbi_ad(y, t->beta, d);
+  for (int i = 0; i < 6; i++) {
+    y[i] += FB_R(0.5) * (a[i] + b[i]);
   }
 }
 
-/* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at
-   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df:
-   difference of the dead loads and gravity between its ends.
-   Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
+/* The same of a vector fixed in space, in section axes of the ends and of the middle. */
+static void fbi_exact_mean3(fb_real y[3], const fbi_exact_twist *t, const fb_real a[3], const fb_real b[3])
+{
+  const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  fb_vec3_cross(y, t->beta + 3, d);
+  for (int i = 0; i < 3; i++) {
+    y[i] += FB_R(0.5) * (a[i] + b[i]);
+  }
+}
+
+/* Weight (mass times G, its moment) of a mass and its first moment in weight, added to f. */
+static void fbi_exact_weight_add(fb_real f[6], const fb_real weight[4], const fb_real G[3])
+{
+  fbi_vec3_add(f, weight[0], G);
+  fbi_vec3_add_cross(f + 3, weight + 1, G);
+}
+
+/* Its derivative by a rotation r, G x r, times s: added to the last three columns of Y. */
+static void fbi_exact_weight_turn(fb_real Y[36], fb_real s, const fb_real weight[4], const fb_real G[3])
+{
+  const fb_real along = s * fb_vec3_dot(weight + 1, G);
+  fbi_add_skew(Y + 3, 6, s * weight[0], G);
+  for (int i = 0; i < 3; i++) {
+    fbi_vec3_add(Y + 6 * i + 21, s * G[i], weight + 1);
+    Y[7 * i + 21] -= along;
+  }
+}
+
+/* Load of inertia, ad(V)^T P - momentum_t, P = M V, added to f; P_base: where the rate of the momentum starts from. */
+static void fbi_exact_inertia_add(fb_real f[6], const fb_real V[6], const fb_real P[6], const fb_real P_base[6],
+                                  fb_real shift)
+{
+  fb_real y[6];
+  fbi_adT(y, V, P);
+  for (int i = 0; i < 6; i++) {
+    f[i] += y[i] - shift * (P[i] - P_base[i]);
+  }
+}
+
+/* Attitude of a section relative to the base at mid-step: from that at the start of the step, rotated by its own angular
+   velocity and by the base's. */
+static void fbi_exact_attitude(fb_real R[9], const fb_exact_work *work, const fb_real start[4], const fb_real w[3])
+{
+  fb_real turn[3], own[4], ahead[4], quat[4];
+  for (int i = 0; i < 3; i++) {
+    turn[i] = work->motion.pose * w[i];
+  }
+  fb_quat_from_rotvec(own, turn);
+  fb_quat_mul(ahead, start, own);
+  fb_quat_mul(quat, work->before, ahead);
+  fb_quat_to_mat33(R, quat);
+}
+
+/* y = R(quat)^T x */
+static void fbi_quat_back(fb_real y[3], const fb_real quat[4], const fb_real x[3])
+{
+  fb_real t[3], u[3];
+  fb_vec3_cross(t, quat + 1, x);
+  fb_vec3_cross(u, quat + 1, t);
+  for (int i = 0; i < 3; i++) {
+    y[i] = x[i] + FB_R(2.0) * (u[i] - quat[0] * t[i]);
+  }
+}
+
+/* Dead loads on the length and gravity in section axes of the middle: steady by the attitudes of the ends; marching from
+   those at the start of the step, turned by its own angular velocity, as the nodes turn by theirs. */
+static void fbi_exact_middle_loads(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
+{
+  const fb_real *const n = work->line_dead + 6 * k, *const load[3] = {n, n + 3, work->gravity};
+  const int only = work->motion.dead ? 0 : 2, end = work->motion.gravity ? 3 : 2;
+  fb_real *const out[3] = {c->dead, c->dead + 3, c->G};
+  if (work->motion.march) {
+    fb_real turn[3], own[4];
+    for (int i = 0; i < 3; i++) {
+      turn[i] = work->motion.pose * c->V[i + 3];
+    }
+    fb_quat_from_rotvec(own, turn);
+    for (int i = only; i < end; i++) {
+      fbi_quat_back(out[i], own, work->middle + 9 * k + 3 * i);
+    }
+    return;
+  }
+  for (int i = only; i < end; i++) {
+    fb_real p[3], q[3];
+    fb_mat33_mulT_vec3(p, work->R + 9 * m->inboard[k], load[i]);
+    fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, load[i]);
+    fbi_exact_mean3(out[i], &c->twist, p, q);
+  }
+}
+
+/* [E10.7] Balance of an element: loads on its nodes of the stress s and of the load f per length that acts in its middle,
+     F2 = D2^T s - h A2^T f,   F1 = -D1^T s + h A1^T f,   f = load + weight - momentum_t + ad(V)^T P,
+   with the matrices of E10.28, so that what f does is its power in the motion of the middle. Of loads on the length and
+   of mass two thirds are there, the rest is at the nodes (E10.6, E10.18).
+   Source: [L] 3.92-3.95, 3.89; virtual power, Simpson's rule.  Cost: about 350 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
 static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
+  const fbi_exact_twist *const t = &c->twist;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
+  const fb_real two_thirds = FB_R(2.0) / FB_R(3.0);
   const int root = m->inboard[k];
-  fb_real f[6], df[6], y[6], mean_G[3];
+  fb_real bend[6], load[6];
 
   /* Strain from the stress, twist over the element */
   c->h = m->h[k];
   fbi_vec6_zero(c->P);
-  fbi_vec6_zero(df);
   fbi_mat66_mul_vec6(c->strain, m->C + 36 * k, s);
   for (int i = 0; i < 6; i++) {
     c->theta[i] = c->h * (m->xi[6 * k + i] + c->strain[i] + work->offset[6 * k + i]);
   }
+  fbi_exact_twist_eval(&c->twist, c->theta);
 
-  /* Line loads: follower loads, then dead loads turned to section axes */
-  fbi_vec6_copy(f, work->line + 6 * k);
-  if (motion->dead) {
-    const fb_real *const a = work->R + 9 * root, *const b = work->R + 9 * k + 9, *const n = work->line_dead + 6 * k;
-    for (int i = 0; i < 6; i += 3) {
-      fb_real p[3], q[3], mean[3];
-      fb_mat33_mulT_vec3(p, a, n + i);
-      fb_mat33_mulT_vec3(q, b, n + i);
-      fbi_exact_mean3(mean, df + i, c->theta, p, q);
-      fbi_vec3_add(f + i, FB_R(1.0), mean);
-    }
-  }
-
-  /* Gravity and inertia */
-  if (motion->gravity) {
-    fbi_exact_mean3(mean_G, c->dG, c->theta, work->G + 6 * root, work->G + 6 * k + 6);
-    for (int i = 0; i < 6; i++) {
-      f[i] += fb_vec3_dot(M + 6 * i, mean_G);
-      df[i] += fb_vec3_dot(M + 6 * i, c->dG);
-    }
-  }
+  /* Velocity of the middle; line loads: follower loads, then dead loads turned to section axes; gravity */
   if (motion->inertia) {
-    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * root, work->V + 6 * k + 6);
-    fbi_mat66_mul_vec6(c->P, M, c->V);
-    fbi_adT(y, c->V, c->P);
-    for (int i = 0; i < 6; i++) {
-      f[i] += y[i] - motion->shift * (c->P[i] - work->momentum[6 * k + i]);
-    }
+    fbi_exact_mean(c->V, t, work->V + 6 * root, work->V + 6 * k + 6);
+  }
+  fbi_vec6_copy(c->f, work->line + 6 * k);
+  if (motion->dead || motion->gravity) {
+    fbi_exact_middle_loads(c, work, m, k);
+  }
+  if (motion->dead) {
+    fbi_vec6_add(c->f, FB_R(1.0), c->dead);
+  }
+  for (int i = 0; i < 6; i++) {
+    c->f[i] *= two_thirds;
+  }
+  if (motion->gravity) {
+    fbi_exact_weight_add(c->f, m->weight + 4 * k, c->G);
   }
 
-  /* Change of the internal load over the element, and its values at both ends */
-  fbi_adT(c->dF, c->theta, s);
-  fbi_vec6_add(c->dF, -c->h, f);
-  fbi_adT(y, c->theta, c->dF);
+  /* Inertia */
+  if (motion->inertia) {
+    fbi_mat66_mul_vec6(c->P, M, c->V);
+    fbi_exact_inertia_add(c->f, c->V, c->P, work->momentum + 6 * k, motion->shift);
+  }
+
+  /* s + E^T s - h ad(beta)^T f +- (ad(theta)^T s - h f)/2 */
+  fbi_adT(c->p, c->theta, s);
+  fbi_adT(bend, c->theta, c->p);
+  fbi_adT(load, t->beta, c->f);
   for (int i = 0; i < 6; i++) {
-    const fb_real mean = s[i] + (y[i] - c->h * df[i]) / FB_R(12.0);
-    c->F1[i] = mean - FB_R(0.5) * c->dF[i];
-    c->F2[i] = mean + FB_R(0.5) * c->dF[i];
+    const fb_real odd = FB_R(0.5) * (c->p[i] - c->h * c->f[i]);
+    const fb_real even = s[i] + t->even * bend[i] + (i < 3 ? FB_R(0.0) : t->screw * bend[i - 3]) - c->h * load[i];
+    c->F1[i] = even - odd;
+    c->F2[i] = even + odd;
   }
 }
 
@@ -13649,37 +13796,49 @@ static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, co
   }
 }
 
-/* [E10.8] Compatibility of an element. Marching: h strain_t = V2 - V1 + ad(theta) V (= D1 V1 + D2 V2). Steady: theta is
-   the twist between the poses of its ends. r: residual.
-   Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
+/* [E10.8] Compatibility of an element. Marching: h strain_t = D1 V1 + D2 V2 (E10.28). Steady: theta is the twist between
+   the poses of its ends. r: residual.
+   Source: [L] 3.96-3.105 differentiated in time.  Cost: 100 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
 static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m,
                                     int k)
 {
-  fb_real y[6];
+  const int root = m->inboard[k];
+  const fb_real *const a = work->V + 6 * root, *const b = work->V + 6 * k + 6;
+  fb_real d[6], y[6], turn[6], bend[6];
   if (!work->motion.march) {
-    const int root = m->inboard[k];
     fbi_pose_difference(y, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
     for (int i = 0; i < 6; i++) {
       r[i] = c->theta[i] - y[i];
     }
     return;
   }
-  fbi_ad(y, c->theta, c->V);
   for (int i = 0; i < 6; i++) {
-    r[i] = work->motion.shift * c->h * (c->strain[i] - work->strain[6 * k + i]) - c->dV[i] - y[i];
+    d[i] = b[i] - a[i];
+  }
+  fbi_ad(turn, c->theta, d);
+  for (int i = 0; i < 6; i++) { /* ad(theta) (mean - q ad(theta) d) */
+    y[i] = FB_R(0.5) * (a[i] + b[i]) + c->twist.even * turn[i];
+  }
+  fbi_ad(bend, c->theta, y);
+  fb_vec3_cross(y, c->theta + 3, turn + 3);
+  for (int i = 0; i < 6; i++) {
+    r[i] = work->motion.shift * c->h * (c->strain[i] - work->strain[6 * k + i]) - d[i] - bend[i] -
+           (i < 3 ? c->twist.screw * y[i] : FB_R(0.0));
   }
 }
 
-/* D1, D2 = -+1 + ad(theta)/2 -+ ad(theta)^2/12, and -D1^T, D2^T in F1s, F2s. */
-static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fb_real theta[6])
+/* D1, D2 of E10.28, and -D1^T, D2^T in F1s, F2s. */
+static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fbi_exact_cell *c)
 {
   fb_real X[36], X2[36];
-  fbi_ad_fill(X, theta);
-  fbi_ad_mul(X2, theta, X);
+  fbi_ad_fill(X, c->theta);
+  fbi_ad_mul(X2, c->theta, X);
   for (int i = 0; i < 36; i++) {
-    const int transposed = i % 6 * 6 + i / 6;
-    const fb_real even = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) + X2[i] / FB_R(12.0), odd = FB_R(0.5) * X[i];
+    const int transposed = i % 6 * 6 + i / 6, corner = i < 18 && i % 6 > 2;
+    const fb_real even = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) + c->twist.even * X2[i] +
+                         (corner ? c->twist.screw * X2[i - 3] : FB_R(0.0));
+    const fb_real odd = FB_R(0.5) * X[i];
     j->D1[i] = odd - even;
     j->D2[i] = odd + even;
     j->F1s[transposed] = even - odd;
@@ -13687,183 +13846,187 @@ static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fb_real theta
   }
 }
 
-/* Y = s X A, the derivative by the value at one end of s X times the mean, A = 1/2 -+ ad(theta)/12 (fbi_exact_mean);
-   sign: -1 first end, 1 second. X_theta = X ad(theta); may be Y. */
-static void fbi_exact_mean_by_end(fb_real Y[36], fb_real s, fb_real sign, const fb_real X[36],
-                                  const fb_real X_theta[36])
+/* Derivative of beta by theta, (J1 J2; 0 J1). */
+static void fbi_exact_beta_slope(fb_real J1[9], fb_real J2[9], const fbi_exact_cell *c)
 {
-  for (int i = 0; i < 36; i++) {
-    Y[i] = s * (FB_R(0.5) * X[i] + sign / FB_R(12.0) * X_theta[i]);
+  const fb_real *const v = c->theta, *const w = c->theta + 3, *const g = c->twist.f;
+  const fb_real along = fb_vec3_dot(w, v);
+  for (int i = 0; i < 9; i++) {
+    const int a = i / 3, b = i % 3;
+    const fb_real one = a == b ? FB_R(1.0) : FB_R(0.0), ww = w[a] * w[b];
+    J1[i] = g[0] * one + FB_R(2.0) * g[1] * ww;
+    J2[i] = FB_R(2.0) * g[1] * (v[a] * w[b] + w[a] * v[b] + along * one) + FB_R(4.0) * g[2] * along * ww;
   }
 }
 
-/* Inertia in the mean load h f by the unknowns d of an end node: Q = h N A marching; steady, where the velocity changes
-   by T = shift + ad(V) with the pose: Q = h N A T. N = df/dV, N_theta = N ad(theta). */
-static void fbi_exact_inertia_by_node(fb_real Q[36], const fb_real N[36], const fb_real N_theta[36],
-                                      const fb_exact_work *work, int node, fb_real sign)
-{
-  const fbi_exact_motion *motion = &work->motion;
-  fb_real NAV[36];
-  fbi_exact_mean_by_end(Q, work->cell.h, sign, N, N_theta);
-  if (motion->march) {
-    return;
-  }
-  fbi_mul_ad(NAV, Q, work->V + 6 * node);
-  for (int i = 0; i < 36; i++) {
-    Q[i] = motion->shift * Q[i] + NAV[i];
-  }
-}
-
-/* Gravity in the mean load h f and in the difference h df/12, by the rotation of an end node, d times `pose`:
-   Q += h pose M A ad(G), D = -+h pose M ad(G)/12, G the gravity there. Rows of M: a G of no rotation takes their force, m,
-   m ad(G) = m x G. */
-static void fbi_exact_gravity_by_node(fb_real Q[36], fb_real D[36], const fb_real M[36], const fb_exact_work *work,
-                                      int node, fb_real sign)
-{
-  const fb_real h_pose = work->cell.h * work->motion.pose, *const G = work->G + 6 * node;
-  for (int i = 0; i < 36; i += 6) {
-    const fb_real *const m = M + i;
-    fb_real m_theta[3], mA[3], mAG[3], mG[3];
-    fb_vec3_cross(m_theta, m, work->cell.theta + 3);
-    for (int a = 0; a < 3; a++) {
-      mA[a] = FB_R(0.5) * m[a] + sign / FB_R(12.0) * m_theta[a];
-    }
-    fb_vec3_cross(mAG, mA, G);
-    fb_vec3_cross(mG, m, G);
-    fbi_vec3_add(Q + i + 3, h_pose, mAG);
-    fbi_vec3_add(D + i + 3, sign * h_pose / FB_R(12.0), mG);
-  }
-}
-
-/* The same of the dead line loads, d f = f x rotation: added to Q and D. line: force and torque, base axes. */
-static void fbi_exact_dead_by_node(fb_real Q[36], fb_real D[36], const fb_real line[6], const fb_exact_work *work,
-                                   int node, fb_real sign)
-{
-  const fb_real h_pose = work->cell.h * work->motion.pose;
-  for (int i = 0; i < 6; i += 3) {
-    fb_real f[3];
-    fb_mat33_mulT_vec3(f, work->R + 9 * node, line + i);
-    for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
-      fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], theta_df[3];
-      turn[a] = FB_R(1.0);
-      fb_vec3_cross(df, f, turn);
-      fb_vec3_cross(theta_df, work->cell.theta + 3, df);
-      for (int b = 0; b < 3; b++) {
-        Q[6 * (i + b) + 3 + a] += h_pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * theta_df[b]);
-        D[6 * (i + b) + 3 + a] += sign * h_pose / FB_R(12.0) * df[b];
-      }
-    }
-  }
-}
-
-/* Derivatives of the end loads F1, F2 of element k by the unknowns d of an end node: F1d = A1^T Q - D,
-   F2d = -A2^T Q - D, with Q of the mean load h f and D of the end-to-end difference h df/12. */
-static void fbi_exact_loads_by_node(fb_real F1d[36], fb_real F2d[36], const fb_real N[36], const fb_real N_theta[36],
-                                    const fb_exact_work *work, const fb_exact *m, int k, int node)
-{
-  const fbi_exact_motion *motion = &work->motion;
-  const fb_real sign = node == k + 1 ? FB_R(1.0) : -FB_R(1.0);
-  fb_real Q[36], D[36], Y[36];
-  fbi_zero(Q, 36);
-  fbi_zero(D, 36);
-  if (motion->inertia) {
-    fbi_exact_inertia_by_node(Q, N, N_theta, work, node, sign);
-  }
-  if (motion->gravity) {
-    fbi_exact_gravity_by_node(Q, D, m->M + 36 * k, work, node, sign);
-  }
-  if (motion->dead) {
-    fbi_exact_dead_by_node(Q, D, work->line_dead + 6 * k, work, node, sign);
-  }
-  fbi_adT_mul(Y, work->cell.theta, Q);
-  for (int i = 0; i < 36; i++) {
-    const fb_real half = FB_R(0.5) * Q[i], twelfth = Y[i] / FB_R(12.0) + D[i];
-    F1d[i] = half - twelfth;
-    F2d[i] = -half - twelfth;
-  }
-}
-
-/* N = df/dV = ad(V)^T M + d(ad(V)^T P)/dV - shift M, P fixed, and
-   G = d(dF)/dtheta = d(ad(theta)^T s)/dtheta + h/12 (N ad(dV) + M ad(dG)), s fixed. */
-static void fbi_exact_load_matrices(fb_real N[36], fb_real G[36], const fbi_exact_cell *c, const fb_exact_work *work,
-                                    const fb_exact *m, int k)
+/* N: derivative of the load f of the middle by its motion, of which that of the nodes is A1, A2. Marching: by its
+   velocity, N_V = ad(V)^T M + d(ad(V)^T P)/dV - shift M, and what turns with it; steady: by its pose, N_V (shift + ad(V))
+   and that. f_theta (march): by the twist, on which the velocity of the middle depends, -N ad(V2 - V1) d beta/d theta. */
+static void fbi_exact_load_matrices(fb_real N[36], fb_real f_theta[36], const fbi_exact_cell *c,
+                                    const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const M = m->M + 36 * k;
   fb_real Y[36];
-
-  /* Stress, then inertia, gravity and dead loads */
   fbi_zero(N, 36);
-  fbi_zero(G, 36);
-  fbi_adT_turn(G, work->s + 6 * k, FB_R(1.0));
   if (motion->inertia) {
     fbi_adT_mul(N, c->V, M);
     fbi_adT_turn(N, c->P, FB_R(1.0));
+    fbi_row_sub(N, motion->shift, M, 36);
+  }
+  if (!motion->march && motion->inertia) {
+    fbi_mul_ad(Y, N, c->V);
     for (int i = 0; i < 36; i++) {
-      N[i] -= motion->shift * M[i];
+      N[i] = motion->shift * N[i] + Y[i];
     }
-    fbi_mul_ad(Y, N, c->dV);
-    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
   }
   if (motion->gravity) {
-    for (int i = 0; i < 36; i += 6) { /* as in fbi_exact_gravity_by_node */
-      fb_real m_dG[3];
-      fb_vec3_cross(m_dG, M + i, c->dG);
-      fbi_vec3_add(G + i + 3, c->h / FB_R(12.0), m_dG);
-    }
+    fbi_exact_weight_turn(N, motion->pose, m->weight + 4 * k, c->G);
   }
-  if (motion->dead) { /* -h (rotation x d)/12, d the difference of the dead loads between the ends */
-    for (int i = 0; i < 6; i += 3) {
-      fb_real p[3], q[3], d[3];
-      fb_mat33_mulT_vec3(p, work->R + 9 * m->inboard[k], work->line_dead + 6 * k + i);
-      fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) {
-        d[a] = c->h / FB_R(12.0) * (q[a] - p[a]);
-      }
-      fbi_add_skew(G + 6 * i + 3, 6, FB_R(1.0), d);
+  if (motion->dead) {
+    fbi_add_skew(N + 3, 6, motion->pose * FB_R(2.0) / FB_R(3.0), c->dead);
+    fbi_add_skew(N + 21, 6, motion->pose * FB_R(2.0) / FB_R(3.0), c->dead + 3);
+  }
+  if (motion->march) {
+    fb_real d[6], J1[9], J2[9];
+    for (int i = 0; i < 6; i++) {
+      d[i] = work->V[6 * m->inboard[k] + i] - work->V[6 * k + 6 + i];
+    }
+    fbi_mul_ad(Y, N, d);
+    fbi_exact_beta_slope(J1, J2, c);
+    for (int i = 0; i < 36; i += 6) {
+      fb_mat33_mulT_vec3(f_theta + i, J1, Y + i);
+      fb_mat33_mulT_vec3(f_theta + i + 3, J1, Y + i + 3);
+      fb_mat33_mulT_vec3(d, J2, Y + i);
+      fbi_vec3_add(f_theta + i + 3, FB_R(1.0), d);
     }
   }
 }
 
-/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: derivative of the compatibility E10.8 by the stress. */
-static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, const fb_exact_work *work,
-                                      const fb_real hC[36])
+/* Derivatives of the loads F1, F2 by the motion of the two nodes: h A1^T N A1, h A1^T N A2, -h A2^T N A1, -h A2^T N A2. */
+static void fbi_exact_loads_by_nodes(fbi_exact_jacobian *j, const fb_real N[36], const fbi_exact_cell *c)
 {
-  fb_real X[36], Y[36];
+  fb_real right[36], left[36], both[36];
+  fbi_mul_ad(right, N, c->twist.beta);
+  fbi_adT_mul(left, c->twist.beta, N);
+  fbi_adT_mul(both, c->twist.beta, right);
+  for (int i = 0; i < 36; i++) {
+    const fb_real quarter = FB_R(0.25) * N[i], a = FB_R(0.5) * right[i], b = FB_R(0.5) * left[i];
+    j->F1d1[i] = c->h * (quarter - a - b + both[i]);
+    j->F1d2[i] = c->h * (quarter + a - b - both[i]);
+    j->F2d1[i] = -c->h * (quarter - a + b - both[i]);
+    j->F2d2[i] = -c->h * (quarter + a + b + both[i]);
+  }
+}
+
+/* Even part of the loads by theta, s and f fixed: d(E^T s - h ad(beta)^T f)/dtheta. With p = ad(theta)^T s, y = ad(theta)^T
+   p: dy = d(ad(theta)^T p) + ad(theta)^T d(ad(theta)^T s), and the coefficients of E10.28 by theta. */
+static void fbi_exact_even_by_theta(fb_real Y[36], const fbi_exact_cell *c, const fb_real s[6])
+{
+  const fb_real *const v = c->theta, *const w = c->theta + 3, *const f = c->f, *const g = c->twist.f;
+  const fb_real along = fb_vec3_dot(w, v);
+  fb_real X[36], y[6], J1[9], J2[9];
+
+  /* dy, times -q and, moved from force to moment, -2 q' w.v */
+  fbi_zero(X, 36);
+  fbi_adT_turn(X, s, FB_R(1.0));
+  fbi_adT_mul(Y, c->theta, X);
+  fbi_adT_turn(Y, c->p, FB_R(1.0));
+  for (int i = 35; i >= 0; i--) {
+    Y[i] = c->twist.even * Y[i] + (i < 18 ? FB_R(0.0) : c->twist.screw * Y[i - 18]);
+  }
+
+  /* Those coefficients, times y */
+  fbi_adT(y, c->theta, c->p);
+  for (int i = 0; i < 6; i++) {
+    const fb_real force = i < 3 ? FB_R(0.0) : y[i - 3];
+    const fb_real by_w = -FB_R(2.0) * (g[4] * y[i] + FB_R(2.0) * g[5] * along * force);
+    fbi_vec3_add(Y + 6 * i, -FB_R(2.0) * g[4] * force, w);
+    fbi_vec3_add(Y + 6 * i + 3, by_w, w);
+    fbi_vec3_add(Y + 6 * i + 3, -FB_R(2.0) * g[4] * force, v);
+  }
+
+  /* d(ad(beta)^T f) = (f_f x dbeta_w, f_f x dbeta_v + f_m x dbeta_w), both slopes symmetric */
+  fbi_exact_beta_slope(J1, J2, c);
+  for (int a = 0; a < 3; a++) {
+    fb_real col[3], by_v[3];
+    fb_vec3_cross(by_v, f, J1 + 3 * a);
+    fb_vec3_cross(col, f, J2 + 3 * a);
+    fbi_vec3_add_cross(col, f + 3, J1 + 3 * a);
+    for (int i = 0; i < 3; i++) {
+      Y[6 * i + 3 + a] -= c->h * by_v[i];
+      Y[6 * i + 18 + a] -= c->h * by_v[i];
+      Y[6 * i + 21 + a] -= c->h * col[i];
+    }
+  }
+}
+
+/* E = (rate - d(D1 V1 + D2 V2)/dtheta) h C: derivative of the compatibility E10.8 by the stress. With d = V2 - V1, p =
+   ad(theta) d, y = ad(theta) p: dy = -(ad(p) + ad(theta) ad(d)) dtheta, and the coefficients of E10.28 by theta. */
+static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, const fb_exact_work *work,
+                                      const fb_exact *m, const fb_real hC[36], int k)
+{
+  const fb_real *const a = work->V + 6 * m->inboard[k], *const b = work->V + 6 * k + 6;
+  const fb_real *const v = c->theta, *const w = c->theta + 3, *const g = c->twist.f;
+  const fb_real along = fb_vec3_dot(w, v);
+  fb_real X[36], Y[36], d[6], p[6], y[6];
   fbi_copy(E, hC, 36);
   if (!work->motion.march) {
     return;
   }
-  fbi_ad_fill(X, c->dV);
+  for (int i = 0; i < 6; i++) {
+    d[i] = b[i] - a[i];
+  }
+  fbi_ad(p, c->theta, d);
+  fbi_ad(y, c->theta, p);
+  fbi_ad_fill(X, d);
   fbi_ad_mul(Y, c->theta, X);
-  fbi_ad_fill(X, c->V);
+  fbi_ad_fill(X, p);
+  for (int i = 0; i < 36; i++) {
+    Y[i] += X[i];
+  }
+
+  /* ad(mean) - q dy - 2 q' w.v Omega-part of it */
+  for (int i = 0; i < 6; i++) {
+    d[i] = FB_R(0.5) * (a[i] + b[i]);
+  }
+  fbi_ad_fill(X, d);
+  for (int i = 0; i < 36; i++) {
+    X[i] += c->twist.even * Y[i] + (i < 18 ? c->twist.screw * Y[i + 18] : FB_R(0.0));
+  }
+
+  /* The coefficients, times y */
+  for (int i = 0; i < 6; i++) {
+    const fb_real top = i < 3 ? y[i + 3] : FB_R(0.0);
+    const fb_real by_w = FB_R(2.0) * (g[4] * y[i] + FB_R(2.0) * g[5] * along * top);
+    fbi_vec3_add(X + 6 * i, FB_R(2.0) * g[4] * top, w);
+    fbi_vec3_add(X + 6 * i + 3, by_w, w);
+    fbi_vec3_add(X + 6 * i + 3, FB_R(2.0) * g[4] * top, v);
+  }
   for (int i = 0; i < 36; i++) {
     E[i] *= work->motion.shift;
-    X[i] += Y[i] / FB_R(12.0);
   }
   fbi_mat66_add_mul(E, X, hC);
 }
 
-/* [E10.9] Jacobian of E10.7 and E10.8: with N, G as above and the theta of the stress, h C ds,
-     dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
+/* [E10.9] Jacobian of E10.7 and E10.8: by the motion of the nodes, and by the stress, which changes the twist by h C ds.
+   It is exact where E10.8 holds, so that the spectrum of a conservative beam is that of a Hamiltonian.
    Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
    Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
 static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
   const fbi_exact_cell *c = &work->cell;
-  fb_real N[36], Q[36], G[36], Y[36], hC[36];
+  fb_real N[36], f_theta[36], even[36], odd[36], Y[36], hC[36];
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
 
   /* Derivatives by the motion of the two nodes */
-  fbi_exact_strain_matrices(j, c->theta);
-  fbi_exact_load_matrices(N, G, c, work, m, k);
+  fbi_exact_strain_matrices(j, c);
   if (motion->inertia || motion->gravity || motion->dead) {
-    fbi_mul_ad(Y, N, c->theta);
-    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, m->inboard[k]);
-    fbi_exact_loads_by_node(j->F1d2, j->F2d2, N, Y, work, m, k, k + 1);
+    fbi_exact_load_matrices(N, f_theta, c, work, m, k);
+    fbi_exact_loads_by_nodes(j, N, c);
   } else {
     fbi_zero(j->F1d1, 36);
     fbi_zero(j->F1d2, 36);
@@ -13871,30 +14034,55 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
     fbi_zero(j->F2d2, 36);
   }
 
-  /* Derivatives of F1, F2 by theta (N, G), then through theta by the stress */
-  fbi_adT_mul(Y, c->theta, G);
-  fbi_zero(Q, 36);
-  fbi_adT_turn(Q, c->dF, FB_R(1.0) / FB_R(12.0));
-  for (int i = 0; i < 36; i++) {
-    const fb_real mean = Q[i] + Y[i] / FB_R(12.0);
-    N[i] = mean - FB_R(0.5) * G[i];
-    G[i] = mean + FB_R(0.5) * G[i];
+  /* Derivatives of F1, F2 by theta, then through theta by the stress */
+  fbi_exact_even_by_theta(even, c, work->s + 6 * k);
+  fbi_zero(odd, 36);
+  fbi_adT_turn(odd, work->s + 6 * k, FB_R(0.5));
+  if (motion->march) {
+    fbi_adT_mul(Y, c->twist.beta, f_theta);
+    for (int i = 0; i < 36; i++) {
+      even[i] -= c->h * Y[i];
+      odd[i] -= FB_R(0.5) * c->h * f_theta[i];
+    }
   }
-  fbi_mat66_add_mul(j->F1s, N, hC);
-  fbi_mat66_add_mul(j->F2s, G, hC);
-  fbi_exact_compliance_rate(j->E, c, work, hC);
+  for (int i = 0; i < 36; i++) {
+    const fb_real sum = even[i] + odd[i];
+    even[i] -= odd[i];
+    odd[i] = sum;
+  }
+  fbi_mat66_add_mul(j->F1s, even, hC);
+  fbi_mat66_add_mul(j->F2s, odd, hC);
+  fbi_exact_compliance_rate(j->E, c, work, m, hC, k);
 }
 
 /* ---- the tree of elements */
 
-/* [E10.18] Load on a node, section axes: applied loads and, for each lumped body, M g - momentum_t + ad(V)^T P as for
-   an element.
-   Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
+/* M += J^T m J, J V the velocity of the mass center: of a mass m and its first moment; of a box without what moves along
+   the line (E10.6). */
+static void fbi_exact_share_mass(fb_real M[36], const fb_real share[4], int box)
+{
+  const fb_real m = share[0], *const s = share + 1;
+  if (m > FB_R(0.0)) {
+    const fb_real c[3] = {s[0] / m, s[1] / m, s[2] / m};
+    const fb_real J[3][6] = {{FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), c[2], -c[1]},
+                             {FB_R(0.0), FB_R(1.0), FB_R(0.0), -c[2], FB_R(0.0), c[0]},
+                             {FB_R(0.0), FB_R(0.0), FB_R(1.0), c[1], -c[0], FB_R(0.0)}};
+    for (int k = box ? 1 : 0; k < 3; k++) {
+      for (int i = 0; i < 6; i++) {
+        fbi_vec6_add(M + 6 * i, m * J[k][i], J[k]);
+      }
+    }
+  }
+}
+
+/* [E10.18] Load on a node, section axes: applied loads, and weight - momentum_t + ad(V)^T P of the mass that moves with
+   it: that of lumped bodies and its share of the elements that meet there (E10.6).
+   Source: [L] 3.92, 3.93.  Cost: 200 flops.  Fails: never.
    Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
 static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const fbi_exact_motion *motion = &work->motion;
-  const fb_real *const V = work->V + 6 * node;
+  const fb_real *const V = work->V + 6 * node, *const M = m->node_M + 36 * node;
 
   /* Follower and dead loads */
   fbi_vec6_copy(F, work->follower + 6 * node);
@@ -13904,24 +14092,22 @@ static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const f
     fbi_vec3_add(F + i, FB_R(1.0), f);
   }
 
-  /* Gravity and inertia of the lumped bodies */
-  for (int l = 0; l < m->n_lump; l++) {
-    const fb_real *const M = m->lump + 36 * l;
-    fb_real P[6], y[6];
-    if (m->lump_node[l] != node) {
-      continue;
-    }
-    if (motion->gravity) {
-      fbi_mat66_mul_vec6(y, M, work->G + 6 * node);
-      fbi_vec6_add(F, FB_R(1.0), y);
-    }
-    if (motion->inertia) {
-      fbi_mat66_mul_vec6(P, M, V);
-      fbi_adT(y, V, P);
-      for (int i = 0; i < 6; i++) {
-        F[i] += y[i] - motion->shift * (P[i] - work->lump[6 * l + i]);
-      }
-    }
+  /* Gravity and inertia */
+  if (motion->gravity) {
+    fbi_exact_weight_add(F, m->node_weight + 4 * node, work->G + 6 * node);
+  }
+  if (motion->inertia) {
+    fb_real P[6];
+    fbi_mat66_mul_vec6(P, M, V);
+    fbi_exact_inertia_add(F, V, P, work->node_momentum + 6 * node, motion->shift);
+  }
+}
+
+/* Momenta of the nodes by the velocities that their rates start from. */
+static void fbi_exact_node_momenta(fb_exact_work *work, const fb_exact *m)
+{
+  for (int j = 0; j <= m->n; j++) {
+    fbi_mat66_mul_vec6(work->node_momentum + 6 * j, m->node_M + 36 * j, work->velocity + 6 * j);
   }
 }
 
@@ -13929,8 +14115,8 @@ static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const f
 static void fbi_exact_node_jacobian(fb_real K[36], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const fbi_exact_motion *motion = &work->motion;
-  const fb_real *const V = work->V + 6 * node;
-  fb_real f[6], N[36], Q[36];
+  const fb_real *const V = work->V + 6 * node, *const M = m->node_M + 36 * node;
+  fb_real f[6];
 
   /* Dead loads: -f x rotation */
   for (int i = 0; i < 6; i += 3) {
@@ -13939,30 +14125,55 @@ static void fbi_exact_node_jacobian(fb_real K[36], const fb_exact_work *work, co
   fbi_add_skew(K + 3, 6, -motion->pose, f);
   fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
 
-  /* Gravity and inertia of the lumped bodies */
-  for (int l = 0; l < m->n_lump; l++) {
-    const fb_real *const M = m->lump + 36 * l;
-    if (m->lump_node[l] != node) {
-      continue;
+  /* Gravity and inertia */
+  if (motion->gravity) {
+    fbi_exact_weight_turn(K, -motion->pose, m->node_weight + 4 * node, work->G + 6 * node);
+  }
+  if (motion->inertia) {
+    fb_real P[6], N[36], Q[36];
+    fbi_mat66_mul_vec6(P, M, V);
+    fbi_adT_mul(N, V, M);
+    fbi_adT_turn(N, P, FB_R(1.0));
+    fbi_row_sub(N, motion->shift, M, 36);
+    if (motion->march) {
+      fbi_row_sub(K, FB_R(1.0), N, 36);
+      return;
     }
-    if (motion->gravity) {
-      fbi_mul_ad(Q, M, work->G + 6 * node);
-      for (int i = 0; i < 36; i++) {
-        K[i] -= motion->pose * Q[i];
+    fbi_mul_ad(Q, N, V);
+    fbi_row_sub(K, FB_R(1.0), Q, 36);
+    fbi_row_sub(K, motion->shift, N, 36);
+  }
+}
+
+/* Adds to the internal loads F at the nodes what the shares of the elements put on them (E10.6): F is that on the inboard
+   side of a node, at the root that of the beam on it. */
+static void fbi_exact_shares_add(fb_exact_work *work, const fb_exact *m)
+{
+  const fbi_exact_motion *motion = &work->motion;
+  for (int k = 0; k < m->n; k++) {
+    for (int end = m->inboard[k] == 0 ? 0 : 1; end < 2 && !m->jointed[k]; end++) {
+      const int node = end ? k + 1 : 0;
+      const fb_real *const share = m->share + 8 * k + 4 * end, *const V = work->V + 6 * node;
+      fb_real f[6], M[36], P[6], P_base[6], line[3];
+      fbi_vec6_copy(f, work->line + 6 * k);
+      for (int i = 0; i < 6; i += 3) {
+        fb_mat33_mulT_vec3(line, work->R + 9 * node, work->line_dead + 6 * k + i);
+        fbi_vec3_add(f + i, FB_R(1.0), line);
       }
-    }
-    if (motion->inertia) {
-      fb_real P[6];
-      fbi_mat66_mul_vec6(P, M, V);
-      fbi_adT_mul(N, V, M);
-      fbi_adT_turn(N, P, FB_R(1.0));
-      for (int i = 0; i < 36; i++) {
-        N[i] -= motion->shift * M[i];
+      for (int i = 0; i < 6; i++) {
+        f[i] *= m->h[k] / FB_R(6.0);
       }
-      fbi_mul_ad(Q, N, V);
-      for (int i = 0; i < 36; i++) {
-        K[i] -= motion->march ? N[i] : Q[i] + motion->shift * N[i];
+      if (motion->gravity) {
+        fbi_exact_weight_add(f, share, work->G + 6 * node);
       }
+      if (motion->inertia) {
+        fbi_zero(M, 36);
+        fbi_exact_share_mass(M, share, m->box);
+        fbi_mat66_mul_vec6(P, M, V);
+        fbi_mat66_mul_vec6(P_base, M, work->velocity + 6 * node);
+        fbi_exact_inertia_add(f, V, P, P_base, motion->shift);
+      }
+      fbi_vec6_add(work->F + 6 * node, end ? -FB_R(1.0) : FB_R(1.0), f);
     }
   }
 }
@@ -14290,6 +14501,13 @@ static void fbi_exact_input_set(fb_exact_work *work, const fb_exact *m, const fb
     const fb_line_load *line = &input->line[k];
     fbi_exact_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
                        part * m->length / m->force, m->length, base);
+    for (int node = m->inboard[k];; node = k + 1) { /* a sixth at each end */
+      fbi_vec6_add(work->dead + 6 * node, m->h[k] / FB_R(6.0), work->line_dead + 6 * k);
+      fbi_vec6_add(work->follower + 6 * node, m->h[k] / FB_R(6.0), work->line + 6 * k);
+      if (node == k + 1) {
+        break;
+      }
+    }
   }
 
   /* Motors */
@@ -14327,14 +14545,7 @@ static void fbi_exact_nodes_eval(fb_exact_work *work, const fb_exact *m)
 
     /* Rotation, and velocity in the steady case */
     if (motion->march) {
-      fb_real turn[3], own[4], ahead[4], quat[4];
-      for (int i = 0; i < 3; i++) {
-        turn[i] = motion->pose * work->V[6 * j + 3 + i];
-      }
-      fb_quat_from_rotvec(own, turn);
-      fb_quat_mul(ahead, work->quat + 4 * j, own);
-      fb_quat_mul(quat, work->before, ahead);
-      fb_quat_to_mat33(R, quat);
+      fbi_exact_attitude(R, work, work->quat + 4 * j, work->V + 6 * j + 3);
     } else {
       fb_quat_to_mat33(R, work->quat + 4 * j);
       fbi_exact_base_twist(work->V + 6 * j, work, work->r + 3 * j, R);
@@ -14373,24 +14584,26 @@ static void fbi_exact_pose_error(fb_real e[6], const fb_exact *m, const fb_real 
   }
 }
 
-/* [E10.16] Drift correction of a constrained node, in the axes of its rows, projected orthogonally to the constraint
-   force F so that it does no work: e - F (F.e)/F.F. Components of e in free directions are unused.
-   Source: own.  Cost: 40 flops.  Fails: never.
-   Test: a_beam_held_twice_keeps_energy_and_place, reactions_amid_the_beam_converge_with_the_step. */
-static void fbi_exact_close(fb_real e[6], const fb_exact_work *work, const fb_exact *m, int node)
+/* What a held node is off by, in the axes of its rows. Components in free directions are unused. */
+static void fbi_exact_off(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
-  const int held = m->held[node];
-  fb_real F[6], size;
+  fb_real e[6];
+  fbi_exact_pose_error(e, m, work->r, work->quat, node);
+  fbi_vec6_copy(y, e);
+  if (!fbi_exact_turned(m->held[node])) {
+    fb_mat33_mulT_vec3(y, work->R + 9 * node, e);
+  }
+}
+
+/* Load of the beam on what holds a node, in the axes of its rows; zero in free directions. */
+static void fbi_exact_held_load(fb_real F[6], const fb_exact_work *work, const fb_exact *m, int node)
+{
   fbi_vec6_copy(F, work->B + 6 * node);
-  if (fbi_exact_turned(held)) {
+  if (fbi_exact_turned(m->held[node])) {
     fbi_exact_rows_turn(F, work->R + 9 * node, 1);
   }
   for (int i = 0; i < 6; i++) {
-    F[i] = held >> i & 1 ? F[i] : FB_R(0.0);
-  }
-  size = fbi_vec6_dot(F, F);
-  if (size > FB_R(0.0)) {
-    fbi_vec6_add(e, -fbi_vec6_dot(F, e) / size, F);
+    F[i] = m->held[node] >> i & 1 ? F[i] : FB_R(0.0);
   }
 }
 
@@ -14424,37 +14637,23 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
 }
 
 #define FBI_EXACT_RETURN FB_R(0.03) /* time in which a held node comes back to its place, in the beam's own unit */
-/* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
-   (not for the root, which is placed exactly after the step); of short steps over a fixed time: the part that the
-   reaction holds back is let go as the reaction turns, and e/dt would be a blow that grows with shorter steps. aim:
-   recompute the drift correction for the present reaction (E10.16); otherwise keep it, because with a small reaction
-   the iteration on both would not converge. */
-static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt, int aim)
+/* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base, plus the way back of E10.16 over
+   the step (not for the root, which is placed exactly after it), of short steps over a fixed time: the part that the
+   reaction holds back is let go as the reaction turns, and back/dt would be a blow that grows with shorter steps. */
+static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
   for (int j = 0; j <= m->n; j++) {
-    fb_real e[6], *const want = work->want + 6 * j, *const back = work->back + 6 * j;
+    fb_real *const want = work->want + 6 * j;
     if (m->held[j] == 0) {
       continue;
     }
-
-    /* Drift correction, in the axes of the rows */
-    if (aim) {
-      fbi_exact_pose_error(e, m, work->r, work->quat, j);
-      fbi_vec6_copy(back, e);
-      if (!fbi_exact_turned(m->held[j])) {
-        fb_mat33_mulT_vec3(back, work->R + 9 * j, e);
-      }
+    if (!work->motion.march) {
+      fbi_exact_off(want, work, m, j);
+      continue;
     }
-
-    /* Constraint values */
-    if (work->motion.march) {
-      if (aim) {
-        fbi_exact_close(back, work, m, j);
-      }
-      fbi_exact_slip(want, work, m, j);
-      fbi_vec6_add(want, j > 0 ? FB_R(1.0) / fbi_larger(dt, FBI_EXACT_RETURN) : FB_R(0.0), back);
-    } else {
-      fbi_vec6_copy(want, back);
+    fbi_exact_slip(want, work, m, j);
+    for (int i = 0; i < 2 && j > 0 && work->away > FB_R(0.0); i++) {
+      fbi_vec6_add(want, work->along[i] / fbi_larger(dt, FBI_EXACT_RETURN), work->way[i] + 6 * j);
     }
   }
 }
@@ -14502,8 +14701,8 @@ static void fbi_exact_pose_enter(fb_exact_work *work, const fb_exact_state *from
 /* Are the counts that bound loops over a state within the capacities? */
 static int fbi_exact_is_sized(const fb_exact *m)
 {
-  return m->n >= 1 && m->n <= FB_MAX_EXACT && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS && m->n_joint >= 0 &&
-         m->n_joint <= FB_MAX_LUMPS && m->n_branch >= 0 && m->n_branch <= FB_MAX_LUMPS;
+  return m->n >= 1 && m->n <= FB_MAX_EXACT && m->n_joint >= 0 && m->n_joint <= FB_MAX_LUMPS && m->n_branch >= 0 &&
+         m->n_branch <= FB_MAX_LUMPS;
 }
 
 /* Is an angle such that its whole turns can be counted? */
@@ -14524,14 +14723,15 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
           m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
           m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
-          fbi_is_finite(m->gravity, 3);
+          fbi_is_choice(m->box, 1) && fbi_is_finite(m->gravity, 3);
 
   /* Tables */
   sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
           fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
           fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
           fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
-          fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
+          fbi_is_finite(m->weight, 4 * m->n) && fbi_is_finite(m->share, 8 * m->n) &&
+          fbi_is_finite(m->node_M, 36 * (m->n + 1)) && fbi_is_finite(m->node_weight, 4 * (m->n + 1));
 
   /* Ranges */
   for (int k = 0; sound && k <= m->n; k++) {
@@ -14546,9 +14746,6 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
             fbi_exact_is_angle(joint->angle) && fbi_is_finite(&joint->rest, 1) && fbi_is_finite(&joint->rate, 1) &&
             joint->stiffness >= FB_R(0.0) && joint->stiffness <= FB_HUGE && joint->damping >= FB_R(0.0) &&
             joint->damping <= FB_HUGE;
-  }
-  for (int k = 0; sound && k < m->n_lump; k++) {
-    sound = fbi_is_within(m->lump_node[k], m->n);
   }
 
   /* Elements hang on earlier nodes, those of the list of branches alone not on the node before */
@@ -14570,7 +14767,7 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
     return 0;
   }
   {
-    const int whole[7] = {m->n, m->n_lump, m->n_joint, m->n_branch, m->iterations, m->factorizations, m->floating};
+    const int whole[7] = {m->n, m->n_joint, m->n_branch, m->iterations, m->factorizations, m->floating, m->box};
     const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
     const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), number, 7, FB_SINGLE);
@@ -14578,11 +14775,12 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
       crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
     }
   }
-  crc = fbi_crc_ints(fbi_crc_ints(crc, m->held, m->n + 1), m->lump_node, m->n_lump);
+  crc = fbi_crc_ints(crc, m->held, m->n + 1);
   crc = fbi_crc_reals(fbi_crc_reals(crc, m->h, m->n, FB_SINGLE), m->xi, 6 * m->n, FB_SINGLE);
   crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, m->weight, 4 * m->n, FB_SINGLE), m->share, 8 * m->n, FB_SINGLE);
+  crc = fbi_crc_reals(crc, m->node_M, 36 * (m->n + 1), FB_SINGLE);
+  crc = fbi_crc_reals(crc, m->node_weight, 4 * (m->n + 1), FB_SINGLE);
   crc = fbi_crc_ints(fbi_crc_ints(crc, m->jointed, m->n + 1), m->inboard, m->n);
   crc = fbi_crc_ints(crc, m->branch, m->n_branch);
   for (int j = 0; j < m->n_joint; j++) {
@@ -14597,7 +14795,7 @@ FB_DEF unsigned fb_exact_crc(const fb_exact *m)
 static int fbi_exact_rates_are_finite(const fb_exact *m, const fb_exact_state *state)
 {
   int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
-               fbi_is_finite(state->lump_rate, 6 * m->n_lump) && fbi_is_finite(state->offset, 6 * m->n);
+               fbi_is_finite(state->velocity_rate, 6 * (m->n + 1)) && fbi_is_finite(state->offset, 6 * m->n);
   for (int k = 0; k < 3; k++) {
     finite = finite && fbi_is_finite(state->V[k], 6 * (m->n + 1)) && fbi_is_finite(state->stress[k], 6 * m->n);
   }
@@ -14615,7 +14813,7 @@ FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *s
   if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
       !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
       !fbi_is_finite(state->strain, 6 * m->n) || !fbi_is_finite(state->momentum, 6 * m->n) ||
-      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_exact_rates_are_finite(m, state)) {
+      !fbi_is_finite(state->velocity, 6 * (m->n + 1)) || !fbi_exact_rates_are_finite(m, state)) {
     return FB_ERR_NOT_FINITE;
   }
   for (int j = 0; j < m->n_joint; j++) {
@@ -14697,17 +14895,15 @@ static void fbi_exact_state_fill(fb_exact_state *state, fb_exact_work *work, con
   fbi_exact_pose_copy(state, work, m);
   fbi_zero(state->strain_rate, 6 * m->n);
   fbi_zero(state->momentum_rate, 6 * m->n);
-  fbi_zero(state->lump_rate, 6 * m->n_lump);
+  fbi_zero(state->velocity_rate, 6 * (m->n + 1));
+  fbi_copy(state->velocity, work->V, 6 * (m->n + 1));
 
   /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * m->inboard[k], work->V + 6 * k + 6);
+    fbi_exact_mean(c->V, &c->twist, work->V + 6 * m->inboard[k], work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_mat66_mul_vec6(state->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
   }
 
   /* Joints */
@@ -14759,16 +14955,25 @@ static void fbi_exact_seen(fb_real V[6], const fb_exact_state *state, int node, 
   fbi_zero(V + 3, 3);
 }
 
-/* The same for element k, by the mean of E10.7. */
-static void fbi_exact_seen_mean(fb_real V[6], const fb_exact *m, const fb_exact_state *state, int k, const fb_real u[3])
+/* Twist of element k in a state, and its functions. */
+static void fbi_exact_twist_of(fbi_exact_twist *t, fb_real theta[6], const fb_exact *m, const fb_exact_state *state,
+                               int k)
 {
-  fb_real a[6], b[6], theta[6], d[6];
   for (int i = 0; i < 6; i++) {
     theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
   }
+  fbi_exact_twist_eval(t, theta);
+}
+
+/* The same for the middle of element k. */
+static void fbi_exact_seen_mean(fb_real V[6], const fb_exact *m, const fb_exact_state *state, int k, const fb_real u[3])
+{
+  fb_real a[6], b[6], theta[6];
+  fbi_exact_twist t;
+  fbi_exact_twist_of(&t, theta, m, state, k);
   fbi_exact_seen(a, state, m->inboard[k], u);
   fbi_exact_seen(b, state, k + 1, u);
-  fbi_exact_mean(V, d, theta, a, b);
+  fbi_exact_mean(V, &t, a, b);
 }
 
 /* Adds a wrench in section axes of a node to force p and moment h about the origin of the base, base axes. */
@@ -14795,31 +15000,33 @@ static void fbi_exact_momenta(fb_real p[3], fb_real h[3], const fb_exact *m, con
   fbi_zero(h, 3);
   for (int k = 0; k < m->n; k++) {
     fb_real theta[6], y[6], first[6], second[6];
+    fbi_exact_twist t;
+    if (m->jointed[k]) {
+      continue;
+    }
     fbi_vec6_copy(P, state->momentum + 6 * k);
     if (u) {
       fbi_exact_seen_mean(V, m, state, k, u);
       fbi_mat66_mul_vec6(P, m->M + 36 * k, V);
     }
+    fbi_exact_twist_of(&t, theta, m, state, k);
+    fbi_adT(y, t.beta, P);
     for (int i = 0; i < 6; i++) {
-      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-    }
-    fbi_adT(y, theta, P);
-    for (int i = 0; i < 6; i++) {
-      first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
-      second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
+      first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i]);
+      second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i]);
     }
     fbi_exact_wrench_add(p, h, state, m->inboard[k], first);
     fbi_exact_wrench_add(p, h, state, k + 1, second);
   }
 
-  /* Lumped bodies */
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_vec6_copy(P, state->lump + 6 * l);
+  /* Nodes */
+  for (int j = 0; j <= m->n; j++) {
+    fbi_vec6_copy(V, state->velocity + 6 * j);
     if (u) {
-      fbi_exact_seen(V, state, m->lump_node[l], u);
-      fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
+      fbi_exact_seen(V, state, j, u);
     }
-    fbi_exact_wrench_add(p, h, state, m->lump_node[l], P);
+    fbi_mat66_mul_vec6(P, m->node_M + 36 * j, V);
+    fbi_exact_wrench_add(p, h, state, j, P);
   }
 }
 
@@ -14827,11 +15034,10 @@ static fb_real fbi_exact_mass(const fb_exact *m)
 {
   fb_real mass = FB_R(0.0);
   for (int k = 0; k < m->n; k++) {
-    const fb_real *const M = m->M + 36 * k;
-    mass += m->h[k] * (M[0] + M[7] + M[14]) / FB_R(3.0);
+    mass += m->h[k] * m->weight[4 * k];
   }
-  for (int l = 0; l < m->n_lump; l++) {
-    mass += m->lump[36 * l];
+  for (int j = 0; j <= m->n; j++) {
+    mass += m->node_weight[4 * j];
   }
   return mass;
 }
@@ -14869,24 +15075,13 @@ static void fbi_exact_reframe(fb_exact_state *state, const fb_exact *m, const fb
     fbi_vec6_add(state->momentum_rate + 6 * k, -FB_R(1.0), P);
   }
 
-  /* Lumped bodies */
-  for (int l = 0; l < m->n_lump; l++) {
-    const int j = m->lump_node[l];
-    fb_real rate[6];
-    fbi_exact_seen(V, state, j, du);
-    fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
-    fbi_vec6_add(state->lump + 6 * l, -FB_R(1.0), P);
-    fbi_vec6_zero(rate);
-    fb_vec3_cross(rate, V, state->V[0] + 6 * j + 3);
-    fbi_mat66_mul_vec6(P, m->lump + 36 * l, rate);
-    fbi_vec6_add(state->lump_rate + 6 * l, -FB_R(1.0), P);
-  }
-
-  /* Velocities of the nodes at this and the earlier steps */
+  /* Velocities of the nodes after this step, and at it and the earlier ones */
   for (int j = 0; j <= m->n; j++) {
     fb_real turn[3];
     fbi_exact_seen(V, state, j, du);
     fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* minus the rate: earlier steps */
+    fbi_vec3_add(state->velocity + 6 * j, -FB_R(1.0), V);
+    fbi_vec3_add(state->velocity_rate + 6 * j, FB_R(1.0), turn);
     for (int k = 0; k < 3; k++) {
       fbi_vec3_add(state->V[k] + 6 * j, -FB_R(1.0), V);
       fbi_vec3_add(state->V[k] + 6 * j, -step * ((fb_real)k + FB_R(0.5)), turn);
@@ -14973,7 +15168,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
     }
     fbi_exact_reframe(state, m, du, FB_R(0.0));
     fbi_zero(state->momentum_rate, 6 * m->n);
-    fbi_zero(state->lump_rate, 6 * m->n_lump);
+    fbi_zero(state->velocity_rate, 6 * (m->n + 1));
   }
   return FB_OK;
 }
@@ -15034,6 +15229,88 @@ FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, con
   return FB_OK;
 }
 
+/* P += M x */
+static void fbi_exact_carry(fb_real P[6], const fb_real M[36], const fb_real x[6])
+{
+  for (int i = 0; i < 6; i++) {
+    P[i] += fbi_vec6_dot(M + 6 * i, x);
+  }
+}
+
+/* A x = b of a semidefinite A, by Gaussian elimination; unknowns with no pivot but round-off of the largest are zero. */
+static void fbi_solve_semidefinite(fb_real x[6], const fb_real A[36], const fb_real b[6])
+{
+  fb_real L[36], bit = FB_R(0.0);
+  int is[6];
+  fbi_copy(L, A, 36);
+  fbi_vec6_copy(x, b);
+  for (int k = 0; k < 6; k++) {
+    bit = fbi_larger(bit, (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-12)) * A[7 * k]);
+  }
+  for (int k = 0; k < 6; k++) {
+    is[k] = L[7 * k] > bit;
+    for (int i = k + 1; i < 6 && is[k]; i++) {
+      const fb_real factor = L[6 * i + k] / L[7 * k];
+      fbi_vec6_add(L + 6 * i, -factor, L + 6 * k);
+      x[i] -= factor * x[k];
+    }
+  }
+  for (int k = 5; k >= 0; k--) {
+    for (int i = k + 1; i < 6; i++) {
+      x[k] -= L[6 * k + i] * x[i];
+    }
+    x[k] = is[k] ? x[k] / L[7 * k] : FB_R(0.0);
+  }
+}
+
+/* Momentum P and inertia M per length of an element about its middle, with its shares of the nodes. */
+static void fbi_exact_whole_element(fb_real P[6], fb_real M[36], const fb_exact *m, const fb_exact_state *state, int k)
+{
+  fbi_exact_twist t;
+  fb_real theta[6];
+  fbi_vec6_copy(P, state->momentum + 6 * k);
+  fbi_copy(M, m->M + 36 * k, 36);
+  if (m->jointed[k]) {
+    return;
+  }
+  fbi_exact_twist_of(&t, theta, m, state, k);
+  for (int end = 0; end < 2; end++) {
+    const fb_real *const V = state->velocity + 6 * (end ? k + 1 : m->inboard[k]);
+    fb_real half[6], r[3], quat[4], R[9], N[36], p[6], column[6], carried[6];
+    for (int i = 0; i < 6; i++) {
+      half[i] = (end ? FB_R(0.5) : -FB_R(0.5)) * theta[i];
+    }
+    fb_pose_from_twist(r, quat, half);
+    fb_quat_to_mat33(R, quat);
+    fbi_zero(N, 36);
+    fbi_exact_share_mass(N, m->share + 8 * k + 4 * end, m->box);
+    fbi_mat66_mul_vec6(p, N, V);
+    for (int j = -1; j < 6; j++) { /* momentum, then columns of the inertia */
+      fb_real y[6] = {FB_R(0.0)};
+      if (j >= 0) { /* velocity of the node by that of the middle */
+        fb_real unit[6] = {FB_R(0.0)}, v[3];
+        unit[j] = FB_R(1.0);
+        fbi_copy(v, unit, 3);
+        fbi_vec3_add_cross(v, unit + 3, r);
+        fb_mat33_mulT_vec3(y, R, v);
+        fb_mat33_mulT_vec3(y + 3, R, unit + 3);
+        fbi_mat66_mul_vec6(p, N, y);
+      }
+      fb_mat33_mul_vec3(column, R, p);
+      fb_mat33_mul_vec3(column + 3, R, p + 3);
+      fbi_vec3_add_cross(column + 3, r, column);
+      for (int i = 0; i < 6; i++) {
+        carried[i] = column[i] / m->h[k];
+        if (j < 0) {
+          P[i] += carried[i];
+        } else {
+          M[6 * i + j] += carried[i];
+        }
+      }
+    }
+  }
+}
+
 FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out, const fb_exact_state *state, int k)
 {
   fb_status status;
@@ -15046,16 +15323,16 @@ FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out,
   {
     const fb_real *const s = state->stress[0] + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
-    fb_real strain[6], V[6], P[6], u[3], frame[6];
+    fb_real strain[6], V[6], P[6], M[36], u[3], frame[6];
 
     /* Strain, and velocity and momentum with those of the frame */
     fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
-    fbi_mat66_mul_vec6(V, m->M_inverse + 36 * k, state->momentum + 6 * k);
+    fbi_exact_whole_element(P, M, m, state, k);
+    fbi_solve_semidefinite(V, M, P);
     fbi_exact_frame(u, m, state);
     fbi_exact_seen_mean(frame, m, state, k, u);
-    fbi_mat66_mul_vec6(P, m->M + 36 * k, frame);
-    fbi_vec6_add(P, FB_R(1.0), state->momentum + 6 * k);
     fbi_vec6_add(V, FB_R(1.0), frame);
+    fbi_exact_carry(P, M, frame);
 
     /* SI units */
     for (int i = 0; i < 3; i++) {
@@ -15162,21 +15439,19 @@ static fb_real fbi_exact_quadratic(const fb_real A[36], const fb_real x[6], cons
   return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* mass (origin + g . r) + g . R moment for the inertia matrix M at the pose r, quat; moment: first moment of mass. For
-   curved elements E10.6 makes mass and moment differ between axes: their means are used, which are invariant. */
-static fb_real fbi_exact_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
+/* mass (origin + g . r) + g . R moment at the pose r, quat; weight: mass and its first moment. */
+static fb_real fbi_exact_weight(const fb_real weight[4], const fb_real g[3], fb_real origin, const fb_real r[3],
                                 const fb_real quat[4])
 {
-  const fb_real mass = (M[0] + M[7] + M[14]) / FB_R(3.0);
-  const fb_real moment[3] = {FB_R(0.5) * (M[11] - M[16]), FB_R(0.5) * (M[15] - M[5]), FB_R(0.5) * (M[4] - M[9])};
   fb_real R[9], y[3];
   fb_quat_to_mat33(R, quat);
   fb_mat33_mulT_vec3(y, R, g);
-  return mass * (origin + fb_vec3_dot(g, r)) + fb_vec3_dot(moment, y);
+  return weight[0] * (origin + fb_vec3_dot(g, r)) + fb_vec3_dot(weight + 1, y);
 }
 
-/* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P + u.p + 1/2 m u.u, p the momentum relative to u, and -m g.r
-   with the mass center's r, by Simpson's rule along each element; 1/2 stiffness (angle - rest)^2 of joints.
+/* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P of elements, 1/2 V M V of nodes, u.p + 1/2 m u.u, p the momentum
+   relative to u, and -m g.r with the mass center's r, of the nodes and of the geodesic middle of each element;
+   1/2 stiffness (angle - rest)^2 of joints.
    Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: state refused.
    Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy, flight_at_any_speed_moves_as_rest_does. */
 FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, const fb_exact_state *state)
@@ -15199,28 +15474,30 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
 
   /* Elements */
   for (int k = 0; k < m->n; k++) {
-    const fb_real h = m->h[k], *const M = m->M + 36 * k;
-    const fb_real *const r = state->r + 3 * m->inboard[k], *const quat = state->quat + 4 * m->inboard[k];
-    fb_real middle[3], turn[4];
-    fbi_exact_point(middle, turn, m, state, k, FB_R(0.5));
+    const fb_real h = m->h[k];
+    fb_real middle[3], turn[4], theta[6];
+    if (m->jointed[k]) {
+      continue;
+    }
+    for (int i = 0; i < 6; i++) {
+      theta[i] = FB_R(0.5) * h * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+    }
+    fbi_copy(middle, state->r + 3 * m->inboard[k], 3);
+    fbi_copy(turn, state->quat + 4 * m->inboard[k], 4);
+    fbi_pose_add(middle, turn, theta);
     out.strain +=
         h * fbi_exact_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
     out.kinetic +=
         h * unit *
         fbi_exact_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
-    out.gravity -= h * unit / FB_R(6.0) *
-                   (fbi_exact_weight(M, g, origin, r, quat) +
-                    fbi_exact_weight(M, g, origin, state->r + 3 * k + 3, state->quat + 4 * k + 4) +
-                    FB_R(4.0) * fbi_exact_weight(M, g, origin, middle, turn));
+    out.gravity -= h * unit * fbi_exact_weight(m->weight + 4 * k, g, origin, middle, turn);
   }
 
-  /* Lumped bodies */
-  for (int l = 0; l < m->n_lump; l++) {
-    const fb_real *const M = m->lump + 36 * l;
-    const int j = m->lump_node[l];
+  /* Nodes */
+  for (int j = 0; j <= m->n; j++) {
     out.kinetic +=
-        unit * fbi_exact_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
-    out.gravity -= unit * fbi_exact_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
+        unit * fbi_exact_quadratic(m->node_M + 36 * j, state->velocity + 6 * j, state->velocity_rate + 6 * j, last);
+    out.gravity -= unit * fbi_exact_weight(m->node_weight + 4 * j, g, origin, state->r + 3 * j, state->quat + 4 * j);
   }
 
   /* Springs of joints */
@@ -18849,19 +19126,16 @@ static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, c
 static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
   const fb_real shift = work->motion.shift;
-  fb_real strain[6], P[6];
+  fb_real strain[6];
 
-  /* Strains and momenta */
+  /* Strains, momenta, velocities of the nodes */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
     fbi_exact_rate_update(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
     fbi_exact_rate_update(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
                           shift, dt, 6);
   }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
-    fbi_exact_rate_update(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
-  }
+  fbi_exact_rate_update(next->velocity, next->velocity_rate, work->V, work->velocity, shift, dt, 6 * (m->n + 1));
 
   /* Joints */
   for (int j = 0; j < m->n_joint; j++) {
@@ -18871,10 +19145,33 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
 
   /* Reactions, histories for the extrapolation, internal loads */
   fbi_copy(next->offset, work->offset, 6 * m->n);
+  fbi_exact_shares_add(work, m);
   fbi_exact_reactions(next->reaction, work, m);
   fbi_exact_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
   fbi_exact_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
   fbi_copy(next->force, work->F, 6 * (m->n + 1));
+}
+
+/* Dead loads and gravity in section axes of the middles of the elements at the start of the step, and where the momenta
+   of the nodes start. */
+static void fbi_exact_middles_take(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
+{
+  for (int k = 0; k < m->n && (work->motion.gravity || work->motion.dead); k++) {
+    const fb_real *const n = work->line_dead + 6 * k, *const load[3] = {n, n + 3, work->gravity};
+    fb_real turn[3], half[4], start[4], quat[4], R[9];
+    for (int i = 0; i < 3; i++) {
+      turn[i] =
+          FB_R(0.5) * m->h[k] * (m->xi[6 * k + 3 + i] + state->strain[6 * k + 3 + i] + state->offset[6 * k + 3 + i]);
+    }
+    fb_quat_from_rotvec(half, turn);
+    fb_quat_mul(start, state->quat + 4 * m->inboard[k], half);
+    fb_quat_mul(quat, work->before, start);
+    fb_quat_to_mat33(R, quat);
+    for (int i = 0; i < 3; i++) {
+      fb_mat33_mulT_vec3(work->middle + 9 * k + 3 * i, R, load[i]);
+    }
+  }
+  fbi_exact_node_momenta(work, m);
 }
 
 /* Start of a step: loads, base values of the rates, first guess of the mid-step values. */
@@ -18893,30 +19190,174 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
   fbi_exact_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
-  fbi_exact_rate_base(work->lump, state->lump, state->lump_rate, last, 6 * m->n_lump);
+  fbi_exact_rate_base(work->velocity, state->velocity, state->velocity_rate, last, 6 * (m->n + 1));
+  fbi_exact_middles_take(work, m, state);
   fbi_exact_rate_base(work->angle_base, state->angle, state->angle_rate, last, m->n_joint);
   fbi_copy(work->angle, state->angle, m->n_joint);
   fbi_exact_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
   fbi_exact_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
 }
 
-/* Residuals at the present mid-step values. */
+/* Adds Newton corrections, or takes them back: times s. */
+static void fbi_exact_correct(fb_exact_work *work, const fb_exact *m, fb_real s)
+{
+  for (int i = 0; i < 6 * (m->n + 1); i++) {
+    work->V[i] += s * work->dd[i];
+  }
+  for (int i = 0; i < 6 * m->n; i++) {
+    work->s[i] += s * work->ds[i];
+  }
+}
+
+/* Directions of the way back: place and rotation that the held nodes beyond the root are off by, as one unit vector, in
+   the axes of their rows, and its size `away`. Nothing of it is gone at first. */
+static void fbi_exact_way_begin(fb_exact_work *work, const fb_exact *m)
+{
+  fb_real size = FB_R(0.0);
+  int held = 0;
+  work->along[0] = work->along[1] = work->away = FB_R(0.0);
+  for (int j = 1; j <= m->n; j++) {
+    held |= m->held[j];
+  }
+  if (held == 0) {
+    return;
+  }
+  fbi_exact_nodes_eval(work, m);
+  for (int j = 1; j <= m->n; j++) {
+    fb_real *const off = work->way[0] + 6 * j;
+    fbi_vec6_zero(off);
+    fbi_vec6_zero(work->way[1] + 6 * j);
+    if (m->held[j] != 0) {
+      fbi_exact_off(off, work, m, j);
+      for (int i = 0; i < 6; i++) {
+        off[i] = m->held[j] >> i & 1 ? off[i] : FB_R(0.0);
+      }
+      size += fbi_vec6_dot(off, off);
+    }
+  }
+  size = FB_SQRT(size);
+  if (size > (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-14))) { /* else it is rounding */
+    work->away = size;
+    for (int i = 6; i < 6 * (m->n + 1); i++) {
+      work->way[0][i] /= size;
+    }
+  }
+}
+
+/* Power f of the reactions along both directions. */
+static void fbi_exact_way_power(fb_real f[2], const fb_exact_work *work, const fb_exact *m)
+{
+  f[0] = f[1] = FB_R(0.0);
+  for (int j = 1; j <= m->n; j++) {
+    if (m->held[j] != 0) {
+      fb_real F[6];
+      fbi_exact_held_load(F, work, m, j);
+      f[0] += fbi_vec6_dot(F, work->way[0] + 6 * j);
+      f[1] += fbi_vec6_dot(F, work->way[1] + 6 * j);
+    }
+  }
+}
+
+/* What a unit of the way along direction i changes of f, by the present factors. */
+static void fbi_exact_way_probe(fb_real change[2], fb_exact_work *work, const fb_exact *m, fb_real dt, int i)
+{
+  const fb_real part = FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5); /* of the beam's length, in a step */
+  fb_real before[2];
+  fbi_exact_way_power(before, work, m);
+  fbi_zero(work->c, 6 * m->n);
+  fbi_zero(work->B, 6 * (m->n + 1));
+  fbi_zero(work->want, 6);
+  for (int j = 6; j < 6 * (m->n + 1); j++) {
+    work->want[j] = part / dt * work->way[i][j];
+  }
+  fbi_exact_solve(work, m);
+  fbi_exact_correct(work, m, FB_R(1.0));
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_residual(work, m);
+  fbi_exact_way_power(change, work, m);
+  for (int k = 0; k < 2; k++) {
+    change[k] = (change[k] - before[k]) * dt / (part * fbi_larger(dt, FBI_EXACT_RETURN));
+  }
+  fbi_exact_correct(work, m, -FB_R(1.0));
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_residual(work, m);
+}
+
+/* [E10.16] Way x of the held nodes back to their place, in a plane of two directions: that of where they are off, e, and
+   across it that of the reactions. The load on what holds them is f + S x in it, and its work (f + S x).x is zero on an
+   ellipse through 0 about c = -S^-1 f/2; x is the point of it nearest to e in its own metric S, x = c + (e - c)
+   sqrt(c.S c/(e - c).S (e - c)). So x is not iterated against reactions that turn with it, and a reaction that is small
+   against what the way asks for becomes zero at most.
+   Source: own.  Cost: 50 flops an element.  Fails: S not definite: no way back in this step.
+   Test: a_beam_held_twice_keeps_energy_and_place, reactions_amid_the_beam_converge_with_the_step. */
+static void fbi_exact_way_aim(fb_exact_work *work, const fb_exact *m)
+{
+  const fb_real a = work->pull[0], b = work->pull[1], c = work->pull[2], det = a * c - b * b;
+  fb_real f[2], center[2] = {FB_R(0.0), FB_R(0.0)}, x[2], square[2];
+  fbi_exact_way_power(f, work, m);
+  f[0] -= a * work->along[0] + b * work->along[1];
+  f[1] -= b * work->along[0] + c * work->along[1];
+  if (det > FB_R(0.0)) {
+    center[0] = -FB_R(0.5) * (c * f[0] - b * f[1]) / det;
+    center[1] = -FB_R(0.5) * (a * f[1] - b * f[0]) / det;
+  } else if (b * b + c * c == FB_R(0.0) && a * a > FB_R(0.0)) { /* the reactions pull along e alone */
+    center[0] = -FB_R(0.5) * f[0] / a;
+  }
+  for (int i = 0; i < 2; i++) {
+    x[0] = (i ? work->away : FB_R(0.0)) - center[0];
+    x[1] = -center[1];
+    square[i] = a * x[0] * x[0] + FB_R(2.0) * b * x[0] * x[1] + c * x[1] * x[1];
+  }
+  square[0] /= square[1];
+  work->along[0] = work->along[1] = FB_R(0.0);
+  if (square[0] > FB_R(0.0) && square[0] < FB_HUGE) {
+    work->along[0] = center[0] + FB_SQRT(square[0]) * x[0];
+    work->along[1] = center[1] + FB_SQRT(square[0]) * x[1];
+  }
+}
+
+/* Residuals at the present mid-step values; aim: of held nodes the way back, too, by the reactions there. */
 static void fbi_exact_middle(fb_exact_work *work, const fb_exact *m, fb_real step, int aim)
 {
   fbi_exact_nodes_eval(work, m);
   fbi_exact_residual(work, m);
-  fbi_exact_want(work, m, step, aim);
+  if (aim && work->away > FB_R(0.0)) {
+    fbi_exact_way_aim(work, m);
+  }
+  fbi_exact_want(work, m, step);
 }
 
-/* Adds the Newton corrections. */
-static void fbi_exact_correct(fb_exact_work *work, const fb_exact *m)
+/* Held nodes that are off: one correction more, with no way back, then the second direction, that of the reactions across
+   the first, and S of both. */
+static void fbi_exact_way_find(fb_exact_work *work, const fb_exact *m, fb_real step)
 {
-  for (int i = 0; i < 6 * (m->n + 1); i++) {
-    work->V[i] += work->dd[i];
+  fb_real f[2], first[2], second[2] = {FB_R(0.0), FB_R(0.0)}, size = FB_R(0.0), across = FB_R(0.0);
+  fbi_exact_solve(work, m);
+  fbi_exact_correct(work, m, FB_R(1.0));
+  fbi_exact_middle(work, m, step, 0);
+  fbi_exact_way_power(f, work, m);
+  for (int j = 1; j <= m->n; j++) {
+    fb_real F[6], *const to = work->way[1] + 6 * j;
+    if (m->held[j] != 0) {
+      fbi_exact_held_load(F, work, m, j);
+      fbi_vec6_copy(to, F);
+      fbi_vec6_add(to, -f[0], work->way[0] + 6 * j);
+      size += fbi_vec6_dot(F, F);
+      across += fbi_vec6_dot(to, to);
+    }
   }
-  for (int i = 0; i < 6 * m->n; i++) {
-    work->s[i] += work->ds[i];
+  size = across > FB_R(1e-12) * size ? FB_R(1.0) / FB_SQRT(across) : FB_R(0.0);
+  for (int i = 6; i < 6 * (m->n + 1); i++) {
+    work->way[1][i] *= size;
   }
+  fbi_exact_way_probe(first, work, m, step, 0);
+  if (size > FB_R(0.0)) {
+    fbi_exact_way_probe(second, work, m, step, 1);
+  }
+  work->pull[0] = first[0];
+  work->pull[1] = size > FB_R(0.0) ? FB_R(0.5) * (first[1] + second[0]) : FB_R(0.0);
+  work->pull[2] = second[1];
+  fbi_exact_middle(work, m, step, 1);
 }
 
 /* Newton iterations with a factorization each; the last factors are kept for the corrections that follow. */
@@ -18925,8 +19366,8 @@ static fb_status fbi_exact_approach(fb_exact_work *work, const fb_exact *m, fb_r
   fb_status status = fbi_exact_factor(work, m);
   for (int it = 1; it < m->factorizations && status == FB_OK; it++) {
     fbi_exact_solve(work, m);
-    fbi_exact_correct(work, m);
-    fbi_exact_middle(work, m, step, 1);
+    fbi_exact_correct(work, m, FB_R(1.0));
+    fbi_exact_middle(work, m, step, 0);
     status = fbi_exact_factor(work, m);
   }
   return status;
@@ -18988,16 +19429,20 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
   /* Residual and factors at mid-step */
   step = dt / m->time;
   fbi_exact_begin(work, m, state, middle, step);
-  fbi_exact_middle(work, m, step, 1);
+  fbi_exact_way_begin(work, m);
+  fbi_exact_middle(work, m, step, 0);
   status = fbi_exact_approach(work, m, step);
+  if (status == FB_OK && work->away > FB_R(0.0)) {
+    fbi_exact_way_find(work, m, step);
+  }
 
   /* Corrections with these factors */
   for (int it = 0; it < m->iterations && status == FB_OK; it++) {
     before = it + 1 == m->iterations ? fbi_exact_unbalance(work, m, step) : before;
     fbi_exact_solve(work, m);
-    fbi_exact_correct(work, m);
+    fbi_exact_correct(work, m, FB_R(1.0));
     change = it + 1 == m->iterations ? fbi_exact_change(work, m, step, FB_R(0.0)) : change;
-    fbi_exact_middle(work, m, step, it + 3 < m->iterations);
+    fbi_exact_middle(work, m, step, it + 2 < m->iterations);
   }
 
   /* Convergence: last correction and the expected next one */
@@ -27700,19 +28145,15 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
   return status ? status : fbi_lumps_check(desc->lump, desc->n_lump, fbi_exact_elements(desc));
 }
 
-/* [E10.6] Compliance and inertia of an element, X = h ad(1, 0, 0, curvature):
-     C + 1/12 (X C X^T + X C1 + C1 X^T)     M + 1/12 (X^T M X - X^T M1 - M1 X)
+/* Compliance of an element, X = h ad(1, 0, 0, curvature):  C + 1/12 (X C X^T + X C1 + C1 X^T)
    Equilibrium and taper make the strain vary linearly over the element: the terms added to C are the relative motion of
-   the ends by that (for a uniform straight beam h^2/(12 EI) of shear). The terms added to M are the energy of the
-   element's rotation besides that of its mean velocity (h^2 m/12 of rotary inertia). Stretch and twist of a uniform
-   straight beam have neither: their waves are those of the box scheme.
-   Source: own, Magnus expansion and variance; [MN] has the straight beam's flexibility.  Cost: init only.
-   Fails: never.  Test: linear_cantilevers_are_exact_at_the_nodes, a_rigid_beam_has_its_inertia,
-   tapered_beams_converge_fast. */
-static void fbi_exact_refine(fb_exact *m, int k, const fb_real M1[36])
+   the ends by that (for a uniform straight beam h^2/(12 EI) of shear). Stretch and twist of a uniform straight beam have
+   none: their waves are those of the box scheme.
+   Source: own, Magnus expansion; [MN] has the straight beam's flexibility.  Cost: init only.
+   Fails: never.  Test: linear_cantilevers_are_exact_at_the_nodes, tapered_beams_converge_fast. */
+static void fbi_exact_refine(fb_exact *m, int k)
 {
   const fb_real *const C = m->section + 36 * k, *const C1 = m->taper + 36 * k;
-  fb_real *const M = m->M + 36 * k;
   fb_real X[6], Y[36], Z[36];
   for (int i = 0; i < 6; i++) {
     X[i] = m->h[k] * m->xi[6 * k + i];
@@ -27728,19 +28169,110 @@ static void fbi_exact_refine(fb_exact *m, int k, const fb_real M1[36])
     const int transposed = i % 6 * 6 + i / 6;
     m->C[36 * k + i] = C[i] + (FB_R(0.5) * (Z[i] + Z[transposed]) + Y[i] + Y[transposed]) / FB_R(12.0);
   }
+}
 
-  /* M + 1/12 (X^T M X - X^T M1 - M1 X) */
-  fbi_mul_ad(Y, M, X);
-  fbi_adT_mul(Z, X, Y);
-  fbi_mul_ad(Y, M1, X);
+/* Mass and its first moment of a section, (m, m c), of its inertia matrix; returned: does it move as m alone in all
+   directions, so that nodes may share it? Masses that differ between axes stay in the middle. */
+static int fbi_exact_weight_of(fb_real weight[4], const fb_real M[36])
+{
+  const fb_real m = (M[0] + M[7] + M[14]) / FB_R(3.0), bound = FB_R(1e-6) * m;
+  int plain = 1;
+  weight[0] = m;
+  weight[1] = FB_R(0.5) * (M[11] - M[16]);
+  weight[2] = FB_R(0.5) * (M[15] - M[5]);
+  weight[3] = FB_R(0.5) * (M[4] - M[9]);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      plain = plain && FB_FABS(M[6 * i + j] - (i == j ? m : FB_R(0.0))) <= bound;
+    }
+  }
+  return plain;
+}
+
+/* What the Gauss points of an element say about its mass: moments 1, x, x^2, |x|, x = -1/2..1/2, of mass and first moment
+   of mass; largest arm of the mass center; inertia that stays in the middle whatever the shares. */
+typedef struct fbi_exact_masses {
+  fb_real moment[4][4], arm[3], M[36];
+  int plain;
+} fbi_exact_masses;
+
+static void fbi_exact_masses_add(fbi_exact_masses *sum, const fb_real inertia[36], fb_real weight, fb_real x, int box)
+{
+  const fb_real power[4] = {weight, weight * x, weight * x * x, weight * FB_FABS(x)};
+  fb_real w[4], N[36];
+  sum->plain = fbi_exact_weight_of(w, inertia) && sum->plain;
+  fbi_zero(N, 36);
+  fbi_exact_share_mass(N, w, box);
+  for (int k = 0; k < 4; k++) {
+    for (int i = 0; i < 4; i++) {
+      sum->moment[k][i] += power[k] * w[i];
+    }
+  }
   for (int i = 0; i < 36; i++) {
-    const int transposed = i % 6 * 6 + i / 6;
-    M[i] += (FB_R(0.5) * (Z[i] + Z[transposed]) - Y[i] - Y[transposed]) / FB_R(12.0);
+    sum->M[i] += weight * (inertia[i] - N[i]);
+  }
+  for (int i = 0; i < 3 && w[0] > FB_R(0.0); i++) {
+    sum->arm[i] = fbi_larger(sum->arm[i], FB_FABS(w[i + 1]) / w[0]);
   }
 }
 
+/* Is a share the mass and first moment of something whose mass center is within the arms? Round-off apart. */
+static int fbi_exact_is_share(const fb_real share[4], const fbi_exact_masses *sum)
+{
+  const fb_real mass = sum->moment[0][0], bit = (FB_SINGLE ? FB_R(1e-5) : FB_R(1e-12)) * mass;
+  int is = share[0] >= -bit;
+  for (int i = 0; i < 3; i++) {
+    is = is && FB_FABS(share[i + 1]) <= sum->arm[i] * (FB_R(1.000001) * share[0] + FB_R(2.0) * bit);
+  }
+  return is;
+}
+
+/* [E10.6] Masses of an element, of its ends and of its middle: what moves with the mass center, J^T m J with J V its velocity,
+   is shared by the weights of x = -1/2..1/2
+     2 x^2 - x,  1 - 4 x^2,  2 x^2 + x
+   (Simpson's rule where m is uniform): the middle and the ends are on Hermite's cubic through the ends, so that bending is of
+   order 4; mass, center and inertia of a straight line are exact, and the mass that a translation moves is that of any bent
+   beam. The rotary inertia of the section stays in the middle, so that twist has the waves of the box scheme; with desc.box
+   what moves along the line does, too. Weight is shared likewise. Where mass is so uneven within an element that a share
+   were negative: hat functions.
+   Source: own; Simpson's rule.  Cost: init only.  Fails: never.
+   Test: a_rigid_beam_has_its_inertia, uneven_mass_is_shared_without_loss. */
+static void fbi_exact_share_out(fb_exact *m, int k, const fbi_exact_masses *sum)
+{
+  const fb_real h = m->h[k];
+  fb_real *const share = m->share + 8 * k, *const middle = m->weight + 4 * k, *const M = m->M + 36 * k;
+  const fb_real(*const moment)[4] = sum->moment;
+  for (int i = 0; i < 4; i++) {
+    share[i] = FB_R(2.0) * moment[2][i] - moment[1][i];
+    share[i + 4] = FB_R(2.0) * moment[2][i] + moment[1][i];
+    middle[i] = moment[0][i] - FB_R(4.0) * moment[2][i];
+  }
+  if (!(fbi_exact_is_share(share, sum) && fbi_exact_is_share(share + 4, sum) && fbi_exact_is_share(middle, sum))) {
+    for (int i = 0; i < 4; i++) {
+      share[i] = moment[3][i] - moment[1][i];
+      share[i + 4] = moment[3][i] + moment[1][i];
+      middle[i] = moment[0][i] - FB_R(2.0) * moment[3][i];
+    }
+  }
+  for (int i = 0; i < 4; i++) {
+    share[i] = sum->plain ? h * share[i] : FB_R(0.0);
+    share[i + 4] = sum->plain ? h * share[i + 4] : FB_R(0.0);
+    middle[i] = sum->plain ? middle[i] : moment[0][i];
+  }
+
+  /* A middle of one place; what is left by round-off is no mass */
+  fbi_copy(M, sum->M, 36);
+  for (int i = 0; i < 12; i += 4) {
+    fb_real *const part = i < 8 ? share + i : middle;
+    if (part[0] <= (FB_SINGLE ? FB_R(1e-5) : FB_R(1e-12)) * moment[0][0] * (i < 8 ? h : FB_R(1.0))) {
+      fbi_zero(part, 4);
+    }
+  }
+  fbi_exact_share_mass(M, middle, m->box);
+}
+
 /* [E10.5] Means over an element of compliance (so that a rod of any taper is exact), inertia and curvature, and the
-   change of the first two over it (taper, M1: 12 times their first moments about the middle). Stations lie anywhere;
+   change of the first over it (taper: 12 times its first moment about the middle). Stations lie anywhere;
    each stretch between them has its own Gauss quadrature.
    Source: definition.  Cost: init only.  Fails: never on a checked desc.  Test: tapered_rods_are_exact_at_the_nodes. */
 static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const fbi_exact_line *line, int k)
@@ -27750,16 +28282,18 @@ static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const
   const fb_real start = fbi_exact_place(desc, line, k - line->first);
   const fb_real end = fbi_exact_place(desc, line, k - line->first + 1), h = end - start;
   fb_exact_station at, last;
-  fb_real C[36], M1[36], a = start;
+  fbi_exact_masses masses;
+  fb_real C[36], a = start;
+  memset(&masses, 0, sizeof masses);
+  masses.plain = 1;
   m->h[k] = h;
-  fbi_zero(M1, 36);
 
   /* Stretches a..b between stations */
   for (int s = 0; s < line->n_station && a < end; s++) {
     const fb_real x = line->n_station == 1 ? end : station[s].x;
     const fb_real b = x < end && s + 1 < line->n_station ? x : end;
 
-    /* Means and 12 times the first moments */
+    /* Means, first moment of the compliance, moments of the mass */
     for (int g = 0; g < FBI_GAUSS && b > a; g++) {
       const fb_real weight = fbi_gauss_w[g] * (b - a) / h;
       const fb_real place = a + fbi_gauss_x[g] * (b - a);
@@ -27768,10 +28302,9 @@ static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const
       (void)fbi_compliance(C, at.stiffness);
       for (int i = 0; i < 36; i++) {
         m->section[36 * k + i] += weight * C[i];
-        m->M[36 * k + i] += weight * at.inertia[i];
         C1[i] += slope * C[i];
-        M1[i] += slope * at.inertia[i];
       }
+      fbi_exact_masses_add(&masses, at.inertia, weight, (place - start) / h - FB_R(0.5), m->box);
       fbi_vec3_add(m->xi + 6 * k + 3, weight, at.curvature);
     }
     a = b > a ? b : a;
@@ -27782,7 +28315,8 @@ static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, const
   fbi_exact_station_eval(&last, desc, line, end);
   m->xi[6 * k] = FB_R(1.0);
   m->xi[6 * k + 3] += (last.twist - at.twist) / h;
-  fbi_exact_refine(m, k, M1);
+  fbi_exact_refine(m, k);
+  fbi_exact_share_out(m, k, &masses);
 }
 
 /* [E10.27] A branch at an angle: its first element is a driven joint at rest, which turns the section axes of its node by
@@ -27837,7 +28371,8 @@ static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
     bend += m->h[k] * fbi_larger(C[28], C[35]);
     twist += m->h[k] * C[21];
     stretch += m->h[k] * fbi_larger(C[0], fbi_larger(C[7], C[14]));
-    mass += m->h[k] * fbi_larger(m->M[36 * k], m->M[36 * k + 21] / (m->length * m->length));
+    const fb_real line = m->h[k] * m->weight[4 * k] + m->share[8 * k] + m->share[8 * k + 4];
+    mass += fbi_larger(line, m->h[k] * m->M[36 * k + 21] / (m->length * m->length));
   }
   for (int k = 0; k < desc->n_lump; k++) {
     mass += desc->lump[k].mass;
@@ -27879,13 +28414,32 @@ static void fbi_exact_rescale(fb_exact *m, const fb_exact_desc *desc)
     fbi_pseudo_inverse(m->M_inverse + 36 * k, m->M + 36 * k);
   }
 
-  /* Lumped bodies */
-  for (int k = 0; k < m->n_lump; k++) {
+  /* Nodes: shares of the elements that meet there, lumped bodies */
+  for (int k = 0; k < m->n; k++) {
+    for (int i = 0; i < 4; i++) {
+      m->weight[4 * k + i] *= i == 0 ? L / mass : FB_R(1.0) / mass;
+      m->share[8 * k + i] /= i == 0 ? mass : mass * L;
+      m->share[8 * k + i + 4] /= i == 0 ? mass : mass * L;
+    }
+    for (int end = 0; end < 2; end++) {
+      const int node = end ? k + 1 : m->inboard[k];
+      fbi_exact_share_mass(m->node_M + 36 * node, m->share + 8 * k + 4 * end, m->box);
+      for (int i = 0; i < 4; i++) {
+        m->node_weight[4 * node + i] += m->share[8 * k + 4 * end + i];
+      }
+    }
+  }
+  for (int k = 0; k < desc->n_lump; k++) {
     const fb_real one = desc->lump[k].mass, mass3[3] = {one, one, one};
-    m->lump_node[k] = desc->lump[k].node;
-    fbi_section_add(m->lump + 36 * k, mass3, desc->lump[k].inertia, desc->lump[k].center);
-    fbi_exact_scale(m->lump + 36 * k, FB_R(1.0) / mass, FB_R(1.0) / L);
-    fbi_pseudo_inverse(m->lump_inverse + 36 * k, m->lump + 36 * k);
+    const int node = desc->lump[k].node;
+    fb_real lump[36] = {FB_R(0.0)}, weight[4];
+    fbi_section_add(lump, mass3, desc->lump[k].inertia, desc->lump[k].center);
+    fbi_exact_scale(lump, FB_R(1.0) / mass, FB_R(1.0) / L);
+    (void)fbi_exact_weight_of(weight, lump);
+    fbi_row_sub(m->node_M + 36 * node, -FB_R(1.0), lump, 36);
+    for (int i = 0; i < 4; i++) {
+      m->node_weight[4 * node + i] += weight[i];
+    }
   }
 
   /* Joints */
@@ -27944,7 +28498,7 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
   memset(m, 0, sizeof *m);
   m->n = fbi_exact_elements(desc);
   m->n_joint = fbi_exact_joints(desc);
-  m->n_lump = desc->n_lump;
+  m->box = desc->box != 0;
   m->iterations = desc->iterations > 0 ? desc->iterations : 6;
   m->factorizations = desc->factorizations > 0 ? desc->factorizations : 1;
   rho = FB_R(1.0) - desc->dissipation;
@@ -29483,13 +30037,14 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   fbi_exact_input_set(work, m, base_quat, input, part, FB_R(0.0));
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
-  fbi_zero(work->lump, 6 * m->n_lump);
+  fbi_zero(work->velocity, 6 * (m->n + 1));
+  fbi_zero(work->node_momentum, 6 * (m->n + 1));
 
   /* Corrections: residual, tangent, solution; from the tenth on they must decrease */
   for (int it = 0; it < 25 && change > FBI_EXACT_TOLERANCE && status == FB_OK; it++) {
     fbi_exact_nodes_eval(work, m);
     fbi_exact_residual(work, m);
-    fbi_exact_want(work, m, FB_R(0.0), 1);
+    fbi_exact_want(work, m, FB_R(0.0));
     status = fbi_exact_factor(work, m);
     if (status != FB_OK) {
       break;
@@ -29550,9 +30105,10 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
    translation of the base, which goes to state->u in inertial axes. */
 static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
 {
-  fb_real base[9];
+  fb_real base[9], turn[3], rate[6];
   fbi_exact_nodes_eval(work, m);
   fbi_exact_residual(work, m);
+  fbi_exact_shares_add(work, m);
   work->unstable = fbi_exact_unstable(work, m);
   fbi_copy(work->drift, work->twist, 3);
   fbi_zero(work->twist, 3); /* from here on relative to the present velocity of the base */
@@ -29562,6 +30118,16 @@ static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_
   fb_mat33_mul_vec3(state->u, base, work->drift);
   for (int i = 0; i < 3; i++) {
     state->u[i] *= m->length / m->time;
+  }
+
+  /* Rates: u rests in inertial axes, the velocity of the base in its own, which turn */
+  fb_vec3_cross(turn, work->twist + 3, work->drift);
+  for (int j = 0; j <= m->n; j++) {
+    fbi_exact_seen(state->velocity_rate + 6 * j, state, j, turn);
+  }
+  for (int k = 0; k < m->n; k++) {
+    fbi_exact_seen_mean(rate, m, state, k, turn);
+    fbi_mat66_mul_vec6(state->momentum_rate + 6 * k, m->M + 36 * k, rate);
   }
 }
 
@@ -31448,7 +32014,8 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
   work->motion.dead |= dead;
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
-  fbi_zero(work->lump, 6 * m->n_lump);
+  fbi_zero(work->velocity, 6 * (m->n + 1));
+  fbi_zero(work->node_momentum, 6 * (m->n + 1));
 }
 
 /* Newton correction at a constant load factor, in w->dd and w->ds, and the tangent, the change per unit of the factor,
@@ -31461,7 +32028,7 @@ static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, 
   fbi_copy(w->B, work->B, 6 * (m->n + 1));
   fbi_copy(w->c, work->c, 6 * m->n);
   fbi_exact_path_residual(w, m, factor);
-  fbi_exact_want(work, m, FB_R(0.0), 1);
+  fbi_exact_want(work, m, FB_R(0.0));
   status = fbi_exact_factor(work, m);
   if (status != FB_OK) {
     return status;
@@ -32708,14 +33275,23 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
 
 #if FB_WITH_EXACT
 /* ---- the linearized geometrically exact beam: a perturbation x holds the changes d of the nodes' poses, then those of
-   the momenta of elements and lumped bodies */
+   the momenta of elements and of nodes that have mass */
+
+static int fbi_exact_has_mass(const fb_exact *m, int node)
+{
+  return !fbi_is_zero(m->node_M + 36 * node, 36);
+}
 
 static int fbi_exact_dim(const fb_exact *m)
 {
-  return 6 * (m->n + 1) + 6 * m->n + 6 * m->n_lump;
+  int nodes = 0;
+  for (int j = 0; j <= m->n; j++) {
+    nodes += fbi_exact_has_mass(m, j);
+  }
+  return 6 * (m->n + 1) + 6 * m->n + 6 * nodes;
 }
 
-/* Change of the inertia force of an element or lumped body by a velocity change v:
+/* Change of the inertia force of an element or node by a velocity change v:
    y = ad(V)^T M v + ad(v)^T P - shift M v. */
 static void fbi_exact_load_rate(fb_real y[6], const fb_real M[36], const fb_real V[6], const fb_real P[6],
                                 fb_real shift, const fb_real v[6])
@@ -32739,24 +33315,27 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   fbi_exact_cell *const c = &work->cell;
   const fb_real shift = work->motion.shift;
   const int n = m->n;
-  const fb_real *const b_P = b + 6 * (n + 1), *const b_L = b_P + 6 * n;
-  fb_real *const P = x + 6 * (n + 1), *const L = P + 6 * n;
-  fb_real v[6], d[6], f[6], y[6];
+  const fb_real *const b_P = b + 6 * (n + 1), *b_L = b_P + 6 * n;
+  fb_real *const P = x + 6 * (n + 1), *L = P + 6 * n;
+  fb_real v[6], d[6], f[6], y[6], p[6];
   fbi_zero(work->c, 6 * n);
   fbi_zero(work->want, 6 * (n + 1));
 
   /* Right-hand side: b of the elements, shared between their nodes */
   for (int k = 0; k < n; k++) {
+    if (m->jointed[k]) {
+      continue;
+    }
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(v, d, c->theta, b + 6 * m->inboard[k], b + 6 * k + 6);
+    fbi_exact_mean(v, &c->twist, b + 6 * m->inboard[k], b + 6 * k + 6);
     fbi_exact_load_rate(f, m->M + 36 * k, c->V, c->P, shift, v);
     for (int i = 0; i < 6; i++) {
       f[i] = -c->h * (b_P[6 * k + i] - f[i]);
     }
-    fbi_adT(y, c->theta, f);
+    fbi_adT(y, c->twist.beta, f);
     for (int i = 0; i < 6; i++) {
-      work->B[6 * m->inboard[k] + i] -= y[i] / FB_R(12.0) - FB_R(0.5) * f[i];
-      work->B[6 * k + 6 + i] += y[i] / FB_R(12.0) + FB_R(0.5) * f[i];
+      work->B[6 * m->inboard[k] + i] -= y[i] - FB_R(0.5) * f[i];
+      work->B[6 * k + 6 + i] += y[i] + FB_R(0.5) * f[i];
     }
   }
 
@@ -32768,15 +33347,17 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
                  fbi_exact_joint_answer(work, joint).weight * (joint->damping * rate + work->motor[j]), joint->axis);
   }
 
-  /* b of the lumped bodies */
-  for (int l = 0; l < m->n_lump; l++) {
-    const int j = m->lump_node[l];
-    fb_real p[6];
-    fbi_mat66_mul_vec6(p, m->lump + 36 * l, work->V + 6 * j);
-    fbi_exact_load_rate(f, m->lump + 36 * l, work->V + 6 * j, p, shift, b + 6 * j);
-    for (int i = 0; i < 6; i++) {
-      work->B[6 * j + i] -= b_L[6 * l + i] - f[i];
+  /* b of the nodes */
+  for (int j = 0; j <= n; j++) {
+    if (!fbi_exact_has_mass(m, j)) {
+      continue;
     }
+    fbi_mat66_mul_vec6(p, m->node_M + 36 * j, work->V + 6 * j);
+    fbi_exact_load_rate(f, m->node_M + 36 * j, work->V + 6 * j, p, shift, b + 6 * j);
+    for (int i = 0; i < 6; i++) {
+      work->B[6 * j + i] -= b_L[i] - f[i];
+    }
+    b_L += 6;
   }
 
   /* Poses d, and velocities of the nodes in dd */
@@ -32789,18 +33370,26 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
     }
   }
 
-  /* Momenta */
+  /* Momenta, those of the elements by the pose d of their middle */
   for (int k = 0; k < n; k++) {
-    fb_real turn[6];
+    fbi_vec6_zero(P + 6 * k);
+    if (m->jointed[k]) {
+      continue;
+    }
     fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_mean(v, d, c->theta, work->dd + 6 * m->inboard[k], work->dd + 6 * k + 6);
-    fbi_mat66_mul_vec6(turn, m->C + 36 * k, work->ds + 6 * k);
-    fbi_ad(y, turn, c->dV);
-    fbi_vec6_add(v, c->h / FB_R(12.0), y);
+    fbi_exact_mean(d, &c->twist, x + 6 * m->inboard[k], x + 6 * k + 6);
+    fbi_exact_mean(v, &c->twist, b + 6 * m->inboard[k], b + 6 * k + 6);
+    fbi_ad(y, c->V, d);
+    for (int i = 0; i < 6; i++) {
+      v[i] = shift * d[i] + y[i] - v[i];
+    }
     fbi_mat66_mul_vec6(P + 6 * k, m->M + 36 * k, v);
   }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_mat66_mul_vec6(L + 6 * l, m->lump + 36 * l, work->dd + 6 * m->lump_node[l]);
+  for (int j = 0; j <= n; j++) {
+    if (fbi_exact_has_mass(m, j)) {
+      fbi_mat66_mul_vec6(L, m->node_M + 36 * j, work->dd + 6 * j);
+      L += 6;
+    }
   }
 }
 
@@ -32826,9 +33415,8 @@ static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, con
     fbi_exact_cell_eval(c, work, m, k);
     fbi_vec6_copy(work->momentum + 6 * k, c->P);
   }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_mat66_mul_vec6(work->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
-  }
+  fbi_copy(work->velocity, work->V, 6 * (m->n + 1));
+  fbi_exact_node_momenta(work, m);
   fbi_exact_residual(work, m);
   return fbi_exact_factor(work, m);
 }
@@ -32872,10 +33460,12 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
       seed = seed * 1664525u + 1013904223u;
       start[i] = (fb_real)(seed >> 16 & 0x7fffu) / FB_R(32768.0) - FB_R(0.5);
     }
-    for (int i = 0; i < m->n + m->n_lump; i++) {
-      fb_real *const P = start + 6 * (m->n + 1 + i);
-      fbi_vec6_copy(v, P);
-      fbi_mat66_mul_vec6(P, i < m->n ? m->M + 36 * i : m->lump + 36 * (i - m->n), v);
+    for (int i = 0, at = 6 * (m->n + 1); i < 2 * m->n + 1; i++) {
+      if (i < m->n || fbi_exact_has_mass(m, i - m->n)) {
+        fbi_vec6_copy(v, start + at);
+        fbi_mat66_mul_vec6(start + at, i < m->n ? m->M + 36 * i : m->node_M + 36 * (i - m->n), v);
+        at += 6;
+      }
     }
     fbi_exact_invert(work->Q + rows * n, &work->exact, m, start);
     if (k == 0 && first) {

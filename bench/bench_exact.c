@@ -207,7 +207,7 @@ static void step(int way, int at)
   fbb_check(factor(way), "factors");
   for (int it = 0; it < beam.iterations; it++) {
     solve(way);
-    fbi_exact_correct(&work, &beam);
+    fbi_exact_correct(&work, &beam, FB_R(1.0));
     fbi_exact_middle(&work, &beam, h, 1);
   }
   fbi_exact_end(&state, &work, &beam, h);

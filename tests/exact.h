@@ -91,6 +91,28 @@ static inline fb_status steps(int count, double dt)
   return status;
 }
 
+/* 1 m with its mass `offset` ahead of its line, on a hub of 0.1 m that spins about z: of the issue of false growth. */
+static inline void mass_ahead(int n, double offset, double spin)
+{
+  const double stiffness[6] = {2e6, 0.0, 0.0, 30.0, 50.0, 50.0}, m = 0.5;
+  fb_real *const M = desc.station[0].inertia;
+  beam(1.0, n, stiffness, NULL);
+  M[0] = M[7] = M[14] = (fb_real)m;
+  M[5] = M[30] = (fb_real)(-m * offset);
+  M[15] = M[20] = (fb_real)(m * offset);
+  M[21] = M[35] = (fb_real)(m * offset * offset);
+  desc.position[0] = FB_R(0.1);
+  input.w[2] = (fb_real)spin;
+}
+
+/* Integral of Jacobi of a beam on a base that spins about z. */
+static inline double jacobi(double spin)
+{
+  fb_momentum p;
+  FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
+  return total_energy() - spin * (double)p.angular[2];
+}
+
 /* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
    turned by half a turn about z */
 

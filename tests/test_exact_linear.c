@@ -543,8 +543,8 @@ TEST(states_that_are_not_numbers_are_refused)
 {
   fb_real *const field[] = {state.base_position, state.base_quat,   state.r,
                             state.quat,          state.strain,      state.momentum,
-                            state.lump,          state.strain_rate, state.momentum_rate,
-                            state.lump_rate,     state.V[0],        state.V[1],
+                            state.velocity,      state.strain_rate, state.momentum_rate,
+                            state.velocity_rate, state.V[0],        state.V[1],
                             state.V[2],          state.stress[0],   state.stress[1],
                             state.stress[2],     state.force,       state.reaction,
                             state.offset,        &state.step,       state.u,
@@ -556,8 +556,8 @@ TEST(states_that_are_not_numbers_are_refused)
   desc.lump[0].mass = desc.lump[1].mass = FB_R(0.5);
   start();
   {
-    const int nodes = 6 * 5, cells = 6 * 4, lumps = 6 * 2;
-    const int size[] = {3,     4,     3 * 5, 4 * 5, cells, cells, lumps, cells, cells, lumps, nodes,
+    const int nodes = 6 * 5, cells = 6 * 4;
+    const int size[] = {3,     4,     3 * 5, 4 * 5, cells, cells, nodes, cells, cells, nodes, nodes,
                         nodes, nodes, cells, cells, cells, nodes, nodes, cells, 1,     3,     3};
     FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_OK);
     for (int k = 0; k < 2 * FBT_COUNT(size); k++) {
@@ -575,8 +575,7 @@ TEST(states_that_are_not_numbers_are_refused)
 TEST(models_with_impossible_counts_are_refused)
 {
   static fb_exact_state before;
-  static const int count[7][3] = {{FB_MAX_EXACT + 1, 0, 0}, {0, 0, 0}, {-1, 0, 0}, {4, FB_MAX_LUMPS + 1, 0}, {4, -1, 0},
-                                  {4, 0, FB_MAX_LUMPS + 1}, {4, 0, -1}};
+  static const int count[5][2] = {{FB_MAX_EXACT + 1, 0}, {0, 0}, {-1, 0}, {4, FB_MAX_LUMPS + 1}, {4, -1}};
   elastica(4);
   start();
   before = state;
@@ -587,8 +586,7 @@ TEST(models_with_impossible_counts_are_refused)
     fb_real position[3], quat[4];
     const fb_status refused = count[k][0] == 0 ? FB_ERR_INIT : FB_ERR_CAPACITY; /* as never initialized */
     exact.n = count[k][0];
-    exact.n_lump = count[k][1];
-    exact.n_joint = count[k][2];
+    exact.n_joint = count[k][1];
     FBT_INT_EQ(fb_exact_check(&exact), FB_ERR_CAPACITY);
     FBT_INT_EQ(fb_exact_state_check(&exact, &state), refused);
     FBT_INT_EQ(fb_exact_state_init(&exact, &state, &work, NULL), refused);
@@ -626,13 +624,12 @@ TEST(the_check_word_of_a_exact_beam_sees_every_byte)
     desc.lump[l].mass = FB_R(2.0);
   }
   start();
-  FBT_INT_EQ(exact.n_lump, 2);
-  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + 3 * (int)sizeof(int)) +
+  FBT_INT_EQ(exact.n_joint, 1);
+  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 7 * 36 + 3 * 4 + 4 + 3 + 4) * (int)sizeof(fb_real) + 3 * (int)sizeof(int)) +
            (1 + FB_MAX_LUMPS) * (int)sizeof(int) + /* inboard of no element, branches */
-           (FB_MAX_LUMPS - 2) * (2 * 36 * (int)sizeof(fb_real) + (int)sizeof(int)) +
            (FB_MAX_LUMPS - 1) * (int)sizeof(fb_exact_joint);
   FBT_TRUE(fbt_unseen(&exact, sizeof exact, beam_word) <= unused + (int)(sizeof(fb_real) - sizeof(int)));
-  exact.n_lump = FB_MAX_LUMPS + 1;
+  exact.n_joint = FB_MAX_LUMPS + 1;
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 

@@ -254,8 +254,8 @@ static double energy_of_change(const fb_exact_state *a, const fb_exact_state *b,
     z.strain[i] = a->strain[i] - b->strain[i] - (fb_real)part * (b->strain[i] - c->strain[i]);
     z.momentum[i] = a->momentum[i] - b->momentum[i] - (fb_real)part * (b->momentum[i] - c->momentum[i]);
   }
-  for (int i = 0; i < 6 * exact.n_lump; i++) {
-    z.lump[i] = a->lump[i] - b->lump[i] - (fb_real)part * (b->lump[i] - c->lump[i]);
+  for (int i = 0; i < 6 * (exact.n + 1); i++) {
+    z.velocity[i] = a->velocity[i] - b->velocity[i] - (fb_real)part * (b->velocity[i] - c->velocity[i]);
   }
   z.step = 0; /* the last change of z itself does not count */
   FBT_INT_EQ(fb_exact_energy_eval(&exact, &e, &z), FB_OK);
@@ -309,6 +309,7 @@ TEST(dissipation_is_that_of_its_formula)
       const int count = fast ? 8 : 400;
       double before, now;
       beam(1.0, 1, stiffness, inertia);
+      desc.box = 1;
       desc.dissipation = (fb_real)(1.0 - rho);
       load_tip(FB_AXES_NODE, FBT_TOL(1e-3, 0.1), 0.0, 0.0);
       settle();
@@ -332,8 +333,7 @@ TEST(dissipation_is_that_of_its_formula)
 }
 
 /* E10.6: reactions are in balance with what acts, forces and, of loads at nodes, moments about the origin, but for what
-   an element loses by its turn, of order 4 at least: a beam clamped at its root and propped at its tip, bent far. A
-   node that nothing holds has no reaction. */
+   rounding: a beam clamped at its root and propped at its tip, bent far. A node that nothing holds has no reaction. */
 TEST(reactions_balance_what_acts)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0};
@@ -378,10 +378,7 @@ TEST(reactions_balance_what_acts)
     left[1][k % 2] = fmax(left[1][k % 2], with_line ? 0.0 : fbt_largest(moment, 3));
   }
   for (int i = 0; i < 2; i++) {
-    FBT_BELOW(left[i][1], FBT_TOL(1e-5, 5e-3));
-    if (!FB_SINGLE) {
-      FBT_BELOW(3.8, log2(left[i][0] / left[i][1]));
-    }
+    FBT_BELOW(fmax(left[i][0], left[i][1]), FBT_TOL(1e-9, 5e-3));
   }
 }
 
@@ -430,6 +427,149 @@ TEST(a_rigid_beam_has_its_inertia)
   }
 }
 
+/* E10.6, E10.28: a rigid arc of one to three elements, a rod that turns by up to 2.5 rad in one of them, moves as the points
+   of its nodes (1/6 of the mass of an element each) and of the middles on the arc between them: momentum, angular momentum
+   about the origin, energy. */
+TEST(velocity_of_the_middle_is_that_of_a_pose)
+{
+  const double turn[5] = {0.1, 0.45, 0.55, 1.4, 2.5}, stiffness[6] = {0.0}, inertia[6] = {1.7, 1.7, 1.7, 0.0, 0.0, 0.0};
+  const double v[3] = {0.3, -0.2, 0.5}, w[3] = {0.7, -0.4, 1.1};
+  for (int run = 0; run < 10; run++) {
+    const int n = 1 + run % 3;
+    const double kappa = turn[run / 2] * n / 2.0, pitch = run % 2 ? 0.6 * kappa : 0.0, rate = hypot(kappa, pitch);
+    double want[7] = {0.0};
+    fb_momentum p;
+    fb_energy e;
+    beam(2.0, n, stiffness, inertia);
+    desc.root = FB_END_FREE;
+    desc.station[0].curvature[0] = (fb_real)pitch;
+    desc.station[0].curvature[2] = (fb_real)kappa;
+    for (int i = 0; i < 3; i++) {
+      input.v[i] = (fb_real)v[i];
+      input.w[i] = (fb_real)w[i];
+    }
+    start();
+    for (int k = 0; k <= 2 * n; k++) { /* helix by int exp(s (pitch, 0, kappa)^) e_x ds */
+      const double s = 2.0 * k / (2.0 * n), m = (k % 2 ? 4.0 : k == 0 || k == 2 * n ? 1.0 : 2.0) / 6.0 * 1.7 * 2.0 / n;
+      const double along = pitch * pitch * s + kappa * kappa * sin(rate * s) / rate;
+      const double x[3] = {along / (rate * rate), kappa * (1.0 - cos(rate * s)) / (rate * rate),
+                           pitch * kappa * (s - sin(rate * s) / rate) / (rate * rate)};
+      double u[3];
+      for (int i = 0; i < 3; i++) {
+        u[i] = v[i] + w[(i + 1) % 3] * x[(i + 2) % 3] - w[(i + 2) % 3] * x[(i + 1) % 3];
+        want[i] += m * u[i];
+        want[6] += 0.5 * m * u[i] * u[i];
+      }
+      for (int i = 0; i < 3; i++) {
+        want[3 + i] += m * (x[(i + 1) % 3] * u[(i + 2) % 3] - x[(i + 2) % 3] * u[(i + 1) % 3]);
+      }
+    }
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &e, &state), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(p.linear[i], want[i], FBT_TOL(1e-12, 1e-5) * 5.0);
+      FBT_NEAR_ABS(p.angular[i], want[3 + i], FBT_TOL(1e-12, 1e-5) * 5.0);
+    }
+    FBT_NEAR_REL(e.kinetic, want[6], FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+/* E10.6: mass in three sections within an element, one of them a narrow peak: mass, center of mass and weight are those of
+   the line. */
+TEST(uneven_mass_is_shared_without_loss)
+{
+  const double stiffness[6] = {0.0}, place[5] = {0.0, 0.7, 0.75, 0.8, 3.0};
+  for (int run = 0; run < 4; run++) {
+    double mass = 0.0, moment[2] = {0.0, 0.0};
+    fb_momentum p;
+    fb_energy e;
+    beam(3.0, 1 + run, stiffness, NULL);
+    desc.root = FB_END_FREE;
+    desc.n_station = 5;
+    for (int k = 0; k < 5; k++) {
+      const double m = k == 2 ? 40.0 : k == 4 ? 0.0 : 1.0, c = k == 2 ? 0.3 : -0.2;
+      fb_real *const M = desc.station[k].inertia;
+      memset(&desc.station[k], 0, sizeof desc.station[k]);
+      desc.station[k].x = (fb_real)place[k];
+      M[0] = M[7] = M[14] = (fb_real)m;
+      M[5] = M[30] = (fb_real)(-m * c);
+      M[15] = M[20] = (fb_real)(m * c);
+      M[21] = M[35] = (fb_real)(m * c * c);
+    }
+    for (int k = 0; k < 4; k++) { /* both are linear between the stations */
+      const double h = place[k + 1] - place[k], a = (double)desc.station[k].inertia[0];
+      const double b = (double)desc.station[k + 1].inertia[0];
+      mass += 0.5 * h * (a + b);
+      moment[0] += h * (0.5 * (a + b) * place[k] + h * (a / 6.0 + b / 3.0));
+      moment[1] += 0.5 * h * (double)(desc.station[k].inertia[15] + desc.station[k + 1].inertia[15]);
+    }
+    input.w[2] = FB_R(2.0);
+    desc.gravity[1] = FB_R(-3.0);
+    start();
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &e, &state), FB_OK);
+    FBT_NEAR_REL(p.linear[0], -2.0 * moment[1], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(p.linear[1], 2.0 * moment[0], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(e.gravity, 3.0 * moment[1], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(e.kinetic, p.angular[2], FBT_TOL(1e-12, 1e-5)); /* 1/2 w.h, w = 2 */
+    memset(&input, 0, sizeof input);
+    input.v[2] = FB_R(1.0);
+    start();
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
+    FBT_NEAR_REL(p.linear[2], mass, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+/* E10.7, E10.28, E11.20: of the beam of the spectra (spinning_beams_with_their_mass_ahead_are_stable), kicked, the integral of
+   Jacobi less that of rest, energy - spin.(angular momentum), neither grows nor decays in 35 s. */
+TEST(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose)
+{
+  const double dt =
+      FBT_SHORT || FB_SINGLE ? 0.005 : 0.002; /* single: rounding of 10 s is a correction of 1e-3 at 2 ms */
+  double rest, first = 0.0;
+  mass_ahead(10, 0.1, 20.0);
+  settle();
+  rest = jacobi(20.0);
+  load_tip(FB_AXES_NODE, 0.0, 0.0, 2.0);
+  if (steps(25, 0.002) != FB_OK) {
+    return;
+  }
+  input.n_load = 0;
+  first = jacobi(20.0) - rest;
+  for (int block = 0; block < 7; block++) {
+    if (steps((int)(5.0 / dt), dt) != FB_OK) {
+      return;
+    }
+    FBT_NEAR_REL(jacobi(20.0) - rest, first, FBT_TOL(0.02, 0.5)); /* the step, order 2 */
+  }
+}
+
+/* E10.13, E10.28: a clamped helix that falls under its weight keeps its energy but for what the step takes, order 2. */
+TEST(helices_swing_under_their_weight)
+{
+  const double stiffness[6] = {1e4, 5e3, 5e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-3, 1e-3, 1e-3};
+  double left[2];
+  for (int run = 0; run < 2; run++) {
+    double before;
+    left[run] = 0.0;
+    beam(5.0, 8, stiffness, inertia);
+    desc.station[0].curvature[0] = desc.station[0].curvature[2] = FB_R(0.3);
+    desc.gravity[2] = FB_R(-9.81);
+    start();
+    before = total_energy();
+    for (int k = 0; k < 50; k++) {
+      if (steps(4 << run, 0.01 / (1 << run)) != FB_OK) {
+        return;
+      }
+      left[run] = fmax(left[run], fabs(total_energy() - before));
+    }
+  }
+  FBT_BELOW(left[0], FBT_TOL(5e-3, 5e-2)); /* of 54 J */
+  if (!FB_SINGLE) {
+    FBT_NEAR_REL(left[0] / left[1], 4.0, 0.2);
+  }
+}
+
 /* E10.8: the base carries the beam: uniform motion, in any direction and attitude, changes nothing; a state that spins
    steadily goes on so. */
 TEST(steady_and_marching_agree)
@@ -457,18 +597,44 @@ TEST(steady_and_marching_agree)
   FBT_NEAR_ABS(state.base_position[2], 12.0, FBT_TOL(1e-9, 1e-3));
 }
 
-/* E11.20: the spin-up of [DB] against the geometrically exact beam of reference p07, driven by rate and by torque. */
+/* E10.11, E11.20: a steady state on a base that moves and spins knows at what rate its momenta change, in axes that turn: with
+   dissipation, which takes what a rate lacks for a jerk, a beam without rotary inertia goes on as it is. */
+TEST(steady_states_know_their_rates)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+  fb_real steady[3];
+  beam(2.0, 6, stiffness, inertia);
+  desc.station[0].curvature[2] = FB_R(0.4);
+  desc.dissipation = FB_R(0.3);
+  input.v[0] = FB_R(3.0);
+  input.v[2] = FB_R(-2.0);
+  input.w[0] = FB_R(-1.2);
+  input.w[1] = FB_R(0.9);
+  settle();
+  memcpy(steady, node[6].angular_rate, sizeof steady);
+  for (int k = 0; k < 10; k++) {
+    if (steps(1, 1e-5) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    FBT_BELOW(fbt_difference(node[6].angular_rate, steady, 3), FBT_TOL(1e-6, 0.1));
+  }
+}
+
+/* E10.6, E11.20: the spin-up of [DB] against the geometrically exact beam of reference p07, driven by rate and by torque,
+   and by rate with eight elements in steps of 5 ms. */
 TEST(spin_up_matches_the_exact_beam)
 {
-  double worst = 0.0;
-  for (int torque = 0; torque < 2; torque++) {
+  double worst[2] = {0.0, 0.0};
+  for (int run = 0; run < 3; run++) {
+    const int torque = run == 1, n = run == 2 ? 8 : 20;
     const fbt_table *t = fbt_reference(torque ? "p07A_second_order.csv" : "p07C_second_order.csv");
     const double stiffness[6] = {3.1724e7, 0.0, 0.0, 0.0, 0.0, 14004.0}, inertia[6] = {1.2, 1.2, 1.2, 0.0, 0.0, 0.0};
-    const double dt = 0.01, T = 15.0;
-    double now = 0.0;
-    beam(10.0, 20, stiffness, inertia);
+    const double dt = run == 2 ? 0.005 : 0.01, T = 15.0;
+    double now = 0.0, *const most = &worst[run == 2];
+    beam(10.0, n, stiffness, inertia);
     desc.root = torque ? FB_END_CLAMPED & ~FB_HOLD_RZ : FB_END_CLAMPED;
-    desc.dissipation = FB_R(0.1);
+    desc.dissipation = run == 2 ? FB_R(0.0) : FB_R(0.1);
     start();
     for (int row = 1; row < t->rows; row++) {
       const double until = fbt_value(t, row, "t");
@@ -489,16 +655,18 @@ TEST(spin_up_matches_the_exact_beam)
       }
       fb_quat_to_mat33(R, state.quat);
       for (int i = 0; i < 3; i++) {
-        x[i] = (state.r[60 + i] - state.r[i]) * exact.length;
+        x[i] = (state.r[3 * n + i] - state.r[i]) * exact.length;
       }
       fb_mat33_mulT_vec3(y, R, x);
-      worst = fmax(worst, fabs((double)y[1] - fbt_value(t, row, "GE_u2")));
-      worst = fmax(worst, fabs((double)y[0] - 10.0 - fbt_value(t, row, "GE_u1")));
+      *most = fmax(*most, fabs((double)y[1] - fbt_value(t, row, "GE_u2")));
+      *most = fmax(*most, fabs((double)y[0] - 10.0 - fbt_value(t, row, "GE_u1")));
     }
   }
-  FBT_BELOW(worst / 0.568, FBT_TOL(1e-3, 5e-3));
+  FBT_BELOW(worst[0] / 0.568, FBT_TOL(1e-3, 5e-3));
+  FBT_BELOW(worst[1] / 0.568, FBT_TOL(2e-4, 5e-3));
   fbt_figure("spin-up, 20 elements, 10 ms, tip over 30 s, of the peak", "geometrically exact, p07A, p07C",
-             worst / 0.568);
+             worst[0] / 0.568);
+  fbt_figure("spin-up, 8 elements, 5 ms, tip over 30 s, of the peak", "geometrically exact, p07C", worst[1] / 0.568);
 }
 
 /* Frequency of a rod by its own free vibration, one element: rotation of the phase per step. */
@@ -536,6 +704,7 @@ TEST(one_element_rings_at_the_predicted_frequency)
       continue;
     }
     beam(12.0, 1, stiffness, inertia);
+    desc.box = 1;
     load_tip(FB_AXES_NODE, torsion ? 0.0 : 100.0, 0.0, 0.0);
     input.load[0].torque[0] = torsion ? FB_R(100.0) : FB_R(0.0);
     settle();
@@ -805,9 +974,11 @@ SUITE(exact_motion, RUN_LONG(a_support_amid_the_beam_holds_at_rest_and_in_motion
       RUN(energy_is_kept_whatever_the_step), RUN_LONG(dissipation_takes_energy_in_every_step),
       RUN(dissipation_takes_what_its_rule_says), RUN(dissipation_is_that_of_its_formula),
       RUN(internal_loads_of_a_pushed_rod_are_the_closed_form), RUN(a_rigid_beam_has_its_inertia),
-      RUN(reactions_balance_what_acts), RUN(steady_and_marching_agree), RUN_LONG(spin_up_matches_the_exact_beam),
-      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
-      RUN_LONG(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
-      RUN(what_is_held_comes_back_to_its_place), RUN(reactions_amid_the_beam_converge_with_the_step),
-      RUN(reactions_do_no_work_on_the_way_back), RUN(dissipation_bears_steps_of_any_length),
-      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body))
+      RUN(velocity_of_the_middle_is_that_of_a_pose), RUN(uneven_mass_is_shared_without_loss),
+      RUN_LONG(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose), RUN(helices_swing_under_their_weight),
+      RUN(reactions_balance_what_acts), RUN(steady_and_marching_agree), RUN(steady_states_know_their_rates),
+      RUN_LONG(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
+      RUN(a_beam_slides_out_of_a_spinning_slot), RUN_LONG(a_beam_held_twice_keeps_energy_and_place),
+      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(what_is_held_comes_back_to_its_place),
+      RUN(reactions_amid_the_beam_converge_with_the_step), RUN(reactions_do_no_work_on_the_way_back),
+      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body))

@@ -264,6 +264,7 @@ static void rod_solve(const rod *r, int n)
   const double stiffness[6] = {aluminum * A, G * A, G * A, 2 * G * I, aluminum * I, aluminum * I};
   const double inertia[6] = {density * A, density * A, density * A, 2 * density * I, density * I, density * I};
   beam_uniform(r->length, n, stiffness, inertia);
+  beam_desc.box = 1; /* waves of the box scheme of [L] */
   beam_desc.n_station = r->taper > 0 ? TAPER_STATIONS : 1;
   for (int s = 0; s < beam_desc.n_station && r->taper > 0; s++) {
     const double h = r->length / (TAPER_STATIONS - 1);

@@ -37,7 +37,7 @@ static const char help[] =
     "                                  tip free)\n"
     "    support X END                 at the node nearest to X\n"
     "    lump X MASS [CX CY CZ [IXX IYY IZZ]]   rigid body on the node nearest to X\n"
-    "    gravity GX GY GZ, dissipation D\n"
+    "    gravity GX GY GZ, dissipation D, box   (box: mass along the line stays in the middle of elements)\n"
     "    velocity VX VY VZ, spin WX WY WZ       steady motion of the base\n"
     "    load X AXES FX FY FZ [MX MY MZ]        at the node nearest to X; AXES: dead, follower or base\n"
     "    line A B AXES FX FY FZ [MX MY MZ]      per length, from the node nearest to A to that nearest to B\n"

@@ -328,6 +328,8 @@ static void exact_line(text_file *t, exact_text *m, const char *word)
     m->modes = text_whole(t, word, 0, FB_EXACT_MODES);
   } else if (strcmp(word, "dissipation") == 0) {
     m->desc.dissipation = (fb_real)text_number(t, word);
+  } else if (strcmp(word, "box") == 0) {
+    m->desc.box = 1;
   } else {
     text_fail(t, "no such word for an exact beam: %s", word);
   }

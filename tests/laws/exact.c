@@ -89,11 +89,6 @@ static void legal(int *level)
   if (level[BASE] == FREE || level[JOINT] != NO_JOINT || level[HELD] != ROOT) {
     level[NEWTON] = 1;
   }
-  /* known: from rest under a load that jumps, between two supports, rounding decides where the motion goes, the more so
-     with more iterations (seed 20788, model 45 without this line) */
-  if (level[HELD] == TIP && level[LOAD] == LINE) {
-    level[START] = 0;
-  }
 }
 
 /* ---- numbering: lines 0 (chain), 1, 2 (branches); places along them in drawn elements */
@@ -1172,7 +1167,6 @@ static double small_steps(double h)
   static look few, many;
   double size;
   amplitude = h;
-  now[LOAD] = now[HELD] == TIP && now[LOAD] == LINE ? DEAD : now[LOAD]; /* see legal */
   FBL_TRY(draw_simpler(-1, -1, 1, loads));
   for (int k = 0; k < 2; k++) {
     fb_exact_state at = state;
@@ -1576,7 +1570,7 @@ static fb_status digest(void)
 /* ---- the list */
 
 static const fbl_law laws[] = {
-    {"velocities_are_derivatives", "E11.20 E11.21", velocities, 0.04, {3e-5, 0}},
+    {"velocities_are_derivatives", "E11.20 E11.21", velocities, 0.04, {1e-5, 0}},
     {"joints_turn_by_their_rates", "E10.21 E10.22", joint_rates, 0.04, {1e-6, 0}},
     {"energy_of_long_steps", "E10.7 E10.8 E11.20", energy_of_long_steps, 0.0, {1e-8, 1e-3}},
     {"energy_changes_by_power", "E10.13 E11.20", energy_changes_by_power, 0.04, {1e-4, 0}},
@@ -1595,7 +1589,7 @@ static const fbl_law laws[] = {
     {"long_steps_of_small_motions", "E11.20 E10.18", small_steps, 1e-4, {1e-6, 0}},
     {"models_and_their_check_words", "E10.4", words, 0.0, {0.5, 0}},
     {"what_is_held_stays", "E10.16 E10.17", holds, 0.4, {1e-4, 1e-2}},
-    {"trim_rests", "E10.11 E11.20", trim_rests, 0.2, {1e-5, 0}},
+    {"trim_rests", "E10.11 E11.20", trim_rests, 0.2, {1e-6, 0}},
     {"paths_lead_through_trims", "E12.17", path_and_trim, 0.0, {1e-7, 1e-2}},
     {"linear_models_are_slopes", "E12.14 E12.15", linear_slope, 0.0, {1e-6, 0}},
     {"reactions_balance", "E10.11 E10.13", reactions_balance, 0.0, {1e-6, 0}},
