@@ -48,8 +48,9 @@ try() {
   }
 }
 
-# sanitized COMPILER SANITIZERS: the QUICK START as it ships and the tests run clean in double precision; sets passed. FBT_SHORT, --brief: long runs are brief or left out, they show no other code. The library of the tests, in
-# test_main.c, at -O1, it runs long; the rest at -O0, which compiles in a quarter of the time and optimizes nothing away.
+# sanitized COMPILER SANITIZERS: the QUICK START as it ships and the tests run clean in double precision; sets passed. FBT_SHORT,
+# --brief: long runs are brief or left out, they show no other code. The library of the tests, in test_main.c, at -O1, it runs long;
+# the rest at -O0, which compiles in a quarter of the time and optimizes nothing away.
 sanitized() {
   build="$1 -fsanitize=$2 -fno-sanitize-recover=all $c99 -g -DFB_SINGLE=0"
   try $build -O0 -o "$out/quickstart" examples/quickstart.c -lm
