@@ -2721,7 +2721,9 @@ typedef struct fb_exact_desc {
   int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   int box; /* nonzero: mass that moves along the line stays in the middle of the elements, as in the box scheme of
-                         [L], where stretch waves of a straight beam travel without error in steps of dx/c */
+              [L], where stretch waves of a straight beam travel without error in steps of dx/c. For bases that do not
+              translate: where elements bend by theta, the inertia of translation is off by theta^2/12, and a steady
+              state with v goes on with that error */
   fb_real
       place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
                        joint; all 0: equal elements, joints of length zero between them. The same of each branch, the

@@ -13358,6 +13358,14 @@ static void fbi_exact_joint_quat(fb_real quat[4], const fb_exact_joint *joint, f
   fb_quat_from_rotvec(quat, turn);
 }
 
+/* Twist over element k; state NULL: undeformed. */
+static void fbi_exact_theta(fb_real theta[6], const fb_exact *m, const fb_exact_state *state, int k)
+{
+  for (int i = 6 * k; i < 6 * k + 6; i++) {
+    theta[i - 6 * k] = m->h[k] * (m->xi[i] + (state ? state->strain[i] + state->offset[i] : FB_R(0.0)));
+  }
+}
+
 /* Poses of the nodes by integrating the strains from the root outward, and the angles of joints; state NULL:
    undeformed. */
 static void fbi_exact_poses(fb_real *r, fb_real *quat, const fb_exact *m, const fb_exact_state *state)
@@ -13373,9 +13381,7 @@ static void fbi_exact_poses(fb_real *r, fb_real *quat, const fb_exact *m, const 
       (void)fb_quat_normalize(quat + 4 * k + 4);
       continue;
     }
-    for (int i = 0; i < 6; i++) {
-      x[i] = m->h[k] * (m->xi[6 * k + i] + (state ? state->strain[6 * k + i] + state->offset[6 * k + i] : FB_R(0.0)));
-    }
+    fbi_exact_theta(x, m, state, k);
     fbi_copy(r + 3 * k + 3, r + 3 * root, 3);
     fbi_copy(quat + 4 * k + 4, quat + 4 * root, 4);
     fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
@@ -14501,12 +14507,10 @@ static void fbi_exact_input_set(fb_exact_work *work, const fb_exact *m, const fb
     const fb_line_load *line = &input->line[k];
     fbi_exact_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
                        part * m->length / m->force, m->length, base);
-    for (int node = m->inboard[k];; node = k + 1) { /* a sixth at each end */
+    for (int end = 0; end < 2; end++) { /* a sixth at each */
+      const int node = end ? k + 1 : m->inboard[k];
       fbi_vec6_add(work->dead + 6 * node, m->h[k] / FB_R(6.0), work->line_dead + 6 * k);
       fbi_vec6_add(work->follower + 6 * node, m->h[k] / FB_R(6.0), work->line + 6 * k);
-      if (node == k + 1) {
-        break;
-      }
     }
   }
 
@@ -14959,9 +14963,7 @@ static void fbi_exact_seen(fb_real V[6], const fb_exact_state *state, int node, 
 static void fbi_exact_twist_of(fbi_exact_twist *t, fb_real theta[6], const fb_exact *m, const fb_exact_state *state,
                                int k)
 {
-  for (int i = 0; i < 6; i++) {
-    theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-  }
+  fbi_exact_theta(theta, m, state, k);
   fbi_exact_twist_eval(t, theta);
 }
 
@@ -15229,14 +15231,6 @@ FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, con
   return FB_OK;
 }
 
-/* P += M x */
-static void fbi_exact_carry(fb_real P[6], const fb_real M[36], const fb_real x[6])
-{
-  for (int i = 0; i < 6; i++) {
-    P[i] += fbi_vec6_dot(M + 6 * i, x);
-  }
-}
-
 /* A x = b of a semidefinite A, by Gaussian elimination; unknowns with no pivot but round-off of the largest are zero. */
 static void fbi_solve_semidefinite(fb_real x[6], const fb_real A[36], const fb_real b[6])
 {
@@ -15263,7 +15257,7 @@ static void fbi_solve_semidefinite(fb_real x[6], const fb_real A[36], const fb_r
   }
 }
 
-/* Momentum P and inertia M per length of an element about its middle, with its shares of the nodes. */
+/* Momentum P and inertia M per length of an element about its middle: of its three bodies (E10.6). */
 static void fbi_exact_whole_element(fb_real P[6], fb_real M[36], const fb_exact *m, const fb_exact_state *state, int k)
 {
   fbi_exact_twist t;
@@ -15323,7 +15317,7 @@ FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out,
   {
     const fb_real *const s = state->stress[0] + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
-    fb_real strain[6], V[6], P[6], M[36], u[3], frame[6];
+    fb_real strain[6], V[6], P[6], M[36], u[3], frame[6], y[6];
 
     /* Strain, and velocity and momentum with those of the frame */
     fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
@@ -15332,7 +15326,8 @@ FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out,
     fbi_exact_frame(u, m, state);
     fbi_exact_seen_mean(frame, m, state, k, u);
     fbi_vec6_add(V, FB_R(1.0), frame);
-    fbi_exact_carry(P, M, frame);
+    fbi_mat66_mul_vec6(y, M, frame);
+    fbi_vec6_add(P, FB_R(1.0), y);
 
     /* SI units */
     for (int i = 0; i < 3; i++) {
@@ -15374,8 +15369,8 @@ static void fbi_exact_point(fb_real r[3], fb_real quat[4], const fb_exact *m, co
 {
   const int root = m->inboard[k];
   fb_real theta[6], x[6], dF[6], y[6], bend[6], taper[6];
+  fbi_exact_theta(theta, m, state, k);
   for (int i = 0; i < 6; i++) {
-    theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
     x[i] = s * theta[i];
     dF[i] = FB_R(2.0) * (state->force[6 * k + 6 + i] - state->stress[0][6 * k + i]);
   }
@@ -15479,8 +15474,9 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
     if (m->jointed[k]) {
       continue;
     }
+    fbi_exact_theta(theta, m, state, k);
     for (int i = 0; i < 6; i++) {
-      theta[i] = FB_R(0.5) * h * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+      theta[i] *= FB_R(0.5);
     }
     fbi_copy(middle, state->r + 3 * m->inboard[k], 3);
     fbi_copy(turn, state->quat + 4 * m->inboard[k], 4);
@@ -19154,16 +19150,16 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
 
 /* Dead loads and gravity in section axes of the middles of the elements at the start of the step, and where the momenta
    of the nodes start. */
-static void fbi_exact_middles_take(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
+static void fbi_exact_middles_begin(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
 {
   for (int k = 0; k < m->n && (work->motion.gravity || work->motion.dead); k++) {
     const fb_real *const n = work->line_dead + 6 * k, *const load[3] = {n, n + 3, work->gravity};
-    fb_real turn[3], half[4], start[4], quat[4], R[9];
-    for (int i = 0; i < 3; i++) {
-      turn[i] =
-          FB_R(0.5) * m->h[k] * (m->xi[6 * k + 3 + i] + state->strain[6 * k + 3 + i] + state->offset[6 * k + 3 + i]);
+    fb_real theta[6], half[4], start[4], quat[4], R[9];
+    fbi_exact_theta(theta, m, state, k);
+    for (int i = 3; i < 6; i++) {
+      theta[i] *= FB_R(0.5);
     }
-    fb_quat_from_rotvec(half, turn);
+    fb_quat_from_rotvec(half, theta + 3);
     fb_quat_mul(start, state->quat + 4 * m->inboard[k], half);
     fb_quat_mul(quat, work->before, start);
     fb_quat_to_mat33(R, quat);
@@ -19191,7 +19187,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_exact_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->velocity, state->velocity, state->velocity_rate, last, 6 * (m->n + 1));
-  fbi_exact_middles_take(work, m, state);
+  fbi_exact_middles_begin(work, m, state);
   fbi_exact_rate_base(work->angle_base, state->angle, state->angle_rate, last, m->n_joint);
   fbi_copy(work->angle, state->angle, m->n_joint);
   fbi_exact_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
@@ -28145,7 +28141,7 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
   return status ? status : fbi_lumps_check(desc->lump, desc->n_lump, fbi_exact_elements(desc));
 }
 
-/* Compliance of an element, X = h ad(1, 0, 0, curvature):  C + 1/12 (X C X^T + X C1 + C1 X^T)
+/* Compliance of an element (E10.6), X = h ad(1, 0, 0, curvature):  C + 1/12 (X C X^T + X C1 + C1 X^T)
    Equilibrium and taper make the strain vary linearly over the element: the terms added to C are the relative motion of
    the ends by that (for a uniform straight beam h^2/(12 EI) of shear). Stretch and twist of a uniform straight beam have
    none: their waves are those of the box scheme.

@@ -1,10 +1,11 @@
 #!/bin/sh
 # Every program compiles without a warning: gcc in C99 and single, in C17 and double precision, clang in C99 and double, in C11
 # and single; the tests by gcc in C17 and single, as C++11 by clang++ in double; others build them by gcc and clang in C99 and
-# double, by clang in single, by g++ (`make test`, suite.sh, memory.sh). clang has all its warnings from the syntax. gcc has more from the flow in optimized code, the same in
-# either precision: that of the examples is looked at by `make ci`, which builds them, and by firmware.sh, that of the
-# benchmarks and hard cases here; that of the tests and of the library by suite.sh, removed.sh and `make test`, and here by -O3 for a single mode, where
-# arrays are shortest. The library is a file of its own, left out of all programs (FLEXBEAM_IMPL_INCLUDED) but those that use its inside.
+# double, by clang in single, by g++ (`make test`, suite.sh, memory.sh). clang has all its warnings from the syntax. gcc has more
+# from the flow in optimized code, the same in either precision: that of the examples is looked at by `make ci`, which builds
+# them, and by firmware.sh, that of the benchmarks and hard cases here; that of the tests and of the library by suite.sh,
+# removed.sh and `make test`, and here by -O3 for a single mode, where arrays are shortest. The library is a file of its own, left
+# out of all programs (FLEXBEAM_IMPL_INCLUDED) but those that use its inside.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++

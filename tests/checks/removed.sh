@@ -1,8 +1,9 @@
 #!/bin/sh
 # An effect removed by macro is gone: no warnings, nor where all but what a step of one body runs is removed, too; less code or
 # smaller tables, asking for it is refused, and with all of them removed their functions are not there. Bytes, in double
-# precision: text at -O0 (32 fewer at least), sizeof fb_body; of every day a fourth of the effects, the compilers' warnings of all. At -O1, where gcc warns of more, what a step of one body runs, and the
-# whole library with nothing and with everything removed.
+# precision: text at -O0 (32 fewer at least), sizeof fb_body, every day of a fourth of the effects; the compilers' warnings of
+# all. At -O1, where gcc warns of more, what a step of one body runs, and the whole library with nothing and with everything
+# removed.
 . tests/checks/common.sh
 need gcc gcc
 need clang clang

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
-# double precision, each board in its own; without large deflection and rotors, and with both). libc and libm count as nothing. Bounds: what was measured and
-# about a quarter more.
+# double precision, each board in its own; without large deflection and rotors, and with both; building on the desktop). libc and libm
+# count as nothing. Bounds: what was measured and about a quarter more.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc

@@ -1,7 +1,7 @@
 #!/bin/sh
 # fuzz.sh - `make fuzz`: each harness of tests/fuzz for FUZZ_SECONDS (60) from its corpus on, in double and in single
-# precision half of the time each; executions, coverage (edges), findings. A finding stays in build/fuzz/HARNESS, as its
-# message says; minimized it belongs into tests/fuzz/corpus/HARNESS, with a mended library.
+# precision half of the time each (FUZZ_DAY, a number: one of them by turns); executions, coverage (edges), findings. A finding stays
+# in build/fuzz/HARNESS, as its message says; minimized it belongs into tests/fuzz/corpus/HARNESS, with a mended library.
 set -eu
 : "${WARNINGS:?run it as: make fuzz}"
 case ${FUZZ_SECONDS:=60} in

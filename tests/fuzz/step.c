@@ -522,7 +522,9 @@ static int build_exact(bytes *b)
   desc.n_station = 1;
   desc.root = take_byte(b) & 1 ? take_below(b, 65) : FB_END_DEFAULT;
   desc.tip = take_byte(b) & 1 ? take_below(b, 65) : FB_END_DEFAULT;
-  desc.n_lump = take_byte(b) & 1;
+  desc.n_lump = take_byte(b);
+  desc.box = desc.n_lump & 2;
+  desc.n_lump &= 1;
   if (desc.n_lump > 0) {
     desc.lump[0].node = 1;
     desc.lump[0].mass = FB_R(2.0);
