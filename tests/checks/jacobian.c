@@ -165,7 +165,7 @@ static void scatter(int what, int way)
   fill(work.angle_base, beam.n_joint, 1);
   fbi_exact_poses(work.r, work.quat, &beam, &state);
   memcpy(state.quat, work.quat, sizeof state.quat);
-  fbi_exact_middles_take(&work, &beam, &state);
+  fbi_exact_middles_begin(&work, &beam, &state);
   for (int i = 0; i < 6 * (beam.n + 1) && way == MARCH; i++) {
     work.V[i] = random_number() * (i % 6 < 3 ? 1 : turning);
   }
