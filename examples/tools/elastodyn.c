@@ -15,52 +15,143 @@ static const char help[] =
     "  --rpm N         the modes are shaped for this speed (0: for rest)\n"
     "  --modes F,E     flap and edge modes to keep (3,3)\n"
     "  --help          this text\n"
-    "z is out of the rotor plane (flap), x along the span. The file has no GJ, EA and no "
+    "z is out of the rotor plane (flap), x along the span. ElastoDyn uses no GJ, EA and no "
     "offsets: the blade is rigid in twist\n"
-    "and stretch. Damping is the mean of the file's three ratios; its tuners and mode shapes are not used.\n"
+    "and stretch. Damping is the mean of the file's three ratios; its tuners and mode shapes are not used. Keys are\n"
+    "written with parentheses or without: BldFlDmp(1), BldFlDmp1. One that is not there is told with what is assumed,\n"
+    "one that is not known refused.\n"
     "Then: flexbeam reduce blade.txt --out blade.h\n";
 
 #define MAX_STATIONS 200
+
+/* Keys before the table, here without the parentheses that some files write: BldFlDmp(1) is BldFlDmp1. */
+enum {
+  STATIONS,
+  FLAP_DAMPING_1,
+  FLAP_DAMPING_2,
+  EDGE_DAMPING,
+  MASS_FACTOR,
+  FLAP_FACTOR,
+  EDGE_FACTOR,
+  USED_KEYS,
+  FLAP_TUNER_1 = USED_KEYS,
+  FLAP_TUNER_2,
+  MODES_INSIDE,
+  KEYS
+};
+static const struct {
+  const char *name, *unit;
+  double assumed;
+} key[KEYS] = {{"NBlInpSt", "", 0},  {"BldFlDmp1", " %", 0}, {"BldFlDmp2", " %", 0}, {"BldEdDmp1", " %", 0},
+               {"AdjBlMs", "", 1},   {"AdjFlSt", "", 1},     {"AdjEdSt", "", 1},     {"FlStTunr1", "", 1},
+               {"FlStTunr2", "", 1}, {"CalcBMode", "", 0}};
+
 static struct blade {
-  int stations;
-  double mass_factor, flap_factor, edge_factor, damping[3]; /* flap 1, flap 2, edge 1: part of critical */
+  int stations, given[KEYS]; /* given: line of each key, 0: it is not there */
+  double value[KEYS];
   double x[MAX_STATIONS], twist[MAX_STATIONS], mass[MAX_STATIONS], flap[MAX_STATIONS], edge[MAX_STATIONS];
+  char unused[256]; /* columns of the table */
 } blade;
 
-/* `value NAME - text`: takes the value if the line is that of name. */
-static int take(text_file *t, const char *name, double *value)
+/* A logical value as Fortran reads it: true, T, .FALSE. */
+static int logical(const char *word)
 {
-  char word[64], key[64];
+  word += *word == '.';
+  return *word && strchr("TtFf", *word) != NULL;
+}
+
+/* `value KEY - text` before the table. Lines of dashes are headings, and what stands above the first key is a title. */
+static void take_key(text_file *t, int *begun)
+{
+  char word[64] = "", name[64] = "", plain[64];
   char *end;
-  if (sscanf(t->buffer, "%63s %63s", word, key) != 2 || strcmp(key, name) != 0) {
-    return 0;
+  const int words = sscanf(t->buffer, "%63s %63s", word, name);
+  int k = 0, n = 0;
+  for (const char *c = name; *c; c++) {
+    plain[n] = *c;
+    n += *c != '(' && *c != ')';
   }
-  *value = strtod(word, &end);
-  if (*end || !isfinite(*value)) {
-    text_fail(t, "%s is not a number: %s", name, word);
+  plain[n] = 0;
+  while (k < KEYS && strcmp(plain, key[k].name) != 0) {
+    k++;
   }
-  return 1;
+  if (k == KEYS) {
+    *begun |= strstr(t->buffer, "BLADE PARAMETERS") != NULL;
+    if (*begun && strncmp(word, "--", 2) != 0 && strncmp(word, "==", 2) != 0) {
+      text_fail(
+          t,
+          "%s is no key of a blade file: value and key are wanted, of NBlInpSt, BldFlDmp(1), BldFlDmp(2), BldEdDmp(1), "
+          "FlStTunr(1), FlStTunr(2), AdjBlMs, AdjFlSt, AdjEdSt",
+          words == 2 ? name : word);
+    }
+    return;
+  }
+  *begun = 1;
+  if (blade.given[k] > 0) {
+    text_fail(t, "%s is there twice, first in line %d", name, blade.given[k]);
+  }
+  blade.given[k] = t->line;
+  blade.value[k] = strtod(word, &end);
+  if (k == MODES_INSIDE ? !logical(word) : *end || end == word || !isfinite(blade.value[k])) {
+    text_fail(t, k == MODES_INSIDE ? "%s is not True or False: %s" : "%s is not a number: %s", name, word);
+  } else if (k == STATIONS &&
+             !(blade.value[k] == floor(blade.value[k]) && blade.value[k] >= 2 && blade.value[k] <= MAX_STATIONS)) {
+    text_fail(t, "NBlInpSt must be a whole number from 2 to %d", MAX_STATIONS);
+  } else if (k >= FLAP_DAMPING_1 && k <= EDGE_DAMPING && !(blade.value[k] >= 0 && blade.value[k] < 100)) {
+    text_fail(t, blade.value[k] < 0 ? "%s is negative" : "%s is in percent of critical, less than 100", name);
+  } else if (k >= MASS_FACTOR && k <= EDGE_FACTOR && !(blade.value[k] > 0)) {
+    text_fail(t, "an adjustment factor must be greater than 0");
+  }
+}
+
+/* Columns by their names. Those of older files that ElastoDyn reads and does not use are noted. */
+static int read_columns(text_file *t, int column[5])
+{
+  static const char *const name[] = {"BlFract", "StrcTwst", "BMassDen", "FlpStff", "EdgStff"};
+  static const char *const other[] = {"AeroCent",  "PitchAxis", "GJStff",  "EAStff",  "Alpha",   "FlpIner", "EdgIner",
+                                      "PrecrvRef", "PreswpRef", "FlpcgOf", "EdgcgOf", "FlpEAOf", "EdgEAOf"};
+  int columns = 0, k;
+  const char *word;
+  for (k = 0; k < 5; k++) {
+    column[k] = -1;
+  }
+  while ((word = text_word(t)) != NULL) {
+    for (k = 0; k < 5 && strcmp(word, name[k]) != 0; k++) {
+    }
+    if (k < 5) {
+      if (column[k] >= 0) {
+        text_fail(t, "the column %s is there twice", word);
+      }
+      column[k] = columns;
+    } else {
+      const size_t n = strlen(blade.unused);
+      for (k = 0; k < (int)(sizeof other / sizeof *other) && strcmp(word, other[k]) != 0; k++) {
+      }
+      if (k == (int)(sizeof other / sizeof *other)) {
+        text_fail(t,
+                  "%s is no column of a blade: BlFract, StrcTwst, BMassDen, FlpStff, EdgStff, and of older files "
+                  "AeroCent, PitchAxis, "
+                  "GJStff, EAStff, Alpha, FlpIner, EdgIner, PrecrvRef, PreswpRef, FlpcgOf, EdgcgOf, FlpEAOf, EdgEAOf",
+                  word);
+      }
+      snprintf(blade.unused + n, sizeof blade.unused - n, " %s", word);
+    }
+    columns++;
+  }
+  for (k = 0; k < 5 && !t->failed; k++) {
+    if (column[k] < 0) {
+      text_fail(t, "there is no column %s", name[k]);
+    }
+  }
+  return columns;
 }
 
 /* The table: names, units, then as many rows as the head of the file says. */
 static void read_table(text_file *t)
 {
-  static const char *const name[5] = {"BlFract", "StrcTwst", "BMassDen", "FlpStff", "EdgStff"};
-  int column[5] = {-1, -1, -1, -1, -1}, columns = 0;
-  const char *word;
-  while ((word = text_word(t)) != NULL) {
-    for (int k = 0; k < 5; k++) {
-      column[k] = strcmp(word, name[k]) == 0 ? columns : column[k];
-    }
-    columns++;
-  }
-  for (int k = 0; k < 5; k++) {
-    if (column[k] < 0) {
-      text_fail(t, "there is no column %s", name[k]);
-      return;
-    }
-  }
-  if (!text_line(t)) {
+  int column[5];
+  const int columns = read_columns(t, column);
+  if (!t->failed && !text_line(t)) {
     text_fail(t, "the units are missing");
   }
   for (int row = 0; row < blade.stations && !t->failed; row++) {
@@ -93,41 +184,25 @@ static void read_table(text_file *t)
 
 static int read_blade(const char *file)
 {
-  static const char *const damping[3] = {"BldFlDmp(1)", "BldFlDmp(2)", "BldEdDmp(1)"};
   text_file t;
-  int table = 0;
-  blade.mass_factor = blade.flap_factor = blade.edge_factor = 1;
+  int table = 0, begun = 0;
+  memset(&blade, 0, sizeof blade);
+  for (int k = 0; k < KEYS; k++) {
+    blade.value[k] = key[k].assumed;
+  }
   if (!text_open(&t, "elastodyn", file)) {
     return 0;
   }
   t.table = 1;
   while (!table && text_line(&t)) {
-    double value;
-    if (take(&t, "NBlInpSt", &value)) {
-      if (!t.failed && !(value == floor(value) && value >= 2 && value <= MAX_STATIONS)) {
-        text_fail(&t, "NBlInpSt must be a whole number from 2 to %d", MAX_STATIONS);
-      }
-      blade.stations = t.failed ? 0 : (int)value; /* a number beyond int has none */
-    }
-    (void)take(&t, "AdjBlMs", &blade.mass_factor);
-    (void)take(&t, "AdjFlSt", &blade.flap_factor);
-    (void)take(&t, "AdjEdSt", &blade.edge_factor);
-    for (int k = 0; k < 3; k++) {
-      if (take(&t, damping[k], &value)) {
-        blade.damping[k] = 0.01 * value; /* percent */
-        if (value < 0) {
-          text_fail(&t, "%s is negative", damping[k]);
-        }
-      }
-    }
-    if (blade.mass_factor <= 0 || blade.flap_factor <= 0 || blade.edge_factor <= 0) {
-      text_fail(&t, "an adjustment factor must be greater than 0");
-    }
     table = strstr(t.buffer, "BlFract") != NULL;
-    if (table && blade.stations == 0) {
+    if (!table) {
+      take_key(&t, &begun);
+    } else if (blade.given[STATIONS] == 0) {
       text_fail(&t, "NBlInpSt must come before the table");
     }
   }
+  blade.stations = t.failed ? 0 : (int)blade.value[STATIONS];
   if (table) {
     read_table(&t);
   } else if (!t.failed) {
@@ -136,6 +211,25 @@ static int read_blade(const char *file)
   }
   text_close(&t);
   return !t.failed;
+}
+
+/* What the file has not, with the value taken for it, and what of it goes nowhere: to stderr, or as comments. */
+static void tell_blade(FILE *to, const char *begin, const char *file)
+{
+  for (int k = 0; k < USED_KEYS; k++) {
+    if (blade.given[k] == 0) {
+      fprintf(to, "%s%s: no %s: %g%s is assumed\n", begin, file, key[k].name, key[k].assumed, key[k].unit);
+    }
+  }
+  for (int k = FLAP_TUNER_1; k <= FLAP_TUNER_2; k++) {
+    if (blade.given[k] > 0 && (blade.value[k] > 1 || blade.value[k] < 1)) {
+      fprintf(to, "%s%s:%d: %s %g is not used: it scales a mode of ElastoDyn\n", begin, file, blade.given[k],
+              key[k].name, blade.value[k]);
+    }
+  }
+  if (blade.unused[0]) {
+    fprintf(to, "%s%s: columns that are not used:%s\n", begin, file, blade.unused);
+  }
 }
 
 typedef struct conversion {
@@ -159,19 +253,23 @@ static int conversion_option(void *target, const char *name, const char *text)
 
 static void write_blade(const char *file, const conversion *c)
 {
-  const double mean = (blade.damping[0] + blade.damping[1] + blade.damping[2]) / 3.0;
-  printf("# from %s by elastodyn; x along the span, z out of the rotor plane\nbeam\nname blade\nlength %.17g\n"
+  const double *const ratio = &blade.value[FLAP_DAMPING_1]; /* percent */
+  const double mean = 0.01 * (ratio[0] + ratio[1] + ratio[2]) / 3.0;
+  printf("# from %s by elastodyn; x along the span, z out of the rotor plane\n", file);
+  tell_blade(stdout, "# ", file);
+  printf("beam\nname blade\nlength %.17g\n"
          "elements 12\nroot clamped\nposition %.17g 0 0\nmodes bend_y %g bend_z %g\n",
-         file, c->length, c->hub_radius, c->modes[1], c->modes[0]);
+         c->length, c->hub_radius, c->modes[1], c->modes[0]);
   if (c->rpm > 0) {
     printf("spin %.17g %.17g\n", c->rpm * 2.0 * 3.14159265358979324 / 60.0, c->hub_radius);
   }
   printf("damping %.17g # mean of flap 1, flap 2, edge 1: %g %g %g\neffects full damping\nbase prescribed\nnode %.17g\n"
          "stations fraction twist_deg mass EI_y EI_z\n",
-         mean, blade.damping[0], blade.damping[1], blade.damping[2], c->length);
+         mean, 0.01 * ratio[0], 0.01 * ratio[1], 0.01 * ratio[2], c->length);
   for (int k = 0; k < blade.stations; k++) {
     printf("%.17g %.17g %.17g %.17g %.17g\n", k + 1 < blade.stations ? blade.x[k] : 1.0, blade.twist[k],
-           blade.mass[k] * blade.mass_factor, blade.flap[k] * blade.flap_factor, blade.edge[k] * blade.edge_factor);
+           blade.mass[k] * blade.value[MASS_FACTOR], blade.flap[k] * blade.value[FLAP_FACTOR],
+           blade.edge[k] * blade.value[EDGE_FACTOR]);
   }
   printf("end\n");
 }
@@ -190,6 +288,7 @@ int elastodyn_main(int argc, char **argv)
   if (!read_blade(argv[1])) {
     return 2;
   }
+  tell_blade(stderr, PROGRAM ": ", argv[1]);
   write_blade(argv[1], &c);
   return 0;
 }

@@ -1,9 +1,61 @@
 #!/bin/sh
-# Finite-element models through examples/tools/import.py, by matrices and by Nastran's files (tests/checks/import.py): mass, inertia,
+# Blades of OpenFAST: every key is taken, told or refused. Finite-element models through examples/tools/import.py, by matrices and by Nastran's files (tests/checks/import.py): mass, inertia,
 # first moments and frequencies of flexbeam's bodies are those of the models and of closed forms, spinning ones stiffen as its own
 # beams do; what is wrong is told. pyNastran, SciPy and NumPy are fetched by .ci/fetch into build/venv_nastran (an older NumPy than
 # that of FMPy); where they are not there the check is left out.
 . tests/checks/common.sh
+
+# blade KEY VALUE: a blade file of OpenFAST with this line in place of that of KEY; "": without it
+blade() {
+  sed "s|.*$1.*|$2|" > "$out/blade.dat" << 'END'
+------- ELASTODYN V1.00.* INDIVIDUAL BLADE INPUT FILE --------------------------
+5 MW - a title, which is no key
+---------------------- BLADE PARAMETERS ----------------------------------------
+3 NBlInpSt - stations
+0.4 BldFlDmp1 - percent
+0.5 BldFlDmp(2) - percent
+0.6 BldEdDmp1 - percent
+---------------------- BLADE ADJUSTMENT FACTORS --------------------------------
+1 FlStTunr1 - tuner
+1 FlStTunr(2) - tuner
+1.5 AdjBlMs - factor
+1 AdjFlSt - factor
+1 AdjEdSt - factor
+---------------------- DISTRIBUTED BLADE PROPERTIES ----------------------------
+BlFract PitchAxis StrcTwst BMassDen FlpStff EdgStff
+(-) (-) (deg) (kg/m) (Nm^2) (Nm^2)
+0 0.5 13 600 1.8e10 1.8e10
+0.5 0.4 5 300 1e9 3e9
+1 0.3 0 10 1e5 1e7
+END
+  status=0
+  build/flexbeam elastodyn "$out/blade.dat" --length 60 > "$out/blade.txt" 2> "$out/log" || status=$?
+}
+
+# blade_says PATTERN STATUS: what the last one said, and its exit status
+blade_says() {
+  [ "$status" = "$2" ] && grep -q "$1" "$out/log" || fail "elastodyn: status $status: $(cat "$out/log")"
+}
+blade "no such line" ""
+blade_says 'columns that are not used: PitchAxis$' 0
+[ "$(grep -c . "$out/log")" = 1 ] && grep -q '^damping 0\.005[0 ]' "$out/blade.txt" && grep -q '^0\.5 5 450 ' "$out/blade.txt" ||
+  fail "elastodyn: $(cat "$out/log" "$out/blade.txt")"
+blade BldFlDmp1 '0.4 BldFlDamp1 - percent'
+blade_says 'blade.dat:5: BldFlDamp1 is no key of a blade file' 2
+blade BldFlDmp1 ''
+blade_says 'blade.dat: no BldFlDmp1: 0 % is assumed$' 0
+grep -q '^# .*no BldFlDmp1: 0 % is assumed$' "$out/blade.txt" || fail "elastodyn: $(cat "$out/blade.txt")"
+blade AdjBlMs ''
+blade_says 'blade.dat: no AdjBlMs: 1 is assumed$' 0
+blade AdjBlMs '1 AdjFlSt - twice'
+blade_says 'blade.dat:12: AdjFlSt is there twice, first in line 11$' 2
+blade FlStTunr1 '1.2 FlStTunr1'
+blade_says 'blade.dat:9: FlStTunr1 1.2 is not used' 0
+blade BldEdDmp1 '60,0 BldEdDmp1'
+blade_says 'blade.dat:7: 0 is no key' 2
+blade BlFract 'BlFract StrcTwist BMassDen FlpStff EdgStff'
+blade_says 'blade.dat:15: StrcTwist is no column of a blade' 2
+
 need python3 python3
 python=build/venv_nastran/bin/python
 "$python" -c 'import pyNastran, scipy' 2> /dev/null || skip "pyNastran is not in build/venv_nastran: sh .ci/fetch"
