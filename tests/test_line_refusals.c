@@ -302,7 +302,25 @@ TEST(the_check_word_sees_where_lines_begin)
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
 
-SUITE(line_refusals, RUN(nodes_beside_their_line_are_refused), RUN(welds_that_close_a_loop_are_refused),
-      RUN(lines_hang_on_points), RUN(lines_in_one_place_are_refused), RUN(lines_have_no_preload),
-      RUN(lumped_bodies_near_the_tip_move_with_the_line), RUN(masses_that_points_miss_are_refused),
-      RUN(the_check_word_sees_where_lines_begin))
+/* Interface: a node of a line lies at its root or behind one of its own points. */
+TEST(nodes_beyond_their_line_are_refused)
+{
+  fb_line_node *node;
+  booms();
+  FBT_INT_EQ(build(), FB_OK);
+  node = &body.node[body.n_node - 1].line;
+  for (int after = -1; after <= 12; after++) {
+    node->after = after;
+    FBT_INT_EQ(fb_body_check(&body), after >= 0 && after <= body.lines.line[0].count ? FB_OK : FB_ERR_VALUE);
+  }
+  node->after = 1;
+  for (int line = -1; line <= 2; line++) {
+    node->line = line;
+    FBT_INT_EQ(fb_body_check(&body), line == 0 || line == 1 ? FB_OK : FB_ERR_VALUE);
+  }
+}
+
+SUITE(line_refusals, RUN(nodes_beyond_their_line_are_refused), RUN(nodes_beside_their_line_are_refused),
+      RUN(welds_that_close_a_loop_are_refused), RUN(lines_hang_on_points), RUN(lines_in_one_place_are_refused),
+      RUN(lines_have_no_preload), RUN(lumped_bodies_near_the_tip_move_with_the_line),
+      RUN(masses_that_points_miss_are_refused), RUN(the_check_word_sees_where_lines_begin))

@@ -1,6 +1,6 @@
 /* Runs every suite and closes with "N passed, N failed". Optional arguments:
    only the tests whose section/name or section/topic/name contains it (`body/`
-   is all tests of that section); --brief: all but those that last; --figures: print the measured figures, fields separated
+   is all tests of that section); --brief: all but those that last; --list: their names alone; --figures: print the measured figures, fields separated
    by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
@@ -27,7 +27,7 @@
 SUITES(DECLARE)
 
 static int passed, failed, claims_failed;
-static int figures, brief;
+static int figures, brief, list;
 static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
 double fbt_compared;
@@ -124,6 +124,11 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
     snprintf(path, sizeof path, "%s/%s", section, cases[i].name);
     path[strcspn(path, "_/")] = '/'; /* a topic of the section */
     if (strstr(path, only) == NULL || (brief && cases[i].lasts)) {
+      continue;
+    }
+    if (list) {
+      printf("%s\n", path);
+      passed++;
       continue;
     }
     claims_failed = 0;
@@ -280,14 +285,15 @@ int main(int argc, char **argv)
   for (int i = 1; i < argc; i++) {
     figures = figures || strcmp(argv[i], "--figures") == 0;
     brief = brief || strcmp(argv[i], "--brief") == 0;
+    list = list || strcmp(argv[i], "--list") == 0;
     only = argv[i][0] == '-' ? only : argv[i];
   }
-  if (!figures) {
+  if (!figures && !list) {
     printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
   }
 #define CALL(section) fbt_suite_##section();
   SUITES(CALL)
-  if (!figures || failed) {
+  if ((!figures && !list) || failed) {
     printf("%d passed, %d failed\n", passed, failed);
   }
   return failed != 0 || passed == 0;

@@ -1058,7 +1058,7 @@ TEST(linear_models_of_systems_with_rotors_are_those_of_wheels)
   static const fb_joint_kind base[] = {FB_JOINT_FREE, FB_JOINT_REVOLUTE, FB_JOINT_RIGID};
   static const int axes[] = {6, 1, 0};
   for (int b = 0; b < FBT_COUNT(base); b++) {
-    const int z = axes[b] + 3, q = 2 * model[1].n, n = 2 * (z + q) + 4, wide = z + q + 4;
+    int z, q, n, wide;
     double size = 0.0, miss = 0.0;
     for (int apart = 0; apart < 2; apart++) {
       memset(&ports, 0, sizeof ports);
@@ -1075,6 +1075,10 @@ TEST(linear_models_of_systems_with_rotors_are_those_of_wheels)
       FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse, &linear[apart], &state, &input, &ports), FB_OK);
       FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, model, &analyse, &spectra[apart], &state, &input), FB_OK);
     }
+    z = axes[b] + 3;
+    q = 2 * model[1].n;
+    n = 2 * (z + q) + 4;
+    wide = z + q + 4;
     FBT_INT_EQ(linear[0].n, n);
     FBT_INT_EQ(linear[1].n, 2 * wide);
     for (int i = 0; i < n; i++) {

@@ -18,7 +18,7 @@ flights=0
 flies() {
   run=$1
   shift
-  try gcc $c99 -O2 $configuration "$@" -o "$out/desktop" examples/firmware/firmware.c examples/firmware/board/desktop.c -lm
+  try gcc $c99 -O2 $configuration -DFLEXBEAM_STATIC "$@" -o "$out/desktop" examples/firmware/firmware.c examples/firmware/board/desktop.c -lm
   "$out/desktop" > "$out/desktop_$run.txt" || fail "the desktop's run, $run: $(tail -n 1 "$out/desktop_$run.txt")"
   flights=$((flights + 1))
   for opt in -O2 $(today $flights && echo -Os); do
@@ -48,7 +48,7 @@ for precision in single double; do
   flies $precision
   try build/flexbeam reduce "$out/satellite.txt" --code $([ $precision = double ] || echo --single) --out "$model/satellite_code.h"
   most_code=$bound_generated_code most_step=$bound_generated_step
-  flies generated_$precision -DGENERATED=1
+  flies generated_$precision -DGENERATED=1 -DFLEXBEAM_STATIC
   arm-none-eabi-nm "$out/firmware.elf" | grep -E ' fb_(rk4|body)' && fail "a step of the library beside the generated one"
 done
 table() { # what is printed but digests and sizes

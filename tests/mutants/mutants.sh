@@ -1,12 +1,12 @@
 #!/bin/sh
 # Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
 # sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check of the inside against outside figures
-# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes the tests of its
-# section leave an array or (where there is clang) use what nothing was written to, which check-sanitize forbids. Those that
-# change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the
-# same code, are told and do not count. All are compiled into one program (switch.awk), the environment chooses. Restartable:
-# build/mutants/caught is kept, survivors are tried again. On all cores (JOBS). Ends with a table by section and by kind of change,
-# which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners, suites those of test_main.c.
+# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes tests leave an array or
+# (where there is clang) use what nothing was written to, which check-sanitize forbids. Asked are the tests that call the function,
+# the shortest first. Mutants that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that
+# do not compile, or to the same code, are told and do not count. All are compiled into one program (switch.awk), the environment
+# chooses. Restartable: build/mutants/caught is kept, survivors are tried again. On all cores (JOBS). Ends with a table by section and
+# by kind of change, which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
@@ -22,10 +22,9 @@ flags="-std=c99 -ffp-contract=off -Og -w"
 sanitize="-fno-sanitize-recover=all -fsanitize"
 tests="-DFBT_SHORT=1 -DFBT_STOP=1"
 tab=$(printf '\t')
-suites="$(grep -o 'X([a-z0-9]*[_)]' tests/test_main.c | tr -d 'X(_)' | awk '!seen[$0]++') check-jacobian check-shape_rates"
 
-rm -rf "$out/tree" "$out"/at-*
-mkdir -p "$out/tree/tests"
+rm -rf "$out/tree" "$out"/at-* "$out/reached"
+mkdir -p "$out/tree/tests" "$out/reached"
 cp flexbeam.h "$out/tree"
 cp flexbeam_impl.h "$out/original.h" # what may be edited meanwhile
 cp tests/*.[ch] "$out/tree/tests"
@@ -40,21 +39,28 @@ cat > "$out/parts.sh" << 'END'
 main() { (cd "$1" && $CC $flags $tests -c -o main.o tests/test_main.c 2> errors); }
 
 # run SECONDS COMMAND...: fails by a claim, a crash or too much time of the processor
-run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log-$MUTANT" 2>&1) 2> "$out/crash-$MUTANT"; }
+run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log-$$" 2>&1) 2> "$out/crash-$$"; }
 
-# command_of SUITE: its tests, or a check
-command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1/" ;; esac; }
+# command_of TEST: the command that runs it, a test or a check
+command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1" ;; esac; }
 
-# tests_of SECTION: the suite that is first asked, of its own name but for those
-tests_of() {
-  case $1 in solve | eigen) echo linalg ;; exact) echo exact ;; assemble) echo body ;; trim | linear) echo analyse ;; *) echo "$1" ;; esac
+# measured TEST: it passes without a mutant; what it takes and calls are lines of $out/reached/TEST "seconds TEST function"
+measured() {
+  REACHED=$out/reached/calls-$$ run 600 $(command_of "$1") || { cat "$out/log-$$" >&2; exit 255; }
+  times > "$out/crash-$$"
+  seconds=$(awk 'FNR == 2 { split($1, t, /[ms]/); print 60 * t[1] + t[2] }' "$out/crash-$$")
+  sed "s|^|$seconds $1 |" "$out/reached/calls-$$" > "$out/reached/$(echo "$1" | tr / .)"
+  rm "$out/reached/calls-$$"
 }
 
-# seen_by SECTION FUNCTION: prints which of those that call the function notices the mutant that the environment names; nothing
-# if none does. Five times what the longest takes is too much.
+# callers FUNCTION: the tests that call it with their seconds, the shortest first
+callers() { awk -v name="$1" '$3 == name' "$out/reached/all"; }
+
+# seen_by FUNCTION: prints which of those that call the function notices the mutant that the environment names; nothing
+# if none does. Five times what a test takes and ten seconds is too much.
 seen_by() {
-  for suite in $1 $(echo $suites | tr ' ' '\n' | grep -v "^$1\$"); do
-    ! grep -q -x "$2" "$out/reached-$suite" || run "$too_long" $(command_of "$suite") || { echo "$suite"; return; }
+  callers "$1" | while read -r seconds test name; do
+    run "$(awk -v s="$seconds" 'BEGIN { print int(5 * s + 10) }')" $(command_of "$test") < /dev/null || { echo "$test"; break; }
   done
 }
 
@@ -69,11 +75,13 @@ same_code() {
   [ $same = 1 ]
 }
 
-# sanitized SECTION: its tests, for what is analysed linear models of the exact beam, stay
-# within all arrays and use nothing uninitialized, as check-sanitize wants it (slow: survivors alone)
+# sanitized FUNCTION: the thirty shortest tests that call it stay within all arrays and use nothing uninitialized, as check-sanitize
+# wants it (slow: survivors alone)
 sanitized() {
   for program in "$out"/sanitized*; do
-    run 600 "$program" "$1/" && { [ "$1" != analyse ] || run 200 "$program" exact/linear/linear_beams; } || return 1
+    for test in $(callers "$1" | sed -n '1,30s/^[^ ]* \([^ ]*\) .*/\1/p' | grep -v '^check-'); do
+      run 600 "$program" "$test" || return 1
+    done
   done
 }
 
@@ -98,16 +106,16 @@ elif by=$(key="$key" awk -F'\t' -v n="$times" '$3 == ENVIRON["key"] && $2 == n {
   verdict=caught
 else
   verdict=survived
-  by=$(seen_by "$(tests_of "$section")" "$name")
+  by=$(seen_by "$name")
   if [ -z "$by" ]; then
-    if same_code; then verdict=same; else sanitized "$(tests_of "$section")" || by=sanitize; fi
+    if same_code; then verdict=same; else sanitized "$name" || by=sanitize; fi
   fi
   [ -z "$by" ] || {
     verdict=caught
     printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
   }
 fi
-rm -f "$out/log-$MUTANT" "$out/crash-$MUTANT"
+rm -f "$out/log-$$" "$out/crash-$$"
 printf '%s %s %s: %s:%d %s: %s -> %s  (%s)\n' "$section" "$kind" "$verdict" "$section" "$line" "$name" "$original" "$text" "$by"
 END
 . "$out/parts.sh"
@@ -148,18 +156,15 @@ for check in jacobian shape_rates; do
 done
 $CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
 clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
-export MUTANT
-for suite in $suites; do # without a mutant they pass; cheap ones are asked first
-  times > "$out/before"
-  REACHED=$out/reached-$suite run 600 $(command_of "$suite") || { cat "$out/log-0" >&2; exit 1; }
-  times > "$out/after"
-  awk -v suite="$suite" 'FNR == 2 { split($1, t, /[ms]/); s = 60 * t[1] + t[2] - s } END { print int(s), suite }' "$out/before" "$out/after"
-done > "$out/seconds"
-suites=$(sort -s -n "$out/seconds" | sed 's/.* //')
-too_long=$(awk '$1 > most { most = $1 } END { print 5 * most + 10 }' "$out/seconds")
+{ "$out/runner" --list && echo check-jacobian && echo check-shape_rates; } > "$out/tests"
+export MUTANT out
+printf '. "$out/parts.sh"\nmeasured "$1"\nrm "$out/log-$$" "$out/crash-$$"\n' > "$out/measured.sh"
+xargs -n 1 -P "${JOBS:-$(nproc)}" sh "$out/measured.sh" < "$out/tests"
+cat "$out"/reached/* | sort -s -n > "$out/reached-by"
+mv "$out/reached-by" "$out/reached/all"
 
 # on all cores; for those that compile to the same code, which do not count, others are taken
-export out here tab CC flags tests suites too_long
+export here tab CC flags tests
 : > "$out/results"
 asked=0
 drawn=$(wc -l < "$out/compiling")
