@@ -4,10 +4,16 @@
 #   import.py --matrices K.mtx M.mtx --nodes nodes.csv --out truss.txt  matrices of any program; import.py solves for the modes
 # Wants NumPy and SciPy; for .bdf, .op2 and .op4 also pyNastran. Exit: 0 well, 1 the model cannot be imported, 2 bad options.
 import argparse
+import contextlib
 import csv
+import importlib
+import importlib.metadata
+import importlib.util
+import io
 import os
 import re
 import sys
+import warnings
 
 try:
     import numpy as np
@@ -19,6 +25,7 @@ except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
 MODES, NODES = 24, 4096  # what a description holds
+FIRST, LAST = 0, 2000000000  # numbers of nodes
 MARKS = 11  # nodes of a body of a scene beside its frame; reduce and analyse hold 7
 SMALL = 1e-9  # what counts as zero beside the largest
 AXES = np.eye(3)
@@ -34,7 +41,7 @@ class Model:
     def __init__(self, ids, x):
         self.ids, self.x = list(ids), np.array(x, dtype=float).reshape(-1, 3)
         self.at = {node: k for k, node in enumerate(self.ids)}
-        self.K_G, self.modal_mass, self.digits = [], None, 17
+        self.K_G, self.modal_mass, self.digits, self.notes = [], None, 17, []
 
     def find(self, node, what):
         if node not in self.at:
@@ -45,12 +52,54 @@ class Model:
 # ---- files
 
 
+def told(error):
+    """What a library says, in one line."""
+    text = ' '.join(str(error).split())[:300]
+    return text if text and isinstance(error, (OSError, ValueError)) else '%s: %s' % (type(error).__name__, text)
+
+
+def card_at(path, name, number):
+    """Where a card stands in a deck, if it is not in an included file: FILE:LINE."""
+    wanted = re.compile(r'\s*%s\*?[\s,]+%s(?![\w.])' % (re.escape(name), re.escape(str(number))), re.IGNORECASE)
+    try:
+        with open(path, encoding='latin-1') as file:
+            return next(('%s:%d' % (path, k) for k, line in enumerate(file, 1) if wanted.match(line)), path)
+    except OSError:
+        return path
+
+
+def deck_read(path):
+    """A deck by pyNastran; of what is wrong in it the line, where the card is known."""
+    from cpylog import SimpleLogger  # comes with pyNastran
+    read_bdf, quiet = nastran('bdf.bdf').read_bdf, SimpleLogger('critical')
+
+    def how(name):
+        bdf = read_bdf(name, xref=False, log=quiet)
+        bdf.cross_reference(xref_loads=False, xref_constraints=False, xref_aero=False, xref_sets=False, xref_optimization=False)
+        return bdf
+    try:
+        return opened(path, how)
+    except Refused as error:
+        text = str(error)
+        card = re.search(r"card=\['(\w+)\*?', '([\w.+-]+)'|required by (\w+)[ ;](?:[a-z]+=)?(\d+)|cannot be read: \w+: '?(\w+) +(\d+)", text)
+        name, number = [word for word in card.groups() if word] if card else (None, None)
+        where = card_at(path, name, number) if card else path
+        raise Refused(where + text[len(path):])
+
+
 def nastran(package):
     """A module of pyNastran."""
     try:
-        return __import__('pyNastran.' + package, fromlist=['x'])
-    except ImportError as missing:
-        raise Refused('%s: files of Nastran want it: python3 -m pip install pyNastran' % missing)
+        return importlib.import_module('pyNastran.' + package)
+    except Exception as error:  # of one older than NumPy anything
+        if importlib.util.find_spec('pyNastran') is None:
+            raise Refused('pyNastran is not installed, which files of Nastran want: python3 -m pip install pyNastran')
+        try:
+            version = importlib.metadata.version('pyNastran')
+        except importlib.metadata.PackageNotFoundError:
+            version = 'of no known version'
+        raise Refused('pyNastran %s is installed, but does not run with NumPy %s (%s): python3 -m pip install -U pyNastran, or an older NumPy'
+                      % (version, np.__version__, told(error)))
 
 
 def opened(path, how, **more):
@@ -58,69 +107,137 @@ def opened(path, how, **more):
     if not os.path.exists(path):
         raise Refused('%s: no such file' % path)
     try:
-        return how(path, **more)
-    except Exception as error:  # each library has its own
-        raise Refused('%s: cannot be read: %s' % (path, error or type(error).__name__))
+        with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):  # of a card it says there what it then raises
+            warnings.simplefilter('ignore')
+            return how(path, **more)
+    except (Exception, SystemExit) as error:  # each library has its own
+        raise Refused('%s: cannot be read: %s' % (path, told(error)))
 
 
-def arrays(path):
+def market_check(path, most):
+    """The head of a MatrixMarket file, which SciPy believes: it may announce more than the file, or the model, has."""
+    with open(path, 'rb') as file:
+        first = file.readline(1000).split()
+        if len(first) != 5 or first[0].lower() != b'%%matrixmarket' or first[1].lower() != b'matrix':
+            raise Refused('%s:1: %%%%MatrixMarket matrix coordinate real symmetric, or another such head, is wanted, not %r'
+                          % (path, b' '.join(first)[:60].decode('latin-1')))
+        number, line = 1, b'%'
+        while line and (line.startswith(b'%') or not line.strip()):
+            number, line = number + 1, file.readline(10000)
+    entry = 'rows columns entries' if first[2].lower() == b'coordinate' else 'rows columns'
+    try:
+        size = [int(word) for word in line.split()]
+        if len(size) != len(entry.split()) or min(size) < 0:
+            raise ValueError
+    except ValueError:
+        raise Refused('%s:%d: %s are wanted, not %r' % (path, number, entry, line[:60].decode('latin-1').strip()))
+    if max(size[:2]) > most[0]:
+        raise Refused('%s:%d: %d rows, %d columns; %s have %d degrees of freedom at most' % (path, number, *size[:2], most[1], most[0]))
+    entries = size[2] if len(size) > 2 else size[0] * (size[1] + 1) // 2 if b'symmetric' in first[4].lower() else size[0] * size[1]
+    if 2 * entries > os.path.getsize(path):
+        raise Refused('%s:%d: %d entries are announced, the file has %d bytes: it is not whole' % (path, number, entries, os.path.getsize(path)))
+
+
+def arrays(path, most):
     """Matrices of a file by name."""
     kind = os.path.splitext(path)[1].lower()
+    if not os.path.exists(path):
+        raise Refused('%s: no such file' % path)
     if kind == '.mat':
-        return {key: value for key, value in opened(path, scipy.io.loadmat).items() if not key.startswith('__')}
-    if kind == '.op4':
-        return {key: value.data for key, value in opened(path, nastran('op4.op4').read_op4, debug=None).items()}
-    if kind not in ('.mtx', '.npz'):
+        found = {key: value for key, value in opened(path, scipy.io.loadmat).items() if not key.startswith('__')}
+    elif kind == '.op4':
+        found = {key: value.data for key, value in opened(path, nastran('op4.op4').read_op4, debug=None).items()}
+    elif kind == '.mtx':
+        market_check(path, most)
+        found = {'': opened(path, scipy.io.mmread)}
+    elif kind == '.npz':
+        found = {'': opened(path, sparse.load_npz)}
+    else:
         raise Refused('%s: no matrix: wants .mtx (MatrixMarket), .npz (SciPy), .mat or .op4 at its end' % path)
-    return {'': opened(path, scipy.io.mmread if kind == '.mtx' else sparse.load_npz)}
+    return {key: value for key, value in found.items()
+            if getattr(value, 'ndim', 0) == 2 and getattr(value, 'dtype', np.dtype('O')).kind in 'biufc'}
 
 
-def matrix(text):
-    """A square sparse matrix from FILE or FILE:NAME."""
+def matrix(text, most):
+    """A square sparse matrix from FILE or FILE:NAME; most: how many rows it may have, and what has them."""
     path, name = (text, '') if os.path.exists(text) or ':' not in text else text.rsplit(':', 1)
-    found = arrays(path)
+    found = arrays(path, most)
     if name not in found and (name or len(found) != 1):
-        raise Refused('%s: has the matrices %s: name one of them, %s:NAME' % (text, ', '.join(found), path))
-    A = sparse.csr_array(found[name] if name in found else next(iter(found.values())))
+        raise Refused('%s: has the matrices %s: name one of them, %s:NAME' % (text, ', '.join(found), path) if found
+                      else '%s: has no matrix of numbers' % text)
+    A = found[name] if name in found else next(iter(found.values()))
     if A.shape[0] != A.shape[1]:
         raise Refused('%s: %d rows, %d columns: it has to be square' % (text, *A.shape))
-    if not np.all(np.isfinite(A.data)) or np.iscomplexobj(A.data):
-        raise Refused('%s: a number that is not finite, or complex' % text)
-    if abs(A - A.T).max() > SMALL * abs(A).max():
-        raise Refused('%s: not symmetric. Export all of it, or say symmetric in its MatrixMarket header' % text)
-    return A.astype(float)
+    if not 0 < A.shape[0] <= most[0]:
+        raise Refused('%s: %d rows; %s have %d degrees of freedom at most' % (text, A.shape[0], most[1], most[0]))
+    try:
+        A = sparse.csr_array(A)
+        A.sum_duplicates()
+    except (ValueError, IndexError) as error:  # of an .npz whose parts do not fit
+        raise Refused('%s: is no matrix: %s' % (text, told(error)))
+    if np.iscomplexobj(A.data):
+        raise Refused('%s: complex: the real part is wanted, without structural damping' % text)
+    A = A.astype(float)
+    rows = np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
+    for at in np.flatnonzero(~np.isfinite(A.data))[:1]:
+        raise Refused('%s: row %d, column %d: %r is not finite' % (text, rows[at] + 1, A.indices[at] + 1, float(A.data[at])))
+    off = abs(A - A.T).tocoo()
+    if A.nnz and off.nnz and off.max() > SMALL * abs(A).max():
+        at = off.data.argmax()
+        i, j = sorted((int(off.row[at]), int(off.col[at])), reverse=True)
+        raise Refused('%s: not symmetric: row %d, column %d has %.9g, row %d, column %d %.9g. Export all of it, or say symmetric in its '
+                      'MatrixMarket header' % (text, i + 1, j + 1, A[i, j], j + 1, i + 1, A[j, i]))
+    return A
 
 
 def number_of(kind, row, key, where):
     try:
-        return kind(row[key])
+        value = kind(row[key])
+        if not abs(value) < 1e300 or kind is int and not FIRST <= value <= LAST:
+            raise ValueError
+        return value
     except (TypeError, ValueError):
-        raise Refused('%s: %s: a number is wanted, not %r' % (where, key, row[key]))
+        raise Refused('%s: %s: a %snumber is wanted, not %r' % (where, key, 'whole ' if kind is int else '', row[key]))
 
 
-def nodes_of(path, rows):
-    """The table of nodes, and per row of the matrices the row of six per node."""
-    with open(path, newline='', encoding='utf-8-sig') as file:
-        table = csv.DictReader(file, skipinitialspace=True)
-        if not {'node', 'x', 'y', 'z'} <= set(table.fieldnames or []):
-            raise Refused('%s:1: its first line has to name the columns: node,x,y,z,dofs' % path)
-        lines = [('%s:%d' % (path, table.line_num), row) for row in table]
-    usual = {6 * len(lines): '123456', 3 * len(lines): '123'}.get(rows, '')
-    ids, x, place, seen = [], [], [], set()
-    for where, row in lines:
-        dofs = usual if row.get('dofs') is None else row['dofs'].strip()
-        if list(dofs) != sorted(set(dofs) & set('123456')) and dofs != '0':
-            raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them) are wanted, or 0, not %r' % (where, dofs))
-        place += [6 * len(ids) + int(dof) - 1 for dof in dofs if dof != '0']
-        ids.append(number_of(int, row, 'node', where))
-        x.append([number_of(float, row, key, where) for key in 'xyz'])
-        if ids[-1] in seen:
-            raise Refused('%s: node %d is there twice' % (where, ids[-1]))
-        seen.add(ids[-1])
-    if len(place) != rows:
-        raise Refused('%s: %d nodes with %d degrees of freedom, the matrices have %d rows: a column dofs says which each node has'
-                      % (path, len(ids), len(place), rows))
-    return Model(ids, x), np.array(place, dtype=int)
+class Table:
+    """A table of nodes: ids, places, dofs (None: not said), and where each stands."""
+
+    def __init__(self, path):
+        try:
+            with open(path, newline='', encoding='utf-8-sig', errors='surrogateescape') as file:  # of what is no UTF-8 nothing is used
+                table = csv.DictReader(file, skipinitialspace=True)
+                columns = [str(key).strip() for key in table.fieldnames or []]
+                if not {'node', 'x', 'y', 'z'} <= set(columns) or len(set(columns)) < len(columns):
+                    raise Refused('%s:1: its first line has to name the columns: node,x,y,z,dofs' % path)
+                for key in set(columns) - {'node', 'x', 'y', 'z', 'dofs', ''}:
+                    raise Refused('%s:1: column %r is not known: node,x,y,z,dofs are' % (path, key))
+                table.fieldnames = columns
+                lines = [('%s:%d' % (path, table.line_num), row) for row in table]
+        except csv.Error as error:
+            raise Refused('%s:%d: %s' % (path, table.line_num, error))
+        if not lines:
+            raise Refused('%s: no nodes: a line 1,0,0,0 for each is wanted' % path)
+        self.path, self.x, self.dofs, self.where, self.ids = path, [], [], [], {}
+        for where, row in lines:
+            dofs = row.get('dofs') if row.get('dofs') is None else row['dofs'].strip()
+            if dofs is not None and list(dofs) != sorted(set(dofs) & set('123456')) and dofs != '0':
+                raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them) are wanted, or 0, not %r' % (where, dofs))
+            node = number_of(int, row, 'node', where)
+            if node in self.ids:
+                raise Refused('%s: node %d is there twice' % (where, node))
+            self.ids[node] = where
+            self.dofs.append(dofs)
+            self.x.append([number_of(float, row, key, where) for key in 'xyz'])
+
+    def model(self, rows):
+        """Of matrices of so many rows: the model, and per row that of six per node."""
+        usual = {6 * len(self.x): '123456', 3 * len(self.x): '123'}.get(rows, '')
+        place = [6 * k + int(dof) - 1 for k, dofs in enumerate(self.dofs) for dof in (usual if dofs is None else dofs) if dof != '0']
+        if len(place) != rows:
+            raise Refused('%s: %d nodes with %d degrees of freedom, the matrices have %d rows: a column dofs says which each node has'
+                          % (self.path, len(self.x), len(place), rows))
+        return Model(self.ids, self.x), np.array(place, dtype=int)
 
 
 def basic_by(place, axes):
@@ -193,15 +310,17 @@ def solve(model, K, M, place, clamped, n_mode):
 
 
 def from_matrices(options):
-    K, M = matrix(options.matrices[0]), matrix(options.matrices[1])
-    model, place = nodes_of(options.nodes, K.shape[0])
+    table = Table(options.nodes)
+    most = 6 * len(table.x), 'the %d nodes of %s' % (len(table.x), options.nodes)
+    K, M = (matrix(name, most) for name in options.matrices)
+    model, place = table.model(K.shape[0])
     basic = basic_by(place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
     M_basic = basic(M, options.matrices[1])
     clamped = np.zeros(len(model.ids), dtype=bool)
     for node in options.frame:
         clamped[model.find(node, '--frame')] = True
     solve(model, K, M, place, clamped, options.modes or min(6, K.shape[0]))
-    return model, M_basic, basic
+    return model, M_basic, basic, most
 
 
 # ---- Nastran
@@ -252,6 +371,29 @@ def offsets_of(card, where, model, grids):
     return [axes_at(node.cd_ref, model.x[model.at[node.nid]]) @ end for node, end in zip(card.nodes_ref, ends)]
 
 
+def asked(where, card, what):
+    """A figure that pyNastran computes."""
+    try:
+        return float(getattr(card, what)())
+    except Exception as error:  # for some kinds of a section it has no formula
+        raise Refused('%s (%s %s): pyNastran has no %s of it (%s): export the mass matrix (--mass)'
+                      % (where, card.type, getattr(card, 'pid', ''), what, told(error).split('$')[0]))
+
+
+def polar(where, beam):
+    """Mass moment of inertia of a CBEAM about its axis, per length; a tapered one has the mean of its stations."""
+    if beam.type == 'PBEAML':
+        try:
+            section = getattr(importlib.import_module('pyNastran.bdf.cards.properties.bars'), beam.beam_type.lower() + '_section')
+            I = np.mean([np.sum(section(beam.type, beam.beam_type, dim, beam)[1:3]) for dim in beam.dim])
+        except Exception as error:  # some kinds of a section have no formula there
+            raise Refused('%s (PBEAML %d, %s): pyNastran has no moment of inertia of it (%s): export the mass matrix (--mass)'
+                          % (where, beam.pid, beam.beam_type, told(error).split('$')[0]))
+    else:
+        I = asked(where, beam, 'I11') + asked(where, beam, 'I22')
+    return asked(where, beam, 'Rho') * I
+
+
 def masses_of(bdf, model):
     """The mass of each element in equal parts at its grids, and what is lumped there; basic axes, PARAM,WTMASS included."""
     blocks = np.zeros((len(model.ids), 6, 6))
@@ -261,7 +403,7 @@ def masses_of(bdf, model):
             at = model.find(card.nid, where)
             blocks[at] += point_mass(card, model.x[at])
             continue
-        mass = card.Mass() if hasattr(card, 'Mass') else 0.0
+        mass = asked(where, card, 'Mass') if hasattr(card, 'Mass') else 0.0
         if not mass:
             continue
         if card.type.startswith('CMASS'):
@@ -272,23 +414,34 @@ def masses_of(bdf, model):
             blocks[model.find(node, where)] += body_block(mass / len(grids), offset, np.zeros((3, 3)))
         if card.type == 'CBEAM':  # turns about its axis, too
             axis = model.x[model.at[grids[1]]] + offsets[1] - model.x[model.at[grids[0]]] - offsets[0]
-            beam = card.pid_ref
+            turns = polar(where, card.pid_ref) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
             for node in grids[:2]:
-                blocks[model.at[node], 3:, 3:] += beam.Rho() * (beam.I11() + beam.I22()) / 2 * np.outer(axis, axis) / np.linalg.norm(axis)
+                blocks[model.at[node], 3:, 3:] += turns
     for card in [name for name, is_there in (('NSM', bdf.nsms), ('M2GG', 'M2GG' in ' '.join(bdf.case_control_lines).upper())) if is_there]:
         raise Refused('%s: its mass is not that of elements: export the mass matrix (--mass)' % card)
     unit = bdf.params['WTMASS'].values[0] if 'WTMASS' in bdf.params else 1.0
     return sparse.csr_array(sparse.block_diag(list(unit * blocks), format='csr'))
 
 
+def table_of(op2, path, subcase):
+    """The table of the real normal modes of SOL 103."""
+    kinds = {2: 'normal modes', 7: 'of buckling, before it', 8: 'of buckling', 9: 'complex'}  # analysis codes of the OUG table
+    found = [(table, kinds.get(table.analysis_code, 'of analysis code %s' % table.analysis_code)) for table in op2.eigenvectors.values()]
+    real = [table for table, kind in found if kind == kinds[2] and not np.iscomplexobj(table.data)
+            and (subcase is None or table.isubcase == subcase)]
+    if len(real) != 1:
+        other = sorted({'subcase %d: %s' % (table.isubcase, kind) for table, kind in found})
+        raise Refused('%s: %d tables of real normal modes (OUG)%s: SOL 103 with DISP(PLOT) = ALL and PARAM,POST,-1 writes one; --subcase chooses'
+                      % (path, len(real), ', it has those of ' + ', '.join(other) if other else ', it has no modes at all'))
+    return real[0]
+
+
 def shapes_of(op2, path, subcase, norms, model, axes):
-    """Frequencies and shapes of SOL 103, in basic axes."""
-    tables = [table for table in op2.eigenvectors.values() if subcase is None or table.isubcase == subcase]
-    if len(tables) != 1:
-        raise Refused('%s: %d tables of real modes (OUG) %s: SOL 103 with DISP(PLOT) = ALL and PARAM,POST,-1 writes one; --subcase chooses'
-                      % (path, len(tables), sorted({table.isubcase for table in op2.eigenvectors.values()})))
-    table = tables[0]
+    """Frequencies and shapes of SOL 103, in basic axes; which grids have them."""
+    table = table_of(op2, path, subcase)
     value = np.array(table.eigns, dtype=float)
+    if table.data.shape[0] != len(value) or len(value) == 0 or not np.all(np.isfinite(value)):
+        raise Refused('%s: %d modes, %d eigenvalues, of which %d are finite' % (path, table.data.shape[0], len(value), np.isfinite(value).sum()))
     model.digits = 9 if table.data.dtype == np.float32 else 17
     model.phi = np.zeros((6 * len(model.ids), len(value)))
     seen = np.zeros(len(model.ids), dtype=bool)
@@ -297,6 +450,8 @@ def shapes_of(op2, path, subcase, norms, model, axes):
             at = model.find(int(node), path)
             seen[at] = True
             model.phi[6 * at:6 * at + 6] = table.data[:, k, :].T
+            if not np.all(np.isfinite(model.phi[6 * at:6 * at + 6])):
+                raise Refused('%s: the displacement of grid %d is not finite' % (path, node))
     if not table.table_name.startswith('BOUG'):  # those of PARAM,OUGCORD,BASIC are in basic axes
         model.phi = axes @ model.phi
     model.hz = np.sqrt(np.maximum(value, 0)) / (2 * np.pi)
@@ -311,27 +466,40 @@ def shapes_of(op2, path, subcase, norms, model, axes):
 
 def from_nastran(options):
     path, modes = options.files
-    read_bdf, read_op2 = nastran('bdf.bdf').read_bdf, nastran('op2.op2').read_op2
+    read_op2 = nastran('op2.op2').read_op2
     from cpylog import SimpleLogger  # comes with pyNastran
-    bdf = opened(path, read_bdf, log=SimpleLogger('error'))
-    op2 = opened(modes, read_op2, log=SimpleLogger('error'), build_dataframe=False)
+    bdf = deck_read(path)
+    if not bdf.nodes:
+        raise Refused('%s: no GRID: the deck of the run is wanted, with its bulk data' % path)
+    op2 = opened(modes, read_op2, log=SimpleLogger('critical'), build_dataframe=False)
     ids = sorted(bdf.nodes)
     model = Model(ids, [bdf.nodes[node].get_position() for node in ids])
+    for at in np.flatnonzero(~np.isfinite(model.x).all(axis=1))[:1]:
+        raise Refused('%s: the place of grid %d is not finite' % (path, ids[at]))
     model.sets = {key: card.ids for key, card in bdf.sets.items() if card.type == 'SET1'}
     axes = sparse.csr_array(sparse.block_diag(
         [np.kron(np.eye(2), axes_at(bdf.nodes[node].cd_ref, model.x[k])) for k, node in enumerate(ids)], format='csr'))
     norms = {getattr(card, 'norm', None) or 'MASS' for card in bdf.methods.values()}  # of EIGRL
     seen = shapes_of(op2, modes, options.subcase, norms, model, axes)
+    place = grid_rows(bdf, ids)
+    most = len(place), 'the %d grids and %d scalar points of %s' % (len(ids), len(place) - 6 * len(ids), path)
     if options.mass is None and 'MGG' in op2.matrices:
         M = sparse.csr_array(op2.matrices['MGG'].data)
     else:
-        M = matrix(options.mass) if options.mass else None
-    basic = basic_by(grid_rows(bdf, ids), axes)
-    M = masses_of(bdf, model) if M is None else basic(M, options.mass or 'MGG')
+        M = matrix(options.mass, most) if options.mass else None
+    basic = basic_by(place, axes)
+    if M is None:
+        try:
+            M = masses_of(bdf, model)
+        except Refused as error:
+            name, number = str(error).split()[:2]
+            raise Refused('%s: %s' % (card_at(path, name, number.rstrip(':')), error))
+    else:
+        M = basic(M, options.mass or 'MGG')
     heavy = np.array(abs(M).max(axis=1).toarray()).reshape(-1, 6).max(axis=1) > 0
     for at in np.flatnonzero(heavy & ~seen):
         raise Refused('%s: no displacement of grid %d, which has mass: DISP(PLOT) = ALL in the case control' % (modes, ids[at]))
-    return model, M, basic
+    return model, M, basic, most
 
 
 def grid_rows(bdf, ids):
@@ -557,22 +725,52 @@ def scaled(model, M, length, mass):
     return sparse.csr_array(unit @ M @ unit)
 
 
-def still_check(model, frame):
-    """Shapes that are rigid-body motions, or move the frame, are no component's."""
-    shape = model.phi.reshape(len(model.ids), 6, -1)
-    most = abs(shape[:, :3]).max(axis=(0, 1))
+def bending(model):
+    """Which shapes are no rigid-body motions, and the frequency below which one is none of a body on a soft spring."""
+    most = abs(model.phi.reshape(len(model.ids), 6, -1)[:, :3]).max(axis=(0, 1))
     R = rigid(model.x)
     rows = np.flatnonzero(np.tile([1, 1, 1, 0, 0, 0], len(model.ids)))
     rest = model.phi[rows] - R[rows] @ np.linalg.lstsq(R[rows], model.phi[rows], rcond=None)[0]
     bends = abs(rest).max(axis=0) > 1e-4 * most
-    soft = 1e-3 * model.hz[bends].min(initial=np.inf)  # on a hinge with a spring a body turns as a rigid one, but faster than that
+    return bends, 1e-3 * model.hz[bends].min(initial=np.inf)
+
+
+def rigid_left_out(model):
+    """Rigid-body modes of a free structure: such motion is that of the frame."""
+    bends, soft = bending(model)
+    out = ~bends & (model.hz <= soft)
+    if 0 < out.sum() < len(out):
+        model.notes.append('%d rigid-body modes are left out (0 to %.2g Hz): such motion is that of the frame' % (out.sum(), model.hz[out].max()))
+        model.hz, model.phi = model.hz[~out], model.phi[:, ~out]
+        model.modal_mass = None if model.modal_mass is None else model.modal_mass[~out]
+    return int(out.sum()) if 0 < out.sum() < len(out) else 0
+
+
+def still_check(model, frame, left_out):
+    """Shapes that are rigid-body motions, or move the frame, are no component's."""
+    shape = model.phi.reshape(len(model.ids), 6, -1)
+    most = abs(shape[:, :3]).max(axis=(0, 1))
+    bends, soft = bending(model)  # on a hinge with a spring a body turns as a rigid one, but faster than that
     for k in range(len(model.hz)):
-        where = 'mode %d (%.4g Hz)' % (k + 1, model.hz[k])
+        where = 'mode %d (%.4g Hz)' % (left_out + k + 1, model.hz[k])
+        if model.hz[k] <= 0 and bends[k]:
+            raise Refused('%s has no stiffness: a mechanism, or a part that hangs on nothing, moves node %d the most'
+                          % (where, model.ids[int(np.linalg.norm(shape[:, :3, k], axis=1).argmax())]))
         if model.hz[k] <= 0 or not bends[k] and (not frame or model.hz[k] < soft):
             raise Refused('%s is a rigid-body motion: hold the interface (SPC) and name its nodes (--frame); such motion is that of the frame' % where)
         for node in frame:
             if abs(shape[model.find(node, '--frame'), :3, k]).max() > 1e-5 * most[k]:
                 raise Refused('%s moves node %d of the frame: hold it there (SPC)' % (where, node))
+
+
+def mean_axes(model, want, words):
+    """Modes of a free structure have no momentum; their frame follows its mean motion."""
+    off = abs(want[:6, 6:]) / np.sqrt(np.maximum(np.diag(want)[:6], 1e-300))[:, None]
+    if off.max(initial=0) < 1e-3:
+        if any(word.split()[0] == 'base' and word.split()[1:] != ['free'] for word in words):
+            raise Refused('--word base: the modes are those of the free structure, which move its frame: base free, or hold the interface (SPC, --frame)')
+        model.notes.append('the modes are those of the free structure, whose frame follows its mean motion: base free, and static loads at nodes '
+                           'deform it less than they should')
 
 
 def numbers(values, digits=17):
@@ -631,7 +829,7 @@ def written(options, model, masses, lines, extra, marks, figures):
                       % (len(masses), NODES, 4 + 3 * len(model.hz), ' (not with --line: mesh it more coarsely)' if lines else ''))
     words = [word.split()[0] for word in options.word]
     text = ['# From %s by import.py: %s' % (', '.join(os.path.basename(name) for name in options.files or options.matrices), figures),
-            'component', 'modes %d' % len(model.hz), 'frequency_hz ' + numbers(model.hz, model.digits)] + options.word
+            *('# ' + note for note in model.notes), 'component', 'modes %d' % len(model.hz), 'frequency_hz ' + numbers(model.hz, model.digits)] + options.word
     more = [word for word in ('damping', 'gravity') if word in words]
     text += [' '.join(['effects', 'full' if lines or model.K_G else 'spin'] + more)] if 'effects' not in words else []
     for at in masses:
@@ -674,19 +872,20 @@ def modal_check(model, have, tolerance):
 
 def convert(options):
     """Text of the description, and what is told about it."""
-    model, M, basic = from_matrices(options) if options.matrices else from_nastran(options)
+    model, M, basic, most = from_matrices(options) if options.matrices else from_nastran(options)
+    left_out = 0 if options.frame else rigid_left_out(model)
     if options.modes and options.modes > len(model.hz):
-        raise Refused('--modes: %d wanted, %s has %d' % (options.modes, options.files[1], len(model.hz)))
+        raise Refused('--modes: %d wanted, %s has %d%s' % (options.modes, options.files[1], len(model.hz), ' that are no rigid-body motion' if left_out else ''))
     keep = options.modes or len(model.hz)
     if keep > MODES:
         raise Refused('%d modes, a description holds %d: --modes %d takes the lowest' % (keep, MODES, MODES))
     model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]
     model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
-    model.K_G = [basic(matrix(name), name) for name in options.geometric or []]
+    model.K_G = [basic(matrix(name, most), name) for name in options.geometric or []]
     M = scaled(model, M, *options.scale)
     origin = options.origin.split(',')
     model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
-    still_check(model, options.frame)
+    still_check(model, options.frame, left_out)
     S = np.hstack([rigid(model.x), model.phi])
     want = S.T @ (M @ S)
     if not want[0, 0] > 0 or abs(want[:3, :3] - want[0, 0] * AXES).max() > 1e-6 * want[0, 0]:
@@ -695,6 +894,7 @@ def convert(options):
     modal_check(model, want[6:, 6:] / options.scale[1] / options.scale[0]**2, options.tolerance)  # in the units of the run
     unit = np.concatenate([np.ones(6), 1 / np.sqrt(np.diag(want)[6:])])  # shapes of modal mass 1
     model.phi, want = model.phi * unit[6:], want * np.outer(unit, unit)
+    mean_axes(model, want, options.word)
     masses, how = masses_for(options, model, M, want)
     off = differences(integrals(masses, keep), want, np.ptp(model.x, axis=0).max())
     worst = max(off, key=off.get)
@@ -733,7 +933,7 @@ def options_of(arguments):
     add('--scale', default='1,1', metavar='LENGTH,MASS', help='units of the model in m and kg: 0.001,1000 of mm and t (1,1)')
     add('--condense', action='store_true', help='a few points in place of all masses, with the same integrals')
     add('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
-    add('--word', action='append', default=[], metavar='LINE', help="a line of the description: 'damping 0.005'")
+    add('--word', action='append', default=[], type=str.strip, metavar='LINE', help="a line of the description: 'damping 0.005'")
     options = parser.parse_args(arguments)
     if bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
         parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE.csv')
@@ -750,6 +950,8 @@ def options_of(arguments):
     read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
     if os.path.exists(options.out) and any(os.path.exists(name) and os.path.samefile(options.out, name) for name in read):
         parser.error('--out: that is what is read')
+    if not all(options.word):
+        parser.error('--word wants a line of the description')
     if options.modes is not None and options.modes < 1:
         parser.error('--modes wants a number from 1')
     return options
@@ -761,10 +963,21 @@ def main(arguments):
         text, figures, model = convert(options)
         with open(options.out, 'w', encoding='utf-8') as file:
             file.write(text)
-    except (OSError, Refused) as error:
+    except (OSError, UnicodeError, Refused) as error:
         print('import.py:', error, file=sys.stderr)
         return 1
+    except MemoryError:
+        print('import.py: %s: too large for the memory of this machine' % ' '.join(options.matrices or options.files), file=sys.stderr)
+        return 1
+    except Exception as error:  # of a library, on what no check above has told
+        at = error.__traceback__
+        while at.tb_next and at.tb_next.tb_frame.f_code.co_filename == __file__:
+            at = at.tb_next
+        print('import.py: %s: not understood, in %s: %s' % (' '.join(options.matrices or options.files), at.tb_frame.f_code.co_name, told(error)), file=sys.stderr)
+        return 1
     print('%s: %d modes, %.6g to %.6g Hz, %s' % (options.out, len(model.hz), model.hz[0], model.hz[-1], figures))
+    for note in model.notes:
+        print('  ' + note)
     return 0
 
 

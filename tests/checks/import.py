@@ -5,6 +5,7 @@ import contextlib
 import importlib
 import io
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -392,13 +393,17 @@ for k, end in ends.items():
     put(M, range(6 * k, 6 * k + 6), offset_mass(rho * A * np.linalg.norm(x[20] - x[19]) / 2, end, 0 * J) - np.diag([rho * A * l / 2] * 3 + [0] * 3))
 
 
-def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0, first=None):
+def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0, first=None, free=False, value=1):
     """NAME.op2 of the modes, of these modal masses, the scalar point 1000 too; frequencies and shapes in SI."""
-    free = np.arange(6, len(K))
-    inverse, phi = linalg.eigh(M[np.ix_(free, free)], K[np.ix_(free, free)], subset_by_index=[len(free) - size, len(free) - 1])
+    rows = np.arange(6, len(K))
     full = np.zeros((len(K), size))
-    full[free] = phi[:, ::-1] / np.sqrt(inverse[::-1]) * np.sqrt(masses)
-    w = 1 / np.sqrt(inverse[::-1])
+    if free:
+        square, full = linalg.eigh(K, M, subset_by_index=[0, size - 1])
+        w = np.sqrt(np.maximum(square, 0))
+    else:
+        inverse, phi = linalg.eigh(M[np.ix_(rows, rows)], K[np.ix_(rows, rows)], subset_by_index=[len(rows) - size, len(rows) - 1])
+        full[rows] = phi[:, ::-1] / np.sqrt(inverse[::-1]) * np.sqrt(masses)
+        w = 1 / np.sqrt(inverse[::-1])
     if first is not None:
         full[:, 0] = first
     shape = (turn.T @ full).reshape(n + 1, 6, size).transpose(2, 0, 1) * [1000, 1000, 1000, 1, 1, 1] / np.sqrt(1000) + moves
@@ -407,7 +412,7 @@ def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0, first=None):
     keep = [k for k in range(n + 2) if k + 1 not in without]
     op2 = OP2(debug=None)
     op2.set_as_msc()
-    table = RealEigenvectorArray.add_modal_case('OUGV1', grids[keep], shape[:, keep].astype('float32'), 1, np.arange(1, size + 1, dtype='int32'), w**2, w / (2 * np.pi))
+    table = RealEigenvectorArray.add_modal_case('OUGV1', grids[keep], shape[:, keep].astype('float32'), 1, np.arange(1, size + 1, dtype='int32'), value * w**2, w / (2 * np.pi))
     for data in table.__dict__, table.data_code:  # eigenvectors, not displacements
         data['table_code'] = data['tCode'] = 7
     op2.eigenvectors[1] = table
@@ -415,7 +420,7 @@ def nastran(name, K, M, size, moves=0.0, without=(), masses=1.0, first=None):
     return w, full
 
 
-def deck(name, norm='MASS', cbeam=None, also='DISP = ALL'):
+def deck(name, norm='MASS', cbeam=None, also='DISP = ALL', taper=None):
     bdf = BDF(debug=None)
     bdf.sol, bdf.case_control_deck = 103, CaseControlDeck([also, 'METHOD = 1'])
     bdf.add_param('WTMASS', 0.5)
@@ -428,11 +433,13 @@ def deck(name, norm='MASS', cbeam=None, also='DISP = ALL'):
     bdf.add_eigrl(1, nd=8, norm=norm)
     bdf.add_mat1(1, E / 1e6, G / 1e6, None, rho=2 * rho * 1e-12)
     bdf.add_pbar(1, 1, A * 1e6, Iz * 1e12, Iy * 1e12, 0.0, Jt * 1e12)
+    if taper:
+        bdf.add_pbeaml(3, 1, 'BAR', [0.0, 1.0], [[40.0, 25.0], [40.0 * taper, 25.0 * taper]])
     bdf.add_pbeam(2, 1, [0.0], ['C'], [A * 1e6], [Iz * 1e12], [Iy * 1e12], [0.0], [Jt * 1e12])
     for k in range(n):
         beside = [1000 * (local.T @ ends[19]), 1000 * ends[20]] if k == 19 else [None, None]
         if k == cbeam:
-            bdf.add_cbeam(k + 1, 2, [k + 1, k + 2], list(q[:, 2]), None)
+            bdf.add_cbeam(k + 1, 3 if taper else 2, [k + 1, k + 2], list(q[:, 2]), None)
             continue
         bdf.add_cbar(k + 1, 1, [k + 1, k + 2], list(q[:, 2]), None, wa=beside[0], wb=beside[1])
     bdf.add_conm2(100, 25, 2 * 0.5e-3, cid=7, X=list(1000 * c), I=[2e3 * J[0, 0], -2e3 * J[1, 0], 2e3 * J[1, 1], -2e3 * J[2, 0], -2e3 * J[2, 1], 2e3 * J[2, 2]])
@@ -510,13 +517,26 @@ refuse('wants MODEL.bdf MODES.op2, or', *pair)
 refuse('none.mtx: no such file', '--matrices', 'none.mtx', pair[2], *table)
 refuse('mast.csv: no matrix: wants .mtx', '--matrices', table[1], pair[2], *table)
 refuse('KM.mat: has the matrices K, M: name one of them, .*KM.mat:NAME', '--matrices', folder + 'KM.mat', pair[2], *table)
-refuse('12 nodes with 0 degrees of freedom, the matrices have 156 rows: a column dofs', '--matrices', folder + 'KM.mat:K', folder + 'KM.mat:M', *table)
-refuse('lumped.mtx has 156 rows, the model 36', '--matrices', pair[1], folder + 'lumped.mtx', *table)
-refuse('skew.mtx: not symmetric', '--matrices', save('skew.mtx', K + np.triu(np.abs(K))), pair[2], *table)
+refuse('KM.mat:K: 156 rows; the 12 nodes of .*mast.csv have 72 degrees of freedom at most', '--matrices', folder + 'KM.mat:K', folder + 'KM.mat:M', *table)
+refuse('lumped.mtx:3: 156 rows, 156 columns; the 12 nodes of .*mast.csv have 72 degrees of freedom at most', '--matrices', pair[1], folder + 'lumped.mtx', *table)
+refuse(r'skew.mtx: not symmetric: row \d+, column \d+ has .*, row \d+, column \d+ ', '--matrices', save('skew.mtx', K + np.triu(np.abs(K))), pair[2], *table)
 refuse('wide.mtx: 3 rows, 36 columns', '--matrices', save('wide.mtx', K[:3]), pair[2], *table)
+for text, why in (('2 2 1\n1 x 3\n', 'bad.mtx: cannot be read: .*[Ll]ine 3'),
+                  ('2000000000 2000000000 1\n1 1 3\n', 'bad.mtx:2: 2000000000 rows, 2000000000 columns; the 12 nodes of .*mast.csv have 72 degrees'),
+                  ('36 36 400000000\n1 1 3\n', r'bad.mtx:2: 400000000 entries are announced, the file has \d+ bytes: it is not whole'),
+                  ('0 0 0\n', 'bad.mtx: 0 rows; the 12 nodes of .*mast.csv have 72 degrees of freedom at most'),
+                  ('% a remark\n\n36 36\n', "bad.mtx:4: rows columns entries are wanted, not '36 36'"),
+                  ('36 36 1\n7 7 nan\n', 'bad.mtx: row 7, column 7: nan is not finite')):
+    with open(folder + 'bad.mtx', 'w') as file:
+        file.write('%%MatrixMarket matrix coordinate real general\n' + text)
+    refuse(why, '--matrices', folder + 'bad.mtx', pair[2], *table)
 with open(folder + 'bad.mtx', 'w') as file:
-    file.write('%%MatrixMarket matrix coordinate real general\n2 2 1\n1 x 3\n')
-refuse('bad.mtx: cannot be read: .', '--matrices', folder + 'bad.mtx', pair[2], *table)
+    file.write('1,1, 1,1, 3.5\n')
+refuse("bad.mtx:1: %%MatrixMarket matrix coordinate real symmetric, or another such head, is wanted, not '1,1, 1,1, 3.5'",
+       '--matrices', folder + 'bad.mtx', pair[2], *table)
+refuse('turns.mtx: complex: the real part is wanted', '--matrices', save('turns.mtx', K * (1 + 0.01j)), pair[2], *table)
+scipy.io.savemat(folder + 'bad.mat', {'K': {'a': 1}, 'name': 'text'})
+refuse('bad.mat: has no matrix of numbers', '--matrices', folder + 'bad.mat', pair[2], *table)
 refuse('6 rigid-body motions are free: --frame', *pair, *table)
 refuse('3 rigid-body motions are free: --frame', *pair, *table, '--frame', 1)
 refuse('--frame: the model has no node 99', *pair, *table, '--frame', '1-4,99')
@@ -537,13 +557,18 @@ refuse('masses lumped here, for --line: the modal masses would be off by .*: a f
 refuse('--line goes neither with --condense', *good, '--line', '1,5', '--condense')
 refuse('--line 12: a line has two nodes', *good, '--line', '12', '--tolerance', 9)
 refuse('--out: that is what is read', *good, '--out', pair[1])
-refuse('K_G0.mtx has 150 rows, the model 36', *good, '--geometric', *names)
+refuse('K_G0.mtx:3: 150 rows, 150 columns; the 12 nodes of .*mast.csv have 72 degrees of freedom at most', *good, '--geometric', *names)
 for text, why in (('id,x,y,z\n', r'bad.csv:1: its first line has to name the columns: node,x,y,z,dofs'),
+                  ('node,x,y,z,dof\n1,0,0,0,123\n', "bad.csv:1: column 'dof' is not known: node,x,y,z,dofs are"),
+                  ('node,x,y,z\n', 'bad.csv: no nodes: a line 1,0,0,0 for each is wanted'),
+                  ('node,x,y,z\n1,0,nan,0\n', "bad.csv:2: y: a number is wanted, not 'nan'"),
+                  ('node,x,y,z\n3000000000,0,0,0\n', "bad.csv:2: node: a whole number is wanted, not '3000000000'"),
+                  ('node,x,y,z\n1,\xe9,0,0\n', 'bad.csv:2: x: a number is wanted'),
                   ('node,x,y,z\n1,0,zero,0\n', r"bad.csv:2: y: a number is wanted, not 'zero'"),
                   ('node,x,y,z\n1,0,0,0\n1,0,0,0\n', 'bad.csv:3: node 1 is there twice'),
                   ('node,x,y,z,dofs\n1,0,0,0,321\n', "bad.csv:2: dofs: some of 123456 in this order .*not '321'"),
-                  ('node,x,y,z,dofs\n1,0,0,0,123\n', 'bad.csv: 1 nodes with 3 degrees of freedom, the matrices have 36 rows')):
-    with open(folder + 'bad.csv', 'w') as file:
+                  ('node,x,y,z,dofs\n1,0,0,0,123\n', 'K.mtx:3: 36 rows, 36 columns; the 1 nodes of .*bad.csv have 6 degrees of freedom at most')):
+    with open(folder + 'bad.csv', 'w', encoding='latin-1') as file:
         file.write(text)
     refuse(why, *pair, '--nodes', folder + 'bad.csv')
 loose = K.copy()
@@ -579,8 +604,8 @@ if len(re.findall('^node ', text, re.M)) > 13:
 refuse('cannot be read', table[1], files[1])
 refuse('cannot be read', files[0], table[1])
 refuse('--modes: 9 wanted, .*boom.op2 has 8', *files, *base, '--modes', 9)
-refuse('lumped.mtx has 156 rows, the model 151', *files, *base, '--mass', folder + 'lumped.mtx')
-refuse('0 tables of real modes .*--subcase', *files, *base, '--subcase', 3)
+refuse('lumped.mtx:3: 156 rows, 156 columns; the 25 grids and 1 scalar points of .*boom.bdf have 151 degrees of freedom at most', *files, *base, '--mass', folder + 'lumped.mtx')
+refuse('0 tables of real normal modes .*subcase 1: normal modes.*--subcase', *files, *base, '--subcase', 3)
 x, K, M = of_boom
 refuse('M2GG: its mass is not that of elements', deck('m2gg.bdf', also='M2GG = MORE'), files[1], *base)
 nastran('moves', K, M, 8, moves=0.01)
@@ -595,8 +620,70 @@ refuse('are orthogonal to .* only: .*--mass', deck('max.bdf', 'MAX'), folder + '
 held = {name: sys.modules[name] for name in list(sys.modules) if name.startswith('pyNastran')}
 for name in held:
     sys.modules[name] = None
-refuse('files of Nastran want it: python3 -m pip install pyNastran', *files, *base)
+refuse('pyNastran is not installed, which files of Nastran want: python3 -m pip install pyNastran', *files, *base)
+for name in held:
+    del sys.modules[name]
+os.makedirs(folder + 'old/pyNastran', exist_ok=True)  # one that this NumPy does not run
+with open(folder + 'old/pyNastran/__init__.py', 'w') as file:
+    file.write('import numpy\nnumpy.cumproduct_that_is_gone\n')
+sys.path.insert(0, folder + 'old')
+importlib.invalidate_caches()
+refuse('pyNastran .* is installed, but does not run with NumPy .*AttributeError.*cumproduct_that_is_gone', *files, *base)
+sys.path.remove(folder + 'old')
+for name in [name for name in sys.modules if name.startswith('pyNastran')]:
+    del sys.modules[name]
 sys.modules.update(held)
+
+# modes of other kinds; decks that are wrong
+for code, kind in ((8, 'of buckling'), (9, 'complex')):
+    def of_kind(path, how, **more):
+        out = real(path, how, **more)
+        if path.endswith('.op2'):
+            out.eigenvectors[1].analysis_code = code
+            del out.eigenvectors[1].eigns
+        return out
+
+    tool.opened = of_kind
+    refuse('boom.op2: 0 tables of real normal modes .OUG., it has those of subcase 1: %s' % kind, *files, *base)
+    tool.opened = real
+nastran('bad', K, M, 8, moves=np.nan)
+refuse('bad.op2: the displacement of grid 1 is not finite', files[0], folder + 'bad.op2', *base)
+nastran('weak', K, M, 8, value=-1)
+refuse('mode 1 .0 Hz. has no stiffness: a mechanism, or a part that hangs on nothing, moves node 25 the most', files[0], folder + 'weak.op2', *base)
+with open(files[0]) as file:
+    cards = file.read()
+for old, new, why in (('GRID', 'XGRD', r'bad.bdf:\d+: cannot be read: .*CBAR'),
+                      ('CONM2*               100              25', 'CONM2*               100              2x', r'bad.bdf:\d+: cannot be read'),
+                      ('CBAR*                  8               1', 'CBAR*                  8              77', r'bad.bdf:\d+: cannot be read: .*CBAR +8 '),
+                      ('CONM2*               101', 'CMASS2,500,1.,3,1\nCONM2*               101', r'bad.bdf:\d+: CMASS2 500: mass in one direction: export the mass matrix'),
+                      ('CONM2*               101', 'NSM,1,PBAR,1,.1\nCONM2*               101', 'NSM: its mass is not that of elements'),
+                      ('SOL 103', 'SOL 103\xe9', '')):
+    if old not in cards:
+        sys.exit('no %s in the deck' % old)
+    with open(folder + 'bad.bdf', 'w', encoding='latin-1') as file:
+        file.write(cards.replace(old, new))
+    if why:
+        refuse(why, folder + 'bad.bdf', files[1], *base)
+
+# a CBEAM with PBEAML, tapered; free-free modes, whose rigid-body ones are left out
+taper = M.copy()
+area = lambda s: (0.04 * s) * (0.025 * s)
+for k in 7, 8:
+    put(taper, range(6 * k, 6 * k + 3), rho * l / 2 * (np.mean([area(1), area(0.8)]) - A) * np.eye(3))
+    put(taper, range(6 * k + 3, 6 * k + 6), rho * (Iy + Iz) * (1 + 0.8**4) / 2 * l / 2 * np.outer(q[:, 0], q[:, 0]))
+w, phi = nastran('taper', K, taper, 8)
+run(deck('taper.bdf', cbeam=7, taper=0.8), folder + 'taper.op2', *base)
+compare('Nastran, PBEAML', integrals(), x, taper, w, phi, 1e-6)
+
+w, phi = nastran('free', K, consistent, 9, free=True)
+text = run(files[0], folder + 'free.op2', '--scale', '0.001,1000', '--mass', folder + 'MGG.op4')
+compare('Nastran, free-free', integrals(), x, consistent, w[6:], phi[:, 6:], 1e-5)
+held = frequencies(folder + 'out.txt')
+meet('Nastran, free-free', held[held > 1][:2], w[6:8], 1e-5)
+if '# 6 rigid-body modes are left out' not in text or 'base free' not in text:
+    sys.exit('free-free modes: %s' % text)
+refuse('base: the modes are those of the free structure', files[0], folder + 'free.op2', '--scale', '0.001,1000', '--mass', folder + 'MGG.op4', '--word', 'base prescribed')
+refuse('--modes: 4 wanted, .*free.op2 has 3 that are no rigid-body motion', files[0], folder + 'free.op2', '--scale', '0.001,1000', '--modes', 4)
 
 # the example of examples/tools/README.md
 with open('examples/tools/README.md') as file:
