@@ -20,7 +20,7 @@ try:
     import scipy.io
     import scipy.sparse as sparse
     from scipy import fft, linalg
-    from scipy.sparse.linalg import ArpackError, eigsh
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
 except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
@@ -74,6 +74,8 @@ def deck_read(path):
     read_bdf, quiet = nastran('bdf.bdf').read_bdf, SimpleLogger('critical')
 
     def how(name):
+        with contextlib.suppress(ImportError):  # where an INCLUDE is missing it would leave a file in the working directory
+            importlib.import_module('pyNastran.bdf.bdf_interface.pybdf').BDFInputPy._dump_file = lambda *rest: None
         bdf = read_bdf(name, xref=False, log=quiet)
         bdf.cross_reference(xref_loads=False, xref_constraints=False, xref_aero=False, xref_sets=False, xref_optimization=False)
         return bdf
@@ -275,12 +277,108 @@ def held_check(K, R):
                       '(or the structure hangs on a mechanism)' % free)
 
 
-def solve(model, K, M, place, clamped, n_mode):
+def row_name(model, p):
+    return 'node %d, degree of freedom %d' % (model.ids[p // 6], p % 6 + 1)
+
+
+def moved(x, A, place):
+    """What K gives per row for unit translations, and for rotations about the row's own node, beside the sums of the sizes: 0 where the
+    structure is free, and K and the places are of one order and one system of units. Columns of motions that the model cannot do are 0."""
+    at, dof = place // 6, place % 6
+    d = x[at[A.col]] - x[at[A.row]]
+    straight, n = dof[A.col] < 3, len(place)
+    sizes = [np.bincount(A.row, abs(A.data) * weight, n) for weight in (straight, np.where(straight, np.linalg.norm(d, axis=1), 1))]
+    has = np.isin(np.arange(3), dof)
+    out = np.zeros((2, 3, n))
+    for k in range(3):
+        turned = np.cross(AXES[k], d)[np.arange(len(d)), np.where(straight, dof[A.col], 0)]
+        out[0, k] = np.bincount(A.row, A.data * (dof[A.col] == k), n) * has[k]
+        out[1, k] = np.bincount(A.row, A.data * np.where(straight, turned, dof[A.col] == 3 + k), n) * np.all(np.delete(has, k))
+    return [abs(values).max(axis=0) / np.where(size > 0, size, 1) for values, size in zip(out, sizes)]
+
+
+def order_check(model, K, place, options):
+    """K lets rigid-body motion go free of forces, but where it holds the structure to the ground?"""
+    pulled, turned = moved(model.x, K.tocoo(), place)
+    limit = options.tolerance
+    ground = np.unique(place[pulled > limit] // 6)
+    wrong = np.flatnonzero((turned > limit) & (pulled <= 1e-6) & (place % 6 < 3))
+    nodes = len(np.unique(place // 6))
+    if len(wrong) > 0:
+        at = wrong[turned[wrong].argmax()]
+        raise Refused('%s: these are not the places of the rows of %s: turned as a rigid body it strains, node %d the most (%.2g of its forces '
+                      'remain, of rounding 1e-16), %d of %d nodes. The nodes have to stand in the order of the rows, in the units of K and its axes'
+                      % (options.nodes, options.matrices[0], model.ids[place[at] // 6], turned[at], len(np.unique(place[wrong] // 6)), nodes))
+    if len(ground) > (0 if options.frame else nodes // 2) and not options.grounded:
+        at = pulled.argmax()
+        raise Refused('%s: moved as a rigid body it pulls at the ground, at %s the most (%.2g of its forces remain, of rounding 1e-16), at %d of %d nodes: '
+                      'rows in another order than %s says (x y z of a node follow each other), rows that were left out (export K before '
+                      'constraints), or springs to the ground, which --grounded allows'
+                      % (options.matrices[0], row_name(model, place[at]), pulled[at], len(ground), nodes, options.nodes))
+    if len(ground) > 0:
+        model.notes.append('K holds %d of %d nodes to the ground, node %d among them: this ground is the frame' % (len(ground), nodes, model.ids[ground[0]]))
+    off = max(turned[(pulled <= 1e-6) & (place % 6 < 3)].max(initial=0), pulled[pulled <= limit].max(initial=0))
+    if off > 1e-6:
+        model.notes.append('moved as a rigid body K strains a little, %.2g of the forces of a node: digits of the file, elements that do so, or soft springs' % off)
+
+
+def definite_check(model, A, place, name, what):
+    """Diagonals, and pairs of rows, of a matrix that is not negative."""
+    diagonal = A.diagonal()
+    if diagonal.min() < 0:
+        at = diagonal.argmin()
+        raise Refused('%s: %s has the negative %s %.6g (row %d)' % (name, row_name(model, place[at]), what, diagonal[at], at + 1))
+    coo, root = A.tocoo(), np.sqrt(diagonal)
+    over = abs(coo.data) - root[coo.row] * root[coo.col] * (1 + SMALL)
+    if over.max(initial=0) > 0:
+        at = over.argmax()
+        raise Refused('%s: indefinite: %s and %s couple by %.6g, more than the root of the product of their own, %.6g and %.6g (rows %d and %d)'
+                      % (name, row_name(model, place[coo.row[at]]), row_name(model, place[coo.col[at]]), coo.data[at],
+                         diagonal[coo.row[at]], diagonal[coo.col[at]], coo.row[at] + 1, coo.col[at] + 1))
+
+
+def coupled_check(model, K, M, place, options):
+    """Nodes that M couples are such that K couples, as those of one element are: else the rows of M may have another order."""
+    def pairs(A):
+        coo = A.tocoo()
+        a, b = place[coo.row] // 6, place[coo.col] // 6
+        return np.unique((a * len(model.ids) + b)[(a < b) & (coo.data != 0)])
+    of_mass = pairs(M)
+    alone = np.setdiff1d(of_mass, pairs(K))
+    if len(alone) > 0:
+        a, b = (model.ids[k] for k in divmod(int(alone[0]), len(model.ids)))
+        text = '%s couples nodes %d and %d, which %s does not, as %d of %d pairs' % (options.matrices[1], a, b, options.matrices[0], len(alone), len(of_mass))
+        if 10 * len(alone) > len(of_mass):
+            raise Refused(text + ': its rows have to be in the order of those of K')
+        model.notes.append(text)
+
+
+def factored(K):
+    """Solves with K, symmetric; and the row of its most negative pivot, relative to its diagonal, or None."""
+    lu = splu(sparse.csc_array(K), permc_spec='MMD_AT_PLUS_A', diag_pivot_thresh=0.0, options={'SymmetricMode': True})
+    if not np.array_equal(lu.perm_r, lu.perm_c):
+        return lu.solve, None
+    pivot = lu.U.diagonal()[lu.perm_c] / K.diagonal()
+    return lu.solve, int(pivot.argmin()) if pivot.min() < -1e-8 else None
+
+
+def most_negative(A):
+    """Where the shape of the most negative eigenvalue of a small matrix moves most, or None."""
+    size = np.sqrt(np.maximum(A.diagonal(), 1e-300))
+    value, shape = linalg.eigh(A.toarray() / np.outer(size, size), subset_by_index=[0, 0])
+    return int(abs(shape[:, 0]).argmax()) if value[0] < -1e-9 else None
+
+
+def solve(model, K, M, place, clamped, options):
     """Modes of K and M on the clamped interface, by shift and invert."""
-    names = ['node %d, degree of freedom %d' % (model.ids[p // 6], p % 6 + 1) for p in place]
+    n_mode = options.modes or min(6, K.shape[0])
     k_row, m_row = abs(K).max(axis=1).toarray().ravel(), abs(M).max(axis=1).toarray().ravel()
     for row in np.flatnonzero((k_row == 0) & (m_row > 0) & ~clamped[place // 6]):
-        raise Refused('%s has mass and no stiffness: hold it, or leave it out (column dofs)' % names[row])
+        raise Refused('%s has mass and no stiffness: hold it, or leave it out (column dofs)' % row_name(model, place[row]))
+    definite_check(model, K, place, options.matrices[0], 'stiffness')
+    definite_check(model, M, place, options.matrices[1], 'mass')
+    order_check(model, K, place, options)
+    coupled_check(model, K, M, place, options)
     keep = np.flatnonzero((k_row > 0) & ~clamped[place // 6])
     K, M, R = K[keep][:, keep], M[keep][:, keep], rigid(model.x)[place[keep]]
     n = len(keep)
@@ -288,25 +386,37 @@ def solve(model, K, M, place, clamped, n_mode):
     if n == 0 or n_mode > rank:
         raise Refused('--modes: %d wanted, there are %d degrees of freedom with mass' % (n_mode, rank))
     held_check(K, R)
+    small = n <= 300 or n_mode > n // 3
+    for A, name, what in ((K, options.matrices[0], 'once the interface is clamped'), (M, options.matrices[1], 'as no mass is')):
+        try:
+            heavy = np.flatnonzero(A.diagonal() > 0)
+            bad = most_negative(A[heavy][:, heavy]) if n <= 300 else factored(A[heavy][:, heavy])[1]
+        except (RuntimeError, linalg.LinAlgError):  # singular, of which more below
+            bad = None
+        if bad is not None:
+            raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, row_name(model, place[keep[heavy[bad]]])))
     try:
-        if n <= 300 or n_mode > n // 3:
+        solver = factored(K)[0]
+        if small:
             phi = linalg.eigh(M.toarray(), K.toarray(), subset_by_index=[n - n_mode, n - 1])[1]  # M may be singular
         else:
-            phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, v0=np.cos(np.arange(n)), tol=0)[1]
+            phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, OPinv=LinearOperator(K.shape, solver, dtype=float),
+                        v0=np.cos(np.arange(n)), tol=0)[1]
         phi /= np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
         value, turn = linalg.eigh(phi.T @ (K @ phi), phi.T @ (M @ phi))  # orthogonal to rounding
     except (linalg.LinAlgError, ArpackError, RuntimeError, ValueError) as error:
-        raise Refused('K and M have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % error)
+        raise Refused('%s, %s have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % (*options.matrices, told(error)))
     phi = phi @ turn
     phi *= np.sign(phi[abs(phi).argmax(axis=0), np.arange(n_mode)])
     share = value / np.einsum('ik,ik->k', abs(phi), abs(K) @ abs(phi))
     off = np.max(abs(K @ phi - M @ phi * value), axis=0) / np.max(abs(K) @ abs(phi), axis=0)
     if share[0] < 1e-14 or np.max(off) > 1e-7:
         at = abs(phi[:, 0]).argmax()
-        raise Refused('K is singular: a mechanism moves %s the most' % names[keep[at]])
+        raise Refused('K is singular: a mechanism moves %s the most' % row_name(model, place[keep[at]]))
     model.hz = np.sqrt(value) / (2 * np.pi)
     model.phi = np.zeros((6 * len(model.ids), n_mode))
     model.phi[place[keep]] = phi
+    model.static = solver, place[keep], value, phi
 
 
 def from_matrices(options):
@@ -319,7 +429,7 @@ def from_matrices(options):
     clamped = np.zeros(len(model.ids), dtype=bool)
     for node in options.frame:
         clamped[model.find(node, '--frame')] = True
-    solve(model, K, M, place, clamped, options.modes or min(6, K.shape[0]))
+    solve(model, K, M, place, clamped, options)
     return model, M_basic, basic, most
 
 
@@ -488,14 +598,22 @@ def from_nastran(options):
     else:
         M = matrix(options.mass, most) if options.mass else None
     basic = basic_by(place, axes)
-    if M is None:
-        try:
-            M = masses_of(bdf, model)
-        except Refused as error:
+    try:
+        own = masses_of(bdf, model)
+    except Refused as error:
+        own = None
+        if M is None:
             name, number = str(error).split()[:2]
             raise Refused('%s: %s' % (card_at(path, name, number.rstrip(':')), error))
+    if M is None:
+        M = own
     else:
         M = basic(M, options.mass or 'MGG')
+        if own is not None:
+            have, want = straight(M).sum(), straight(own).sum()
+            if abs(have - want) > options.tolerance * want > 0:
+                model.notes.append('%s: its mass is %.6g, that of the elements of %s %.6g (units of the model)' % (options.mass or 'MGG of ' + modes, have, path, want))
+    model.notes += materials_doubt(bdf, path, options.scale)
     heavy = np.array(abs(M).max(axis=1).toarray()).reshape(-1, 6).max(axis=1) > 0
     for at in np.flatnonzero(heavy & ~seen):
         raise Refused('%s: no displacement of grid %d, which has mass: DISP(PLOT) = ALL in the case control' % (modes, ids[at]))
@@ -763,6 +881,43 @@ def still_check(model, frame, left_out):
                 raise Refused('%s moves node %d of the frame: hold it there (SPC)' % (where, node))
 
 
+def mass_check(model, want, size, name):
+    """R^T M R is the mass matrix of a rigid body?"""
+    mass, moment = want[0, 0], want[:3, 3:6]
+    if not mass > 0 or abs(want[:3, :3] - mass * AXES).max() > 1e-6 * mass:
+        raise Refused('%s: the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
+                      % (name, *np.diag(want)[:3]))
+    if abs(moment + moment.T).max() > 1e-6 * mass * size:
+        raise Refused('%s: R^T M R, of rigid-body motions R, has first moments that no body has (%.3g of mass and extent): rows of M in another order, '
+                      'or rotations in other units' % (name, abs(moment + moment.T).max() / (mass * size)))
+    center = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass  # of -mass center x
+    J = np.linalg.eigvalsh(want[3:6, 3:6] + mass * skew(center) @ skew(center))
+    if J[0] < -1e-9 * max(J[2], mass * size**2):
+        raise Refused('%s: the inertia about the mass center is negative, %.6g kg m^2: rows of M in another order, or masses that are' % (name, J[0]))
+    if J[2] > (J[0] + J[1]) * (1 + 1e-6) + 1e-12 * mass * size**2:
+        model.notes.append('the inertia about the mass center, %.6g %.6g %.6g kg m^2, is no body\'s: each is at most the sum of the others' % tuple(J))
+
+
+def units_doubt(model, mass, size):
+    """Figures that no structure has in SI."""
+    dense = mass / size**3 if size > 0 else 1.0
+    speed = model.hz[0] * size
+    if not 1e-7 < dense < 3e4 or speed > 2e4:
+        model.notes.append('units? mass %.3g kg, extent %.3g m, first mode %.3g Hz: %.2g kg/m^3 of a cube of this extent, %.2g m/s of frequency times '
+                           'extent (--scale 0.001,1000 is of mm and t, 0.001,1 of mm and kg)' % (mass, size, model.hz[0], dense, speed))
+
+
+def materials_doubt(bdf, path, scale):
+    """MAT1 cards that no material has in SI: density, and the speed of waves sqrt(E/rho)."""
+    weight = bdf.params['WTMASS'].values[0] if 'WTMASS' in bdf.params else 1.0
+    for mid, card in sorted(bdf.materials.items()):
+        if card.type == 'MAT1' and (card.rho or 0) > 0 and (card.e or 0) > 0:
+            rho, speed = card.rho * weight * scale[1] / scale[0]**3, np.sqrt(card.e / (card.rho * weight)) * scale[0]
+            if not 1 < rho < 3e4 or not 50 < speed < 2e4:
+                yield ('%s: units? MAT1 %d has %.3g kg/m^3, sqrt(E/rho) %.3g m/s (--scale 0.001,1000 is of mm and t; PARAM,WTMASS of weights)'
+                       % (card_at(path, 'MAT1', mid), mid, rho, speed))
+
+
 def mean_axes(model, want, words):
     """Modes of a free structure have no momentum; their frame follows its mean motion."""
     off = abs(want[:6, 6:]) / np.sqrt(np.maximum(np.diag(want)[:6], 1e-300))[:, None]
@@ -888,15 +1043,15 @@ def convert(options):
     still_check(model, options.frame, left_out)
     S = np.hstack([rigid(model.x), model.phi])
     want = S.T @ (M @ S)
-    if not want[0, 0] > 0 or abs(want[:3, :3] - want[0, 0] * AXES).max() > 1e-6 * want[0, 0]:
-        raise Refused('the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
-                      % tuple(np.diag(want)[:3]))
+    size = np.ptp(model.x, axis=0).max()
+    mass_check(model, want, size, options.matrices[1] if options.matrices else options.mass or options.files[0])
+    units_doubt(model, want[0, 0], size)
     modal_check(model, want[6:, 6:] / options.scale[1] / options.scale[0]**2, options.tolerance)  # in the units of the run
     unit = np.concatenate([np.ones(6), 1 / np.sqrt(np.diag(want)[6:])])  # shapes of modal mass 1
     model.phi, want = model.phi * unit[6:], want * np.outer(unit, unit)
     mean_axes(model, want, options.word)
     masses, how = masses_for(options, model, M, want)
-    off = differences(integrals(masses, keep), want, np.ptp(model.x, axis=0).max())
+    off = differences(integrals(masses, keep), want, size)
     worst = max(off, key=off.get)
     if off[worst] > (1e-6 if how == 'condensed' else options.tolerance):
         raise Refused('masses %s: the %s would be off by %.2g: a finer mesh%s, or --tolerance %.2g'
@@ -932,6 +1087,7 @@ def options_of(arguments):
     add('--subcase', type=int, metavar='N', help='of the .op2, where it has several')
     add('--scale', default='1,1', metavar='LENGTH,MASS', help='units of the model in m and kg: 0.001,1000 of mm and t (1,1)')
     add('--condense', action='store_true', help='a few points in place of all masses, with the same integrals')
+    add('--grounded', action='store_true', help='K holds nodes to the ground on purpose, beside those of --frame')
     add('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
     add('--word', action='append', default=[], type=str.strip, metavar='LINE', help="a line of the description: 'damping 0.005'")
     options = parser.parse_args(arguments)

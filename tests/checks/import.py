@@ -306,6 +306,7 @@ meet('beam, closed form', have['mass'], rho * A * L, 1e-12)
 meet('beam, closed form', np.sort(linalg.eigvalsh(have['J'].reshape(3, 3))), [rho * (Iy + Iz) * L, rho * A * L**3 / 3, rho * A * L**3 / 3], 1e-12)
 meet('beam, closed form', w[0], 1.875104068711961**2 * np.sqrt(E * Iy / (rho * A)) / L**2, 1e-6)
 
+consistent_boom = M
 x, K, M = boom(q)  # on a hinge with a spring, whose two nodes are in one place, it turns as a rigid body
 spring = np.diag([1e8, 1e8, 1e8, 1e5, 1e5, 0.5])
 K, M = linalg.block_diag(0 * spring, K), linalg.block_diag(0 * spring, M)
@@ -574,10 +575,10 @@ for text, why in (('id,x,y,z\n', r'bad.csv:1: its first line has to name the col
 loose = K.copy()
 loose[35], loose[:, 35] = 0, 0
 refuse('node 12, degree of freedom 3 has mass and no stiffness', '--matrices', save('loose.mtx', loose), pair[2], *table, '--frame', '1-4')
-refuse('K is to be positive definite', '--matrices', save('weak.mtx', -K), pair[2], *table, '--frame', '1-4')
+refuse(r'weak.mtx: node \d+, degree of freedom \d has the negative stiffness -', '--matrices', save('weak.mtx', -K), pair[2], *table, '--frame', '1-4')
 square = [k for k, (a, b) in enumerate(bars) if b == a + 4 or b // 4 == a // 4 or a < 4]
-hinged, _ = truss(x, [bars[k] for k in square], EA[square], rhoA[square])
-refuse('K is singular: a mechanism moves node|K is to be positive definite', '--matrices', save('hinged.mtx', hinged), pair[2], *table, '--frame', '1-4')
+hinged, heavy = truss(x, [bars[k] for k in square], EA[square], rhoA[square])
+refuse('K is singular: a mechanism moves node|K is to be positive definite', '--matrices', save('hinged.mtx', hinged), save('heavy.mtx', heavy), *table, '--frame', '1-4')
 far, bars, EA, rhoA = mast(60, 0.5, 0.6, 0.4, 2e-4, 1e-4)
 hinged, heavy = truss(far, *zip(*[bar for bar in zip(bars, EA, rhoA) if not (116 <= bar[0][0] < 120 <= bar[0][1] and bar[0][1] - bar[0][0] != 4)]))
 refuse('K is singular: a mechanism moves node', '--matrices', save('hinged.mtx', hinged), save('heavy.mtx', heavy), '--nodes', csv('far.csv', far, ''), '--frame', '1-4')
@@ -585,10 +586,69 @@ one_way = M.copy()
 one_way[33, 33] += 1
 refuse('the mass is .* along x, y and z', pair[0], pair[1], save('one_way.mtx', one_way), *table, '--frame', '1-4')
 
+# tables and matrices that do not belong together: K R is zero of rigid-body motions R
+def order_refused(why, K, M, x, *options):
+    refuse(why, '--matrices', save('order_K.mtx', K), save('order_M.mtx', M), '--nodes', csv('order.csv', x, ''), '--modes', 6, *options)
+
+
+def order_read(why, K, M, x, *options):
+    text = run('--matrices', save('order_K.mtx', K), save('order_M.mtx', M), '--nodes', csv('order.csv', x, ''), '--modes', 6, *options)
+    if not re.search(why, text):
+        sys.exit('%s: not told: %s' % (why, text))
+
+
+x, bars, EA, rhoA = mast(2, 0.5, 0.6, 0.4, 2e-4, 1e-4)
+wrong = 'order.csv: these are not the places of the rows of .*order_K.mtx: turned as a rigid body it strains, node (%s) the most'
+ground = 'order_K.mtx: moved as a rigid body it pulls at the ground, at node %s .*at %s of 12 nodes: .*--grounded'
+swapped = x.copy()
+swapped[[6, 10]] = x[[10, 6]]
+order_refused(wrong % r'\d+' + '.* 12 of 12 nodes', K, M, x[::-1], '--frame', '9-12')
+order_refused(wrong % '6|7|8|10|11|12', K, M, swapped, '--frame', '1-4')
+order_refused(wrong % r'\d+', K, M, x * [1, -1, 1] + [0, 0.1, 0], '--frame', '1-4')  # other axes
+blocks = np.arange(36).reshape(12, 3).T.ravel()  # all of x first
+order_refused(ground % (r'\d+, degree of freedom \d', r'\d+'), K[np.ix_(blocks, blocks)], M[np.ix_(blocks, blocks)], x, '--frame', '1-4')
+scale = np.diag(1 + 0.5 * np.sin(np.arange(36)))  # each row in another unit
+order_refused(ground % (r'\d+, degree of freedom \d', '12'), scale @ K @ scale, scale @ M @ scale, x, '--frame', '1-4')
+spring = K.copy()
+spring[3 * 8, 3 * 8] += 1e7
+order_refused(ground % ('9, degree of freedom 1', '1'), spring, M, x, '--frame', '1-4')
+order_read('K holds 1 of 12 nodes to the ground, node 9', spring, M, x, '--frame', '1-4', '--grounded')
+order_read('K holds 4 of 8 nodes to the ground, node 1', K[12:, 12:], M[12:, 12:], x[4:])
+text = run('--matrices', save('order_K.mtx', np.vectorize(lambda a: float('%.5e' % a))(K)), pair[2], *table, '--frame', '1-4', '--modes', 6)
+if not re.search('moved as a rigid body K strains a little, [1-9.]+e-06 of the forces', text):
+    sys.exit('six digits: %s' % text)
+other = np.roll(np.arange(36), 12)
+order_refused('order_M.mtx couples nodes .* which .*order_K.mtx does not, as .*in the order of those of K', K, M[np.ix_(other, other)][::-1, ::-1], x, '--frame', '1-4')
+bad = M.copy()
+bad[20, 23] = bad[23, 20] = 2 * np.sqrt(M[20, 20] * M[23, 23])
+order_refused('order_M.mtx: indefinite: node 7, degree of freedom 3 and node 8, degree of freedom 3 couple by', K, bad, x, '--frame', '1-4')
+for a, b in (17, 20), (20, 23), (17, 23):
+    bad[a, b] = bad[b, a] = -0.8 * np.sqrt(M[a, a] * M[b, b])
+order_refused('order_M.mtx: indefinite as no mass is, by a shape that moves node [678], degree of freedom 3', K, bad, x, '--frame', '1-4')
+def weakened(K, M):
+    """K whose first mode has negative energy."""
+    w, phi = modes(K, M, range(12), 1)
+    load = K @ phi / w**2
+    return K - 1.2 * w**2 * load @ load.T
+
+
+order_refused('order_K.mtx: indefinite once the interface is clamped, by a shape that moves node (9|10|11|12)', weakened(K, M), M, x, '--frame', '1-4')
+shift = M.copy()
+for a, b, m in (0, 13, 0.1), (1, 12, -0.1):  # of nodes 1 and 5 along x and y
+    shift[a, b] = shift[b, a] = m
+order_refused('order_M.mtx: R^T M R, .* has first moments that no body has'.replace('^', '.'), K, shift, x, '--frame', '1-4')
+order_read('units[?] mass 0.0059 kg, extent 1e[+]03 m, .*--scale 0.001,1000', K, M / 1000, 1000 * x, '--frame', '1-4')
+rod, rods, EA_, rhoA_ = mast(40, 0.5, 0.6, 0.4, 2e-4, 1e-4)  # more than 300 rows: by the pivots of a sparse factor
+Kl, Ml = truss(rod, rods, EA_, rhoA_)
+order_read('frequency_hz', Kl, Ml, rod, '--frame', '1-4')
+order_refused('order_K.mtx: indefinite once the interface is clamped, by a shape that moves node', weakened(Kl, Ml), Ml, rod, '--frame', '1-4')
+straight = beam(of_boom[0], q, same(E * A / l * two), same(bending(l, E * Iz)), same(bending(l, E * Iy)), same(G * Jt / l * two))
+order_refused(wrong % r'\d+', straight, consistent_boom, 1000 * of_boom[0], '--frame', 1)  # places in mm, K in m
+
 # 24 modes and 4096 nodes; many nodes are condensed
 many = 4100
 r = np.array([[0.01 * k, 0.02 * k, 1e-6 * k * k] for k in range(many)])
-grounded = ['--matrices', folder + 'many_K.npz', folder + 'many_M.npz', '--nodes', csv('many.csv', r, '123')]
+grounded = ['--grounded', '--matrices', folder + 'many_K.npz', folder + 'many_M.npz', '--nodes', csv('many.csv', r, '123')]
 spring = 100.0 + np.arange(3 * many)
 sparse.save_npz(folder + 'many_K.npz', sparse.csr_matrix(sparse.diags(spring)))
 sparse.save_npz(folder + 'many_M.npz', sparse.csr_matrix(sparse.eye(3 * many)))
@@ -646,10 +706,16 @@ for code, kind in ((8, 'of buckling'), (9, 'complex')):
     tool.opened = of_kind
     refuse('boom.op2: 0 tables of real normal modes .OUG., it has those of subcase 1: %s' % kind, *files, *base)
     tool.opened = real
+text = run(files[0], folder + 'full.op2', *base, '--mass', folder + 'MGG.op4')
+if not re.search('# .*MGG.op4: its mass is 0.0081, that of the elements of .*boom.bdf 0.0089', text):
+    sys.exit('another mass: %s' % text)
+text = run(*files, *base[2:])
+if not re.search(r'boom.bdf:\d+: units[?] MAT1 1 has 2.7e-09 kg/m.3, sqrt.E/rho. 5.09e[+]06 m/s', text) or ': units?' in run(*files, *base):
+    sys.exit('units: %s' % text)
 nastran('bad', K, M, 8, moves=np.nan)
 refuse('bad.op2: the displacement of grid 1 is not finite', files[0], folder + 'bad.op2', *base)
 nastran('weak', K, M, 8, value=-1)
-refuse('mode 1 .0 Hz. has no stiffness: a mechanism, or a part that hangs on nothing, moves node 25 the most', files[0], folder + 'weak.op2', *base)
+refuse(r'mode 1 .0 Hz. has no stiffness: a mechanism, or a part that hangs on nothing, moves node 25 the most', files[0], folder + 'weak.op2', *base)
 with open(files[0]) as file:
     cards = file.read()
 for old, new, why in (('GRID', 'XGRD', r'bad.bdf:\d+: cannot be read: .*CBAR'),
