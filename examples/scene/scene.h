@@ -37,6 +37,9 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
   body->kind = model.kind;
   body->level = model.level;
   memcpy(body->warning, model.warning, sizeof body->warning);
+  if (!body->warning[0]) {
+    (void)model_lacks_stiffening(body->warning, NULL);
+  }
   body->n_node = model_shape.n_node;
   body->n_gauge = gauges->n;
   memcpy(body->node_name, model.node_name, sizeof body->node_name);

@@ -425,6 +425,7 @@ int analyse_main(int argc, char **argv)
 {
   static options o = {"examples/satellite.txt", "analyse", NULL, NULL, NULL, {0, 0, 0}, 0, 20, 8, 1e-3, 60};
   const char *what;
+  char lacks[160];
   double axis[3] = {0, 0, 1}, spin;
   const int named = argc > 1 && argv[1][0] != '-';
   int bad;
@@ -455,6 +456,9 @@ int analyse_main(int argc, char **argv)
   spin = sqrt(o.spin[0] * o.spin[0] + o.spin[1] * o.spin[1] + o.spin[2] * o.spin[2]);
   for (int i = 0; i < 3 && spin > 0; i++) {
     axis[i] = o.spin[i] / spin;
+  }
+  if ((spin > 0 || o.to > 0 || o.to < 0) && model_lacks_stiffening(lacks, axis)) {
+    fprintf(stderr, PROGRAM ": %s: warning: %s\n", o.file, lacks);
   }
   printf("%s: %s, %d modes, mass %.6g kg, spin %.6g rad/s about (%.4g, %.4g, %.4g)\n", o.file, model.name, model_body.n,
          (double)model_body.mass, spin, axis[0], axis[1], axis[2]);

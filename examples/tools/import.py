@@ -967,6 +967,57 @@ def extremes(model):
     return {model.ids[k] for k in (np.linalg.norm(model.x, axis=1).argmax(), *reach)}
 
 
+LOADS = ['acceleration %s' % a for a in 'xyz'] + ['angular acceleration %s' % a for a in 'xyz'] + ['spin %s' % a for a in ('xx', 'yy', 'zz', 'xy', 'xz', 'yz')]
+
+
+def inertia_loads(model, M):
+    """Forces on the nodes by unit accelerations, angular ones and products of spins of the frame: 12 x nodes x 3."""
+    R = rigid(model.x)
+    fields = [R[:, k] for k in range(6)]
+    for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+        by = np.cross(AXES[i], np.cross(AXES[j], model.x))
+        by = by if i == j else by + np.cross(AXES[j], np.cross(AXES[i], model.x))
+        fields.append(np.hstack([by, 0 * by]).ravel())
+    return np.array([-(M @ field).reshape(-1, 6)[:, :3] for field in fields])
+
+
+def along(model, A):
+    """Per node the projector on the directions to the nodes that a matrix couples it with: along a beam, in a plate, all in a solid."""
+    coo = A.tocoo()
+    a, b = coo.row // 6, coo.col // 6
+    d = model.x[b] - model.x[a]
+    length = np.linalg.norm(d, axis=1)
+    a, d = a[length > 0], d[length > 0] / length[length > 0][:, None]
+    S = np.zeros((len(model.ids), 3, 3))
+    np.add.at(S, a, d[:, :, None] * d[:, None, :])
+    value, axes = np.linalg.eigh(S)
+    axes = axes * (value > 1e-6 * value[:, 2:])[:, None, :] * (value[:, 2] > 0)[:, None, None]
+    return axes @ axes.transpose(0, 2, 1)
+
+
+def geometric_check(options, model, M):
+    """K_G of a load f in equilibrium, turned as a rigid body, gives theta x f. That of a load that stretches the structure cannot be zero."""
+    absent = [k for k, name in enumerate(options.geometric) if name == 'none']
+    f, projector = inertia_loads(model, M), along(model, abs(sum(abs(A) for A in model.K_G)) + abs(M))
+    moves = abs(model.phi.reshape(len(model.ids), 6, -1)[:, :3]).max(axis=(1, 2)) > 0
+    turned = rigid(model.x)[:, 3:]
+    for k, load in enumerate(LOADS):
+        pull = np.einsum('nij,nj->ni', projector, f[k])[moves]
+        size = np.linalg.norm(f[k][moves])
+        if k in absent or size <= 1e-9 * abs(M.diagonal()).max() or np.linalg.norm(pull) <= 0.01 * size:
+            continue
+        want = np.array([np.cross(AXES[j], f[k]) for j in range(3)])[:, moves]
+        have = (model.K_G[k] @ turned).T.reshape(3, -1, 6)[:, moves, :3]
+        share = np.sum(have * want) / np.sum(want * want)
+        zero = abs(have).max() <= SMALL * abs(want).max()
+        if zero or np.linalg.norm(pull) > 0.9 * size and not 0.5 < share < 1.5:
+            raise Refused('--geometric, %s (%s): turned as a rigid body it gives %.3g of what its inertia load does, 1 is right: %s'
+                          % (load, options.geometric[k], share, 'that load stretches the structure, so it is not zero; where it was not computed say none '
+                             'in place of the file' if zero else 'another sign, load, origin or unit'))
+    if absent:
+        model.notes.append('no second-order data for %s: under it the structure does not stiffen' % ', '.join(LOADS[k] for k in absent))
+
+
 def geometric_words(model):
     by = np.array([model.phi.T @ (A @ model.phi) for A in model.K_G])
     return ['geometric %d %d %s' % (a + 1, b + 1, numbers(by[:, a, b])) for a in range(len(model.hz)) for b in range(a + 1)]
@@ -986,7 +1037,10 @@ def written(options, model, masses, lines, extra, marks, figures):
     text = ['# From %s by import.py: %s' % (', '.join(os.path.basename(name) for name in options.files or options.matrices), figures),
             *('# ' + note for note in model.notes), 'component', 'modes %d' % len(model.hz), 'frequency_hz ' + numbers(model.hz, model.digits)] + options.word
     more = [word for word in ('damping', 'gravity') if word in words]
-    text += [' '.join(['effects', 'full' if lines or model.K_G else 'spin'] + more)] if 'effects' not in words else []
+    level = 'full' if lines or model.K_G else 'spin'
+    if set((options.geometric or [])[:6]) == {'none'}:
+        level = 'spin_coupling residual_inertia spin_stiffening'
+    text += [' '.join(['effects', level] + more)] if 'effects' not in words else []
     for at in masses:
         J = numbers([at.J[0, 0], at.J[1, 1], at.J[2, 2], at.J[0, 1], at.J[0, 2], at.J[1, 2]])
         text.append('node %d %s %s%s' % (at.node, numbers(at.x), numbers([at.mass]), ' ' + J if np.any(at.J) else ''))
@@ -1036,11 +1090,16 @@ def convert(options):
         raise Refused('%d modes, a description holds %d: --modes %d takes the lowest' % (keep, MODES, MODES))
     model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]
     model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
-    model.K_G = [basic(matrix(name, most), name) for name in options.geometric or []]
+    model.K_G = [basic(matrix(name, most), name) if name != 'none' else 0 * M for name in options.geometric or []]
     M = scaled(model, M, *options.scale)
     origin = options.origin.split(',')
     model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
     still_check(model, options.frame, left_out)
+    if model.K_G:
+        geometric_check(options, model, M)
+    elif not options.line:
+        model.notes.append('no second-order data (--line, --geometric): spinning or accelerated it does not stiffen, its frequencies at speed are too '
+                           'low, and it may seem unstable')
     S = np.hstack([rigid(model.x), model.phi])
     want = S.T @ (M @ S)
     size = np.ptp(model.x, axis=0).max()
@@ -1082,7 +1141,7 @@ def options_of(arguments):
     add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
     add('--line', action='append', default=[], metavar='NODES',
         help='follow each other along a line, which gives the stiffening: 1-33/4; straight:NODES from displacements alone')
-    add('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz')
+    add('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz; none: not computed')
     add('--mass', metavar='FILE', help='mass matrix of all grids (MGG) beside a .bdf (that of the .op2, or lumped elements)')
     add('--subcase', type=int, metavar='N', help='of the .op2, where it has several')
     add('--scale', default='1,1', metavar='LENGTH,MASS', help='units of the model in m and kg: 0.001,1000 of mm and t (1,1)')
@@ -1103,6 +1162,8 @@ def options_of(arguments):
         parser.error('--scale wants two numbers above 0, --origin three numbers or a node')
     if options.line and (options.condense or options.geometric):
         parser.error('--line goes neither with --condense, as masses on lines stay where they are, nor with --geometric')
+    if options.geometric and set(options.geometric) == {'none'}:
+        parser.error('--geometric has no matrix')
     read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
     if os.path.exists(options.out) and any(os.path.exists(name) and os.path.samefile(options.out, name) for name in read):
         parser.error('--out: that is what is read')

@@ -1331,6 +1331,41 @@ static void model_lines(text_file *t)
   }
 }
 
+/* Has a component second-order data for this spin (NULL: for any)? A pair stiffens by -w^T Gamma^chi w (E8.51). */
+static inline int model_part_stiffens(const model_part *part, const double w[3])
+{
+  double most = 0, here = 0;
+  for (int k = part->pair; k < part->pair + part->n_pair; k++) {
+    const double *const G = model.pair[k].gamma;
+    double by = 0;
+    for (int i = 0; i < 9; i++) {
+      by += w ? w[i / 3] * w[i % 3] * G[i] : 0;
+      most = fmax(most, fabs(G[i]));
+    }
+    here = fmax(here, fabs(by));
+  }
+  return part->second == MODEL_LINE || (part->second != 0 && (!w || here > 1e-9 * most));
+}
+
+/* Tells of the first component that a spin (NULL: any) bends and does not stiffen, as its description has no data for that;
+   0: there is none. Effects that leave stiffening out where the data are there are a choice, of which nothing is told. */
+static inline int model_lacks_stiffening(char text[160], const double spin[3])
+{
+  const double size = spin ? sqrt(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]) : 1;
+  const double w[3] = {spin ? spin[0] / size : 0, spin ? spin[1] / size : 0, spin ? spin[2] / size : 0};
+  for (int k = 0; k < model.n_part && (model.level.effects & FB_EFFECT_SPIN_COUPLING); k++) {
+    const model_part *const part = &model.part[k];
+    if (part->kind == MODEL_COMPONENT && !model_part_stiffens(part, spin ? w : NULL)) {
+      snprintf(text, 160,
+               "%s has no second-order data%s: spinning it softens and never stiffens, its frequencies are too low, it "
+               "may seem unstable",
+               part->name[0] ? part->name : "the component", part->second ? " for this axis" : "");
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* Reads a description; 0 when something is wrong, which has then been said. */
 static inline int model_read(const char *program, const char *file)
 {

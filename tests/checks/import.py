@@ -586,6 +586,64 @@ one_way = M.copy()
 one_way[33, 33] += 1
 refuse('the mass is .* along x, y and z', pair[0], pair[1], save('one_way.mtx', one_way), *table, '--frame', '1-4')
 
+# second-order data: K_G of a truss by its rods' forces; what is not there is told by import, analyse and scene
+x, bars, EA, rhoA = mast(2, 0.5, 0.6, 0.4, 2e-4, 1e-4)
+
+
+def prestressed(K, M):
+    """K_G under unit accelerations, angular ones and products of spins of the frame, of the mast held at nodes 1 to 4."""
+    R, out = rigid(x, 3), []
+    e = np.eye(3)
+    spin = lambda i, j: np.concatenate([np.cross(e[i], np.cross(e[j], r)) for r in x])
+    for field in [R[:, k] for k in range(6)] + [spin(i, i) for i in range(3)] + [spin(i, j) + spin(j, i) for i, j in ((0, 1), (0, 2), (1, 2))]:
+        u = np.zeros(36)
+        u[12:] = linalg.solve(K[12:, 12:], -(M @ field)[12:])
+        K_G = np.zeros((36, 36))
+        for (a, b), ea in zip(bars, EA):
+            L = np.linalg.norm(x[b] - x[a])
+            along = (x[b] - x[a]) / L
+            N = ea / L * along @ (u[3 * b:3 * b + 3] - u[3 * a:3 * a + 3])
+            put(K_G, [*range(3 * a, 3 * a + 3), *range(3 * b, 3 * b + 3)], np.kron([[1, -1], [-1, 1]], N / L * (np.eye(3) - np.outer(along, along))))
+        out.append(K_G)
+    return out
+
+
+def effects_of(text):
+    return re.search('^effects (.*)', text, re.M)[1]
+
+
+def warned(*command):
+    done = subprocess.run(['build/flexbeam', *command], capture_output=True, text=True)
+    return done.stderr
+
+
+twelve = [save('turn_%d.mtx' % k, A_) for k, A_ in enumerate(prestressed(K, M))]
+text = run(*good, '--modes', 6, '--geometric', *twelve)
+if effects_of(text) != 'full' or 'second-order' in text or 'warning' in warned('analyse', folder + 'out.txt', '--spin', '5'):
+    sys.exit('all twelve: %s' % text)
+zero = save('zero.mtx', 0 * K)
+refuse(r'--geometric, spin xx .*zero.mtx.: turned as a rigid body it gives 0 of what .*say none', *good, '--modes', 6, '--geometric', *twelve[:6], zero, zero, *twelve[8:])
+for k, wrong_by in ((2, -1), (8, (30 / np.pi)**2)):
+    refuse('--geometric, %s .*another sign, load, origin or unit' % ('acceleration z', 'spin zz')[k > 2], *good, '--modes', 6,
+           '--geometric', *twelve[:k], save('wrong.mtx', wrong_by * scipy.io.mmread(twelve[k])), *twelve[k + 1:])
+text = run(*good, '--modes', 6, '--word', 'base prescribed', '--geometric', *twelve[:6], 'none', 'none', twelve[8], 'none', 'none', 'none')
+if effects_of(text) != 'full' or '# no second-order data for spin xx, spin yy, spin xy, spin xz, spin yz:' not in text:
+    sys.exit('none: %s' % text)
+for spin, told in (('5,0,0', True), ('0,0,5', False), ('0', False)):
+    if ('the component has no second-order data for this axis' in warned('analyse', folder + 'out.txt', '--spin', spin)) != told:
+        sys.exit('analyse, spin %s: %s' % (spin, warned('analyse', folder + 'out.txt', '--spin', spin)))
+text = run(*good, '--modes', 6, '--word', 'damping 0.01', '--geometric', *['none'] * 6, *twelve[6:])
+if effects_of(text) != 'spin_coupling residual_inertia spin_stiffening damping':
+    sys.exit('no accelerations: %s' % text)
+refuse('--geometric has no matrix', *good, '--geometric', *['none'] * 12)
+text = run(*good, '--modes', 6, '--word', 'base prescribed')
+lacks = 'the component has no second-order data: spinning it softens and never stiffens'
+with open(folder + 'scene.txt', 'w') as file:
+    file.write('title turns\nduration 0.01\ninterval 0.01\nbody mast file out.txt\n  base free\nend\noutput rate spin mast y\n')
+if '# no second-order data (--line, --geometric): spinning' not in text or lacks not in warned('analyse', folder + 'out.txt', '--to', '5', '--steps', '1', '--out', folder + 'analyse') or \
+        'body mast: ' + lacks not in warned('scene', folder + 'scene.txt', '--out', folder + 'scene.csv'):
+    sys.exit('no second-order data: %s %s' % (text, warned('scene', folder + 'scene.txt', '--out', folder + 'scene.csv')))
+
 # tables and matrices that do not belong together: K R is zero of rigid-body motions R
 def order_refused(why, K, M, x, *options):
     refuse(why, '--matrices', save('order_K.mtx', K), save('order_M.mtx', M), '--nodes', csv('order.csv', x, ''), '--modes', 6, *options)
