@@ -149,14 +149,15 @@ static inline void turn_anyhow(fb_real quat[4], double size)
   turn(quat, phi[0], phi[1], phi[2]);
 }
 
-/* All bodies are free where the tree has them at the start, its joints close loops; existing loops keep their numbers. */
-static inline void joints_to_loops(void)
+/* Bodies from number `from` on are free where the tree has them at the start, their joints close loops; existing loops
+   keep their numbers. */
+static inline void joints_to_loops(int from)
 {
   static fb_system_state there;
   static fb_system_motion at;
   FBT_INT_EQ(fb_system_state_init(&mechanism, model, &there, &work, start, &input), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at, &there, &input), FB_OK);
-  for (int k = 0; k < desc.n_body; k++) {
+  for (int k = from; k < desc.n_body; k++) {
     if (desc.joint[k].kind != FB_JOINT_FREE) {
       fb_joint_desc *const loop = &desc.loop[desc.n_loop];
       FBT_TRUE(desc.n_loop < FB_MAX_LOOPS);
@@ -180,7 +181,7 @@ static inline void init(int form)
 {
   for (int pass = 0; pass < (form == AS_LOOPS ? 2 : 1); pass++) {
     if (pass) {
-      joints_to_loops();
+      joints_to_loops(0);
     }
     desc.method = form == FB_METHOD_DENSE ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
     FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, fbt_models(&desc)), FB_OK);

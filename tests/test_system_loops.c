@@ -605,10 +605,61 @@ TEST(free_bodies_without_mass_are_refused_in_every_attitude)
   }
 }
 
-SUITE(system_loops, RUN(free_bodies_without_mass_are_refused_in_every_attitude),
-      RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(a_prescribed_loop_closes_where_it_is_told),
-      RUN(a_locked_loop_closes_where_the_free_one_does), RUN(loops_are_closed_the_right_way_round),
-      RUN(what_a_loop_misses_is_relative), RUN(contradictions_name_their_joint), RUN(masses_do_not_make_rows_dependent),
+/* E9.4: a free rod has no inertia about its line. */
+TEST(free_rods_are_refused)
+{
+  for (int line = 0; line < 4; line++) { /* 3: a rod with some thickness */
+    for (int method = 0; method < FB_METHOD_COUNT; method++) {
+      fresh();
+      rigid(&model[0], 2.0, 0.1, 0.2, -0.1, line == 0 ? 0.0 : 1.0, line == 1 ? 0.0 : 1.0, line == 2 ? 0.0 : 1.0);
+      hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+      desc.method = (fb_method)method;
+      FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, 1), line < 3 ? FB_ERR_SINGULAR : FB_OK);
+    }
+  }
+}
+
+/* E9.7 to E9.10, E9.19: a free body that a loop ties to a link of the ground, away from the origin, moves as the child of
+   that link. */
+TEST(free_bodies_tied_to_links_of_the_ground_move_as_their_children)
+{
+  static const fb_joint_kind kind[] = {FB_JOINT_RIGID, FB_JOINT_REVOLUTE, FB_JOINT_PRISMATIC, FB_JOINT_CYLINDRICAL,
+                                       FB_JOINT_SPHERICAL};
+  static fb_system_motion child;
+  for (int run = 0; run < FBT_COUNT(kind); run++) {
+    for (int tied = 0; tied < 2; tied++) {
+      fresh();
+      rigid(&model[0], 3.0, 0.1, -0.05, 0.02, 0.3, 0.4, 0.5);
+      rigid(&model[1], 0.7, 0.2, 0.1, -0.1, 0.03, 0.05, 0.04);
+      hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+      hang(1, 1, kind[run], 0, 1);
+      for (int k = 0; k < 2; k++) {
+        desc.joint[k].position[0] = FB_R(0.5);
+        desc.joint[k].position[1] = FB_R(2.0);
+        turn(desc.joint[k].attitude, 0.3, -0.2, 0.5 + k);
+        start[k].speed[0] = FB_R(1.5);
+        start[k].speed[1] = -FB_R(0.5);
+      }
+      init(FB_METHOD_RECURSIVE);
+      if (tied) {
+        joints_to_loops(1);
+        init(FB_METHOD_RECURSIVE);
+      }
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+      for (int step = 0; step < 20; step++) {
+        FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(0.005)), FB_OK);
+      }
+      motion_of(tied ? &motion : &child, &state);
+    }
+    FBT_BELOW(motion_difference(&motion, &child), FBT_TOL(1e-8, 1e-3));
+  }
+}
+
+SUITE(system_loops, RUN(free_rods_are_refused), RUN(free_bodies_tied_to_links_of_the_ground_move_as_their_children),
+      RUN(free_bodies_without_mass_are_refused_in_every_attitude), RUN(springs_of_loops_pull_like_those_of_the_tree),
+      RUN(a_prescribed_loop_closes_where_it_is_told), RUN(a_locked_loop_closes_where_the_free_one_does),
+      RUN(loops_are_closed_the_right_way_round), RUN(what_a_loop_misses_is_relative),
+      RUN(contradictions_name_their_joint), RUN(masses_do_not_make_rows_dependent),
       RUN(what_contradicts_a_loop_by_a_millionth_is_refused), RUN(methods_choose_the_same_of_equal_rows),
       RUN(loops_that_stand_still_contradict_no_prescribed_axis), RUN(linkages_swing_alike_in_any_unit_of_length),
       RUN(loops_slide_any_way), RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),

@@ -595,6 +595,9 @@ TEST(given_momenta_turn_systems_against_them)
   hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
   input.rotor[0][0].momentum = FB_R(0.5);
   begin(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK); /* without an input: none */
+  FBT_NEAR_ABS(state.link[0].pi[0], 0.0, 1e-300);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   FBT_NEAR_REL(state.link[0].pi[0], 0.5, FBT_TOL(1e-15, 1e-6));
   for (int k = 0; k < 100; k++) {
     fb_system_input at[3];

@@ -5,7 +5,7 @@
 need gcc gcc
 need clang clang
 told=0 met=0 taken=0
-program="-DFB_WITH_ANALYSE=0 tests/checks/fast_math.c"
+program="-DFB_WITH_ANALYSE=0 -DFLEXBEAM_STATIC tests/checks/fast_math.c"
 
 # told MESSAGE CC FLAG...: #error; FB_ALLOW_FAST_MATH takes it
 told() {

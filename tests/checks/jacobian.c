@@ -351,9 +351,45 @@ static double compare_dense(void)
   return most / size;
 }
 
+/* Negative eigenvalues of symmetric matrices whose inertia is known, of n rows: B D B^T has as many as D; (0 B; B^T C), which
+   wants pivots of 2x2, half of n. */
+static void require_negatives(void)
+{
+  for (int run = 0; run < 2000; run++) {
+    const int pairs = run % 2, n = pairs ? 2 + 2 * (run % 6) : 1 + run % 12, half = n / 2;
+    fb_real A[144], B[144], D[12];
+    int expected = pairs ? half : 0, found;
+    for (int i = 0; i < n * n; i++) {
+      B[i] = random_number() + (i % (n + 1) == 0 ? 2.0 : 0.0);
+    }
+    for (int i = 0; i < n; i++) {
+      D[i] = (1.0 + 0.5 * random_number()) * (random_number() < 0.0 ? -1.0 : 1.0);
+      expected += !pairs && D[i] < 0.0;
+    }
+    for (int i = 0; i < n; i++) {
+      for (int j = 0; j < n; j++) {
+        double sum = 0.0;
+        for (int k = 0; k < n; k++) {
+          sum += B[n * i + k] * D[k] * B[n * j + k];
+        }
+        A[n * i + j] = !pairs                     ? sum
+                       : i / half + j / half == 1 ? B[n * (i < j ? i : j) + (i < j ? j : i) - half]
+                       : i < half                 ? 0.0
+                                                  : sum;
+      }
+    }
+    found = fbi_negatives(A, n, run % 3 ? 0 : half);
+    if (found != expected) {
+      printf("matrix %d, %d rows: %d negative eigenvalues, found %d\n", run, n, expected, found);
+      exit(1);
+    }
+  }
+}
+
 int main(void)
 {
   double differences = 0, dense = 0;
+  require_negatives();
   for (int way = 0; way < WAYS; way++) {
     for (int what = 0; what < COMBINATIONS; what++) {
       double e;

@@ -4,4 +4,6 @@
 . tests/checks/common.sh
 need gcc gcc
 sanitized gcc address,undefined
+try "$out/runner" --brief
+passed=$(tail -n 1 "$out/log" | cut -d ' ' -f 1)
 ok "tests passed under the address and undefined-behavior sanitizers: double $passed"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
+# Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 or -Os by day,
 # double precision, each board in its own; without large deflection and rotors, and with both; building on the desktop). libc and libm
 # count as nothing. Bounds: what was measured and about a quarter more.
 . tests/checks/common.sh
@@ -19,7 +19,7 @@ usage() {
 }
 
 flies="-DFB_WITH_LARGE_DEFLECTION=0 -DFB_WITH_ROTORS=0"
-for opt in -O2 -Os; do # on the desktop numbers of double precision are the larger ones
+for opt in $(turn -O2 -Os); do # on the desktop numbers of double precision are the larger ones
   usage large gcc $opt
   usage desktop gcc $opt $flies -DFB_WITH_BUILD=0 # building: below
   for single in 0 1; do

@@ -6,14 +6,16 @@
 need g++ g++
 need clang clang
 result=
-# compiler, FB_SINGLE, FBT_SHORT, optimization, which tests
+# compiler, FB_SINGLE, FBT_SHORT, optimization of the library, which tests
 for run in "clang 1 0 -O2" "g++ 0 1 -O1 forms/"; do
   set -- $run
-  options="$4 -DFB_SINGLE=$2 -DFBT_SHORT=$3"
+  options="-DFB_SINGLE=$2 -DFBT_SHORT=$3"
   case $1 in
-  g++) try g++ -x c++ -std=c++11 $base $options -o "$out/runner" tests/test_*.c -lm ;;
-  *) try $1 $c99 $options -o "$out/runner" tests/test_*.c -lm ;;
+  g++) build="g++ -x c++ -std=c++11 $base $options" ;;
+  *) build="$1 $c99 $options" ;;
   esac
+  try $build $4 -c -o "$out/library.o" tests/test_main.c
+  try $build -O0 -o "$out/runner" $(ls tests/test_*.c | grep -v test_main) -x none "$out/library.o" -lm
   try "$out/runner" ${5:-}
   result="$result, $1 $([ $2 = 1 ] && echo single || echo double) $(tail -n 1 "$out/log" | cut -d ' ' -f 1)"
 done

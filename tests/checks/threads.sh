@@ -3,7 +3,7 @@
 . tests/checks/common.sh
 need gcc gcc
 for sanitizer in "" -fsanitize=thread; do
-  try gcc $c99 -O2 $sanitizer -pthread -o "$out/threads" tests/checks/threads.c -lm
+  try gcc $c99 -O2 $sanitizer -DFLEXBEAM_STATIC -pthread -o "$out/threads" tests/checks/threads.c -lm
   try "$out/threads"
 done
 ok "$(cat "$out/log")"

@@ -1,8 +1,8 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks, gcc's analyzer
 # nothing in the library and the tests.
-# All see the library in either precision, and the rest once: programs in double, tests in single; what differs are
-# conversions, of which the compilers warn (compile.sh). FLEXBEAM_IMPL_INCLUDED leaves the library out of what does not use its
+# cppcheck sees the library in either precision, clang-tidy in one of them by day; the rest once: programs in double, tests in
+# single; what differs are conversions, of which the compilers warn (compile.sh). FLEXBEAM_IMPL_INCLUDED leaves the library out of what does not use its
 # inside; the paths of what does are followed where the library is looked at alone. cppcheck takes the library as a file of its own
 # and finds what one file does wrong to another's functions by its analysis of the whole program; of the others a fourth on each day.
 # cppcheck: uninitvar and ctuuninitvar are off, they take an array that is handed to the function that fills it for one that is
@@ -28,10 +28,11 @@ check() {
     --suppress=missingIncludeSystem --inline-suppr -UFLEXBEAM_CONFIG -DFB_SINGLE=$2 -DFLEXBEAM_IMPL_INCLUDED "$out/library.c" $1
 }
 
-look examples/tools/library.c 0
+for library in $(turn examples/tools/library.c:0 tests/test_main.c:1); do
+  look ${library%:*} ${library#*:}
+done
 look "--checks=-clang-analyzer-* $inside" 0
 look "$(echo "$files" | grep -v -e tests/test_ -e bench/bench_exact.c -e bench/bench_system.c -e tools/library.c)" 0 -DFLEXBEAM_IMPL_INCLUDED
-look tests/test_main.c 1
 look "$(ls tests/test_*.c | grep -v test_main.c)" 1 -DFLEXBEAM_IMPL_INCLUDED
 number=0 those=
 for file in $files; do # of the files beside the library a fourth on each day
