@@ -675,9 +675,25 @@ TEST(branches_that_cannot_be_are_refused)
   }
 }
 
-SUITE(exact_branches, RUN(a_beam_of_two_branches_rests_as_the_chain), RUN(a_beam_of_two_branches_moves_as_the_chain),
-      RUN(a_branch_at_the_tip_is_the_chain), RUN(branches_stand_at_their_angle_and_twist),
-      RUN(points_lie_on_their_branch), RUN(frames_bend_in_closed_form), RUN(frames_swing_as_euler_and_bernoulli_say),
-      RUN(a_cross_spins_up_and_keeps_energy), RUN(booms_on_a_spinning_hub_have_the_modes_of_one),
-      RUN_LARGE RUN(hinged_blades_flap_one_by_one), RUN(linear_models_and_paths_know_branches),
-      RUN(branches_that_cannot_be_are_refused))
+/* E10.26, E10.3: a beam that a moment of its tip bends by M L/EI = 8 rad turns its branch with the node that carries it,
+   not with the tip, whose number comes before. */
+TEST(branches_turn_with_their_node)
+{
+  elastica(8);
+  (void)branch_about_z(2, 2, 0.5 * pi);
+  load_tip(FB_AXES_BODY, 0.0, 0.0, 0.0);
+  input.load[0].torque[2] = FB_R(8.0);
+  desc.iterations = 20;
+  settle();
+  FBT_NEAR_REL(node[8].rotation[2], 8.0, FBT_TOL(1e-9, 1e-3));
+  for (int k = 9; k <= exact.n; k++) {
+    FBT_NEAR_REL(node[k].rotation[2], 2.0, FBT_TOL(1e-9, 1e-3));
+  }
+}
+
+SUITE(exact_branches, RUN(branches_turn_with_their_node), RUN(a_beam_of_two_branches_rests_as_the_chain),
+      RUN(a_beam_of_two_branches_moves_as_the_chain), RUN(a_branch_at_the_tip_is_the_chain),
+      RUN(branches_stand_at_their_angle_and_twist), RUN(points_lie_on_their_branch), RUN(frames_bend_in_closed_form),
+      RUN(frames_swing_as_euler_and_bernoulli_say), RUN(a_cross_spins_up_and_keeps_energy),
+      RUN(booms_on_a_spinning_hub_have_the_modes_of_one), RUN_LARGE RUN(hinged_blades_flap_one_by_one),
+      RUN(linear_models_and_paths_know_branches), RUN(branches_that_cannot_be_are_refused))
