@@ -41,7 +41,7 @@ class Model:
     def __init__(self, ids, x):
         self.ids, self.x = list(ids), np.array(x, dtype=float).reshape(-1, 3)
         self.at = {node: k for k, node in enumerate(self.ids)}
-        self.K_G, self.modal_mass, self.digits, self.notes = [], None, 17, []
+        self.K_G, self.modal_mass, self.digits, self.notes, self.static = [], None, 17, [], None
 
     def find(self, node, what):
         if node not in self.at:
@@ -104,6 +104,10 @@ def nastran(package):
                       % (version, np.__version__, told(error)))
 
 
+RIGHT = {'.op2': 'SOL 103 with PARAM,POST,-1 writes one', '.op4': 'OUTPUT4 writes one', '.mat': 'save -v7 of MATLAB or Octave writes one',
+         '.npz': 'scipy.sparse.save_npz writes one', '.mtx': 'MatrixMarket is wanted'}
+
+
 def opened(path, how, **more):
     """What a library reads from a file."""
     if not os.path.exists(path):
@@ -113,7 +117,10 @@ def opened(path, how, **more):
             warnings.simplefilter('ignore')
             return how(path, **more)
     except (Exception, SystemExit) as error:  # each library has its own
-        raise Refused('%s: cannot be read: %s' % (path, told(error)))
+        raise Refused('%s: cannot be read: %s (%s)' % (path, told(error), RIGHT.get(os.path.splitext(path)[1].lower(), 'a deck that Nastran runs is wanted')))
+
+
+TEXT = bytes(range(32, 127)) + b'\t\r\n'  # SciPy crashes by a 0 among them, and by an end within an exponent
 
 
 def market_check(path, most):
@@ -126,6 +133,15 @@ def market_check(path, most):
         number, line = 1, b'%'
         while line and (line.startswith(b'%') or not line.strip()):
             number, line = number + 1, file.readline(10000)
+        at, tail = number + 1, b''
+        for block in iter(lambda: file.read(1 << 20), b''):
+            strange = block.translate(None, TEXT)[:1]
+            at += (block[:block.index(strange)] if strange else block).count(b'\n')
+            if strange:
+                raise Refused('%s:%d: %r is no character of a matrix: a text is wanted' % (path, at, strange))
+            tail = (tail + block)[-8:]
+        if re.search(rb'[eEdD][-+]?$', tail):
+            raise Refused('%s:%d: ends within a number: it is not whole' % (path, at))
     entry = 'rows columns entries' if first[2].lower() == b'coordinate' else 'rows columns'
     try:
         size = [int(word) for word in line.split()]
@@ -960,6 +976,25 @@ def lines_of(model, texts, masses):
     return words, set(used) - {at.node for at in masses}
 
 
+def static_loss(model, marks):
+    """What the modes leave out of the deflection of a node under a force or moment there: 1 - sum of phi^2 / w^2 over that of K."""
+    if not model.static:
+        model.notes.append('what the modes leave out of static deflections is not known without K')
+        return
+    solver, rows, value, phi = model.static
+    for node, name in marks:
+        lost = ['force', 'moment'], [], []
+        for row in np.flatnonzero(rows // 6 == model.at[node]):
+            load = np.zeros(len(rows))
+            load[row] = 1
+            part = 1 - np.sum(phi[row]**2 / value) / solver(load)[row]
+            lost[1 + rows[row] % 6 // 3].append('%.3g %% %s' % (100 * max(part, 0), 'xyz'[rows[row] % 3]))
+        for kind, parts in zip(lost[0], lost[1:]):
+            if parts:
+                model.notes.append('of the static deflection of node %d%s by a %s there the modes leave out %s'
+                                   % (node, ' (%s)' % name if name else '', kind, ', '.join(parts)))
+
+
 def extremes(model):
     """Nodes that are the farthest, or move most by a mode: the limit of deflections goes by them."""
     shape = model.phi.reshape(len(model.ids), 6, -1)
@@ -1122,6 +1157,7 @@ def convert(options):
             raise Refused('--mark: node %d is there twice' % node)
     if len(marks) > MARKS:
         raise Refused('--mark: %d nodes, a body of a scene holds %d, one of reduce and analyse 7' % (len(marks), MARKS))
+    static_loss(model, marks)
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
     figures = 'mass %.9g kg, masses %s (%s off by %.1g)' % (want[0, 0], how, worst, off[worst])
     return written(options, model, masses, lines, extra, marks, figures), figures, model

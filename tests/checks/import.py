@@ -298,9 +298,13 @@ def boom(R):
 
 x, K, M = boom(q)
 w, phi = modes(K, M, range(6), 12)
-run('--matrices', save('K.mtx', K), save('M.mtx', M), '--nodes', csv('boom.csv', x, ''), '--frame', 1, '--modes', 12, '--mark', '25:tip')
+told = run('--matrices', save('K.mtx', K), save('M.mtx', M), '--nodes', csv('boom.csv', x, ''), '--frame', 1, '--modes', 12, '--mark', '25:tip')
 have = integrals()
 sign = compare('beam, consistent masses', have, x, M, w, phi, 1e-9)
+inverse = linalg.inv(K[6:, 6:])
+lost = re.findall('^# of the static deflection of node 25 .tip. by a (?:force|moment) there the modes leave out (.*)', told, re.M)
+meet('static deflection', [float(part.split()[0]) / 100 for parts in lost for part in parts.split(', ')],
+     [1 - np.sum(phi[k]**2 / w**2) / inverse[k, k] for k in range(-6, 0)], 5e-3)
 meet('beam, consistent masses', have['theta'].reshape(12, 3) * sign[:, None], phi[-3:].T, 1e-9)
 meet('beam, closed form', have['mass'], rho * A * L, 1e-12)
 meet('beam, closed form', np.sort(linalg.eigvalsh(have['J'].reshape(3, 3))), [rho * (Iy + Iz) * L, rho * A * L**3 / 3, rho * A * L**3 / 3], 1e-12)
@@ -527,6 +531,8 @@ for text, why in (('2 2 1\n1 x 3\n', 'bad.mtx: cannot be read: .*[Ll]ine 3'),
                   ('36 36 400000000\n1 1 3\n', r'bad.mtx:2: 400000000 entries are announced, the file has \d+ bytes: it is not whole'),
                   ('0 0 0\n', 'bad.mtx: 0 rows; the 12 nodes of .*mast.csv have 72 degrees of freedom at most'),
                   ('% a remark\n\n36 36\n', "bad.mtx:4: rows columns entries are wanted, not '36 36'"),
+                  ('36 36 2\n7 7 3\n8 8 3\0\n', r"bad.mtx:4: b'.x00' is no character of a matrix"),
+                  ('36 36 2\n7 7 3\n8 8 3e+', 'bad.mtx:4: ends within a number: it is not whole'),
                   ('36 36 1\n7 7 nan\n', 'bad.mtx: row 7, column 7: nan is not finite')):
     with open(folder + 'bad.mtx', 'w') as file:
         file.write('%%MatrixMarket matrix coordinate real general\n' + text)
