@@ -851,6 +851,7 @@ TEST(paths_lead_through_steady_states)
     varied.line[k].axes = input.line[k].axes;
     varied.line[k].force[2] = FB_R(2.0);
     varied.line[k].torque[0] = FB_R(0.3);
+    varied.line[k].torque[2] = FB_R(0.1); /* the last of what is stored of an element */
   }
   for (int k = 0; k < 10; k++) {
     fb_exact_input all = input;
