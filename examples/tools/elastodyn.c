@@ -216,10 +216,15 @@ static int read_blade(const char *file)
 /* What the file has not, with the value taken for it, and what of it goes nowhere: to stderr, or as comments. */
 static void tell_blade(FILE *to, const char *begin, const char *file)
 {
+  const double *const ratio = &blade.value[FLAP_DAMPING_1]; /* percent */
   for (int k = 0; k < USED_KEYS; k++) {
     if (blade.given[k] == 0) {
       fprintf(to, "%s%s: no %s: %g%s is assumed\n", begin, file, key[k].name, key[k].assumed, key[k].unit);
     }
+  }
+  if (fmax(fmax(ratio[0], ratio[1]), ratio[2]) > fmin(fmin(ratio[0], ratio[1]), ratio[2])) {
+    fprintf(to, "%s%s: damping of flap 1, flap 2 and edge 1 differs, %g, %g and %g %%: every mode has the mean\n",
+            begin, file, ratio[0], ratio[1], ratio[2]);
   }
   for (int k = FLAP_TUNER_1; k <= FLAP_TUNER_2; k++) {
     if (blade.given[k] > 0 && (blade.value[k] > 1 || blade.value[k] < 1)) {

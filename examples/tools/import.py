@@ -303,7 +303,9 @@ def moved(x, A, place):
     at, dof = place // 6, place % 6
     d = x[at[A.col]] - x[at[A.row]]
     straight, n = dof[A.col] < 3, len(place)
-    sizes = [np.bincount(A.row, abs(A.data) * weight, n) for weight in (straight, np.where(straight, np.linalg.norm(d, axis=1), 1))]
+    root = np.sqrt(np.maximum(A.diagonal(), 0))
+    size = abs(A.data) + 1e-8 * root[A.row] * root[A.col]  # of entries that are rounding alone that is what counts
+    sizes = [np.bincount(A.row, size * weight, n) for weight in (straight, np.where(straight, np.linalg.norm(d, axis=1), 1))]
     has = np.isin(np.arange(3), dof)
     out = np.zeros((2, 3, n))
     for k in range(3):
@@ -341,11 +343,12 @@ def order_check(model, K, place, options):
 def definite_check(model, A, place, name, what):
     """Diagonals, and pairs of rows, of a matrix that is not negative."""
     diagonal = A.diagonal()
-    if diagonal.min() < 0:
+    rounding = 1e-10 * abs(A).max()
+    if diagonal.min() < -rounding:
         at = diagonal.argmin()
         raise Refused('%s: %s has the negative %s %.6g (row %d)' % (name, row_name(model, place[at]), what, diagonal[at], at + 1))
-    coo, root = A.tocoo(), np.sqrt(diagonal)
-    over = abs(coo.data) - root[coo.row] * root[coo.col] * (1 + SMALL)
+    coo, root = A.tocoo(), np.sqrt(np.maximum(diagonal, 0))
+    over = abs(coo.data) - root[coo.row] * root[coo.col] * (1 + SMALL) - rounding
     if over.max(initial=0) > 0:
         at = over.argmax()
         raise Refused('%s: indefinite: %s and %s couple by %.6g, more than the root of the product of their own, %.6g and %.6g (rows %d and %d)'
@@ -356,9 +359,9 @@ def definite_check(model, A, place, name, what):
 def coupled_check(model, K, M, place, options):
     """Nodes that M couples are such that K couples, as those of one element are: else the rows of M may have another order."""
     def pairs(A):
-        coo = A.tocoo()
+        coo, root = A.tocoo(), np.sqrt(np.maximum(A.diagonal(), 0))
         a, b = place[coo.row] // 6, place[coo.col] // 6
-        return np.unique((a * len(model.ids) + b)[(a < b) & (coo.data != 0)])
+        return np.unique((a * len(model.ids) + b)[(a < b) & (abs(coo.data) > SMALL * root[coo.row] * root[coo.col])])
     of_mass = pairs(M)
     alone = np.setdiff1d(of_mass, pairs(K))
     if len(alone) > 0:

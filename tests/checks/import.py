@@ -706,6 +706,9 @@ rod, rods, EA_, rhoA_ = mast(40, 0.5, 0.6, 0.4, 2e-4, 1e-4)  # more than 300 row
 Kl, Ml = truss(rod, rods, EA_, rhoA_)
 order_read('frequency_hz', Kl, Ml, rod, '--frame', '1-4')
 order_refused('order_K.mtx: indefinite once the interface is clamped, by a shape that moves node', weakened(Kl, Ml), Ml, rod, '--frame', '1-4')
+noise = np.sin(np.arange(150 * 150)).reshape(150, 150) * 1e-14
+noise = (noise + noise.T) * np.sqrt(np.outer(np.diag(of_boom[1]), np.diag(of_boom[1])))
+order_read('frequency_hz', of_boom[1] + noise, consistent_boom * (1 + noise / of_boom[1].max()) , of_boom[0], '--frame', 1)
 straight = beam(of_boom[0], q, same(E * A / l * two), same(bending(l, E * Iz)), same(bending(l, E * Iy)), same(G * Jt / l * two))
 order_refused(wrong % r'\d+', straight, consistent_boom, 1000 * of_boom[0], '--frame', 1)  # places in mm, K in m
 
