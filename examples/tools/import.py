@@ -375,7 +375,7 @@ def coupled_check(model, K, M, place, options):
 def factored(K):
     """Solves with K, symmetric; and the row of its most negative pivot, relative to its diagonal, or None."""
     lu = splu(sparse.csc_array(K), permc_spec='MMD_AT_PLUS_A', diag_pivot_thresh=0.0, options={'SymmetricMode': True})
-    if not np.array_equal(lu.perm_r, lu.perm_c):
+    if lu.nnz > 30000000 or not np.array_equal(lu.perm_r, lu.perm_c):  # its U is a copy
         return lu.solve, None
     pivot = lu.U.diagonal()[lu.perm_c] / K.diagonal()
     return lu.solve, int(pivot.argmin()) if pivot.min() < -1e-8 else None
@@ -386,6 +386,20 @@ def most_negative(A):
     size = np.sqrt(np.maximum(A.diagonal(), 1e-300))
     value, shape = linalg.eigh(A.toarray() / np.outer(size, size), subset_by_index=[0, 0])
     return int(abs(shape[:, 0]).argmax()) if value[0] < -1e-9 else None
+
+
+def indefinite(model, A, place, name, what):
+    """Refuses a matrix that has a negative eigenvalue; what solves with it, or None where it is small or singular."""
+    heavy = np.flatnonzero(A.diagonal() > 0)
+    part, solver, bad = A[heavy][:, heavy], None, None
+    with contextlib.suppress(RuntimeError, linalg.LinAlgError):  # singular, of which the modes tell more
+        if len(heavy) <= 300:
+            bad = most_negative(part)
+        elif part.nnz > len(heavy):
+            solver, bad = factored(part)
+    if bad is not None:
+        raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, row_name(model, place[heavy[bad]])))
+    return solver if len(heavy) == A.shape[0] else None
 
 
 def solve(model, K, M, place, clamped, options):
@@ -406,16 +420,10 @@ def solve(model, K, M, place, clamped, options):
         raise Refused('--modes: %d wanted, there are %d degrees of freedom with mass' % (n_mode, rank))
     held_check(K, R)
     small = n <= 300 or n_mode > n // 3
-    for A, name, what in ((K, options.matrices[0], 'once the interface is clamped'), (M, options.matrices[1], 'as no mass is')):
-        try:
-            heavy = np.flatnonzero(A.diagonal() > 0)
-            bad = most_negative(A[heavy][:, heavy]) if n <= 300 else factored(A[heavy][:, heavy])[1]
-        except (RuntimeError, linalg.LinAlgError):  # singular, of which more below
-            bad = None
-        if bad is not None:
-            raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, row_name(model, place[keep[heavy[bad]]])))
+    solver = indefinite(model, K, place[keep], options.matrices[0], 'once the interface is clamped')
+    indefinite(model, M, place[keep], options.matrices[1], 'as no mass is')
     try:
-        solver = factored(K)[0]
+        solver = solver or factored(K)[0]
         if small:
             phi = linalg.eigh(M.toarray(), K.toarray(), subset_by_index=[n - n_mode, n - 1])[1]  # M may be singular
         else:
