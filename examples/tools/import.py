@@ -6,6 +6,7 @@
 import argparse
 import contextlib
 import csv
+import functools
 import importlib
 import importlib.metadata
 import importlib.util
@@ -76,7 +77,15 @@ def deck_read(path):
     def how(name):
         with contextlib.suppress(ImportError):  # where an INCLUDE is missing it would leave a file in the working directory
             importlib.import_module('pyNastran.bdf.bdf_interface.pybdf').BDFInputPy._dump_file = lambda *rest: None
-        bdf = read_bdf(name, xref=False, log=quiet)
+        try:
+            bdf = read_bdf(name, xref=False, log=quiet)
+        except UnicodeDecodeError:  # remarks in an older code; its first look at a file takes that of the system
+            module = nastran('bdf.bdf')
+            module.open = functools.partial(open, encoding='latin-1')
+            try:
+                bdf = read_bdf(name, xref=False, log=quiet, encoding='latin1')
+            finally:
+                del module.open
         bdf.cross_reference(xref_loads=False, xref_constraints=False, xref_aero=False, xref_sets=False, xref_optimization=False)
         return bdf
     try:
@@ -463,6 +472,22 @@ def from_matrices(options):
 # ---- Nastran
 
 
+def damping_of(bdf):
+    """What of a deck is damping, which real modes do not have."""
+    if 'G' in bdf.params and bdf.params['G'].values[0]:
+        yield 'PARAM,G %g' % bdf.params['G'].values[0]
+    for number in sorted(bdf.tables_sdamping):
+        yield 'TABDMP1 %d' % number
+    for number, card in sorted(bdf.materials.items()):
+        if getattr(card, 'ge', None):
+            yield '%s %d GE %g' % (card.type, number, card.ge)
+    for name in ('CDAMP1', 'CDAMP2', 'CDAMP3', 'CDAMP4', 'CDAMP5', 'CVISC', 'CBUSH1D'):
+        if bdf.card_count.get(name):
+            yield '%d %s' % (bdf.card_count[name], name)
+    if 'B2GG' in ' '.join(bdf.case_control_lines).upper():
+        yield 'B2GG'
+
+
 def axes_at(coord, x):
     """Axes, as columns, of a coordinate system of Nastran at a place; None: a point of a fluid has none."""
     beta = coord.beta().T if coord else AXES
@@ -641,6 +666,9 @@ def from_nastran(options):
             if abs(have - want) > options.tolerance * want > 0:
                 model.notes.append('%s: its mass is %.6g, that of the elements of %s %.6g (units of the model)' % (options.mass or 'MGG of ' + modes, have, path, want))
     model.notes += materials_doubt(bdf, path, options.scale)
+    damping = ', '.join(damping_of(bdf))
+    if damping and not any(word.split()[0] == 'damping' for word in options.word):
+        model.notes.append("%s: its damping (%s) is not taken, the component has none: --word 'damping RATIO'" % (path, damping))
     heavy = np.array(abs(M).max(axis=1).toarray()).reshape(-1, 6).max(axis=1) > 0
     for at in np.flatnonzero(heavy & ~seen):
         raise Refused('%s: no displacement of grid %d, which has mass: DISP(PLOT) = ALL in the case control' % (modes, ids[at]))

@@ -1357,7 +1357,7 @@ static inline int model_lacks_stiffening(char text[160], const double spin[3])
     const model_part *const part = &model.part[k];
     if (part->kind == MODEL_COMPONENT && !model_part_stiffens(part, spin ? w : NULL)) {
       snprintf(text, 160,
-               "%s has no second-order data%s: spinning it softens and never stiffens, its frequencies are too low, it "
+               "%s has no second-order data%s: spinning does not stiffen it, its frequencies are too low, it "
                "may seem unstable",
                part->name[0] ? part->name : "the component", part->second ? " for this axis" : "");
       return 1;
