@@ -1015,6 +1015,13 @@ def lines_of(model, texts, masses):
     return words, set(used) - {at.node for at in masses}
 
 
+def effective(model, want):
+    """Shares of mass and inertia, about the origin, that the modes carry: (R^T M phi)^2, of modal mass 1, over R^T M R."""
+    share = 100 * np.sum(want[:6, 6:]**2, axis=1) / np.maximum(np.diag(want)[:6], 1e-300)
+    model.notes.append('effective masses: the modes carry %.3g, %.3g and %.3g %% of the mass along x, y and z, %.3g, %.3g and %.3g %% of the inertia '
+                       'about them' % tuple(np.round(share, 9)))
+
+
 def static_loss(model, marks):
     """What the modes leave out of the deflection of a node under a force or moment there: 1 - sum of phi^2 / w^2 over that of K."""
     if not model.static:
@@ -1196,6 +1203,7 @@ def convert(options):
             raise Refused('--mark: node %d is there twice' % node)
     if len(marks) > MARKS:
         raise Refused('--mark: %d nodes, a body of a scene holds %d, one of reduce and analyse 7' % (len(marks), MARKS))
+    effective(model, want)
     static_loss(model, marks)
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
     figures = 'mass %.9g kg, masses %s (%s off by %.1g)' % (want[0, 0], how, worst, off[worst])
