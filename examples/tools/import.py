@@ -334,9 +334,12 @@ def order_check(model, K, place, options):
     if len(wrong) > 0:
         at = wrong[turned[wrong].argmax()]
         raise Refused('%s: these are not the places of the rows of %s: turned as a rigid body it strains, node %d the most (%.2g of its forces '
-                      'remain, of rounding 1e-16), %d of %d nodes. The nodes have to stand in the order of the rows, in the units of K and its axes'
-                      % (options.nodes, options.matrices[0], model.ids[place[at] // 6], turned[at], len(np.unique(place[wrong] // 6)), nodes))
-    if len(ground) > (0 if options.frame else nodes // 2) and not options.grounded:
+                      'remain, of rounding 1e-16), %d of %d nodes. The nodes have to stand in the order of the rows, in the units of K and its axes%s'
+                      % (options.nodes, options.matrices[0], model.ids[place[at] // 6], turned[at], len(np.unique(place[wrong] // 6)), nodes,
+                         '; where elements do so, --tolerance %.2g' % (1.1 * turned[at]) if turned[at] < 0.1 else ''))
+    count = np.bincount(place // 6, minlength=len(model.ids))
+    whole = all(count[model.at[node]] == count.max() for node in options.frame)  # else rows of the frame were left out
+    if len(ground) > (0 if options.frame and whole else nodes // 2) and not options.grounded:
         at = pulled.argmax()
         raise Refused('%s: moved as a rigid body it pulls at the ground, at %s the most (%.2g of its forces remain, of rounding 1e-16), at %d of %d nodes: '
                       'rows in another order than %s says (x y z of a node follow each other), rows that were left out (export K before '

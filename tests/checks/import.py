@@ -681,6 +681,13 @@ spring[3 * 8, 3 * 8] += 1e7
 order_refused(ground % ('9, degree of freedom 1', '1'), spring, M, x, '--frame', '1-4')
 order_read('K holds 1 of 12 nodes to the ground, node 9', spring, M, x, '--frame', '1-4', '--grounded')
 order_read('K holds 4 of 8 nodes to the ground, node 1', K[12:, 12:], M[12:, 12:], x[4:])
+with open(csv('order.csv', x, '123')) as file:
+    rows = file.read().split('\n')
+with open(folder + 'order.csv', 'w') as file:
+    file.write('\n'.join(rows[:1] + [row.replace(',123', ',0') for row in rows[1:5]] + rows[5:]))
+text = run('--matrices', save('order_K.mtx', K[12:, 12:]), save('order_M.mtx', M[12:, 12:]), '--nodes', folder + 'order.csv', '--modes', 6, '--frame', '1-4')
+if 'K holds 4 of 8 nodes to the ground, node 5' not in text:
+    sys.exit('rows of the frame left out: %s' % text)
 text = run('--matrices', save('order_K.mtx', np.vectorize(lambda a: float('%.5e' % a))(K)), pair[2], *table, '--frame', '1-4', '--modes', 6)
 if not re.search('moved as a rigid body K strains a little, [1-9.]+e-06 of the forces', text):
     sys.exit('six digits: %s' % text)
@@ -799,6 +806,9 @@ for old, new, why in (('GRID', 'XGRD', r'bad.bdf:\d+: cannot be read: .*CBAR'),
         file.write(cards.replace(old, new))
     refuse(why, folder + 'bad.bdf', files[1], *base)
 
+with open(folder + 'bad.bdf', 'w') as file:
+    file.write('SOL 103\nCEND\nBEGIN BULK\nENDDATA\n')
+refuse('bad.bdf: no GRID: the deck of the run is wanted', folder + 'bad.bdf', files[1], *base)
 with open(folder + 'bad.bdf', 'w', encoding='latin-1') as file:
     file.write(cards.replace('$pyNastran: encoding=utf-8\n', '').replace('CONM2*               101', 'PARAM,G,.03\nTABDMP1,9,CRIT\n,0.,.01,100.,.01,ENDT\n$ Tr\xe4ger\nCONM2*               101'))
 text = run(folder + 'bad.bdf', files[1], *base)
