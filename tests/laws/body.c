@@ -1147,6 +1147,40 @@ static double same_bits(double h)
   return 0.0;
 }
 
+/* An input that is absent is one that is zero, to the last bit, in status, too. */
+static double absent(double h)
+{
+  static const fb_input zero;
+  static fb_motion motion[2];
+  static fb_momentum momentum[2];
+  static fb_energy energy[2];
+  static fb_state rate[2], at[2];
+  fb_status status[2][5];
+  double step;
+  (void)h;
+  FBL_TRY(longest(&step, 1));
+  for (int k = 0; k < 2; k++) {
+    const fb_input *const in = k ? &zero : NULL;
+    memset(&motion[k], 0, sizeof motion[k]);
+    memset(&momentum[k], 0, sizeof momentum[k]);
+    memset(&energy[k], 0, sizeof energy[k]);
+    memset(&rate[k], 0, sizeof rate[k]);
+    at[k] = state;
+    status[k][0] = fb_body_motion_eval(&body, &motion[k], &state, in);
+    status[k][1] = fb_body_rates_eval(&body, &rate[k], &state, in);
+    status[k][2] = fb_body_energy_eval(&body, &energy[k], &state, in);
+    status[k][3] = fb_body_momentum_eval(&body, &momentum[k], &state, in);
+    status[k][4] = fb_rk4_step(&body, &at[k], &rk4, in, in, in, (fb_real)(0.3 * step));
+  }
+  return memcmp(status[0], status[1], sizeof status[0]) != 0 || memcmp(&motion[0], &motion[1], sizeof motion[0]) != 0 ||
+                 memcmp(&rate[0], &rate[1], sizeof rate[0]) != 0 ||
+                 memcmp(&energy[0], &energy[1], sizeof energy[0]) != 0 ||
+                 memcmp(&momentum[0], &momentum[1], sizeof momentum[0]) != 0 ||
+                 memcmp(&at[0], &at[1], sizeof at[0]) != 0
+             ? 1.0
+             : 0.0;
+}
+
 /* The modes that were asked for are there. */
 static double counts(double h)
 {
@@ -1303,6 +1337,7 @@ static const fbl_law laws[] = {
     {"models_and_their_check_words", "E8.11", words, 0.0, {0.5, 0}},
     {"motion_goes_back", "E8.17 E11.3", goes_back, 0.1, {1e-9, 0}},
     {"work_and_restart_change_no_bit", "E11.3 E11.8 E11.10", same_bits, 0.0, {0.5, 0.5}},
+    {"what_is_absent_is_zero", "E8.17 E11.3", absent, 0.0, {0.5, 0.5}},
     {"modes_asked_for_are_there", "E7.3 E7.8", counts, 0.0, {0.5, 0.5}},
     {"steady_states_are_steady", "E12.1", equilibrium, 0.0, {1e-8, 1e-2}},
     {"linear_models_respond_as_the_body", "E12.2", linear_response, 0.01, {1e-4, 0}},

@@ -1084,6 +1084,27 @@ static double dirty_work(double h)
   return memcmp(&a, &b, sizeof a) == 0 ? 0.0 : 1.0;
 }
 
+/* An input that is absent is one that is zero, to the last bit, in status, too. */
+static double absent(double h)
+{
+  static const fb_exact_input zero;
+  static fb_exact_state at[2], walked[2];
+  fb_status status[2][3];
+  (void)h;
+  for (int k = 0; k < 2; k++) {
+    const fb_exact_input *const in = k ? &zero : NULL;
+    at[k] = state;
+    status[k][0] = fb_exact_step(&beam, &at[k], &work, in, (fb_real)step_of(0.7));
+    walked[k] = at[k];
+    status[k][1] = fb_exact_state_init(&beam, &at[k], &work, in);
+    status[k][2] = fb_exact_trim(&beam, &at[k], &work, in);
+  }
+  return memcmp(status[0], status[1], sizeof status[0]) == 0 && memcmp(&at[0], &at[1], sizeof at[0]) == 0 &&
+                 memcmp(&walked[0], &walked[1], sizeof walked[0]) == 0
+             ? 0.0
+             : 1.0;
+}
+
 /* Loads over time: from nothing to nothing, smooth, so that nothing rings that the steps do not resolve. */
 static fb_status pulse(fb_exact_state *at, int count, double duration)
 {
@@ -1586,6 +1607,7 @@ static const fbl_law laws[] = {
     {"a_locked_joint_is_none", "E10.22 E10.23", locked_joint, 0.0, {1e-8, 1e-2}},
     {"two_halves_are_one", "E10.26 E10.27", two_halves, 0.0, {1e-8, 1e-2}},
     {"dirty_work_and_stepper", "E11.20", dirty_work, 0.0, {0.5, 0.5}},
+    {"what_is_absent_is_zero", "E10.11 E11.20", absent, 0.0, {0.5, 0.5}},
     {"steps_are_of_order_two", "E11.20", order_of_steps, 2.0, {0.2, 0}},
     {"points_follow_the_line", "E10.12", points, 0.02, {1e-2, 0}},
     {"long_steps_of_small_motions", "E11.20 E10.18", small_steps, 1e-4, {1e-6, 0}},

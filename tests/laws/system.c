@@ -2376,6 +2376,45 @@ static double dirt(double h)
   return 0.0;
 }
 
+/* An input or a motion of the start that is absent is one that is zero, to the last bit, in status, too. */
+static double absent(double h)
+{
+  static const fb_system_input zero;
+  static const fb_link_motion rest[FB_MAX_BODIES];
+  static fb_system_motion motion[2];
+  static fb_momentum momentum[2];
+  static fb_energy energy[2];
+  static fb_system_state begun[2], rate[2], at[2];
+  fb_status status[2][7];
+  const double step = 0.3 * step_of(&status[0][0], 1);
+  (void)h;
+  FBL_TRY(status[0][0]);
+  for (int k = 0; k < 2; k++) {
+    const fb_system_input *const in = k ? &zero : NULL;
+    memset(&motion[k], 0, sizeof motion[k]);
+    memset(&momentum[k], 0, sizeof momentum[k]);
+    memset(&energy[k], 0, sizeof energy[k]);
+    memset(&rate[k], 0, sizeof rate[k]);
+    memset(&begun[k], 0, sizeof begun[k]);
+    at[k] = state;
+    status[k][0] = fb_system_state_init(&mechanism, model, &begun[k], &work, k ? rest : NULL, in);
+    status[k][1] = fb_system_motion_eval(&mechanism, model, &work, &motion[k], &state, in);
+    status[k][2] = fb_system_rates_eval(&mechanism, model, &work, &rate[k], &state, in);
+    status[k][3] = fb_system_energy_eval(&mechanism, model, &work, &energy[k], &state, in);
+    status[k][4] = fb_system_momentum_eval(&mechanism, model, &work, &momentum[k], &state, in);
+    status[k][5] = fb_system_rk4_step(&mechanism, model, &at[k], &work, in, in, in, (fb_real)step);
+    status[k][6] = fb_system_sdirk_step(&mechanism, model, &at[k], &work, in, in, (fb_real)step, 3);
+  }
+  return memcmp(status[0], status[1], sizeof status[0]) != 0 || memcmp(&begun[0], &begun[1], sizeof begun[0]) != 0 ||
+                 memcmp(&motion[0], &motion[1], sizeof motion[0]) != 0 ||
+                 memcmp(&rate[0], &rate[1], sizeof rate[0]) != 0 ||
+                 memcmp(&energy[0], &energy[1], sizeof energy[0]) != 0 ||
+                 memcmp(&momentum[0], &momentum[1], sizeof momentum[0]) != 0 ||
+                 memcmp(&at[0], &at[1], sizeof at[0]) != 0
+             ? 1.0
+             : 0.0;
+}
+
 /* Near rest the equations are linear: what the iterations leave of a long step falls with the square of the motion if the
    matrix of sdirk is their derivative. */
 static double small_steps(double h)
@@ -2762,6 +2801,7 @@ static const fbl_law laws[] = {
     {"limits_of_steps", "E11.12", limits, 0.0, {0.5, 0}},
     {"models_and_their_check_words", "E9.1", words, 0.0, {0.5, 0}},
     {"dirty_work_gives_the_same_bits", "E9.15", dirt, 0.0, {1e-300, 0}},
+    {"what_is_absent_is_zero", "E9.15 E11.12", absent, 0.0, {0.5, 0.5}},
     {"trimmed_stays_at_rest", "E12.1", trimmed, 0.0, {1e-7, 0}},
     {"linear_models_are_derivatives", "E12.9", linear_models, 0.01, {1e-5, 0}},
 };
