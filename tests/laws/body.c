@@ -1019,7 +1019,8 @@ static double limits(double h)
   return 0.0;
 }
 
-/* What is no number in a model is refused by its check, or nothing reads it; the check word stays. */
+/* What is no number in a model is refused by its check, or nothing reads it; a bit that the check word does not see is one
+   that changes nothing. */
 static double words(double h)
 {
   static fb_body other, own;
@@ -1037,6 +1038,20 @@ static double words(double h)
     memcpy(&other, &own, sizeof other);
     fbl_spoil(&other, sizeof other);
     if (fb_body_check(&other) != FB_OK) {
+      continue;
+    }
+    body = other;
+    status = look_at(&second, &state, &input);
+    body = own;
+    if (status || ends_differ(&first, &second) > 0.0) {
+      return 1.0;
+    }
+  }
+  for (int k = 0; k < 100; k++) {
+    fb_status status;
+    memcpy(&other, &own, sizeof other);
+    fbl_flip(&other, sizeof other);
+    if (fb_body_crc(&other) != word || fb_body_check(&other) != FB_OK) {
       continue;
     }
     body = other;

@@ -1215,7 +1215,8 @@ static double small_steps(double h)
   }
 }
 
-/* What is no number in a model is refused by its check, or nothing reads it; the check word stays. */
+/* What is no number in a model is refused by its check, or nothing reads it; a bit that the check word does not see is one
+   that changes nothing. */
 static double words(double h)
 {
   static fb_exact other, own;
@@ -1237,6 +1238,20 @@ static double words(double h)
     memcpy(&other, &own, sizeof other);
     fbl_spoil(&other, sizeof other);
     if (fb_exact_check(&other) != FB_OK) {
+      continue;
+    }
+    beam = other;
+    status = k % 8 ? FB_OK : motion_of(&second, step_of(0.7));
+    beam = own;
+    if (status || (k % 8 == 0 && looks_differ(&first, &second, own.n, map, 1) > 0.0)) {
+      return 1.0;
+    }
+  }
+  for (int k = 0; k < 100; k++) {
+    fb_status status;
+    memcpy(&other, &own, sizeof other);
+    fbl_flip(&other, sizeof other);
+    if (fb_exact_crc(&other) != word || fb_exact_check(&other) != FB_OK) {
       continue;
     }
     beam = other;

@@ -207,6 +207,11 @@ void fbl_spoil(void *model, size_t size)
   }
 }
 
+void fbl_flip(void *model, size_t size)
+{
+  ((unsigned char *)model)[fbl_pick((int)size)] ^= (unsigned char)(1u << fbl_pick(8));
+}
+
 double fbl_difference(const fb_real *a, const fb_real *b, int n)
 {
   double most = 0.0;

@@ -84,6 +84,7 @@ double fbl_refuse(const char *call, fb_status status); /* notes it, returns FBL_
 const char *fbl_record(double *have, double *need, double unit);
 /* Overwrites one of the reals that fit into `size` bytes by what is no number, and as integers beyond every count. */
 void fbl_spoil(void *model, size_t size);
+void fbl_flip(void *model, size_t size); /* one of its bits */
 /* Largest |a_i - b_i|, largest |a_i|. */
 double fbl_difference(const fb_real *a, const fb_real *b, int n);
 double fbl_largest(const fb_real *a, int n);

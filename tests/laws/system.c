@@ -2493,7 +2493,8 @@ static double limits(double h)
   return 0.0;
 }
 
-/* What is no number in a model is refused by its check, or by the evaluation, or nothing reads it. */
+/* What is no number in a model is refused by its check, or by the evaluation, or nothing reads it; a bit that the check
+   word does not see is one that changes nothing. */
 static double words(double h)
 {
   static fb_system other, own;
@@ -2522,6 +2523,20 @@ static double words(double h)
     status = look_at(&second, &state, &in);
     mechanism = own;
     if (status ? changed == word : looks_differ(&first, &second, joint_slot, 1) > 0.0) {
+      return 1.0;
+    }
+  }
+  for (int k = 0; k < 100; k++) {
+    fb_status status;
+    memcpy(&other, &own, sizeof other);
+    fbl_flip(&other, sizeof other);
+    if (fb_system_crc(&other, model, n_model) != word || fb_system_check(&other, model, n_model) != FB_OK) {
+      continue;
+    }
+    mechanism = other;
+    status = look_at(&second, &state, &in);
+    mechanism = own;
+    if (status || looks_differ(&first, &second, joint_slot, 1) > 0.0) {
       return 1.0;
     }
   }
