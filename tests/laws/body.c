@@ -200,6 +200,7 @@ typedef struct look {
   fb_energy energy;
   fb_momentum momentum;
   fb_body_limit limit;
+  fbl_points told;
 } look;
 
 static look path[5];
@@ -207,7 +208,10 @@ static double dt;
 
 static fb_status look_at(look *at, const fb_state *where, const fb_input *in)
 {
-  fb_status status = fb_body_motion_eval(&body, &at->motion, where, in);
+  fb_status status;
+  memset(&fbl_told, 0, sizeof fbl_told);
+  status = fb_body_motion_eval(&body, &at->motion, where, in);
+  at->told = fbl_told;
   at->state = *where;
   at->input = *in;
   for (int k = 0; k < body.n_node && status == FB_OK; k++) {
@@ -271,6 +275,13 @@ static double velocities(double h)
     miss = larger(miss, w_off / (fbl_largest(path[2].node[k].angular_rate, 3) + 0.1 * (double)fbl_unit(1.0, 0, 0, -1)));
   }
   return miss;
+}
+
+/* What a distributed load is told of the lines. */
+static double points(double h)
+{
+  FBL_TRY(walk(h));
+  return input.distributed ? fbl_points_miss(&path[0].told, sizeof(look) / sizeof(fb_real), dt, size) : FBL_NONE;
 }
 
 static double accelerations(double h)
@@ -1333,6 +1344,7 @@ static fb_status digest(void)
 
 static const fbl_law laws[] = {
     {"velocities_are_derivatives", "E8.20", velocities, 0.02, {1e-7, 3e-2}},
+    {"loads_are_told_how_points_move", "E14.40", points, 0.02, {1e-7, 0}},
     {"accelerations_are_derivatives", "E8.19 E8.20 E8.44 E14.16", accelerations, 0.02, {1e-6, 0}},
     {"coordinates_and_their_rates", "E8.13 E8.19", coordinates, 0.02, {1e-6, 0}},
     {"angles_of_rotors", "E8.41", rotor_angles, 0.02, {1e-6, 0}},

@@ -43,11 +43,49 @@ void fbl_legal(fbl_choice *c)
   }
 }
 
+fbl_points fbl_told;
+
+double fbl_points_miss(const fbl_points *told, size_t stride, double h, double size)
+{
+  const fbl_points *const now = (const fbl_points *)((const fb_real *)told + 2 * stride);
+  double miss = 0.0;
+  for (int b = 0; b < FB_MAX_BODIES; b++) {
+    for (int k = 0; k < 3 && now->there[b]; k++) {
+      fb_real turning[3];
+      double v_off = 0.0, w_off = 0.0;
+      fb_vec3_cross(turning, now->angular_rate[b][k], now->along[b][k]);
+      for (int i = 0; i < 3; i++) {
+        v_off = larger(v_off, fabs(fbl_slope(&told->position[b][k][i], stride, h) - (double)now->velocity[b][k][i]));
+        w_off = larger(w_off, fabs(fbl_slope(&told->along[b][k][i], stride, h) - (double)turning[i]));
+      }
+      miss = larger(miss, v_off / (fbl_largest(now->velocity[b][k], 3) + 0.1 * (double)fbl_unit(size, 0, 1, -1)));
+      miss = larger(miss, w_off / (fbl_largest(now->angular_rate[b][k], 3) + 0.1 * (double)fbl_unit(1.0, 0, 0, -1)));
+    }
+  }
+  return miss;
+}
+
+static void points_tell(const fb_line_point *point, int n)
+{
+  const int b = point[0].body;
+  for (int k = 0; k < 3; k++) {
+    const fb_line_point *const p = &point[k * (n - 1) / 2];
+    for (int i = 0; i < 3; i++) {
+      fbl_told.position[b][k][i] = p->position[i];
+      fbl_told.velocity[b][k][i] = p->velocity[i];
+      fbl_told.along[b][k][i] = p->R[3 * i];
+      fbl_told.angular_rate[b][k][i] = p->angular_rate[i];
+    }
+  }
+  fbl_told.there[b] = 1;
+}
+
 fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user)
 {
   const double size = *(const double *)user;
   fb_real along[3];
   (void)t;
+  points_tell(point, n);
   fbl_inertial_polar(along, 0.1, -0.15, 0.2, 1, 0, -2);
   for (int k = 0; k < n; k++) {
     const double share = (double)point[k].length * (1.0 + (double)point[k].x / (double)fbl_unit(size, 0, 1, 0));

@@ -146,6 +146,16 @@ typedef struct fbl_choice { /* levels of the features of a body */
       "heavy", "light", "offset"                                                                                      \
     }                                                                                                                 \
   }
+/* What fb_distributed was last told of the first, a middle and the last point of each body. */
+typedef struct fbl_points {
+  fb_real position[FB_MAX_BODIES][3][3], velocity[FB_MAX_BODIES][3][3];
+  fb_real along[FB_MAX_BODIES][3][3], angular_rate[FB_MAX_BODIES][3][3]; /* along: axis x of the section */
+  int there[FB_MAX_BODIES];
+} fbl_points;
+extern fbl_points fbl_told;
+/* By how much positions and attitudes of points change otherwise than their velocities say: five of them, `stride` reals
+   apart, h between; size [m] of the body. */
+double fbl_points_miss(const fbl_points *told, size_t stride, double h, double size);
 /* A dead load along the lines that grows towards their tips, for fb_distributed. user: their size in drawn units, double. */
 fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user);
 /* Lowers what does not go together. */

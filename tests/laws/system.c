@@ -785,6 +785,7 @@ typedef struct look {
   fb_energy energy;
   fb_momentum momentum;
   fb_system_limit limit;
+  fbl_points told;
 } look;
 
 static fb_status nodes_look(look *at)
@@ -999,7 +1000,10 @@ static fb_status alone(fb_state *out, fb_input *in, const look *at, const fb_sys
 
 static fb_status look_at(look *at, const fb_system_state *where, const fb_system_input *in)
 {
-  fb_status status = fb_system_motion_eval(&mechanism, model, &work, &at->motion, where, in);
+  fb_status status;
+  memset(&fbl_told, 0, sizeof fbl_told);
+  status = fb_system_motion_eval(&mechanism, model, &work, &at->motion, where, in);
+  at->told = fbl_told;
   at->state = *where;
   status = status ? status : nodes_look(at);
   status = status ? status : fb_system_limit_eval(&mechanism, model, &work, &at->limit, where, in);
@@ -1097,6 +1101,13 @@ static double velocities(double h)
     }
   }
   return miss;
+}
+
+/* What a distributed load is told of the lines. */
+static double points(double h)
+{
+  FBL_TRY(walk(h));
+  return now[LOAD] == DISTRIBUTED ? fbl_points_miss(&path[0].told, sizeof(look) / sizeof(fb_real), dt, size) : FBL_NONE;
 }
 
 static double accelerations(double h)
@@ -2789,6 +2800,7 @@ static fb_status digest(void)
 
 static const fbl_law laws[] = {
     {"velocities_are_derivatives", "E9.1 E9.5", velocities, 0.01, {1e-7, 3e-2}},
+    {"loads_are_told_how_points_move", "E14.40", points, 0.01, {1e-7, 0}},
     {"accelerations_are_derivatives", "E9.18 E9.19", accelerations, 0.01, {1e-6, 0}},
     {"imus_read_derivatives", "E8.20 E9.19", imus, 0.01, {1e-6, 0}},
     {"coordinates_and_their_rates", "E9.5 E9.19", coordinates, 0.01, {1e-6, 0}},
