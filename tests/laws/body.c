@@ -664,13 +664,18 @@ static double loads_at_roots(double h)
     if (!a || !b || a == b) {
       continue;
     }
-    for (int turns = 0; turns < 2; turns++) { /* their lengths: the axes of a node are not those of the section */
-      const double own = sqrt(turns ? dot(loads.moment, loads.moment) : dot(loads.force, loads.force));
-      const double x_a = sqrt(turns ? dot(a->moment, a->moment) : dot(a->force, a->force));
-      const double x_b = sqrt(turns ? dot(b->moment, b->moment) : dot(b->force, b->force));
+    for (int turns = 0; turns < 2; turns++) { /* its length: the axes of a node are not those of the section */
+      const fb_real *const own = turns ? loads.moment : loads.force;
       const double part = (x - (double)a->at.x) / ((double)b->at.x - (double)a->at.x);
-      const double wide = fabs(x_a - x_b) + 0.1 * size_of[turns];
-      miss = larger(miss, fabs(own - x_a - part * (x_b - x_a)) > wide ? 1.0 : 0.0);
+      fb_real from[3], to[3], between[3];
+      double wide;
+      fb_mat33_mul_vec3(from, a->at.R, turns ? a->moment : a->force);
+      fb_mat33_mul_vec3(to, b->at.R, turns ? b->moment : b->force);
+      for (int i = 0; i < 3; i++) {
+        between[i] = (fb_real)((1.0 - part) * (double)from[i] + part * (double)to[i]);
+      }
+      wide = fabs(sqrt(dot(from, from)) - sqrt(dot(to, to))) + 0.1 * size_of[turns];
+      miss = larger(miss, fabs(sqrt(dot(own, own)) - sqrt(dot(between, between))) > wide ? 1.0 : 0.0);
     }
   }
 
