@@ -264,7 +264,7 @@
      a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge
                                    next to no inertia, but with FB_EFFECTS_LARGE, which needs none. FB_ROOT_PINNED
                                    frees the slopes of both planes: for a spherical joint, or a beam that bends in the
-                                   plane of its free hinge alone
+                                   plane of its hinge alone, both without spring, damper, friction or motor
      a beam that carries bodies    fb_modes_desc.load at that node, axes 1, 2, 4, 5: joints load it with force
                                    and moment
      what is locked or latched     fb_system_axis_set

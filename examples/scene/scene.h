@@ -36,6 +36,7 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
   fb_status status = model_build_shape(&what);
   body->kind = model.kind;
   body->level = model.level;
+  body->root = model_loose_root();
   memcpy(body->warning, model.warning, sizeof body->warning);
   if (!body->warning[0]) {
     (void)model_lacks_stiffening(body->warning, NULL);

@@ -196,6 +196,35 @@ static void scene_check_start(text_file *t, const scene *s, const scene_joint *j
   }
 }
 
+#define SCENE_PINNED \
+  "about an axis of a beam with modes of a pinned root does not bend it: root clamped and a hub, or effects large"
+
+/* Modes of a root that is not clamped take no moment there: what a joint exerts about an axis would not bend the beam. */
+static void scene_check_root(text_file *t, const scene *s, int at)
+{
+  static const char *const words[] = {"stiffness", "damping", "friction", "mode", "stops 1", "stops 2", "stops 3"};
+  const scene_joint *const joint = &s->joint[at];
+  const scene_body *const body = &s->body[joint->desc.child];
+  const fb_joint_kind kind = joint->desc.kind;
+  if (body->root == FB_ROOT_CLAMPED || kind == FB_JOINT_FREE) {
+    return;
+  }
+  if (body->root == FB_ROOT_FREE || kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC) {
+    t->line = joint->line;
+    text_fail(t, "modes of a %s root leave out how body %s moves on this joint: root clamped",
+              body->root == FB_ROOT_FREE ? "free" : "pinned", body->name);
+  }
+  for (int k = 0; k < (int)(sizeof words / sizeof words[0]) && !t->failed; k++) {
+    scene_refuse(t, &joint->seen, words[k], SCENE_PINNED);
+  }
+  for (int k = 0; k < s->n_drive && !t->failed; k++) {
+    if (s->drive[k].joint == at) {
+      t->line = s->drive[k].line;
+      text_fail(t, "a drive " SCENE_PINNED);
+    }
+  }
+}
+
 /* A base other than free: of a body from a file it is let be where a joint takes its place. */
 static void scene_check_base(text_file *t, const scene *s, int k)
 {
@@ -276,6 +305,7 @@ static void scene_check_system(text_file *t, const scene *s)
   for (int k = 0; k < s->n_joint; k++) {
     if (!s->joint[k].loop) {
       scene_check_start(t, s, &s->joint[k]);
+      scene_check_root(t, s, k);
     }
     scene_check_speeds(t, &s->joint[k]);
   }

@@ -51,6 +51,7 @@ typedef struct scene_body {
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
+  fb_root root;              /* of modes that leave out how it moves, else clamped */
   fb_form_desc form;         /* of a body alone */
   fb_form_torque torque;     /* of its shape, where that form wants it */
   int n_node;                /* with node 0; further ones of the shape are drawn: */

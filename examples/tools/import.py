@@ -11,6 +11,7 @@ import importlib
 import importlib.metadata
 import importlib.util
 import io
+import math
 import os
 import re
 import sys
@@ -1000,6 +1001,13 @@ def lines_of(model, texts, masses):
         chain = [model.find(node, '--line') for node, _ in listed(text.removeprefix('straight:'), '--line')]
         if len(chain) < 2:
             raise Refused('--line %s: a line has two nodes at least' % text)
+        held = [k for k in range(len(model.ids)) if not abs(shape[k]).max() > 0]
+        for k in chain[1:]:
+            if k in held:
+                raise Refused('--line %s: node %d is held: a line goes from the frame outward, to an end that is free to move in as it bends'
+                              % (text, model.ids[k]))
+        if held and chain[0] not in held and model.ids[chain[0]] not in used:
+            raise Refused('--line %s: node %d is neither on the frame nor on a line before: a line begins there' % (text, model.ids[chain[0]]))
         word = 'line straight' if straight or not abs(shape[chain, 3:]).max() > 0 else 'line'
         root = ''
         if model.ids[chain[0]] not in used and not abs(shape[chain[0]]).max() > 0:
@@ -1204,6 +1212,9 @@ def convert(options):
         model.find(node, '--mark')
         if node in [other for other, _ in marks[:k]]:
             raise Refused('--mark: node %d is there twice' % node)
+    for k, (node, name) in enumerate(marks):
+        if name and name in [other for _, other in marks[:k]]:
+            raise Refused('--mark: two nodes have the name %s' % name)
     if len(marks) > MARKS:
         raise Refused('--mark: %d nodes, a body of a scene holds %d, one of reduce and analyse 7' % (len(marks), MARKS))
     effective(model, want)
@@ -1242,7 +1253,7 @@ def options_of(arguments):
     try:
         options.scale = [float(x) for x in options.scale.split(',')]
         origin = [float(x) for x in options.origin.split(',')]
-        if len(options.scale) != 2 or not min(options.scale) > 0 or len(origin) not in (1, 3):
+        if len(options.scale) != 2 or not 0 < min(options.scale) <= max(options.scale) < math.inf or len(origin) not in (1, 3) or not all(map(math.isfinite, origin)):
             raise ValueError
     except ValueError:
         parser.error('--scale wants two numbers above 0, --origin three numbers or a node')
@@ -1253,6 +1264,8 @@ def options_of(arguments):
     read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
     if os.path.exists(options.out) and any(os.path.exists(name) and os.path.samefile(options.out, name) for name in read):
         parser.error('--out: that is what is read')
+    if not 0 <= options.tolerance < math.inf:
+        parser.error('--tolerance wants a number from 0 on')
     if not all(options.word):
         parser.error('--word wants a line of the description')
     if options.modes is not None and options.modes < 1:

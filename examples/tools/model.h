@@ -1303,12 +1303,44 @@ static void model_warn_all(void)
 }
 
 /* What only the whole description tells. */
+/* The root of a beam whose natural modes leave out how it moves there, else FB_ROOT_CLAMPED: modes by static deflections
+   have it among their coordinates, of lines of large deflection the curvatures alone count. */
+static inline fb_root model_loose_root(void)
+{
+  const model_part *const part = &model.part[0];
+  const int leaves_out = model.kind == MODEL_BEAM && part->modes.basis == FB_BASIS_MODES &&
+                         part->modes.n_boundary == 0 && !(model.level.effects & FB_EFFECT_LARGE_DEFLECTION);
+  return leaves_out ? part->beam.root : FB_ROOT_CLAMPED;
+}
+
+/* A beam that is the whole body. */
+static void model_loose_check(text_file *t)
+{
+  const double *const J = model.hub_inertia;
+  const int turns = fabs(J[0]) + fabs(J[1]) + fabs(J[2]) > 0;
+  const fb_root root = model_loose_root();
+  if (root == FB_ROOT_FREE && (model.hub || model.level.base != FB_BASE_FREE)) {
+    model_at(t, &model.part[0], "root");
+    text_fail(t,
+              "modes of a free root are those of a beam that flies alone, held by no %s: its hub is a line "
+              "`lump 0 ..`, or root clamped",
+              model.hub ? "hub" : "base");
+  } else if (root == FB_ROOT_PINNED && ((model.hub && turns) || model.level.base == FB_BASE_PRESCRIBED)) {
+    model_at(t, &model.part[0], "root");
+    text_fail(t, "modes of a pinned root leave out how it turns against its %s: root clamped",
+              model.hub && turns ? "hub" : "base");
+  }
+}
+
 static void model_check(text_file *t)
 {
   model_rotor_nodes(t);
   model_effects_check(t);
   if (!t->failed && (model.kind == MODEL_BEAM || model.kind == MODEL_COMPONENT)) {
     model_part_check(t, &model.part[0]);
+  }
+  if (!t->failed) {
+    model_loose_check(t);
   }
   if (!t->failed) {
     model_quadratic_check(t);
