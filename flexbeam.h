@@ -1762,7 +1762,7 @@ typedef struct fb_exact_state {           /* all that changes, in the beam's own
 
 typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
   int march;                      /* d is the velocity; else a change of pose */
-  int inertia, gravity, dead;     /* velocities, gravity, dead loads on elements are there */
+  int inertia, gravity, dead;     /* velocities, gravity, dead loads (1: on elements, 2: on nodes) are there */
   fb_real pose;                   /* change of pose by d */
   fb_real shift;                  /* rate of a strain, momentum or pose by itself */
 } fbi_exact_motion;
@@ -2033,10 +2033,11 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
    EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
    bears 0.1 s up to EA = 1e5 N, two 0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of
-   0.2 s at 1e8 N. FB_ERR_CONVERGENCE: the last correction is not small, or the residual after it not so much smaller
-   that the next one would be below a tenth of its bound (1e-6 of the length, a radian, the largest load; single
-   precision 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia and
-   stiffness; else as fb_exact_trim. On failure state is as before. */
+   0.2 s at 1e8 N. Four iterations do for steps that resolve the motion; where loads or supports come suddenly, and
+   in long steps, take six. FB_ERR_CONVERGENCE: the correction that would be the next, by the residuals before and after
+   the last one, is not below 1e-7 of the length, a radian, the largest load, or the last one not below 1e-5 (single
+   precision 1e-4, 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia
+   and stiffness; else as fb_exact_trim. On failure state is as before. */
 FB_API fb_status fb_exact_step(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *middle, fb_real dt);
 #endif
@@ -2718,7 +2719,7 @@ typedef struct fb_exact_desc {
   int n_lump;         /* lumped bodies on nodes, in section axes there */
   int n_joint;        /* elements that are joints */
   int n_branch;       /* further chains */
-  int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
+  int iterations;     /* Newton iterations of a time step, 1..20; 0: 4 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   int box; /* nonzero: mass that moves along the line stays in the middle of the elements, as in the box scheme of
               [L], where stretch waves of a straight beam travel without error in steps of dx/c. For bases that do not

@@ -13203,23 +13203,39 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
    RUN >>exact: the geometrically exact beam (uses config, status, vec3, rotation, solve, body) */
 
 /* y = ad(x) v, the commutator of the twists x = (u, w) and v: (u x v_w + w x v_u, w x v_w) */
-static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
+static FBI_INLINE void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
 {
-  fb_vec3_cross(y, x + 3, v);
-  fbi_vec3_add_cross(y, x, v + 3);
-  fb_vec3_cross(y + 3, x + 3, v + 3);
+  const fb_real a = v[3], b = v[4], c = v[5];
+  const fb_real p = (x[4] * v[2] - x[5] * v[1]) + (x[1] * c - x[2] * b);
+  const fb_real q = (x[5] * v[0] - x[3] * v[2]) + (x[2] * a - x[0] * c);
+  const fb_real r = (x[3] * v[1] - x[4] * v[0]) + (x[0] * b - x[1] * a);
+  const fb_real d = x[4] * c - x[5] * b, e = x[5] * a - x[3] * c, f = x[3] * b - x[4] * a;
+  y[0] = p;
+  y[1] = q;
+  y[2] = r;
+  y[3] = d;
+  y[4] = e;
+  y[5] = f;
 }
 
 /* y = ad(x)^T F of a wrench F = (f, m): (f x w, f x u + m x w) */
-static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
+static FBI_INLINE void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
 {
-  fb_vec3_cross(y, F, x + 3);
-  fb_vec3_cross(y + 3, F, x);
-  fbi_vec3_add_cross(y + 3, F + 3, x + 3);
+  const fb_real a = F[0], b = F[1], c = F[2];
+  const fb_real d = (b * x[2] - c * x[1]) + (F[4] * x[5] - F[5] * x[4]);
+  const fb_real e = (c * x[0] - a * x[2]) + (F[5] * x[3] - F[3] * x[5]);
+  const fb_real f = (a * x[1] - b * x[0]) + (F[3] * x[4] - F[4] * x[3]);
+  const fb_real p = b * x[5] - c * x[4], q = c * x[3] - a * x[5], r = a * x[4] - b * x[3];
+  y[0] = p;
+  y[1] = q;
+  y[2] = r;
+  y[3] = d;
+  y[4] = e;
+  y[5] = f;
 }
 
 /* Y = ad(x) M for 6x6 M, row by row so that compilers vectorize it. */
-static void fbi_ad_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
+static void fbi_ad_mul(fb_real *FBI_RESTRICT Y, const fb_real *FBI_RESTRICT x, const fb_real *FBI_RESTRICT M)
 {
   for (int j = 0; j < 6; j++) {
     const fb_real *t = M + j, *b = M + 18 + j;
@@ -13233,7 +13249,7 @@ static void fbi_ad_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
 }
 
 /* Y = ad(x)^T M */
-static void fbi_adT_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
+static void fbi_adT_mul(fb_real *FBI_RESTRICT Y, const fb_real *FBI_RESTRICT x, const fb_real *FBI_RESTRICT M)
 {
   for (int j = 0; j < 6; j++) {
     const fb_real *t = M + j, *b = M + 18 + j;
@@ -13255,7 +13271,7 @@ static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
 }
 
 /* A += s v^ (cross-product matrix) on a 3x3 block of a matrix with n columns */
-static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
+static FBI_INLINE void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
 {
   const fb_real x = s * v[0], y = s * v[1], z = s * v[2];
   A[1] -= z;
@@ -13290,12 +13306,130 @@ static void fbi_mat66_mul_vec6(fb_real y[6], const fb_real A[36], const fb_real 
   }
 }
 
-/* C += A B */
-static void fbi_mat66_add_mul(fb_real C[36], const fb_real A[36], const fb_real B[36])
+/* y = A^T x, of a symmetric A also A x; sums inside a loop over columns, which compilers vectorize. */
+static void fbi_mat66T_mul_vec6(fb_real *FBI_RESTRICT y, const fb_real *FBI_RESTRICT A, const fb_real *FBI_RESTRICT x)
+{
+  for (int j = 0; j < 6; j++) {
+    y[j] = A[j] * x[0] + A[6 + j] * x[1] + A[12 + j] * x[2] + A[18 + j] * x[3] + A[24 + j] * x[4] + A[30 + j] * x[5];
+  }
+}
+
+/* y += A^T x */
+static void fbi_mat66T_add_mul_vec6(fb_real *FBI_RESTRICT y, const fb_real *FBI_RESTRICT A,
+                                    const fb_real *FBI_RESTRICT x)
+{
+  for (int j = 0; j < 6; j++) {
+    y[j] = y[j] + A[j] * x[0] + A[6 + j] * x[1] + A[12 + j] * x[2] + A[18 + j] * x[3] + A[24 + j] * x[4] +
+           A[30 + j] * x[5];
+  }
+}
+
+/* C += A B, from C on in sequence: what cancels in a beam without supports does so to the last bits of single precision. */
+static void fbi_mat66_add_mul(fb_real *FBI_RESTRICT C, const fb_real *FBI_RESTRICT A, const fb_real *FBI_RESTRICT B)
 {
   for (int i = 0; i < 36; i += 6) {
-    for (int k = 0; k < 6; k++) {
-      fbi_vec6_add(C + i, A[i + k], B + 6 * k);
+    const fb_real *const a = A + i;
+    for (int j = 0; j < 6; j++) {
+      C[i + j] = C[i + j] + a[0] * B[j] + a[1] * B[6 + j] + a[2] * B[12 + j] + a[3] * B[18 + j] + a[4] * B[24 + j] +
+                 a[5] * B[30 + j];
+    }
+  }
+}
+
+static void fbi_mat66_transpose(fb_real *FBI_RESTRICT T, const fb_real *FBI_RESTRICT A)
+{
+  for (int i = 0; i < 6; i++) {
+    for (int j = 0; j < 6; j++) {
+      T[6 * i + j] = A[6 * j + i];
+    }
+  }
+}
+
+/* A = A^-1 by Gauss and Jordan with scaled partial pivoting; what counts as zero is that of E5.1, beside the column as it
+   was. */
+static fb_status fbi_mat66_invert(fb_real *FBI_RESTRICT A)
+{
+  fb_real scale[6], column[6] = {FB_R(0.0)};
+  int swapped[6];
+  if (!fbi_is_finite(A, 36)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int i = 0; i < 6; i++) {
+    fb_real largest = FB_R(0.0), size[6];
+    FBI_WHOLE
+    for (int j = 0; j < 6; j++) {
+      size[j] = FB_FABS(A[6 * i + j]);
+      largest = fbi_larger(largest, size[j]);
+    }
+    if (!(largest > FB_R(0.0))) {
+      return FB_ERR_SINGULAR;
+    }
+    scale[i] = FB_R(1.0) / largest;
+    FBI_WHOLE
+    for (int j = 0; j < 6; j++) {
+      column[j] = fbi_larger(column[j], size[j] * scale[i]);
+    }
+  }
+  for (int k = 0; k < 6; k++) {
+    fb_real best = FB_R(0.0), pivot, U[6];
+    int row = k;
+    for (int i = k; i < 6; i++) {
+      const fb_real size = FB_FABS(A[6 * i + k]) * scale[i];
+      row = size > best ? i : row;
+      best = fbi_larger(best, size);
+    }
+    if (!(best > FB_R(6.0) * FB_EPSILON * column[k])) {
+      return FB_ERR_SINGULAR;
+    }
+
+    /* Its row over the pivot becomes row k, also for row == k: constant instruction count */
+    swapped[k] = row;
+    pivot = FB_R(1.0) / A[6 * row + k];
+    for (int j = 0; j < 6; j++) {
+      U[j] = A[6 * row + j] * pivot;
+    }
+    fbi_vec6_copy(A + 6 * row, A + 6 * k);
+    scale[row] = scale[k];
+    U[k] = pivot;
+    fbi_vec6_zero(A + 6 * k);
+    for (int i = 0; i < 36; i += 6) {
+      const fb_real factor = A[i + k];
+      A[i + k] = FB_R(0.0);
+      fbi_vec6_sub(A + i, factor, U);
+    }
+    fbi_vec6_copy(A + 6 * k, U);
+  }
+  for (int k = 4; k >= 0; k--) { /* columns as rows were exchanged, backward */
+    const int to = swapped[k];
+    for (int i = 0; i < 36; i += 6) {
+      const fb_real x = A[i + k];
+      A[i + k] = A[i + to];
+      A[i + to] = x;
+    }
+  }
+  return FB_OK;
+}
+
+/* X = Y^-1 of a function of ad(theta), Y = (A B; 0 A): (A^-1, -A^-1 B A^-1; 0, A^-1); the rotation must be below a turn. */
+static void fbi_ad_function_invert(fb_real X[36], const fb_real Y[36])
+{
+  const fb_real *const a = Y, *const b = Y + 6, *const c = Y + 12;
+  fb_real adj[3][3], A[9], B[9], T[9], Z[9], det;
+  fb_vec3_cross(adj[0], b, c);
+  fb_vec3_cross(adj[1], c, a);
+  fb_vec3_cross(adj[2], a, b);
+  det = FB_R(1.0) / fb_vec3_dot(a, adj[0]);
+  for (int i = 0; i < 9; i++) {
+    A[i] = adj[i % 3][i / 3] * det;
+    B[i] = Y[6 * (i / 3) + 3 + i % 3];
+  }
+  fb_mat33_mul(T, A, B);
+  fb_mat33_mul(Z, T, A);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      X[6 * i + j] = X[6 * i + j + 21] = A[3 * i + j];
+      X[6 * i + j + 3] = -Z[3 * i + j];
+      X[6 * i + j + 18] = FB_R(0.0);
     }
   }
 }
@@ -13571,7 +13705,7 @@ static FBI_NOINLINE void fbi_exact_joint_jacobian(fbi_exact_jacobian *jac, const
    f: T, T', T'', q, q', q''. Series where these cancel, up to half a radian.
    Source: own; dexp of SE(3), [L] 3.96-3.105 have D to the first order.  Cost: 80 flops.  Fails: never below 2 pi.
    Test: velocity_of_the_middle_is_that_of_a_pose. */
-static void fbi_exact_functions(fb_real f[6], fb_real x)
+static FBI_INLINE void fbi_exact_functions(fb_real f[6], fb_real x, int second)
 {
   static const fb_real tangent[9] = {FB_R(0.125),
                                      FB_R(0.0026041666666666665),
@@ -13591,7 +13725,7 @@ static void fbi_exact_functions(fb_real f[6], fb_real x)
       const fb_real *const c = k == 0 ? tangent : cotangent;
       fb_real y = c[8], y1 = FB_R(0.0), y2 = FB_R(0.0);
       for (int i = 7; i >= 0; i--) {
-        y2 = y2 * x + y1;
+        y2 = second ? y2 * x + y1 : y2;
         y1 = y1 * x + y;
         y = y * x + c[i];
       }
@@ -13617,17 +13751,27 @@ static void fbi_exact_functions(fb_real f[6], fb_real x)
   }
 }
 
-static void fbi_exact_twist_eval(fbi_exact_twist *t, const fb_real theta[6])
+static FBI_INLINE void fbi_exact_twist_fill(fbi_exact_twist *t, const fb_real theta[6], int second)
 {
   const fb_real *const v = theta, *const w = theta + 3;
   const fb_real along = fb_vec3_dot(w, v);
-  fbi_exact_functions(t->f, fb_vec3_dot(w, w));
+  fbi_exact_functions(t->f, fb_vec3_dot(w, w), second);
   for (int i = 0; i < 3; i++) {
     t->beta[i] = t->f[0] * v[i] + FB_R(2.0) * t->f[1] * along * w[i];
     t->beta[i + 3] = t->f[0] * w[i];
   }
   t->even = -t->f[3];
   t->screw = -FB_R(2.0) * t->f[4] * along;
+}
+
+/* second: with T'' and q'', which derivatives by the twist want. */
+static FBI_NOINLINE void fbi_exact_twist_eval(fbi_exact_twist *t, const fb_real theta[6], int second)
+{
+  if (second) {
+    fbi_exact_twist_fill(t, theta, 1);
+  } else {
+    fbi_exact_twist_fill(t, theta, 0);
+  }
 }
 
 /* y = A1 a + A2 b: velocity of the middle, of those of the ends. */
@@ -13712,7 +13856,7 @@ static void fbi_quat_back(fb_real y[3], const fb_real quat[4], const fb_real x[3
 static void fbi_exact_middle_loads(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fb_real *const n = work->line_dead + 6 * k, *const load[3] = {n, n + 3, work->gravity};
-  const int only = work->motion.dead ? 0 : 2, end = work->motion.gravity ? 3 : 2;
+  const int only = work->motion.dead & 1 ? 0 : 2, end = work->motion.gravity ? 3 : 2;
   fb_real *const out[3] = {c->dead, c->dead + 3, c->G};
   if (work->motion.march) {
     fb_real turn[3], own[4];
@@ -13739,7 +13883,8 @@ static void fbi_exact_middle_loads(fbi_exact_cell *c, const fb_exact_work *work,
    of mass two thirds are there, the rest is at the nodes (E10.6, E10.18).
    Source: [L] 3.92-3.95, 3.89; virtual power, Simpson's rule.  Cost: about 350 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
-static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
+static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k,
+                                             int second)
 {
   const fbi_exact_motion *motion = &work->motion;
   const fbi_exact_twist *const t = &c->twist;
@@ -13751,21 +13896,21 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
   /* Strain from the stress, twist over the element */
   c->h = m->h[k];
   fbi_vec6_zero(c->P);
-  fbi_mat66_mul_vec6(c->strain, m->C + 36 * k, s);
+  fbi_mat66T_mul_vec6(c->strain, m->C + 36 * k, s);
   for (int i = 0; i < 6; i++) {
     c->theta[i] = c->h * (m->xi[6 * k + i] + c->strain[i] + work->offset[6 * k + i]);
   }
-  fbi_exact_twist_eval(&c->twist, c->theta);
+  fbi_exact_twist_eval(&c->twist, c->theta, second);
 
   /* Velocity of the middle; line loads: follower loads, then dead loads turned to section axes; gravity */
   if (motion->inertia) {
     fbi_exact_mean(c->V, t, work->V + 6 * root, work->V + 6 * k + 6);
   }
   fbi_vec6_copy(c->f, work->line + 6 * k);
-  if (motion->dead || motion->gravity) {
+  if ((motion->dead & 1) || motion->gravity) {
     fbi_exact_middle_loads(c, work, m, k);
   }
-  if (motion->dead) {
+  if (motion->dead & 1) {
     fbi_vec6_add(c->f, FB_R(1.0), c->dead);
   }
   for (int i = 0; i < 6; i++) {
@@ -13777,7 +13922,7 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
 
   /* Inertia */
   if (motion->inertia) {
-    fbi_mat66_mul_vec6(c->P, M, c->V);
+    fbi_mat66T_mul_vec6(c->P, M, c->V);
     fbi_exact_inertia_add(c->f, c->V, c->P, work->momentum + 6 * k, motion->shift);
   }
 
@@ -13793,12 +13938,13 @@ static FBI_NOINLINE void fbi_exact_beam_cell(fbi_exact_cell *c, const fb_exact_w
   }
 }
 
-static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
+/* second: as a Jacobian wants it. */
+static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k, int second)
 {
   if (m->jointed[k]) {
     fbi_exact_joint_cell(c, work, m, k);
   } else {
-    fbi_exact_beam_cell(c, work, m, k);
+    fbi_exact_beam_cell(c, work, m, k, second);
   }
 }
 
@@ -13834,21 +13980,34 @@ static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const
   }
 }
 
-/* D1, D2 of E10.28, and -D1^T, D2^T in F1s, F2s. */
+/* D1, D2 of E10.28, and -D1^T, D2^T in F1s, F2s: blocks of rotation w, twice on the diagonal, and of the translation v. */
 static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fbi_exact_cell *c)
 {
-  fb_real X[36], X2[36];
-  fbi_ad_fill(X, c->theta);
-  fbi_ad_mul(X2, c->theta, X);
-  for (int i = 0; i < 36; i++) {
-    const int transposed = i % 6 * 6 + i / 6, corner = i < 18 && i % 6 > 2;
-    const fb_real even = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) + c->twist.even * X2[i] +
-                         (corner ? c->twist.screw * X2[i - 3] : FB_R(0.0));
-    const fb_real odd = FB_R(0.5) * X[i];
-    j->D1[i] = odd - even;
-    j->D2[i] = odd + even;
-    j->F1s[transposed] = even - odd;
-    j->F2s[transposed] = even + odd;
+  const fb_real *const v = c->theta, *const w = c->theta + 3;
+  const fb_real even = c->twist.even, screw = c->twist.screw, ww = fb_vec3_dot(w, w), vw = fb_vec3_dot(v, w);
+  fb_real odd_w[9] = {FB_R(0.0)}, odd_v[9] = {FB_R(0.0)};
+  fbi_add_skew(odd_w, 3, FB_R(0.5), w);
+  fbi_add_skew(odd_v, 3, FB_R(0.5), v);
+  fbi_zero(j->D1, 36);
+  fbi_zero(j->D2, 36);
+  fbi_zero(j->F1s, 36);
+  fbi_zero(j->F2s, 36);
+  for (int a = 0; a < 3; a++) {
+    for (int b = 0; b < 3; b++) {
+      const int at = 6 * a + b, over = 6 * b + a;
+      const fb_real one = a == b ? FB_R(1.0) : FB_R(0.0), square = w[a] * w[b] - ww * one;
+      const fb_real even_w = one + even * square;
+      const fb_real even_v = even * (v[a] * w[b] + w[a] * v[b] - FB_R(2.0) * vw * one) + screw * square;
+      const fb_real plus = even_w + odd_w[3 * a + b], minus = even_w - odd_w[3 * a + b];
+      j->D1[at] = j->D1[at + 21] = -minus;
+      j->D2[at] = j->D2[at + 21] = plus;
+      j->F1s[over] = j->F1s[over + 21] = minus;
+      j->F2s[over] = j->F2s[over + 21] = plus;
+      j->D1[at + 3] = odd_v[3 * a + b] - even_v;
+      j->D2[at + 3] = odd_v[3 * a + b] + even_v;
+      j->F1s[over + 18] = even_v - odd_v[3 * a + b];
+      j->F2s[over + 18] = even_v + odd_v[3 * a + b];
+    }
   }
 }
 
@@ -13868,8 +14027,8 @@ static void fbi_exact_beta_slope(fb_real J1[9], fb_real J2[9], const fbi_exact_c
 /* N: derivative of the load f of the middle by its motion, of which that of the nodes is A1, A2. Marching: by its
    velocity, N_V = ad(V)^T M + d(ad(V)^T P)/dV - shift M, and what turns with it; steady: by its pose, N_V (shift + ad(V))
    and that. f_theta (march): by the twist, on which the velocity of the middle depends, -N ad(V2 - V1) d beta/d theta. */
-static void fbi_exact_load_matrices(fb_real N[36], fb_real f_theta[36], const fbi_exact_cell *c,
-                                    const fb_exact_work *work, const fb_exact *m, int k)
+static void fbi_exact_load_matrices(fb_real N[36], fb_real f_theta[36], const fbi_exact_cell *c, const fb_real J1[9],
+                                    const fb_real J2[9], const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const M = m->M + 36 * k;
@@ -13889,17 +14048,16 @@ static void fbi_exact_load_matrices(fb_real N[36], fb_real f_theta[36], const fb
   if (motion->gravity) {
     fbi_exact_weight_turn(N, motion->pose, m->weight + 4 * k, c->G);
   }
-  if (motion->dead) {
+  if (motion->dead & 1) {
     fbi_add_skew(N + 3, 6, motion->pose * FB_R(2.0) / FB_R(3.0), c->dead);
     fbi_add_skew(N + 21, 6, motion->pose * FB_R(2.0) / FB_R(3.0), c->dead + 3);
   }
   if (motion->march) {
-    fb_real d[6], J1[9], J2[9];
+    fb_real d[6];
     for (int i = 0; i < 6; i++) {
       d[i] = work->V[6 * m->inboard[k] + i] - work->V[6 * k + 6 + i];
     }
     fbi_mul_ad(Y, N, d);
-    fbi_exact_beta_slope(J1, J2, c);
     for (int i = 0; i < 36; i += 6) {
       fb_mat33_mulT_vec3(f_theta + i, J1, Y + i);
       fb_mat33_mulT_vec3(f_theta + i + 3, J1, Y + i + 3);
@@ -13927,11 +14085,12 @@ static void fbi_exact_loads_by_nodes(fbi_exact_jacobian *j, const fb_real N[36],
 
 /* Even part of the loads by theta, s and f fixed: d(E^T s - h ad(beta)^T f)/dtheta. With p = ad(theta)^T s, y = ad(theta)^T
    p: dy = d(ad(theta)^T p) + ad(theta)^T d(ad(theta)^T s), and the coefficients of E10.28 by theta. */
-static void fbi_exact_even_by_theta(fb_real Y[36], const fbi_exact_cell *c, const fb_real s[6])
+static void fbi_exact_even_by_theta(fb_real Y[36], const fbi_exact_cell *c, const fb_real J1[9], const fb_real J2[9],
+                                    const fb_real s[6])
 {
   const fb_real *const v = c->theta, *const w = c->theta + 3, *const f = c->f, *const g = c->twist.f;
   const fb_real along = fb_vec3_dot(w, v);
-  fb_real X[36], y[6], J1[9], J2[9];
+  fb_real X[36], y[6];
 
   /* dy, times -q and, moved from force to moment, -2 q' w.v */
   fbi_zero(X, 36);
@@ -13953,7 +14112,6 @@ static void fbi_exact_even_by_theta(fb_real Y[36], const fbi_exact_cell *c, cons
   }
 
   /* d(ad(beta)^T f) = (f_f x dbeta_w, f_f x dbeta_v + f_m x dbeta_w), both slopes symmetric */
-  fbi_exact_beta_slope(J1, J2, c);
   for (int a = 0; a < 3; a++) {
     fb_real col[3], by_v[3];
     fb_vec3_cross(by_v, f, J1 + 3 * a);
@@ -14023,15 +14181,16 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
 {
   const fbi_exact_motion *motion = &work->motion;
   const fbi_exact_cell *c = &work->cell;
-  fb_real N[36], f_theta[36], even[36], odd[36], Y[36], hC[36];
+  fb_real N[36], f_theta[36], even[36], odd[36], Y[36], hC[36], J1[9], J2[9];
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
 
   /* Derivatives by the motion of the two nodes */
   fbi_exact_strain_matrices(j, c);
-  if (motion->inertia || motion->gravity || motion->dead) {
-    fbi_exact_load_matrices(N, f_theta, c, work, m, k);
+  fbi_exact_beta_slope(J1, J2, c);
+  if (motion->inertia || motion->gravity || (motion->dead & 1)) {
+    fbi_exact_load_matrices(N, f_theta, c, J1, J2, work, m, k);
     fbi_exact_loads_by_nodes(j, N, c);
   } else {
     fbi_zero(j->F1d1, 36);
@@ -14041,7 +14200,7 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
   }
 
   /* Derivatives of F1, F2 by theta, then through theta by the stress */
-  fbi_exact_even_by_theta(even, c, work->s + 6 * k);
+  fbi_exact_even_by_theta(even, c, J1, J2, work->s + 6 * k);
   fbi_zero(odd, 36);
   fbi_adT_turn(odd, work->s + 6 * k, FB_R(0.5));
   if (motion->march) {
@@ -14081,6 +14240,21 @@ static void fbi_exact_share_mass(fb_real M[36], const fb_real share[4], int box)
   }
 }
 
+/* P = M V of that mass: m J V = m v + w x s, and its moment by s/m. */
+static void fbi_exact_share_momentum(fb_real P[6], const fb_real share[4], int box, const fb_real V[6])
+{
+  fbi_vec6_zero(P);
+  if (share[0] > FB_R(0.0)) {
+    fbi_vec3_add(P, share[0], V);
+    fbi_vec3_add_cross(P, V + 3, share + 1);
+    P[0] = box ? FB_R(0.0) : P[0];
+    fb_vec3_cross(P + 3, share + 1, P);
+    for (int i = 3; i < 6; i++) {
+      P[i] /= share[0];
+    }
+  }
+}
+
 /* [E10.18] Load on a node, section axes: applied loads, and weight - momentum_t + ad(V)^T P of the mass that moves with
    it: that of lumped bodies and its share of the elements that meet there (E10.6).
    Source: [L] 3.92, 3.93.  Cost: 200 flops.  Fails: never.
@@ -14092,7 +14266,7 @@ static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const f
 
   /* Follower and dead loads */
   fbi_vec6_copy(F, work->follower + 6 * node);
-  for (int i = 0; i < 6; i += 3) {
+  for (int i = 0; i < 6 && (motion->dead & 2); i += 3) {
     fb_real f[3];
     fb_mat33_mulT_vec3(f, work->R + 9 * node, work->dead + 6 * node + i);
     fbi_vec3_add(F + i, FB_R(1.0), f);
@@ -14104,7 +14278,7 @@ static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const f
   }
   if (motion->inertia) {
     fb_real P[6];
-    fbi_mat66_mul_vec6(P, M, V);
+    fbi_mat66T_mul_vec6(P, M, V);
     fbi_exact_inertia_add(F, V, P, work->node_momentum + 6 * node, motion->shift);
   }
 }
@@ -14113,7 +14287,7 @@ static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const f
 static void fbi_exact_node_momenta(fb_exact_work *work, const fb_exact *m)
 {
   for (int j = 0; j <= m->n; j++) {
-    fbi_mat66_mul_vec6(work->node_momentum + 6 * j, m->node_M + 36 * j, work->velocity + 6 * j);
+    fbi_mat66T_mul_vec6(work->node_momentum + 6 * j, m->node_M + 36 * j, work->velocity + 6 * j);
   }
 }
 
@@ -14122,14 +14296,13 @@ static void fbi_exact_node_jacobian(fb_real K[36], const fb_exact_work *work, co
 {
   const fbi_exact_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node, *const M = m->node_M + 36 * node;
-  fb_real f[6];
 
   /* Dead loads: -f x rotation */
-  for (int i = 0; i < 6; i += 3) {
-    fb_mat33_mulT_vec3(f + i, work->R + 9 * node, work->dead + 6 * node + i);
+  for (int i = 0; i < 6 && (motion->dead & 2); i += 3) {
+    fb_real f[3];
+    fb_mat33_mulT_vec3(f, work->R + 9 * node, work->dead + 6 * node + i);
+    fbi_add_skew(K + 3 + 6 * i, 6, -motion->pose, f);
   }
-  fbi_add_skew(K + 3, 6, -motion->pose, f);
-  fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
 
   /* Gravity and inertia */
   if (motion->gravity) {
@@ -14137,7 +14310,7 @@ static void fbi_exact_node_jacobian(fb_real K[36], const fb_exact_work *work, co
   }
   if (motion->inertia) {
     fb_real P[6], N[36], Q[36];
-    fbi_mat66_mul_vec6(P, M, V);
+    fbi_mat66T_mul_vec6(P, M, V);
     fbi_adT_mul(N, V, M);
     fbi_adT_turn(N, P, FB_R(1.0));
     fbi_row_sub(N, motion->shift, M, 36);
@@ -14160,7 +14333,7 @@ static void fbi_exact_shares_add(fb_exact_work *work, const fb_exact *m)
     for (int end = m->inboard[k] == 0 ? 0 : 1; end < 2 && !m->jointed[k]; end++) {
       const int node = end ? k + 1 : 0;
       const fb_real *const share = m->share + 8 * k + 4 * end, *const V = work->V + 6 * node;
-      fb_real f[6], M[36], P[6], P_base[6], line[3];
+      fb_real f[6], P[6], P_base[6], line[3];
       fbi_vec6_copy(f, work->line + 6 * k);
       for (int i = 0; i < 6; i += 3) {
         fb_mat33_mulT_vec3(line, work->R + 9 * node, work->line_dead + 6 * k + i);
@@ -14173,10 +14346,8 @@ static void fbi_exact_shares_add(fb_exact_work *work, const fb_exact *m)
         fbi_exact_weight_add(f, share, work->G + 6 * node);
       }
       if (motion->inertia) {
-        fbi_zero(M, 36);
-        fbi_exact_share_mass(M, share, m->box);
-        fbi_mat66_mul_vec6(P, M, V);
-        fbi_mat66_mul_vec6(P_base, M, work->velocity + 6 * node);
+        fbi_exact_share_momentum(P, share, m->box, V);
+        fbi_exact_share_momentum(P_base, share, m->box, work->velocity + 6 * node);
         fbi_exact_inertia_add(f, V, P, P_base, motion->shift);
       }
       fbi_vec6_add(work->F + 6 * node, end ? -FB_R(1.0) : FB_R(1.0), f);
@@ -14230,75 +14401,145 @@ static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb
   if (fbi_exact_turned(held)) {
     fbi_exact_rows_turn(b, work->R + 9 * node, 1);
   }
-  for (int i = 0; i < 6; i++) {
+  for (int i = 0; i < 6 && held; i++) {
     b[i] = held >> i & 1 ? work->want[6 * node + i] : b[i];
   }
 }
 
-/* Rows of element k in E10.10, from its Jacobian and K of its outer node: compatibility [E, -D2 | -D1], balance of the
-   outer node [F2s, F2d2 + K | F2d1] under its constraints, as [LU | W]; balance of the inner node L = [F1s, F1d2]. */
-static void fbi_exact_rows_fill(fb_exact_work *work, const fb_exact *m, const fb_real K[36], int k)
+/* Balance of the outer node of element k under its constraints, by the stress, by the motion of that node and by that of
+   the inner one: [F2s, F2d2 + K | F2d1], K that of what is outboard. */
+static void fbi_exact_balance_fill(fb_real S[36], fb_real N[36], fb_real H[36], const fb_exact_work *work,
+                                   const fb_exact *m, const fb_real K[36], int k)
 {
   const fbi_exact_jacobian *const j = &work->jacobian;
-  fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
-  fb_real balance[6 * 18];
-  for (int r = 0; r < 6; r++) {
-    for (int i = 0; i < 6; i++) {
-      A[12 * r + i] = j->E[6 * r + i];
-      A[12 * r + 6 + i] = -j->D2[6 * r + i];
-      W[6 * r + i] = -j->D1[6 * r + i];
-      balance[18 * r + i] = j->F2s[6 * r + i];
-      balance[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
-      balance[18 * r + 12 + i] = j->F2d1[6 * r + i];
-      L[6 * i + r] = j->F1s[6 * r + i];
-      L[6 * (i + 6) + r] = j->F1d2[6 * r + i];
-    }
+  fb_real rows[6 * 18];
+  fbi_copy(S, j->F2s, 36);
+  fbi_copy(H, j->F2d1, 36);
+  for (int i = 0; i < 36; i++) {
+    N[i] = j->F2d2[i] + K[i];
   }
-  fbi_exact_hold(balance, work, m, k + 1, 18, 6);
+  if (!m->held[k + 1]) {
+    return;
+  }
   for (int r = 0; r < 6; r++) {
-    fbi_copy(A + 12 * (r + 6), balance + 18 * r, 12);
-    fbi_copy(W + 6 * (r + 6), balance + 18 * r + 12, 6);
+    fbi_copy(rows + 18 * r, S + 6 * r, 6);
+    fbi_copy(rows + 18 * r + 6, N + 6 * r, 6);
+    fbi_copy(rows + 18 * r + 12, H + 6 * r, 6);
+  }
+  fbi_exact_hold(rows, work, m, k + 1, 18, 6);
+  for (int r = 0; r < 6; r++) {
+    fbi_copy(S + 6 * r, rows + 18 * r, 6);
+    fbi_copy(N + 6 * r, rows + 18 * r + 6, 6);
+    fbi_copy(H + 6 * r, rows + 18 * r + 12, 6);
   }
 }
 
-/* y += x A of twelve numbers x and rows of A, those in steps of `stride`; row by row, the sums kept out of memory. */
-static FBI_INLINE void fbi_exact_combine(fb_real y[6], const fb_real *x, int stride, const fb_real A[72])
+/* What the inner node sees of element k, from W of its two unknowns: K = -F1d1 + F1s W_s + F1d2 W_d. W and the factors
+   of the loads are kept transposed, for products with vectors. */
+static void fbi_exact_condense(fb_real K[36], fb_exact_work *work, const fb_real W[72], int k)
 {
-  fb_real a = y[0], b = y[1], c = y[2], d = y[3], e = y[4], f = y[5];
-  for (int i = 0; i < 12; i++) {
-    const fb_real s = x[stride * i], *const row = A + 6 * i;
-    a += s * row[0];
-    b += s * row[1];
-    c += s * row[2];
-    d += s * row[3];
-    e += s * row[4];
-    f += s * row[5];
+  const fbi_exact_jacobian *const j = &work->jacobian;
+  for (int i = 0; i < 36; i++) {
+    K[i] = -j->F1d1[i];
   }
-  y[0] = a;
-  y[1] = b;
-  y[2] = c;
-  y[3] = d;
-  y[4] = e;
-  y[5] = f;
+  fbi_mat66_add_mul(K, j->F1s, W);
+  fbi_mat66_add_mul(K, j->F1d2, W + 36);
+  fbi_mat66_transpose(work->W + 72 * k, W);
+  fbi_mat66_transpose(work->W + 72 * k + 36, W + 36);
+  fbi_mat66_transpose(work->L + 72 * k, j->F1s);
+  fbi_mat66_transpose(work->L + 72 * k + 36, j->F1d2);
 }
 
-/* Eliminates element k: W = A^-1 W, and K = -F1d1 + L W for the inner node. */
-static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
+/* Eliminates an element: its rows [E, -D2 | -D1] and the balance of its outer node, 12 x 12 with row pivoting. */
+static FBI_NOINLINE fb_status fbi_exact_whole_eliminate(fb_real K[36], fb_exact_work *work, const fb_exact *m, int k)
 {
-  fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
-  fb_real scale[12];
-  const fb_status status = fbi_lu_12_factor(A, work->perm + 12 * k, scale);
+  const fbi_exact_jacobian *const j = &work->jacobian;
+  fb_real *const A = work->LU + 144 * k, S[36], N[36], W[72], scale[12];
+  fb_status status;
+  fbi_exact_balance_fill(S, N, W + 36, work, m, K, k);
+  for (int i = 0; i < 36; i++) {
+    const int at = 12 * (i / 6) + i % 6;
+    A[at] = j->E[i];
+    A[at + 6] = -j->D2[i];
+    A[at + 72] = S[i];
+    A[at + 78] = N[i];
+    W[i] = -j->D1[i];
+  }
+  status = fbi_lu_12_factor(A, work->perm + 12 * k, scale);
+  if (status == FB_OK) {
+    fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
+    fbi_exact_condense(K, work, W, k);
+  }
+  return status;
+}
+
+/* Is an element eliminated by parts? D2 of a joint may be singular. Single precision, and steady states and spectra, which
+   no later correction mends, have the pivoting of the whole block. */
+static int fbi_exact_by_parts(const fb_exact_work *work, const fb_exact *m, int k)
+{
+  return !FB_SINGLE && work->motion.march && !m->jointed[k];
+}
+
+/* Eliminates a beam element by parts. D2 is never singular: dd2 = G ds - X D1 dd1 + X c with X = D2^-1, G = X E, c the
+   residual of its compatibility, leaves (F2s + N G) ds + (F2d1 - N X D1) dd1 = b - N X c, 6 x 6, N = F2d2 + K; -X D1 = 1 -
+   X ad(theta). Kept transposed: the inverse of that matrix, N, G, X. */
+static FBI_NOINLINE fb_status fbi_exact_beam_eliminate(fb_real K[36], fb_exact_work *work, const fb_exact *m, int k)
+{
+  const fbi_exact_jacobian *const j = &work->jacobian;
+  fb_real *const kept = work->LU + 144 * k, *const X = work->L + 72 * k,
+                 *const G = X + 36; /* there until L is filled */
+  fb_real S[36], N[36], H[36], Y[36], W[72];
+  fb_status status;
+  fbi_ad_function_invert(X, j->D2);
+  fbi_zero(G, 36);
+  fbi_mat66_add_mul(G, X, j->E);
+  fbi_mul_ad(Y, X, work->cell.theta);
+  fbi_zero(W, 36);
+  for (int i = 0; i < 36; i++) { /* -X D1 */
+    W[i + 36] = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) - Y[i];
+  }
+  fbi_exact_balance_fill(S, N, H, work, m, K, k);
+  fbi_mat66_add_mul(S, N, G);
+  status = fbi_mat66_invert(S);
   if (status != FB_OK) {
     return status;
   }
-  fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
-  for (int r = 0; r < 6; r++) {
-    for (int i = 0; i < 6; i++) {
-      K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
-    }
-    fbi_exact_combine(K + 6 * r, L + r, 6, W);
+
+  /* ds = -W_s dd1, dd2 = -W_d dd1 without residuals */
+  fbi_mat66_add_mul(H, N, W + 36);
+  for (int i = 0; i < 36; i++) {
+    W[i + 36] = -W[i + 36];
   }
+  fbi_mat66_add_mul(W, S, H);
+  fbi_mat66_add_mul(W + 36, G, W);
+  fbi_mat66_transpose(kept, S);
+  fbi_mat66_transpose(kept + 36, N);
+  fbi_mat66_transpose(kept + 72, G);
+  fbi_mat66_transpose(kept + 108, X);
+  fbi_exact_condense(K, work, W, k);
   return FB_OK;
+}
+
+/* y = (ds, dd2) of element k with its inner node at rest, for the residuals c of its rows and the right-hand side b of its
+   outer node, which is overwritten. */
+static void fbi_exact_element_solve(fb_real y[12], const fb_exact_work *work, const fb_exact *m, const fb_real c[6],
+                                    fb_real b[6], int k)
+{
+  const fb_real *const kept = work->LU + 144 * k;
+  fb_real x[12];
+  if (!fbi_exact_by_parts(work, m, k)) {
+    for (int i = 0; i < 6; i++) {
+      x[i] = -c[i];
+      x[i + 6] = b[i];
+    }
+    fbi_lu_12_solve(y, kept, work->perm + 12 * k, x);
+    return;
+  }
+  fbi_mat66T_mul_vec6(y + 6, kept + 108, c);
+  fbi_mat66T_mul_vec6(x, kept + 36, y + 6);
+  fbi_vec6_add(b, -FB_R(1.0), x);
+  fbi_mat66T_mul_vec6(y, kept, b);
+  fbi_mat66T_add_mul_vec6(y + 6, kept + 72, y);
 }
 
 /* [E10.26] A branch in E10.10: with the balance of its first node taken as that of the node it begins at, its elements are
@@ -14324,26 +14565,68 @@ static FBI_NOINLINE void fbi_exact_branch_pass(fb_real *x, fb_exact_work *work, 
   }
 }
 
-/* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
-   the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
-   of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
-   Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
+/* Loads on the nodes, with which residuals begin. */
+static void fbi_exact_residual_begin(fb_exact_work *work, const fb_exact *m)
+{
+  for (int j = 0; j <= m->n; j++) {
+    fb_real F[6];
+    fbi_exact_node_eval(F, work, m, j);
+    for (int i = 0; i < 6; i++) {
+      work->B[6 * j + i] = -F[i];
+    }
+  }
+  fbi_vec6_zero(work->F);
+}
+
+/* An element in the residuals: compatibility, and its end loads on the nodes. */
+static void fbi_exact_residual_add(fb_exact_work *work, const fb_exact *m, int k, int second)
+{
+  fbi_exact_cell *const c = &work->cell;
+  fbi_exact_cell_eval(c, work, m, k, second);
+  if (m->jointed[k]) {
+    fbi_exact_joint_rows(work->c + 6 * k, work, m, k);
+  } else {
+    fbi_exact_compatibility(work->c + 6 * k, c, work, m, k);
+  }
+  fbi_vec6_copy(work->P + 6 * k, c->P);
+  fbi_vec6_add(work->B + 6 * m->inboard[k], -FB_R(1.0), c->F1);
+  fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
+  fbi_vec6_copy(work->F + 6 * k + 6, c->F2);
+  if (m->inboard[k] == 0) {
+    fbi_vec6_add(work->F, FB_R(1.0), c->F1);
+  }
+}
+
+/* Residuals c (compatibility of the elements) and B (balance of the nodes), and internal loads F at the nodes. */
+static void fbi_exact_residual(fb_exact_work *work, const fb_exact *m)
+{
+  fbi_exact_residual_begin(work, m);
+  for (int k = m->n - 1; k >= 0; k--) {
+    fbi_exact_residual_add(work, m, k, 0);
+  }
+}
+
+/* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element, from its compatibility and
+   the balance of its outer node; the outboard part enters the balance of the inner node by the Schur complement K =
+   -(F1d1 - (F1s, F1d2) W). On the way residuals are filled: that of a node is whole when its own element is reached.
+   Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 4 kflops an element.  Fails: singular (free of load, or
    at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
 static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
 {
   fb_real K[36], scale[6];
   fbi_zero(K, 36);
+  fbi_exact_residual_begin(work, m);
   for (int k = m->n - 1; k >= 0; k--) {
     fb_status status;
-    fbi_exact_cell_eval(&work->cell, work, m, k);
+    fbi_exact_residual_add(work, m, k, 1);
     if (m->jointed[k]) {
       fbi_exact_joint_jacobian(&work->jacobian, work, m, k);
     } else {
       fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     }
     fbi_exact_node_jacobian(K, work, m, k + 1);
-    fbi_exact_rows_fill(work, m, K, k);
-    status = fbi_exact_eliminate(K, work, k);
+    status = fbi_exact_by_parts(work, m, k) ? fbi_exact_beam_eliminate(K, work, m, k)
+                                            : fbi_exact_whole_eliminate(K, work, m, k);
     if (status != FB_OK) {
       return status;
     }
@@ -14362,26 +14645,23 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
 /* Newton corrections dd, ds for the residuals c of the elements and B of the nodes. */
 static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
 {
-  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* zeroed: gcc -O3 warns of an uninitialized read that cannot happen */
+  fb_real z[6], b[6], x[6] = {FB_R(0.0)}; /* zeroed: gcc -O3 warns of an uninitialized read that cannot happen */
 
   /* Forward elimination from the tip to the root */
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
     for (int i = 0; i < 6; i++) {
-      b[6 + i] = z[i] - work->B[6 * k + i];
+      b[i] = z[i] - work->B[6 * k + i];
     }
-    fbi_exact_hold_rhs(b + 6, work, m, k);
+    fbi_exact_hold_rhs(b, work, m, k);
     if (k == 0) {
-      fb_lu_solve(x, work->root, work->perm + 12 * m->n, b + 6, 6);
+      fb_lu_solve(x, work->root, work->perm + 12 * m->n, b, 6);
       break;
     }
-    for (int i = 0; i < 6; i++) {
-      b[i] = -work->c[6 * (k - 1) + i];
-    }
-    fbi_lu_12_solve(y, work->LU + 144 * (k - 1), work->perm + 12 * (k - 1), b);
-    fbi_vec6_zero(z);
-    fbi_exact_combine(z, y, 1, work->L + 72 * (k - 1));
+    fbi_exact_element_solve(y, work, m, work->c + 6 * (k - 1), b, k - 1);
+    fbi_mat66T_mul_vec6(z, work->L + 72 * (k - 1), y);
+    fbi_mat66T_add_mul_vec6(z, work->L + 72 * (k - 1) + 36, y + 6);
     if (m->n_branch > 0) {
       fbi_exact_branch_pass(z, work, m, k - 1, 6);
     }
@@ -14391,43 +14671,13 @@ static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
   fbi_vec6_copy(work->dd, x);
   for (int k = 0; k < m->n; k++) {
     const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * m->inboard[k];
+    fb_real q[12];
+    fbi_mat66T_mul_vec6(q, work->W + 72 * k, d);
+    fbi_mat66T_mul_vec6(q + 6, work->W + 72 * k + 36, d);
     for (int i = 0; i < 6; i++) {
-      work->ds[6 * k + i] = y[i] - fbi_vec6_dot(work->W + 72 * k + 6 * i, d);
-      work->dd[6 * k + 6 + i] = y[6 + i] - fbi_vec6_dot(work->W + 72 * k + 36 + 6 * i, d);
+      work->ds[6 * k + i] = y[i] - q[i];
+      work->dd[6 * k + 6 + i] = y[6 + i] - q[6 + i];
     }
-  }
-}
-
-/* Residuals c (compatibility of the elements) and B (balance of the nodes), and internal loads F at the nodes. */
-static void fbi_exact_residual(fb_exact_work *work, const fb_exact *m)
-{
-  fbi_exact_cell *const c = &work->cell;
-
-  /* Loads on the nodes */
-  for (int j = 0; j <= m->n; j++) {
-    fbi_exact_node_eval(work->F + 6 * j, work, m, j);
-    for (int i = 0; i < 6; i++) {
-      work->B[6 * j + i] = -work->F[6 * j + i];
-    }
-  }
-
-  /* Elements: compatibility, and their end loads on the nodes */
-  for (int k = 0; k < m->n; k++) {
-    fbi_exact_cell_eval(c, work, m, k);
-    if (m->jointed[k]) {
-      fbi_exact_joint_rows(work->c + 6 * k, work, m, k);
-    } else {
-      fbi_exact_compatibility(work->c + 6 * k, c, work, m, k);
-    }
-    fbi_vec6_copy(work->P + 6 * k, c->P);
-    fbi_vec6_add(work->B + 6 * m->inboard[k], -FB_R(1.0), c->F1);
-    fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
-    if (k == 0) {
-      fbi_vec6_copy(work->F, c->F1);
-    } else if (m->inboard[k] == 0) {
-      fbi_vec6_add(work->F, FB_R(1.0), c->F1);
-    }
-    fbi_vec6_copy(work->F + 6 * k + 6, c->F2);
   }
 }
 
@@ -14522,7 +14772,7 @@ static void fbi_exact_input_set(fb_exact_work *work, const fb_exact *m, const fb
 
   /* Strain offset (E10.15), flags of the kinds of load, scaled gravity */
   fbi_exact_offset(work, m);
-  motion->dead = !fbi_is_zero(work->line_dead, 6 * m->n);
+  motion->dead = (fbi_is_zero(work->line_dead, 6 * m->n) ? 0 : 1) | (fbi_is_zero(work->dead, 6 * (m->n + 1)) ? 0 : 2);
   motion->gravity = !m->floating && !fbi_is_zero(m->gravity, 3); /* E11.35 */
   for (int i = 0; i < 3; i++) {
     work->gravity[i] *= part;
@@ -14905,7 +15155,7 @@ static void fbi_exact_state_fill(fb_exact_state *state, fb_exact_work *work, con
   /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
-    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_cell_eval(c, work, m, k, 0);
     fbi_exact_mean(c->V, &c->twist, work->V + 6 * m->inboard[k], work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
   }
@@ -14964,7 +15214,7 @@ static void fbi_exact_twist_of(fbi_exact_twist *t, fb_real theta[6], const fb_ex
                                int k)
 {
   fbi_exact_theta(theta, m, state, k);
-  fbi_exact_twist_eval(t, theta);
+  fbi_exact_twist_eval(t, theta, 0);
 }
 
 /* The same for the middle of element k. */
@@ -19117,7 +19367,8 @@ static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, c
   }
 }
 
-#define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
+/* Of ten times the correction that would be the next, and of a tenth of the last one (single precision: of the last). */
+#define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
 /* Strains, momenta, reactions and histories after the step, from the values at mid-step. */
 static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
@@ -19126,7 +19377,7 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
 
   /* Strains, momenta, velocities of the nodes */
   for (int k = 0; k < m->n; k++) {
-    fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
+    fbi_mat66T_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
     fbi_exact_rate_update(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
     fbi_exact_rate_update(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
                           shift, dt, 6);
@@ -19152,7 +19403,7 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
    of the nodes start. */
 static void fbi_exact_middles_begin(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
 {
-  for (int k = 0; k < m->n && (work->motion.gravity || work->motion.dead); k++) {
+  for (int k = 0; k < m->n && (work->motion.gravity || (work->motion.dead & 1)); k++) {
     const fb_real *const n = work->line_dead + 6 * k, *const load[3] = {n, n + 3, work->gravity};
     fb_real theta[6], half[4], start[4], quat[4], R[9];
     fbi_exact_theta(theta, m, state, k);
@@ -19197,12 +19448,8 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
 /* Adds Newton corrections, or takes them back: times s. */
 static void fbi_exact_correct(fb_exact_work *work, const fb_exact *m, fb_real s)
 {
-  for (int i = 0; i < 6 * (m->n + 1); i++) {
-    work->V[i] += s * work->dd[i];
-  }
-  for (int i = 0; i < 6 * m->n; i++) {
-    work->s[i] += s * work->ds[i];
-  }
+  fbi_row_sub(work->V, -s, work->dd, 6 * (m->n + 1));
+  fbi_row_sub(work->s, -s, work->ds, 6 * m->n);
 }
 
 /* Directions of the way back: place and rotation that the held nodes beyond the root are off by, as one unit vector, in
@@ -19359,11 +19606,14 @@ static void fbi_exact_way_find(fb_exact_work *work, const fb_exact *m, fb_real s
 /* Newton iterations with a factorization each; the last factors are kept for the corrections that follow. */
 static fb_status fbi_exact_approach(fb_exact_work *work, const fb_exact *m, fb_real step)
 {
-  fb_status status = fbi_exact_factor(work, m);
-  for (int it = 1; it < m->factorizations && status == FB_OK; it++) {
-    fbi_exact_solve(work, m);
-    fbi_exact_correct(work, m, FB_R(1.0));
-    fbi_exact_middle(work, m, step, 0);
+  fb_status status = FB_OK;
+  for (int it = 0; it < m->factorizations && status == FB_OK; it++) {
+    if (it > 0) {
+      fbi_exact_solve(work, m);
+      fbi_exact_correct(work, m, FB_R(1.0));
+    }
+    fbi_exact_nodes_eval(work, m);
+    fbi_exact_want(work, m, step);
     status = fbi_exact_factor(work, m);
   }
   return status;
@@ -19380,8 +19630,9 @@ static fb_real fbi_exact_unbalance(const fb_exact_work *work, const fb_exact *m,
     }
   }
   for (int k = 0; k < m->n; k++) {
+    const fb_real unit = step / m->h[k];
     for (int i = 0; i < 6; i++) {
-      const fb_real stiffness = m->jointed[k] ? step : step / m->h[k] * m->S[36 * k + 7 * i];
+      const fb_real stiffness = m->jointed[k] ? step : unit * m->S[36 * k + 7 * i];
       size = fbi_larger(size, FB_FABS(work->c[6 * k + i]) * fbi_larger(stiffness, step));
     }
   }
@@ -19426,7 +19677,6 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
   step = dt / m->time;
   fbi_exact_begin(work, m, state, middle, step);
   fbi_exact_way_begin(work, m);
-  fbi_exact_middle(work, m, step, 0);
   status = fbi_exact_approach(work, m, step);
   if (status == FB_OK && work->away > FB_R(0.0)) {
     fbi_exact_way_find(work, m, step);
@@ -19441,11 +19691,13 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
     fbi_exact_middle(work, m, step, it + 2 < m->iterations);
   }
 
-  /* Convergence: last correction and the expected next one */
+  /* Convergence: the expected next correction, and the last one */
   if (status == FB_OK) {
     const fb_real after = fbi_exact_unbalance(work, m, step);
     const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
-    status = fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
+    status = fbi_larger((FB_SINGLE ? FB_R(1.0) : FB_R(0.1)) * change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE
+                 ? FB_OK
+                 : FB_ERR_CONVERGENCE;
   }
   if (status == FB_OK) {
     fbi_exact_end(state, work, m, step);
@@ -28495,7 +28747,7 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
   m->n = fbi_exact_elements(desc);
   m->n_joint = fbi_exact_joints(desc);
   m->box = desc->box != 0;
-  m->iterations = desc->iterations > 0 ? desc->iterations : 6;
+  m->iterations = desc->iterations > 0 ? desc->iterations : 4;
   m->factorizations = desc->factorizations > 0 ? desc->factorizations : 1;
   rho = FB_R(1.0) - desc->dissipation;
   m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
@@ -30039,7 +30291,6 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   /* Corrections: residual, tangent, solution; from the tenth on they must decrease */
   for (int it = 0; it < 25 && change > FBI_EXACT_TOLERANCE && status == FB_OK; it++) {
     fbi_exact_nodes_eval(work, m);
-    fbi_exact_residual(work, m);
     fbi_exact_want(work, m, FB_R(0.0));
     status = fbi_exact_factor(work, m);
     if (status != FB_OK) {
@@ -33322,7 +33573,7 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
     if (m->jointed[k]) {
       continue;
     }
-    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_cell_eval(c, work, m, k, 0);
     fbi_exact_mean(v, &c->twist, b + 6 * m->inboard[k], b + 6 * k + 6);
     fbi_exact_load_rate(f, m->M + 36 * k, c->V, c->P, shift, v);
     for (int i = 0; i < 6; i++) {
@@ -33372,7 +33623,7 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
     if (m->jointed[k]) {
       continue;
     }
-    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_cell_eval(c, work, m, k, 0);
     fbi_exact_mean(d, &c->twist, x + 6 * m->inboard[k], x + 6 * k + 6);
     fbi_exact_mean(v, &c->twist, b + 6 * m->inboard[k], b + 6 * k + 6);
     fbi_ad(y, c->V, d);
@@ -33408,12 +33659,11 @@ static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, con
   fbi_exact_input_set(work, m, state->base_quat, input, FB_R(1.0), FB_R(0.0));
   fbi_exact_nodes_eval(work, m);
   for (int k = 0; k < m->n; k++) {
-    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_cell_eval(c, work, m, k, 0);
     fbi_vec6_copy(work->momentum + 6 * k, c->P);
   }
   fbi_copy(work->velocity, work->V, 6 * (m->n + 1));
   fbi_exact_node_momenta(work, m);
-  fbi_exact_residual(work, m);
   return fbi_exact_factor(work, m);
 }
 

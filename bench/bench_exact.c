@@ -116,7 +116,7 @@ static fb_status dense_factor(int way)
   memset(matrix, 0, sizeof *matrix * (size_t)(n * n));
   for (int k = 0; k < beam.n; k++) {
     const int a = 12 * k, e = a + 6, b = a + 12;
-    fbi_exact_cell_eval(&work.cell, &work, &beam, k);
+    fbi_exact_cell_eval(&work.cell, &work, &beam, k, 1);
     fbi_exact_cell_jacobian(j, &work, &beam, k);
     put(n, e, a, j->D1, -1);
     put(n, e, b, j->D2, -1);

@@ -171,7 +171,7 @@ static void scatter(int what, int way)
   }
   fbi_exact_nodes_eval(&work, &beam);
   for (int k = 0; k < beam.n && way == LINEARIZED; k++) {
-    fbi_exact_cell_eval(&work.cell, &work, &beam, k);
+    fbi_exact_cell_eval(&work.cell, &work, &beam, k, 1);
     fbi_vec6_copy(work.momentum + 6 * k, work.cell.P);
   }
   if (way == LINEARIZED) {
@@ -231,7 +231,7 @@ static void assemble(void)
   fbi_exact_residual(&work, &beam);
   for (int k = 0; k < beam.n; k++) {
     const int s = 6 * k, a = nodes + 6 * beam.inboard[k], b = nodes + 6 * k + 6;
-    fbi_exact_cell_eval(&work.cell, &work, &beam, k);
+    fbi_exact_cell_eval(&work.cell, &work, &beam, k, 1);
     if (beam.jointed[k]) {
       fbi_exact_joint_jacobian(&work.jacobian, &work, &beam, k);
     } else {
