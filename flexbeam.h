@@ -1865,8 +1865,9 @@ FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3],
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
    in every step of a conservative beam. This and the momentum refuse what fb_exact_state_check refuses. */
 FB_API fb_status fb_exact_energy_eval(const fb_exact *exact, fb_energy *energy, const fb_exact_state *state);
-/* A free beam's own momenta drift with the step, order 2, whatever the mesh: the beam of Simo and Vu-Quoc (10 m, 50 N s in
-   5 s, steps of 10 ms) leaves with 8e-5 too little and keeps that to 2e-5, its energy to 4e-6. Rigid flight keeps them. */
+/* A free beam's momentum is that of the start and the impulse of its loads, at any step and speed; then the beam of Simo
+   and Vu-Quoc (10 m, 50 N s in 5 s, steps of 10 ms) keeps its energy to 1e-10. Its angular momentum drifts with the step,
+   order 2, whatever the mesh. Rigid flight keeps both. */
 FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *momentum, const fb_exact_state *state);
 
 #endif /* FB_WITH_EXACT */
@@ -2023,9 +2024,9 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
 
 /* One step under loads and motion of the base of its middle. Order 2. Without dissipation the energy of a beam of any
    line and section on a root that is held and at rest, under no loads, is constant but for the last correction of the
-   iteration, whatever the step. The energy of a free beam (some 1e-6 in steps that resolve it) and that of gravity vary by
-   order 2 of the step, whatever the mesh. A limit of
-   stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root
+   iteration, whatever the step. A free beam keeps its momentum to rounding; its energy, and that of gravity, vary by order
+   2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
+   modes that matter. Supports beyond the root
    are brought back to their place within the next step, or over 0.03 fb_exact.time if that is longer (about a sixtieth
    of the period of a cantilever's first mode), across the reaction, so that they do no work. Steps may differ; one that
    is longer than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
