@@ -2027,15 +2027,16 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    iteration, whatever the step. A free beam keeps its momentum to rounding; its energy, and that of gravity, vary by order
    2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
    modes that matter. Supports beyond the root
-   are brought back to their place within the next step, or over 0.03 fb_exact.time if that is longer (about a sixtieth
-   of the period of a cantilever's first mode), across the reaction, so that they do no work. Steps may differ; one that
+   are brought back to their place across the reaction, so that they do no work: within the next step, in steps below 0.03
+   fb_exact.time (about a sixtieth of the period of a cantilever's first mode) by the part (dt/0.03 time)^2 of the way, so that
+   the reaction does not grow with shorter steps. Of one rotation that is held alone the rate is held, no place. Steps may differ; one that
    is longer than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
    more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
    places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
    EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
    bears 0.1 s up to EA = 1e5 N, two 0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of
-   0.2 s at 1e8 N. Four iterations do for steps that resolve the motion; where loads or supports come suddenly, and
-   in long steps, take six. FB_ERR_CONVERGENCE: the correction that would be the next, by the residuals before and after
+   0.2 s at 1e8 N. Four iterations do for steps that resolve the motion and save a sixth of the time; six also bear what
+   comes or is let go suddenly, and long steps. FB_ERR_CONVERGENCE: the correction that would be the next, by the residuals before and after
    the last one, is not below 1e-7 of the length, a radian, the largest load, or the last one not below 1e-5 (single
    precision 1e-4, 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia
    and stiffness; else as fb_exact_trim. On failure state is as before. */
@@ -2720,7 +2721,7 @@ typedef struct fb_exact_desc {
   int n_lump;         /* lumped bodies on nodes, in section axes there */
   int n_joint;        /* elements that are joints */
   int n_branch;       /* further chains */
-  int iterations;     /* Newton iterations of a time step, 1..20; 0: 4 */
+  int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   int box; /* nonzero: mass that moves along the line stays in the middle of the elements, as in the box scheme of
               [L], where stretch waves of a straight beam travel without error in steps of dx/c. For bases that do not

@@ -14890,10 +14890,16 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
-#define FBI_EXACT_RETURN FB_R(0.03) /* time in which a held node comes back to its place, in the beam's own unit */
-/* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base, plus the way back of E10.16 over
-   the step (not for the root, which is placed exactly after it), of short steps over a fixed time: the part that the
-   reaction holds back is let go as the reaction turns, and back/dt would be a blow that grows with shorter steps. */
+/* Rate at which held nodes come back to their places [1/time]: over the step; in short ones slower, so that the speed that
+   comes or goes in one step is an acceleration of no more than off/time^2, with the time below, in the beam's own unit. */
+#define FBI_EXACT_RETURN FB_R(0.03)
+static fb_real fbi_exact_return(fb_real dt)
+{
+  return dt < FBI_EXACT_RETURN ? dt / (FBI_EXACT_RETURN * FBI_EXACT_RETURN) : FB_R(1.0) / dt;
+}
+
+/* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base, plus the way back of E10.16 (not
+   for the root, which is placed exactly after the step). */
 static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -14907,7 +14913,7 @@ static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
     }
     fbi_exact_slip(want, work, m, j);
     for (int i = 0; i < 2 && j > 0 && work->away > FB_R(0.0); i++) {
-      fbi_vec6_add(want, work->along[i] / fbi_larger(dt, FBI_EXACT_RETURN), work->way[i] + 6 * j);
+      fbi_vec6_add(want, work->along[i] * fbi_exact_return(dt), work->way[i] + 6 * j);
     }
   }
 }
@@ -19515,7 +19521,8 @@ static void fbi_exact_correct(fb_exact_work *work, const fb_exact *m, fb_real s)
 }
 
 /* Directions of the way back: place and rotation that the held nodes beyond the root are off by, as one unit vector, in
-   the axes of their rows, and its size `away`. Nothing of it is gone at first. */
+   the axes of their rows, and its size `away`. Nothing of it is gone at first. Where one rotation is held alone, that is its
+   rate, which is not that of a component of the rotation vector while the others turn: it has no place to come back to. */
 static void fbi_exact_way_begin(fb_exact_work *work, const fb_exact *m)
 {
   fb_real size = FB_R(0.0);
@@ -19533,9 +19540,10 @@ static void fbi_exact_way_begin(fb_exact_work *work, const fb_exact *m)
     fbi_vec6_zero(off);
     fbi_vec6_zero(work->way[1] + 6 * j);
     if (m->held[j] != 0) {
+      const int turns = m->held[j] >> 3, one = (turns & (turns - 1)) == 0;
       fbi_exact_off(off, work, m, j);
       for (int i = 0; i < 6; i++) {
-        off[i] = m->held[j] >> i & 1 ? off[i] : FB_R(0.0);
+        off[i] = m->held[j] >> i & 1 && !(i > 2 && one) ? off[i] : FB_R(0.0);
       }
       size += fbi_vec6_dot(off, off);
     }
@@ -19581,7 +19589,7 @@ static void fbi_exact_way_probe(fb_real change[2], fb_exact_work *work, const fb
   fbi_exact_residual(work, m);
   fbi_exact_way_power(change, work, m);
   for (int k = 0; k < 2; k++) {
-    change[k] = (change[k] - before[k]) * dt / (part * fbi_larger(dt, FBI_EXACT_RETURN));
+    change[k] = (change[k] - before[k]) * dt * fbi_exact_return(dt) / part;
   }
   fbi_exact_correct(work, m, -FB_R(1.0));
   fbi_exact_nodes_eval(work, m);
@@ -28813,7 +28821,7 @@ FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
   m->n = fbi_exact_elements(desc);
   m->n_joint = fbi_exact_joints(desc);
   m->box = desc->box != 0;
-  m->iterations = desc->iterations > 0 ? desc->iterations : 4;
+  m->iterations = desc->iterations > 0 ? desc->iterations : 6;
   m->factorizations = desc->factorizations > 0 ? desc->factorizations : 1;
   rho = FB_R(1.0) - desc->dissipation;
   m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
