@@ -2714,7 +2714,10 @@ typedef struct fb_exact_branch {
 
 typedef struct fb_exact_desc {
   fb_real length;     /* [m] along the line > 0 */
-  int n_element;      /* of the chain; with those of all branches 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
+  int n_element;      /* of the chain; with those of all branches 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip. An
+                         element of length h bears less than the tension 12 EI/h^2: beyond it its flexibility h^2/(12 EI)
+                         across (E10.6) buckles, steady states are unstable (work->unstable) and wrong, motions leave
+                         them; tethers and fast rotors want elements shorter than sqrt(12 EI/tension) */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes that are supported */
