@@ -32,8 +32,9 @@ int main(void)
   status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, 1);
   if (status != FB_OK) {
     printf("%s\n", fb_status_string(status));
-    if (fb_detail_last()->status == status) { // this refusal has a record
-      printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
+    const fb_detail *no = fb_detail_last();
+    if (no->status == status) { // this refusal has a record: what it wants, what it found
+      printf("%s: %s %g: %g\n", no->function, no->what, (double)no->need, (double)no->have);
     }
     return 1;
   }
