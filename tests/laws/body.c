@@ -1049,25 +1049,11 @@ static double words(double h)
   FBL_TRY(look_at(&first, &state, &input));
   fbl_stream("words");
   own = body;
-  for (int k = 0; k < 60; k++) {
+  for (int k = 0; k < 160; k++) {
     fb_status status;
     memcpy(&other, &own, sizeof other);
-    fbl_spoil(&other, sizeof other);
-    if (fb_body_check(&other) != FB_OK) {
-      continue;
-    }
-    body = other;
-    status = look_at(&second, &state, &input);
-    body = own;
-    if (status || ends_differ(&first, &second) > 0.0) {
-      return 1.0;
-    }
-  }
-  for (int k = 0; k < 100; k++) {
-    fb_status status;
-    memcpy(&other, &own, sizeof other);
-    fbl_flip(&other, sizeof other);
-    if (fb_body_crc(&other) != word || fb_body_check(&other) != FB_OK) {
+    (k < 60 ? fbl_spoil : fbl_flip)(&other, sizeof other);
+    if (fb_body_check(&other) != FB_OK || (k >= 60 && fb_body_crc(&other) != word)) {
       continue;
     }
     body = other;

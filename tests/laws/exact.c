@@ -1233,25 +1233,11 @@ static double words(double h)
   }
   fbl_stream("words");
   own = beam;
-  for (int k = 0; k < 40; k++) {
+  for (int k = 0; k < 140; k++) {
     fb_status status;
     memcpy(&other, &own, sizeof other);
-    fbl_spoil(&other, sizeof other);
-    if (fb_exact_check(&other) != FB_OK) {
-      continue;
-    }
-    beam = other;
-    status = k % 8 ? FB_OK : motion_of(&second, step_of(0.7));
-    beam = own;
-    if (status || (k % 8 == 0 && looks_differ(&first, &second, own.n, map, 1) > 0.0)) {
-      return 1.0;
-    }
-  }
-  for (int k = 0; k < 100; k++) {
-    fb_status status;
-    memcpy(&other, &own, sizeof other);
-    fbl_flip(&other, sizeof other);
-    if (fb_exact_crc(&other) != word || fb_exact_check(&other) != FB_OK) {
+    (k < 40 ? fbl_spoil : fbl_flip)(&other, sizeof other);
+    if (fb_exact_check(&other) != FB_OK || (k >= 40 && fb_exact_crc(&other) != word)) {
       continue;
     }
     beam = other;

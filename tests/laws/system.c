@@ -2521,33 +2521,19 @@ static double words(double h)
   FBL_TRY(look_at(&first, &state, &in));
   fbl_stream("words");
   own = mechanism;
-  for (int k = 0; k < 60; k++) {
+  for (int k = 0; k < 160; k++) {
     fb_status status;
     unsigned changed;
     memcpy(&other, &own, sizeof other);
-    fbl_spoil(&other, sizeof other);
+    (k < 60 ? fbl_spoil : fbl_flip)(&other, sizeof other);
     changed = fb_system_crc(&other, model, n_model);
-    if (fb_system_check(&other, model, n_model) != FB_OK) {
+    if (fb_system_check(&other, model, n_model) != FB_OK || (k >= 60 && changed != word)) {
       continue;
     }
     mechanism = other;
     status = look_at(&second, &state, &in);
     mechanism = own;
     if (status ? changed == word : looks_differ(&first, &second, joint_slot, 1) > 0.0) {
-      return 1.0;
-    }
-  }
-  for (int k = 0; k < 100; k++) {
-    fb_status status;
-    memcpy(&other, &own, sizeof other);
-    fbl_flip(&other, sizeof other);
-    if (fb_system_crc(&other, model, n_model) != word || fb_system_check(&other, model, n_model) != FB_OK) {
-      continue;
-    }
-    mechanism = other;
-    status = look_at(&second, &state, &in);
-    mechanism = own;
-    if (status || looks_differ(&first, &second, joint_slot, 1) > 0.0) {
       return 1.0;
     }
   }
