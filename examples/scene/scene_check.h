@@ -196,13 +196,40 @@ static void scene_check_start(text_file *t, const scene *s, const scene_joint *j
   }
 }
 
-#define SCENE_PINNED \
-  "about an axis of a beam with modes of a pinned root does not bend it: root clamped and a hub, or effects large"
+/* Does a joint exert a moment about that axis? The line that says so, 0: none. */
+static int scene_moment_line(const scene *s, int at, int axis)
+{
+  const scene_joint *const joint = &s->joint[at];
+  const fb_joint_desc *const d = &joint->desc;
+  const int of_all = d->kind == FB_JOINT_SPHERICAL ? 0 : axis; /* its axes have one mode */
+  const struct {
+    const char *word;
+    int there;
+  } word[] = {{"stiffness", d->stiffness[axis] > FB_R(0.0)},
+              {"damping", d->damping[axis] > FB_R(0.0)},
+              {"friction", d->friction[axis] > FB_R(0.0)},
+              {"mode", d->mode[of_all] != FB_AXIS_FREE}};
+  for (int k = 0; k < (int)(sizeof word / sizeof word[0]); k++) {
+    if (word[k].there) {
+      return text_seen(&joint->seen, word[k].word) > 0 ? text_seen(&joint->seen, word[k].word) : joint->line;
+    }
+  }
+  for (int k = 0; k < s->n_drive; k++) {
+    if (s->drive[k].joint == at && s->drive[k].axis == axis) {
+      return s->drive[k].line;
+    }
+  }
+  for (int k = 0; k < s->n_event; k++) {
+    if (s->event[k].joint == at && (s->event[k].axis == axis || of_all != axis) && s->event[k].mode != FB_AXIS_FREE) {
+      return s->event[k].line;
+    }
+  }
+  return scene_seen_numbered(&joint->seen, "stops", axis + 1);
+}
 
 /* Modes of a root that is not clamped take no moment there: what a joint exerts about an axis would not bend the beam. */
 static void scene_check_root(text_file *t, const scene *s, int at)
 {
-  static const char *const words[] = {"stiffness", "damping", "friction", "mode", "stops 1", "stops 2", "stops 3"};
   const scene_joint *const joint = &s->joint[at];
   const scene_body *const body = &s->body[joint->desc.child];
   const fb_joint_kind kind = joint->desc.kind;
@@ -214,13 +241,15 @@ static void scene_check_root(text_file *t, const scene *s, int at)
     text_fail(t, "modes of a %s root leave out how body %s moves on this joint: root clamped",
               body->root == FB_ROOT_FREE ? "free" : "pinned", body->name);
   }
-  for (int k = 0; k < (int)(sizeof words / sizeof words[0]) && !t->failed; k++) {
-    scene_refuse(t, &joint->seen, words[k], SCENE_PINNED);
-  }
-  for (int k = 0; k < s->n_drive && !t->failed; k++) {
-    if (s->drive[k].joint == at) {
-      t->line = s->drive[k].line;
-      text_fail(t, "a drive " SCENE_PINNED);
+  for (int axis = 0; axis < scene_axes(joint) && !t->failed; axis++) {
+    const int line = scene_axis_slides(joint, axis) ? 0 : scene_moment_line(s, at, axis);
+    if (line > 0) {
+      t->line = line;
+      text_fail(
+          t,
+          "a moment about axis %d of joint %s does not bend body %s, which has modes of a pinned root: root clamped "
+          "and a hub, or effects large",
+          axis + 1, joint->name, body->name);
     }
   }
 }

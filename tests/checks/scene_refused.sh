@@ -918,24 +918,18 @@ loosely() {
   { printf 'duration 1\nbody b beam\n  length 1\n  stations x mass EI_z\n    0 1 1\n  end\n  modes bend_y 1\n'; cat; echo end; } > "$out/loosely.txt"
   refuse $(($1 + 7)) "$2" < "$out/loosely.txt"
 }
-pinned="about an axis of a beam with modes of a pinned root does not bend it: root clamped and a hub, or effects large"
-loosely 4 "stiffness $pinned" << END
+pinned="a moment about axis 1 of joint h does not bend body b, which has modes of a pinned root: root clamped and a hub, or effects large"
+for moment in "stiffness 2" "damping 0.1" "friction 1" "motor 1 constant 1" "mode locked" "stops 1 -1 1 stiffness 10"; do
+  printf '  root pinned\nend\njoint h revolute ground b\n  %s\n' "$moment" | loosely 4 "$pinned"
+done
+loosely 5 "$pinned" << END
   root pinned
 end
 joint h revolute ground b
-  stiffness 2
-END
-loosely 4 "a drive $pinned" << END
-  root pinned
 end
-joint h revolute ground b
-  motor 1 constant 1
-END
-loosely 4 "stops 1 $pinned" << END
-  root pinned
-end
-joint h revolute ground b
-  stops 1 -1 1 stiffness 10
+event 0.5 lock h 1
+body c rigid
+  hub 1  0 0 0  1 1 1
 END
 loosely 3 "modes of a pinned root leave out how body b moves on this joint: root clamped" << END
   root pinned
