@@ -2027,20 +2027,19 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    line and section on a root that is held and at rest, under no loads, is constant but for the last correction of the
    iteration, whatever the step. A free beam keeps its momentum to rounding; its energy, and that of gravity, vary by order
    2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
-   modes that matter. Supports beyond the root
-   are brought back to their place across the reaction, so that they do no work: within the next step, in steps below 0.03
-   fb_exact.time (about a sixtieth of the period of a cantilever's first mode) by the part (dt/0.03 time)^2 of the way, so that
-   the reaction does not grow with shorter steps. Of one rotation that is held alone the rate is held, no place. Steps may differ; one that
-   is longer than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
-   more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
-   places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
-   EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
-   bears 0.1 s up to EA = 1e5 N, two 0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of
-   0.2 s at 1e8 N. Four iterations do for steps that resolve the motion and save a sixth of the time; six also bear what
-   comes or is let go suddenly, and long steps. FB_ERR_CONVERGENCE: the correction that would be the next, by the residuals before and after
-   the last one, is not below 1e-7 of the length, a radian, the largest load, or the last one not below 1e-5 (single
-   precision 1e-4, 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia
-   and stiffness; else as fb_exact_trim. On failure state is as before. */
+   modes that matter. Supports beyond the root are brought back to their place across the reaction, so that they do no
+   work: within the next step, in steps below 0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first
+   mode) by the part (dt/0.03 time)^2 of the way, so that the reaction does not grow with shorter steps. Of one rotation
+   that is held alone the rate is held, no place. Steps may differ; one that is longer than the one before damps with
+   order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations more. One factorization, at the
+   extrapolated state, does for all but a stiff beam that is held along its line at two places and bends much between
+   them in a step: its stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped
+   and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one bears 0.1 s up to EA = 1e5 N, two
+   0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of 0.2 s at 1e8 N. FB_ERR_CONVERGENCE:
+   the last correction is not small, or the residual after it not so much smaller that the next one would be below a
+   tenth of its bound (1e-6 of the length, a radian, the largest load; single precision 1e-3): take a shorter step, more
+   iterations or factorizations; FB_ERR_SINGULAR: a node without inertia and stiffness; else as fb_exact_trim. On failure
+   state is as before. */
 FB_API fb_status fb_exact_step(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *middle, fb_real dt);
 #endif
@@ -2716,9 +2715,10 @@ typedef struct fb_exact_branch {
 typedef struct fb_exact_desc {
   fb_real length;     /* [m] along the line > 0 */
   int n_element;      /* of the chain; with those of all branches 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip. An
-                         element of length h bears less than the tension 12 EI/h^2: beyond it its flexibility h^2/(12 EI)
-                         across (E10.6) buckles, steady states are unstable (work->unstable) and wrong, motions leave
-                         them; tethers and fast rotors want elements shorter than sqrt(12 EI/tension) */
+                         element of length h bears the tension 12 EI/h^2: from there (many elements) to twice that (one)
+                         on its flexibility h^2/(12 EI) across (E10.6) buckles, steady states are unstable
+                         (work->unstable) and wrong, motions leave them; tethers and fast rotors want elements shorter
+                         than sqrt(12 EI/tension) */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes that are supported */

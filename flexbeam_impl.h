@@ -19440,8 +19440,7 @@ static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, c
   }
 }
 
-/* Of ten times the correction that would be the next, and of a tenth of the last one (single precision: of the last). */
-#define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
+#define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
 /* Strains, momenta, reactions and histories after the step, from the values at mid-step. */
 static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
@@ -19765,13 +19764,11 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
     fbi_exact_middle(work, m, step, it + 2 < m->iterations);
   }
 
-  /* Convergence: the expected next correction, and the last one */
+  /* Convergence: last correction and the expected next one */
   if (status == FB_OK) {
     const fb_real after = fbi_exact_unbalance(work, m, step);
     const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
-    status = fbi_larger((FB_SINGLE ? FB_R(1.0) : FB_R(0.1)) * change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE
-                 ? FB_OK
-                 : FB_ERR_CONVERGENCE;
+    status = fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
   }
   if (status == FB_OK) {
     fbi_exact_end(state, work, m, step);

@@ -905,16 +905,30 @@ TEST(paths_refuse_bad_input)
   FBT_INT_EQ(fb_exact_path_step(&exact, &path, &state, &path_work, NULL, &varied, FB_R(0.1)), FB_ERR_SINGULAR);
 }
 
-SUITE(exact_spectrum, RUN(curvature_may_jump_beside_a_node), RUN(an_element_that_turns_is_as_stiff_as_the_header_says),
-      RUN(shear_takes_frequencies_to_order_two), RUN(eight_elements_have_four_frequencies),
-      RUN(spinning_beams_with_their_mass_ahead_are_stable), RUN(whirling_shafts_move_on_circles),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(a_rod_has_the_dispersion_of_its_mesh_and_its_step),
-      RUN(any_unit_gives_the_same_frequency), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN_LONG(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(columns_have_as_many_unstable_directions_as_loads_exceeded),
-      RUN(rigid_strains_are_no_unstable_directions), RUN(columns_bend_to_the_side_they_are_nudged_to),
-      RUN(a_stiff_truss_snaps_in_closed_form), RUN(arches_snap_at_their_limit_load),
-      RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))
+/* E10.6, E10.20: elements under a tension are stable below 12 EI/h^2, unstable from there (many) to twice that (one) on, as the
+   header says. */
+TEST(elements_bear_a_tension_of_their_own)
+{
+  for (int n = 1; n <= 4; n++) {
+    for (int above = 0; above < 2; above++) {
+      elastica(n);
+      load_tip(FB_AXES_INERTIAL, (!above ? 0.99 : n == 1 ? 2.01 : n == 4 ? 1.1 : 1.5) * 12.0 * n * n, 0.0, 0.0);
+      settle();
+      FBT_INT_EQ(work.unstable > 0, above);
+    }
+  }
+}
+
+SUITE(exact_spectrum, RUN(elements_bear_a_tension_of_their_own), RUN(curvature_may_jump_beside_a_node),
+      RUN(an_element_that_turns_is_as_stiff_as_the_header_says), RUN(shear_takes_frequencies_to_order_two),
+      RUN(eight_elements_have_four_frequencies), RUN(spinning_beams_with_their_mass_ahead_are_stable),
+      RUN(whirling_shafts_move_on_circles), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(a_rod_has_the_dispersion_of_its_mesh_and_its_step), RUN(any_unit_gives_the_same_frequency),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN_LONG(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
+      RUN(columns_have_as_many_unstable_directions_as_loads_exceeded), RUN(rigid_strains_are_no_unstable_directions),
+      RUN(columns_bend_to_the_side_they_are_nudged_to), RUN(a_stiff_truss_snaps_in_closed_form),
+      RUN(arches_snap_at_their_limit_load), RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))

@@ -1,7 +1,7 @@
 /* Runs every suite and closes with "N passed, N failed". Optional arguments:
    only the tests whose section/name or section/topic/name contains it (`body/`
-   is all tests of that section); --brief: all but those that last; --list: their names alone; --figures: print the measured figures, fields separated
-   by |. */
+   is all tests of that section); --brief: all but those that last; --list: their names alone; --figures: print the measured
+   figures, fields separated by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif
