@@ -2609,7 +2609,7 @@ static int trim(fb_status *status)
   return 0;
 }
 
-/* What is steady stays. */
+/* What is steady stays, but for the error of the steps: as a momentum of the root relative to its frame turns, rk4 errs by h^5. */
 static double trimmed(double h)
 {
   static look first, second;
@@ -2620,9 +2620,8 @@ static double trimmed(double h)
     FBL_TRY(status);
     return FBL_NONE;
   }
-  step = 0.1 * step_of(&status, 0);
+  step = h * step_of(&status, 0);
   FBL_TRY(status);
-  (void)h;
   at = state;
   FBL_TRY(look_at(&first, &at, &steady));
   for (int k = 0; k < 10; k++) {
@@ -2815,7 +2814,7 @@ static const fbl_law laws[] = {
     {"models_and_their_check_words", "E9.1", words, 0.0, {0.5, 0}},
     {"dirty_work_gives_the_same_bits", "E9.15", dirt, 0.0, {1e-300, 0}},
     {"what_is_absent_is_zero", "E9.15 E11.12", absent, 0.0, {0.5, 0.5}},
-    {"trimmed_stays_at_rest", "E12.1", trimmed, 0.0, {1e-7, 0}},
+    {"trimmed_stays_at_rest", "E12.1", trimmed, 0.1, {1e-7, 0}},
     {"linear_models_are_derivatives", "E12.9", linear_models, 0.01, {1e-5, 0}},
 };
 
