@@ -1581,9 +1581,9 @@ FB_API unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
    FB_ERR_NOT_FINITE, FB_ERR_RANGE, FB_ERR_VALUE. */
 FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
 /* State from joint coordinates and speeds; motion: one for each body, NULL: all zero, at rest. Prescribed axes take
-   value and speed from the input, locked ones are at rest. Loops are then closed, joints first, with the least change
-   of positions and velocities by kinetic energy. That may change given ones: prescribe what must stay. Locked axes of
-   loops stay where that leaves them.
+   value and speed from the input, locked ones are at rest. Loops are then closed, by joints and, where these cannot,
+   modes, each step the least change of positions and velocities by kinetic energy. That may change given ones: prescribe
+   what must stay. Locked axes of loops stay where that leaves them.
    FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off (work->joint); FB_ERR_NOT_FINITE;
    FB_ERR_RANGE. */
 FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_state *state,

@@ -11799,24 +11799,29 @@ static int fbi_has_rows(const fb_system_work *w, const fb_system_input *input)
   return w->closed || (input && input->rows);
 }
 
-/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest in the metric of the
-   kinetic energy. miss: the largest violation before the step, relative to the size of the system; its joint to
-   *worst.
-   Source: projection, THEORY.md 9.2.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
-static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
-                                     const fb_body *body, fb_system_state *state, const fb_system_state *modes,
-                                     const fb_system_input *input)
+/* Rows of the constraints at a posture. */
+static fb_status fbi_posture_look(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *state, const fb_system_state *modes,
+                                  const fb_system_input *input)
 {
   fb_status status;
   fbi_links_place(w, system, body, state, modes);
   status = fbi_mass_factor(w, system, body, FB_R(0.0));
-  status = status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
-  *miss = status == FB_OK ? fbi_rows_miss(worst, w, system) : FB_R(0.0);
+  return status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
+}
+
+/* [E9.17] Newton step of the positions onto the constraints, or a share of it, along M^-1 A^T: the shortest in the
+   metric of the kinetic energy.
+   Source: projection, THEORY.md 9.2.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
+static fb_status fbi_posture_step(fb_system_state *state, fb_system_work *w, const fb_system *system,
+                                  const fb_body *body, fb_real share)
+{
+  fb_status status;
   for (int r = 0; r < w->n_row; r++) {
-    w->c[r] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
+    w->c[r] = w->row[r].r.holonomic ? share * w->row[r].r.value : FB_R(0.0);
   }
   fbi_rhs_clear(w, system, body);
-  status = status == FB_OK ? fbi_constrained_solve(w, system, body, 0) : status;
+  status = fbi_constrained_solve(w, system, body, 0);
   if (status == FB_OK) {
     fbi_state_displace(state, w, system, body);
   }
@@ -12061,37 +12066,61 @@ static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_b
   return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (is->angle >= 0 || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
 }
 
-/* Newton steps of E9.17 from a rough guess; locked axes of loops are free meanwhile and locked where they end. */
+/* Newton steps of E9.17 from a rough guess; locked axes of loops are free meanwhile and locked where they end. Modes are
+   held by a large mass at first. A step that lessens what the rows miss by less than a quarter of its promise is taken
+   back, shortened, and modes are let go a little: the posture is near what was asked and follows it steadily, also
+   where joints alone cannot close the loops. */
 static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                  fb_system_state *state, const fb_system_input *input)
 {
-  fb_real miss = FB_R(1.0);
-  fb_status status = FB_OK;
+  fb_system_state *const modes = &w->base, *const best = &w->sum;
+  fb_real least, share = FB_R(1.0);
+  fb_status status;
   int worst = -1;
 
   /* locked axes of loops are free during the iteration */
-  fb_system_state *modes = &w->base;
-  *modes = *state;
+  *modes = *best = *state;
   for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
     for (int i = 0; i < 3; i++) {
       modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
     }
   }
 
-  /* Newton steps, at first with modes held by a large mass */
-  for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
-    const int before = worst;
-    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0);
-    status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
-    if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* diverged */
-      w->joint = before;
-      status = FB_ERR_CONTRADICTION;
+  /* Newton steps */
+  w->heavy = FB_R(1e6);
+  status = fbi_posture_look(w, system, body, best, modes, input);
+  least = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
+  for (int step = 0; step < 100 && status == FB_OK && share > FB_R(0.01) && !(least <= FB_R(8.0) * FB_EPSILON);
+       step++) {
+    fb_real miss;
+    int at;
+    *state = *best;
+    status = fbi_posture_step(state, w, system, body, share);
+    if (step == 0 && status != FB_OK) { /* cannot move at all */
+      return status;
     }
+    status = status == FB_OK ? fbi_posture_look(w, system, body, state, modes, input) : status;
+    miss = fbi_rows_miss(&at, w, system);
+    if (status == FB_OK && miss <= (FB_R(1.0) - FB_R(0.25) * share) * least) {
+      *best = *state;
+      least = miss;
+      worst = at;
+      share = fbi_smaller(FB_R(2.0) * share, FB_R(1.0));
+      continue;
+    }
+    share *= FB_R(0.25);
+    if (w->heavy > FB_R(0.0)) {
+      share = fbi_larger(share, FB_R(0.25));
+      w->heavy *= FB_R(0.01);
+      w->heavy = w->heavy < FB_R(1.0) ? FB_R(0.0) : w->heavy;
+    }
+    status = fbi_posture_look(w, system, body, best, modes, input);
   }
+  *state = *best;
 
   /* converged, and on the right branch? */
   w->heavy = FB_R(0.0);
-  if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
+  if (status == FB_OK && !(least <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
     w->joint = worst;
     status = FB_ERR_CONTRADICTION;
   }
@@ -18608,7 +18637,8 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
 {
   fb_real miss;
   int worst;
-  fb_status status = fbi_positions_close(&miss, &worst, w, system, body, next, state, input);
+  fb_status status = fbi_posture_look(w, system, body, next, state, input);
+  status = status == FB_OK ? fbi_posture_step(next, w, system, body, FB_R(1.0)) : status;
   status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
   miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
   if (status == FB_OK &&

@@ -257,6 +257,39 @@ TEST(a_loop_that_closes_keeps_shape_and_momentum)
   }
 }
 
+/* E9.17: an arm of two links that ends 3 mm short of the tip of a cantilever: joints alone straighten it and cannot close
+   the loop, the cantilever bends to it. The posture is near to what was asked, the elbow no more bent than there, and
+   follows what was asked steadily. */
+TEST(a_loop_that_joints_cannot_close_bends_a_body_to_it)
+{
+  double elbow[3];
+  for (int run = 0; run < 3; run++) {
+    double squares = 0.0;
+    fresh();
+    rigid(&model[0], 1.0, 0.5, 0, 0, 0.1, 0.2, 0.2);
+    flexible(&model[1], 2, 0, 0, FB_EFFECTS_FULL);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(1, 0, FB_JOINT_REVOLUTE, 0, 1);
+    hang(2, 1, FB_JOINT_RIGID, FB_GROUND, 0);
+    desc.joint[2].position[0] = FB_R(2.003);
+    desc.joint[2].position[1] = -FB_R(1.0);
+    turn(desc.joint[2].attitude, 0, 0, pi / 2);
+    close_loop(FB_JOINT_SPHERICAL, 2, 1, 1, 1);
+    start[0].value[0] = FB_R(0.025);
+    start[1].value[0] = -FB_R(0.05) + (fb_real)(run - 1) * FB_R(1e-5);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    for (int a = 0; a < model[1].n; a++) {
+      squares += (double)(state.link[2].q[a] * state.link[2].q[a]);
+    }
+    elbow[run] = (double)state.link[1].x[0];
+    FBT_BELOW(fabs(elbow[run]), 0.051);
+    FBT_BELOW(fabs((double)state.link[0].x[0]), 0.026);
+    FBT_TRUE(squares > 0.0);
+  }
+  FBT_BELOW(fabs(elbow[2] - elbow[0]), 1e-4);
+}
+
 /* E9.8: slides know no turns: a loop brings a body five meters along, and locked it stays there. */
 TEST(loops_slide_any_way)
 {
@@ -663,4 +696,5 @@ SUITE(system_loops, RUN(free_rods_are_refused), RUN(free_bodies_tied_to_links_of
       RUN(what_contradicts_a_loop_by_a_millionth_is_refused), RUN(methods_choose_the_same_of_equal_rows),
       RUN(loops_that_stand_still_contradict_no_prescribed_axis), RUN(linkages_swing_alike_in_any_unit_of_length),
       RUN(loops_slide_any_way), RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
-      RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(redundant_loops_are_accepted))
+      RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(a_loop_that_joints_cannot_close_bends_a_body_to_it),
+      RUN(redundant_loops_are_accepted))
