@@ -29,6 +29,18 @@ static void scene_at_part(text_file *t, const char *what)
   }
 }
 
+/* How each mode of a beam that is the whole body turns its root, axes of the body. */
+static void scene_root_turns(scene_body *body)
+{
+  const fb_modes *const modes = &model_modes[0];
+  const fb_real *const R = model_beam[0].axes;
+  for (int a = 0; a < modes->n; a++) {
+    for (int i = 0; i < 9; i++) {
+      body->turn[a][i / 3] += R[i] * modes->shape[a * modes->ndof + 3 + i % 3];
+    }
+  }
+}
+
 /* The shape of the description that was read. */
 static void scene_build_body(text_file *t, scene *s, scene_body *body, const scene_gauge_line *gauges)
 {
@@ -37,6 +49,9 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
   body->kind = model.kind;
   body->level = model.level;
   body->root = model_loose_root();
+  if (status == FB_OK && body->root == FB_ROOT_PINNED) {
+    scene_root_turns(body);
+  }
   memcpy(body->warning, model.warning, sizeof body->warning);
   if (!body->warning[0]) {
     (void)model_lacks_stiffening(body->warning, NULL);

@@ -227,6 +227,23 @@ static int scene_moment_line(const scene *s, int at, int axis)
   return scene_seen_numbered(&joint->seen, "stops", axis + 1);
 }
 
+/* Does a mode of a pinned root turn it about what the joint holds, all but the axis of a hinge and of a slide along it? */
+static int scene_turns_held(const scene_body *body, const fb_joint_desc *d)
+{
+  const int hinge = d->kind == FB_JOINT_REVOLUTE || d->kind == FB_JOINT_CYLINDRICAL || d->kind == FB_JOINT_SCREW;
+  fb_real R[9];
+  fb_quat_to_mat33(R, d->child_attitude);
+  for (int a = 0; a < body->shape.n && d->kind != FB_JOINT_SPHERICAL; a++) {
+    const fb_real *const turn = body->turn[a];
+    const double along = (double)(R[2] * turn[0] + R[5] * turn[1] + R[8] * turn[2]);
+    const double whole = (double)(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+    if (whole - hinge * along * along > 1e-10 * whole) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* Modes of a root that is not clamped take no moment there: what a joint exerts about an axis would not bend the beam. */
 static void scene_check_root(text_file *t, const scene *s, int at)
 {
@@ -236,7 +253,7 @@ static void scene_check_root(text_file *t, const scene *s, int at)
   if (body->root == FB_ROOT_CLAMPED || kind == FB_JOINT_FREE) {
     return;
   }
-  if (body->root == FB_ROOT_FREE || kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC) {
+  if (body->root == FB_ROOT_FREE || scene_turns_held(body, &joint->desc)) {
     t->line = joint->line;
     text_fail(t, "modes of a %s root leave out how body %s moves on this joint: root clamped",
               body->root == FB_ROOT_FREE ? "free" : "pinned", body->name);

@@ -52,6 +52,7 @@ typedef struct scene_body {
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
   fb_root root;              /* of modes that leave out how it moves, else clamped */
+  fb_real turn[FB_MAX_MODES][3]; /* of a root that is pinned: how each mode turns it */
   fb_form_desc form;         /* of a body alone */
   fb_form_torque torque;     /* of its shape, where that form wants it */
   int n_node;                /* with node 0; further ones of the shape are drawn: */

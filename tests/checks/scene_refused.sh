@@ -936,6 +936,12 @@ loosely 3 "modes of a pinned root leave out how body b moves on this joint: root
 end
 joint h prismatic ground b
 END
+loosely 3 "modes of a pinned root leave out how body b moves on this joint: root clamped" << END
+  root pinned
+end
+joint h revolute ground b
+  axis 0 1 0
+END
 loosely 3 "modes of a free root leave out how body b moves on this joint: root clamped" << END
   root free
 end
