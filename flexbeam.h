@@ -172,7 +172,7 @@
      fb_implicit_work             9920
      fb_exponential_work          4752
      fb_system_work             635264
-     fb_exact_work              187864
+     fb_exact_work              201312
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               429096
@@ -180,9 +180,9 @@
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290008
      fb_system_analyse_work    1967808
-     fb_exact_path_work         217128
-     fb_exact_spectrum_work    1834552
-     fb_exact_linear_work      2287432
+     fb_exact_path_work         230576
+     fb_exact_spectrum_work    1848000
+     fb_exact_linear_work      2300880
      fb_advice_work            1135776
 
    CONVENTIONS
@@ -1700,6 +1700,7 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
   int n, iterations, floating, box;
   fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
   fb_real beta;                /* of dissipation */
+  fb_real damping[6];          /* roots of structural damping */
   fb_real gravity[3];
   int held[FB_MAX_EXACT + 1], factorizations;
   int jointed[FB_MAX_EXACT + 1], n_joint;  /* 1 + the joint that is an element; 0: none */
@@ -1766,6 +1767,7 @@ typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the
   int inertia, gravity, dead;     /* velocities, gravity, dead loads (1: on elements, 2: on nodes) are there */
   fb_real pose;                   /* change of pose by d */
   fb_real shift;                  /* rate of a strain, momentum or pose by itself */
+  int damped;                     /* structural damping counts */
 } fbi_exact_motion;
 
 /* Functions of the twist of an element (E10.28). */
@@ -1810,6 +1812,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
   fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
   fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
+  fb_real C[36 * FB_MAX_EXACT], relaxed[6 * FB_MAX_EXACT];  /* of structural damping (E10.29) */
   fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
   fb_real y[12 * (FB_MAX_EXACT + 1)];
   fb_real aside[36 * FB_MAX_LUMPS]; /* what eliminated branches leave to the nodes they begin at */
@@ -2747,6 +2750,12 @@ typedef struct fb_exact_desc {
      oscillations much faster than it resolves. The order remains 2: a resolved oscillation gets the damping ratio
      beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2, at most 1/8. */
   fb_real dissipation;
+  /* Structural damping [s] >= 0, in proportion to the stiffness: mu of stretch, shear along y and z, torsion, bending
+     about y and z. Stress = stiffness strain + D strain_t, D_ij = sqrt(mu_i mu_j) stiffness_ij; all equal to mu: a mode
+     of the frequency omega has the damping ratio mu omega/2. Shear that is rigid takes that of the bending in its plane.
+     FB_ERR_VALUE, the beam is then empty: unequal where a direction is rigid that is no axis (one bending, of a line
+     that is twisted) */
+  fb_real damping[6];
 } fb_exact_desc;
 
 /* FB_ERR_VALUE: also a stiffness that is not positive definite in the directions that are not rigid, a direction that

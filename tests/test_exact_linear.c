@@ -31,6 +31,9 @@ static void linear_case(int which, int n)
                                 {1.0, 1.0, 1.0, 0.02, 0.01, 0.01},
                                 {1.0, 1.0, 1.0, 0.01, 0.005, 0.005}};
   beam(which == 0 ? 2.0 : 1.0, n, stiffness[which], inertia[which]);
+  for (int i = 0; i < 6 && which < 2; i++) {
+    desc.damping[i] = (fb_real)(which ? 2e-4 * (1 + i) : 1e-3);
+  }
   if (which < 2) {
     desc.n_station = 2;
     desc.station[1] = desc.station[0];
@@ -330,8 +333,8 @@ static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], 
   }
 }
 
-/* E12.14, E12.15: pushed by each input, the linear model with all modes of four elements moves as fb_exact_step moves
-   the beam: both by the middle of the step, so that little of the step's own error is left. */
+/* E12.14, E12.15, E10.29: pushed by each input, the linear model with all modes of four elements moves as fb_exact_step
+   moves the beam, damped or not: both by the middle of the step, so that little of the step's own error is left. */
 TEST(linear_beams_move_as_the_beam_does)
 {
   double largest[2] = {0.0, 0.0};
@@ -383,7 +386,43 @@ TEST(linear_beams_answer_at_every_frequency)
   fbt_figure("linear model of a cantilever, tip force to tip, to twice the second frequency", "closed form", largest);
 }
 
-/* ---- refusal */
+/* ---- damping and stability */
+
+/* E10.29: about rest a mode of the frequency omega becomes lambda^2 + mu omega^2 lambda + omega^2 = 0 where the damping of
+   all strains is mu, with rigid shear and without; that of torsion alone leaves bending as it is, that of one bending the
+   other, also of two elements, which bend by rigid shear of their own. */
+TEST(damped_modes_have_the_ratio_of_their_frequency)
+{
+  const double mu = 0.01, stiffness[6] = {1e4, 0.0, 0.0, 1.5, 1.0, 3.0}, inertia[6] = {1.0, 1.0, 1.0, 0.05, 0.02, 0.03};
+  for (int run = 0; run < 4; run++) {
+    double omega[5], one = 0.0;
+    for (int damped = 0; damped < 2; damped++) {
+      beam(1.0, run == 3 ? 2 : 12, stiffness, inertia);
+      desc.station[0].stiffness[7] = desc.station[0].stiffness[14] = run == 1 ? FB_R(500.0) : FB_R(0.0);
+      desc.station[0].curvature[1] = run < 2 ? FB_R(0.7) : FB_R(0.0);
+      for (int i = 0; i < 6; i++) {
+        desc.damping[i] = damped && (run < 2 || i == run + 1) ? (fb_real)mu : FB_R(0.0);
+      }
+      settle();
+      spectrum_of(5);
+      for (int k = 0; k < 5; k++) {
+        const double re = (double)spectrum.re[k], im = (double)spectrum.im[k];
+        if (!damped) {
+          omega[k] = im;
+          FBT_NEAR_ABS(re, 0.0, FBT_TOL(1e-9, 1e-2));
+        } else if (run < 2) {
+          FBT_NEAR_REL(re, -0.5 * mu * omega[k] * omega[k], FBT_TOL(1e-9, 2e-2));
+          FBT_NEAR_REL(hypot(re, im), omega[k], FBT_TOL(1e-9, 1e-2));
+        } else { /* others are left */
+          one = fmax(one, -re);
+          FBT_TRUE(fabs(re) < FBT_TOL(1e-9, 1e-2) ||
+                   fabs(re / (0.5 * mu * omega[k] * omega[k]) + 1.0) < FBT_TOL(1e-9, 2e-2));
+        }
+      }
+    }
+    FBT_TRUE(run < 2 || one > 0.02);
+  }
+}
 
 /* E12.15: what the linear model says of stability is what the beam does: Beck's column either side of its flutter load,
    and a shaft with unequal stiffness, that whirls off between its two critical speeds pi^2 sqrt(EI) and only there. */
@@ -508,6 +547,21 @@ TEST(exact_beam_refuses_bad_input)
   desc.dissipation = FB_R(0.9);
   FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.dissipation = FB_R(0.0);
+  desc.damping[3] = -FB_R(1.0);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
+  desc.damping[3] = FB_R(0.5);
+  desc.station[0].stiffness[28] = FB_R(0.0);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_OK);
+  desc.station[0].curvature[0] = FB_R(0.7); /* one bending is rigid, about an axis that turns along an element */
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_state_init(&exact, &state, &work, NULL), FB_ERR_INIT);
+  for (int i = 0; i < 6; i++) {
+    desc.damping[i] = FB_R(0.5);
+  }
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_OK);
+  memset(desc.damping, 0, sizeof desc.damping);
+  desc.station[0].curvature[0] = FB_R(0.0);
+  desc.station[0].stiffness[28] = FB_R(1.0);
   desc.tip = 99;
   FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.tip = FB_END_DEFAULT;
@@ -637,5 +691,6 @@ SUITE(exact_linear, RUN(linear_beams_follow_the_unit_of_time), RUN(the_check_wor
       RUN(states_that_are_not_numbers_are_refused), RUN(models_with_impossible_counts_are_refused),
       RUN_LONG(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
       RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand), RUN_LONG(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(exact_beam_refuses_bad_input))
+      RUN(linear_beams_answer_at_every_frequency), RUN(damped_modes_have_the_ratio_of_their_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(exact_beam_refuses_bad_input))

@@ -244,6 +244,50 @@ TEST(dissipation_takes_energy_in_every_step)
   }
 }
 
+/* E10.29: what damping takes in a step, of a beam that bends and twists by half its length, is the sum of h strain_t.D
+   strain_t over its elements, D_ij = sqrt(mu_i mu_j) S_ij, whatever the step; it comes to rest at the shape of its load. */
+TEST(damping_takes_what_its_power_says)
+{
+  const double mu[6] = {1e-3, 2e-2, 5e-3, 0.3, 2.0, 4.0};
+  static fb_exact_node rest[FB_MAX_EXACT + 1];
+  for (int run = 0; run < 2; run++) {
+    const double dt = run ? 0.02 : 0.1;
+    double first, before, unit, taken = 0.0;
+    pluck(0.0);
+    desc.station[0].stiffness[29] = desc.station[0].stiffness[34] = FB_R(30.0); /* both bendings coupled */
+    for (int i = 0; i < 6; i++) {
+      desc.damping[i] = (fb_real)mu[i];
+    }
+    desc.iterations = 20;
+    input.n_load = 1;
+    settle();
+    input.n_load = 0;
+    first = before = total_energy();
+    unit = (double)exact.force * (double)exact.length / ((double)exact.time * (double)exact.time);
+    for (int k = 0; k < 200; k++) {
+      double power = 0.0;
+      if (steps(1, dt) != FB_OK) {
+        return;
+      }
+      for (int i = 0; i < 36 * exact.n; i++) {
+        const int at = i / 36 * 6, a = i / 6 % 6, b = i % 6;
+        power += (double)exact.h[i / 36] * sqrt(mu[a] * mu[b]) * (double)exact.S[i] * unit *
+                 (double)state.strain_rate[at + a] * (double)state.strain_rate[at + b];
+      }
+      FBT_NEAR_ABS(total_energy() - before, -power * dt, FBT_TOL(1e-9, 1e-4) * first);
+      taken += power * dt;
+      before = total_energy();
+    }
+    FBT_NEAR_REL(taken, first - before, FBT_TOL(1e-7, 1e-2));
+    FBT_TRUE(before < 0.5 * first);
+    input.n_load = 1;
+    FBT_INT_EQ(steps(2000, 0.1), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, rest, &state), FB_OK);
+    settle();
+    FBT_BELOW(fbt_difference(rest[10].position, node[10].position, 3), FBT_TOL(1e-5, 1e-3));
+  }
+}
+
 /* Strain and kinetic energy of what strains and momenta change by from b to a, less a part of that from c to b. */
 static double energy_of_change(const fb_exact_state *a, const fb_exact_state *b, const fb_exact_state *c, double part)
 {
@@ -1041,14 +1085,15 @@ SUITE(exact_motion, RUN_LONG(a_support_amid_the_beam_holds_at_rest_and_in_motion
       RUN(steps_that_have_not_converged_say_so), RUN(stiff_supported_beams_want_factorizations),
       RUN(one_correction_does_in_short_steps), RUN(a_beam_is_the_same_however_it_is_seen),
       RUN(energy_is_kept_whatever_the_step), RUN_LONG(dissipation_takes_energy_in_every_step),
-      RUN(dissipation_takes_what_its_rule_says), RUN(dissipation_is_that_of_its_formula),
-      RUN(internal_loads_of_a_pushed_rod_are_the_closed_form), RUN(a_rigid_beam_has_its_inertia),
-      RUN(velocity_of_the_middle_is_that_of_a_pose), RUN(uneven_mass_is_shared_without_loss),
-      RUN_LONG(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose), RUN(helices_swing_under_their_weight),
-      RUN(reactions_balance_what_acts), RUN(steady_and_marching_agree), RUN(steady_states_know_their_rates),
-      RUN_LONG(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
-      RUN(a_beam_slides_out_of_a_spinning_slot), RUN_LONG(a_beam_held_twice_keeps_energy_and_place),
-      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(what_is_held_comes_back_to_its_place),
-      RUN(reactions_amid_the_beam_converge_with_the_step), RUN(reactions_do_not_grow_with_shorter_steps),
-      RUN(one_held_rotation_spoils_no_other_support), RUN(reactions_do_no_work_on_the_way_back),
-      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body))
+      RUN(damping_takes_what_its_power_says), RUN(dissipation_takes_what_its_rule_says),
+      RUN(dissipation_is_that_of_its_formula), RUN(internal_loads_of_a_pushed_rod_are_the_closed_form),
+      RUN(a_rigid_beam_has_its_inertia), RUN(velocity_of_the_middle_is_that_of_a_pose),
+      RUN(uneven_mass_is_shared_without_loss), RUN_LONG(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose),
+      RUN(helices_swing_under_their_weight), RUN(reactions_balance_what_acts), RUN(steady_and_marching_agree),
+      RUN(steady_states_know_their_rates), RUN_LONG(spin_up_matches_the_exact_beam),
+      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
+      RUN_LONG(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
+      RUN(what_is_held_comes_back_to_its_place), RUN(reactions_amid_the_beam_converge_with_the_step),
+      RUN(reactions_do_not_grow_with_shorter_steps), RUN(one_held_rotation_spoils_no_other_support),
+      RUN(reactions_do_no_work_on_the_way_back), RUN(dissipation_bears_steps_of_any_length),
+      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body))

@@ -26,9 +26,9 @@ static void scene_read_exact_node(text_file *t, const scene *s, scene_body *body
 /* A line of `body NAME exact`. */
 static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, const char *word)
 {
-  static const char *const once[] = {"length",      "elements", "attitude", /* a branch has them, too */
-                                     "position",    "root",     "tip",      "gravity", "velocity",
-                                     "dissipation", "spin",     "modes",    "box"};
+  static const char *const once[] = {"length",   "elements",      "attitude", /* a branch has them, too */
+                                     "position", "root",          "tip",      "gravity", "velocity", "dissipation",
+                                     "damping",  "damping_ratio", "spin",     "modes",   "box"};
   for (int k = s->exact.on ? 3 : 0; k < (int)(sizeof once / sizeof *once); k++) {
     if (strcmp(word, once[k]) == 0) {
       text_once(t, &body->seen, word);

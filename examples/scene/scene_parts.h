@@ -51,13 +51,13 @@ typedef struct scene_body {
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
-  fb_root root;              /* of modes that leave out how it moves, else clamped */
+  fb_root root;                  /* of modes that leave out how it moves, else clamped */
   fb_real turn[FB_MAX_MODES][3]; /* of a root that is pinned: how each mode turns it */
-  fb_form_desc form;         /* of a body alone */
-  fb_form_torque torque;     /* of its shape, where that form wants it */
-  int n_node;                /* with node 0; further ones of the shape are drawn: */
-  int n_beam, n_drawn;       /* of each of its beams so many, from the root on */
-  int on_beam[FB_MAX_NODES]; /* is the node on one of them? */
+  fb_form_desc form;             /* of a body alone */
+  fb_form_torque torque;         /* of its shape, where that form wants it */
+  int n_node;                    /* with node 0; further ones of the shape are drawn: */
+  int n_beam, n_drawn;           /* of each of its beams so many, from the root on */
+  int on_beam[FB_MAX_NODES];     /* is the node on one of them? */
   char node_name[FB_MAX_NODES][TEXT_NAME];
   exact_spot node_at[FB_MAX_NODES]; /* of an exact beam, and.. */
   int element_node[FB_MAX_NODES];   /* ..which of its nodes */

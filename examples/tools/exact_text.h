@@ -303,6 +303,29 @@ static int exact_own(text_file *t, exact_text *m, const char *word)
   return 1;
 }
 
+/* `damping`: one number for all strains, or six; `damping_ratio`: that of a motion at a frequency. */
+static void exact_damping(text_file *t, exact_text *m, const char *word)
+{
+  double x[6] = {0};
+  int n = 0;
+  if (strcmp(word, "damping_ratio") == 0) {
+    const double ratio = text_number(t, "ratio"), hertz = text_number(t, "frequency [Hz]");
+    if (!(ratio >= 0 && hertz > 0)) {
+      text_fail(t, "damping_ratio wants a ratio from 0 and a frequency above 0 Hz, not %g, %g", ratio, hertz);
+    }
+    x[n++] = ratio / (acos(-1.0) * hertz);
+  }
+  while (text_more(t) && n < 6 && strcmp(word, "damping") == 0) {
+    x[n++] = text_number(t, word);
+  }
+  if (n != 1 && n != 6) {
+    text_fail(t, "damping wants 1 or 6 numbers, not %d", n);
+  }
+  for (int i = 0; i < 6; i++) {
+    m->desc.damping[i] = (fb_real)x[n == 6 ? i : 0];
+  }
+}
+
 /* A line that begins with that word. */
 static void exact_line(text_file *t, exact_text *m, const char *word)
 {
@@ -328,6 +351,8 @@ static void exact_line(text_file *t, exact_text *m, const char *word)
     m->modes = text_whole(t, word, 0, FB_EXACT_MODES);
   } else if (strcmp(word, "dissipation") == 0) {
     m->desc.dissipation = (fb_real)text_number(t, word);
+  } else if (strcmp(word, "damping") == 0 || strcmp(word, "damping_ratio") == 0) {
+    exact_damping(t, m, word);
   } else if (strcmp(word, "box") == 0) {
     m->desc.box = 1;
   } else {

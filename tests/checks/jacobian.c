@@ -114,6 +114,9 @@ static void build(int what, int n)
     fill(desc.branch[b].attitude, b ? 4 : 0, 1);
   }
   desc.dissipation = 0.3;
+  for (int i = 0; i < 6; i++) { /* 0, equal or not */
+    desc.damping[i] = what % 3 == 0 ? 0 : what % 3 == 1 ? 0.02 : 0.01 * (1 + i);
+  }
   require(fb_exact_init(&beam, &desc), "beam");
 }
 
@@ -144,8 +147,15 @@ static void scatter(int what, int way)
 {
   const double turning = what & (GRAVITY | DEAD_LINE | SUPPORTS | LOADS) ? 1e-6 : 1;
   const double rate = 2 / ((1 + beam.beta) * step);
-  const fbi_exact_motion motion = {
-      way == MARCH, way != REST, 0, 0, way == MARCH ? step / 2 : 1, way == MARCH ? rate : way == LINEARIZED ? 1.37 : 0};
+  const fbi_exact_motion motion = {way == MARCH,
+                                   way != REST,
+                                   0,
+                                   0,
+                                   way == MARCH ? step / 2 : 1,
+                                   way == MARCH        ? rate
+                                   : way == LINEARIZED ? 1.37
+                                                       : 0,
+                                   way != REST && fbi_exact_damped(&beam)};
   memset(&work, 0, sizeof work);
   require(fb_exact_state_init(&beam, &state, &work, &input), "state");
   fill(state.base_quat, 4, 1);
@@ -156,6 +166,7 @@ static void scatter(int what, int way)
   fill(work.strain, 6 * beam.n, 0.1);
   fill(work.momentum, 6 * beam.n, 1);
   fill(work.velocity, 6 * (beam.n + 1), 1);
+  fbi_exact_damp(&work, &beam);
   for (int k = 0; k < beam.n; k++) {
     fbi_mat66_mul_vec6(state.strain + 6 * k, beam.C + 36 * k, work.s + 6 * k);
   }

@@ -42,6 +42,11 @@ for force in 600.5 599.5; do # what a static response has to be
   grep -q "dead 0 0 $force$" "$out/bend_$force.txt" || fail "examples/bend45.txt has no load of 600"
   try build/flexbeam exact "$out/bend_$force.txt" --linear "$out/bent_$force.json"
 done
+# E10.29: the slowest motion of 0.98636448 Hz has that part of the ratio 0.02 at 5 Hz
+printf 'length 2\nelements 16\nstation 0\nstiffness 1e6 0 0 80 100 300\ninertia 2 2 2 0.02 0.01 0.01\ndamping_ratio 0.02 5\nmodes 1\n' > "$out/damped.txt"
+try build/flexbeam exact "$out/damped.txt"
+awk '$1 == 1 { f = $2; growth = $4 } END { r = growth / (-0.02 * f / 5 * 2 * 3.14159265358979 * f); exit !(r > 0.999 && r < 1.001) }' "$out/log" ||
+  fail "damping of an exact beam: $(tail -n 1 "$out/log")"
 cat > "$out/hinged.txt" << END
 length 1
 elements 4

@@ -144,6 +144,16 @@ rotor w b
 end
 rotor v like w  1 0 0
 END
+sole 2 "damping wants 1 or 6 numbers, not 2" << END
+body b exact
+  damping 0.1 0.2
+end
+END
+sole 2 "damping_ratio wants a ratio from 0 and a frequency above 0 Hz, not 0.02, 0" << END
+body b exact
+  damping_ratio 0.02 0
+end
+END
 sole 2 "no such word for an exact beam: lenght" << END
 body b exact
   lenght 1

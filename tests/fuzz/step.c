@@ -549,6 +549,9 @@ static int build_exact(bytes *b)
   }
   desc.gravity[2] = take_real(b);
   desc.dissipation = take_byte(b) & 1 ? FB_R(0.3) : FB_R(0.0);
+  for (int i = 0; i < 6; i++) {
+    desc.damping[i] = take_byte(b) & 1 ? (fb_real)(1 + i) : FB_R(0.0);
+  }
   if (fb_exact_station_init(&desc.station[0], &section) != FB_OK) {
     return 0;
   }

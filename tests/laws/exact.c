@@ -19,6 +19,7 @@ static const fbl_feature features[] = {
     {"newton", {"one", "three"}},
     {"start", {"bent", "straight"}},
     {"waves", {"shared", "box"}},
+    {"damping", {"none", "equal", "own"}},
 };
 enum {
   BASE,
@@ -37,7 +38,8 @@ enum {
   DISSIPATION,
   NEWTON,
   START,
-  WAVES
+  WAVES,
+  DAMPING
 };
 enum { CLAMPED, MOVING, FREE };
 enum { UNIFORM, TAPER, TWIST, CENTERS, FULL };
@@ -85,6 +87,9 @@ static void legal(int *level)
   }
   if (level[HELD] == HINGED && level[JOINT] == LOOSE) {
     level[HELD] = ROOT;
+  }
+  if (level[RIGID] == 2 && level[CURVATURE]) { /* rigid in directions that are no axes */
+    level[DAMPING] = level[DAMPING] > 0;
   }
   /* nodes with less inertia than directions answer a jump of the load at once, a line that is held twice its stretch:
      bad first guesses */
@@ -433,6 +438,11 @@ static fb_status beam_draw(void)
     fbl_inertial_polar(desc.gravity, 0.2 * sag, -0.3 * sag, 0.4 * sag, 0, 1, -2);
   }
   desc.dissipation = now[DISSIPATION] ? FB_R(0.3) : FB_R(0.0);
+  fbl_stream("damping");
+  for (int i = 0; i < 6 && now[DAMPING]; i++) {
+    const double mu = fbl_in(0.001, 0.01);
+    desc.damping[i] = now[DAMPING] == 1 && i > 0 ? desc.damping[0] : fbl_unit(mu, 0, 0, 1);
+  }
   desc.box = now[WAVES];
   desc.iterations = 10;
   desc.factorizations = now[NEWTON] ? 3 : 1;
@@ -773,10 +783,25 @@ static double joint_power(double *size)
   return sum;
 }
 
-/* Power of loads and of what holds the nodes in the middle of the step from `before` to `after`. */
+/* E10.29: h strain_t.D strain_t of the elements. */
+static double damping_power(void)
+{
+  double sum = 0.0;
+  for (int i = 0; i < 36 * beam.n; i++) {
+    const int k = i / 36, a = i / 6 % 6, b = i % 6;
+    const fb_real *const rate = after.state.strain_rate + 6 * k, *const root = beam.damping;
+    sum +=
+        (double)beam.h[k] * (double)rate[a] * (double)root[a] * (double)beam.S[i] * (double)root[b] * (double)rate[b];
+  }
+  return sum * (double)beam.force * (double)beam.length / (double)beam.time;
+}
+
+/* Power of loads, of damping and of what holds the nodes in the middle of the step from `before` to `after`. */
 static double power_of(double *size)
 {
-  double sum = joint_power(size);
+  const double lost = damping_power();
+  double sum = joint_power(size) - lost;
+  *size += lost;
   for (int l = 0; l < input.n_load; l++) {
     const fb_load *const load = &input.load[l];
     fb_real q[4], v[3], w[3], f[3], t[3];
