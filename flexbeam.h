@@ -2752,7 +2752,8 @@ typedef struct fb_exact_desc {
   fb_real dissipation;
   /* Structural damping [s] >= 0, in proportion to the stiffness: mu of stretch, shear along y and z, torsion, bending
      about y and z. Stress = stiffness strain + D strain_t, D_ij = sqrt(mu_i mu_j) stiffness_ij; all equal to mu: a mode
-     of the frequency omega has the damping ratio mu omega/2. Shear that is rigid takes that of the bending in its plane.
+     of the frequency omega has the damping ratio mu omega/2. Shear that is rigid takes that of the bending in its plane,
+     values of what else is rigid are not used. In single precision steps below some mu/1000 may not converge.
      FB_ERR_VALUE, the beam is then empty: unequal where a direction is rigid that is no axis (one bending, of a line
      that is twisted) */
   fb_real damping[6];
@@ -3199,8 +3200,9 @@ typedef struct fb_exact_spectrum_work { /* scratch; large: make it static */
 /* The `count` (1..FB_EXACT_MODES) complex modes with the smallest |lambda| about a steady state of fb_exact_trim with
    the same input, in the frame of the base: vibration, whirl, flutter, buckling (lambda = 0). The rigid-body modes of
    an unsupported beam are included; their eigenvalues are zero within the square root of round-off.
-   FB_ERR_CONVERGENCE: fewer than requested have converged (without inertia there are none); FB_ERR_MODES: the beam has
-   fewer. */
+   FB_ERR_CONVERGENCE: fewer than requested have converged (without inertia there are none); with desc.damping also one
+   at 1/damping or faster: faster modes creep at rates that gather there, so that some would be left out. FB_ERR_MODES:
+   the beam has fewer. */
 FB_API fb_status fb_exact_spectrum_solve(const fb_exact *exact, fb_exact_spectrum_work *work,
                                          fb_exact_spectrum *spectrum, const fb_exact_state *state,
                                          const fb_exact_input *input, int count);

@@ -12066,50 +12066,53 @@ static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_b
   return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (is->angle >= 0 || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
 }
 
-/* Newton steps of E9.17 from a rough guess; locked axes of loops are free meanwhile and locked where they end. Modes are
-   held by a large mass at first. A step that lessens what the rows miss by less than a quarter of its promise is taken
-   back, shortened, and modes are let go a little: the posture is near what was asked and follows it steadily, also
-   where joints alone cannot close the loops. */
-static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                 fb_system_state *state, const fb_system_input *input)
+#define FBI_HEAVY FB_R(1e6)                               /* extra mass of modes that are held */
+#define FBI_CLOSED (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)) /* what loops may miss */
+
+/* Largest violation of the rows that the factors keep: of others a share of a step says nothing. */
+static fb_real fbi_rows_gap(const fb_system_work *w)
+{
+  fb_real gap = FB_R(0.0);
+  for (int k = 0; k < w->rank; k++) {
+    const fb_row *const row = &w->row[w->order[k]].r;
+    gap = row->holonomic ? fbi_larger(gap, FB_FABS(row->value)) : gap;
+  }
+  return gap;
+}
+
+/* Newton steps of E9.17 from a rough guess; miss: what is left. Modes are held by a large mass at first. A step that
+   lessens the gap by less than a quarter of its promise is taken back, shortened, and modes are let go a little (but
+   where held is 1): the posture is near what was asked and follows it steadily, also where joints alone cannot close
+   the loops. */
+static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                    fb_system_state *state, const fb_system_input *input, int held)
 {
   fb_system_state *const modes = &w->base, *const best = &w->sum;
-  fb_real least, share = FB_R(1.0);
+  fb_real share = FB_R(1.0);
   fb_status status;
   int worst = -1;
-
-  /* locked axes of loops are free during the iteration */
-  *modes = *best = *state;
-  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
-    for (int i = 0; i < 3; i++) {
-      modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
-    }
-  }
-
-  /* Newton steps */
-  w->heavy = FB_R(1e6);
+  *best = *state;
+  w->heavy = FBI_HEAVY;
   status = fbi_posture_look(w, system, body, best, modes, input);
-  least = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
-  for (int step = 0; step < 100 && status == FB_OK && share > FB_R(0.01) && !(least <= FB_R(8.0) * FB_EPSILON);
+  *miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
+  for (int step = 0; step < 300 && status == FB_OK && share > FB_R(1e-4) && !(*miss <= FB_R(8.0) * FB_EPSILON);
        step++) {
-    fb_real miss;
-    int at;
+    fb_real gap;
     *state = *best;
     status = fbi_posture_step(state, w, system, body, share);
     if (step == 0 && status != FB_OK) { /* cannot move at all */
       return status;
     }
+    gap = fbi_rows_gap(w);
     status = status == FB_OK ? fbi_posture_look(w, system, body, state, modes, input) : status;
-    miss = fbi_rows_miss(&at, w, system);
-    if (status == FB_OK && miss <= (FB_R(1.0) - FB_R(0.25) * share) * least) {
+    if (status == FB_OK && fbi_rows_gap(w) <= (FB_R(1.0) - FB_R(0.25) * share) * gap) {
       *best = *state;
-      least = miss;
-      worst = at;
+      *miss = fbi_rows_miss(&worst, w, system);
       share = fbi_smaller(FB_R(2.0) * share, FB_R(1.0));
       continue;
     }
     share *= FB_R(0.25);
-    if (w->heavy > FB_R(0.0)) {
+    if (!held && w->heavy > FB_R(0.0)) {
       share = fbi_larger(share, FB_R(0.25));
       w->heavy *= FB_R(0.01);
       w->heavy = w->heavy < FB_R(1.0) ? FB_R(0.0) : w->heavy;
@@ -12117,13 +12120,42 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
     status = fbi_posture_look(w, system, body, best, modes, input);
   }
   *state = *best;
-
-  /* converged, and on the right branch? */
-  w->heavy = FB_R(0.0);
-  if (status == FB_OK && !(least <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
+  if (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE || !(*miss <= FBI_CLOSED)) {
     w->joint = worst;
-    status = FB_ERR_CONTRADICTION;
+    return status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE || status == FB_OK ? FB_ERR_CONTRADICTION : status;
   }
+  return status;
+}
+
+/* Closes loops from a rough guess; locked axes of loops are free meanwhile and locked where they end. Where modes had to
+   be let go, it is tried once more from there, with modes as asked and held: joints may close them now. */
+static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 fb_system_state *state, const fb_system_input *input)
+{
+  fb_system_state *const modes = &w->base, *const found = &w->first;
+  fb_real miss;
+  fb_status status;
+  *modes = *state;
+  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
+    for (int i = 0; i < 3; i++) {
+      modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
+    }
+  }
+  status = fbi_loops_approach(&miss, w, system, body, state, input, 0);
+  if (status == FB_OK && w->heavy < FBI_HEAVY) {
+    *found = *state;
+    for (int k = 0; k < system->n_body; k++) {
+      fbi_copy(state->link[k].q, modes->link[k].q, fbi_model(system, body, k)->n);
+    }
+    if (fbi_loops_approach(&miss, w, system, body, state, input, 1) != FB_OK) {
+      *state = *found;
+      w->joint = -1;
+    }
+  }
+
+  /* on the right branch? */
+  w->heavy = FB_R(0.0);
+  status = status == FB_OK ? fbi_posture_look(w, system, body, state, modes, input) : status;
   for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
     if (!fbi_is_upright(w, system, body, j)) {
       w->joint = j;
@@ -28905,14 +28937,20 @@ static void fbi_exact_nodes_fill(fb_exact *m, const fb_exact_desc *desc, const f
   }
 }
 
-/* Roots of structural damping (E10.29); rigid shear, which an element has by its bending alone, takes that of it. */
+/* Roots of structural damping (E10.29); rigid shear, which an element has by its bending alone, takes that of it; what
+   else is rigid that of the first that is not. */
 static fb_status fbi_exact_damping_fill(fb_exact *m, const fb_exact_desc *desc)
 {
   static const int bend[6] = {0, 5, 4, 3, 4, 5};
-  int equal = 1;
+  const fb_real *const stiffness = desc->station[0].stiffness;
+  int equal = 1, soft = 0;
+  while (soft < 5 && !(stiffness[7 * soft] > FB_R(0.0))) {
+    soft++;
+  }
   for (int i = 0; i < 6; i++) {
-    const int rigid = (i == 1 || i == 2) && !(desc->station[0].stiffness[7 * i] > FB_R(0.0));
-    m->damping[i] = FB_SQRT(desc->damping[rigid ? bend[i] : i] / m->time);
+    int of = stiffness[7 * i] > FB_R(0.0) ? i : bend[i];
+    of = stiffness[7 * of] > FB_R(0.0) ? of : soft;
+    m->damping[i] = FB_SQRT(desc->damping[of] / m->time);
     equal = equal && m->damping[i] == m->damping[0];
   }
   for (int k = 0; k < m->n && !equal; k++) {
@@ -34084,6 +34122,18 @@ static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exac
   }
   fbi_exact_lambda(work, size);
   *found = fbi_spectrum_order(order, work->re, work->im, size);
+  if (*found >= count && fbi_exact_damped(m) && size < fbi_exact_dim(m)) { /* not all that there are */
+    const int last = order[count - 1];
+    const fb_real rate = FB_SQRT(work->re[last] * work->re[last] + work->im[last] * work->im[last]);
+    fb_real most = FB_R(0.0);
+    for (int i = 0; i < 6; i++) {
+      most = fbi_larger(most, m->damping[i] * m->damping[i]);
+    }
+    if (rate * most > FB_R(0.99)) {
+      return FBI_REFUSE(FB_ERR_CONVERGENCE, "count: modes [1/s] that creep no faster than others, below", -1,
+                        rate / m->time, FB_R(1.0) / (most * m->time));
+    }
+  }
   return *found >= count ? FB_OK : size < fbi_exact_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_MODES;
 }
 

@@ -290,6 +290,39 @@ TEST(a_loop_that_joints_cannot_close_bends_a_body_to_it)
   FBT_BELOW(fabs(elbow[2] - elbow[0]), 1e-4);
 }
 
+/* E9.17: hinges about axes through one point, whose loop has two rows of five that count, and a chain of three bars closed
+   to the ground, in meters, millimeters and kilometers, close from guesses all around. */
+TEST(loops_close_from_rough_guesses)
+{
+  const double pointed[4][3] = {
+      {0.0, 0.0, 1.0}, {0.56464, 0.0, 0.82534}, {0.56464, 0.47943, 0.82534}, {0.0, 0.64422, 0.76484}};
+  for (int run = 0; run < 4; run++) {
+    const double unit = run < 2 ? 1.0 : run < 3 ? 1e-3 : 1e3, bar[3] = {0.4, 1.0, 0.8};
+    int refused = 0;
+    for (int guess = 0; guess < 512; guess++) {
+      fresh();
+      for (int k = 0; k < 3; k++) {
+        const double L = unit * bar[k], J = 0.05 * L * L;
+        rigid(&model[k], 1.0, 0.5 * L, 0, 0, J, J, J);
+        hang(k, k, FB_JOINT_REVOLUTE, k - 1, k > 0 && run > 0);
+        start[k].value[0] = (fb_real)((guess >> (3 * k) & 7) * (run ? pi / 4.0 : 0.05) - (run ? 0.0 : 0.175));
+      }
+      start[2].value[0] += run ? FB_R(0.1) : FB_R(0.0);
+      close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 2, run > 0)->position[0] = (fb_real)(run ? 1.1 * unit : 0.0);
+      for (int k = 0; k < 4 && run == 0; k++) {
+        fb_joint_desc *const j = k < 3 ? &desc.joint[k] : &desc.loop[0];
+        for (int i = 0; i < 3; i++) {
+          j->axis[i] = (fb_real)pointed[k][i];
+          j->position[i] = j->child_position[i] = k < 3 ? FB_R(0.0) : (fb_real)(0.7 * pointed[k][i]);
+        }
+      }
+      init(FB_METHOD_RECURSIVE);
+      refused += fb_system_state_init(&mechanism, model, &state, &work, start, NULL) != FB_OK;
+    }
+    FBT_INT_EQ(refused, 0);
+  }
+}
+
 /* E9.8: slides know no turns: a loop brings a body five meters along, and locked it stays there. */
 TEST(loops_slide_any_way)
 {
@@ -697,4 +730,4 @@ SUITE(system_loops, RUN(free_rods_are_refused), RUN(free_bodies_tied_to_links_of
       RUN(loops_that_stand_still_contradict_no_prescribed_axis), RUN(linkages_swing_alike_in_any_unit_of_length),
       RUN(loops_slide_any_way), RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
       RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(a_loop_that_joints_cannot_close_bends_a_body_to_it),
-      RUN(redundant_loops_are_accepted))
+      RUN(loops_close_from_rough_guesses), RUN(redundant_loops_are_accepted))
