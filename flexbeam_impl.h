@@ -1370,7 +1370,7 @@ FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
   for (int j = 0; j < n; j++) {
     const fb_real diagonal = A[j * n + j];
     const fb_real sum = diagonal - fbi_dot(A + j * n, A + j * n, j);
-    if (!fbi_is_finite(&sum, 1)) {
+    if (!(FB_FABS(sum) <= FB_HUGE)) {
       return FB_ERR_NOT_FINITE;
     }
     if (!(sum > (fb_real)n * FB_EPSILON * diagonal)) {
@@ -6682,7 +6682,7 @@ FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int ro
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
   FBI_REQUIRE(rotor >= 0 && rotor < body->n_rotor, FB_ERR_CAPACITY);
-  if (!fbi_is_finite(&speed, 1) || !fbi_is_finite(&angle, 1)) {
+  if (!(FB_FABS(speed) <= FB_HUGE) || !(FB_FABS(angle) <= FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
   if (body->rotor[rotor].given) {
@@ -11972,7 +11972,7 @@ static fb_status fbi_links_rotors_set(fb_system_state *state, fb_system_work *w,
       const fb_real speed = motion && !rotor->given ? motion[k].rotor_speed[r] : FB_R(0.0);
       const fb_real given = input ? input->rotor[k][r].momentum : FB_R(0.0);
       const fb_real angle = motion ? motion[k].rotor_angle[r] : FB_R(0.0);
-      if (!fbi_is_finite(&speed, 1) || !fbi_is_finite(&angle, 1)) {
+      if (!(FB_FABS(speed) <= FB_HUGE) || !(FB_FABS(angle) <= FB_HUGE)) {
         return FB_ERR_NOT_FINITE;
       }
       x->q[L->model->n + r] = angle;
@@ -15132,7 +15132,8 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
           m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
           m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
-          fbi_is_choice(m->box, 1) && fbi_is_finite(m->gravity, 3) && fbi_is_finite(m->damping, 6);
+          fbi_is_choice(m->box, 1) && fbi_is_finite(m->gravity, 3) && fbi_vec3_is_finite(m->damping) &&
+          fbi_vec3_is_finite(m->damping + 3);
 
   /* Tables */
   sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
@@ -25870,7 +25871,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
     return status;
   }
   FBI_REQUIRE(node, FB_ERR_NULL);
-  if (!fbi_is_finite(&x, 1)) {
+  if (!(FB_FABS(x) <= FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_NOT_FINITE, "x [m] along the beam, finite", -1, x, FB_R(0.0));
   }
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
@@ -25942,7 +25943,7 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
         FBI_COUNT(first, 0, FB_MAX_MODES - modes->n, "first, 0 to FB_MAX_MODES less modes, beyond")};
     FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
   }
-  if (!fbi_is_finite(&x, 1) || !fbi_is_finite(&y, 1) || !fbi_is_finite(&z, 1)) {
+  if (!(FB_FABS(x) <= FB_HUGE) || !(FB_FABS(y) <= FB_HUGE) || !(FB_FABS(z) <= FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
@@ -30719,7 +30720,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
   fb_real J[9], kept[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
   fb_status status;
   fbi_vec6_zero(V);
-  if (!fbi_is_finite(&spin, 1)) {
+  if (!(FB_FABS(spin) <= FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
 
@@ -33653,7 +33654,7 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
   for (int k = 0; k < spectrum->n && fbi_integrator_table[(int)integrator].bounded; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
-    if (!fbi_is_finite(&spectrum->re[k], 1) || !fbi_is_finite(&size, 1)) {
+    if (!fbi_is_finite(&spectrum->re[k], 1) || !(FB_FABS(size) <= FB_HUGE)) {
       return FB_R(0.0);
     }
     if (size > FB_R(0.0)) {
@@ -33715,11 +33716,11 @@ FB_DEF fb_real fb_spectrum_error(const fb_spectrum *spectrum, fb_integrator inte
 {
   fb_real error;
   FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_has_amplification(integrator), FB_R(0.0));
-  if (!(dt > FB_R(0.0)) || !(duration > FB_R(0.0)) || !fbi_is_finite(&dt, 1) || !fbi_is_finite(&duration, 1)) {
+  if (!(dt > FB_R(0.0)) || !(duration > FB_R(0.0)) || !(FB_FABS(dt) <= FB_HUGE) || !(FB_FABS(duration) <= FB_HUGE)) {
     return FB_R(0.0);
   }
   error = fbi_spectrum_error(spectrum, integrator, amplitude, dt, duration);
-  return fbi_is_finite(&error, 1) ? error : FB_R(0.0);
+  return FB_FABS(error) <= FB_HUGE ? error : FB_R(0.0);
 }
 
 /* [E12.7] Step for a given accuracy: sum_k amplitude_k error_k(dt) = tolerance. The smallest such dt, by doubling and
@@ -34619,7 +34620,7 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
   }
   if (!fbi_is_finite(e->velocity, 3) || !fbi_is_finite(e->spin, 3) || !fbi_is_finite(e->spin_rate, 3) ||
       !fbi_is_finite(e->acceleration, 3) || !fbi_is_finite(&e->duration, 1) || !fbi_is_finite(&e->frame, 1) ||
-      !fbi_is_finite(&e->lasts, 1) || !fbi_is_finite(&tolerance, 1)) {
+      !fbi_is_finite(&e->lasts, 1) || !(FB_FABS(tolerance) <= FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
   if (!(e->frequency >= FB_R(0.0)) || !(e->duration > FB_R(0.0)) || e->frame < FB_R(0.0) || e->lasts < FB_R(0.0) ||
