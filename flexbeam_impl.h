@@ -12082,7 +12082,7 @@ static fb_real fbi_rows_gap(const fb_system_work *w)
 
 /* Newton steps of E9.17 from a rough guess; miss: what is left. Modes are held by a large mass at first. A step that
    lessens the gap by less than a quarter of its promise is taken back, shortened, and modes are let go a little (but
-   where held is 1): the posture is near what was asked and follows it steadily, also where joints alone cannot close
+   where held is 1; 2: all rows are judged): the posture is near what was asked and follows it steadily, also where joints alone cannot close
    the loops. */
 static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_system *system, const fb_body *body,
                                     fb_system_state *state, const fb_system_input *input, int held)
@@ -12097,7 +12097,8 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
   *miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
   for (int step = 0; step < 300 && status == FB_OK && share > FB_R(1e-4) && !(*miss <= FB_R(8.0) * FB_EPSILON);
        step++) {
-    fb_real gap;
+    fb_real gap, left;
+    int at;
     *state = *best;
     status = fbi_posture_step(state, w, system, body, share);
     if (step == 0 && status != FB_OK) { /* cannot move at all */
@@ -12105,14 +12106,18 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
     }
     gap = fbi_rows_gap(w);
     status = status == FB_OK ? fbi_posture_look(w, system, body, state, modes, input) : status;
-    if (status == FB_OK && fbi_rows_gap(w) <= (FB_R(1.0) - FB_R(0.25) * share) * gap) {
+    left = status == FB_OK ? fbi_rows_miss(&at, w, system) : *miss;
+    if (status == FB_OK &&
+        (gap > FB_R(8.0) * FB_EPSILON && held < 2 ? fbi_rows_gap(w) <= (FB_R(1.0) - FB_R(0.25) * share) * gap
+                                                  : left <= (FB_R(1.0) - FB_R(0.25) * share) * *miss)) {
       *best = *state;
-      *miss = fbi_rows_miss(&worst, w, system);
+      *miss = left;
+      worst = at;
       share = fbi_smaller(FB_R(2.0) * share, FB_R(1.0));
       continue;
     }
     share *= FB_R(0.25);
-    if (!held && w->heavy > FB_R(0.0)) {
+    if (held != 1 && w->heavy > FB_R(0.0)) {
       share = fbi_larger(share, FB_R(0.25));
       w->heavy *= FB_R(0.01);
       w->heavy = w->heavy < FB_R(1.0) ? FB_R(0.0) : w->heavy;
@@ -12141,7 +12146,13 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
       modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
     }
   }
+  *found = *state;
   status = fbi_loops_approach(&miss, w, system, body, state, input, 0);
+  if (status == FB_ERR_CONTRADICTION) {
+    *state = *found;
+    status = fbi_loops_approach(&miss, w, system, body, state, input, 2);
+    w->joint = status == FB_OK ? -1 : w->joint;
+  }
   if (status == FB_OK && w->heavy < FBI_HEAVY) {
     *found = *state;
     for (int k = 0; k < system->n_body; k++) {
