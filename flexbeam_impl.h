@@ -12081,9 +12081,9 @@ static fb_real fbi_rows_gap(const fb_system_work *w)
 }
 
 /* Newton steps of E9.17 from a rough guess; miss: what is left. Modes are held by a large mass at first. A step that
-   lessens the gap by less than a quarter of its promise is taken back, shortened, and modes are let go a little (but
-   where held is 1; 2: all rows are judged): the posture is near what was asked and follows it steadily, also where joints alone cannot close
-   the loops. */
+   lessens the gap by less than a quarter of its promise is taken back, shortened, and modes are let go a little (not
+   where held is 1; 2: all rows are judged): the posture is near what was asked and follows it steadily, also where
+   joints alone cannot close the loops. */
 static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_system *system, const fb_body *body,
                                     fb_system_state *state, const fb_system_input *input, int held)
 {
