@@ -223,6 +223,12 @@ static void fbi_detail_require(const char *status, const char *function, const c
     FBI_REQUIRE_AS(condition, status, #condition, #status); \
   } while (0)
 
+/* 1 if |x| <= FB_HUGE: x and its square are finite; 0 for NaN. */
+static int fbi_is_number(fb_real x)
+{
+  return FB_FABS(x) <= FB_HUGE;
+}
+
 /* 1 if sum |x[i]| <= FB_HUGE: x and its squares are finite; 0 for NaN. */
 static int fbi_is_finite(const fb_real *x, int n)
 {
@@ -1370,7 +1376,7 @@ FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
   for (int j = 0; j < n; j++) {
     const fb_real diagonal = A[j * n + j];
     const fb_real sum = diagonal - fbi_dot(A + j * n, A + j * n, j);
-    if (!(FB_FABS(sum) <= FB_HUGE)) {
+    if (!fbi_is_number(sum)) {
       return FB_ERR_NOT_FINITE;
     }
     if (!(sum > (fb_real)n * FB_EPSILON * diagonal)) {
@@ -5613,7 +5619,7 @@ static fb_status fbi_rotors_check(const fb_body *body, const fb_rotor_input *inp
 {
   for (int r = 0; r < body->n_rotor; r++) {
     const fb_rotor_input *const in = &input[r];
-    if (!fbi_is_finite(&in->torque, 1) || !fbi_is_finite(&in->momentum, 1)) {
+    if (!fbi_is_number(in->torque) || !fbi_is_number(in->momentum)) {
       return FBI_REFUSE(FB_ERR_NOT_FINITE, "rotor: torque [N m] and momentum [N m s] of the input, finite", r,
                         FB_R(0.0), FB_R(0.0));
     }
@@ -6682,7 +6688,7 @@ FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int ro
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
   FBI_REQUIRE(rotor >= 0 && rotor < body->n_rotor, FB_ERR_CAPACITY);
-  if (!(FB_FABS(speed) <= FB_HUGE) || !(FB_FABS(angle) <= FB_HUGE)) {
+  if (!fbi_is_number(speed) || !fbi_is_number(angle)) {
     return FB_ERR_NOT_FINITE;
   }
   if (body->rotor[rotor].given) {
@@ -7687,7 +7693,7 @@ static int fbi_sparse_is_valid(const fb_sparse *m, int n)
   int valid = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
   for (int k = 0; valid && k < m->n_term; k++) {
     const fb_pair_term *t = &m->term[k];
-    valid = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
+    valid = t->a < n && t->b < t->a && fbi_is_number(t->c);
   }
   return valid;
 }
@@ -7707,7 +7713,7 @@ static int fbi_lambda_is_valid(const fb_body *body)
     const fb_lambda_term *t = &body->lambda[k];
     const int constant = k < body->n_lambda_constant;
     row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
-    valid = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
+    valid = fbi_is_number(t->c) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
             (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
                       : row < body->n_row && t->i == body->lambda_row[row].i &&
                             (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
@@ -7798,7 +7804,7 @@ static int fbi_line_node_is_valid(const fb_lines *all, const fb_line_node *node)
          (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
           fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
           fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n) &&
-          fbi_is_finite(node->axes, 9) && fbi_is_finite(&node->x, 1));
+          fbi_is_finite(node->axes, 9) && fbi_is_number(node->x));
 }
 
 /* Checks where points stand, and the masses beside them. */
@@ -11871,7 +11877,7 @@ static int fbi_link_state_is_finite(const fb_link_state *x, int n)
 /* Finite, and every body within its deflection limit. */
 static fb_status fbi_system_range(const fb_system *system, const fb_body *body, const fb_system_state *state)
 {
-  if (!fbi_is_finite(&state->motor_work, 1)) {
+  if (!fbi_is_number(state->motor_work)) {
     return FB_ERR_NOT_FINITE;
   }
   for (int k = 0; k < system->n_body; k++) {
@@ -11972,7 +11978,7 @@ static fb_status fbi_links_rotors_set(fb_system_state *state, fb_system_work *w,
       const fb_real speed = motion && !rotor->given ? motion[k].rotor_speed[r] : FB_R(0.0);
       const fb_real given = input ? input->rotor[k][r].momentum : FB_R(0.0);
       const fb_real angle = motion ? motion[k].rotor_angle[r] : FB_R(0.0);
-      if (!(FB_FABS(speed) <= FB_HUGE) || !(FB_FABS(angle) <= FB_HUGE)) {
+      if (!fbi_is_number(speed) || !fbi_is_number(angle)) {
         return FB_ERR_NOT_FINITE;
       }
       x->q[L->model->n + r] = angle;
@@ -12066,6 +12072,9 @@ static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_b
   return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (is->angle >= 0 || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
 }
 
+/* How loops are closed: by joints and, where these cannot, modes; by joints alone; as the first, judged by all rows. */
+typedef enum fbi_closing { FBI_CLOSING_ALL, FBI_CLOSING_JOINTS, FBI_CLOSING_ROWS } fbi_closing;
+
 #define FBI_HEAVY FB_R(1e6)                               /* extra mass of modes that are held */
 #define FBI_CLOSED (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)) /* what loops may miss */
 
@@ -12081,11 +12090,11 @@ static fb_real fbi_rows_gap(const fb_system_work *w)
 }
 
 /* Newton steps of E9.17 from a rough guess; miss: what is left. Modes are held by a large mass at first. A step that
-   lessens the gap by less than a quarter of its promise is taken back, shortened, and modes are let go a little (not
-   where held is 1; 2: all rows are judged): the posture is near what was asked and follows it steadily, also where
-   joints alone cannot close the loops. */
+   lessens the gap by less than a quarter of its promise is taken back, shortened, and modes are let go a little: the
+   posture is near what was asked and follows it steadily, also where joints alone cannot close the loops.
+   FB_ERR_CONTRADICTION: they stay open. */
 static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                    fb_system_state *state, const fb_system_input *input, int held)
+                                    fb_system_state *state, const fb_system_input *input, fbi_closing way)
 {
   fb_system_state *const modes = &w->base, *const best = &w->sum;
   fb_real share = FB_R(1.0);
@@ -12098,7 +12107,7 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
   for (int step = 0; step < 300 && status == FB_OK && share > FB_R(1e-4) && !(*miss <= FB_R(8.0) * FB_EPSILON);
        step++) {
     fb_real gap, left;
-    int at;
+    int at = worst;
     *state = *best;
     status = fbi_posture_step(state, w, system, body, share);
     if (step == 0 && status != FB_OK) { /* cannot move at all */
@@ -12107,9 +12116,9 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
     gap = fbi_rows_gap(w);
     status = status == FB_OK ? fbi_posture_look(w, system, body, state, modes, input) : status;
     left = status == FB_OK ? fbi_rows_miss(&at, w, system) : *miss;
-    if (status == FB_OK &&
-        (gap > FB_R(8.0) * FB_EPSILON && held < 2 ? fbi_rows_gap(w) <= (FB_R(1.0) - FB_R(0.25) * share) * gap
-                                                  : left <= (FB_R(1.0) - FB_R(0.25) * share) * *miss)) {
+    if (status == FB_OK && (gap > FB_R(8.0) * FB_EPSILON && way != FBI_CLOSING_ROWS
+                                ? fbi_rows_gap(w) <= (FB_R(1.0) - FB_R(0.25) * share) * gap
+                                : left <= (FB_R(1.0) - FB_R(0.25) * share) * *miss)) {
       *best = *state;
       *miss = left;
       worst = at;
@@ -12117,7 +12126,7 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
       continue;
     }
     share *= FB_R(0.25);
-    if (held != 1 && w->heavy > FB_R(0.0)) {
+    if (way != FBI_CLOSING_JOINTS && w->heavy > FB_R(0.0)) {
       share = fbi_larger(share, FB_R(0.25));
       w->heavy *= FB_R(0.01);
       w->heavy = w->heavy < FB_R(1.0) ? FB_R(0.0) : w->heavy;
@@ -12125,9 +12134,9 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
     status = fbi_posture_look(w, system, body, best, modes, input);
   }
   *state = *best;
-  if (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE || !(*miss <= FBI_CLOSED)) {
+  if (status == FB_OK ? !(*miss <= FBI_CLOSED) : status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE) {
     w->joint = worst;
-    return status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE || status == FB_OK ? FB_ERR_CONTRADICTION : status;
+    status = FB_ERR_CONTRADICTION;
   }
   return status;
 }
@@ -12147,10 +12156,10 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
     }
   }
   *found = *state;
-  status = fbi_loops_approach(&miss, w, system, body, state, input, 0);
+  status = fbi_loops_approach(&miss, w, system, body, state, input, FBI_CLOSING_ALL);
   if (status == FB_ERR_CONTRADICTION) {
     *state = *found;
-    status = fbi_loops_approach(&miss, w, system, body, state, input, 2);
+    status = fbi_loops_approach(&miss, w, system, body, state, input, FBI_CLOSING_ROWS);
     w->joint = status == FB_OK ? -1 : w->joint;
   }
   if (status == FB_OK && w->heavy < FBI_HEAVY) {
@@ -12158,7 +12167,7 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
     for (int k = 0; k < system->n_body; k++) {
       fbi_copy(state->link[k].q, modes->link[k].q, fbi_model(system, body, k)->n);
     }
-    if (fbi_loops_approach(&miss, w, system, body, state, input, 1) != FB_OK) {
+    if (fbi_loops_approach(&miss, w, system, body, state, input, FBI_CLOSING_JOINTS) != FB_OK) {
       *state = *found;
       w->joint = -1;
     }
@@ -13122,7 +13131,7 @@ static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int 
   /* values */
   valid = valid && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
           fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
-          fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
+          fbi_is_finite(joint->A, 18) && fbi_is_number(joint->pitch) && fbi_is_finite(joint->stiffness, 3) &&
           fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
           fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->friction_speed, 3) &&
           fbi_is_finite(joint->stop[0], 6) && fbi_is_finite(joint->stop_stiffness, 3) &&
@@ -15164,7 +15173,7 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
     const fb_exact_joint *const joint = &m->joint[j];
     sound = fbi_is_within(joint->element, m->n - 1) && m->jointed[joint->element] == j + 1 &&
             FB_FABS(fb_vec3_dot(joint->axis, joint->axis) - FB_R(1.0)) < FB_R(1e-5) &&
-            fbi_exact_is_angle(joint->angle) && fbi_is_finite(&joint->rest, 1) && fbi_is_finite(&joint->rate, 1) &&
+            fbi_exact_is_angle(joint->angle) && fbi_is_number(joint->rest) && fbi_is_number(joint->rate) &&
             joint->stiffness >= FB_R(0.0) && joint->stiffness <= FB_HUGE && joint->damping >= FB_R(0.0) &&
             joint->damping <= FB_HUGE;
   }
@@ -15223,7 +15232,7 @@ static int fbi_exact_rates_are_finite(const fb_exact *m, const fb_exact_state *s
   }
   finite = finite && fbi_is_finite(state->angle, m->n_joint) && fbi_is_finite(state->angle_rate, m->n_joint);
   return finite && fbi_is_finite(state->force, 6 * (m->n + 1)) && fbi_is_finite(state->reaction, 6 * (m->n + 1)) &&
-         fbi_is_finite(&state->step, 1) && fbi_is_finite(state->u, 3) && fbi_is_finite(state->lost, 3);
+         fbi_is_number(state->step) && fbi_is_finite(state->u, 3) && fbi_is_finite(state->lost, 3);
 }
 
 FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *state)
@@ -17619,7 +17628,7 @@ static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body 
   found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_optional_effects(body));
   found.implicit = fb_implicit_limit(body, found.spin, found.acceleration);
   found.exponential = fb_exponential_limit(body, found.spin, found.acceleration);
-  if (!fbi_is_finite(&found.spin, 1) || !fbi_is_finite(&found.acceleration, 1)) {
+  if (!fbi_is_number(found.spin) || !fbi_is_number(found.acceleration)) {
     return FB_ERR_NOT_FINITE;
   }
   *limit = found;
@@ -18509,7 +18518,7 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
   }
   found.sdirk = fbi_system_sdirk_limit(system, work, found.spin, stiff);
   found.rk4 = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, found.spin, stiff));
-  if (!fbi_is_finite(&found.spin, 1) || !(found.rk4 >= FB_R(0.0)) || !(found.sdirk >= FB_R(0.0))) {
+  if (!fbi_is_number(found.spin) || !(found.rk4 >= FB_R(0.0)) || !(found.sdirk >= FB_R(0.0))) {
     return FB_ERR_NOT_FINITE;
   }
   *limit = found;
@@ -25882,7 +25891,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
     return status;
   }
   FBI_REQUIRE(node, FB_ERR_NULL);
-  if (!(FB_FABS(x) <= FB_HUGE)) {
+  if (!fbi_is_number(x)) {
     return FBI_REFUSE(FB_ERR_NOT_FINITE, "x [m] along the beam, finite", -1, x, FB_R(0.0));
   }
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
@@ -25954,7 +25963,7 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
         FBI_COUNT(first, 0, FB_MAX_MODES - modes->n, "first, 0 to FB_MAX_MODES less modes, beyond")};
     FBI_REQUIRE_COUNT(room, FB_ERR_CAPACITY, -1);
   }
-  if (!(FB_FABS(x) <= FB_HUGE) || !(FB_FABS(y) <= FB_HUGE) || !(FB_FABS(z) <= FB_HUGE)) {
+  if (!fbi_is_number(x) || !fbi_is_number(y) || !fbi_is_number(z)) {
     return FB_ERR_NOT_FINITE;
   }
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
@@ -27424,7 +27433,7 @@ static fb_status fbi_rotors_fill(fb_body *body, const fb_body_work *work, const 
     rotor->moves |= fbi_is_large(body) && node->line.line > 0;
 #endif
     fbi_rotor_fill(rotor, body, work, shape);
-    if (!fbi_is_finite(&rotor->mobility, 1) || !fbi_is_finite(&rotor->rate, 1)) {
+    if (!fbi_is_number(rotor->mobility) || !fbi_is_number(rotor->rate)) {
       return FBI_REFUSE(FB_ERR_VALUE,
                         "rotor: inertia and friction_speed, so large that friction/friction_speed/inertia is finite; "
                         "inertia [kg m^2]",
@@ -28969,7 +28978,9 @@ static fb_status fbi_exact_damping_fill(fb_exact *m, const fb_exact_desc *desc)
     fb_real S[36];
     if (!m->jointed[k] && fbi_compliance(S, m->C + 36 * k) != FB_OK) {
       m->n = 0;
-      return FBI_REFUSE(FB_ERR_VALUE, "damping, equal: rigid in a direction that is no axis", k, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_VALUE,
+                        "element: rigid in a direction that is no axis, as unequal damping does not take it", k,
+                        FB_R(0.0), FB_R(0.0));
     }
   }
   return FB_OK;
@@ -29481,8 +29492,8 @@ FB_DEF fb_status fb_form_check(const fb_form_body *formed)
   for (int k = 0; valid && k < formed->n_gam + formed->n_torque; k++) {
     const int is_gam = k < formed->n_gam;
     const fb_lambda_term *t = is_gam ? &formed->gam[k] : &formed->torque[k - formed->n_gam];
-    valid = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= formed->body.n &&
-            t->b < formed->body.n;
+    valid =
+        fbi_is_number(t->c) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= formed->body.n && t->b < formed->body.n;
   }
   return valid ? FB_OK : FB_ERR_VALUE;
 }
@@ -30731,7 +30742,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
   fb_real J[9], kept[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
   fb_status status;
   fbi_vec6_zero(V);
-  if (!(FB_FABS(spin) <= FB_HUGE)) {
+  if (!fbi_is_number(spin)) {
     return FB_ERR_NOT_FINITE;
   }
 
@@ -32612,8 +32623,7 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
   if (status != FB_OK) {
     return status;
   }
-  if (!fbi_is_finite(path->ahead, 6 * (m->n + 1)) || !fbi_is_finite(&path->factor, 1) ||
-      !fbi_is_finite(&path->rise, 1)) {
+  if (!fbi_is_finite(path->ahead, 6 * (m->n + 1)) || !fbi_is_number(path->factor) || !fbi_is_number(path->rise)) {
     return FB_ERR_NOT_FINITE;
   }
   if (!(FB_FABS(arc) > FB_R(0.0) && FB_FABS(arc) < FB_HUGE)) {
@@ -33550,7 +33560,7 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
       margin = -re[k];
       worst = k;
     }
-    if (!fbi_is_finite(&re[k], 1)) { /* NaN or infinite: that mode is the worst */
+    if (!fbi_is_number(re[k])) { /* NaN or infinite: that mode is the worst */
       break;
     }
   }
@@ -33665,7 +33675,7 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
   for (int k = 0; k < spectrum->n && fbi_integrator_table[(int)integrator].bounded; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
-    if (!fbi_is_finite(&spectrum->re[k], 1) || !(FB_FABS(size) <= FB_HUGE)) {
+    if (!fbi_is_number(spectrum->re[k]) || !fbi_is_number(size)) {
       return FB_R(0.0);
     }
     if (size > FB_R(0.0)) {
@@ -33727,11 +33737,11 @@ FB_DEF fb_real fb_spectrum_error(const fb_spectrum *spectrum, fb_integrator inte
 {
   fb_real error;
   FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_has_amplification(integrator), FB_R(0.0));
-  if (!(dt > FB_R(0.0)) || !(duration > FB_R(0.0)) || !(FB_FABS(dt) <= FB_HUGE) || !(FB_FABS(duration) <= FB_HUGE)) {
+  if (!(dt > FB_R(0.0)) || !(duration > FB_R(0.0)) || !fbi_is_number(dt) || !fbi_is_number(duration)) {
     return FB_R(0.0);
   }
   error = fbi_spectrum_error(spectrum, integrator, amplitude, dt, duration);
-  return FB_FABS(error) <= FB_HUGE ? error : FB_R(0.0);
+  return fbi_is_number(error) ? error : FB_R(0.0);
 }
 
 /* [E12.7] Step for a given accuracy: sum_k amplitude_k error_k(dt) = tolerance. The smallest such dt, by doubling and
@@ -34142,7 +34152,8 @@ static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exac
       most = fbi_larger(most, m->damping[i] * m->damping[i]);
     }
     if (rate * most > FB_R(0.99)) {
-      return FBI_REFUSE(FB_ERR_CONVERGENCE, "count: modes [1/s] that creep no faster than others, below", -1,
+      return FBI_REFUSE(FB_ERR_CONVERGENCE,
+                        "count: modes slower than 1/damping [1/s], where those of overdamped ones gather, below", -1,
                         rate / m->time, FB_R(1.0) / (most * m->time));
     }
   }
@@ -34630,8 +34641,8 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
     return FB_ERR_EFFECTS;
   }
   if (!fbi_is_finite(e->velocity, 3) || !fbi_is_finite(e->spin, 3) || !fbi_is_finite(e->spin_rate, 3) ||
-      !fbi_is_finite(e->acceleration, 3) || !fbi_is_finite(&e->duration, 1) || !fbi_is_finite(&e->frame, 1) ||
-      !fbi_is_finite(&e->lasts, 1) || !(FB_FABS(tolerance) <= FB_HUGE)) {
+      !fbi_is_finite(e->acceleration, 3) || !fbi_is_number(e->duration) || !fbi_is_number(e->frame) ||
+      !fbi_is_number(e->lasts) || !fbi_is_number(tolerance)) {
     return FB_ERR_NOT_FINITE;
   }
   if (!(e->frequency >= FB_R(0.0)) || !(e->duration > FB_R(0.0)) || e->frame < FB_R(0.0) || e->lasts < FB_R(0.0) ||
@@ -34645,7 +34656,7 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
 #if FB_WITH_ROTORS
   FBI_REQUIRE(desc->n_rotor >= 0 && desc->n_rotor <= FB_MAX_ROTORS, FB_ERR_CAPACITY);
   for (int r = 0; r < desc->n_rotor; r++) {
-    if (!fbi_is_finite(&e->rotor[r].torque, 1) || !fbi_is_finite(&e->rotor[r].momentum, 1)) {
+    if (!fbi_is_number(e->rotor[r].torque) || !fbi_is_number(e->rotor[r].momentum)) {
       return FB_ERR_NOT_FINITE;
     }
     if (fbi_is_unbalanced(&desc->rotor[r])) {

@@ -422,7 +422,7 @@ TEST(damped_modes_have_the_ratio_of_their_frequency)
     }
     FBT_TRUE(run < 2 || one > 0.02);
   }
-  beam(1.0, 12, stiffness, inertia); /* faster modes than 2/mu creep, at rates that gather at 1/mu: these are refused */
+  beam(1.0, 12, stiffness, inertia); /* modes above 2/mu are overdamped, their eigenvalues gather at 1/mu: refused */
   for (int i = 3; i < 6; i++) {
     desc.damping[i] = FB_R(0.2); /* that of stretch, which is rigid, does not count */
   }
