@@ -247,7 +247,7 @@ TEST(spinning_beams_with_their_mass_ahead_are_stable)
     FBT_INT_EQ(work.unstable, 0);
     spectrum_of(6);
     for (int k = 0; k < 6; k++) {
-      FBT_BELOW(fabs((double)spectrum.re[k]), FBT_TOL(1e-9, 1e-2) * (double)spectrum.im[k]);
+      FBT_BELOW(fabs((double)spectrum.re[k]), FBT_TOL(1e-12, 1e-5) * (double)spectrum.im[k]);
     }
     FBT_NEAR_REL(spectrum.im[2], 178.0583, 0.22 / (n * n) + FBT_TOL(1e-5, 1e-2));
   }

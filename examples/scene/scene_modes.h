@@ -94,6 +94,7 @@ static int scene_print_modes(scene *s, FILE *out)
     plant_describe(s);
   }
   n = s->is_exact ? exact_run.spectrum.n : engine.spectrum.n;
+  n = s->is_exact && n > MODES_OF_BEAM ? MODES_OF_BEAM : n; /* a pair of equal ones ends beyond */
   (void)spectrum_drop_rounding(re, im, n);
   fprintf(out, "mode  undamped [Hz]  damped [Hz]  damped [rad/s]  damping ratio  growth [1/s]  what moves\n");
   for (int k = 0; k < n; k++) {

@@ -6,8 +6,11 @@
 import json
 import sys
 
-import numpy as np
-from scipy import io
+try:
+    import numpy as np
+    from scipy import io
+except ImportError as missing:
+    sys.exit('linear.py: %s: python3 -m pip install numpy scipy' % missing)
 
 
 def read(path):
