@@ -2092,6 +2092,42 @@ static double other_methods(double h)
   return miss;
 }
 
+/* Asked for a posture in which its loops are open, a system closes them as much apart, whatever the method is, and
+   moves on a little where a little else is asked for: at most 1e5 times as far. */
+static double open_loops(double h)
+{
+  static look first, second;
+  static fb_system_input in;
+  double miss = 0.0;
+  (void)h;
+  if (now[LOOP] == NO_LOOP || now[METHOD] == AS_LOOPS) {
+    return FBL_NONE;
+  }
+  input_fill(&in, 0.0);
+  for (int run = 0; run < 3; run++) {
+    fb_status status;
+    for (int k = 0; k < n_body; k++) {
+      fb_link_motion *const m = &start[k];
+      for (int i = 0; i < 3 && run != 1; i++) {
+        m->value[i] *= run ? FB_R(1.0) + FB_R(1e-6) : FB_R(1.1);
+      }
+    }
+    desc.method = run == 1 && desc.method == FB_METHOD_RECURSIVE ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
+    FBL_TRY(system_make());
+    status = state_draw(&in);
+    if (run == 0 && status == FB_ERR_CONTRADICTION) { /* it cannot be closed */
+      return FBL_NONE;
+    }
+    FBL_TRY(status);
+    FBL_TRY(look_at(run ? &second : &first, &state, &in));
+    if (run) {
+      const double own = looks_differ(&first, &second, slot, 0);
+      miss = larger(miss, run == 1 ? own : 1e-6 * own);
+    }
+  }
+  return miss;
+}
+
 /* A joint of the tree that is closed as a loop, its body free, acts the same. */
 static double closed_joints(double h)
 {
@@ -2805,6 +2841,7 @@ static const fbl_law laws[] = {
     {"boosted", "E9.21 E9.23", boosted, 0.0, {1e-8, 0}},
     {"methods_agree", "E9.5 E9.10 E9.19", other_methods, 0.0, {1e-7, 0}},
     {"joint_closed_as_a_loop", "E9.10 E9.19", closed_joints, 0.0, {1e-7, 0}},
+    {"open_loops_close_steadily", "E9.17", open_loops, 0.0, {1e-7, 0}},
     {"locked_joint_is_rigid", "E9.1 E9.19", locked_joints, 0.0, {1e-7, 0}},
     {"system_of_one_body", "E8.17 E9.15", one_body, 0.0, {1e-7, 0}},
     {"rk4_has_order_4", "E11.12", order_of_rk4, 0.4, {0.5, 0}},
