@@ -3201,9 +3201,9 @@ typedef struct fb_exact_spectrum_work { /* scratch; large: make it static */
 /* The `count` (1..FB_EXACT_MODES) complex modes with the smallest |lambda| about a steady state of fb_exact_trim with
    the same input, in the frame of the base: vibration, whirl, flutter, buckling (lambda = 0). The rigid-body modes of
    an unsupported beam are included; their eigenvalues are zero within the square root of round-off.
-   FB_ERR_CONVERGENCE: fewer than requested have converged (without inertia there are none); with desc.damping also one
-   at 1/damping or faster: eigenvalues of overdamped modes gather there, so that some would be left out. FB_ERR_MODES:
-   the beam has fewer. */
+   FB_ERR_CONVERGENCE: fewer than requested have converged; with desc.damping also one at 1/damping or faster:
+   eigenvalues of overdamped modes gather there, so that some would be left out. FB_ERR_MODES: the beam has fewer,
+   without inertia those of dampers alone. */
 FB_API fb_status fb_exact_spectrum_solve(const fb_exact *exact, fb_exact_spectrum_work *work,
                                          fb_exact_spectrum *spectrum, const fb_exact_state *state,
                                          const fb_exact_input *input, int count);

@@ -34175,6 +34175,10 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
   status = fb_exact_state_check(m, state);
   status = status ? status : fbi_exact_steady_check(m, input);
   status = status ? status : fbi_exact_modes(&found, order, work, m, state, input, count);
+  if (status == FB_ERR_CONVERGENCE && fbi_is_zero(m->M, 36 * m->n) && fbi_is_zero(m->node_M, 36 * (m->n + 1))) {
+    return FBI_REFUSE(FB_ERR_MODES, "count: modes of a beam without inertia, at most", -1, (fb_real)count,
+                      (fb_real)found);
+  }
   if (status != FB_OK) {
     return status;
   }

@@ -304,6 +304,10 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
   for (int count = 7; count <= FB_EXACT_MODES; count++) { /* there are no more */
     FBT_INT_EQ(fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, &input, count), FB_ERR_MODES);
   }
+  elastica(4); /* without inertia there is none */
+  memset(desc.station[0].inertia, 0, sizeof desc.station[0].inertia);
+  settle();
+  FBT_INT_EQ(fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, NULL, 1), FB_ERR_MODES);
 }
 
 /* E12.4, E10.10: two bodies off the line of a stiff bar, on its middle, which slides along the axis of its spin W and
