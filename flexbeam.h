@@ -2001,7 +2001,7 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
    but the first with one more factorization. The inputs at t and t + dt list the same loads. The fastest spin bounds
    the step, |w| dt <= 1/10, and so does what is explicit: springs and dampers between points; springs, dampers,
    friction and stops of joints of loops. FB_ERR_CONVERGENCE: the last correction is not small (of one iteration the
-   first stage alone tells): take a shorter step or more iterations. Else as fb_system_rk4_step. */
+   first stage alone tells), most of it of the body on work->joint: take a shorter step or more iterations. Else as fb_system_rk4_step. */
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);

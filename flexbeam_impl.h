@@ -16126,7 +16126,7 @@ static fb_status fbi_refuse_spin(const char *what, fb_real dt, fb_real limit, fb
 #else
 #define FBI_REFUSE_SPIN(what, dt, limit, spin) (FB_ERR_STEP)
 #endif
-#define FBI_WORD_NEWTON "last Newton correction of a stage [rad], at most"
+#define FBI_WORD_NEWTON "last Newton correction of a stage [rad], less by a shorter step, at most"
 #define FBI_WORD_LOST "body: rotates so far in a step that its attitude is lost to round-off"
 #define FBI_WORD_ROTATION "body: change of the angular velocity, times this dt [s], at most"
 
@@ -19145,18 +19145,18 @@ static void fbi_newton_substitute(fb_system_state *r, fb_system_work *w, const f
 
 /* [E11.24] Squared size of the increment s k [rad^2]: rotations of joints and attitudes, translations of joints over
    the radius of gyration of their body; deformed: modal displacements over that radius, those of lines as if they were
-   not bent.
+   not bent. largest: the body with most of it.
    Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
-static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system, const fb_body *body,
-                              fb_real s)
+static fb_real fbi_rates_size(fb_real *deformed, int *largest, const fb_system_state *k, const fb_system *system,
+                              const fb_body *body, fb_real s)
 {
-  fb_real sum = FB_R(0.0), elastic = FB_R(0.0);
+  fb_real sum = FB_R(0.0), elastic = FB_R(0.0), most = -FB_R(1.0);
   for (int i = 0; i < system->n_body; i++) {
     const fb_body *model = fbi_model(system, body, i);
     const fb_joint *joint = &system->joint[i];
     const fb_link_state *x = &k->link[i];
     const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
-    fb_real bent = FB_R(0.0);
+    fb_real bent = FB_R(0.0), before = sum;
 
     /* Joint */
     if (fbi_is_ball(joint->kind)) {
@@ -19181,6 +19181,9 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
     }
 #endif
     elastic += size * size * bent;
+    before = sum - before + size * size * bent;
+    *largest = before > most ? i : *largest;
+    most = fbi_larger(most, before);
   }
   *deformed = s * s * elastic;
   return s * s * sum;
@@ -19213,6 +19216,7 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
 {
   fb_status status = FB_OK;
   fb_real first = FB_R(0.0), before = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change, deflection;
+  int largest = -1;
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     /* Rates f at base + g k */
     fbi_system_advance(&w->stage, base, g, k, system, body);
@@ -19241,17 +19245,19 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
       fbi_newton_substitute(&w->rate, w, system, body, &w->stage, g);
       fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
       before = last;
-      last = fbi_rates_size(&bent, &w->rate, system, body, g);
+      last = fbi_rates_size(&bent, &largest, &w->rate, system, body, g);
       first = i == 0 ? last : first;
     }
   }
 
   /* Convergence (E11.25) */
   if (status == FB_OK && iterations > 1) {
-    change = fbi_rates_size(&bent_change, k, system, body, g);
-    (void)fbi_rates_size(&deflection, &w->stage, system, body, FB_R(1.0));
+    int unused;
+    change = fbi_rates_size(&bent_change, &unused, k, system, body, g);
+    (void)fbi_rates_size(&deflection, &unused, &w->stage, system, body, FB_R(1.0));
     status = fbi_stage_check(first, last, change);
     status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
+    w->joint = status == FB_OK ? w->joint : largest;
 #if FB_WITH_ROTORS
     for (int i = 0; i < system->n_body && system->carries_rotors && status == FB_OK; i++) {
       if (!fbi_rotors_have_converged(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
