@@ -923,6 +923,10 @@ static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run
     return scene_failed(s, "at the start", status);
   }
   s->began = 1;
+  if (s->is_exact && s->trim && exact_run.work.unstable > 0) {
+    scene_warn(s, o->warn, "warning: the steady state is unstable, in %d directions, as beyond a buckling load",
+               exact_run.work.unstable);
+  }
   if (o->talk) {
     scene_tell_moved(s, o->talk);
   }

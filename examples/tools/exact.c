@@ -140,6 +140,9 @@ static void tell_state(void)
   }
   (void)fb_exact_energy_eval(&beam, &energy, &beam_state);
   printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
+  if (beam_work.unstable > 0) {
+    printf("%-28s %14d directions, as beyond a buckling load\n", "unstable in", beam_work.unstable);
+  }
 }
 
 static fb_status tell_modes(int count)

@@ -47,6 +47,15 @@ grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed
 ! build/flexbeam scene examples/scenes/spinup_first_q2.txt --quiet --set Q=1 > "$out/log" 2>&1 || fail "Q = 1 does not diverge"
 grep -q 'at 1\.1[01][0-9]* s, step of' "$out/log" || fail "Q = 1 diverges elsewhere: $(cat "$out/log")"
 
+# beyond Euler's load, pi^2/4 EI/L^2, the straight column is a steady state, and unstable to both sides
+printf 'length 1\nelements 10\nstation 0\nstiffness 1e6 0 0 1 1 1\nmass 1\n' > "$out/column.txt"
+{ cat "$out/column.txt"; echo 'load 1 dead -4 0 0'; } > "$out/buckled.txt"
+try build/flexbeam exact "$out/buckled.txt"
+grep -q '^unstable in  *2 directions' "$out/log" || fail "exact says nothing of a buckled column"
+{ printf 'duration 0.01\nstep 0.01\ntrim\nbody b exact\n'; cat "$out/column.txt"; printf 'node 1 tip\nend\nload b.tip dead force -4 0 0\n'; } > "$out/buckled_scene.txt"
+build/flexbeam scene "$out/buckled_scene.txt" > "$out/log" 2>&1 || fail "a buckled column does not run: $(cat "$out/log")"
+grep -q 'warning: the steady state is unstable, in 2 directions' "$out/log" || fail "scene says nothing of a buckled column: $(cat "$out/log")"
+
 # known MEASURE VALUE PART SCENE OPTION...: another case of its table, by parameters; a measure differs by that part at most
 known() {
   measure=$1 value=$2 part=$3 scene=$4
