@@ -178,8 +178,8 @@
      fb_body_work               429096
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
-     fb_analyse_work           1290008
-     fb_system_analyse_work    1967808
+     fb_analyse_work           1290104
+     fb_system_analyse_work    1967904
      fb_exact_path_work         230576
      fb_exact_spectrum_work    1848000
      fb_exact_linear_work      2300880
@@ -2893,19 +2893,20 @@ FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_
 #define FB_MAX_PORTS 12 /* maximum number of its inputs, and of its outputs */
 
 typedef enum fb_port_kind {
-  FB_PORT_FORCE = 0,         /* input [N], at a node, body axes */
+  /* at a node; body axes, of exact beams those said. Exact beams have no accelerometer */
+  FB_PORT_FORCE = 0,         /* input [N], of an exact beam in port.axes */
   FB_PORT_TORQUE = 1,        /* input [N m] */
   FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is not used */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
-  FB_PORT_DISPLACEMENT = 4,  /* output [m], elastic displacement of a node, body axes */
+  FB_PORT_DISPLACEMENT = 4,  /* output [m], elastic displacement of a node, body axes; of an exact beam base axes */
   FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
-                                state; attitude is a state, see fb_linear */
+                                state; attitude is a state, see fb_linear. Of an exact beam section axes in that state */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
   /* output [m/s^2], an accelerometer at the node: acceleration less gravity there. With base motion or a given momentum
      as input the term in the rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
-  /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
-  FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
+  /* systems; body: the one carried by the joint, axis: of the joint. Exact beams; body: a joint. node is not used */
+  FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis; of a joint of an exact beam that is not driven */
   FB_PORT_COORDINATE = 9, /* output [rad], [m], joint coordinate as fb_joint_motion.value */
   FB_PORT_SPEED = 10,     /* output [rad/s], [m/s], its speed */
   /* systems only; body: the number of a spring; node and axis are not used */
@@ -2914,13 +2915,20 @@ typedef enum fb_port_kind {
   /* body: of a system, else 0; axis: the number of a rotor of it; node is not used */
   FB_PORT_MOTOR = 13,       /* input [N m], its motor; of a rotor whose momentum is given [N m s], that momentum */
   FB_PORT_ROTOR_SPEED = 14, /* output [rad/s], relative to its node */
+  /* exact beams only, section axes; node: a node, then an element */
+  FB_PORT_VELOCITY = 15,        /* output [m/s], as fb_exact_node.velocity */
+  FB_PORT_INTERNAL_FORCE = 16,  /* output [N], mean over the element */
+  FB_PORT_INTERNAL_MOMENT = 17, /* output [N m] */
+  FB_PORT_FORCE_STRAIN = 18,    /* output [-], of the section */
+  FB_PORT_MOMENT_STRAIN = 19,   /* output [1/m] */
   FB_PORT_COUNT
 } fb_port_kind;
 
 typedef struct fb_port {
   fb_port_kind kind;
-  int body;       /* of a system, or a spring; else 0 */
+  int body;       /* of a system, a spring, or a joint of an exact beam; else 0 */
   int node, axis; /* axis 0..2, or a rotor */
+  fb_axes axes;   /* of a force or torque on an exact beam, as fb_load; inertial axes at the steady state's instant */
 } fb_port;
 
 typedef struct fb_linear_desc {
@@ -3208,36 +3216,6 @@ FB_API fb_status fb_exact_spectrum_solve(const fb_exact *exact, fb_exact_spectru
                                          fb_exact_spectrum *spectrum, const fb_exact_state *state,
                                          const fb_exact_input *input, int count);
 
-typedef enum fb_exact_port_kind {
-  FB_EXACT_PORT_FORCE = 0,           /* input [N] at a node */
-  FB_EXACT_PORT_TORQUE = 1,          /* input [N m] */
-  FB_EXACT_PORT_BASE_VELOCITY = 2,   /* input [m/s], base axes */
-  FB_EXACT_PORT_BASE_RATE = 3,       /* input [rad/s] */
-  FB_EXACT_PORT_DISPLACEMENT = 4,    /* output [m] of a node, base axes */
-  FB_EXACT_PORT_ROTATION = 5,        /* output [rad], section axes in the steady state */
-  FB_EXACT_PORT_VELOCITY = 6,        /* output [m/s], section axes, as fb_exact_node.velocity */
-  FB_EXACT_PORT_RATE = 7,            /* output [rad/s], a gyro at the node */
-  FB_EXACT_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
-  FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
-  FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
-  FB_EXACT_PORT_MOMENT_STRAIN = 11,  /* output [1/m] */
-  FB_EXACT_PORT_MOTOR = 12,          /* input [N m] of a joint that is not driven */
-  FB_EXACT_PORT_ANGLE = 13,          /* output [rad] of a joint */
-  FB_EXACT_PORT_ANGLE_RATE = 14,     /* output [rad/s] */
-  FB_EXACT_PORT_COUNT
-} fb_exact_port_kind;
-
-typedef struct fb_exact_port {
-  fb_exact_port_kind kind;
-  int at, axis; /* node, element or joint; axis 0..2 */
-  fb_axes axes; /* of a force or torque, as fb_load; inertial axes at the instant of the steady state */
-} fb_exact_port;
-
-typedef struct fb_exact_linear_desc {
-  int n_in, n_out;
-  fb_exact_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
-} fb_exact_linear_desc;
-
 #define FB_EXACT_STATES (2 * FB_EXACT_MODES)
 
 /* Modal model d/dt x = A x + B u, y = C x + D u of perturbations about the steady state. An aperiodic mode has one
@@ -3272,7 +3250,7 @@ typedef struct fb_exact_linear_work { /* scratch; large: make it static */
    linear is unchanged. */
 FB_API fb_status fb_exact_linearize(const fb_exact *exact, fb_exact_linear_work *work, fb_exact_linear *linear,
                                     const fb_exact_state *state, const fb_exact_input *input,
-                                    const fb_exact_linear_desc *desc, int count);
+                                    const fb_linear_desc *desc, int count);
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -3459,6 +3437,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             fb_spectrum_step                              fb_spectrum_dt
             fb_spectrum_margin(re, mode, n)               fb_spectrum_margin(mode, re, n)
             FB_ERR_KIND                                   split: FB_ERR_KIND, _MODES, _UNREST, _UNSUPPORTED
+            fb_exact_port, .at, FB_EXACT_PORT_...,        fb_port, .node, .body of a joint, FB_PORT_...; MOTOR, ANGLE,
+            fb_exact_linear_desc                          ANGLE_RATE: DRIVE, COORDINATE, SPEED; fb_linear_desc
             build/flexbeam beam3d                         build/flexbeam exact
             scheme in scenes, --scheme of the examples    integrator, --integrator
             shape.ups, .Gam, .Pi, .Gamchi, .pchi, .hchi,  shape.second.ups, ...
@@ -3480,7 +3460,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           modes that hardly move do not end in FB_ERR_CONVERGENCE; lines without a deflection_limit do where their
           motion has not converged. fb_modes_join in single precision: slow modes of stiff parts are found, or refused.
           Exact beams have joints and branches: fb_exact_desc.joint, .branch, fb_exact_input.motor, fb_exact_joint_eval,
-          FB_EXACT_PORT_MOTOR, _ANGLE, _ANGLE_RATE; `joint` in descriptions. Reactions of nodes held beyond the root
+          FB_PORT_DRIVE, _COORDINATE, _SPEED; `joint` in descriptions. Reactions of nodes held beyond the root
           converge with the step.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,

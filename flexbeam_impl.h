@@ -34205,25 +34205,27 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 
 /* ---- modal models of the geometrically exact beam */
 
-static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
+static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *desc)
 {
   const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
                             FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
   fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
   for (int k = 0; k < desc->n_in + desc->n_out && status == FB_OK; k++) {
     const int is_in = k < desc->n_in;
-    const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const int kind = (int)port->kind, base = kind == 2 || kind == 3, joint = kind >= (int)FB_EXACT_PORT_MOTOR;
-    const int last = joint ? m->n_joint - 1 : kind >= (int)FB_EXACT_PORT_INTERNAL_FORCE ? m->n - 1 : m->n;
-    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_EXACT_PORT_COUNT - 1) ||
-        !fbi_is_choice((int)port->axes, (int)FB_AXES_COUNT - 1) ||
-        (kind <= (int)FB_EXACT_PORT_BASE_RATE || kind == (int)FB_EXACT_PORT_MOTOR) != is_in) {
+    const fb_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
+    const fb_port_kind kind = port->kind;
+    const int base = kind == FB_PORT_BASE_VELOCITY || kind == FB_PORT_BASE_RATE;
+    const int joint = kind >= FB_PORT_DRIVE && kind <= FB_PORT_SPEED;
+    const int last = joint ? m->n_joint - 1 : kind >= FB_PORT_INTERNAL_FORCE ? m->n - 1 : m->n;
+    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)kind, (int)FB_PORT_COUNT - 1) ||
+        !fbi_is_choice((int)port->axes, (int)FB_AXES_COUNT - 1) || fbi_port_is_input(kind) != is_in ||
+        kind == FB_PORT_ACCELERATION || (kind > FB_PORT_SPEED && kind < FB_PORT_VELOCITY)) {
       return FB_ERR_VALUE;
     }
-    if (!base && !fbi_is_choice(port->at, last)) {
+    if (!base && !fbi_is_choice(joint ? port->body : port->node, last)) {
       return FB_ERR_CAPACITY;
     }
-    if (kind == (int)FB_EXACT_PORT_MOTOR && m->joint[port->at].driven) {
+    if (kind == FB_PORT_DRIVE && m->joint[port->body].driven) {
       return FBI_REFUSE(FB_ERR_UNSUPPORTED, "port: motor of a driven joint, whose rate is no input of a linear model",
                         k, FB_R(0.0), FB_R(0.0));
     }
@@ -34235,7 +34237,7 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
    subtracted from the balance of its node; a moving base carries the nodes along, v = d_t + ad(V) d + carried.
    Source: E12.4.  Cost: as E12.4.  Fails: never, once factored.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
-static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_exact *m, const fb_exact_port *port)
+static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_exact *m, const fb_port *port)
 {
   fb_exact_work *const work = &w->spectrum.exact;
   const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -34246,24 +34248,24 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
   unit[port->axis] = FB_R(1.0);
 
   /* Force or torque on a node, motor, else a velocity of the base */
-  if (port->kind == FB_EXACT_PORT_FORCE || port->kind == FB_EXACT_PORT_TORQUE) {
-    fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->at;
+  if (port->kind == FB_PORT_FORCE || port->kind == FB_PORT_TORQUE) {
+    fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->node;
     fbi_vec6_zero(dead);
     fbi_vec6_zero(follower);
     fb_quat_to_mat33(base, w->base_quat);
-    fbi_exact_load_add(dead, follower, port->axes, port->kind == FB_EXACT_PORT_FORCE ? unit : none,
-                       port->kind == FB_EXACT_PORT_FORCE ? none : unit, FB_R(1.0) / m->force, m->length, base);
+    fbi_exact_load_add(dead, follower, port->axes, port->kind == FB_PORT_FORCE ? unit : none,
+                       port->kind == FB_PORT_FORCE ? none : unit, FB_R(1.0) / m->force, m->length, base);
     for (int i = 0; i < 6; i += 3) {
-      fb_mat33_mulT_vec3(f, work->R + 9 * port->at, dead + i);
+      fb_mat33_mulT_vec3(f, work->R + 9 * port->node, dead + i);
       fbi_vec3_add(B + i, -FB_R(1.0), f);
       fbi_vec3_add(B + i, -FB_R(1.0), follower + i);
     }
-  } else if (port->kind == FB_EXACT_PORT_MOTOR) {
-    work->motor[port->at] = FB_R(1.0) / (m->force * m->length);
+  } else if (port->kind == FB_PORT_DRIVE) {
+    work->motor[port->body] = FB_R(1.0) / (m->force * m->length);
   } else {
     fbi_zero(work->twist, 6);
-    fbi_vec3_add(work->twist + (port->kind == FB_EXACT_PORT_BASE_VELOCITY ? 0 : 3),
-                 port->kind == FB_EXACT_PORT_BASE_VELOCITY ? m->time / m->length : m->time, unit);
+    fbi_vec3_add(work->twist + (port->kind == FB_PORT_BASE_VELOCITY ? 0 : 3),
+                 port->kind == FB_PORT_BASE_VELOCITY ? m->time / m->length : m->time, unit);
     for (int j = 0; j <= m->n; j++) {
       fb_real carried[6];
       fbi_exact_base_twist(carried, work, work->r + 3 * j, work->R + 9 * j);
@@ -34274,35 +34276,34 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
 }
 
 /* Output of a channel from the poses x, velocities dd and internal forces ds of E12.4. */
-static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m, const fb_real *x,
-                                   const fb_exact_port *port)
+static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m, const fb_real *x, const fb_port *port)
 {
-  const int i = port->axis, at = 6 * port->at;
+  const int i = port->axis, at = 6 * port->node;
   switch (port->kind) {
-  case FB_EXACT_PORT_DISPLACEMENT:
-    return fb_vec3_dot(work->R + 9 * port->at + 3 * i, x + at) * m->length;
-  case FB_EXACT_PORT_ROTATION:
+  case FB_PORT_DISPLACEMENT:
+    return fb_vec3_dot(work->R + 9 * port->node + 3 * i, x + at) * m->length;
+  case FB_PORT_ROTATION:
     return x[at + 3 + i];
-  case FB_EXACT_PORT_VELOCITY:
+  case FB_PORT_VELOCITY:
     return work->dd[at + i] * m->length / m->time;
-  case FB_EXACT_PORT_RATE:
+  case FB_PORT_RATE:
     return work->dd[at + 3 + i] / m->time;
-  case FB_EXACT_PORT_INTERNAL_FORCE:
+  case FB_PORT_INTERNAL_FORCE:
     return work->ds[at + i] * m->force;
-  case FB_EXACT_PORT_INTERNAL_MOMENT:
+  case FB_PORT_INTERNAL_MOMENT:
     return work->ds[at + 3 + i] * m->force * m->length;
-  case FB_EXACT_PORT_ANGLE:
-    return fbi_exact_joint_rate(m, x, m->joint[port->at].element);
-  case FB_EXACT_PORT_ANGLE_RATE:
-    return fbi_exact_joint_rate(m, work->dd, m->joint[port->at].element) / m->time;
+  case FB_PORT_COORDINATE:
+    return fbi_exact_joint_rate(m, x, m->joint[port->body].element);
+  case FB_PORT_SPEED:
+    return fbi_exact_joint_rate(m, work->dd, m->joint[port->body].element) / m->time;
   default: { /* strain, by the elastic stress */
-    const int force = port->kind == FB_EXACT_PORT_FORCE_STRAIN;
+    const int force = port->kind == FB_PORT_FORCE_STRAIN;
     fb_real s[6];
     fbi_vec6_copy(s, work->ds + at);
     if (work->motion.damped) {
       fbi_vec6_add(s, -FB_R(1.0), work->F + at);
     }
-    return fbi_vec6_dot(m->section + 36 * port->at + (force ? 0 : 18) + 6 * i, s) / (force ? FB_R(1.0) : m->length);
+    return fbi_vec6_dot(m->section + 36 * port->node + (force ? 0 : 18) + 6 * i, s) / (force ? FB_R(1.0) : m->length);
   }
   }
 }
@@ -34331,7 +34332,7 @@ static int fbi_exact_mode_count(const fb_exact_spectrum_work *work, const int *o
 /* A and C of the modes, and the QR factors of their vectors, `basis` and R. The outputs of a vector come from
    (shift - A)^-1, which returns it times mu = 1/(shift - lambda), with its velocities and internal forces:
    c = output * (shift - lambda). */
-static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
+static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact *m, const fb_linear_desc *desc,
                                         int size)
 {
   fb_exact_linear *const out = &w->linear;
@@ -34490,7 +34491,7 @@ static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, i
 
 /* Checks the arguments and linearizes the beam about the state. */
 static fb_status fbi_exact_linear_start(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
-                                        const fb_exact_input *input, const fb_exact_linear_desc *desc, int count)
+                                        const fb_exact_input *input, const fb_linear_desc *desc, int count)
 {
   fb_status status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
   status = status ? status : fb_exact_state_check(m, state);
@@ -34499,7 +34500,7 @@ static fb_status fbi_exact_linear_start(fb_exact_linear_work *w, const fb_exact 
 }
 
 /* D = static gain of every pair of channels (E12.13 without shift). */
-static void fbi_exact_linear_gain(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc)
+static void fbi_exact_linear_gain(fb_exact_linear_work *w, const fb_exact *m, const fb_linear_desc *desc)
 {
   for (int k = 0; k < desc->n_in; k++) {
     fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
@@ -34532,7 +34533,7 @@ static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact 
 }
 
 /* A and C of the modes, then B of each input; D keeps the static gain beyond that of the modes. */
-static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
+static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact *m, const fb_linear_desc *desc,
                                         int count)
 {
   fb_status status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
@@ -34552,10 +34553,10 @@ static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact 
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
 FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, fb_exact_linear *linear,
                                     const fb_exact_state *state, const fb_exact_input *input,
-                                    const fb_exact_linear_desc *desc, int count)
+                                    const fb_linear_desc *desc, int count)
 {
-  static const fb_exact_linear_desc none = {
-      0, 0, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
+  static const fb_linear_desc none = {
+      0, 0, {{FB_PORT_FORCE, 0, 0, 0, FB_AXES_BODY}}, {{FB_PORT_FORCE, 0, 0, 0, FB_AXES_BODY}}};
   fb_status status;
   FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
   desc = desc ? desc : &none;

@@ -438,16 +438,16 @@ TEST(linear_models_tell_how_a_state_moves_on)
 
 static const fb_linear_desc all_ports = {4,
                                          6,
-                                         {{FB_PORT_FORCE, 0, 1, 1},
-                                          {FB_PORT_TORQUE, 0, 0, 2},
-                                          {FB_PORT_BASE_VELOCITY, 0, 0, 0},
-                                          {FB_PORT_BASE_RATE, 0, 0, 1}},
-                                         {{FB_PORT_DISPLACEMENT, 0, 1, 1},
-                                          {FB_PORT_ROTATION, 0, 1, 2},
-                                          {FB_PORT_RATE, 0, 0, 2},
-                                          {FB_PORT_ACCELERATION, 0, 1, 1},
-                                          {FB_PORT_RATE, 0, 1, 0},
-                                          {FB_PORT_ACCELERATION, 0, 0, 0}}};
+                                         {{FB_PORT_FORCE, 0, 1, 1, FB_AXES_BODY},
+                                          {FB_PORT_TORQUE, 0, 0, 2, FB_AXES_BODY},
+                                          {FB_PORT_BASE_VELOCITY, 0, 0, 0, FB_AXES_BODY},
+                                          {FB_PORT_BASE_RATE, 0, 0, 1, FB_AXES_BODY}},
+                                         {{FB_PORT_DISPLACEMENT, 0, 1, 1, FB_AXES_BODY},
+                                          {FB_PORT_ROTATION, 0, 1, 2, FB_AXES_BODY},
+                                          {FB_PORT_RATE, 0, 0, 2, FB_AXES_BODY},
+                                          {FB_PORT_ACCELERATION, 0, 1, 1, FB_AXES_BODY},
+                                          {FB_PORT_RATE, 0, 1, 0, FB_AXES_BODY},
+                                          {FB_PORT_ACCELERATION, 0, 0, 0, FB_AXES_BODY}}};
 
 /* The linear model of a deflected beam on a hub that turns, drifts and hangs in gravity, in units of u meters, m
    kilograms, and in size those of x, of the inputs and of the outputs. */

@@ -178,17 +178,18 @@ TEST(rods_in_a_loop_swing_as_one_pendulum)
    which have momenta, are among inputs and outputs, and the base moves freely or as it is told. */
 TEST(linear_models_answer_as_the_loop_does)
 {
-  static const fb_port out[8] = {{FB_PORT_COORDINATE, 1, 0, 0},   {FB_PORT_SPEED, 3, 0, 0},
-                                 {FB_PORT_COORDINATE, 2, 0, 0},   {FB_PORT_RATE, 2, 1, 2},
-                                 {FB_PORT_ACCELERATION, 2, 1, 0}, {FB_PORT_ACCELERATION, 3, 1, 1},
-                                 {FB_PORT_DISPLACEMENT, 1, 1, 1}, {FB_PORT_ROTATION, 3, 1, 2}};
+  static const fb_port out[8] = {
+      {FB_PORT_COORDINATE, 1, 0, 0, FB_AXES_BODY},   {FB_PORT_SPEED, 3, 0, 0, FB_AXES_BODY},
+      {FB_PORT_COORDINATE, 2, 0, 0, FB_AXES_BODY},   {FB_PORT_RATE, 2, 1, 2, FB_AXES_BODY},
+      {FB_PORT_ACCELERATION, 2, 1, 0, FB_AXES_BODY}, {FB_PORT_ACCELERATION, 3, 1, 1, FB_AXES_BODY},
+      {FB_PORT_DISPLACEMENT, 1, 1, 1, FB_AXES_BODY}, {FB_PORT_ROTATION, 3, 1, 2, FB_AXES_BODY}};
   const double small = FBT_TOL(1e-3, 3e-2);
   for (int base = 0; base < 2; base++) {
-    const fb_port in[5] = {{base ? FB_PORT_BASE_RATE : FB_PORT_TORQUE, 0, 0, 2},
-                           {FB_PORT_DRIVE, 3, 0, 0},
-                           {FB_PORT_FORCE, 2, 1, 0},
-                           {FB_PORT_DRIVE, 2, 0, 0},
-                           {base ? FB_PORT_BASE_VELOCITY : FB_PORT_FORCE, 0, 0, 1}};
+    const fb_port in[5] = {{base ? FB_PORT_BASE_RATE : FB_PORT_TORQUE, 0, 0, 2, FB_AXES_BODY},
+                           {FB_PORT_DRIVE, 3, 0, 0, FB_AXES_BODY},
+                           {FB_PORT_FORCE, 2, 1, 0, FB_AXES_BODY},
+                           {FB_PORT_DRIVE, 2, 0, 0, FB_AXES_BODY},
+                           {base ? FB_PORT_BASE_VELOCITY : FB_PORT_FORCE, 0, 0, 1, FB_AXES_BODY}};
     const double size[5] = {base ? 0.05 * small : small, small, small, small, small};
     const int n_free = base ? 1 : 7;
     boom_loop(base ? FB_AXIS_PRESCRIBED : FB_AXIS_FREE);
@@ -252,18 +253,18 @@ TEST(analysis_of_systems_refuses_bad_input)
     fb_port port;
     int input;
     fb_status status;
-  } wrong[] = {{{FB_PORT_DRIVE, 0, 0, 0}, 1, FB_ERR_VALUE},         /* a free joint has no motor */
-               {{FB_PORT_DRIVE, 4, 0, 0}, 1, FB_ERR_CAPACITY},      /* no such body */
-               {{FB_PORT_DRIVE, -1, 0, 0}, 1, FB_ERR_CAPACITY},     /* the ground */
-               {{FB_PORT_DRIVE, 1, 0, 1}, 1, FB_ERR_CAPACITY},      /* no such axis */
-               {{FB_PORT_DRIVE, 1, 0, 0}, 0, FB_ERR_VALUE},         /* no output */
-               {{FB_PORT_SPEED, 1, 0, 0}, 1, FB_ERR_VALUE},         /* no input */
-               {{FB_PORT_SPEED, 1, 0, 3}, 0, FB_ERR_VALUE},         /* no axis at all */
-               {{FB_PORT_COORDINATE, 1, 0, 1}, 0, FB_ERR_CAPACITY}, /* no such axis */
-               {{FB_PORT_BASE_RATE, 1, 0, 0}, 1, FB_ERR_VALUE},     /* not prescribed */
-               {{FB_PORT_FORCE, 0, 7, 0}, 1, FB_ERR_CAPACITY},      /* no such node */
-               {{FB_PORT_RATE, 3, 9, 0}, 0, FB_ERR_CAPACITY},       /* no such node */
-               {{FB_PORT_COUNT, 1, 0, 0}, 0, FB_ERR_VALUE}};        /* no such kind */
+  } wrong[] = {{{FB_PORT_DRIVE, 0, 0, 0, FB_AXES_BODY}, 1, FB_ERR_VALUE},         /* a free joint has no motor */
+               {{FB_PORT_DRIVE, 4, 0, 0, FB_AXES_BODY}, 1, FB_ERR_CAPACITY},      /* no such body */
+               {{FB_PORT_DRIVE, -1, 0, 0, FB_AXES_BODY}, 1, FB_ERR_CAPACITY},     /* the ground */
+               {{FB_PORT_DRIVE, 1, 0, 1, FB_AXES_BODY}, 1, FB_ERR_CAPACITY},      /* no such axis */
+               {{FB_PORT_DRIVE, 1, 0, 0, FB_AXES_BODY}, 0, FB_ERR_VALUE},         /* no output */
+               {{FB_PORT_SPEED, 1, 0, 0, FB_AXES_BODY}, 1, FB_ERR_VALUE},         /* no input */
+               {{FB_PORT_SPEED, 1, 0, 3, FB_AXES_BODY}, 0, FB_ERR_VALUE},         /* no axis at all */
+               {{FB_PORT_COORDINATE, 1, 0, 1, FB_AXES_BODY}, 0, FB_ERR_CAPACITY}, /* no such axis */
+               {{FB_PORT_BASE_RATE, 1, 0, 0, FB_AXES_BODY}, 1, FB_ERR_VALUE},     /* not prescribed */
+               {{FB_PORT_FORCE, 0, 7, 0, FB_AXES_BODY}, 1, FB_ERR_CAPACITY},      /* no such node */
+               {{FB_PORT_RATE, 3, 9, 0, FB_AXES_BODY}, 0, FB_ERR_CAPACITY},       /* no such node */
+               {{FB_PORT_COUNT, 1, 0, 0, FB_AXES_BODY}, 0, FB_ERR_VALUE}};        /* no such kind */
   static fb_linear linear, linear_before;
   static fb_spectrum before_spectrum;
   static fb_system_state before;

@@ -550,17 +550,18 @@ TEST(poses_drift_as_the_frame_goes_on)
    base as the system does: joint coordinates and speeds, gyros, deflections and an accelerometer. */
 TEST(linear_models_answer_as_the_system_does)
 {
-  static const fb_port out[8] = {{FB_PORT_COORDINATE, 1, 0, 0},   {FB_PORT_SPEED, 2, 0, 0},
-                                 {FB_PORT_COORDINATE, 3, 0, 1},   {FB_PORT_SPEED, 3, 0, 2},
-                                 {FB_PORT_RATE, 3, 1, 1},         {FB_PORT_DISPLACEMENT, 2, 1, 2},
-                                 {FB_PORT_ACCELERATION, 2, 1, 2}, {FB_PORT_ROTATION, 1, 1, 2}};
+  static const fb_port out[8] = {
+      {FB_PORT_COORDINATE, 1, 0, 0, FB_AXES_BODY},   {FB_PORT_SPEED, 2, 0, 0, FB_AXES_BODY},
+      {FB_PORT_COORDINATE, 3, 0, 1, FB_AXES_BODY},   {FB_PORT_SPEED, 3, 0, 2, FB_AXES_BODY},
+      {FB_PORT_RATE, 3, 1, 1, FB_AXES_BODY},         {FB_PORT_DISPLACEMENT, 2, 1, 2, FB_AXES_BODY},
+      {FB_PORT_ACCELERATION, 2, 1, 2, FB_AXES_BODY}, {FB_PORT_ROTATION, 1, 1, 2, FB_AXES_BODY}};
   const double small = FBT_TOL(1e-3, 3e-2);
   for (int base = 0; base < 2; base++) {
-    const fb_port in[5] = {{base ? FB_PORT_BASE_RATE : FB_PORT_TORQUE, 0, 0, 0},
-                           {FB_PORT_DRIVE, 1, 0, 0},
-                           {FB_PORT_DRIVE, 3, 0, 1},
-                           {FB_PORT_FORCE, 2, 1, 2},
-                           {base ? FB_PORT_BASE_VELOCITY : FB_PORT_FORCE, 0, 0, 1}};
+    const fb_port in[5] = {{base ? FB_PORT_BASE_RATE : FB_PORT_TORQUE, 0, 0, 0, FB_AXES_BODY},
+                           {FB_PORT_DRIVE, 1, 0, 0, FB_AXES_BODY},
+                           {FB_PORT_DRIVE, 3, 0, 1, FB_AXES_BODY},
+                           {FB_PORT_FORCE, 2, 1, 2, FB_AXES_BODY},
+                           {base ? FB_PORT_BASE_VELOCITY : FB_PORT_FORCE, 0, 0, 1, FB_AXES_BODY}};
     const double size[5] = {base ? 0.02 * small : small, small, small, small, base ? 0.2 * small : small};
     const int n_free = base ? 5 : 11;
     spinner(base ? FB_AXIS_PRESCRIBED : FB_AXIS_FREE, 0.8);
@@ -574,16 +575,18 @@ TEST(linear_models_answer_as_the_system_does)
    state, and in size those of x, of the inputs and of the outputs. */
 static void system_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], double u, double m)
 {
-  static const fb_linear_desc ports = {
-      4,
-      6,
-      {{FB_PORT_FORCE, 1, 1, 1}, {FB_PORT_TORQUE, 0, 0, 2}, {FB_PORT_DRIVE, 1, 0, 0}, {FB_PORT_DRIVE, 2, 0, 0}},
-      {{FB_PORT_COORDINATE, 2, 0, 0},
-       {FB_PORT_SPEED, 2, 0, 0},
-       {FB_PORT_SPEED, 3, 0, 1},
-       {FB_PORT_DISPLACEMENT, 1, 1, 2},
-       {FB_PORT_RATE, 3, 1, 0},
-       {FB_PORT_ACCELERATION, 0, 1, 1}}};
+  static const fb_linear_desc ports = {4,
+                                       6,
+                                       {{FB_PORT_FORCE, 1, 1, 1, FB_AXES_BODY},
+                                        {FB_PORT_TORQUE, 0, 0, 2, FB_AXES_BODY},
+                                        {FB_PORT_DRIVE, 1, 0, 0, FB_AXES_BODY},
+                                        {FB_PORT_DRIVE, 2, 0, 0, FB_AXES_BODY}},
+                                       {{FB_PORT_COORDINATE, 2, 0, 0, FB_AXES_BODY},
+                                        {FB_PORT_SPEED, 2, 0, 0, FB_AXES_BODY},
+                                        {FB_PORT_SPEED, 3, 0, 1, FB_AXES_BODY},
+                                        {FB_PORT_DISPLACEMENT, 1, 1, 2, FB_AXES_BODY},
+                                        {FB_PORT_RATE, 3, 1, 0, FB_AXES_BODY},
+                                        {FB_PORT_ACCELERATION, 0, 1, 1, FB_AXES_BODY}}};
   const double J = m * u * u, in[4] = {m * u, J, J, m * u}, out[6] = {u, u, 1.0, u, 1.0, u}, mode = u * sqrt(m);
   const double z[13] = {u, u, u, 1.0, 1.0, 1.0, 1.0, u, 1.0, 1.0, 1.0, mode, mode};
   const fb_real center[3] = {(fb_real)(0.1 * u), 0, 0},
@@ -639,7 +642,10 @@ TEST(linear_models_of_systems_do_not_depend_on_units)
 TEST(fast_bases_have_linear_models)
 {
   static const fb_linear_desc ports = {
-      2, 1, {{FB_PORT_BASE_VELOCITY, 0, 0, 0}, {FB_PORT_BASE_RATE, 0, 0, 2}}, {{FB_PORT_ACCELERATION, 0, 0, 1}}};
+      2,
+      1,
+      {{FB_PORT_BASE_VELOCITY, 0, 0, 0, FB_AXES_BODY}, {FB_PORT_BASE_RATE, 0, 0, 2, FB_AXES_BODY}},
+      {{FB_PORT_ACCELERATION, 0, 0, 1, FB_AXES_BODY}}};
   static fb_linear linear;
   for (int k = 0; k < 4; k++) {
     const fb_real v[3] = {k % 2 ? FB_R(1e6) : FB_R(1.0), 0, 0}, w[3] = {0, 0, k % 2 ? FB_R(0.5) : FB_R(1e6)};
@@ -669,7 +675,8 @@ TEST(fast_bases_have_linear_models)
    much more of it. */
 TEST(motors_that_pull_have_linear_models)
 {
-  static const fb_linear_desc ports = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
+  static const fb_linear_desc ports = {
+      1, 0, {{FB_PORT_DRIVE, 0, 0, 0, FB_AXES_BODY}}, {{FB_PORT_FORCE, 0, 0, 0, FB_AXES_BODY}}};
   static fb_linear linear;
   for (int k = 0; k < 2; k++) {
     fresh();
@@ -688,7 +695,8 @@ TEST(motors_that_pull_have_linear_models)
    turn as inputs their derivatives: steps are those of what moves, not of a second. */
 TEST(linear_models_follow_the_unit_of_time)
 {
-  static const fb_linear_desc motor = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
+  static const fb_linear_desc motor = {
+      1, 0, {{FB_PORT_DRIVE, 0, 0, 0, FB_AXES_BODY}}, {{FB_PORT_FORCE, 0, 0, 0, FB_AXES_BODY}}};
   static fb_linear linear;
   for (int run = 0; run < 5; run++) {
     const double rate = pow(10.0, FBT_TOL(10.0, 3.0) * (run - 2)), tol = FBT_TOL(1e-11, 1e-4);
@@ -743,14 +751,16 @@ TEST(full_systems_have_linear_models)
     fb_joint_desc *const j = hang(k, k < 4 ? 0 : 1, kinds[k], k == 0 ? FB_GROUND : 0);
     j->position[1] = FB_R(0.3) * (fb_real)k;
     for (int i = 0; i < n_axis; i++, port++, at++) {
-      const fb_port drive_port = {FB_PORT_DRIVE, k, 0, i}, read_port = {FB_PORT_COORDINATE, k, 0, i};
+      const fb_port drive_port = {FB_PORT_DRIVE, k, 0, i, FB_AXES_BODY},
+                    read_port = {FB_PORT_COORDINATE, k, 0, i, FB_AXES_BODY};
       ports.in[port] = drive_port;
       ports.out[port] = read_port;
       place[port] = at;
     }
   }
   for (int port = 10; port < FB_MAX_PORTS; port++) { /* the rest */
-    const fb_port push = {FB_PORT_FORCE, 0, 1, port - 10}, read = {FB_PORT_RATE, 0, 1, port - 10};
+    const fb_port push = {FB_PORT_FORCE, 0, 1, port - 10, FB_AXES_BODY},
+                  read = {FB_PORT_RATE, 0, 1, port - 10, FB_AXES_BODY};
     ports.in[port] = push;
     ports.out[port] = read;
   }

@@ -574,7 +574,7 @@ TEST(linear_models_and_paths_know_branches)
   static fb_exact_path_work path_work;
   static fb_exact_path path;
   static fb_exact_state bent;
-  fb_exact_linear_desc ports;
+  fb_linear_desc ports;
   const int n = 3, left = 3 * n + 2;
   double more, gain, rest[FB_EXACT_STATES];
   frame(n);
@@ -588,11 +588,11 @@ TEST(linear_models_and_paths_know_branches)
   /* Gain of the force on the displacement of the other tip */
   memset(&ports, 0, sizeof ports);
   ports.n_in = ports.n_out = 1;
-  ports.in[0].kind = FB_EXACT_PORT_FORCE;
-  ports.in[0].at = left;
+  ports.in[0].kind = FB_PORT_FORCE;
+  ports.in[0].node = left;
   ports.in[0].axes = FB_AXES_BODY;
-  ports.out[0].kind = FB_EXACT_PORT_DISPLACEMENT;
-  ports.out[0].at = 2 * n + 1;
+  ports.out[0].kind = FB_PORT_DISPLACEMENT;
+  ports.out[0].node = 2 * n + 1;
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 3), FB_OK);
   gain = (double)linear.D[0];
   for (int k = 0; k < linear.n; k += 2) { /* -C A^-1 B of its pairs */

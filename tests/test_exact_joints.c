@@ -570,7 +570,7 @@ TEST(linear_joints_answer_their_motor)
 {
   static fb_exact_linear linear;
   static fb_exact_linear_work linear_work;
-  static fb_exact_linear_desc ports;
+  static fb_linear_desc ports;
   static const double rigid[6] = {0}, line[6] = {2.0, 2.0, 2.0, 1e-9, 0.0, 0.0};
   const double L = 1.5, J = line[0] * L * L * L / 3.0, k = 40.0, c = 1.5;
   memset(&ports, 0, sizeof ports);
@@ -580,9 +580,9 @@ TEST(linear_joints_answer_their_motor)
   settle();
   ports.n_in = 1;
   ports.n_out = 2;
-  ports.in[0].kind = FB_EXACT_PORT_MOTOR;
-  ports.out[0].kind = FB_EXACT_PORT_ANGLE;
-  ports.out[1].kind = FB_EXACT_PORT_ANGLE_RATE;
+  ports.in[0].kind = FB_PORT_DRIVE;
+  ports.out[0].kind = FB_PORT_COORDINATE;
+  ports.out[1].kind = FB_PORT_SPEED;
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 1), FB_OK);
   FBT_INT_EQ(linear.n, 2);
   FBT_NEAR_REL(linear.re[0], -0.5 * c / J, FBT_TOL(1e-7, 1e-2));
@@ -598,7 +598,7 @@ TEST(linear_joints_answer_their_motor)
   desc.joint[0].driven = 1;
   settle();
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 1), FB_ERR_UNSUPPORTED);
-  ports.in[0].at = 1;
+  ports.in[0].body = 1;
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 1), FB_ERR_CAPACITY);
 }
 

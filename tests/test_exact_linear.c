@@ -5,14 +5,14 @@
 
 static fb_exact_linear linear;
 static fb_exact_linear_work linear_work;
-static fb_exact_linear_desc ports;
+static fb_linear_desc ports;
 static fb_exact_state steady;
 
-static void port(fb_exact_port *list, int *n, fb_exact_port_kind kind, int at, int axis, fb_axes axes)
+static void port(fb_port *list, int *n, fb_port_kind kind, int at, int axis, fb_axes axes)
 {
-  fb_exact_port *const p = &list[(*n)++];
+  fb_port *const p = &list[(*n)++];
   p->kind = kind;
-  p->at = at;
+  p->node = at;
   p->axis = axis;
   p->axes = axes;
 }
@@ -66,50 +66,50 @@ static void linear_case(int which, int n)
   steady = state;
   memset(&ports, 0, sizeof ports);
   for (int axis = 0; axis < 3; axis++) {
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, n - 3, axis,
+    port(ports.in, &ports.n_in, FB_PORT_FORCE, n - 3, axis,
          axis != 1                             ? FB_AXES_NODE
          : input.w[0] + input.w[2] > FB_R(0.0) ? FB_AXES_BODY
                                                : FB_AXES_INERTIAL);
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_TORQUE, n - 1, axis, axis == 1 ? FB_AXES_NODE : FB_AXES_BODY);
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_BASE_RATE, 0, axis, FB_AXES_INERTIAL);
-    port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, n / 2, axis, FB_AXES_INERTIAL);
+    port(ports.in, &ports.n_in, FB_PORT_TORQUE, n - 1, axis, axis == 1 ? FB_AXES_NODE : FB_AXES_BODY);
+    port(ports.in, &ports.n_in, FB_PORT_BASE_RATE, 0, axis, FB_AXES_INERTIAL);
+    port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, n / 2, axis, FB_AXES_INERTIAL);
   }
-  port(ports.in, &ports.n_in, FB_EXACT_PORT_BASE_VELOCITY, 0, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_ROTATION, n, 0, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_ROTATION, n, 2, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_VELOCITY, n / 3, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_RATE, n - 2, 1, FB_AXES_INERTIAL);
+  port(ports.in, &ports.n_in, FB_PORT_BASE_VELOCITY, 0, 1, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_ROTATION, n, 0, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_ROTATION, n, 2, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_VELOCITY, n / 3, 1, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_RATE, n - 2, 1, FB_AXES_INERTIAL);
   /* loads and strains along every axis in some case */
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_INTERNAL_FORCE, 2, (1 + which) % 3, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_INTERNAL_MOMENT, 3, (2 + which) % 3, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_FORCE_STRAIN, 3, which % 3, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_MOMENT_STRAIN, n - 4, (1 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_INTERNAL_FORCE, 2, (1 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_INTERNAL_MOMENT, 3, (2 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_FORCE_STRAIN, 3, which % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_PORT_MOMENT_STRAIN, n - 4, (1 + which) % 3, FB_AXES_INERTIAL);
 }
 
 /* What the output reads of the state. */
-static double port_value(const fb_exact_port *p, const fb_exact_state *of)
+static double port_value(const fb_port *p, const fb_exact_state *of)
 {
   fb_exact_element e;
-  const fb_real *const q = steady.quat + 4 * p->at, back[4] = {q[0], -q[1], -q[2], -q[3]};
+  const fb_real *const q = steady.quat + 4 * p->node, back[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real turn[4], phi[3];
   FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, of), FB_OK);
-  FBT_INT_EQ(fb_exact_element_eval(&exact, &e, of, p->at < exact.n ? p->at : 0), FB_OK);
-  fb_quat_mul(turn, back, of->quat + 4 * p->at);
+  FBT_INT_EQ(fb_exact_element_eval(&exact, &e, of, p->node < exact.n ? p->node : 0), FB_OK);
+  fb_quat_mul(turn, back, of->quat + 4 * p->node);
   fb_quat_to_rotvec(phi, turn);
   switch (p->kind) {
-  case FB_EXACT_PORT_DISPLACEMENT:
-    return (double)node[p->at].displacement[p->axis];
-  case FB_EXACT_PORT_ROTATION:
+  case FB_PORT_DISPLACEMENT:
+    return (double)node[p->node].displacement[p->axis];
+  case FB_PORT_ROTATION:
     return (double)phi[p->axis];
-  case FB_EXACT_PORT_VELOCITY:
-    return (double)node[p->at].velocity[p->axis];
-  case FB_EXACT_PORT_RATE:
-    return (double)node[p->at].angular_rate[p->axis];
-  case FB_EXACT_PORT_INTERNAL_FORCE:
+  case FB_PORT_VELOCITY:
+    return (double)node[p->node].velocity[p->axis];
+  case FB_PORT_RATE:
+    return (double)node[p->node].angular_rate[p->axis];
+  case FB_PORT_INTERNAL_FORCE:
     return (double)e.force[p->axis];
-  case FB_EXACT_PORT_INTERNAL_MOMENT:
+  case FB_PORT_INTERNAL_MOMENT:
     return (double)e.moment[p->axis];
-  case FB_EXACT_PORT_FORCE_STRAIN:
+  case FB_PORT_FORCE_STRAIN:
     return (double)e.force_strain[p->axis];
   default:
     return (double)e.moment_strain[p->axis];
@@ -117,17 +117,17 @@ static double port_value(const fb_exact_port *p, const fb_exact_state *of)
 }
 
 /* The input moved by h. */
-static void port_drive(fb_exact_input *moved, const fb_exact_port *p, double h)
+static void port_drive(fb_exact_input *moved, const fb_port *p, double h)
 {
   *moved = input;
-  if (p->kind == FB_EXACT_PORT_BASE_VELOCITY || p->kind == FB_EXACT_PORT_BASE_RATE) {
-    (p->kind == FB_EXACT_PORT_BASE_RATE ? moved->w : moved->v)[p->axis] += (fb_real)h;
+  if (p->kind == FB_PORT_BASE_VELOCITY || p->kind == FB_PORT_BASE_RATE) {
+    (p->kind == FB_PORT_BASE_RATE ? moved->w : moved->v)[p->axis] += (fb_real)h;
   } else {
     fb_load *const load = &moved->load[moved->n_load++];
     memset(load, 0, sizeof *load);
-    load->node = p->at;
+    load->node = p->node;
     load->axes = p->axes;
-    (p->kind == FB_EXACT_PORT_FORCE ? load->force : load->torque)[p->axis] = (fb_real)h;
+    (p->kind == FB_PORT_FORCE ? load->force : load->torque)[p->axis] = (fb_real)h;
   }
 }
 
@@ -177,8 +177,8 @@ TEST(linear_beams_rest_where_the_beam_does)
       FBT_TRUE(memcmp(linear.im, spectrum.im, (size_t)count * sizeof(fb_real)) == 0);
       FBT_NEAR_ABS(fb_spectrum_margin(NULL, linear.re, count), fb_spectrum_margin(NULL, spectrum.re, count), 0.0);
       for (int i = 0; i < ports.n_in; i++) {
-        const fb_exact_port *const in = &ports.in[i];
-        const double h = (in->kind == FB_EXACT_PORT_BASE_RATE ? 1e-3 : 1e-2) * FBT_TOL(1.0, 10.0);
+        const fb_port *const in = &ports.in[i];
+        const double h = (in->kind == FB_PORT_BASE_RATE ? 1e-3 : 1e-2) * FBT_TOL(1.0, 10.0);
         const double weight[4] = {1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0};
         double want[FB_MAX_PORTS] = {0.0}, most = 0.0;
         for (int step = 0; step < 4; step++) {
@@ -220,9 +220,9 @@ TEST(linear_beams_follow_the_unit_of_time)
     input.w[2] = (fb_real)(0.5 / t);
     settle();
     memset(&ports, 0, sizeof ports);
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 8, 1, FB_AXES_BODY);
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_TORQUE, 4, 2, FB_AXES_BODY);
-    port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, 8, 1, FB_AXES_INERTIAL);
+    port(ports.in, &ports.n_in, FB_PORT_FORCE, 8, 1, FB_AXES_BODY);
+    port(ports.in, &ports.n_in, FB_PORT_TORQUE, 4, 2, FB_AXES_BODY);
+    port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, 8, 1, FB_AXES_INERTIAL);
     FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 3), FB_OK);
     FBT_INT_EQ(linear.n, 6);
     for (int k = 0; k < 3; k++) {
@@ -264,8 +264,8 @@ TEST(equal_frequencies_are_kept_together)
   settle();
   memset(&ports, 0, sizeof ports);
   for (int axis = 1; axis <= 2; axis++) {
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 8, axis, FB_AXES_INERTIAL);
-    port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, 8, axis, FB_AXES_INERTIAL);
+    port(ports.in, &ports.n_in, FB_PORT_FORCE, 8, axis, FB_AXES_INERTIAL);
+    port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, 8, axis, FB_AXES_INERTIAL);
   }
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 1), FB_OK);
   FBT_INT_EQ(linear.n_mode, 2);
@@ -306,7 +306,7 @@ static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], 
 {
   static fb_exact_state both[2];
   static fb_exact_input moved;
-  const double size = (ports.in[in].kind == FB_EXACT_PORT_BASE_RATE ? 1e-4 : 1e-3) * FBT_TOL(1.0, 300.0);
+  const double size = (ports.in[in].kind == FB_PORT_BASE_RATE ? 1e-4 : 1e-3) * FBT_TOL(1.0, 300.0);
   const double length = pi / (double)linear.im[2], dt = length / 48.0;
   double x[FB_EXACT_STATES] = {0.0};
   both[0] = both[1] = steady;
@@ -321,7 +321,7 @@ static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], 
       FBT_INT_EQ(fb_exact_step(&exact, &both[way], &work, &moved, (fb_real)dt), FB_OK);
     }
     for (int o = 0; o < ports.n_out; o++) { /* poses are those after the step, all else that of its middle */
-      const int pose = ports.out[o].kind <= FB_EXACT_PORT_ROTATION;
+      const int pose = ports.out[o].kind <= FB_PORT_ROTATION;
       const double y = 0.5 / size * (port_value(&ports.out[o], &both[0]) - port_value(&ports.out[o], &both[1]));
       double model = (double)linear.D[o * linear.n_in + in] * u[pose];
       for (int k = 0; k < linear.n; k++) {
@@ -343,7 +343,7 @@ TEST(linear_beams_move_as_the_beam_does)
     linear_case(which, FBT_TOL(4, 12));
     FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, FBT_TOL(24, 12)), FB_OK);
     for (int i = 0; i < ports.n_in; i++) {
-      const int base = ports.in[i].kind > FB_EXACT_PORT_TORQUE;
+      const int base = ports.in[i].kind > FB_PORT_TORQUE;
       compare_push(worst[base], most[base], i);
     }
     for (int base = 0; base < 2; base++) {
@@ -370,8 +370,8 @@ TEST(linear_beams_answer_at_every_frequency)
   desc.station[0].inertia[21] = FB_R(1e-5);
   settle();
   memset(&ports, 0, sizeof ports);
-  port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 40, 2, FB_AXES_BODY);
-  port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, 40, 2, FB_AXES_INERTIAL);
+  port(ports.in, &ports.n_in, FB_PORT_FORCE, 40, 2, FB_AXES_BODY);
+  port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, 40, 2, FB_AXES_INERTIAL);
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 12), FB_OK);
   for (int k = 0; k <= 40; k++) {
     const double omega = 1.1 * k, b = sqrt(omega);
@@ -445,8 +445,8 @@ TEST(linear_beams_flutter_and_whirl)
     load_tip(FB_AXES_NODE, beyond ? -20.2 : -19.9, 0.0, 0.0);
     settle();
     memset(&ports, 0, sizeof ports);
-    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 12, 1, FB_AXES_NODE);
-    port(ports.out, &ports.n_out, FB_EXACT_PORT_RATE, 20, 2, FB_AXES_INERTIAL);
+    port(ports.in, &ports.n_in, FB_PORT_FORCE, 12, 1, FB_AXES_NODE);
+    port(ports.out, &ports.n_out, FB_PORT_RATE, 20, 2, FB_AXES_INERTIAL);
     FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 4), FB_OK);
     margin = (double)fb_spectrum_margin(NULL, linear.re, linear.n_mode);
     FBT_TRUE(beyond ? margin < -0.3 : margin > -FBT_TOL(1e-3, 0.1));
@@ -489,15 +489,15 @@ TEST(linear_beams_refuse_bad_input)
   FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, 2), FB_ERR_NOT_FINITE);
   steady = state;
   for (int bad = 0; bad < 8; bad++) {
-    static fb_exact_linear_desc wrong;
+    static fb_linear_desc wrong;
     wrong = ports;
     wrong.n_in = bad == 0 ? FB_MAX_PORTS + 1 : wrong.n_in;
     wrong.n_out = bad == 1 ? -1 : wrong.n_out;
-    wrong.in[0].at = bad == 2 ? 5 : bad == 3 ? -1 : wrong.in[0].at;
-    wrong.out[7].at = bad == 4 ? 4 : wrong.out[7].at; /* a node is, an element is not */
+    wrong.in[0].node = bad == 2 ? 5 : bad == 3 ? -1 : wrong.in[0].node;
+    wrong.out[7].node = bad == 4 ? 4 : wrong.out[7].node; /* a node is, an element is not */
     wrong.out[0].axis = bad == 5 ? 3 : 0;
-    wrong.in[0].kind = bad == 6 ? FB_EXACT_PORT_RATE : FB_EXACT_PORT_FORCE;
-    wrong.out[0].kind = bad == 7 ? FB_EXACT_PORT_COUNT : FB_EXACT_PORT_DISPLACEMENT;
+    wrong.in[0].kind = bad == 6 ? FB_PORT_RATE : FB_PORT_FORCE;
+    wrong.out[0].kind = bad == 7 ? FB_PORT_COUNT : FB_PORT_DISPLACEMENT;
     FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &wrong, 2),
                bad < 5 ? FB_ERR_CAPACITY : FB_ERR_VALUE);
   }

@@ -1019,13 +1019,13 @@ TEST(limits_with_fast_rotors_hold_the_spectrum)
 
 static void port_in(fb_port_kind kind, int of, int node, int axis)
 {
-  const fb_port port = {kind, of, node, axis};
+  const fb_port port = {kind, of, node, axis, FB_AXES_BODY};
   ports.in[ports.n_in++] = port;
 }
 
 static void port_out(fb_port_kind kind, int of, int node, int axis)
 {
-  const fb_port port = {kind, of, node, axis};
+  const fb_port port = {kind, of, node, axis, FB_AXES_BODY};
   ports.out[ports.n_out++] = port;
 }
 

@@ -282,8 +282,10 @@ TEST(actuators_and_lengths_are_channels_of_linear_models)
   static fb_linear linear;
   fb_linear_desc ports = {2,
                           3,
-                          {{FB_PORT_PULL, 0, 0, 0}, {FB_PORT_PULL, 1, 0, 0}},
-                          {{FB_PORT_LENGTH, 0, 0, 0}, {FB_PORT_LENGTH, 1, 0, 0}, {FB_PORT_SPEED, 0, 0, 1}}};
+                          {{FB_PORT_PULL, 0, 0, 0, FB_AXES_BODY}, {FB_PORT_PULL, 1, 0, 0, FB_AXES_BODY}},
+                          {{FB_PORT_LENGTH, 0, 0, 0, FB_AXES_BODY},
+                           {FB_PORT_LENGTH, 1, 0, 0, FB_AXES_BODY},
+                           {FB_PORT_SPEED, 0, 0, 1, FB_AXES_BODY}}};
   mass_between(0, 800.0, 1.0, 3.0);
   FBT_INT_EQ(fb_system_linearize(&mechanism, model, &analyse_work, &linear, &state, &input, &ports), FB_OK);
   FBT_INT_EQ(linear.n, 12);

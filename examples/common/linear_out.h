@@ -48,11 +48,12 @@ typedef struct linear_port {
   const char *name, *unit;
 } linear_port;
 
-static const linear_port linear_ports[] = {{"force", "N"},         {"torque", "N m"},         {"base_velocity", "m/s"},
-                                           {"base_rate", "rad/s"}, {"displacement", "m"},     {"rotation", "rad"},
-                                           {"rate", "rad/s"},      {"acceleration", "m/s^2"}, {"drive", "N m"},
-                                           {"coordinate", "rad"},  {"speed", "rad/s"},        {"pull", "N"},
-                                           {"length", "m"},        {"motor", "N m"},          {"rotor_speed", "rad/s"}};
+static const linear_port linear_ports[] = {
+    {"force", "N"},          {"torque", "N m"},          {"base_velocity", "m/s"}, {"base_rate", "rad/s"},
+    {"displacement", "m"},   {"rotation", "rad"},        {"rate", "rad/s"},        {"acceleration", "m/s^2"},
+    {"drive", "N m"},        {"coordinate", "rad"},      {"speed", "rad/s"},       {"pull", "N"},
+    {"length", "m"},         {"motor", "N m"},           {"rotor_speed", "rad/s"}, {"velocity", "m/s"},
+    {"internal_force", "N"}, {"internal_moment", "N m"}, {"force_strain", "-"},    {"moment_strain", "1/m"}};
 typedef char linear_ports_are_whole[sizeof linear_ports / sizeof linear_ports[0] == FB_PORT_COUNT ? 1 : -1];
 
 static inline void linear_name(linear_value *v, const char *unit, const char *before, const char *of, const char *what)
@@ -118,7 +119,7 @@ static inline int linear_axis_slides(fb_joint_kind kind, int i)
   return kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1);
 }
 
-/* A port by its kind and numbers, as force.NODE.AXIS, of systems force.BODY.NODE.AXIS. */
+/* A port by its kind and numbers, as force.NODE.AXIS, of systems force.BODY.NODE.AXIS, of exact beams drive.JOINT. */
 static inline void linear_name_port(linear_value *v, const fb_port *port, const fb_system *system)
 {
   static const char *const sliding[] = {"N", "m", "m/s"};
@@ -126,7 +127,7 @@ static inline void linear_name_port(linear_value *v, const fb_port *port, const 
   const int of_joint = kind >= FB_PORT_DRIVE && kind <= FB_PORT_SPEED;
   const int slides = of_joint && system && linear_axis_slides(system->joint[port->body].kind, port->axis);
   char place[64] = "", body[16] = "";
-  if (kind < FB_PORT_DRIVE) {
+  if (kind < FB_PORT_DRIVE || kind > FB_PORT_ROTOR_SPEED) {
     char node[16] = "";
     if (kind != FB_PORT_BASE_VELOCITY && kind != FB_PORT_BASE_RATE) {
       snprintf(node, sizeof node, "%d.", port->node);
@@ -137,7 +138,7 @@ static inline void linear_name_port(linear_value *v, const fb_port *port, const 
     snprintf(place, sizeof place, "%s%s%c", body, node, linear_axes[port->axis]);
   } else if (system && kind >= FB_PORT_MOTOR) {
     snprintf(place, sizeof place, "%d.%d", port->body, port->axis);
-  } else if (of_joint) {
+  } else if (system && of_joint) {
     snprintf(place, sizeof place, "%d.%d", port->body, port->axis + 1);
   } else {
     snprintf(place, sizeof place, "%d", kind < FB_PORT_MOTOR ? port->body : port->axis);
@@ -329,32 +330,10 @@ static inline void linear_out_system(linear_out *out, const char *source, const 
 }
 
 #if FB_WITH_EXACT
-static const linear_port linear_exact_ports[] = {
-    {"force", "N"},          {"torque", "N m"},          {"base_velocity", "m/s"}, {"base_rate", "rad/s"},
-    {"displacement", "m"},   {"rotation", "rad"},        {"velocity", "m/s"},      {"rate", "rad/s"},
-    {"internal_force", "N"}, {"internal_moment", "N m"}, {"force_strain", "-"},    {"moment_strain", "1/m"},
-    {"motor", "N m"},        {"angle", "rad"},           {"angle_rate", "rad/s"}};
-typedef char
-    linear_exact_ports_are_whole[sizeof linear_exact_ports / sizeof linear_exact_ports[0] == FB_EXACT_PORT_COUNT ? 1
-                                                                                                                 : -1];
-
-static inline void linear_name_exact_port(linear_value *v, const fb_exact_port *port)
-{
-  const int base = port->kind == FB_EXACT_PORT_BASE_VELOCITY || port->kind == FB_EXACT_PORT_BASE_RATE;
-  char place[32];
-  if (port->kind >= FB_EXACT_PORT_MOTOR) {
-    snprintf(place, sizeof place, "%d", port->at);
-  } else {
-    snprintf(place, sizeof place, "%d.%c", port->at, linear_axes[port->axis]);
-  }
-  linear_name(v, linear_exact_ports[port->kind].unit, "", linear_exact_ports[port->kind].name,
-              base ? strchr(place, '.') + 1 : place);
-}
-
 /* Of fb_exact_linearize; desc NULL: no ports. node: of fb_exact_nodes_eval at the steady state under `input`; its last
    one is the tip. States are the modes' own, two of one that oscillates. */
 static inline void linear_out_exact(linear_out *out, const char *source, const fb_exact_linear *linear,
-                                    const fb_exact_linear_desc *desc, const fb_exact *exact, const fb_exact_node *node,
+                                    const fb_linear_desc *desc, const fb_exact *exact, const fb_exact_node *node,
                                     const fb_exact_input *input)
 {
   int n = 0;
@@ -376,12 +355,7 @@ static inline void linear_out_exact(linear_out *out, const char *source, const f
       linear_name(&out->state[n++], "-", "", "", name);
     }
   }
-  for (int k = 0; k < out->n_in; k++) {
-    linear_name_exact_port(&out->in[k], &desc->in[k]);
-  }
-  for (int k = 0; k < out->n_out; k++) {
-    linear_name_exact_port(&out->out[k], &desc->out[k]);
-  }
+  linear_name_ports(out, desc, NULL);
   linear_add_vector(out, "m/s", "base", "velocity", input->v, 3);
   linear_add_vector(out, "rad/s", "base", "spin", input->w, 3);
   for (int end = 0; end < 2; end++) {

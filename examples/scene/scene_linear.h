@@ -14,7 +14,7 @@ static struct scene_plant {
 } plant;
 
 static struct scene_exact_plant {
-  fb_exact_linear_desc desc;
+  fb_linear_desc desc;
   fb_exact_linear linear;
   fb_exact_linear_work work;
 } exact_plant;
@@ -24,7 +24,7 @@ static struct scene_exact_plant {
 /* The port of the model, new or there already; -1: there are too many. */
 static int plant_port(fb_port *port, int *n, fb_port_kind kind, int body, int node, int axis)
 {
-  const fb_port wanted = {kind, body, node, axis};
+  const fb_port wanted = {kind, body, node, axis, FB_AXES_BODY};
   for (int k = 0; k < *n; k++) {
     if (port[k].kind == kind && port[k].body == body && port[k].node == node && port[k].axis == axis) {
       return k;
@@ -220,11 +220,11 @@ static fb_status plant_solve(const scene *s)
 /* A load as ports and their weights: how many there are; -1: too many. */
 static int exact_plant_load(const scene *s, const scene_load *load, int port[3], double weight[3])
 {
-  fb_exact_linear_desc *const d = &exact_plant.desc;
+  fb_linear_desc *const d = &exact_plant.desc;
   int n = 0;
   for (int i = 0; i < 3; i++) {
-    const fb_exact_port wanted = {load->torque ? FB_EXACT_PORT_TORQUE : FB_EXACT_PORT_FORCE,
-                                  s->body[0].element_node[load->node], i, load->axes};
+    const fb_port wanted = {load->torque ? FB_PORT_TORQUE : FB_PORT_FORCE, 0, s->body[0].element_node[load->node], i,
+                            load->axes};
     if (fabs(load->vector[i]) <= 0) {
       continue;
     }
@@ -241,10 +241,10 @@ static int exact_plant_load(const scene *s, const scene_load *load, int port[3],
 /* As plant_sensor. */
 static int exact_plant_sensor(const scene *s, const scene_output *o)
 {
-  fb_exact_linear_desc *const d = &exact_plant.desc;
+  fb_linear_desc *const d = &exact_plant.desc;
   const int held = (exact_run.beam.held[0] & FB_END_CLAMPED) == FB_END_CLAMPED;
-  const fb_exact_port wanted = {o->quantity == SCENE_GYRO ? FB_EXACT_PORT_RATE : FB_EXACT_PORT_DISPLACEMENT,
-                                s->body[0].element_node[o->at], o->axis, FB_AXES_BODY};
+  const fb_port wanted = {o->quantity == SCENE_GYRO ? FB_PORT_RATE : FB_PORT_DISPLACEMENT, 0,
+                          s->body[0].element_node[o->at], o->axis, FB_AXES_BODY};
   if (o->quantity != SCENE_GYRO && (o->quantity != SCENE_DISPLACEMENT || !held)) {
     return -1;
   }

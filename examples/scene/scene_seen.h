@@ -99,7 +99,8 @@ static void seen_find_causes(const scene *s)
     if (d->kind == SCENE_MOTOR && !joint->loop && mode == FB_AXIS_FREE && axes < 6) {
       seen_add_actor(s, SCENE_BY_MOTOR, k, d->control < 0 ? &d->f : NULL, d->control);
     } else if (d->kind == SCENE_SPEED && axes == 6 && mode == FB_AXIS_PRESCRIBED) {
-      const fb_port port = {d->axis < 3 ? FB_PORT_BASE_VELOCITY : FB_PORT_BASE_RATE, joint->at, 0, d->axis % 3};
+      const fb_port port = {d->axis < 3 ? FB_PORT_BASE_VELOCITY : FB_PORT_BASE_RATE, joint->at, 0, d->axis % 3,
+                            FB_AXES_BODY};
       seen_add_cause(s, port, 1, &d->f, -1);
     }
   }
@@ -117,7 +118,7 @@ static void seen_find_causes(const scene *s)
   }
   for (int k = 0; k < s->n_motion; k++) {
     for (int i = 0; i < 3; i++) {
-      const fb_port port = {s->motion[k].rate ? FB_PORT_BASE_RATE : FB_PORT_BASE_VELOCITY, 0, 0, i};
+      const fb_port port = {s->motion[k].rate ? FB_PORT_BASE_RATE : FB_PORT_BASE_VELOCITY, 0, 0, i, FB_AXES_BODY};
       seen_add_cause(s, port, s->motion[k].vector[i], &s->motion[k].f, -1);
     }
   }
@@ -155,16 +156,16 @@ static void seen_add_alike(const scene *s, int output)
   const scene_output *const o = &s->output[output];
   for (int k = 0; k < (int)(sizeof alike / sizeof *alike); k++) {
     for (int i = 0; i < 3 && alike[k].quantity == o->quantity; i++) {
-      const fb_port port = {alike[k].kind, o->body, o->at, i};
+      const fb_port port = {alike[k].kind, o->body, o->at, i, FB_AXES_BODY};
       seen_add_row(output, &port, alike[k].power, 1);
     }
   }
   if (o->quantity == SCENE_COORDINATE_ACCELERATION && scene_axes(&s->joint[o->at]) < 3 && !s->joint[o->at].loop) {
-    const fb_port port = {FB_PORT_SPEED, s->joint[o->at].at, 0, o->axis};
+    const fb_port port = {FB_PORT_SPEED, s->joint[o->at].at, 0, o->axis, FB_AXES_BODY};
     seen_add_row(output, &port, 1, 1);
   }
   if (o->quantity == SCENE_TENSION) {
-    const fb_port port = {FB_PORT_LENGTH, o->at, 0, 0};
+    const fb_port port = {FB_PORT_LENGTH, o->at, 0, 0, FB_AXES_BODY};
     seen_add_row(output, &port, 0, (double)s->spring[o->at].desc.stiffness);
   }
 }

@@ -368,7 +368,7 @@ static int read_port(void *ports, int k, const char *option, const char *word)
   memset(port, 0, sizeof *port);
   port->kind = (fb_port_kind)port_kind(linear_ports, FB_PORT_COUNT, word);
   is_input = port->kind < FB_PORT_DISPLACEMENT || port->kind == FB_PORT_MOTOR;
-  if (port->kind == FB_PORT_COUNT || (port->kind >= FB_PORT_DRIVE && port->kind < FB_PORT_MOTOR) ||
+  if (port->kind > FB_PORT_ROTOR_SPEED || (port->kind >= FB_PORT_DRIVE && port->kind < FB_PORT_MOTOR) ||
       is_input != (option[2] == 'i')) {
     return fail_port(option, word, "no such kind (see --help)");
   }

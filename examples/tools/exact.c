@@ -59,11 +59,11 @@ static const char help[] =
     "  --inputs LIST   of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, base_velocity.AXIS, "
     "base_rate.AXIS;\n"
     "                  base axes; NODE a number, root or tip, AXIS x, y or z (force and torque at the tip);\n"
-    "                  motor.JOINT, a number from 0\n"
+    "                  drive.JOINT, a number from 0\n"
     "  --outputs LIST  displacement (base axes), rotation, velocity, rate, each .NODE.AXIS; internal_force, "
     "internal_moment,\n"
     "                  force_strain, moment_strain, each .ELEMENT.AXIS, a number from 0, root or tip;\n"
-    "                  angle.JOINT, angle_rate.JOINT\n"
+    "                  coordinate.JOINT, speed.JOINT\n"
     "                  (displacement of the tip, moment at the root)\n"
     "  --help      this text\n";
 
@@ -166,34 +166,34 @@ static fb_status tell_modes(int count)
 /* One port, as force.tip.y; base_rate.z. 0, or 2 after a message. */
 static int read_port(void *ports, int k, const char *option, const char *word)
 {
-  fb_exact_port *const port = (fb_exact_port *)ports + k;
-  const int kind = port_kind(linear_exact_ports, FB_EXACT_PORT_COUNT, word);
-  const int of_element = kind >= FB_EXACT_PORT_INTERNAL_FORCE, count = beam.n + !of_element;
+  fb_port *const port = (fb_port *)ports + k;
+  const int kind = port_kind(linear_ports, FB_PORT_COUNT, word);
+  const int of_element = kind >= FB_PORT_INTERNAL_FORCE, count = beam.n + !of_element;
+  const int of_joint = kind >= FB_PORT_DRIVE && kind <= FB_PORT_SPEED;
+  const int is_input = kind < FB_PORT_DISPLACEMENT || kind == FB_PORT_DRIVE;
   port_place place;
-  const int is_input = kind < FB_EXACT_PORT_DISPLACEMENT || kind == FB_EXACT_PORT_MOTOR;
-  if (kind == FB_EXACT_PORT_COUNT || is_input != (option[2] == 'i')) {
+  if (kind == FB_PORT_COUNT || kind == FB_PORT_ACCELERATION || (kind > FB_PORT_SPEED && kind < FB_PORT_VELOCITY) ||
+      is_input != (option[2] == 'i')) {
     return fail_port(option, word, "no such kind (see --help)");
   }
-  if (kind >= FB_EXACT_PORT_MOTOR) {
-    memset(port, 0, sizeof *port);
-    port->kind = (fb_exact_port_kind)kind;
-    port->at = port_number(word + strcspn(word, ".") + (strchr(word, '.') != NULL), beam_desc.n_joint);
-    return port->at >= 0 ? 0 : fail_port(option, word, "no such joint: numbers from 0, in the order of their lines");
+  memset(port, 0, sizeof *port);
+  port->kind = (fb_port_kind)kind;
+  if (of_joint) {
+    port->body = port_number(word + strcspn(word, ".") + (strchr(word, '.') != NULL), beam_desc.n_joint);
+    return port->body >= 0 ? 0 : fail_port(option, word, "no such joint: numbers from 0, in the order of their lines");
   }
   if (read_place(&place, option, word)) {
     return 2;
   }
-  memset(port, 0, sizeof *port);
-  port->kind = (fb_exact_port_kind)kind;
   port->axis = place.axis;
   port->axes = FB_AXES_BODY;
-  if (kind == FB_EXACT_PORT_BASE_VELOCITY || kind == FB_EXACT_PORT_BASE_RATE) {
+  if (kind == FB_PORT_BASE_VELOCITY || kind == FB_PORT_BASE_RATE) {
     return !place.at[0] ? 0 : fail_port(option, word, "the base has no node");
   }
-  port->at = strcmp(place.at, "root") == 0  ? 0
-             : strcmp(place.at, "tip") == 0 ? beam_desc.n_element - of_element
-                                            : port_number(place.at, count);
-  return port->at >= 0 ? 0 : fail_port(option, word, of_element ? "no such element" : "no such node");
+  port->node = strcmp(place.at, "root") == 0  ? 0
+               : strcmp(place.at, "tip") == 0 ? beam_desc.n_element - of_element
+                                              : port_number(place.at, count);
+  return port->node >= 0 ? 0 : fail_port(option, word, of_element ? "no such element" : "no such node");
 }
 
 /* Writes the model of `count` modes about the steady state; a status of main. */
@@ -201,7 +201,7 @@ static int write_linear(const options *o, const char *source, int count)
 {
   static fb_exact_linear_work work;
   static fb_exact_linear linear;
-  static fb_exact_linear_desc desc;
+  static fb_linear_desc desc;
   static linear_value in[FB_MAX_PORTS], out[FB_MAX_PORTS];
   static linear_out file;
   const char *const ins =

@@ -60,7 +60,7 @@ static struct world {
   fb_exact_input exact_input;
   fb_linear_desc linear_desc, motor_desc, system_linear_desc;
   fb_exact_path exact_path;
-  fb_exact_linear_desc exact_linear_desc;
+  fb_linear_desc exact_linear_desc;
   fb_spectrum spectrum;
   fb_real amplitude[FB_MAX_LINEAR], re[4];
   fb_envelope envelope;
@@ -841,8 +841,8 @@ static void exact_fill(void)
   w.exact_input.load[0].force[1] = FB_R(1.0);
   need(fb_exact_trim(&w.exact, &w.exact_state, &exact_work, &w.exact_input), "its steady state");
   w.exact_linear_desc.n_in = w.exact_linear_desc.n_out = 1;
-  w.exact_linear_desc.in[0].at = w.exact_linear_desc.out[0].at = 2;
-  w.exact_linear_desc.out[0].kind = FB_EXACT_PORT_VELOCITY;
+  w.exact_linear_desc.in[0].node = w.exact_linear_desc.out[0].node = 2;
+  w.exact_linear_desc.out[0].kind = FB_PORT_VELOCITY;
 }
 
 /* ---- calls and what they leave */

@@ -39,11 +39,12 @@ static fb_status spin(void)
 {
   static fb_analyse_work work;
   static fb_state state;
-  const fb_linear_desc ports = {
-      2,
-      3,
-      {{FB_PORT_FORCE, 0, 1, 1}, {FB_PORT_MOTOR, 0, 0, 0}},
-      {{FB_PORT_DISPLACEMENT, 0, 1, 1}, {FB_PORT_RATE, 0, 1, 2}, {FB_PORT_ROTOR_SPEED, 0, 0, 0}}};
+  const fb_linear_desc ports = {2,
+                                3,
+                                {{FB_PORT_FORCE, 0, 1, 1, FB_AXES_BODY}, {FB_PORT_MOTOR, 0, 0, 0, FB_AXES_BODY}},
+                                {{FB_PORT_DISPLACEMENT, 0, 1, 1, FB_AXES_BODY},
+                                 {FB_PORT_RATE, 0, 1, 2, FB_AXES_BODY},
+                                 {FB_PORT_ROTOR_SPEED, 0, 0, 0, FB_AXES_BODY}}};
   fb_build_desc desc = {.n_part = 1,
                         .part = {{.n_node = 1, .node = {8}}},
                         .zeta = FB_R(0.01),
@@ -83,11 +84,12 @@ static fb_status connect(void)
   static fb_system_motion motion;
   static fb_system_desc desc;
   static const linear_names names = {{"cart", "boom"}, {"slide", "hinge"}};
-  const fb_linear_desc ports = {
-      2,
-      3,
-      {{FB_PORT_DRIVE, CART, 0, 0}, {FB_PORT_TORQUE, BOOM, 1, 2}},
-      {{FB_PORT_COORDINATE, CART, 0, 0}, {FB_PORT_SPEED, BOOM, 0, 0}, {FB_PORT_DISPLACEMENT, BOOM, 1, 1}}};
+  const fb_linear_desc ports = {2,
+                                3,
+                                {{FB_PORT_DRIVE, CART, 0, 0, FB_AXES_BODY}, {FB_PORT_TORQUE, BOOM, 1, 2, FB_AXES_BODY}},
+                                {{FB_PORT_COORDINATE, CART, 0, 0, FB_AXES_BODY},
+                                 {FB_PORT_SPEED, BOOM, 0, 0, FB_AXES_BODY},
+                                 {FB_PORT_DISPLACEMENT, BOOM, 1, 1, FB_AXES_BODY}}};
   const fb_build_desc rigid = {.mass = 10, .inertia = {1, 1, 1}, .body = {.base = FB_BASE_PRESCRIBED}};
   const fb_build_desc flexible = {.n_part = 1,
                                   .part = {{.n_node = 1, .node = {8}}},
@@ -140,11 +142,11 @@ static fb_status bend(void)
   static fb_exact_desc desc;
   static const fb_real stiffness[6] = {FB_R(1e6), FB_R(4e5), FB_R(4e5), 900, 2000, 3000};
   static const fb_real inertia[6] = {2, 2, 2, FB_R(0.02), FB_R(0.01), FB_R(0.01)};
-  const fb_exact_linear_desc ports = {
+  const fb_linear_desc ports = {
       2,
       2,
-      {{FB_EXACT_PORT_FORCE, 12, 1, FB_AXES_BODY}, {FB_EXACT_PORT_BASE_RATE, 0, 2, FB_AXES_BODY}},
-      {{FB_EXACT_PORT_DISPLACEMENT, 12, 1, FB_AXES_BODY}, {FB_EXACT_PORT_MOMENT_STRAIN, 0, 2, FB_AXES_BODY}}};
+      {{FB_PORT_FORCE, 0, 12, 1, FB_AXES_BODY}, {FB_PORT_BASE_RATE, 0, 0, 2, FB_AXES_BODY}},
+      {{FB_PORT_DISPLACEMENT, 0, 12, 1, FB_AXES_BODY}, {FB_PORT_MOMENT_STRAIN, 0, 0, 2, FB_AXES_BODY}}};
   fb_exact_input input = {.n_load = 1, .load = {{.node = 12, .axes = FB_AXES_NODE, .force = {0, 20, 5}}}};
   fb_status status;
   desc.length = 10;

@@ -123,8 +123,8 @@ demand(off < 1e-5, 'the static response is %.3g from the difference of steady st
 
 # a beam of EI = 10 and length 1, 1e6 in shear, with a hinge of 3 N m/rad in the middle: closed form
 hinged = linear.read(folder + 'hinged.json')
-demand(hinged['inputs'] == ['motor.0', 'force.tip.z'] and hinged['inputs_units'] == ['N m', 'N'], 'motor of a joint')
-demand(hinged['outputs'][:2] == ['angle.0', 'angle_rate.0'] and hinged['outputs_units'] == ['rad', 'rad/s', 'm'], 'angle of a joint')
+demand(hinged['inputs'] == ['drive.0', 'force.tip.z'] and hinged['inputs_units'] == ['N m', 'N'], 'motor of a joint')
+demand(hinged['outputs'][:2] == ['coordinate.0', 'speed.0'] and hinged['outputs_units'] == ['rad', 'rad/s', 'm'], 'angle of a joint')
 meet('a hinge in an exact beam', response(hinged, 0.0).real, np.array([[1 / 3, -1 / 6], [0, 0], [-1 / 6, 1 / 30 + 1 / 12 + 1e-6]]), 1)
 
 # a blade on a flap hinge, EI = 1, spinning at 6: flap at the rate of the spin, lag of tests/reference/p02_rotating_uniform.csv

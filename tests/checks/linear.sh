@@ -56,7 +56,7 @@ station 0
 joint 0.5 0 1 0 stiffness 3 damping 0.1
 modes 4
 END
-try build/flexbeam exact "$out/hinged.txt" --linear "$out/hinged.json" --inputs motor.0,force.tip.z --outputs angle.0,angle_rate.0,displacement.tip.z
+try build/flexbeam exact "$out/hinged.txt" --linear "$out/hinged.json" --inputs drive.0,force.tip.z --outputs coordinate.0,speed.0,displacement.tip.z
 cat > "$out/flap.txt" << END # a blade on a flap hinge, which spins with its base
 trim
 body blade exact
@@ -113,8 +113,8 @@ refuse 2 "--inputs: rate.tip.x: no such kind" $bent "$out/no.json" --inputs rate
 refuse 2 "--inputs: force.41.x: no such node" $bent "$out/no.json" --inputs force.41.x
 refuse 2 "--outputs: internal_moment.40.x: no such element" $bent "$out/no.json" --outputs internal_moment.40.x
 refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --inputs base_rate.0.x
-refuse 2 "motor.1: no such joint" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs motor.1
-refuse 2 "angle.0: no such kind" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs angle.0
+refuse 2 "drive.1: no such joint" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs drive.1
+refuse 2 "coordinate.0: no such kind" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs coordinate.0
 refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
 sed '/^trim/d; s/^body arc/duration 1\ninterval 0.1\nbody arc/' "$out/arc.txt" > "$out/loose.txt"
 refuse 2 "about its steady state alone: add a line trim" build/flexbeam scene "$out/loose.txt" --quiet --linear "$out/no.json"

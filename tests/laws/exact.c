@@ -1543,7 +1543,7 @@ static double static_gain(int out)
    eigenvalues are those of the spectrum. A base that spins: loads that turn along. */
 static double slope_of(double h)
 {
-  static fb_exact_linear_desc ports;
+  static fb_linear_desc ports;
   fb_exact_state at = state, moved;
   fb_real y[5][3];
   const double unit = drawn.EI / (drawn.length[0] * drawn.length[0]), f = 0.004 * (double)fbl_unit(unit, 1, 1, -2);
@@ -1553,14 +1553,14 @@ static double slope_of(double h)
   FBL_TRY(fb_exact_trim(&beam, &at, &work, &input));
   memset(&ports, 0, sizeof ports);
   ports.n_in = 1;
-  ports.in[0].kind = FB_EXACT_PORT_FORCE;
-  ports.in[0].at = node_at(0, drawn.n[0] - 1); /* the tip may be held */
+  ports.in[0].kind = FB_PORT_FORCE;
+  ports.in[0].node = node_at(0, drawn.n[0] - 1); /* the tip may be held */
   ports.in[0].axis = 1;
   ports.in[0].axes = FB_AXES_BODY;
   ports.n_out = 3;
   for (int i = 0; i < 3; i++) {
-    ports.out[i].kind = FB_EXACT_PORT_DISPLACEMENT;
-    ports.out[i].at = extra_node();
+    ports.out[i].kind = FB_PORT_DISPLACEMENT;
+    ports.out[i].node = extra_node();
     ports.out[i].axis = i;
   }
   FBL_TRY(fb_exact_linearize(&beam, &linear_work, &linear, &at, &input, &ports, 4));
@@ -1572,7 +1572,7 @@ static double slope_of(double h)
   }
   for (int k = 0; k < 5; k++) {
     fb_exact_input pushed = input;
-    pushed.load[pushed.n_load].node = ports.in[0].at;
+    pushed.load[pushed.n_load].node = ports.in[0].node;
     pushed.load[pushed.n_load].axes = FB_AXES_BODY;
     pushed.load[pushed.n_load++].force[1] = (fb_real)(f * (k - 2));
     moved = at;

@@ -2713,19 +2713,20 @@ static fb_linear linear;
 static void ports_draw(fb_linear_desc *d)
 {
   const int k = bodies_of(now) - 1, s = slot[k], n = body(k)->n_node - 1;
-  const fb_port in = {FB_PORT_FORCE, s, n, 1}, turn = {FB_PORT_TORQUE, s, n, 2};
-  const fb_port out[] = {{FB_PORT_DISPLACEMENT, s, n, 1}, {FB_PORT_RATE, s, n, 2},  {FB_PORT_ACCELERATION, s, n, 1},
-                         {FB_PORT_COORDINATE, s, 0, 0},   {FB_PORT_SPEED, s, 0, 0}, {FB_PORT_LENGTH, 0, 0, 0}};
+  const fb_port in = {FB_PORT_FORCE, s, n, 1, FB_AXES_BODY}, turn = {FB_PORT_TORQUE, s, n, 2, FB_AXES_BODY};
+  const fb_port out[] = {{FB_PORT_DISPLACEMENT, s, n, 1, FB_AXES_BODY}, {FB_PORT_RATE, s, n, 2, FB_AXES_BODY},
+                         {FB_PORT_ACCELERATION, s, n, 1, FB_AXES_BODY}, {FB_PORT_COORDINATE, s, 0, 0, FB_AXES_BODY},
+                         {FB_PORT_SPEED, s, 0, 0, FB_AXES_BODY},        {FB_PORT_LENGTH, 0, 0, 0, FB_AXES_BODY}};
   const int axes = !is_ball(kind[k]) && axes_of(kind[k]) > 0, free_ = axes && state.mode[s][0] == FB_AXIS_FREE;
   memset(d, 0, sizeof *d);
   d->in[d->n_in++] = in;
   d->in[d->n_in++] = turn;
   if (free_) {
-    const fb_port drive = {FB_PORT_DRIVE, s, 0, 0};
+    const fb_port drive = {FB_PORT_DRIVE, s, 0, 0, FB_AXES_BODY};
     d->in[d->n_in++] = drive;
   }
   if (desc.n_spring > 0) {
-    const fb_port pull = {FB_PORT_PULL, 0, 0, 0};
+    const fb_port pull = {FB_PORT_PULL, 0, 0, 0, FB_AXES_BODY};
     d->in[d->n_in++] = pull;
   }
   for (int o = 0; o < FBL_COUNT(out); o++) {
