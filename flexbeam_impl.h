@@ -208,6 +208,14 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_DETAIL_ENTER(status) ((void)0)
 #define FBI_DETAIL_REQUIRE(status, condition) ((void)0)
 #endif
+/* Returns the status of the call from the function around it, unless that is FB_OK. */
+#define FBI_TRY(call)                \
+  do {                               \
+    const fb_status tried_ = (call); \
+    if (tried_ != FB_OK) {           \
+      return tried_;                 \
+    }                                \
+  } while (0)
 #define FBI_REQUIRE_AS(condition, status, condition_text, status_text) \
   do {                                                                 \
     if (!(condition)) {                                                \
@@ -825,16 +833,13 @@ static fb_status fbi_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real
 FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
   fb_real out[6];
-  fb_status status;
   FBI_REQUIRE_INNER(x && S && y, FB_ERR_NULL);
-  status = fbi_sym6_solve(out, S, y);
-  if (status == FB_OK && !fbi_is_finite(out, 6)) {
-    status = FB_ERR_NOT_FINITE;
+  FBI_TRY(fbi_sym6_solve(out, S, y));
+  if (!fbi_is_finite(out, 6)) {
+    return FB_ERR_NOT_FINITE;
   }
-  if (status == FB_OK) {
-    fbi_copy(x, out, 6);
-  }
-  return status;
+  fbi_copy(x, out, 6);
+  return FB_OK;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -1184,22 +1189,19 @@ static FBI_INLINE fb_status fbi_lu_pivot(fb_real *A, int *perm, fb_real *scale, 
    Test: lu_solves_random_graded_and_refuses_singular_matrices. */
 FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
 {
-  fb_status status;
   FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
   FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
-  status = fbi_lu_scales(A, perm, scale, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
-    status = fbi_lu_pivot(A, perm, scale, k, n);
-    if (status == FB_OK) {
-      const fb_real pivot = FB_R(1.0) / A[k * n + k];
-      for (int i = k + 1; i < n; i++) {
-        const fb_real factor = A[i * n + k] * pivot;
-        A[i * n + k] = factor;
-        fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
-      }
+  FBI_TRY(fbi_lu_scales(A, perm, scale, n));
+  for (int k = 0; k < n; k++) {
+    FBI_TRY(fbi_lu_pivot(A, perm, scale, k, n));
+    const fb_real pivot = FB_R(1.0) / A[k * n + k];
+    for (int i = k + 1; i < n; i++) {
+      const fb_real factor = A[i * n + k] * pivot;
+      A[i * n + k] = factor;
+      fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
     }
   }
-  return status;
+  return FB_OK;
 }
 
 FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n)
@@ -3446,14 +3448,14 @@ static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R
 /* What acts on n points, which know where they are, at time t. */
 static fb_status fbi_points_load(fb_line_point *point, int n, fb_distributed distributed, fb_real t, void *user)
 {
-  fb_status status = distributed(point, n, t, user);
-  for (int i = 0; i < n && status == FB_OK; i++) {
+  FBI_TRY(distributed(point, n, t, user));
+  for (int i = 0; i < n; i++) {
     if (!fbi_vec3_is_finite(point[i].force) || !fbi_vec3_is_finite(point[i].torque)) {
-      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
-                          FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
+                        FB_R(0.0));
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Adds a force and a torque at r, line axes, to the resultant and the moment about O, body axes. */
@@ -4398,8 +4400,8 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
   const int n = body->n;
   fbi_line_work *const w = k->line;
   if (!fbi_lines_pose(w, &body->lines, q)) {
-    const fb_status status = fbi_large_range(body, q);
-    return status ? status : FB_ERR_RANGE; /* at the limit, where rounding decides */
+    FBI_TRY(fbi_large_range(body, q));
+    return FB_ERR_RANGE; /* at the limit, where rounding decides */
   }
   fbi_sparse_to_dense(w->L, &body->M_rest, n);
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
@@ -4411,10 +4413,7 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
 /* The same, M factored. */
 static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
-  const fb_status status = fbi_large_matrices(k, body, q);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_large_matrices(k, body, q));
   return fbi_large_factor(k->line->L, body->n) ? FB_OK
                                                : FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_MASS, -1, FB_R(0.0), FB_R(0.0));
 }
@@ -4526,10 +4525,9 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
 static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                                  const fb_input *input)
 {
-  fb_status status;
   fbi_modes_enter(k, state->q, body->n);
-  status = fbi_large_inertia(k, body, state->q);
-  return status == FB_OK ? fbi_large_solve(k, body, state, state->h, state->pi, input) : status;
+  FBI_TRY(fbi_large_inertia(k, body, state->q));
+  return fbi_large_solve(k, body, state, state->h, state->pi, input);
 }
 #endif
 
@@ -5193,17 +5191,13 @@ static FBI_NOINLINE fb_status fbi_central_add(fbi_kinetics *k, const fb_body *bo
 {
   fbi_central f;
   fb_real c[3], mass[3], a[3], own[3], torque[3], s;
-  fb_status status;
   fbi_center_placed(c, FBI_LINE_OF(k), body, k->qx + 1);
   fbi_vec3_advance(mass, rho, -FB_R(1.0), body->center);
   if (!flying) {
     fb_mat33_mul_vec3(own, k->R, c);
     fbi_vec3_add(mass, FB_R(1.0) / body->mass, own);
   }
-  status = fbi_central_eval(&f, k, body, c, mass);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_central_eval(&f, k, body, c, mass));
 
   /* acceleration of the mass center: second degree in body axes, then all of it in inertial ones */
   s = body->mu / f.distance / f.distance;
@@ -5238,17 +5232,13 @@ static FBI_NOINLINE fb_status fbi_central_energy_add(fb_real *energy, fbi_kineti
 {
   fbi_central f;
   fb_real c[3], mass[3], own[3];
-  fb_status status;
   fbi_center_placed(c, FBI_LINE_OF(k), body, k->qx + 1);
   fb_mat33_mul_vec3(own, k->R, c);
   fbi_vec3_advance(mass, rho, -FB_R(1.0), body->center);
   fbi_vec3_add(mass, FB_R(1.0) / body->mass, own);
-  status = fbi_central_eval(&f, k, body, c, mass);
-  if (status == FB_OK) {
-    *energy -=
-        body->mu / f.distance * (body->mass + FB_R(0.5) * ((f.sum - FB_R(3.0) * f.nJn) / f.distance / f.distance));
-  }
-  return status;
+  FBI_TRY(fbi_central_eval(&f, k, body, c, mass));
+  *energy -= body->mu / f.distance * (body->mass + FB_R(0.5) * ((f.sum - FB_R(3.0) * f.nJn) / f.distance / f.distance));
+  return FB_OK;
 }
 #endif
 
@@ -5291,7 +5281,6 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
   const fb_lines *const all = &body->lines;
   fbi_line_work *const w = k->line;
   fb_real *const q_dot = k->e, origin[3], V[6];
-  fb_status status;
   int n_point;
 
   /* q_dot = M^-1 (pi - Lambda^T V); velocity of O */
@@ -5310,11 +5299,9 @@ static FBI_NOINLINE fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body
   n_point = fbi_lines_look(w, all, k->R, origin, V);
 
   /* loads */
-  status = fbi_points_load(w->point, n_point, input->distributed, input->t, input->user);
-  if (status == FB_OK) {
-    fbi_lines_push(k->fg, k->x + 1, w, all, k->R);
-  }
-  return status;
+  FBI_TRY(fbi_points_load(w->point, n_point, input->distributed, input->t, input->user));
+  fbi_lines_push(k->fg, k->x + 1, w, all, k->R);
+  return FB_OK;
 }
 #endif
 
@@ -5345,7 +5332,6 @@ static FBI_INLINE fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *bod
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_free(body);
   const int distributed = fbi_is_distributed(input), loaded = n_load > 0 || distributed;
-  fb_status status = FB_OK;
   fbi_vec6_zero(k->fg);
   k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
@@ -5357,13 +5343,13 @@ static FBI_INLINE fb_status fbi_large_forces(fbi_kinetics *k, const fb_body *bod
     fbi_load_add(k, body, &input->load[i], state->q);
   }
   if (distributed) {
-    status = fbi_distributed_add(k, body, state, pi, input);
+    FBI_TRY(fbi_distributed_add(k, body, state, pi, input));
   }
   fbi_vec3_zero(k->a);
-  if (status == FB_OK && flying && loaded) {
+  if (flying && loaded) {
     fbi_fall(k, body, 1);
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -5428,7 +5414,6 @@ static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k
    Test: tumbling_conserves_momentum_and_energy, slender_bodies_keep_their_energy. */
 static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
-
   /* pose */
   fbi_vec3_copy(rate->rho, state->u);
   fbi_quat_rate(rate->quat, state->quat, k->V + 3);
@@ -5480,15 +5465,13 @@ static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
 static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
                                                     const fb_state *state, const fb_input *input)
 {
-  fb_status status = fbi_large_velocity(k, body, state, input);
-  status = status == FB_OK ? fbi_large_forces(k, body, state, state->pi, input) : status;
-  status = status == FB_OK ? fbi_optional_gravity(k, body, state, fbi_optional_effects(body)) : status;
-  if (status == FB_OK) {
-    fbi_large_rates(rate->q, k, body, state->pi);
-    fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
-    fbi_rigid_rates(rate, k, body, state);
-  }
-  return status;
+  FBI_TRY(fbi_large_velocity(k, body, state, input));
+  FBI_TRY(fbi_large_forces(k, body, state, state->pi, input));
+  FBI_TRY(fbi_optional_gravity(k, body, state, fbi_optional_effects(body)));
+  fbi_large_rates(rate->q, k, body, state->pi);
+  fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
+  fbi_rigid_rates(rate, k, body, state);
+  return FB_OK;
 }
 #endif
 
@@ -5847,17 +5830,11 @@ static fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb
   const int large = (optional & FB_EFFECT_LARGE_DEFLECTION) != 0;
   fbi_node_field f[FB_MAX_ROTORS];
   fbi_own_momenta own;
-  fb_status status = fbi_rotor_velocity(f, &own, k, body, state, input, optional);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rotor_velocity(f, &own, k, body, state, input, optional));
 #if FB_WITH_LARGE_DEFLECTION
   if (large) {
-    status = fbi_large_forces(k, body, state, own.pi, input);
-    status = status == FB_OK ? fbi_optional_gravity(k, body, state, optional) : status;
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_large_forces(k, body, state, own.pi, input));
+    FBI_TRY(fbi_optional_gravity(k, body, state, optional));
     if (optional & FBI_IMBALANCE) {
       fbi_imbalance_add(k, body, state, large);
     }
@@ -5867,10 +5844,7 @@ static fb_status fbi_rotor_state_rates(fb_state *rate, fbi_kinetics *k, const fb
 #endif
   if (!large) {
     fbi_forces(k, body, state, input, fbi_is_free(body));
-    status = fbi_optional_gravity(k, body, state, optional);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_optional_gravity(k, body, state, optional));
     if (optional & FBI_IMBALANCE) {
       fbi_imbalance_add(k, body, state, large);
     }
@@ -5995,12 +5969,10 @@ static void fbi_rotors_normalize(fb_real *q, fb_real *pi, const fb_body *body, c
 static FBI_NOINLINE fb_status fbi_central_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
                                                       const fb_state *state, const fb_input *input)
 {
-  fb_status status = fbi_velocity(k, body, state, state->h, state->pi, input);
-  if (status == FB_OK) {
-    fbi_forces(k, body, state, input, fbi_is_free(body));
-    status = fbi_central_add(k, body, state->rho, fbi_is_free(body));
-  }
-  return status == FB_OK ? fbi_momentum_rates(rate, k, body, state) : status;
+  FBI_TRY(fbi_velocity(k, body, state, state->h, state->pi, input));
+  fbi_forces(k, body, state, input, fbi_is_free(body));
+  FBI_TRY(fbi_central_add(k, body, state->rho, fbi_is_free(body)));
+  return fbi_momentum_rates(rate, k, body, state);
 }
 #endif
 
@@ -6082,10 +6054,7 @@ static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state
 static fb_status fbi_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                  const fb_input *input)
 {
-  const fb_status status = fbi_velocity(k, body, state, state->h, state->pi, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_velocity(k, body, state, state->h, state->pi, input));
   fbi_forces(k, body, state, input, fbi_is_free(body));
   return fbi_momentum_rates(rate, k, body, state);
 }
@@ -6336,21 +6305,20 @@ static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_sta
 {
   fbi_kinetics k;
   fb_state out, at;
-  fb_status status;
   FBI_SET_LINES(k, line);
-  status = fbi_input_check(body, input);
+  FBI_TRY(fbi_input_check(body, input));
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   memset(&out, 0, sizeof out);
-  status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
-  if (status == FB_OK && fbi_is_free(body)) {
+  FBI_TRY(fbi_rates(&out, &k, body, &at, input));
+  if (fbi_is_free(body)) {
     fbi_origin_velocity(out.rho, &k, body, &at, out.q);
   }
-  status = status == FB_OK && !fbi_state_is_finite(&out, body->n_coordinate) ? FB_ERR_NOT_FINITE : status;
-  if (status == FB_OK) {
-    *rate = out;
+  if (!fbi_state_is_finite(&out, body->n_coordinate)) {
+    return FB_ERR_NOT_FINITE;
   }
-  return status;
+  *rate = out;
+  return FB_OK;
 }
 
 FBI_ROOM_FOR_LINES(fbi_rates_eval, (const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input),
@@ -6434,23 +6402,23 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 /* fbi_state_range of a body with lines or rotors; line: its lines at this state (NULL: not known). */
 static fb_status fbi_optional_range(const fb_body *body, const fb_state *state, const fbi_line_work *line)
 {
-  fb_status status = fbi_state_range(body, state);
+  FBI_TRY(fbi_state_range(body, state));
 #if FB_WITH_ROTORS
   fb_real sum = FB_R(0.0);
   for (int a = body->n; a < body->n_coordinate; a++) {
     sum += FB_FABS(state->q[a]) + FB_FABS(state->pi[a]);
   }
-  if (status == FB_OK && !(sum <= FB_HUGE)) {
+  if (!(sum <= FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_NOT_FINITE, "state: angles and momenta of rotors, finite", -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  if (status == FB_OK && fbi_is_large(body) && !(line && fbi_lines_are_in_range(line, &body->lines))) {
-    status = fbi_large_range(body, state->q);
+  if (fbi_is_large(body) && !(line && fbi_lines_are_in_range(line, &body->lines))) {
+    FBI_TRY(fbi_large_range(body, state->q));
   }
 #endif
   (void)line;
-  return status;
+  return FB_OK;
 }
 
 #if FB_SINGLE
@@ -6599,12 +6567,8 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
   const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
   fb_state out;
   fbi_kinetics k;
-  fb_status status;
   FBI_SET_LINES(k, line);
-  status = fbi_velocity_check(body, state, v, w, rates);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_velocity_check(body, state, v, w, rates));
 
   /* R, (1, q), V = (0, w) */
   out = *state; /* its quaternion as it is, unscaled */
@@ -6616,10 +6580,7 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
 
   /* momenta; no compensation terms */
 #if FB_WITH_LARGE_DEFLECTION
-  status = fbi_is_large(body) ? fbi_large_inertia(&k, body, state->q) : FB_OK;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_is_large(body) ? fbi_large_inertia(&k, body, state->q) : FB_OK);
 #endif
   fbi_momenta_set(&out, &k, body, v, rates);
 #if FB_WITH_ROTORS
@@ -6658,14 +6619,10 @@ static fb_status fbi_rotor_set(fbi_line_work *line, const fb_body *body, fb_stat
   fb_real momentum[FB_MAX_ROTORS] = {FB_R(0.0)};
   fb_state out = *state, at, rate;
   fbi_kinetics k;
-  fb_status status;
   FBI_SET_LINES(k, line);
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
-  status = fbi_rotor_state_rates(&rate, &k, body, &at, input, fbi_acting(body));
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rotor_state_rates(&rate, &k, body, &at, input, fbi_acting(body)));
   momentum[rotor] = body->rotor[rotor].inertia * (speed - k.rotor_speed[rotor]);
   out.q[body->n + rotor] = angle;
   out.pi[body->n + rotor] += momentum[rotor];
@@ -6685,7 +6642,6 @@ FBI_ROOM_FOR_LINES(fbi_rotor_set,
 FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int rotor, fb_real speed, fb_real angle,
                                     const fb_input *input)
 {
-  fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
   FBI_REQUIRE(rotor >= 0 && rotor < body->n_rotor, FB_ERR_CAPACITY);
   if (!fbi_is_number(speed) || !fbi_is_number(angle)) {
@@ -6694,9 +6650,9 @@ FB_DEF fb_status fb_state_rotor_set(const fb_body *body, fb_state *state, int ro
   if (body->rotor[rotor].given) {
     return FBI_REFUSE(FB_ERR_VALUE, "rotor: its momentum is given by the input", rotor, FB_R(0.0), FB_R(0.0));
   }
-  status = fbi_input_check(body, input);
-  status = status ? status : fb_state_check(body, state);
-  return status ? status : fbi_rotor_set_any(body, state, rotor, speed, angle, input);
+  FBI_TRY(fbi_input_check(body, input));
+  FBI_TRY(fb_state_check(body, state));
+  return fbi_rotor_set_any(body, state, rotor, speed, angle, input);
 }
 #endif
 
@@ -6807,7 +6763,6 @@ static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb
   const int n = body->n;
   fbi_line_work *const w = k->line;
   fb_real xd[FB_MAX_MODES + 1], y[6], V_dot[6], x[FB_MAX_MODES], e[FB_MAX_MODES];
-  fb_status status;
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate->q, n);
 
@@ -6820,10 +6775,7 @@ static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb
   fb_chol_solve(x, w->L, e, n);
   fbi_large_lambda_sub(y, k, body, x);
   fbi_large_S(k, body, NULL);
-  status = fbi_base_accelerate(m, V_dot, k, body, y, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_base_accelerate(m, V_dot, k, body, y, input));
   fbi_large_lambdaT_sub(e, k, body, V_dot);
   fb_chol_solve(m->q_ddot, w->L, e, n);
   fbi_copy(m->w_dot, V_dot + 3, 3);
@@ -6908,19 +6860,13 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   fb_state rate, at;
   fb_motion out;
   fb_real velocity[3];
-  fb_status status;
   FBI_SET_LINES(k, line);
 
   /* rates of the state */
-  status = fbi_input_check(body, input);
+  FBI_TRY(fbi_input_check(body, input));
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
-  if (status == FB_OK) {
-    status = fbi_rates(&rate, &k, body, &at, input);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rates(&rate, &k, body, &at, input));
 
   /* velocities */
   memset(&out, 0, sizeof out);
@@ -6940,16 +6886,14 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
     fbi_copy(out.rotor_momentum, k.rotor_momentum, body->n_rotor);
   }
 #endif
-  status = fbi_accelerations(&out, &k, body, &rate, input);
+  FBI_TRY(fbi_accelerations(&out, &k, body, &rate, input));
 
   /* result, if finite */
-  if (status == FB_OK && !fbi_motion_is_finite(&out, body)) {
-    status = FB_ERR_NOT_FINITE;
+  if (!fbi_motion_is_finite(&out, body)) {
+    return FB_ERR_NOT_FINITE;
   }
-  if (status == FB_OK) {
-    *motion = out;
-  }
-  return status;
+  *motion = out;
+  return FB_OK;
 }
 
 FBI_ROOM_FOR_LINES(fbi_motion_eval,
@@ -7383,7 +7327,6 @@ static fb_status fbi_cut_eval(fbi_cut_result *out, const fb_body *body, const fb
   fbi_cut_lead lead;
   fbi_kinetics k;
   fb_real V[6], g[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_status status;
   int count;
   FBI_WITH_LINES(k);
 
@@ -7402,10 +7345,7 @@ static fb_status fbi_cut_eval(fbi_cut_result *out, const fb_body *body, const fb
   for (int i = 0; i < count; i++) {
     k.line->point[i].body = acts->body;
   }
-  status = acts->distributed ? acts->distributed(k.line->point, count, acts->t, acts->user) : FB_OK;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(acts->distributed ? acts->distributed(k.line->point, count, acts->t, acts->user) : FB_OK);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     fb_mat33_mulT_vec3(g, k.R, body->gravity);
@@ -7470,18 +7410,18 @@ static fb_status fbi_line_node_required(const fb_body *body, int node)
 
 static fb_status fbi_body_acts(fbi_cut_load_set *acts, const fb_body *body, const fb_input *input)
 {
-  fb_status status = fbi_lines_required(body);
+  FBI_TRY(fbi_lines_required(body));
   memset(acts, 0, sizeof *acts);
   acts->node = -1;
-  status = status ? status : fbi_input_check(body, input);
-  if (status == FB_OK && input) {
+  FBI_TRY(fbi_input_check(body, input));
+  if (input) {
     acts->load = input->load;
     acts->n_load = input->n_load;
     acts->distributed = input->distributed;
     acts->t = input->t;
     acts->user = input->user;
   }
-  return status;
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
@@ -7489,11 +7429,10 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
 {
   fbi_cut_load_set acts;
   fbi_cut_result out;
-  fb_status status;
   FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
-  status = fbi_body_acts(&acts, body, input);
-  status = status ? status : fbi_cut_eval(&out, body, state, motion, &acts);
-  return status ? status : fbi_cut_points(point, n, &out, body);
+  FBI_TRY(fbi_body_acts(&acts, body, input));
+  FBI_TRY(fbi_cut_eval(&out, body, state, motion, &acts));
+  return fbi_cut_points(point, n, &out, body);
 }
 
 FB_DEF fb_status fb_body_node_loads_eval(const fb_body *body, fb_node_loads *loads, const fb_state *state,
@@ -7573,15 +7512,11 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   fb_energy out;
   fb_state at;
   fb_real p[3];
-  fb_status status;
   FBI_SET_LINES(k, line);
 
   /* velocities */
   fbi_state_enter(&at, k.R, body, state);
-  status = fbi_velocity_now(&k, body, &at, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_velocity_now(&k, body, &at, input));
 
   /* kinetic energy in the frame, then of its motion: u.(R p + 1/2 m u) */
   out.kinetic = fbi_kinetic_energy(&k, body, &at);
@@ -7600,13 +7535,15 @@ static fb_status fbi_energy_eval(fbi_line_work *line, const fb_body *body, fb_en
   out.gravity = FB_R(0.0);
   fbi_potential_add(&out, &k, body, state->q, state->rho);
 #if FB_WITH_GRAVITY
-  status = fbi_is_central(body) ? fbi_central_energy_add(&out.gravity, &k, body, state->rho) : status;
-#endif
-  if (status == FB_OK && !fbi_energy_is_finite(&out)) {
-    status = FB_ERR_NOT_FINITE;
+  if (fbi_is_central(body)) {
+    FBI_TRY(fbi_central_energy_add(&out.gravity, &k, body, state->rho));
   }
-  *energy = status ? *energy : out;
-  return status;
+#endif
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
+  return FB_OK;
 }
 
 FBI_ROOM_FOR_LINES(fbi_energy_eval,
@@ -7628,15 +7565,11 @@ static fb_status fbi_momentum_eval(fbi_line_work *line, const fb_body *body, fb_
   fb_momentum out;
   fb_state at;
   fb_real c[3], arm[3];
-  fb_status status;
   FBI_SET_LINES(k, line);
 
   /* velocities, (p, h) */
   fbi_state_enter(&at, k.R, body, state);
-  status = fbi_velocity_now(&k, body, &at, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_velocity_now(&k, body, &at, input));
   fbi_true_momenta(&k, body);
 #if FB_WITH_ROTORS
   if (fbi_has_rotors(body) && body->base != FB_BASE_FREE) {
@@ -9158,10 +9091,7 @@ static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const
     fbi_vec6_zero(V);
   }
   if (joint->kind == FB_JOINT_FREE) {
-    const fb_status status = fbi_free_out(V, L, body->n);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_free_out(V, L, body->n));
   } else {
     fbi_axes_out(V, L, joint);
   }
@@ -9550,7 +9480,6 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
   const fb_joint *joint = &system->joint[j];
   const fb_real *local[2], *axes[2];
   int parent_node = joint->parent_node;
-  fb_status status;
   local[0] = joint->position;
   local[1] = joint->child_position;
   axes[0] = joint->axes;
@@ -9560,11 +9489,8 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
   }
 
   /* ends */
-  status = fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node);
-  status = status == FB_OK ? fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node));
+  FBI_TRY(fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node));
 
   /* origins and axes */
   for (int s = 0; s < 2; s++) {
@@ -9722,11 +9648,8 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   const fb_joint *joint = &system->joint[j];
   static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fbi_frames f;
-  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
+  FBI_TRY(fbi_frames_eval(&f, w, system, body, j));
   int room = 1;
-  if (status != FB_OK) {
-    return status;
-  }
 
   /* translations and right angles */
   for (const int *hold = fbi_traits(joint)->holds; *hold >= 0 && room; hold++) {
@@ -10020,13 +9943,9 @@ static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, con
 {
   const int m = w->n_row;
   for (int r = 0; r < m; r++) {
-    fb_status status;
     fbi_rhs_clear(w, system, body);
     fbi_row_impulse(w, system, body, r, FB_R(1.0));
-    status = fbi_speeds_solve(w, system, body);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_speeds_solve(w, system, body));
     fbi_ends_move(w, system, body);
     for (int i = r; i < m; i++) {
       w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
@@ -10100,10 +10019,7 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
 {
   const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8);
   fb_real *scale = w->column;
-  const fb_status status = fbi_rows_matrix(w, system, body);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rows_matrix(w, system, body));
   fbi_rows_scale(scale, w);
   for (int r = 0; r < w->n_row; r++) {
     w->order[r] = r;
@@ -10259,7 +10175,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   int given = fbi_rhs_save(w, system, body), judge; /* a right-hand side that rows left out can contradict? */
 
   /* c + A u without impulses */
-  fb_status status = fbi_speeds_solve(w, system, body);
+  FBI_TRY(fbi_speeds_solve(w, system, body));
   fbi_ends_move(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
     given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
@@ -10270,21 +10186,18 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   }
 
   /* Q mu = -(c + A u); the solution again, with the impulses */
-  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rows_factor(w, system, body));
   judge = w->rank < w->n_row && given && check; /* the rank first: a step's work depends on no value */
   if (judge) {
     fbi_rows_angles(w);
   }
   fbi_rows_multipliers(w);
   fbi_rhs_push(w, system, body);
-  status = fbi_speeds_solve(w, system, body);
-  if (status == FB_OK && judge) {
-    status = fbi_rows_check(w, system, body);
+  FBI_TRY(fbi_speeds_solve(w, system, body));
+  if (judge) {
+    FBI_TRY(fbi_rows_check(w, system, body));
   }
-  return status;
+  return FB_OK;
 }
 
 /* ---- rates */
@@ -10420,14 +10333,13 @@ static FBI_NOINLINE void fbi_links_rotors_push(fb_system_work *w, const fb_syste
 static FBI_NOINLINE fb_status fbi_links_rotors_check(const fb_system *system, const fb_body *body,
                                                      const fb_system_input *input)
 {
-  fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+  for (int k = 0; k < system->n_body; k++) {
     const fb_body *const model = fbi_model(system, body, k);
-    status = fbi_has_motors_beyond(model, input->rotor[k])
-                 ? FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_NO_ROTOR, k, FB_R(0.0), FB_R(0.0))
-                 : fbi_rotors_check(model, input->rotor[k]);
+    FBI_TRY(fbi_has_motors_beyond(model, input->rotor[k])
+                ? FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_NO_ROTOR, k, FB_R(0.0), FB_R(0.0))
+                : fbi_rotors_check(model, input->rotor[k]));
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -10513,7 +10425,6 @@ static fb_status fbi_system_lines_check(const fb_system *system, const fb_body *
 
 static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
-  fb_status status = FB_OK;
   if (!input) {
     return FB_OK;
   }
@@ -10539,9 +10450,9 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
     }
   }
 #if FB_WITH_ROTORS
-  status = fbi_links_rotors_check(system, body, input);
+  FBI_TRY(fbi_links_rotors_check(system, body, input));
 #endif
-  return status == FB_OK ? fbi_system_lines_check(system, body, input) : status;
+  return fbi_system_lines_check(system, body, input);
 }
 
 /* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: q_dot of modes that carry no children is
@@ -10550,14 +10461,9 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
                                      const fb_system_state *state, const fb_system_state *modes,
                                      const fb_system_input *input, int lazy)
 {
-  fb_status status;
-
   /* poses, factors, right-hand side */
   fbi_links_place(w, system, body, state, modes);
-  status = fbi_mass_factor(w, system, body, FB_R(0.0));
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_mass_factor(w, system, body, FB_R(0.0)));
   fbi_rhs_momenta(w, system, state, input);
 
   /* rotors */
@@ -10570,13 +10476,13 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
 
   /* with constraint rows */
   if ((w->special && w->closed) || (input && input->rows)) {
-    status = fbi_rows_fill(w, system, body, modes, input);
-    for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* after a failure the last one may have no end */
+    FBI_TRY(fbi_rows_fill(w, system, body, modes, input));
+    for (int r = 0; r < w->n_row; r++) { /* after a failure the last one may have no end */
       fb_real size;
       w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
     }
-    status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
-    return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
+    FBI_TRY(fbi_constrained_solve(w, system, body, 1));
+    return fbi_rows_rate(w, system, body, input);
   }
 
   /* without constraint rows */
@@ -10687,7 +10593,6 @@ static FBI_NOINLINE fb_status fbi_link_distributed(fb_system_work *w, const fb_s
   fbi_line_work *const line = L->k.line;
   const fb_lines *const all = &L->model->lines;
   fb_real origin[3], V[6];
-  fb_status status;
   int n;
 
   /* points; velocity of O from the ground */
@@ -10705,11 +10610,9 @@ static FBI_NOINLINE fb_status fbi_link_distributed(fb_system_work *w, const fb_s
   }
 
   /* loads */
-  status = fbi_points_load(line->point, n, input->distributed, input->t, input->user);
-  if (status == FB_OK) {
-    fbi_lines_push(L->k.fg, L->k.x + 1, line, all, L->k.R);
-  }
-  return status;
+  FBI_TRY(fbi_points_load(line->point, n, input->distributed, input->t, input->user));
+  fbi_lines_push(L->k.fg, L->k.x + 1, line, all, L->k.R);
+  return FB_OK;
 }
 #endif
 
@@ -10880,20 +10783,17 @@ static fb_real fbi_pull(const fb_system_work *w, const fb_system_input *input, i
 static FBI_NOINLINE fb_status fbi_springs_load(fb_real *power, fb_system_work *w, const fb_system *system,
                                                const fb_body *body, const fb_system_input *input)
 {
-  fb_status status = FB_OK;
   *power = FB_R(0.0);
-  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
+  for (int j = 0; j < system->n_spring; j++) {
     const fb_real pull = fbi_pull(w, input, j);
-    status = fbi_span_eval(w, system, body, pull, j);
-    if (status == FB_OK) {
-      const fbi_span *const s = &w->span;
-      fb_real force[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-      fbi_vec3_add(force, s->at.tension, s->along);
-      fbi_span_push(w, system, body, force, 0);
-      *power -= pull * s->at.rate;
-    }
+    FBI_TRY(fbi_span_eval(w, system, body, pull, j));
+    const fbi_span *const s = &w->span;
+    fb_real force[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fbi_vec3_add(force, s->at.tension, s->along);
+    fbi_span_push(w, system, body, force, 0);
+    *power -= pull * s->at.rate;
   }
-  return status;
+  return FB_OK;
 }
 
 /* What a caller's forces may look at: nodes of the loads, joints, springs. */
@@ -10902,7 +10802,6 @@ static fb_status fbi_forces_look(fb_system_work *w, const fb_system *system, con
 {
   fb_system_forces *const now = &w->forces;
   fbi_end *const end = &w->span.end[0];
-  fb_status status = FB_OK;
   memset(now, 0, sizeof *now);
   now->t = input->t;
   now->n_point = input->n_load;
@@ -10946,11 +10845,11 @@ static fb_status fbi_forces_look(fb_system_work *w, const fb_system *system, con
   }
 
   /* springs, without what the caller will add */
-  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
-    status = fbi_span_eval(w, system, body, input->pull[j], j);
+  for (int j = 0; j < system->n_spring; j++) {
+    FBI_TRY(fbi_span_eval(w, system, body, input->pull[j], j));
     now->spring[j] = w->span.at;
   }
-  return status;
+  return FB_OK;
 }
 
 /* Is all finite that a caller's forces wrote, and no torque where there is no motor? */
@@ -10985,10 +10884,10 @@ static fb_status fbi_forces_check(const fb_system_forces *now, const fb_system *
 static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system *system, const fb_body *body,
                                               const fb_system_state *state, const fb_system_input *input)
 {
-  fb_status status = fbi_forces_look(w, system, body, state, input);
-  status = status ? status : input->forces(&w->forces, input->user);
-  status = status ? status : fbi_forces_check(&w->forces, system);
-  for (int i = 0; i < input->n_load && status == FB_OK; i++) {
+  FBI_TRY(fbi_forces_look(w, system, body, state, input));
+  FBI_TRY(input->forces(&w->forces, input->user));
+  FBI_TRY(fbi_forces_check(&w->forces, system));
+  for (int i = 0; i < input->n_load; i++) {
     const fb_load_point *const p = &w->forces.point[i];
     const int k = input->load[i].body;
     fb_load load;
@@ -10998,7 +10897,7 @@ static FBI_NOINLINE fb_status fbi_forces_load(fb_system_work *w, const fb_system
     fbi_vec3_copy(load.torque, p->torque);
     fbi_load_add(&w->link[k].k, fbi_model(system, body, k), &load, w->link[k].k.qx + 1);
   }
-  return status;
+  return FB_OK;
 }
 
 #if FB_WITH_GRAVITY
@@ -11007,7 +10906,6 @@ static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 {
   fbi_link_work *const L = &w->link[k];
   fb_real rho[3];
-  fb_status status;
   if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
     fbi_gravity_add(&L->k, L->model, fbi_is_large(L->model));
   }
@@ -11017,13 +10915,13 @@ static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
   for (int i = 0; i < 3; i++) {
     rho[i] = fbi_true_position(w, k, L->rho, i);
   }
-  status = fbi_central_add(&L->k, L->model, rho, 0);
+  FBI_TRY(fbi_central_add(&L->k, L->model, rho, 0));
 #if FB_WITH_LARGE_DEFLECTION
   for (int l = 0; fbi_is_large(L->model) && l < L->model->lines.n_line; l++) {
     fbi_line_rates(L->k.line, &L->model->lines, &L->model->lines.line[l], L->q_dot);
   }
 #endif
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -11031,17 +10929,16 @@ static fb_status fbi_link_gravity_add(fb_system_work *w, int k)
 /* What acts on a body without an input: gravity, imbalance of its rotors. */
 static FBI_NOINLINE fb_status fbi_link_own_loads(fb_system_work *w, const fb_system_state *state, int k)
 {
-  fb_status status = FB_OK;
 #if FB_WITH_GRAVITY
   if (fbi_has(w->link[k].model->effects, FB_EFFECT_GRAVITY | FB_EFFECT_CENTRAL_GRAVITY)) {
-    status = fbi_link_gravity_add(w, k);
+    FBI_TRY(fbi_link_gravity_add(w, k));
   }
 #endif
 #if FB_WITH_ROTORS
   fbi_link_imbalance_add(&w->link[k], state->link[k].q + w->link[k].model->n);
 #endif
   (void)state;
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -11288,14 +11185,11 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
                                               fb_system_state *rate, const fb_system_state *state,
                                               const fb_system_state *modes, const fb_system_input *input)
 {
-  fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+  FBI_TRY(fbi_system_velocity(w, system, body, state, modes, input, 1));
   fb_real power;
 
   /* forces on the bodies: loads, springs, impulses of the rows */
-  status = status == FB_OK ? fbi_system_loads(&power, w, system, body, state, input) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_loads(&power, w, system, body, state, input));
   rate->motor_work = w->closed ? power + fbi_loops_load(w, system, body, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
@@ -11810,10 +11704,9 @@ static fb_status fbi_posture_look(fb_system_work *w, const fb_system *system, co
                                   const fb_system_state *state, const fb_system_state *modes,
                                   const fb_system_input *input)
 {
-  fb_status status;
   fbi_links_place(w, system, body, state, modes);
-  status = fbi_mass_factor(w, system, body, FB_R(0.0));
-  return status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
+  FBI_TRY(fbi_mass_factor(w, system, body, FB_R(0.0)));
+  return fbi_rows_fill(w, system, body, modes, input);
 }
 
 /* [E9.17] Newton step of the positions onto the constraints, or a share of it, along M^-1 A^T: the shortest in the
@@ -11822,16 +11715,13 @@ static fb_status fbi_posture_look(fb_system_work *w, const fb_system *system, co
 static fb_status fbi_posture_step(fb_system_state *state, fb_system_work *w, const fb_system *system,
                                   const fb_body *body, fb_real share)
 {
-  fb_status status;
   for (int r = 0; r < w->n_row; r++) {
     w->c[r] = w->row[r].r.holonomic ? share * w->row[r].r.value : FB_R(0.0);
   }
   fbi_rhs_clear(w, system, body);
-  status = fbi_constrained_solve(w, system, body, 0);
-  if (status == FB_OK) {
-    fbi_state_displace(state, w, system, body);
-  }
-  return status;
+  FBI_TRY(fbi_constrained_solve(w, system, body, 0));
+  fbi_state_displace(state, w, system, body);
+  return FB_OK;
 }
 
 /* Restores the momenta of free axes and of modes from before. */
@@ -11895,10 +11785,7 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
     }
 #if FB_WITH_LARGE_DEFLECTION
     if (fbi_is_large(model)) {
-      const fb_status status = fbi_large_range(model, state->link[k].q);
-      if (status != FB_OK) {
-        return status;
-      }
+      FBI_TRY(fbi_large_range(model, state->link[k].q));
     }
 #endif
   }
@@ -12037,10 +11924,7 @@ static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const f
 {
   fbi_frames f;
   fb_real value[3];
-  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_frames_eval(&f, w, system, body, j));
   fbi_frames_value(value, &f, &system->joint[j]);
   state->hold[j][axis] = value[axis];
   if (system->joint[j].kind == FB_JOINT_SPHERICAL) {
@@ -12052,13 +11936,12 @@ static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const f
 /* Stores the present values of all axes of the joints of loops as those where they are locked. */
 static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  fb_status status = FB_OK;
-  for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    for (int i = 0; i < system->joint[j].n_axis && i < 3 && status == FB_OK; i++) {
-      status = fbi_hold_set(state, w, system, body, j, i);
+  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
+    for (int i = 0; i < system->joint[j].n_axis && i < 3; i++) {
+      FBI_TRY(fbi_hold_set(state, w, system, body, j, i));
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Is a joint assembled the right way round? Its perpendicularity constraints also hold when it is rotated by pi. */
@@ -12190,7 +12073,6 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
 static fb_status fbi_motion_close(fb_system_state *out, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_input *input)
 {
-  fb_status status;
   fbi_links_place(w, system, body, out, out);
   if (system->tied < 2) {
     fbi_frames_renew(out, w, system, input);
@@ -12199,10 +12081,7 @@ static fb_status fbi_motion_close(fb_system_state *out, fb_system_work *w, const
 
   /* positions, mass centers back to where they were */
   fbi_flight_begin(w, system);
-  status = fbi_loops_close(w, system, body, out, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_loops_close(w, system, body, out, input));
   fbi_trees_sum(w, system, out, NULL);
   fbi_trees_hold(w, system, out);
   fbi_links_place(w, system, body, out, out);
@@ -12217,13 +12096,12 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
                                       fb_system_work *work, const fb_link_motion *motion, const fb_system_input *input)
 {
   fb_system_state *out;
-  fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
   FBI_REQUIRE_MADE(system->n_body);
 
   /* axis modes */
-  status = fbi_system_input_check(system, body, input);
+  FBI_TRY(fbi_system_input_check(system, body, input));
   fbi_system_enter(work, system);
   out = &work->stage;
   memset(out, 0, sizeof *out);
@@ -12234,26 +12112,21 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   }
 
   /* poses, velocities and momenta of the tree */
-  status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_motion_place(work, system, body, out, motion, input));
   fbi_momenta_fill(out, work, system, body);
 
   /* constraints; frames of free trees */
-  if (status == FB_OK && fbi_has_rows(work, input)) {
-    status = fbi_motion_close(out, work, system, body, input);
+  if (fbi_has_rows(work, input)) {
+    FBI_TRY(fbi_motion_close(out, work, system, body, input));
   }
-  if (status == FB_OK && fbi_has_free_joint(system)) {
+  if (fbi_has_free_joint(system)) {
     fbi_frames_renew(out, work, system, input);
   }
 
   /* range check; result */
-  status = status == FB_OK ? fbi_system_range(system, body, out) : status;
-  if (status == FB_OK) {
-    *state = *out;
-  }
-  return status;
+  FBI_TRY(fbi_system_range(system, body, out));
+  *state = *out;
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -12261,23 +12134,19 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
                                     const fb_system_input *input)
 {
   fb_system_state *out;
-  fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE(joint >= 0 && joint < system->n_body + system->n_loop && axis >= 0, FB_ERR_CAPACITY);
   FBI_REQUIRE(axis < system->joint[joint].n_axis && axis < 3, FB_ERR_CAPACITY);
   FBI_REQUIRE(fbi_is_choice((int)mode, (int)FB_AXIS_COUNT - 1), FB_ERR_VALUE);
-  status = fbi_system_input_check(system, body, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_input_check(system, body, input));
 
   /* momenta and position of the axis as it is now */
   fbi_system_enter(work, system);
   out = &work->stage;
   *out = *state;
-  status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of locked and prescribed axes */
-  if (status == FB_OK && fbi_is_loop(system, joint)) {
-    status = fbi_hold_set(out, work, system, body, joint, axis);
+  FBI_TRY(fbi_momenta_close(work, system, body, out, out, input)); /* momenta of locked and prescribed axes */
+  if (fbi_is_loop(system, joint)) {
+    FBI_TRY(fbi_hold_set(out, work, system, body, joint, axis));
   }
 
   /* new mode; free and spherical joints have one for all axes */
@@ -12289,44 +12158,39 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
   }
 
   /* frames, momenta in the new mode */
-  if (status == FB_OK && system->joint[joint].kind == FB_JOINT_FREE) {
+  if (system->joint[joint].kind == FB_JOINT_FREE) {
     fbi_frames_renew(out, work, system, input);
   }
-  status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
-  if (status == FB_OK) {
-    *state = *out;
-  }
-  return status;
+  FBI_TRY(fbi_momenta_close(work, system, body, out, out, input));
+  *state = *out;
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_system_rates_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
 {
   fb_system_state *out;
-  fb_status status;
   FBI_REQUIRE(system && body && work && rate && state, FB_ERR_NULL);
   out = &work->rate;
   memset(out, 0, sizeof *out);
 
   /* rates in the frames of the trees */
-  status = fbi_system_input_check(system, body, input);
+  FBI_TRY(fbi_system_input_check(system, body, input));
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_rates(work, system, body, out, state, state, input) : status;
+  FBI_TRY(fbi_system_rates(work, system, body, out, state, state, input));
 
   /* free roots: velocity from the ground */
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+  for (int k = 0; k < system->n_body; k++) {
     fb_link_state *x = &out->link[k];
     if (system->joint[k].kind == FB_JOINT_FREE) {
       fbi_vec3_copy(x->x, x->lost_x);
       fbi_vec3_add(x->x, FB_R(1.0), work->link[work->link[k].root].frame);
       fbi_vec3_zero(x->lost_x);
     }
-    status = fbi_link_state_is_finite(x, fbi_model(system, body, k)->n_coordinate) ? FB_OK : FB_ERR_NOT_FINITE;
+    FBI_TRY(fbi_link_state_is_finite(x, fbi_model(system, body, k)->n_coordinate) ? FB_OK : FB_ERR_NOT_FINITE);
   }
-  if (status == FB_OK) {
-    *rate = *out;
-  }
-  return status;
+  *rate = *out;
+  return FB_OK;
 }
 
 /* ---- accelerations */
@@ -12555,10 +12419,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
 {
   /* forces on the bodies, then the efforts of the joints of loops */
   fb_real power;
-  const fb_status status = fbi_system_loads(&power, w, system, body, state, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_loads(&power, w, system, body, state, input));
 #if FB_WITH_ROTORS
   if (system->carries_rotors) {
     fbi_links_rotors_push(w, system, input);
@@ -12813,11 +12674,8 @@ static fb_status fbi_cut_joint_add(fbi_cut_load_set *acts, fb_load *load, const 
     return FB_OK;
   }
   for (int i = side ? 1 : 0; i < 2; i++) {
-    const fb_status status = fb_body_node_motion_eval(fbi_model(system, body, of[i]), &moved[i], &motion->pose[of[i]],
-                                                      &motion->motion[of[i]], node[i]);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fb_body_node_motion_eval(fbi_model(system, body, of[i]), &moved[i], &motion->pose[of[i]],
+                                     &motion->motion[of[i]], node[i]));
   }
   fb_quat_to_mat33(R, moved[1].quat);
   fb_mat33_mul_vec3(arm, R, joint->child_position);
@@ -12853,11 +12711,8 @@ static fb_status fbi_cut_spring_add(fbi_cut_load_set *acts, fb_load *load, const
     if (k >= 0) {
       fb_node_motion at;
       fb_real R[9];
-      const fb_status status = fb_body_node_motion_eval(fbi_model(system, body, k), &at, &motion->pose[k],
-                                                        &motion->motion[k], spring->node[i]);
-      if (status != FB_OK) {
-        return status;
-      }
+      FBI_TRY(fb_body_node_motion_eval(fbi_model(system, body, k), &at, &motion->pose[k], &motion->motion[k],
+                                       spring->node[i]));
       fb_quat_to_mat33(R, at.quat);
       fb_mat33_mul_vec3(point[i], R, spring->position[i]);
       if (i == side) {
@@ -12899,19 +12754,18 @@ static void fbi_cut_forces_add(fbi_cut_load_set *acts, fb_load *load, const fb_s
 static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb_system *system, const fb_body *body,
                                  const fb_system_motion *motion, const fb_system_input *input, int k)
 {
-  fb_status status;
   FBI_REQUIRE(k >= 0 && k < system->n_body, FB_ERR_CAPACITY);
   memset(acts, 0, sizeof *acts);
   acts->load = load;
   acts->body = k;
   acts->node = -1;
-  status = fbi_lines_required(fbi_model(system, body, k));
-  status = status ? status : fbi_system_input_check(system, body, input);
-  if (status == FB_OK && input && input->rows) {
+  FBI_TRY(fbi_lines_required(fbi_model(system, body, k)));
+  FBI_TRY(fbi_system_input_check(system, body, input));
+  if (input && input->rows) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: no rows, whose forces the motion does not hold", -1, FB_R(0.0),
                       FB_R(0.0));
   }
-  for (int i = 0; input && i < input->n_load && status == FB_OK; i++) {
+  for (int i = 0; input && i < input->n_load; i++) {
     if (input->load[i].body == k) {
       load[acts->n_load++] = input->load[i].load;
     }
@@ -12921,18 +12775,16 @@ static fb_status fbi_system_acts(fbi_cut_load_set *acts, fb_load *load, const fb
     acts->t = input->t;
     acts->user = input->user;
   }
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    status = fbi_cut_joint_add(acts, load, system, body, motion, j, 0);
-    status = status ? status : fbi_cut_joint_add(acts, load, system, body, motion, j, 1);
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    FBI_TRY(fbi_cut_joint_add(acts, load, system, body, motion, j, 0));
+    FBI_TRY(fbi_cut_joint_add(acts, load, system, body, motion, j, 1));
   }
-  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
-    status = fbi_cut_spring_add(acts, load, system, body, motion, j, 0);
-    status = status ? status : fbi_cut_spring_add(acts, load, system, body, motion, j, 1);
+  for (int j = 0; j < system->n_spring; j++) {
+    FBI_TRY(fbi_cut_spring_add(acts, load, system, body, motion, j, 0));
+    FBI_TRY(fbi_cut_spring_add(acts, load, system, body, motion, j, 1));
   }
-  if (status == FB_OK) {
-    fbi_cut_forces_add(acts, load, motion, input);
-  }
-  return status;
+  fbi_cut_forces_add(acts, load, motion, input);
+  return FB_OK;
 }
 
 /* E14.41 of a body of a system */
@@ -12942,12 +12794,10 @@ FB_DEF fb_status fb_system_lines_eval(const fb_system *system, const fb_body *bo
   fb_load load[FBI_MAX_ACTS];
   fbi_cut_load_set acts;
   fbi_cut_result out;
-  fb_status status;
   FBI_REQUIRE(system && body && point && n && motion, FB_ERR_NULL);
-  status = fbi_system_acts(&acts, load, system, body, motion, input, k);
-  status =
-      status ? status : fbi_cut_eval(&out, fbi_model(system, body, k), &motion->pose[k], &motion->motion[k], &acts);
-  return status ? status : fbi_cut_points(point, n, &out, fbi_model(system, body, k));
+  FBI_TRY(fbi_system_acts(&acts, load, system, body, motion, input, k));
+  FBI_TRY(fbi_cut_eval(&out, fbi_model(system, body, k), &motion->pose[k], &motion->motion[k], &acts));
+  return fbi_cut_points(point, n, &out, fbi_model(system, body, k));
 }
 
 FB_DEF fb_status fb_system_node_loads_eval(const fb_system *system, const fb_body *body, fb_node_loads *loads,
@@ -13031,23 +12881,16 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
                                        fb_energy *energy, const fb_system_state *state, const fb_system_input *input)
 {
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_status status;
   FBI_REQUIRE(system && body && work && energy && state, FB_ERR_NULL);
 
   /* velocities */
-  status = fbi_system_input_check(system, body, input);
+  FBI_TRY(fbi_system_input_check(system, body, input));
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_velocity(work, system, body, state, state, input, 0));
 
   /* bodies, springs of joints */
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
-  }
-  if (status != FB_OK) {
-    return status;
+  for (int k = 0; k < system->n_body; k++) {
+    FBI_TRY(fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k));
   }
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     if (fbi_is_sprung(&system->joint[j], work, NULL, j)) {
@@ -13070,16 +12913,12 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
                                          const fb_system_input *input)
 {
   fb_momentum out;
-  fb_status status;
   FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
 
   /* velocities */
-  status = fbi_system_input_check(system, body, input);
+  FBI_TRY(fbi_system_input_check(system, body, input));
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_velocity(work, system, body, state, state, input, 0));
   memset(&out, 0, sizeof out);
 
   /* own momentum, and that by the velocity of the tree's frame */
@@ -14624,7 +14463,6 @@ static FBI_NOINLINE fb_status fbi_exact_whole_eliminate(fb_real K[36], fb_exact_
 {
   const fbi_exact_jacobian *const j = &work->jacobian;
   fb_real *const A = work->LU + 144 * k, S[36], N[36], W[72], scale[12];
-  fb_status status;
   fbi_exact_balance_fill(S, N, W + 36, work, m, K, k);
   for (int i = 0; i < 36; i++) {
     const int at = 12 * (i / 6) + i % 6;
@@ -14634,12 +14472,10 @@ static FBI_NOINLINE fb_status fbi_exact_whole_eliminate(fb_real K[36], fb_exact_
     A[at + 78] = N[i];
     W[i] = -j->D1[i];
   }
-  status = fbi_lu_12_factor(A, work->perm + 12 * k, scale);
-  if (status == FB_OK) {
-    fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
-    fbi_exact_condense(K, work, W, k);
-  }
-  return status;
+  FBI_TRY(fbi_lu_12_factor(A, work->perm + 12 * k, scale));
+  fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
+  fbi_exact_condense(K, work, W, k);
+  return FB_OK;
 }
 
 /* Is an element eliminated by parts? D2 of a joint may be singular. Single precision, and steady states and spectra, which
@@ -14658,7 +14494,6 @@ static FBI_NOINLINE fb_status fbi_exact_beam_eliminate(fb_real K[36], fb_exact_w
   fb_real *const kept = work->LU + 144 * k, *const X = work->L + 72 * k,
                  *const G = X + 36; /* there until L is filled */
   fb_real S[36], N[36], H[36], Y[36], W[72];
-  fb_status status;
   fbi_ad_function_invert(X, j->D2);
   fbi_zero(G, 36);
   fbi_mat66_add_mul(G, X, j->E);
@@ -14669,10 +14504,7 @@ static FBI_NOINLINE fb_status fbi_exact_beam_eliminate(fb_real K[36], fb_exact_w
   }
   fbi_exact_balance_fill(S, N, H, work, m, K, k);
   fbi_mat66_add_mul(S, N, G);
-  status = fbi_mat66_invert(S);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_mat66_invert(S));
 
   /* ds = -W_s dd1, dd2 = -W_d dd1 without residuals */
   fbi_mat66_add_mul(H, N, W + 36);
@@ -14786,7 +14618,6 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
   fbi_zero(K, 36);
   fbi_exact_residual_begin(work, m);
   for (int k = m->n - 1; k >= 0; k--) {
-    fb_status status;
     fbi_exact_residual_add(work, m, k, 1);
     if (m->jointed[k]) {
       fbi_exact_joint_jacobian(&work->jacobian, work, m, k);
@@ -14794,11 +14625,8 @@ static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
       fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     }
     fbi_exact_node_jacobian(K, work, m, k + 1);
-    status = fbi_exact_by_parts(work, m, k) ? fbi_exact_beam_eliminate(K, work, m, k)
-                                            : fbi_exact_whole_eliminate(K, work, m, k);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_exact_by_parts(work, m, k) ? fbi_exact_beam_eliminate(K, work, m, k)
+                                           : fbi_exact_whole_eliminate(K, work, m, k));
     if (m->n_branch > 0) {
       fbi_exact_branch_pass(K, work, m, k, 36);
     }
@@ -15607,12 +15435,8 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
 FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, const fb_exact_state *state)
 {
   fb_real base[9], phi[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, u[3], frame[6];
-  fb_status status;
   FBI_REQUIRE(m && node && state, FB_ERR_NULL);
-  status = fb_exact_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
 
   /* Attitude of the base, velocity of the frame */
   fb_quat_to_mat33(base, state->base_quat);
@@ -15734,13 +15558,9 @@ static void fbi_exact_whole_element(fb_real P[6], fb_real M[36], const fb_exact 
 
 FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out, const fb_exact_state *state, int k)
 {
-  fb_status status;
   FBI_REQUIRE(m && out && state, FB_ERR_NULL);
   FBI_REQUIRE(k >= 0 && k < m->n, FB_ERR_CAPACITY);
-  status = fb_exact_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
   {
     const fb_real *const s = state->stress[0] + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
@@ -15777,12 +15597,8 @@ FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out,
 
 FB_DEF fb_status fb_exact_joint_eval(const fb_exact *m, fb_exact_hinge *out, const fb_exact_state *state, int j)
 {
-  fb_status status;
   FBI_REQUIRE(m && out && state, FB_ERR_NULL);
-  status = fb_exact_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
   FBI_REQUIRE(j >= 0 && j < m->n_joint && fbi_is_within(m->joint[j].element, m->n - 1), FB_ERR_CAPACITY);
   out->angle = state->angle[j];
   out->rate = state->angle_rate[j] / m->time;
@@ -15821,14 +15637,10 @@ static void fbi_exact_point(fb_real r[3], fb_real quat[4], const fb_exact *m, co
 FB_DEF fb_status fb_exact_point_eval(const fb_exact *m, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x)
 {
-  fb_status status;
   fb_real r[3], turn[4], R[9], place = FB_R(0.0), end = FB_R(0.0);
   int k = 0;
   FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
-  status = fb_exact_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
   for (int i = 0; i < m->n; i++) {
     end += m->h[i];
   }
@@ -15884,12 +15696,8 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
 {
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
-  fb_status status;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
-  status = fb_exact_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
 
   /* Units, gravity in base axes */
   last = FB_R(0.25) * m->beta * state->step * state->step;
@@ -15951,12 +15759,8 @@ FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum
 {
   fb_momentum out;
   fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
-  fb_status status;
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
-  status = fb_exact_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
 
   /* Base axes, about the origin of the base */
   fbi_exact_frame(u, m, state);
@@ -16510,14 +16314,12 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, c
 /* End of a step of a body with lines or rotors: range of the state, angles and given momenta of the rotors. */
 static fb_status fbi_optional_end(fb_state *next, const fbi_line_work *line, const fb_body *body, const fb_input *last)
 {
-  const fb_status status = fbi_optional_range(body, next, fbi_is_free(body) ? line : NULL);
+  FBI_TRY(fbi_optional_range(body, next, fbi_is_free(body) ? line : NULL));
 #if FB_WITH_ROTORS
-  if (status == FB_OK) {
-    fbi_rotors_normalize(next->q, next->pi, body, fbi_rotors_input(last));
-  }
+  fbi_rotors_normalize(next->q, next->pi, body, fbi_rotors_input(last));
 #endif
   (void)last;
-  return status;
+  return FB_OK;
 }
 
 /* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
@@ -16529,11 +16331,10 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
                               const fb_real *c)
 {
   const int n = body->n_coordinate;
-  fb_status status;
 
   /* Attitude and modes */
   fbi_state_align(next, body, start);
-  status = fbi_quat_increment(next->quat, state->quat);
+  FBI_TRY(fbi_quat_increment(next->quat, state->quat));
   FBI_SUM_4(next, state, quat);
   FBI_SUM_FLUSHED(next, state, q, n);
   if (fbi_is_following(body)) {
@@ -16555,19 +16356,17 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   if (fbi_is_free(body)) {
     fbi_origin_lead(next->rho, line, body, start, next, c);
   } else {
-    status = status ? status : fbi_pin_check(body, state);
+    FBI_TRY(fbi_pin_check(body, state));
   }
   FBI_SUM_COMPENSATED(next, state, rho, 3);
 
   /* Range, then commit */
-  status = status ? status : optional ? fbi_optional_end(next, line, body, last) : fbi_state_range(body, next);
-  if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
-    status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
+  FBI_TRY(optional ? fbi_optional_end(next, line, body, last) : fbi_state_range(body, next));
+  if (!fbi_quat_is_unit(next->quat)) {
+    return FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
-  if (status == FB_OK) {
-    fbi_state_copy(state, next, n);
-  }
-  return status;
+  fbi_state_copy(state, next, n);
+  return FB_OK;
 }
 
 /* WHAT A STEP OF ONE BODY RUNS: NAME: what it calls, but for vectors, copies and what is off by
@@ -16642,24 +16441,19 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
 
   for (int stage = 0; stage < 4; stage++) {
     /* Rates */
-    fb_status status = fbi_input_check(body, input[stage]);
-    if (status == FB_OK) {
-      status = fbi_rates_of(&work->rate, &k, body, at, input[stage], optional);
-    }
+    FBI_TRY(fbi_input_check(body, input[stage]));
+    FBI_TRY(fbi_rates_of(&work->rate, &k, body, at, input[stage], optional));
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
-    if (large && status == FB_OK && stage == 0) {
+    if (large && stage == 0) {
       fbi_center_placed(first, line, body, state->q);
     }
-    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &k, start, dt, optional);
+    if (stage == 0 && !body->allow_long_step) {
+      FBI_TRY(fbi_rk4_check(body, &k, start, dt, optional));
       fbi_vec3_copy(spin, k.V + 3);
     }
-    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
-      status = fbi_rotation_check(spin, k.V + 3, dt);
-    }
-    if (status != FB_OK) {
-      return status;
+    if (stage == 3 && !body->allow_long_step) {
+      FBI_TRY(fbi_rotation_check(spin, k.V + 3, dt));
     }
 
     /* Weighted sum of rates, value of the next stage */
@@ -17254,15 +17048,13 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
 static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                     const fb_input *input, fb_real dt, fb_real g)
 {
-  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
-                                                    : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
+  FBI_TRY(dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
+                                         : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0)));
   fbi_state_enter(&w->start, k->R, body, state);
   fbi_field_start(&w->start, FBI_LINE_OF(k), body, k->R, input, NULL, NULL);
-  if (status == FB_OK) {
-    status = fbi_rates(&w->rate, k, body, &w->start, input);
-  }
-  status = status == FB_OK ? fbi_implicit_check(body, k, input, dt) : status;
-  return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
+  FBI_TRY(fbi_rates(&w->rate, k, body, &w->start, input));
+  FBI_TRY(fbi_implicit_check(body, k, input, dt));
+  return fbi_implicit_factor(w, k, body, g);
 }
 
 /* [E11.25] Convergence of a stage. It fails if the last Newton correction exceeds a tenth of the first one, a hundredth
@@ -17414,7 +17206,6 @@ static fb_status fbi_midpoint_step(fbi_line_work *line, const fb_body *body, fb_
 {
   const fb_input *first = middle;
   fbi_kinetics at;
-  fb_status status;
   FBI_SET_LINES(at, line);
 
   /* Iteration matrix at the start */
@@ -17423,17 +17214,12 @@ static fb_status fbi_midpoint_step(fbi_line_work *line, const fb_body *body, fb_
     fbi_base_guess(work->between.v, middle, FB_R(0.5) * dt);
     first = &work->between;
   }
-  status = fbi_implicit_start(work, &at, body, state, first, dt, FB_R(0.5) * dt);
+  FBI_TRY(fbi_implicit_start(work, &at, body, state, first, dt, FB_R(0.5) * dt));
 
   /* Stage k */
-  if (status == FB_OK) {
-    work->first = work->rate;
-    fbi_implicit_solve(&work->first, work, body, &at, &work->start);
-    status = fbi_stage_solve(work, &work->first, body, &at, &work->start, middle, iterations > 0 ? iterations : 2, dt);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
+  work->first = work->rate;
+  fbi_implicit_solve(&work->first, work, body, &at, &work->start);
+  FBI_TRY(fbi_stage_solve(work, &work->first, body, &at, &work->start, middle, iterations > 0 ? iterations : 2, dt));
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n_coordinate);
@@ -17542,13 +17328,12 @@ static fb_status fbi_sdirk_step(fbi_line_work *line, const fb_body *body, fb_sta
   const int count = iterations > 0 ? iterations : 2;
   const fb_input *first = start;
   fbi_kinetics at;
-  fb_status status;
   FBI_SET_LINES(at, line);
 
   /* Iteration matrix at the start, input at the first stage */
-  status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
-  if (status == FB_OK && start != end) {
-    status = fbi_input_between(&work->between, start, end, c);
+  FBI_TRY(fbi_implicit_start(work, &at, body, state, start, dt, c * dt));
+  if (start != end) {
+    FBI_TRY(fbi_input_between(&work->between, start, end, c));
     first = &work->between;
     if (fbi_is_following(body)) {
       fbi_base_between(work->between.v, &work->start, start, &work->between, end, c, dt);
@@ -17556,21 +17341,14 @@ static fb_status fbi_sdirk_step(fbi_line_work *line, const fb_body *body, fb_sta
   }
 
   /* First stage */
-  if (status == FB_OK) {
-    work->first = work->rate;
-    fbi_implicit_solve(&work->first, work, body, &at, &work->start);
-    status = fbi_stage_solve(work, &work->first, body, &at, &work->start, first, count, dt);
-  }
+  work->first = work->rate;
+  fbi_implicit_solve(&work->first, work, body, &at, &work->start);
+  FBI_TRY(fbi_stage_solve(work, &work->first, body, &at, &work->start, first, count, dt));
 
   /* Second stage */
-  if (status == FB_OK) {
-    fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n_coordinate);
-    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_optional_effects(body));
-    status = fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
+  fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n_coordinate);
+  fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first, fbi_optional_effects(body));
+  FBI_TRY(fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt));
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n_coordinate);
@@ -17616,15 +17394,11 @@ static FBI_NOINLINE fb_status fbi_limit_eval(fbi_line_work *line, const fb_body 
   fb_body_limit found;
   fbi_kinetics k;
   fb_state rate, at;
-  fb_status status;
   FBI_SET_LINES(k, line);
-  status = fbi_input_check(body, input);
+  FBI_TRY(fbi_input_check(body, input));
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
-  status = status == FB_OK ? fbi_rates(&rate, &k, body, &at, input) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rates(&rate, &k, body, &at, input));
   found.rk4 = fbi_rk4_longest(&found.spin, &found.acceleration, body, &k, input, fbi_optional_effects(body));
   found.implicit = fb_implicit_limit(body, found.spin, found.acceleration);
   found.exponential = fb_exponential_limit(body, found.spin, found.acceleration);
@@ -17733,17 +17507,14 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
                                  const fb_body *body, const fb_state *z, const fb_input *input)
 {
   const int n = body->n;
-  fb_status status = fbi_input_check(body, input);
+  FBI_TRY(fbi_input_check(body, input));
 
   /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
   if (fbi_is_oriented(body, input, fbi_acting(body))) {
     fb_quat_to_mat33(k->R, z->quat);
   }
-  status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_rates(&w->rate, k, body, &w->at, input));
 #if FB_WITH_NONLINEAR_STRAIN
   if (scheme->n_axial > 0) {
     fb_real rate[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], h_dot[FBI_MAX_STRAINS], r[FBI_MAX_STRAINS] = {0};
@@ -17940,35 +17711,30 @@ static fb_status fbi_exponential_stages(fb_exponential_work *w, fbi_kinetics *k,
   const int n = body->n;
   const fb_real h = scheme->dt;
   fb_state *z = &w->z, *N = w->N, *sum = &w->sum;
-  fb_status status;
 
   /* z_2, N_2 */
   memset(&w->half, 0, sizeof w->half);
   fbi_phi_add(&w->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
   fbi_phi_add(&w->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
   FBI_EXPONENTIAL_ROTORS(w, body, 0, h);
-  status = fbi_modal_rates(&N[1], k, w, scheme, body, &w->half, middle);
+  FBI_TRY(fbi_modal_rates(&N[1], k, w, scheme, body, &w->half, middle));
 
   /* z_3, N_3 */
-  if (status == FB_OK) {
-    fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
-    fbi_phi_add(&w->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
-    FBI_EXPONENTIAL_ROTORS(w, body, 1, h);
-    status = fbi_modal_rates(&N[2], k, w, scheme, body, &w->half, middle);
-  }
+  fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
+  fbi_phi_add(&w->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
+  FBI_EXPONENTIAL_ROTORS(w, body, 1, h);
+  FBI_TRY(fbi_modal_rates(&N[2], k, w, scheme, body, &w->half, middle));
 
   /* z_4, N_4 */
-  if (status == FB_OK) {
-    memset(&w->full, 0, sizeof w->full);
-    fbi_phi_increment(&w->full, scheme, z, n);
-    fbi_phi_add(&w->full, h, scheme->full, 1, scheme, h, &N[0], n);
-    fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
-    fbi_state_advance(&w->half, z, FB_R(1.0), &w->full, n);
-    fbi_phi_add(&w->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
-    FBI_EXPONENTIAL_ROTORS(w, body, 2, h);
-    status = fbi_modal_rates(&N[3], k, w, scheme, body, &w->half, end);
-  }
-  return status;
+  memset(&w->full, 0, sizeof w->full);
+  fbi_phi_increment(&w->full, scheme, z, n);
+  fbi_phi_add(&w->full, h, scheme->full, 1, scheme, h, &N[0], n);
+  fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
+  fbi_state_advance(&w->half, z, FB_R(1.0), &w->full, n);
+  fbi_phi_add(&w->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
+  FBI_EXPONENTIAL_ROTORS(w, body, 2, h);
+  FBI_TRY(fbi_modal_rates(&N[3], k, w, scheme, body, &w->half, end));
+  return FB_OK;
 }
 
 /* Terms of E11.10 in all four N, added to w->full: h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) and
@@ -17999,7 +17765,6 @@ static fb_status fbi_exponential_step(fbi_line_work *line, const fb_body *body, 
 {
   fbi_kinetics k;
   fb_real turn[3];
-  fb_status status;
   FBI_SET_LINES(k, line);
 
   /* N_1, step limit */
@@ -18008,15 +17773,14 @@ static fb_status fbi_exponential_step(fbi_line_work *line, const fb_body *body, 
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, body->n_coordinate);
   fbi_modal_from(&work->z, scheme, body, &work->at);
-  status = fbi_modal_rates(&work->N[0], &k, work, scheme, body, &work->z, start);
-  status = status == FB_OK ? fbi_exponential_limited(body, &k, scheme, start) : status;
+  FBI_TRY(fbi_modal_rates(&work->N[0], &k, work, scheme, body, &work->z, start));
+  FBI_TRY(fbi_exponential_limited(body, &k, scheme, start));
   fbi_vec3_copy(turn, k.V + 3);
 
   /* z_2, z_3, z_4 and their N; increments, in z and in the state */
-  status = status == FB_OK ? fbi_exponential_stages(work, &k, scheme, body, middle, end) : status;
-  status = status == FB_OK && !body->allow_long_step ? fbi_rotation_check(turn, k.V + 3, scheme->dt) : status;
-  if (status != FB_OK) {
-    return status;
+  FBI_TRY(fbi_exponential_stages(work, &k, scheme, body, middle, end));
+  if (!body->allow_long_step) {
+    FBI_TRY(fbi_rotation_check(turn, k.V + 3, scheme->dt));
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
@@ -18159,17 +17923,16 @@ static fb_status fbi_spring_bound(fb_system_work *w, const fb_system *system, co
 {
   const fb_spring *const spring = &system->spring[j];
   const fbi_span *const s = &w->span;
-  fb_status status = FB_OK;
   fb_real trace = FB_R(0.0), along[3], across;
   const int met = fbi_span_eval(w, system, body, pull, j) != FB_OK || !(fbi_vec3_norm(s->along) > FB_R(0.0));
   across = met ? spring->stiffness : fbi_smaller(FB_FABS(s->at.tension) / s->at.length, most);
-  for (int i = 0; i < 3 && status == FB_OK; i++) {
+  for (int i = 0; i < 3; i++) {
     const fb_real unit[3] = {i == 0 ? FB_R(1.0) : FB_R(0.0), i == 1 ? FB_R(1.0) : FB_R(0.0),
                              i == 2 ? FB_R(1.0) : FB_R(0.0)};
     fb_real v[2][3], turn[3];
     fbi_rhs_clear(w, system, body);
     fbi_span_push(w, system, body, unit, 1);
-    status = fbi_speeds_solve(w, system, body);
+    FBI_TRY(fbi_speeds_solve(w, system, body));
     for (int side = 0; side < 2; side++) {
       fbi_end_velocity(v[side], turn, w, system, body, &s->end[side]);
       fbi_vec3_add_cross(v[side], turn, s->arm[side]);
@@ -18182,7 +17945,7 @@ static fb_status fbi_spring_bound(fb_system_work *w, const fb_system *system, co
     w->spring_elastic[j] = spring->stiffness * mobility + across * (trace - mobility);
     w->spring_damping[j] = spring->damping * mobility;
   }
-  return status;
+  return FB_OK;
 }
 
 /* E11.42 of all springs, summed; velocities are kept. */
@@ -18226,21 +17989,20 @@ static fb_status fbi_rotor_mobility(fb_real W[9], fb_system_work *w, const fb_sy
   fbi_link_work *const L = &w->link[k];
   fbi_node_field f;
   fb_real unused[3];
-  fb_status status = FB_OK;
   fbi_rotor_place(unused, &f, &L->k, L->model, rotor, L->k.qx + 1);
-  for (int i = 0; i < 3 && status == FB_OK; i++) {
+  for (int i = 0; i < 3; i++) {
     fbi_rhs_clear(w, system, body);
     L->y[3 + i] = FB_R(1.0);
     for (int a = 0; a < L->model->n && rotor->moves; a++) {
       L->pi[a] = f.Jphi[3 * a + i];
     }
-    status = fbi_speeds_solve(w, system, body);
+    FBI_TRY(fbi_speeds_solve(w, system, body));
     fbi_vec3_copy(W + 3 * i, L->V + 3);
     for (int a = 0; a < L->model->n && rotor->moves; a++) {
       fbi_vec3_add(W + 3 * i, L->q_dot[a], f.Jphi + 3 * a);
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Frequency of the nutation by the momentum H on a section of mobility W: the eigenvalues of w = W (H x w) are 0 and
@@ -18503,14 +18265,10 @@ FB_DEF fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
 {
   fb_real stiff, most = -FB_R(1.0);
   fb_system_limit found = {FB_R(0.0), FB_R(0.0), FB_R(0.0), 0};
-  fb_status status;
   FBI_REQUIRE(system && body && work && limit && state, FB_ERR_NULL);
-  status = fbi_system_input_check(system, body, input);
+  FBI_TRY(fbi_system_input_check(system, body, input));
   fbi_system_enter(work, system);
-  status = status ? status : fbi_system_rates(work, system, body, &work->rate, state, state, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_rates(work, system, body, &work->rate, state, state, input));
   fbi_system_conditions(&found.spin, &stiff, work, system, body, input);
   for (int k = 0; k < system->n_body; k++) {
     found.body = work->link[k].spin > most ? k : found.body;
@@ -18597,15 +18355,13 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
    its tree. FB_ERR_STEP: a rotation so large that the attitude is lost to round-off. */
 static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
 {
-  fb_status status = FB_OK;
-
   /* Attitude */
   if (fbi_is_ball(joint->kind)) {
-    status = fbi_quat_increment(increment->quat, x->quat);
+    FBI_TRY(fbi_quat_increment(increment->quat, x->quat));
     FBI_ADD(x, increment, quat, 4);
-    status = status == FB_OK && !fbi_quat_is_unit(x->quat)
-                 ? FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0))
-                 : status;
+    if (!fbi_quat_is_unit(x->quat)) {
+      return FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
+    }
   }
 
   /* Position, joint coordinates, modes */
@@ -18618,7 +18374,7 @@ static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const
     FBI_ADD(x, increment, q, n);
     fbi_flush(x->q, n, FB_TINY);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Momenta += increment, small values flushed. */
@@ -18958,7 +18714,6 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     const fb_system_input *end, fb_real dt)
 {
   const fb_system_input *input[4];
-  fb_status status = FB_OK;
   int floating, owns;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   fbi_step_enter(work, system, body, state);
@@ -18971,45 +18726,43 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   owns = floating && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
-  status = fbi_drives_check(work, system, state, start, middle, end, dt);
+  FBI_TRY(fbi_drives_check(work, system, state, start, middle, end, dt));
   fbi_system_clear(&work->sum, system, body);
-  for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
+  for (int stage = 0; stage < 4; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
 
     /* Rates */
-    status = fbi_system_step_check(system, body, input[stage], dt);
-    if (status == FB_OK && stage > 0) {
+    FBI_TRY(fbi_system_step_check(system, body, input[stage], dt));
+    if (stage > 0) {
       if (work->driven) {
         fbi_prescribe(&work->stage, system, state, input[stage]);
       }
       work->clock = dt * fbi_rk4_node[stage - 1];
     }
-    status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
-    if (status == FB_OK && stage == 0 && owns) {
+    FBI_TRY(fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]));
+    if (stage == 0 && owns) {
       fbi_own_begin(work, system);
     }
 
     /* Step limit at the start, rotation at every stage */
-    if (status == FB_OK && stage == 0 && !system->allow_long_step) {
+    if (stage == 0 && !system->allow_long_step) {
       fb_real spin, stiff, limit;
       fbi_system_conditions(&spin, &stiff, work, system, body, start);
       limit = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, spin, stiff));
-      status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
+      FBI_TRY(dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit));
     }
-    if (status == FB_OK && !system->allow_long_step) {
-      status = fbi_rotations_check(work, system, dt, stage == 0);
+    if (!system->allow_long_step) {
+      FBI_TRY(fbi_rotations_check(work, system, dt, stage == 0));
     }
 
     /* Weighted sum of rates, next stage */
-    if (status == FB_OK) {
-      if (stage == 0 && floating) {
-        fbi_flight_begin(work, system);
-      }
-      fbi_rk4_accumulate(work, system, at, state, dt * fbi_rk4_weight[stage],
-                         stage < 3 ? dt * fbi_rk4_node[stage] : FB_R(0.0), stage == 3);
+    if (stage == 0 && floating) {
+      fbi_flight_begin(work, system);
     }
+    fbi_rk4_accumulate(work, system, at, state, dt * fbi_rk4_weight[stage],
+                       stage < 3 ? dt * fbi_rk4_node[stage] : FB_R(0.0), stage == 3);
   }
-  return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
+  return fbi_system_end(state, work, system, body, end, dt);
 }
 
 /* Angular velocity [rad/s], body axes, of a quaternion and its rate: 2 quat^* o rate. */
@@ -19350,7 +19103,6 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   const fb_real c = FB_R(0.29289321881345248);
   const int count = iterations > 0 ? iterations : 2;
   const fb_system_input *first = start;
-  fb_status status;
   int floating;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
@@ -19359,18 +19111,15 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   floating = work->floating;
 
   /* Inputs, step limit at the start */
-  status = fbi_system_step_check(system, body, start, dt);
-  status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
-  if (status == FB_OK && start != end) {
-    status = fbi_drives_check(work, system, state, start, NULL, end, dt);
-    status = status ? status : fbi_system_between(&work->between, system, start, end, c);
+  FBI_TRY(fbi_system_step_check(system, body, start, dt));
+  FBI_TRY(fbi_system_step_check(system, body, end, dt));
+  if (start != end) {
+    FBI_TRY(fbi_drives_check(work, system, state, start, NULL, end, dt));
+    FBI_TRY(fbi_system_between(&work->between, system, start, end, c));
     first = &work->between;
   }
-  if (status == FB_OK && !system->allow_long_step) {
-    status = fbi_system_sdirk_limited(work, system, body, state, start, dt);
-  }
-  if (status != FB_OK) {
-    return status;
+  if (!system->allow_long_step) {
+    FBI_TRY(fbi_system_sdirk_limited(work, system, body, state, start, dt));
   }
 
   /* First stage */
@@ -19382,21 +19131,16 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   fbi_links_copy(&work->base, state, system);
   fbi_system_clear(&work->first, system, body);
   work->clock = c * dt;
-  status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, dt, count + 1);
+  FBI_TRY(fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, dt, count + 1));
 
   /* Second stage */
-  if (status == FB_OK) {
-    if (floating) {
-      fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
-    }
-    work->clock = dt;
-    fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, body);
-    fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, body);
-    status = fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, dt, count);
+  if (floating) {
+    fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
   }
-  if (status != FB_OK) {
-    return status;
-  }
+  work->clock = dt;
+  fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, body);
+  fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, body);
+  FBI_TRY(fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, dt, count));
 
   /* Increments (1-c) dt k_1 + c dt k_2 */
   if (floating) {
@@ -19859,17 +19603,16 @@ static void fbi_exact_way_find(fb_exact_work *work, const fb_exact *m, fb_real s
 /* Newton iterations with a factorization each; the last factors are kept for the corrections that follow. */
 static fb_status fbi_exact_approach(fb_exact_work *work, const fb_exact *m, fb_real step)
 {
-  fb_status status = FB_OK;
-  for (int it = 0; it < m->factorizations && status == FB_OK; it++) {
+  for (int it = 0; it < m->factorizations; it++) {
     if (it > 0) {
       fbi_exact_solve(work, m);
       fbi_exact_correct(work, m, FB_R(1.0));
     }
     fbi_exact_nodes_eval(work, m);
     fbi_exact_want(work, m, step);
-    status = fbi_exact_factor(work, m);
+    FBI_TRY(fbi_exact_factor(work, m));
   }
-  return status;
+  return FB_OK;
 }
 
 /* Largest residual as a load: compatibility residuals times the stiffness of the element. Constrained nodes are left
@@ -19916,16 +19659,12 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
                                const fb_exact_input *middle, fb_real dt)
 {
   fb_real step, change = FB_HUGE, before = FB_HUGE;
-  fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
 
   /* Checks */
   middle = middle ? middle : fbi_exact_no_input(work);
-  status = fb_exact_state_check(m, state);
-  status = status ? status : fbi_exact_input_check(m, middle);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_exact_state_check(m, state));
+  FBI_TRY(fbi_exact_input_check(m, middle));
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
@@ -19934,13 +19673,13 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
   step = dt / m->time;
   fbi_exact_begin(work, m, state, middle, step);
   fbi_exact_way_begin(work, m);
-  status = fbi_exact_approach(work, m, step);
-  if (status == FB_OK && work->away > FB_R(0.0)) {
+  FBI_TRY(fbi_exact_approach(work, m, step));
+  if (work->away > FB_R(0.0)) {
     fbi_exact_way_find(work, m, step);
   }
 
   /* Corrections with these factors */
-  for (int it = 0; it < m->iterations && status == FB_OK; it++) {
+  for (int it = 0; it < m->iterations; it++) {
     before = it + 1 == m->iterations ? fbi_exact_unbalance(work, m, step) : before;
     fbi_exact_solve(work, m);
     fbi_exact_correct(work, m, FB_R(1.0));
@@ -19949,15 +19688,11 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
   }
 
   /* Convergence: last correction and the expected next one */
-  if (status == FB_OK) {
-    const fb_real after = fbi_exact_unbalance(work, m, step);
-    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
-    status = fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
-  }
-  if (status == FB_OK) {
-    fbi_exact_end(state, work, m, step);
-  }
-  return status;
+  const fb_real after = fbi_exact_unbalance(work, m, step);
+  const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
+  FBI_TRY(fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE);
+  fbi_exact_end(state, work, m, step);
+  return FB_OK;
 }
 #endif
 
@@ -20004,7 +19739,6 @@ static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
 
 FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *desc)
 {
-  fb_status status;
   FBI_REQUIRE(stepper && desc, FB_ERR_NULL);
 
   /* What is stepped, and by what */
@@ -20016,10 +19750,7 @@ FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *des
     return FBI_REFUSE(FB_ERR_VALUE, "body, system or exact beam: one of them, nothing of the others", -1, FB_R(0.0),
                       FB_R(0.0));
   }
-  status = fbi_stepper_kind(desc);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_stepper_kind(desc));
 
   /* Numbers */
   if (!(desc->dt > FB_R(0.0) && desc->dt < FB_HUGE)) {
@@ -20094,15 +19825,12 @@ static fb_status fbi_stepper_advance(fb_stepper *stepper)
 
 FB_DEF fb_status fb_stepper_step(fb_stepper *stepper)
 {
-  fb_status status;
   FBI_REQUIRE(stepper, FB_ERR_NULL);
-  status = fbi_stepper_advance(stepper);
-  if (status == FB_OK) {
-    fb_real t = stepper->desc.dt;
-    fbi_sum_compensated(&t, &stepper->lost_t, &stepper->t, &stepper->lost_t, 1);
-    stepper->t = t;
-  }
-  return status;
+  FBI_TRY(fbi_stepper_advance(stepper));
+  fb_real t = stepper->desc.dt;
+  fbi_sum_compensated(&t, &stepper->lost_t, &stepper->t, &stepper->lost_t, 1);
+  stepper->t = t;
+  return FB_OK;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -20246,10 +19974,7 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 static fb_status fbi_eig_gen_solve(fb_real *d, fb_real *X, fb_real *A, int n)
 {
   /* M = L L^T */
-  fb_status status = fb_chol_factor(A, n);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_chol_factor(A, n));
 
   /* K becomes L^-1 K L^-T: solve with the rows, transpose, solve again */
   for (int pass = 0; pass < 2; pass++) {
@@ -20275,11 +20000,11 @@ static fb_status fbi_eig_gen_solve(fb_real *d, fb_real *X, fb_real *A, int n)
   }
 
   /* Eigenvectors y of that, and x = L^-T y */
-  status = fbi_jacobi_solve(d, X, A, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
+  FBI_TRY(fbi_jacobi_solve(d, X, A, n));
+  for (int k = 0; k < n; k++) {
     fbi_chol_back(X + k * n, A, X + k * n, n);
   }
-  return status;
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, const fb_real *K, fb_real *M, int n)
@@ -21038,26 +20763,19 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
                                         const fb_profile *to, int n)
 {
   fb_section first, last;
-  fb_status status;
   int at;
   FBI_REQUIRE(desc && material && from && to, FB_ERR_NULL);
 
   /* Both profiles are valid, of one kind and in order */
-  status = fb_section_init(&first, material, from);
-  status = status ? status : fb_section_init(&last, material, to);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_section_init(&first, material, from));
+  FBI_TRY(fb_section_init(&last, material, to));
   {
     const fbi_claim claim[] = {
         FBI_CLAIM_OF(n >= 2, (fb_real)n, FB_R(2.0), "n, at least"),
         FBI_CLAIM(from->kind == to->kind, "profile.kind, the same at both ends"),
         FBI_CLAIM_OF(to->x > from->x, to->x, from->x, "to.x [m], above from.x"),
         FBI_CLAIM_OF(desc->n_station >= 0, (fb_real)desc->n_station, FB_R(0.0), "desc.n_station, at least")};
-    status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_claims_check(claim, FBI_LENGTH(claim), -1));
   }
 
   /* The first new station replaces a last one at or beyond its place */
@@ -21238,10 +20956,7 @@ static fb_status fbi_section_check(const fb_section *s, int bent, int k)
 static fb_status fbi_stations_check(const fb_beam_desc *desc)
 {
   for (int k = 0; k < desc->n_station; k++) {
-    const fb_status status = fbi_section_check(&desc->station[k], desc->n_point > 0, k);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_section_check(&desc->station[k], desc->n_point > 0, k));
     if (k > 0 && !(desc->station[k].x > desc->station[k - 1].x)) {
       return FBI_REFUSE(FB_ERR_VALUE, "station: x [m] after that of the station before, above", k, desc->station[k].x,
                         desc->station[k - 1].x);
@@ -21347,11 +21062,8 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
                                 FBI_ANY(lump->center, 3, "lump: center [m]"),
                                 FBI_ANY(lump->inertia, 6, "lump: inertia [kg m^2]")};
     const fbi_count count[] = {FBI_COUNT(lump->node, 0, last_node, "lump: node, beyond")};
-    fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), k);
-    status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), k);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), k));
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), k));
     if (!(lump->mass >= FB_R(0.0))) {
       return FBI_REFUSE(FB_ERR_VALUE, "lump: mass [kg], at least", k, lump->mass, FB_R(0.0));
     }
@@ -21378,21 +21090,21 @@ static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
       FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
       FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1, straight ? 0 : desc->n_element + 1,
                 "n_point, n_element + 1 where point[1] is filled, equal to")};
-  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
-  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
-  for (int k = 0; k < desc->n_point && status == FB_OK; k++) {
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1));
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
+  for (int k = 0; k < desc->n_point; k++) {
     const fbi_number point[] = {FBI_ANY(desc->point[k], 3, "point: coordinates [m]")};
-    status = fbi_numbers_check(point, 1, k);
+    FBI_TRY(fbi_numbers_check(point, 1, k));
   }
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
-  if (status == FB_OK && straight && !(desc->length > FB_R(0.0))) {
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1));
+  if (straight && !(desc->length > FB_R(0.0))) {
     return FBI_REFUSE(FB_ERR_VALUE, "length [m], above", -1, desc->length, FB_R(0.0));
   }
-  if (status == FB_OK && !straight && fbi_vec3_norm(desc->point[0]) > FB_R(0.0)) {
+  if (!straight && fbi_vec3_norm(desc->point[0]) > FB_R(0.0)) {
     return FBI_REFUSE(FB_ERR_VALUE, "point: distance [m] of the first from the origin, equal to", 0,
                       fbi_vec3_norm(desc->point[0]), FB_R(0.0));
   }
-  return status;
+  return FB_OK;
 }
 
 static fb_real fbi_beam_mass(const fb_beam *beam)
@@ -21424,35 +21136,25 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
 {
   fb_beam checked;
   fb_real quat[4];
-  fb_status status;
   FBI_REQUIRE(beam && desc, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  status = fbi_beam_desc_check(desc);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_beam_desc_check(desc));
 
   /* Elements along the line */
   memset(&checked, 0, sizeof checked);
   checked.desc = *desc;
   fbi_desc_clear(&checked.desc);
   checked.has_shear = desc->station[0].GA_y > FB_R(0.0);
-  status = fbi_quat_from_attitude(quat, desc->attitude);
-  status = status ? status : fbi_line_fill(&checked);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_quat_from_attitude(quat, desc->attitude));
+  FBI_TRY(fbi_line_fill(&checked));
 
   /* Stations and lumped bodies, against the length of the line */
   checked.desc.length = desc->n_point > 0 ? checked.start[desc->n_element] : desc->length;
   if (desc->n_station == 1) {
     checked.desc.station[0].x = FB_R(0.0);
   }
-  status = fbi_stations_check(&checked.desc);
-  status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, desc->n_element);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_stations_check(&checked.desc));
+  FBI_TRY(fbi_lumps_check(desc->lump, desc->n_lump, desc->n_element));
 
   /* Axes and mass */
   fbi_axes_from_quat(checked.axes, quat);
@@ -22047,7 +21749,6 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
 {
   const fbi_rows rows = fbi_beam_rows(beam);
   fb_real shift;
-  fb_status status;
 
   /* K and M of the group, K shifted where there are rigid-body modes */
   fbi_rows_pick(work->A, work->K, &rows, dof, n);
@@ -22058,10 +21759,7 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
   }
 
   /* M x = mu (K + shift M) x */
-  status = fbi_eig_gen_solve(work->omega2, work->X, work->A, n);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_eig_gen_solve(work->omega2, work->X, work->A, n));
 
   /* Modes with inertia: mu above round-off */
   *found = 0;
@@ -22361,10 +22059,7 @@ static fb_status fbi_lowest_limit(fb_real *limit, int share[FB_KIND_COUNT], fb_m
   int owner[FB_MAX_MODES] = {0}, dof[FBI_MAX_DOF], filled = 0;
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
-    const fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id));
 
     /* Insertion into the list of the lowest frequencies */
     for (int k = rigid; k < found; k++) {
@@ -22406,27 +22101,20 @@ static fb_status fbi_modes_select(const fb_modes_desc *desc, fb_modes_work *work
 
   /* The lowest of all kinds: a share of each group and a frequency limit in place of counts */
   if (desc->lowest > 0) {
-    fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
       return FBI_REFUSE_ROOM((fb_real)work->found.n + (fb_real)desc->lowest);
     }
-    status = fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest));
     choice.count = all;
   }
 
   /* Modes of each group */
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
-    fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
+    FBI_TRY(fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id));
     choice.most = desc->lowest > 0 ? work->found.n + share[id] : choice.most;
-    if (status == FB_OK && n > 0) {
-      status = fbi_group_select(desc, work, beam, dof, n, rigid, found, taken, &choice);
-    }
-    if (status != FB_OK) {
-      return status;
+    if (n > 0) {
+      FBI_TRY(fbi_group_select(desc, work, beam, dof, n, rigid, found, taken, &choice));
     }
   }
   return FB_OK;
@@ -22440,7 +22128,6 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
   const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   const int n = out->n, ndof = out->ndof;
-  fb_status status;
 
   /* Eigenvectors of the reduced stiffness Phi^T K Phi */
   for (int i = 0; i < n; i++) {
@@ -22448,10 +22135,7 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
       work->A[i * n + j] = fbi_modal_product(out->shape + i * ndof, work->K, out->shape + j * ndof, &rows);
     }
   }
-  status = fb_eig_sym_solve(work->omega2, work->X, work->A, n);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_eig_sym_solve(work->omega2, work->X, work->A, n));
 
   /* Ritz modes X Phi in place of Phi, by columns */
   for (int i = 0; i < ndof; i++) {
@@ -22708,10 +22392,7 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
 
   /* Ascending, rigid-body modes first */
   fbi_modes_sort(out);
-  status = desc->rigid ? fbi_rigid_modes_insert(work, beam, n_free) : FB_OK;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(desc->rigid ? fbi_rigid_modes_insert(work, beam, n_free) : FB_OK);
 
   /* M = 1, K = omega^2 */
   fbi_zero(out->M, out->n * out->n);
@@ -22850,10 +22531,7 @@ static fb_status fbi_component_modes_fill(const fb_modes_desc *desc, fb_modes_wo
   /* Boundary-acceleration modes; Ritz modes of them and the fixed-interface ones */
   if (desc->boundary_inertia) {
     fbi_acceleration_modes(constraint, desc, work, beam, dof, n);
-    status = fbi_modes_ritz(work, beam);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_modes_ritz(work, beam));
   }
 
   /* Constraint modes in front of the others; M and K */
@@ -23012,11 +22690,8 @@ static fb_status fbi_functions_check(int count[3], const fb_modes_desc *desc, co
   const fbi_claim claim[] = {
       FBI_CLAIM(beam->desc.root == FB_ROOT_CLAMPED, "FB_BASIS_FUNCTIONS, with FB_ROOT_CLAMPED only"),
       FBI_CLAIM(beam->desc.n_point == 0, "FB_BASIS_FUNCTIONS, not of a beam by points")};
-  fb_status status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, range, FBI_LENGTH(range), -1);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_claims_check(claim, FBI_LENGTH(claim), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, range, FBI_LENGTH(range), -1));
   if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED,
                       "FB_BASIS_FUNCTIONS: neither GA_y, GA_z nor torsion; root_strain with axial functions", -1,
@@ -23042,15 +22717,14 @@ static fb_status fbi_functions_solve(fb_modes_work *work, const fb_beam *beam, c
   const fbi_rows rows = fbi_function_rows(beam, degree);
   const int m = rows.ndof - 2, tip = 2 * beam->desc.n_element - 2;
   int dof[FBI_MAX_DOF] = {0};
-  fb_status status;
   fbi_functions_matrices(work, beam, group, degree);
   for (int i = 0; i < m; i++) {
     dof[i] = i + 2;
   }
   fbi_rows_pick(work->X, work->K, &rows, dof, m);
   fbi_rows_pick(work->A, work->M, &rows, dof, m);
-  status = fbi_eig_gen_solve(work->omega2, work->X, work->A, m);
-  for (int k = 0; k < m && status == FB_OK; k++) {
+  FBI_TRY(fbi_eig_gen_solve(work->omega2, work->X, work->A, m));
+  for (int k = 0; k < m; k++) {
     const fb_real *const x = work->X + k * m, sign = x[tip] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
     fb_real *const f = work->A + k * rows.ndof;
     f[0] = f[1] = FB_R(0.0);
@@ -23058,7 +22732,7 @@ static fb_status fbi_functions_solve(fb_modes_work *work, const fb_beam *beam, c
       f[2 + i] = sign * x[i];
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* [E7.5] One set of functions of x for u_x, u_y and u_z: the bending modes of the smooth element functions, orthonormal
@@ -23074,11 +22748,8 @@ static fb_status fbi_function_modes_fill(const fb_modes_desc *desc, fb_modes_wor
   const int ndof = rows.ndof, m = ndof - 2;
   fb_modes *out = &work->found;
   int count[3];
-  fb_status status = fbi_functions_check(count, desc, beam, group, degree);
-  status = status ? status : fbi_functions_solve(work, beam, group, degree);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_functions_check(count, desc, beam, group, degree));
+  FBI_TRY(fbi_functions_solve(work, beam, group, degree));
 
   /* y, z and x alternate, so that successive terms of sums over coordinates are independent */
   out->degree = degree;
@@ -23138,10 +22809,7 @@ static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const f
   for (int k = 0; k < n; k++) {
     const fbi_count there[] = {FBI_COUNT(list[k].node, 0, beam->desc.n_element, "coordinate: node, beyond"),
                                FBI_COUNT(list[k].axis, 0, 5, "coordinate: axis, beyond")};
-    const fb_status status = fbi_counts_check(FB_ERR_CAPACITY, there, FBI_LENGTH(there), k);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, there, FBI_LENGTH(there), k));
     if (fbi_is_constrained(beam, fbi_coordinate_dof(&list[k]))) {
       return FBI_REFUSE(FB_ERR_VALUE, "coordinate: held by the root", k, FB_R(0.0), FB_R(0.0));
     }
@@ -23223,10 +22891,7 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
 {
   const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
-  fb_status status = fbi_modes_desc_check(desc, beam, hold_boundary);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_modes_desc_check(desc, beam, hold_boundary));
 
   /* Matrices under the preload, kinds and coordinates that they have */
   out->n = 0;
@@ -23239,11 +22904,8 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
       return FBI_REFUSE(FB_ERR_KIND, fbi_kind_word(beam, k), k, FB_R(0.0), FB_R(0.0));
     }
   }
-  status = fbi_coordinates_check(desc->load, desc->n_load, beam, group);
-  status = status ? status : fbi_coordinates_check(desc->boundary, desc->n_boundary, beam, group);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_coordinates_check(desc->load, desc->n_load, beam, group));
+  FBI_TRY(fbi_coordinates_check(desc->boundary, desc->n_boundary, beam, group));
 
   /* Constrained: root condition, internal coordinates of cubic elements, boundary */
   for (int i = 0; i < out->ndof; i++) {
@@ -23318,10 +22980,7 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   int group[FB_KIND_COUNT];
   fb_status status;
   FBI_REQUIRE(modes && work && beam && desc, FB_ERR_NULL);
-  status = fbi_modes_prepare(group, work, beam, desc, desc->basis == FB_BASIS_COMPONENT);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_modes_prepare(group, work, beam, desc, desc->basis == FB_BASIS_COMPONENT));
 
   /* The basis */
   switch (desc->basis) {
@@ -23366,10 +23025,7 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   FBI_REQUIRE(modes && work && beam && desc, FB_ERR_NULL);
   rows = fbi_beam_rows(beam);
   out = &work->found;
-  status = fbi_modes_prepare(group, work, beam, desc, 1);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_modes_prepare(group, work, beam, desc, 1));
 
   /* Number of factors; a preload must be there */
   wanted = desc->lowest > 0 ? desc->lowest : 1;
@@ -23443,24 +23099,24 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
       FBI_COUNTED(desc->n_weld, fbi_weld_is_filled(&desc->weld[0]), "n_weld, 1 where weld[0] is filled")};
   const fbi_count most[] = {FBI_AT_MOST(n_component, FB_MAX_COMPONENTS, "n_component, FB_MAX_COMPONENTS"),
                             FBI_AT_MOST(desc->n_weld, FB_MAX_WELDS, "n_weld, FB_MAX_WELDS")};
-  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1));
 
   /* Components: modes of these beams */
-  for (int c = 0; c < n_component && status == FB_OK; c++) {
+  for (int c = 0; c < n_component; c++) {
     const fbi_count count[] = {FBI_COUNT(component[c].n, 0, FB_MAX_MODES, "component: count of modes, beyond")};
     const fbi_claim claim[] = {
         FBI_CLAIM(component[c].degree <= 0, "component: modes of another basis than FB_BASIS_FUNCTIONS"),
         FBI_CLAIM_OF(component[c].ndof == fbi_beam_ndof(&beam[c]), (fb_real)component[c].ndof,
                      (fb_real)fbi_beam_ndof(&beam[c]),
                      "component: modes of the beam of the same number, ndof equal to")};
-    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), c);
-    status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), c);
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), c));
+    FBI_TRY(fbi_claims_check(claim, FBI_LENGTH(claim), c));
   }
 
   /* Rigid connections: nodes of two components at the same place */
-  for (int k = 0; k < desc->n_weld && status == FB_OK; k++) {
+  for (int k = 0; k < desc->n_weld; k++) {
     const fb_weld *const weld = &desc->weld[k];
     fb_real place[2][3], size = FB_R(0.0);
     for (int side = 0; side < 2; side++) {
@@ -23482,7 +23138,7 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
                         FB_R(1e-4) * size);
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Scales of a component's coordinates to modal mass 1, without mass to modal stiffness 1. */
@@ -23692,13 +23348,9 @@ static int fbi_join_is_fixed(const fb_beam *beam, const fb_join_desc *desc, int 
 static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, int m, int held)
 {
   const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON, least = held ? FBI_ROUNDING : FB_R(16.0) * noise;
-  fb_status status;
   fbi_copy(work->X, work->K, m * m);
   fbi_copy(work->A, work->M, m * m);
-  status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_eig_gen_solve(work->d, work->X, work->A, m));
   while (!held && *rigid < m && work->d[*rigid] <= noise * work->d[m - 1]) {
     (*rigid)++;
   }
@@ -23718,16 +23370,13 @@ static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, 
 /* M x = mu (K + shift M) x: rows of X, d = mu, largest first. */
 static fb_status fbi_join_shifted(fb_join_work *work, fb_real shift, int m)
 {
-  fb_status status;
   for (int i = 0; i < m * m; i++) {
     work->X[i] = work->M[i];
     work->A[i] = work->K[i] + shift * work->M[i];
   }
-  status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
-  if (status == FB_OK) {
-    fbi_eig_reverse(work->d, work->X, m);
-  }
-  return status;
+  FBI_TRY(fbi_eig_gen_solve(work->d, work->X, work->A, m));
+  fbi_eig_reverse(work->d, work->X, m);
+  return FB_OK;
 }
 
 /* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
@@ -23902,12 +23551,8 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   fb_kind kind[FB_MAX_MODES];
   int N, m, at = 0, found = 0, n = 0, closed;
   fb_real limit;
-  fb_status status;
   FBI_REQUIRE(joined && work && beam && component && desc, FB_ERR_NULL);
-  status = fbi_join_check(beam, component, desc, n_component);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_join_check(beam, component, desc, n_component));
 
   /* Constraints eliminated: K = Z^T K Z, M = Z^T M Z */
   closed = fbi_join_is_closed(beam, desc, n_component);
@@ -23917,10 +23562,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   fbi_congruence(work->M, work->Z, work->A, N, m);
 
   /* Common modes, n of them up to the limits */
-  status = fbi_join_solve(work, m, fbi_join_is_fixed(beam, desc, n_component), &found);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_join_solve(work, m, fbi_join_is_fixed(beam, desc, n_component), &found));
   limit = desc->omega_limit > FB_R(0.0) ? desc->omega_limit * desc->omega_limit : FB_HUGE;
   while (n < found && (desc->lowest == 0 || n < desc->lowest) && work->d[n] <= limit) {
     n++;
@@ -24066,10 +23708,7 @@ FB_DEF fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
     const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"), FBI_ANY(r, 3, "r [m]"),
                                 FBI_ANY(psi, 3 * shape->n, "psi"),
                                 FBI_ANY(chi, chi ? 3 * shape->n * shape->n : 0, "chi")};
-    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
   }
   fbi_shape_add(shape, mass, mass, r, psi, chi, 0, shape->n, 0);
   fbi_shape_extend(shape, r, psi, 0, shape->n, 0);
@@ -24083,10 +23722,7 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
   {
     const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"), FBI_ANY(center, 3, "center [m]"),
                                 FBI_ANY(inertia, 6, "inertia [kg m^2]")};
-    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
   }
   if (fbi_spread_directions(spread, inertia) != FB_OK) {
     return FBI_REFUSE_MOMENTS(inertia, FBI_WORD_INERTIA, -1);
@@ -24323,10 +23959,7 @@ static fb_status fbi_field_lump_add(fb_shape *shape, const fb_fields *at, fb_rea
   const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"),
                               FBI_ANY(inertia ? inertia : none, 6, "inertia [kg m^2]")};
   fb_real spread[3][3];
-  const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
   if (fbi_spread_directions(spread, inertia ? inertia : none) != FB_OK) {
     return FBI_REFUSE_MOMENTS(inertia ? inertia : none, FBI_WORD_INERTIA, -1);
   }
@@ -24338,10 +23971,7 @@ FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real 
                                    const fb_real *psi, const fb_real *theta)
 {
   fb_fields at;
-  const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta)));
   fbi_fields_enter(&at, r, psi, theta, shape->n);
   return fbi_field_lump_add(shape, &at, mass, inertia);
 }
@@ -24424,13 +24054,9 @@ FB_DEF fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const 
                                 const fb_real *psi, const fb_real *theta)
 {
   static const fb_real none[3 * FB_MAX_MODES] = {FB_R(0.0)};
-  fb_status status;
   fb_fields to;
   FBI_REQUIRE(fields, FB_ERR_NULL);
-  status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta ? theta : none));
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta ? theta : none)));
   fbi_fields_enter(&to, r, psi, theta ? theta : none, shape->n);
   if (from) {
     fb_real apart[3] = {r[0], r[1], r[2]}, length;
@@ -24442,19 +24068,16 @@ FB_DEF fb_status fb_fields_init(fb_fields *fields, const fb_shape *shape, const 
     }
     fbi_chord_pass(&to, from, shape->n, theta != NULL);
   }
-  status = FBI_ENTERED(fbi_fields_check(&to, shape->n));
-  if (status == FB_OK) {
-    *fields = to;
-  }
-  return status;
+  FBI_TRY(FBI_ENTERED(fbi_fields_check(&to, shape->n)));
+  *fields = to;
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_shape_add_field_lump(fb_shape *shape, const fb_fields *fields, fb_real mass, const fb_real *inertia)
 {
-  fb_status status;
   FBI_REQUIRE(shape && fields, FB_ERR_NULL);
-  status = FBI_ENTERED(fbi_fields_check(fields, shape->n));
-  return status ? status : FBI_ENTERED(fbi_field_lump_add(shape, fields, mass, inertia));
+  FBI_TRY(FBI_ENTERED(fbi_fields_check(fields, shape->n)));
+  return FBI_ENTERED(fbi_field_lump_add(shape, fields, mass, inertia));
 }
 
 /* A further node that moves as the fields say. */
@@ -24486,20 +24109,16 @@ static fb_status fbi_node_add(fb_shape *shape, int *node, const fb_fields *at)
 
 FB_DEF fb_status fb_shape_add_field_node(fb_shape *shape, int *node, const fb_fields *fields)
 {
-  fb_status status;
   FBI_REQUIRE(shape && fields, FB_ERR_NULL);
-  status = FBI_ENTERED(fbi_fields_check(fields, shape->n));
-  return status ? status : FBI_ENTERED(fbi_node_add(shape, node, fields));
+  FBI_TRY(FBI_ENTERED(fbi_fields_check(fields, shape->n)));
+  return FBI_ENTERED(fbi_node_add(shape, node, fields));
 }
 
 FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
                                    const fb_real *theta)
 {
   fb_fields at;
-  const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta)));
   fbi_fields_enter(&at, r, psi, theta, shape->n);
   return fbi_node_add(shape, node, &at);
 }
@@ -24666,10 +24285,7 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   }
   {
     const fbi_number field[] = {FBI_ANY(p, 3, "pchi"), FBI_ANY(h, 3, "hchi"), FBI_ANY(G, 9, "Gamchi")};
-    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
   }
 
   fbi_second_add_pair(&shape->second, p, h, G, a, b, shape->n);
@@ -24706,10 +24322,7 @@ FB_DEF fb_status fb_shape_add_stiffening(fb_shape *shape, int a, int b, const fb
   {
     const fbi_number field[] = {FBI_ANY(acceleration, 3, "acceleration [kg/m]"), FBI_ANY(turn, 3, "turn [kg]"),
                                 FBI_ANY(spin, 6, "spin [kg]")};
-    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
   }
   fbi_stiffening_to_second(G, turn, spin);
   return FBI_ENTERED(fb_shape_add_pair(shape, a, b, acceleration, turn, G));
@@ -25772,24 +25385,15 @@ static void fbi_line_integrals_fill(fb_lines *all, const fb_line *line, const fb
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
 {
   fb_line *const line = &all->line[all->n_line];
-  fb_status status = fbi_line_claim(all, plan, first, beam, modes);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_line_claim(all, plan, first, beam, modes));
   fbi_line_describe(line, all, plan, first, beam, modes);
-  status = fbi_line_root_attach(all, line, plan, beam, modes);
-  status = status == FB_OK ? fbi_line_tables_fill(all, line, plan, beam, modes) : status;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_line_root_attach(all, line, plan, beam, modes));
+  FBI_TRY(fbi_line_tables_fill(all, line, plan, beam, modes));
   fbi_line_points_fill(all, line, plan, beam, modes);
   fbi_line_integrals_fill(all, line, plan, beam, modes);
   fbi_line_factor_fill(all, line);
   line->plane = (unsigned short)fbi_line_plane(all, line);
-  status = fbi_line_stations_fill(all, plan, beam, modes);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_line_stations_fill(all, plan, beam, modes));
   all->n_point += line->stride;
   all->n_line++;
   return FB_OK;
@@ -25832,14 +25436,11 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
 
 FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
-  const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
+  FBI_TRY(FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes)));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
   fb_fields start, st;
   int node = 0;
-  if (status != FB_OK) {
-    return status;
-  }
   if (fbi_station_start(&start, &fields, shape, first, beam, modes) != FB_OK) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_HANGS, -1, FB_R(0.0), FB_R(0.0));
   }
@@ -25889,13 +25490,10 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x)
 {
-  const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
+  FBI_TRY(FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes)));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
   fb_fields st;
-  if (status != FB_OK) {
-    return status;
-  }
   FBI_REQUIRE(node, FB_ERR_NULL);
   if (!fbi_is_number(x)) {
     return FBI_REFUSE(FB_ERR_NOT_FINITE, "x [m] along the beam, finite", -1, x, FB_R(0.0));
@@ -26055,11 +25653,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
   fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   int n, intervals = 0;
-  fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
-  status = status ? status : fbi_strain_intervals(&intervals, beam);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes)));
+  FBI_TRY(fbi_strain_intervals(&intervals, beam));
   if (shape->n_strain + (intervals * points + 3) / 4 * 4 > FBI_MAX_STRAINS) {
     return FBI_REFUSE(FB_ERR_CAPACITY,
                       "points of the axial strain (of n_element and stations), FB_MAX_STRAINS, at most", -1,
@@ -26424,7 +26019,7 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
 {
   const int n = body->n;
   fb_real *C = work->L; /* free until M is factored */
-  fb_status status;
+
   if (!fbi_has(body->effects, FB_EFFECT_DAMPING)) {
     return FB_OK;
   }
@@ -26441,10 +26036,10 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
   fbi_zero(C, n * n);
   fbi_copy(work->A, shape->K, n * n);
   fbi_copy(work->B, shape->M, n * n);
-  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, n);
+  FBI_TRY(fb_eig_gen_solve(work->d, work->X, work->A, work->B, n));
 
   /* Sum over the modes */
-  for (int k = 0; status == FB_OK && k < n; k++) {
+  for (int k = 0; k < n; k++) {
     const fb_real factor = FB_R(2.0) * zeta[k] * FB_SQRT(fbi_larger(work->d[k], FB_R(0.0)));
     for (int i = 0; i < n; i++) { /* row k of A: M x_k */
       work->A[i] = FB_R(0.0);
@@ -26459,7 +26054,7 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
     }
   }
   fbi_sparse_fill(&body->C, C, n);
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -26481,18 +26076,17 @@ static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, co
    B^-1 T_i against B, T_i(a,b) = table[m (a n + b) + i], i < m. */
 static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, int m, const fb_real *B, int n)
 {
-  fb_status status = FB_OK;
   fb_real largest = FB_R(0.0);
 
   /* B = L L^T */
   fbi_copy(work->L, B, n * n);
   if (n > 0) {
-    status = fb_chol_factor(work->L, n);
+    FBI_TRY(fb_chol_factor(work->L, n));
   }
 
   /* A = sum_i T_i^T B^-1 T_i */
   fbi_zero(work->A, n * n);
-  for (int i = 0; status == FB_OK && i < m; i++) {
+  for (int i = 0; i < m; i++) {
     for (int a = 0; a < n; a++) { /* row a of X: L^-1 T_i e_a */
       for (int b = 0; b < n; b++) {
         work->X[a * n + b] = table[m * (b * n + a) + i];
@@ -26507,11 +26101,9 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
   }
 
   /* Largest eigenvalue against B */
-  if (status == FB_OK) {
-    status = fbi_largest_eigenvalue(&largest, work, B, n);
-  }
+  FBI_TRY(fbi_largest_eigenvalue(&largest, work, B, n));
   *norm = FB_SQRT(largest);
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -26565,7 +26157,7 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 {
   const int n = body->n;
   fb_real largest = FB_R(0.0), size = FB_R(0.0); /* largest element of S, whose squares may overflow */
-  fb_status status;
+
   body->limit_tension = FB_R(0.0);
   if (body->n_strain == 0 || n == 0) {
     return FB_OK;
@@ -26583,8 +26175,8 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 
   /* S M^-1 S */
   fbi_copy(work->L, reduced, n * n);
-  status = fb_chol_factor(work->L, n);
-  for (int a = 0; a < n && status == FB_OK; a++) {
+  FBI_TRY(fb_chol_factor(work->L, n));
+  for (int a = 0; a < n; a++) {
     fbi_chol_forward(work->X + a * n, work->L, work->A + a * n, n);
   }
   for (int ab = 0; ab < n * n; ab++) {
@@ -26597,9 +26189,9 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
     const fb_real own = shape->K[a * n + a], other = body->limit_elastic * reduced[a * n + a];
     work->L[a * n + a] += (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * (own > FB_R(0.0) ? own : other);
   }
-  status = status == FB_OK ? fbi_largest_eigenvalue(&largest, work, work->L, n) : status;
+  FBI_TRY(fbi_largest_eigenvalue(&largest, work, work->L, n));
   body->limit_tension = FB_R(0.5) * shape->stretch * size * FB_SQRT(largest);
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -26633,18 +26225,17 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
 {
   const int n = body->n;
   fb_real *reduced = work->Lambda; /* free until Lambda is filled */
-  fb_status status = FB_OK;
 
   /* Elastic mass of the free body, M - M_re^T M_rr^-1 M_re */
   fbi_copy(reduced, shape->M, n * n);
   {
     fb_real S[21];
     fbi_rigid_matrix(S, shape->mass, shape->c, shape->J);
-    for (int b = 0; b < n && status == FB_OK; b++) {
+    for (int b = 0; b < n; b++) {
       fb_real column[6];
       fbi_copy(column, shape->P + 3 * b, 3);
       fbi_copy(column + 3, shape->H + 3 * b, 3);
-      status = fbi_base_solve(column, body->base, S, column) ? FBI_REFUSE_INERTIA(S, body->base) : FB_OK;
+      FBI_TRY(fbi_base_solve(column, body->base, S, column) ? FBI_REFUSE_INERTIA(S, body->base) : FB_OK);
       for (int a = 0; a < n; a++) {
         reduced[a * n + b] -= fb_vec3_dot(column, shape->P + 3 * a) + fb_vec3_dot(column + 3, shape->H + 3 * a);
       }
@@ -26653,12 +26244,12 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
 
   /* Stiffness */
   fbi_copy(work->A, shape->K, n * n);
-  status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_elastic, work, reduced, n) : status;
+  FBI_TRY(fbi_largest_eigenvalue(&body->limit_elastic, work, reduced, n));
 #if FB_WITH_NONLINEAR_STRAIN
   fbi_zero(work->A, n * n);
   fbi_slope_matrix(work->A, body);
-  status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_slope, work, reduced, n) : status;
-  status = status == FB_OK ? fbi_tension_fill(body, work, shape, reduced) : status;
+  FBI_TRY(fbi_largest_eigenvalue(&body->limit_slope, work, reduced, n));
+  FBI_TRY(fbi_tension_fill(body, work, shape, reduced));
 #endif
 
   /* Damping and geometric stiffening, where they are on */
@@ -26667,20 +26258,19 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   body->limit_acceleration = FB_R(0.0);
 #if FB_WITH_DAMPING
   fbi_sparse_to_dense(work->A, &body->C, n);
-  status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_damping, work, reduced, n) : status;
+  FBI_TRY(fbi_largest_eigenvalue(&body->limit_damping, work, reduced, n));
 #endif
 #if FB_WITH_SPIN_STIFFENING
   if (fbi_has(body->effects, FB_EFFECT_SPIN_STIFFENING)) {
-    status = status == FB_OK ? fbi_table_norm(&body->limit_spin, work, shape->second.Gamchi, 9, reduced, n) : status;
+    FBI_TRY(fbi_table_norm(&body->limit_spin, work, shape->second.Gamchi, 9, reduced, n));
   }
 #endif
 #if FB_WITH_ACCELERATION_STIFFENING
   if (fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING)) {
-    status =
-        status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->second.pchi, 3, reduced, n) : status;
+    FBI_TRY(fbi_table_norm(&body->limit_acceleration, work, shape->second.pchi, 3, reduced, n));
   }
 #endif
-  return status;
+  return FB_OK;
 }
 
 /* Is A the unit matrix to round-off? */
@@ -26782,35 +26372,33 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
                               FBI_ANY(rest->pchi, 3 * nn, "shape.rest.pchi"),
                               FBI_ANY(rest->hchi, 3 * nn, "shape.rest.hchi")};
   int stride = 0;
-  fb_status status;
   if (!valid) {
     return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: counts within its tables", -1, FB_R(0.0), FB_R(0.0));
   }
-  status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
-  for (int l = 0; l < all->n_line && status == FB_OK; l++) {
+  FBI_TRY(fbi_numbers_check(table, FBI_LENGTH(table), -1));
+  for (int l = 0; l < all->n_line; l++) {
     const fbi_number line[] = {FBI_ANY(all->line[l].axes, 9, "line: shape.lines.line.axes"),
                                FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
                                FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
-    status = fbi_numbers_check(line, FBI_LENGTH(line), l);
-    if (status == FB_OK && !fbi_line_is_valid(all, &all->line[l], n)) {
-      status = FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
+    FBI_TRY(fbi_numbers_check(line, FBI_LENGTH(line), l));
+    if (!fbi_line_is_valid(all, &all->line[l], n)) {
+      return FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
     }
     stride += all->line[l].stride;
   }
-  if (status == FB_OK && stride != points) {
-    status =
-        FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
+  if (stride != points) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
   }
-  if (status == FB_OK && !(fbi_stations_are_valid(all->station, points, all->n_side) &&
-                           fbi_stations_are_valid(all->root, all->n_line, all->n_side) && fbi_sides_are_valid(all))) {
-    status = FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
+  if (!(fbi_stations_are_valid(all->station, points, all->n_side) &&
+        fbi_stations_are_valid(all->root, all->n_line, all->n_side) && fbi_sides_are_valid(all))) {
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
   }
-  for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
+  for (int k = 0; k < shape->n_node; k++) {
     if (!fbi_line_node_is_valid(all, &shape->node[k].line)) {
-      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -26847,7 +26435,6 @@ static fb_status fbi_shape_check(const fb_shape *shape)
     FBI_ANY(shape->strain_weight, shape->n_strain, "shape.strain_weight"),
 #endif
   };
-  fb_status status;
   {
     const fbi_count count[] = {FBI_COUNT(shape->n, n, n, "shape.n, 0 to FB_MAX_MODES, beyond"),
                                FBI_COUNT(shape->n_node, 1, FB_MAX_NODES, "shape.n_node, 1 to FB_MAX_NODES, beyond")};
@@ -26858,28 +26445,27 @@ static fb_status fbi_shape_check(const fb_shape *shape)
 #endif
 
   /* Finite values, table by table */
-  status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
+  FBI_TRY(fbi_numbers_check(table, FBI_LENGTH(table), -1));
 #if FB_WITH_NONLINEAR_STRAIN
-  for (int k = 0; k < 3 * n && status == FB_OK; k++) {
+  for (int k = 0; k < 3 * n; k++) {
     const fbi_number slope[] = {FBI_ANY(shape->slope + k * FBI_MAX_STRAINS, shape->n_strain, "mode: shape.slope")};
-    status = fbi_numbers_check(slope, 1, k / 3);
+    FBI_TRY(fbi_numbers_check(slope, 1, k / 3));
   }
 #endif
-  for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
+  for (int k = 0; k < shape->n_node; k++) {
     if (!fbi_node_is_finite(&shape->node[k], n)) {
-      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: place and shapes, finite", k, FB_R(0.0), FB_R(0.0));
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "node: place and shapes, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
 #if FB_WITH_LARGE_DEFLECTION
-  if (status == FB_OK &&
-      ((int)shape->lines_status > (int)FB_OK || (int)shape->lines_status < (int)FB_ERR_UNSUPPORTED)) {
-    status = FBI_REFUSE(FB_ERR_VALUE, "shape.lines_status, an fb_status", -1, FB_R(0.0), FB_R(0.0));
+  if (((int)shape->lines_status > (int)FB_OK || (int)shape->lines_status < (int)FB_ERR_UNSUPPORTED)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "shape.lines_status, an fb_status", -1, FB_R(0.0), FB_R(0.0));
   }
-  if (status == FB_OK && shape->lines_status == FB_OK) { /* else nothing reads them */
-    status = fbi_shape_lines_check(shape);
+  if (shape->lines_status == FB_OK) { /* else nothing reads them */
+    FBI_TRY(fbi_shape_lines_check(shape));
   }
 #endif
-  return status;
+  return FB_OK;
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -27006,10 +26592,7 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION)) {
-    const fb_status status = fbi_body_lines_check(shape);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_body_lines_check(shape));
   }
 #endif
   return FB_OK;
@@ -27022,9 +26605,9 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
   const fbi_count filled[] = {
       FBI_COUNTED(desc->n_rotor, !fbi_is_zero(&desc->rotor[0].inertia, 1) || !fbi_is_zero(desc->rotor[0].axis, 3),
                   "n_rotor, 1 where rotor[0] is filled")};
-  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), -1);
-  for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), -1));
+  for (int r = 0; r < desc->n_rotor; r++) {
     const fb_rotor *const rotor = &desc->rotor[r];
     const fb_real length = fbi_vec3_norm(rotor->axis);
     const fbi_count node[] = {FBI_INDEX(rotor->node, shape->n_node, "rotor: node")};
@@ -27036,23 +26619,23 @@ static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc
                                 FBI_NOT_NEGATIVE(&rotor->static_imbalance, 1, "rotor: static_imbalance [kg m]"),
                                 FBI_NOT_NEGATIVE(&rotor->dynamic_imbalance, 1, "rotor: dynamic_imbalance [kg m^2]"),
                                 FBI_ANY(&rotor->dynamic_phase, 1, "rotor: dynamic_phase [rad]")};
-    status = fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), r);
-    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), r);
-    if (status == FB_OK && !(length > FB_R(0.0))) {
-      status = FBI_REFUSE(FB_ERR_VALUE, "rotor: length of its axis, above", r, length, FB_R(0.0));
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), r));
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), r));
+    if (!(length > FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "rotor: length of its axis, above", r, length, FB_R(0.0));
     }
-    if (status == FB_OK && !(rotor->inertia > FB_R(0.0))) {
-      status = FBI_REFUSE(FB_ERR_VALUE, "rotor: inertia [kg m^2], above", r, rotor->inertia, FB_R(0.0));
+    if (!(rotor->inertia > FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "rotor: inertia [kg m^2], above", r, rotor->inertia, FB_R(0.0));
     }
-    if (status == FB_OK && rotor->friction > FB_R(0.0) && !(rotor->friction_speed > FB_R(0.0))) {
-      status = FBI_REFUSE(FB_ERR_VALUE, "rotor: friction_speed [rad/s] of friction, above", r, rotor->friction_speed,
-                          FB_R(0.0));
+    if (rotor->friction > FB_R(0.0) && !(rotor->friction_speed > FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "rotor: friction_speed [rad/s] of friction, above", r, rotor->friction_speed,
+                        FB_R(0.0));
     }
   }
-  if (status == FB_OK && desc->n_rotor == 0 && fbi_has(desc->effects, FB_EFFECT_ROTORS)) {
-    status = FBI_REFUSE(FB_ERR_EFFECTS, "effects: rotors, with n_rotor above", -1, FB_R(0.0), FB_R(0.0));
+  if (desc->n_rotor == 0 && fbi_has(desc->effects, FB_EFFECT_ROTORS)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: rotors, with n_rotor above", -1, FB_R(0.0), FB_R(0.0));
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -27064,21 +26647,21 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   const fbi_count count[] = {
       FBI_COUNT((int)desc->base, 0, (int)FB_BASE_COUNT - 1, "base, an fb_base, beyond"),
       FBI_COUNT((int)desc->truncation, 0, (int)FB_TRUNCATE_COUNT - 1, "truncation, an fb_truncation, beyond")};
-  fb_status status = fbi_shape_check(shape);
-  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1);
-  for (int k = 0; k < shape->n && status == FB_OK; k++) {
+  FBI_TRY(fbi_shape_check(shape));
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1));
+  for (int k = 0; k < shape->n; k++) {
     const fbi_number mode[] = {FBI_NOT_NEGATIVE(&desc->zeta[k], 1, "mode: damping ratio zeta"),
                                FBI_NOT_NEGATIVE(&shape->K[k * shape->n + k], 1, "mode: stiffness shape.K (buckled)")};
-    status = fbi_numbers_check(mode, FBI_LENGTH(mode), k);
+    FBI_TRY(fbi_numbers_check(mode, FBI_LENGTH(mode), k));
   }
-  if (status == FB_OK && !(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED))) {
+  if (!(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED))) {
     return FBI_REFUSE(FB_ERR_VALUE, "mass [kg] (of a prescribed base at least) above", -1, shape->mass, FB_R(0.0));
   }
 #if FB_WITH_ROTORS
-  status = status ? status : fbi_rotors_desc_check(shape, desc);
+  FBI_TRY(fbi_rotors_desc_check(shape, desc));
 #endif
-  return status ? status : fbi_body_effects_check(shape, desc);
+  return fbi_body_effects_check(shape, desc);
 }
 
 #if FB_WITH_LARGE_DEFLECTION
@@ -27180,7 +26763,6 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   const int n = body->n;
   const int ups = fbi_has(body->effects, FB_EFFECT_SPIN_COUPLING);
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
-  fb_status status = FB_OK;
 
   /* Lambda */
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
@@ -27193,11 +26775,8 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
   if (n > 0 && fb_chol_factor(work->L, n) != FB_OK) {
-    status = FBI_REFUSE(FB_ERR_SINGULAR, "shape.M, positive definite: a coordinate without mass, or two that are one",
-                        -1, FB_R(0.0), FB_R(0.0));
-  }
-  if (status != FB_OK) {
-    return status;
+    return FBI_REFUSE(FB_ERR_SINGULAR, "shape.M, positive definite: a coordinate without mass, or two that are one", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
   for (int row = 0; row < (n + 1) * 6; row++) {
     fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
@@ -27272,16 +26851,10 @@ static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
 {
   fb_real G[FB_MAX_MODES * FB_MAX_MODES];
   fbi_kinetics k;
-  fb_status status;
   FBI_WITH_LINES(k);
-  status = fbi_large_undeformed(&k, work->d, body);
-  if (status == FB_OK) {
-    fbi_large_S(&k, body, NULL);
-    status = fbi_large_mobility(G, &k, body) ? FB_OK : FB_ERR_SINGULAR;
-  }
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_large_undeformed(&k, work->d, body));
+  fbi_large_S(&k, body, NULL);
+  FBI_TRY(fbi_large_mobility(G, &k, body) ? FB_OK : FB_ERR_SINGULAR);
   body->limit_elastic = fbi_large_norm(G, &body->K, body->limit_elastic, body->n);
 #if FB_WITH_DAMPING
   body->limit_damping = fbi_large_norm(G, &body->C, body->limit_damping, body->n);
@@ -27329,7 +26902,6 @@ static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
 static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   const int n = body->n;
-  fb_status status;
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
   fbi_lines_copy(&body->lines, &shape->lines);
   fbi_rest_fill(work, body, shape);
@@ -27343,8 +26915,8 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
   }
-  status = body->n_lambda > FBI_MAX_LAMBDA ? FBI_REFUSE_LAMBDA(body) : fbi_S_room(body);
-  return status ? status : fbi_large_limits_fill(body, work);
+  FBI_TRY(body->n_lambda > FBI_MAX_LAMBDA ? FBI_REFUSE_LAMBDA(body) : fbi_S_room(body));
+  return fbi_large_limits_fill(body, work);
 }
 #endif
 
@@ -27453,49 +27025,39 @@ static fb_status fbi_rotors_fill(fb_body *body, const fb_body_work *work, const 
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   fb_body *out;
-  fb_status status;
   FBI_REQUIRE(body && work && shape && desc, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  status = fbi_body_desc_check(shape, desc);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_body_desc_check(shape, desc));
   out = &work->body;
   fbi_body_fill(out, shape, desc);
 #if FB_WITH_DAMPING
-  status = fbi_damping_fill(out, work, shape, desc->zeta);
+  FBI_TRY(fbi_damping_fill(out, work, shape, desc->zeta));
 #endif
-  status = status == FB_OK ? fbi_limits_fill(out, work, shape) : status;
-  status = status == FB_OK ? fbi_terms_fill(out, work, shape) : status;
-  status = status == FB_OK ? fbi_inverses_fill(out, work) : status;
-  status = status == FB_OK ? fbi_recoil_fill(out, shape) : status;
+  FBI_TRY(fbi_limits_fill(out, work, shape));
+  FBI_TRY(fbi_terms_fill(out, work, shape));
+  FBI_TRY(fbi_inverses_fill(out, work));
+  FBI_TRY(fbi_recoil_fill(out, shape));
 #if FB_WITH_ROTORS
-  status = status == FB_OK ? fbi_rotors_fill(out, work, shape, desc) : status;
+  FBI_TRY(fbi_rotors_fill(out, work, shape, desc));
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  if (status == FB_OK && fbi_is_large(out)) {
-    status = fbi_large_fill(out, work, shape, desc);
+  if (fbi_is_large(out)) {
+    FBI_TRY(fbi_large_fill(out, work, shape, desc));
   }
 #endif
-  if (status == FB_OK) {
-    *body = *out;
-  }
-  return status;
+  *body = *out;
+  return FB_OK;
 }
 
 /* The description of a beam as part of a body: its own position and attitude follow those of the part. */
 static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const fb_beam_desc *beam)
 {
   fb_real frame[4], own[4], R[9], offset[3];
-  fb_status status;
   const fbi_number field[] = {FBI_ANY(part->attitude, 4, "attitude of the part"),
                               FBI_ANY(beam->attitude, 4, "attitude of the beam")};
-  status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-  status = status ? status : fbi_quat_from_attitude(frame, part->attitude);
-  status = status ? status : fbi_quat_from_attitude(own, beam->attitude);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
+  FBI_TRY(fbi_quat_from_attitude(frame, part->attitude));
+  FBI_TRY(fbi_quat_from_attitude(own, beam->attitude));
   *placed = *beam;
   fb_quat_mul(placed->attitude, frame, own);
   fb_quat_to_mat33(R, frame);
@@ -27574,18 +27136,18 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
                               const fb_modes *modes, unsigned effects)
 {
   int node;
-  fb_status status = fb_shape_add_beam(shape, first, beam, modes);
-  for (int k = 0; k < part->n_node && status == FB_OK; k++) {
-    status = fb_shape_add_beam_node(shape, &node, first, beam, modes, part->node[k]);
+  FBI_TRY(fb_shape_add_beam(shape, first, beam, modes));
+  for (int k = 0; k < part->n_node; k++) {
+    FBI_TRY(fb_shape_add_beam_node(shape, &node, first, beam, modes, part->node[k]));
   }
 #if FB_WITH_NONLINEAR_STRAIN
-  if (status == FB_OK && fbi_has(effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    status = fb_shape_add_beam_strain(shape, first, beam, modes);
+  if (fbi_has(effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    FBI_TRY(fb_shape_add_beam_strain(shape, first, beam, modes));
   }
 #else
   (void)effects;
 #endif
-  return status;
+  return FB_OK;
 }
 
 /* Counts of parts and of their nodes, and the beams that they name. */
@@ -27876,48 +27438,44 @@ static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb
 static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   fbi_coefficient A)
 {
-  fb_status status = FB_OK;
   *limit = FB_R(0.0);
   fbi_power_start(w, system, body);
-  for (int step = 0; step < 60 && status == FB_OK; step++) {
+  for (int step = 0; step < 60; step++) {
     if (!fbi_power_scaled(w, system, body, A)) {
       *limit = FB_R(0.0);
       break;
     }
-    status = fbi_speeds_solve(w, system, body);
+    FBI_TRY(fbi_speeds_solve(w, system, body));
     *limit = fbi_power_product(w, system, body);
   }
   *limit *= FB_R(1.05);
-  return status;
+  return FB_OK;
 }
 
 /* Limits by springs and dampers of the joints of loops: each axis adds its stiffness times the mobility along it; the
    sum is an upper bound. */
 static fb_status fbi_loop_limits(fb_system *system, fb_system_work *w, const fb_body *body)
 {
-  fb_status status = FB_OK;
-  for (int j = system->n_body; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
     const fb_joint *joint = &system->joint[j];
-    for (int i = 0; i < joint->n_axis && i < 3 && status == FB_OK; i++) {
+    for (int i = 0; i < joint->n_axis && i < 3; i++) {
       fb_real force[3], torque[3], mobility;
       fbi_frames f;
       w->n_row = w->n_end = 0;
-      status = fbi_frames_eval(&f, w, system, body, j);
-      if (status == FB_OK) {
-        /* Mobility: speed along the axis by a unit impulse on it */
-        fbi_frames_axis(force, torque, &f, joint, i);
-        (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* cannot fail: the list is empty */
-        fbi_rhs_clear(w, system, body);
-        fbi_row_impulse(w, system, body, 0, FB_R(1.0));
-        status = fbi_speeds_solve(w, system, body);
-        fbi_ends_move(w, system, body);
-        mobility = fbi_row_eval(&w->row[0], w);
-        system->limit_loop_elastic += fbi_axis_stiffness(joint, i) * mobility;
-        system->limit_loop_damping += fbi_axis_damping(joint, i) * mobility;
-      }
+      FBI_TRY(fbi_frames_eval(&f, w, system, body, j));
+      /* Mobility: speed along the axis by a unit impulse on it */
+      fbi_frames_axis(force, torque, &f, joint, i);
+      (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* cannot fail: the list is empty */
+      fbi_rhs_clear(w, system, body);
+      fbi_row_impulse(w, system, body, 0, FB_R(1.0));
+      FBI_TRY(fbi_speeds_solve(w, system, body));
+      fbi_ends_move(w, system, body);
+      mobility = fbi_row_eval(&w->row[0], w);
+      system->limit_loop_elastic += fbi_axis_stiffness(joint, i) * mobility;
+      system->limit_loop_damping += fbi_axis_damping(joint, i) * mobility;
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Is k the first body with its model? */
@@ -27934,15 +27492,14 @@ static int fbi_is_first(const int *model, int k)
    coordinates need not be where they work. */
 static fb_status fbi_springs_limits(fb_system *system, fb_system_work *w, const fb_body *body)
 {
-  fb_status status = FB_OK;
-  for (int j = 0; j < system->n_spring && status == FB_OK; j++) {
+  for (int j = 0; j < system->n_spring; j++) {
     fbi_rhs_clear(w, system, body);
-    status = fbi_speeds_solve(w, system, body); /* at rest */
-    status = status ? status : fbi_spring_bound(w, system, body, FB_R(0.0), system->spring[j].stiffness, j);
+    FBI_TRY(fbi_speeds_solve(w, system, body)); /* at rest */
+    FBI_TRY(fbi_spring_bound(w, system, body, FB_R(0.0), system->spring[j].stiffness, j));
     system->limit_spring_elastic += w->spring_elastic[j];
     system->limit_spring_damping += w->spring_damping[j];
   }
-  return status;
+  return FB_OK;
 }
 
 static fb_status fbi_spring_check(const fb_system_desc *desc, const fb_body *body, int j)
@@ -27955,18 +27512,18 @@ static fb_status fbi_spring_check(const fb_system_desc *desc, const fb_body *bod
                               FBI_NOT_NEGATIVE(&d->damping, 1, "spring: damping [N s/m]")};
   const fbi_count end[] = {FBI_COUNT(d->body[0], FB_GROUND, desc->n_body - 1, "spring: body[0], or FB_GROUND, beyond"),
                            FBI_COUNT(d->body[1], FB_GROUND, desc->n_body - 1, "spring: body[1], or FB_GROUND, beyond")};
-  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), j);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, end, FBI_LENGTH(end), j);
-  for (int side = 0; side < 2 && status == FB_OK; side++) {
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), j));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, end, FBI_LENGTH(end), j));
+  for (int side = 0; side < 2; side++) {
     const int last = d->body[side] >= 0 ? body[desc->model[d->body[side]]].n_node - 1 : 0;
     const fbi_count node[] = {FBI_COUNT(d->node[side], 0, last, "spring: node, beyond")};
-    status = fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), j);
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), j));
   }
-  if (status == FB_OK && d->body[0] < 0 && d->body[1] < 0) {
+  if (d->body[0] < 0 && d->body[1] < 0) {
     return FBI_REFUSE(FB_ERR_VALUE, "spring: body, one that moves at an end, not", j, (fb_real)FB_GROUND,
                       (fb_real)FB_GROUND);
   }
-  return status;
+  return FB_OK;
 }
 
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
@@ -27982,17 +27539,11 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
                               FBI_COUNTED(desc->n_loop, looped, "n_loop, 1 where loop[0] is filled"),
                               FBI_COUNTED(desc->n_spring, sprung, "n_spring, 1 where spring[0] is filled")};
   int used = 0;
-  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1));
   for (int k = 0; k < desc->n_body; k++) {
     const fbi_count model[] = {FBI_INDEX(desc->model[k], n_model, "body: model, of n_model")};
-    status = fbi_counts_check(FB_ERR_CAPACITY, model, FBI_LENGTH(model), k);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, model, FBI_LENGTH(model), k));
     if (body[desc->model[k]].n_node == 0) {
       return FBI_REFUSE(FB_ERR_INIT, "body: its model, initialized", k, FB_R(0.0), FB_R(0.0));
     }
@@ -28191,15 +27742,11 @@ FB_DEF fb_status fb_exact_station_init(fb_exact_station *station, const fb_secti
         FBI_NOT_NEGATIVE(&s->i_z, 1, "i_z [kg m]"),
         FBI_ANY(all, 15, "a number of the section"),
         FBI_ANY(offset, 2, "shear_y, shear_z [m]")};
-    fb_status status;
     if (!fbi_is_finite(all, 15) || !fbi_is_finite(offset, 2)) {
       (void)fbi_numbers_check(field, FBI_LENGTH(field), -1); /* for its record */
       return FB_ERR_NOT_FINITE;
     }
-    status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
 
     /* Matrices about tension, shear and mass center */
     memset(station, 0, sizeof *station);
@@ -28503,25 +28050,22 @@ static fb_status fbi_exact_joint_check(const fb_exact_desc *desc, int k)
       FBI_NUMBER(&joint->angle, 1, -FB_R(1e6), FB_R(1e6), "joint: angle [rad], -1e6 to 1e6, beyond"),
       FBI_NUMBER(&joint->stiffness, 1, FB_R(0.0), FB_HUGE, "joint: stiffness [N m/rad], at least"),
       FBI_NUMBER(&joint->damping, 1, FB_R(0.0), FB_HUGE, "joint: damping [N m s/rad], at least")};
-  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, element, 1, k);
-  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), k);
-  if (status == FB_OK) {
-    const fbi_claim claim[] = {
-        FBI_CLAIM_OF(fbi_vec3_norm(joint->axis) > FB_TINY, fbi_vec3_norm(joint->axis), FB_TINY,
-                     "joint: length of its axis, above"),
-        FBI_CLAIM(fbi_exact_jointed(desc, joint->element) == k + 1, "joint: element, not that of another joint"),
-        FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1),
-                  "joint: node outboard of it, not held: hold the inboard one")};
-    status = fbi_claims_check(claim, FBI_LENGTH(claim), k);
-  }
-  return status;
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, element, 1, k));
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), k));
+  const fbi_claim claim[] = {
+      FBI_CLAIM_OF(fbi_vec3_norm(joint->axis) > FB_TINY, fbi_vec3_norm(joint->axis), FB_TINY,
+                   "joint: length of its axis, above"),
+      FBI_CLAIM(fbi_exact_jointed(desc, joint->element) == k + 1, "joint: element, not that of another joint"),
+      FBI_CLAIM(!fbi_exact_holds(desc, joint->element + 1),
+                "joint: node outboard of it, not held: hold the inboard one")};
+  FBI_TRY(fbi_claims_check(claim, FBI_LENGTH(claim), k));
+  return FB_OK;
 }
 
 /* Branches, before anything else reads a line: their numbers and attitudes. */
 static fb_status fbi_exact_branches_check(const fb_exact_desc *desc)
 {
-  fb_status status = FB_OK;
-  for (int b = 0, first = desc->n_element; b < desc->n_branch && status == FB_OK; b++) {
+  for (int b = 0, first = desc->n_element; b < desc->n_branch; b++) {
     const fb_exact_branch *const branch = &desc->branch[b];
     const fbi_count count[] = {
         FBI_COUNT(branch->n_element, 1, FB_MAX_EXACT - first,
@@ -28533,17 +28077,15 @@ static fb_status fbi_exact_branches_check(const fb_exact_desc *desc)
     const fbi_number field[] = {FBI_NOT_NEGATIVE(&branch->length, 1, "branch: length [m]"),
                                 FBI_ANY(branch->attitude, 4, "branch: attitude")};
     fb_real attitude[4];
-    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), b);
-    status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), b);
-    status = status ? status : fbi_quat_from_attitude(attitude, branch->attitude);
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), b));
+    FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), b));
+    FBI_TRY(fbi_quat_from_attitude(attitude, branch->attitude));
     first += branch->n_element;
   }
-  if (status == FB_OK) {
-    const fbi_count joints[] = {FBI_COUNT(fbi_exact_joints(desc), 0, FB_MAX_LUMPS,
-                                          "n_joint and branches with an attitude, 0 to FB_MAX_LUMPS, beyond")};
-    status = fbi_counts_check(FB_ERR_CAPACITY, joints, 1, -1);
-  }
-  return status;
+  const fbi_count joints[] = {FBI_COUNT(fbi_exact_joints(desc), 0, FB_MAX_LUMPS,
+                                        "n_joint and branches with an attitude, 0 to FB_MAX_LUMPS, beyond")};
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, joints, 1, -1));
+  return FB_OK;
 }
 
 /* The chain or a branch: places, stations to its length, initial rotations. */
@@ -28558,20 +28100,19 @@ static fb_status fbi_exact_line_check(const fb_exact_desc *desc, int index)
       FBI_CLAIM(line.joint < 0 || !fbi_exact_holds(desc, line.first + 1),
                 "branch: node outboard of its attitude, not held: hold the inboard one")};
   const int last = line.station + line.n_station - 1;
-  fb_status status = fbi_claims_check(claim, FBI_LENGTH(claim), index - 1);
-  status = status ? status : fbi_exact_places_check(desc, &line);
-  for (int k = line.station; k <= last && status == FB_OK; k++) {
-    status = fbi_exact_station_check(desc, &line, k);
+  FBI_TRY(fbi_claims_check(claim, FBI_LENGTH(claim), index - 1));
+  FBI_TRY(fbi_exact_places_check(desc, &line));
+  for (int k = line.station; k <= last; k++) {
+    FBI_TRY(fbi_exact_station_check(desc, &line, k));
   }
-  if (status == FB_OK && line.n_station > 1 &&
-      FB_FABS(desc->station[last].x - line.length) > FB_R(1e-5) * line.length) {
-    status = FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", last, desc->station[last].x,
-                        line.length);
+  if (line.n_station > 1 && FB_FABS(desc->station[last].x - line.length) > FB_R(1e-5) * line.length) {
+    return FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", last, desc->station[last].x,
+                      line.length);
   }
-  for (int k = 0; k < line.n && status == FB_OK; k++) {
-    status = fbi_exact_rotation_check(desc, &line, k);
+  for (int k = 0; k < line.n; k++) {
+    FBI_TRY(fbi_exact_rotation_check(desc, &line, k));
   }
-  return status;
+  return FB_OK;
 }
 
 static fb_status fbi_exact_check(const fb_exact_desc *desc)
@@ -28600,31 +28141,29 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
       FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
   const fbi_claim claim[] = {FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
                              FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
-  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
-  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
-  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
-  status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
-  status = status ? status : fbi_exact_branches_check(desc);
-  if (status == FB_OK) {
-    const fbi_number place[] = {FBI_ANY(desc->place, fbi_exact_elements(desc) + 1, "place [m]")};
-    status = fbi_numbers_check(place, 1, -1);
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1));
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
+  FBI_TRY(fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1));
+  FBI_TRY(fbi_claims_check(claim, FBI_LENGTH(claim), -1));
+  FBI_TRY(fbi_exact_branches_check(desc));
+  const fbi_number place[] = {FBI_ANY(desc->place, fbi_exact_elements(desc) + 1, "place [m]")};
+  FBI_TRY(fbi_numbers_check(place, 1, -1));
+  for (int k = 0; k < desc->n_joint; k++) {
+    FBI_TRY(fbi_exact_joint_check(desc, k));
   }
-  for (int k = 0; k < desc->n_joint && status == FB_OK; k++) {
-    status = fbi_exact_joint_check(desc, k);
-  }
-  for (int k = 0; k <= desc->n_branch && status == FB_OK; k++) {
-    status = fbi_exact_line_check(desc, k);
+  for (int k = 0; k <= desc->n_branch; k++) {
+    FBI_TRY(fbi_exact_line_check(desc, k));
   }
 
   /* Supports, lumped bodies */
-  for (int k = 0; k < desc->n_support && status == FB_OK; k++) {
+  for (int k = 0; k < desc->n_support; k++) {
     const fb_support *s = &desc->support[k];
     const fbi_count node[] = {FBI_COUNT(s->node, 0, fbi_exact_elements(desc), "support: node, beyond")};
     const fbi_claim held[] = {FBI_CLAIM(fbi_is_end(s->held), "support: held, an FB_END_..")};
-    status = fbi_counts_check(FB_ERR_CAPACITY, node, 1, k);
-    status = status ? status : fbi_claims_check(held, 1, k);
+    FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, node, 1, k));
+    FBI_TRY(fbi_claims_check(held, 1, k));
   }
-  return status ? status : fbi_lumps_check(desc->lump, desc->n_lump, fbi_exact_elements(desc));
+  return fbi_lumps_check(desc->lump, desc->n_lump, fbi_exact_elements(desc));
 }
 
 /* Compliance of an element (E10.6), X = h ad(1, 0, 0, curvature):  C + 1/12 (X C X^T + X C1 + C1 X^T)
@@ -28994,15 +28533,11 @@ static fb_status fbi_exact_damping_fill(fb_exact *m, const fb_exact_desc *desc)
 
 FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
 {
-  fb_status status;
   fb_real attitude[4], rho;
   FBI_REQUIRE(m && desc, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  status = fbi_exact_check(desc);
-  status = status ? status : fbi_quat_from_attitude(attitude, desc->attitude);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_exact_check(desc));
+  FBI_TRY(fbi_quat_from_attitude(attitude, desc->attitude));
 
   /* Sizes and options */
   memset(m, 0, sizeof *m);
@@ -29130,15 +28665,14 @@ static fb_status fbi_large_free_mass(fb_real *M, fb_body_work *work, const fb_bo
 {
   const int n = body->n;
   fbi_kinetics k;
-  fb_status status;
   FBI_WITH_LINES(k);
-  status = fbi_large_undeformed(&k, work->d, body);
-  for (int b = 0; b < n && status == FB_OK; b++) {
+  FBI_TRY(fbi_large_undeformed(&k, work->d, body));
+  for (int b = 0; b < n; b++) {
     fb_real column[6];
     for (int i = 0; i < 6; i++) {
       column[i] = k.line->X[i * n + b];
     }
-    status = fbi_base_solve(column, body->base, k.line->M_rr, column);
+    FBI_TRY(fbi_base_solve(column, body->base, k.line->M_rr, column));
     for (int a = 0; a < n; a++) {
       M[a * n + b] = fbi_dot(k.line->L + a * n, k.line->L + b * n, (a < b ? a : b) + 1);
       for (int i = 0; i < 6; i++) {
@@ -29146,7 +28680,7 @@ static fb_status fbi_large_free_mass(fb_real *M, fb_body_work *work, const fb_bo
       }
     }
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -29156,7 +28690,6 @@ static fb_status fbi_free_mass(fb_real *M, fb_body_work *work, const fb_body *bo
   const int n = body->n, first = fbi_first_free(body->base);
   fb_real *rows = work->Lambda;
   fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
-  fb_status status;
 
   /* M^-1, and the free rows of B = Lambda_0 M^-1 */
   fbi_lambda_rows(rows, body, unit, 0, body->n_lambda_constant);
@@ -29181,13 +28714,13 @@ static fb_status fbi_free_mass(fb_real *M, fb_body_work *work, const fb_body *bo
   }
 
   /* M_free, the inverse of that */
-  status = fb_chol_factor(work->B, n);
-  for (int a = 0; a < n && status == FB_OK; a++) {
+  FBI_TRY(fb_chol_factor(work->B, n));
+  for (int a = 0; a < n; a++) {
     fbi_zero(work->d, n);
     work->d[a] = FB_R(1.0);
     fb_chol_solve(M + a * n, work->B, work->d, n);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Modes of the linear part: K x = omega^2 M_free x. */
@@ -29221,7 +28754,6 @@ static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *wor
 FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt)
 {
   fb_exponential out;
-  fb_status status = FB_OK;
   FBI_REQUIRE(scheme && work && body, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
@@ -29232,21 +28764,19 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
   memset(&out, 0, sizeof out);
   out.dt = dt;
   if (body->n > 0) {
-    status = fbi_exponential_modes(&out, work, body);
+    FBI_TRY(fbi_exponential_modes(&out, work, body));
   }
 #if FB_WITH_NONLINEAR_STRAIN
-  if (status == FB_OK && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    status = fbi_membrane_fill(&out, work, body);
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    FBI_TRY(fbi_membrane_fill(&out, work, body));
   }
 #endif
-  for (int k = 0; k < body->n && status == FB_OK; k++) {
+  for (int k = 0; k < body->n; k++) {
     fbi_stumpff_fill(out.half, k, FB_R(0.5) * dt * FB_SQRT(out.omega2[k]));
     fbi_stumpff_fill(out.full, k, dt * FB_SQRT(out.omega2[k]));
   }
-  if (status == FB_OK) {
-    *scheme = out;
-  }
-  return status;
+  *scheme = out;
+  return FB_OK;
 }
 
 #if FB_WITH_FORMS
@@ -29314,13 +28844,9 @@ FB_DEF fb_status fb_form_torque_add_beam(fb_form_torque *torque, const fb_shape 
   fb_real x[FBI_RULE], w[FBI_RULE];
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   int points;
-  fb_status status;
   FBI_REQUIRE(torque && shape && beam && modes, FB_ERR_NULL);
   FBI_REQUIRE(torque->n_beam == 0 || torque->n == shape->n, FB_ERR_VALUE);
-  status = fbi_beam_fits(shape, first, beam, modes);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_beam_fits(shape, first, beam, modes));
   torque->n = shape->n;
   torque->n_beam++;
   points = fbi_strain_points(modes);
@@ -29435,14 +28961,10 @@ FB_DEF fb_status fb_form_init(fb_form_body *formed, fb_body_work *work, const fb
 {
   fb_body *body;
   fb_body_desc own;
-  fb_status status;
   int linear = 0;
   FBI_REQUIRE(formed && work && shape && desc && form, FB_ERR_NULL);
-  status = fbi_body_desc_check(shape, desc);
-  status = status ? status : fbi_form_check(shape, desc, form);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_body_desc_check(shape, desc));
+  FBI_TRY(fbi_form_check(shape, desc, form));
 
   /* A body of the same effects; second-order form: M_rr(q) in place of S(q) */
   own = *desc;
@@ -29451,18 +28973,15 @@ FB_DEF fb_status fb_form_init(fb_form_body *formed, fb_body_work *work, const fb
     own.allow_split_effects = 1;
   }
   body = &work->body;
-  status = fb_body_init(body, work, shape, &own);
-  if (status == FB_OK && form->form != FB_FORM_MOMENTUM && fbi_optional_effects(body)) {
+  FBI_TRY(fb_body_init(body, work, shape, &own));
+  if (form->form != FB_FORM_MOMENTUM && fbi_optional_effects(body)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, rotors and central gravity, with the momentum form",
                       -1, FB_R(0.0), FB_R(0.0));
   }
-  if (status == FB_OK && form->form == FB_FORM_SECOND) {
+  if (form->form == FB_FORM_SECOND) {
     fbi_zero(work->Lambda, (body->n + 1) * 6 * body->n);
     linear = fbi_S_list(body, work, shape);
-    status = fbi_S_room(body);
-  }
-  if (status != FB_OK) {
-    return status;
+    FBI_TRY(fbi_S_room(body));
   }
 
   formed->body = *body;
@@ -29485,13 +29004,9 @@ static int fbi_form_counts_are_valid(const fb_form_body *formed)
 
 FB_DEF fb_status fb_form_check(const fb_form_body *formed)
 {
-  fb_status status;
   int valid;
   FBI_REQUIRE(formed, FB_ERR_NULL);
-  status = fb_body_check(&formed->body);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_body_check(&formed->body));
   valid = fbi_is_choice((int)formed->form, (int)FB_FORM_COUNT - 1) &&
           fbi_is_choice((int)formed->stiffness_torque, (int)FB_TORQUE_COUNT - 1) && fbi_is_within(formed->degree, 3) &&
           fbi_form_counts_are_valid(formed) && fbi_is_finite(formed->M_rr, 21);
@@ -29820,10 +29335,7 @@ static fb_status fbi_form_rates(fb_state *rate, fbi_form_kinetics *e, const fb_f
   const fb_body *const body = &formed->body;
   const int given = body->base == FB_BASE_PRESCRIBED;
   fbi_kinetics *const k = &e->k;
-  fb_status status = fbi_input_check(body, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_input_check(body, input));
 
   /* Velocities, loads; acceleration by loads for the step limit */
   fbi_form_enter(k, body, state, input);
@@ -29844,7 +29356,7 @@ static fb_status fbi_form_rates(fb_state *rate, fbi_form_kinetics *e, const fb_f
 
   /* Velocities */
   if (formed->form == FB_FORM_SECOND) {
-    status = fbi_second_rates(rate, e, formed, state);
+    FBI_TRY(fbi_second_rates(rate, e, formed, state));
   } else {
     fbi_first_rates(rate, e, formed, state);
   }
@@ -29855,7 +29367,7 @@ static fb_status fbi_form_rates(fb_state *rate, fbi_form_kinetics *e, const fb_f
     fb_mat33_mul_vec3(rate->u, k->R, e->V_dot);
     fbi_copy(rate->L, e->V_dot + 3, 3);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Rates at a state whose pose is not known. */
@@ -29894,16 +29406,12 @@ FB_DEF fb_status fb_form_state_from_velocity(const fb_form_body *formed, fb_stat
   const fb_body *body;
   fb_real R[9], qx[FB_MAX_MODES + 1], V[6] = {0}, e[FB_MAX_MODES], own[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
   fb_state out;
-  fb_status status;
   FBI_REQUIRE(formed && state && v && w, FB_ERR_NULL);
   body = &formed->body;
   if (formed->form == FB_FORM_MOMENTUM) {
     return fb_state_from_velocity(body, state, v, w, q_dot);
   }
-  status = fbi_velocity_check(body, state, v, w, rates);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_velocity_check(body, state, v, w, rates));
 
   /* q_dot, or v_e = q_dot - M^-1 q_b Ups_b^T w */
   out = *state;
@@ -29944,16 +29452,12 @@ FB_DEF fb_status fb_form_motion_eval(const fb_form_body *formed, fb_motion *moti
   fb_state at, rate;
   fb_motion out;
   fb_real xd[FB_MAX_MODES + 1], velocity[3], y[6], unused[FB_MAX_MODES + 1] = {0};
-  fb_status status;
   FBI_REQUIRE(formed && motion && state, FB_ERR_NULL);
   body = &formed->body;
   if (formed->form == FB_FORM_MOMENTUM) {
     return fb_body_motion_eval(body, motion, state, input);
   }
-  status = fbi_form_look(&at, &rate, &e, formed, state, input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_form_look(&at, &rate, &e, formed, state, input));
 
   /* Velocities */
   memset(&out, 0, sizeof out);
@@ -30086,7 +29590,7 @@ FB_DEF fb_status fb_form_momentum_eval(const fb_form_body *formed, fb_momentum *
 /* End of a step: sums the increments, flushes small values, normalizes the quaternion and checks the range. */
 static fb_status fbi_form_step_end(fb_state *state, fb_state *next, const fb_body *body)
 {
-  fb_status status = fbi_quat_increment(next->quat, state->quat);
+  FBI_TRY(fbi_quat_increment(next->quat, state->quat));
   FBI_SUM_4(next, state, quat);
   FBI_SUM_FLUSHED(next, state, q, body->n);
   FBI_SUM_FLUSHED(next, state, pi, body->n);
@@ -30099,15 +29603,13 @@ static fb_status fbi_form_step_end(fb_state *state, fb_state *next, const fb_bod
 #if FB_SINGLE
   fbi_zero(next->lost_h, 3);
 #endif
-  status = status ? status : fbi_pin_check(body, state);
-  status = status ? status : fbi_state_range(body, next);
-  if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
-    status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
+  FBI_TRY(fbi_pin_check(body, state));
+  FBI_TRY(fbi_state_range(body, next));
+  if (!fbi_quat_is_unit(next->quat)) {
+    return FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
-  if (status == FB_OK) {
-    fbi_state_copy(state, next, body->n);
-  }
-  return status;
+  fbi_state_copy(state, next, body->n);
+  return FB_OK;
 }
 
 /* E11.3 */
@@ -30120,16 +29622,13 @@ static fb_status fbi_form_rk4_step(const fb_form_body *formed, fb_state *state, 
   fb_real spin[3] = {FB_R(0.0)};
   fbi_state_enter(&w->start, e.k.R, body, state);
   for (int stage = 0; stage < 4; stage++) {
-    fb_status status = fbi_form_rates(&w->rate, &e, formed, at, input[stage]);
-    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &e.k, input[0], dt, 0);
+    FBI_TRY(fbi_form_rates(&w->rate, &e, formed, at, input[stage]));
+    if (stage == 0 && !body->allow_long_step) {
+      FBI_TRY(fbi_rk4_check(body, &e.k, input[0], dt, 0));
       fbi_vec3_copy(spin, e.k.V + 3);
     }
-    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
-      status = fbi_rotation_check(spin, e.k.V + 3, dt);
-    }
-    if (status != FB_OK) {
-      return status;
+    if (stage == 3 && !body->allow_long_step) {
+      FBI_TRY(fbi_rotation_check(spin, e.k.V + 3, dt));
     }
     if (stage == 0) {
       fbi_state_scale(&w->sum, dt * fbi_rk4_weight[stage], &w->rate, body->n);
@@ -30227,15 +29726,11 @@ static fb_status fbi_form_stage(fb_implicit_work *w, fb_state *k, const fb_form_
   fb_real first = FB_R(0.0), last = FB_R(0.0);
   for (int i = 0; i < iterations; i++) {
     fbi_form_kinetics here;
-    fb_status status;
     fbi_state_advance(&w->stage, base, w->g, k, body->n);
     fb_quat_to_mat33(here.k.R, w->stage.quat);
-    status = fbi_form_rates(&w->rate, &here, formed, &w->stage, input);
-    if (status == FB_OK && i == iterations - 1 && !body->allow_long_step) {
-      status = fbi_rotation_check(at->V + 3, here.k.V + 3, dt);
-    }
-    if (status != FB_OK) {
-      return status;
+    FBI_TRY(fbi_form_rates(&w->rate, &here, formed, &w->stage, input));
+    if (i == iterations - 1 && !body->allow_long_step) {
+      FBI_TRY(fbi_rotation_check(at->V + 3, here.k.V + 3, dt));
     }
     fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
     fbi_form_solve(&w->rate, w, body, at, &w->start);
@@ -30520,14 +30015,14 @@ static fb_status fbi_exact_correction_add(fb_exact_work *work, const fb_exact *m
 /* An input under which a steady state is asked for: the motors of driven joints rest. */
 static fb_status fbi_exact_steady_check(const fb_exact *m, const fb_exact_input *input)
 {
-  const fb_status status = fbi_exact_input_check(m, input);
-  for (int j = 0; j < m->n_joint && status == FB_OK; j++) {
+  FBI_TRY(fbi_exact_input_check(m, input));
+  for (int j = 0; j < m->n_joint; j++) {
     if (m->joint[j].driven && input->motor[j] != FB_R(0.0)) {
       return FBI_REFUSE(FB_ERR_VALUE, "joint: motor of a driven one in a steady state [rad/s], equal to", j,
                         input->motor[j], FB_R(0.0));
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* [E10.11] Newton's method for a steady state: the beam moves as a rigid body with the twist of its base, under `part`
@@ -30746,7 +30241,6 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
   fb_real J[9], kept[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
-  fb_status status;
   fbi_vec6_zero(V);
   if (!fbi_is_number(spin)) {
     return FB_ERR_NOT_FINITE;
@@ -30766,8 +30260,8 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
 
   /* w along the projection of `wanted` on a principal axis, or on the space of all with the same inertia */
   fbi_copy(kept, J, 9);
-  status = fb_eig_sym_solve(value, axes, J, 3);
-  for (int k = 0; k < 3 && status == FB_OK; k++) {
+  FBI_TRY(fb_eig_sym_solve(value, axes, J, 3));
+  for (int k = 0; k < 3; k++) {
     fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
     for (int i = 0; i < 3; i++) {
       if (FB_FABS(value[i] - value[k]) <= FBI_ROUNDING * value[2]) {
@@ -30783,8 +30277,8 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
   }
 
 #if FB_WITH_ROTORS
-  if (status == FB_OK && !fbi_is_zero(own, 3)) {
-    status = fbi_gyrostat_spin(V + 3, kept, own, wanted);
+  if (!fbi_is_zero(own, 3)) {
+    FBI_TRY(fbi_gyrostat_spin(V + 3, kept, own, wanted));
   }
 #endif
   (void)own;
@@ -30797,7 +30291,7 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], const fb
       V[i] /= mass;
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Relative tolerance of equilibrium: a resultant below this part of the summed magnitudes counts as round-off. */
@@ -30968,7 +30462,6 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  fb_status status;
 #if FB_WITH_GRAVITY
   fb_real g[3];
 #endif
@@ -30978,32 +30471,27 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
     return FB_OK;
   }
 #endif
-  status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
+  FBI_TRY(fb_body_node_motion_eval(body, &node, state, motion, port->node));
 #if FB_WITH_GRAVITY
   gravity = g;
-  status = status ? status : fb_body_gravity_eval(body, g, node.position);
+  FBI_TRY(fb_body_gravity_eval(body, g, node.position));
 #endif
-  if (status == FB_OK && port->kind == FB_PORT_ROTATION) {
+  if (port->kind == FB_PORT_ROTATION) {
     fb_node_motion from;
     fb_state at = *state;
     fb_real turn[4];
     fbi_copy(at.q, steady, body->n);
-    status = fb_body_node_motion_eval(body, &from, &at, motion, port->node);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fb_body_node_motion_eval(body, &from, &at, motion, port->node));
     fb_quat_from_rotvec(turn, node.rotation);
     fbi_vec3_copy(node.rotation, from.rotation);
     fbi_rotvec_near(node.rotation, turn);
   }
-  if (status == FB_OK) {
-    fb_imu_eval(&imu, &node, gravity);
-    *y = port->kind == FB_PORT_DISPLACEMENT ? node.displacement[port->axis]
-         : port->kind == FB_PORT_ROTATION   ? node.rotation[port->axis]
-         : port->kind == FB_PORT_RATE       ? imu.angular_rate[port->axis]
-                                            : imu.specific_force[port->axis];
-  }
-  return status;
+  fb_imu_eval(&imu, &node, gravity);
+  *y = port->kind == FB_PORT_DISPLACEMENT ? node.displacement[port->axis]
+       : port->kind == FB_PORT_ROTATION   ? node.rotation[port->axis]
+       : port->kind == FB_PORT_RATE       ? imu.angular_rate[port->axis]
+                                          : imu.specific_force[port->axis];
+  return FB_OK;
 }
 
 /* ---- residual and response of one body */
@@ -31028,10 +30516,7 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
 #if FB_WITH_ROTORS
   {
-    const fb_status status = fbi_rotors_balanced(body, state->pi, input->rotor);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_rotors_balanced(body, state->pi, input->rotor));
   }
 #endif
   return fb_state_check(body, state);
@@ -31087,8 +30572,8 @@ static void fbi_momenta_about_origin(fb_real ph[6], const fb_body *body, const f
 static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                               const fb_real *q_dot)
 {
-  const fb_status status = fb_state_from_velocity(body, state, v, w, q_dot);
-  if (status == FB_OK && fbi_is_following(body)) {
+  FBI_TRY(fb_state_from_velocity(body, state, v, w, q_dot));
+  if (fbi_is_following(body)) {
     const fb_real back[3] = {-state->u[0], -state->u[1], -state->u[2]};
     fb_real R[9];
     fbi_kinetics k;
@@ -31097,7 +30582,7 @@ static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_rea
     fbi_frame_shift(state->pi, FBI_LINE_OF(&k), body, state->q, R, back);
     fbi_zero(state->u, 3);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Velocities of a freely spinning base at the deformation q of the state, whose momenta are overwritten. */
@@ -31105,7 +30590,6 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
 {
   const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real R[9], momenta[18], own[6] = {FB_R(0.0)};
-  fb_status status = FB_OK;
   fbi_zero(V, 3);
   fbi_copy(V + 3, wanted, 3);
   if (body->base == FB_BASE_HINGED || !(fb_vec3_dot(wanted, wanted) > FB_R(0.0))) {
@@ -31115,20 +30599,19 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
   /* Momenta of rotors, and by a unit angular velocity about each axis */
   fb_quat_to_mat33(R, state->quat);
   if (fbi_has(body->effects, FB_EFFECT_ROTORS)) {
-    status = fb_state_from_velocity(body, state, still, still, NULL);
+    FBI_TRY(fb_state_from_velocity(body, state, still, still, NULL));
     fbi_momenta_about_origin(own, body, state, R);
   }
-  for (int i = 0; i < 3 && status == FB_OK; i++) {
+  for (int i = 0; i < 3; i++) {
     fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     w[i] = FB_R(1.0);
-    status = fb_state_from_velocity(body, state, still, w, NULL);
+    FBI_TRY(fb_state_from_velocity(body, state, still, w, NULL));
     fbi_momenta_about_origin(momenta + 6 * i, body, state, R);
     for (int j = 0; j < 6; j++) {
       momenta[6 * i + j] -= own[j];
     }
   }
-  return status ? status
-                : fbi_free_spin(V, momenta, own + 3, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
+  return fbi_free_spin(V, momenta, own + 3, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
 }
 
 /* ---- steady states in orbit */
@@ -31241,7 +30724,6 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
   fb_analyse_work *const work = s->work;
   const int orbit = fbi_is_orbit(s->body, s->input);
   fb_real V[6];
-  fb_status status = FB_OK;
   work->moved = *s->state;
   fbi_body_unknown_move(&work->moved, s, j, h);
   if (orbit) {
@@ -31250,17 +30732,15 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
     fbi_copy(V, s->input->v, 3);
     fbi_copy(V + 3, s->input->w, 3);
   } else {
-    status = fbi_body_spin(V, &work->moved, s->body, s->input->w);
+    FBI_TRY(fbi_body_spin(V, &work->moved, s->body, s->input->w));
   }
-  status = status ? status : fbi_state_of(s->body, &work->moved, V, V + 3, NULL);
-  status = status ? status : fb_body_rates_eval(s->body, &work->rate, &work->moved, s->input);
-  if (status == FB_OK) {
-    fbi_copy(f, work->rate.pi, s->body->n);
-  }
-  if (status == FB_OK && orbit) {
+  FBI_TRY(fbi_state_of(s->body, &work->moved, V, V + 3, NULL));
+  FBI_TRY(fb_body_rates_eval(s->body, &work->rate, &work->moved, s->input));
+  fbi_copy(f, work->rate.pi, s->body->n);
+  if (orbit) {
     fbi_orbit_residual(f + s->body->n, s, j - s->body->n, h);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Magnitude of the component of x perpendicular to the spin axis w; 0 without spin. */
@@ -31279,11 +30759,11 @@ static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *wo
 {
   fb_line_motion point[FB_MAX_LINE_POINTS];
   int n = 0;
-  const fb_status status = fb_body_lines_eval(body, point, &n, &work->moved, &work->motion, input);
-  for (int k = 0; k < n && status == FB_OK; k++) {
+  FBI_TRY(fb_body_lines_eval(body, point, &n, &work->moved, &work->motion, input));
+  for (int k = 0; k < n; k++) {
     *torque += fbi_vec3_norm(point[k].at.torque) + length * fbi_vec3_norm(point[k].at.force);
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -31311,7 +30791,7 @@ static fb_status fbi_gravity_size(fb_real *torque, fb_real *across, const fb_bod
 {
   const fb_real lever = body->mass * body->gyration;
   fb_real g[3];
-  const fb_status status = fb_body_gravity_eval(body, g, state->rho);
+  FBI_TRY(fb_body_gravity_eval(body, g, state->rho));
   if (fbi_is_central(body) && fbi_is_free(body)) {
     *torque +=
         FB_R(64.0) * FB_EPSILON / FBI_UNREST * lever * fbi_vec3_norm(g) + lever * body->gyration * fb_vec3_dot(w, w);
@@ -31319,7 +30799,7 @@ static fb_status fbi_gravity_size(fb_real *torque, fb_real *across, const fb_bod
   }
   *torque += lever * fbi_vec3_norm(g);
   *across += lever * fbi_transverse_norm(w, g);
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -31337,10 +30817,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
     return status;
   }
 #if FB_WITH_LARGE_DEFLECTION
-  status = fbi_is_distributed(input) ? fbi_distributed_size(&torque, work, body, input, length) : FB_OK;
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_is_distributed(input) ? fbi_distributed_size(&torque, work, body, input, length) : FB_OK);
 #endif
 
   /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
@@ -31354,10 +30831,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
     across += fbi_transverse_norm(seen, load->torque) + length * fbi_transverse_norm(seen, load->force);
   }
 #if FB_WITH_GRAVITY
-  status = fbi_gravity_size(&torque, &across, body, &work->moved, w);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_gravity_size(&torque, &across, body, &work->moved, w));
 #endif
 
   /* P' = w x P, L' = w x L, now and later */
@@ -31501,26 +30975,20 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   const int n = body->n, m = fbi_rotors_free(rotor, body), first = fbi_first_free(body->base), n_free = 6 - first,
             base = 2 * n + m, states = base + 2 * n_free;
   fb_real frame[12];
-  fb_status status = FB_OK;
 
   /* State and input, then rates and motion */
   work->moved = *s->state;
   work->input = *s->input;
   if (j < states) {
-    status = fbi_linear_move(&work->moved, s, j, h);
+    FBI_TRY(fbi_linear_move(&work->moved, s, j, h));
   } else {
     fbi_port_drive(&work->input, body, &s->desc->in[j - states], h);
   }
-  status = status ? status : fb_body_rates_eval(body, &work->rate, &work->moved, &work->input);
+  FBI_TRY(fb_body_rates_eval(body, &work->rate, &work->moved, &work->input));
 #if FB_WITH_ROTORS
-  if (status == FB_OK) {
-    fbi_rotors_tangent(&work->rate, &work->input, &work->steady, body);
-  }
+  fbi_rotors_tangent(&work->rate, &work->input, &work->steady, body);
 #endif
-  status = status ? status : fb_body_motion_eval(body, &work->motion, &work->moved, &work->input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_body_motion_eval(body, &work->motion, &work->moved, &work->input));
 
   /* Rates of x, outputs, momenta */
   fbi_copy(f, work->rate.q, n);
@@ -31532,10 +31000,10 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   fbi_copy(f + base, frame + first, n_free);
   fbi_copy(f + base + n_free, frame + 6 + first, n_free);
   fbi_linear_momenta(f + states + s->desc->n_out, body, &work->moved);
-  for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
-    status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k], s->state->q);
+  for (int k = 0; k < s->desc->n_out; k++) {
+    FBI_TRY(fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k], s->state->q));
   }
-  return status;
+  return FB_OK;
 }
 
 #if FB_WITH_SYSTEM
@@ -31544,7 +31012,6 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *input)
 {
-  fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE_MADE(system->n_body);
   work->system.joint = -1; /* no joint has failed yet */
@@ -31557,13 +31024,13 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
                         FB_R(0.0), FB_R(0.0));
     }
   }
-  status = fbi_system_input_check(system, body, input);
+  FBI_TRY(fbi_system_input_check(system, body, input));
 #if FB_WITH_ROTORS
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_rotors_balanced(fbi_model(system, body, k), state->link[k].pi, fbi_link_rotors_input(input, k));
+  for (int k = 0; k < system->n_body; k++) {
+    FBI_TRY(fbi_rotors_balanced(fbi_model(system, body, k), state->link[k].pi, fbi_link_rotors_input(input, k)));
   }
 #endif
-  return status ? status : fbi_system_range(system, body, state);
+  return fbi_system_range(system, body, state);
 }
 
 /* Characteristic length of a system [m], the scale of sliding coordinates: the largest radius of gyration of a body or
@@ -31672,22 +31139,21 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
   fb_system_analyse_work *const work = s->system_work;
   fb_system_work *const w = &work->system;
   const int n = work->n;
-  fb_status status = FB_OK;
 
   /* Constraint rows and their violation */
   fbi_system_enter(w, s->system);
   fbi_links_place(w, s->system, s->body, state, state);
   if (s->system->n_loop > 0) {
-    status = fbi_rows_fill(w, s->system, s->body, state, s->system_input);
+    FBI_TRY(fbi_rows_fill(w, s->system, s->body, state, s->system_input));
   }
-  for (int r = 0; r < w->n_row && status == FB_OK; r++) {
+  for (int r = 0; r < w->n_row; r++) {
     work->Z[r * (n + 1) + n] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
     work->row_size[r] = FB_R(0.0);
     w->order[r] = r;
   }
 
   /* Jacobian, column by column */
-  for (int j = 0; j < n && w->n_row > 0 && status == FB_OK; j++) {
+  for (int j = 0; j < n && w->n_row > 0; j++) {
     fbi_unit_speeds(s, &work->coordinate[j]);
     fbi_ends_move(w, s->system, s->body);
     for (int r = 0; r < w->n_row; r++) {
@@ -31695,7 +31161,7 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
       work->row_size[r] = fbi_larger(work->row_size[r], fbi_row_size(&w->row[r], w) * work->size[j]);
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Pivot: the largest scaled element of rows k and later, over all columns (choose) or in the column of the k-th
@@ -31910,8 +31376,7 @@ static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, 
 static fb_status fbi_roots_spin(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
-  fb_status status = FB_OK;
-  for (int k = 0; k < s->system->n_body && status == FB_OK && s->system_input; k++) {
+  for (int k = 0; k < s->system->n_body && s->system_input; k++) {
     const fb_real *const wanted = s->system_input->drive[k].rate + 3;
     fb_real momenta[24], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     if (!fbi_is_afloat(s->system, &work->moved, k) || fb_vec3_dot(wanted, wanted) == FB_R(0.0)) {
@@ -31926,9 +31391,9 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
       fbi_rotors_momentum(own, s, k);
     }
 #endif
-    status = fbi_free_spin(work->rest[k].speed, momenta, own, momenta[18], wanted);
+    FBI_TRY(fbi_free_spin(work->rest[k].speed, momenta, own, momenta[18], wanted));
   }
-  return status;
+  return FB_OK;
 }
 
 /* Are the free joints of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate one. */
@@ -31963,21 +31428,18 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
 {
   fb_system_analyse_work *const work = s->system_work;
   fb_system_work *const w = &work->system;
-  fb_status status;
   work->moved = *s->system_state;
   if (work->n_independent > 0) {
     fbi_coordinate_move(&work->moved, s->system, &work->coordinate[work->independent[j]], h);
   }
-  status = fbi_loops_shut(s, &work->moved);
-  status = status ? status : fbi_roots_spin(s);
+  FBI_TRY(fbi_loops_shut(s, &work->moved));
+  FBI_TRY(fbi_roots_spin(s));
   fbi_speeds_set(w, s->system, s->body, &work->moved, work->rest, s->system_input);
   fbi_momenta_fill(&work->moved, w, s->system, s->body);
-  status = status ? status : fb_system_rates_eval(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
-  if (status == FB_OK) {
-    fbi_system_linear_rates(f, s);
-    fbi_copy(f, f + work->n_independent, work->n_independent);
-  }
-  return status;
+  FBI_TRY(fb_system_rates_eval(s->system, s->body, w, &work->rate, &work->moved, s->system_input));
+  fbi_system_linear_rates(f, s);
+  fbi_copy(f, f + work->n_independent, work->n_independent);
+  return FB_OK;
 }
 
 /* Momenta of the independent coordinates (out) and of all (p); the poses of the bodies are known. */
@@ -32094,7 +31556,6 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 {
   fb_system_analyse_work *const work = s->system_work;
   const int states = 2 * work->n_independent + work->n_rotor;
-  fb_status status;
 
   /* State and input, then rates */
   work->moved = *s->system_state;
@@ -32105,12 +31566,8 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
   if (j >= states) {
     fbi_system_port_drive(&work->input, s, &s->desc->in[j - states], h);
   }
-  status = fbi_system_linear_move(s, j, h);
-  status = status ? status
-                  : fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_linear_move(s, j, h));
+  FBI_TRY(fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input));
 
   /* Rates of x, momenta, outputs */
   fbi_system_linear_rates(f, s);
@@ -32119,12 +31576,12 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 #endif
   fbi_copy(f + states + s->desc->n_out, work->p_moved, work->n_independent);
   if (s->desc->n_out > 0) {
-    status = fb_system_motion_eval(s->system, s->body, &work->system, &work->motion, &work->moved, &work->input);
+    FBI_TRY(fb_system_motion_eval(s->system, s->body, &work->system, &work->motion, &work->moved, &work->input));
   }
-  for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
-    status = fbi_system_port_read(f + states + k, s, &s->desc->out[k]);
+  for (int k = 0; k < s->desc->n_out; k++) {
+    FBI_TRY(fbi_system_port_read(f + states + k, s, &s->desc->out[k]));
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -32161,15 +31618,14 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
   static const fb_real weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
                                     -FB_R(1.0) / FB_R(12.0)};
   static const int at[4] = {-2, -1, 1, 2};
-  fb_status status = FB_OK;
   fbi_zero(work->column, count);
-  for (int k = 0; k < 4 && status == FB_OK; k++) {
-    status = fbi_subject_eval(work->f, s, j, (fb_real)at[k] * h);
-    for (int i = 0; i < count && status == FB_OK; i++) {
+  for (int k = 0; k < 4; k++) {
+    FBI_TRY(fbi_subject_eval(work->f, s, j, (fb_real)at[k] * h));
+    for (int i = 0; i < count; i++) {
       work->column[i] += weight[k] / h * work->f[i];
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Longest correction of Newton's method, relative to the size of the body or in radians: beams that loads bend far
@@ -32426,11 +31882,8 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
 {
   fbi_subject s;
   fb_real change;
-  fb_status status = fbi_system_analyse_check(work, system, body, state, input);
-  status = status ? status : fbi_coordinates_find(work, system, body, state, 1);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_analyse_check(work, system, body, state, input));
+  FBI_TRY(fbi_coordinates_find(work, system, body, state, 1));
 
   /* Initial state: prescribed axes at their rates; momenta of the trees relative to frames at rest, in which alone
      those of a steady rotation are constant */
@@ -32446,29 +31899,27 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   fbi_prescribe(&work->state, system, &work->state, input);
 
   /* Newton's method with closed loops */
-  status = fbi_loops_open(&s, &work->state);
-  status = status ? status : fbi_loops_shut(&s, &work->state);
-  status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
-  status = status ? status : fbi_system_range(system, body, &work->moved);
-  if (status == FB_OK && !fbi_is_converged(change)) {
-    status = FB_ERR_CONVERGENCE;
+  FBI_TRY(fbi_loops_open(&s, &work->state));
+  FBI_TRY(fbi_loops_shut(&s, &work->state));
+  FBI_TRY(fbi_trim_newton(&change, &work->common, &s, work->n_independent));
+  FBI_TRY(fbi_system_range(system, body, &work->moved));
+  if (!fbi_is_converged(change)) {
+    return FB_ERR_CONVERGENCE;
   }
 
   /* Equilibrium that lasts, of the free joints, and of rotors */
-  status = status ? status : fbi_drives_last(&s, work->n_independent);
-  status = status ? status : fbi_roots_rest(&s);
+  FBI_TRY(fbi_drives_last(&s, work->n_independent));
+  FBI_TRY(fbi_roots_rest(&s));
 #if FB_WITH_ROTORS
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+  for (int k = 0; k < system->n_body; k++) {
     const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
     const fb_body *const model = fbi_model(system, body, k);
-    status = fbi_rotors_rest(model, work->system.link[k].k.rotor_speed, own);
+    FBI_TRY(fbi_rotors_rest(model, work->system.link[k].k.rotor_speed, own));
     fbi_rotors_normalize(work->moved.link[k].q, work->moved.link[k].pi, model, own);
   }
 #endif
-  if (status == FB_OK) {
-    *state = work->moved;
-  }
-  return status;
+  *state = work->moved;
+  return FB_OK;
 }
 #endif
 
@@ -32532,16 +31983,12 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
 static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   fb_exact_work *const work = &w->exact;
-  fb_status status;
   fbi_exact_path_residual(w, m, factor + FB_R(1.0));
   fbi_copy(w->B, work->B, 6 * (m->n + 1));
   fbi_copy(w->c, work->c, 6 * m->n);
   fbi_exact_path_residual(w, m, factor);
   fbi_exact_want(work, m, FB_R(0.0));
-  status = fbi_exact_factor(work, m);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_exact_factor(work, m));
   fbi_exact_solve(work, m);
   fbi_copy(w->dd, work->dd, 6 * (m->n + 1));
   fbi_copy(w->ds, work->ds, 6 * m->n);
@@ -32822,8 +32269,8 @@ static fb_status fbi_ports_check(const fb_linear_desc *desc)
 
 static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
 {
-  fb_status status = fbi_ports_check(desc);
-  for (int k = 0; status == FB_OK && k < desc->n_in + desc->n_out; k++) {
+  FBI_TRY(fbi_ports_check(desc));
+  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
 #if FB_WITH_ROTORS
@@ -32833,13 +32280,13 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
       continue;
     }
 #endif
-    status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
-                            input->n_load < FB_MAX_LOADS);
-    if (status == FB_OK && port->body != 0) {
+    FBI_TRY(fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED, body->n_node,
+                           input->n_load < FB_MAX_LOADS));
+    if (port->body != 0) {
       return FB_ERR_CAPACITY;
     }
   }
-  return status;
+  return FB_OK;
 }
 
 #if FB_WITH_SYSTEM
@@ -32878,14 +32325,14 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
 
 static fb_status fbi_system_ports_check(const fbi_subject *s)
 {
-  fb_status status = fbi_ports_check(s->desc);
-  for (int k = 0; k < s->desc->n_in && status == FB_OK; k++) {
-    status = fbi_system_port_check(s, &s->desc->in[k], 1);
+  FBI_TRY(fbi_ports_check(s->desc));
+  for (int k = 0; k < s->desc->n_in; k++) {
+    FBI_TRY(fbi_system_port_check(s, &s->desc->in[k], 1));
   }
-  for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
-    status = fbi_system_port_check(s, &s->desc->out[k], 0);
+  for (int k = 0; k < s->desc->n_out; k++) {
+    FBI_TRY(fbi_system_port_check(s, &s->desc->out[k], 0));
   }
-  return status;
+  return FB_OK;
 }
 
 /* Steady speeds and momenta along the axes of the joints. rate: the largest rate of rotation and flight of a body
@@ -32894,11 +32341,10 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
   fb_system_analyse_work *const work = s->system_work;
-  const fb_status status =
-      fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input);
+  FBI_TRY(fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input));
   fb_real rounding = FB_R(0.0);
   *rate = FB_R(0.0);
-  for (int k = 0; k < s->system->n_body && status == FB_OK; k++) {
+  for (int k = 0; k < s->system->n_body; k++) {
     const fbi_link_work *const L = &work->system.link[k];
     fbi_vec6_copy(work->steady[k], s->system->joint[k].kind == FB_JOINT_FREE ? L->V : L->u);
     fbi_vec6_copy(work->rest[k].speed, L->u);
@@ -32915,13 +32361,11 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
 #endif
   }
   *rate = *rate > rounding ? *rate : FB_R(0.0); /* at rest but for what momenta less those of rotors leave */
-  if (status == FB_OK) {
-    fbi_system_momenta(work->momenta, work->p_dot, s, s->system_state);
-  }
+  fbi_system_momenta(work->momenta, work->p_dot, s, s->system_state);
 #if FB_WITH_ROTORS
-  return status ? status : fbi_free_rotors_find(s);
+  return fbi_free_rotors_find(s);
 #else
-  return status;
+  return FB_OK;
 #endif
 }
 
@@ -33123,16 +32567,15 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   const int *const keep = work->keep;
   fb_real least, largest = FB_R(0.0), worst = FB_R(0.0);
   int order[FB_MAX_LINEAR];
-  fb_status status;
 
   /* Eigenvalues of A + E, then of A */
   fbi_spectrum_matrix(work->A, work, size, FB_R(1.0));
-  status = fbi_eig_general(work->other_re, work->other_im, work->X, &least, work->A, work->eig, size);
+  FBI_TRY(fbi_eig_general(work->other_re, work->other_im, work->X, &least, work->A, work->eig, size));
   fbi_spectrum_matrix(work->A, work, size, FB_R(0.0));
-  status = status ? status : fbi_eig_general(work->re, work->im, work->X, &least, work->A, work->eig, size);
+  FBI_TRY(fbi_eig_general(work->re, work->im, work->X, &least, work->A, work->eig, size));
 
   /* Errors; a double zero splits by the square root of round-off, in both matrices alike */
-  for (int k = 0; k < size && status == FB_OK; k++) {
+  for (int k = 0; k < size; k++) {
     const fbi_complex value = {work->re[k], work->im[k]};
     largest = fbi_larger(largest, fbi_complex_abs(value));
     work->miss[k] = fbi_spectrum_miss(work, k, size);
@@ -33141,11 +32584,8 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
       work->miss[k] = fbi_larger(work->miss[k], least / FB_SQRT((fb_real)size * FB_EPSILON));
     }
   }
-  if (status == FB_OK && worst > FBI_USABLE * largest) {
-    status = FB_ERR_CONVERGENCE;
-  }
-  if (status != FB_OK) {
-    return status;
+  if (worst > FBI_USABLE * largest) {
+    return FB_ERR_CONVERGENCE;
   }
 
   /* Values and shapes in ascending order */
@@ -33239,13 +32679,10 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
 FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc)
 {
-  fb_status status;
   FBI_REQUIRE(linear, FB_ERR_NULL);
-  status = fbi_body_linearize(body, work, state, input, desc);
-  if (status == FB_OK) {
-    *linear = work->common.linear;
-  }
-  return status;
+  FBI_TRY(fbi_body_linearize(body, work, state, input, desc));
+  *linear = work->common.linear;
+  return FB_OK;
 }
 
 /* Does the motion of a body depend on its position or attitude? */
@@ -33262,13 +32699,9 @@ static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 FB_DEF fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input)
 {
-  fb_status status;
   int size;
   FBI_REQUIRE(spectrum && work && body, FB_ERR_NULL);
-  status = fbi_body_linearize(body, work, state, input, NULL);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_body_linearize(body, work, state, input, NULL));
   size = work->common.linear.n - (fbi_pose_acts(body, input) ? 0 : work->common.linear.n_free);
   for (int i = 0; i < size; i++) {
     work->common.keep[i] = i;
@@ -33391,13 +32824,12 @@ static fb_status fbi_friction_straighten(fbi_subject *s, const fb_system_state *
   fb_system_work *const w = &s->system_work->system;
   fb_system *const straight = &w->system;
   const fb_system *const system = s->system;
-  fb_status status;
   if (!system->rubs) {
     return FB_OK;
   }
   *straight = *system;
-  status = fbi_system_rates(w, system, s->body, &w->rate, state, state, s->system_input);
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+  FBI_TRY(fbi_system_rates(w, system, s->body, &w->rate, state, state, s->system_input));
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
     fb_joint *const joint = &straight->joint[j];
     for (int i = 0; joint->rubs && i < joint->n_axis; i++) {
       const fb_real u = fbi_axis_speed(w, system, s->body, j, i), secant = fbi_friction(joint, i, u);
@@ -33410,7 +32842,7 @@ static fb_status fbi_friction_straighten(fbi_subject *s, const fb_system_state *
     }
   }
   s->system = straight;
-  return status;
+  return FB_OK;
 }
 
 /* Linear model of a system, in work->common.linear. */
@@ -33466,13 +32898,10 @@ FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *bod
                                      fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
                                      const fb_linear_desc *desc)
 {
-  fb_status status;
   FBI_REQUIRE(linear, FB_ERR_NULL);
-  status = fbi_system_linearize(system, body, work, state, input, desc);
-  if (status == FB_OK) {
-    *linear = work->common.linear;
-  }
-  return status;
+  FBI_TRY(fbi_system_linearize(system, body, work, state, input, desc));
+  *linear = work->common.linear;
+  return FB_OK;
 }
 
 /* Adds the dependent coordinates to a shape z that holds the independent ones. */
@@ -33512,13 +32941,9 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
                                           fb_spectrum *spectrum, const fb_system_state *state,
                                           const fb_system_input *input)
 {
-  fb_status status;
   int size = 0, acts, n;
   FBI_REQUIRE(spectrum && work, FB_ERR_NULL);
-  status = fbi_system_linearize(system, body, work, state, input, NULL);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_system_linearize(system, body, work, state, input, NULL));
 
   /* States that take part */
   acts = fbi_system_pose_acts(system, body, input);
@@ -33534,12 +32959,12 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
   }
 
   /* Modes; their shapes with the dependent coordinates */
-  status = fbi_spectrum_fill(spectrum, &work->common, size, n, work->n);
-  for (int k = 0; k < spectrum->n && status == FB_OK; k++) {
+  FBI_TRY(fbi_spectrum_fill(spectrum, &work->common, size, n, work->n));
+  for (int k = 0; k < spectrum->n; k++) {
     fbi_loops_shape(spectrum->shape_re + k * work->n, work);
     fbi_loops_shape(spectrum->shape_im + k * work->n, work);
   }
-  return status;
+  return FB_OK;
 }
 #endif
 
@@ -34140,14 +33565,9 @@ static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exac
                                  const fb_exact *m, const fb_exact_state *state, const fb_exact_input *input, int count)
 {
   const int size = fbi_exact_basis(m, count);
-  fb_status status = fbi_exact_shifted(&work->exact, m, state, input);
-  if (status == FB_OK) {
-    fbi_exact_arnoldi(work, m, size, NULL);
-    status = fbi_exact_eigen(work, size, 0);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_exact_shifted(&work->exact, m, state, input));
+  fbi_exact_arnoldi(work, m, size, NULL);
+  FBI_TRY(fbi_exact_eigen(work, size, 0));
   fbi_exact_lambda(work, size);
   *found = fbi_spectrum_order(order, work->re, work->im, size);
   if (*found >= count && fbi_exact_damped(m) && size < fbi_exact_dim(m)) { /* not all that there are */
@@ -34209,8 +33629,8 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *
 {
   const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
                             FBI_COUNT(desc->n_out, 0, FB_MAX_PORTS, "n_out, 0 to FB_MAX_PORTS, beyond")};
-  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
-  for (int k = 0; k < desc->n_in + desc->n_out && status == FB_OK; k++) {
+  FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1));
+  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_in = k < desc->n_in;
     const fb_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
     const fb_port_kind kind = port->kind;
@@ -34230,7 +33650,7 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *
                         k, FB_R(0.0), FB_R(0.0));
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is
@@ -34427,7 +33847,6 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
   fb_exact_spectrum_work *const work = &w->spectrum;
   const int n = w->linear.n, dim = fbi_exact_dim(m);
   const fb_real length = FB_SQRT(fbi_dot(w->answer, w->answer, dim));
-  fb_status status;
   fbi_zero(w->part, n);
   if (!(length > FB_R(0.0))) {
     return FB_OK;
@@ -34435,22 +33854,19 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
 
   /* Q, H, Y, W */
   fbi_exact_arnoldi(work, m, size, w->answer);
-  status = fbi_exact_eigen(work, size, 0);
-  status = status ? status : fbi_exact_pick(w->right, w, m, size);
-  status = status ? status : fbi_exact_eigen(work, size, 1);
-  status = status ? status : fbi_exact_pick(w->left, w, m, size);
+  FBI_TRY(fbi_exact_eigen(work, size, 0));
+  FBI_TRY(fbi_exact_pick(w->right, w, m, size));
+  FBI_TRY(fbi_exact_eigen(work, size, 1));
+  FBI_TRY(fbi_exact_pick(w->left, w, m, size));
 
   /* (W^T Y)^-1 W^T e1 |f| */
-  for (int i = 0; i < n && status == FB_OK; i++) {
+  for (int i = 0; i < n; i++) {
     w->sum[i] = w->left[i * size] * length;
     for (int j = 0; j < n; j++) {
       w->G[i * n + j] = fbi_dot(w->left + i * size, w->right + j * size, size);
     }
   }
-  status = status ? status : fb_lu_factor(w->G, w->perm, w->scale, n);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_lu_factor(w->G, w->perm, w->scale, n));
   fb_lu_solve(w->part, w->G, w->perm, w->sum, n);
 
   /* P f, then its modal coordinates */
@@ -34493,10 +33909,10 @@ static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, i
 static fb_status fbi_exact_linear_start(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
                                         const fb_exact_input *input, const fb_linear_desc *desc, int count)
 {
-  fb_status status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
-  status = status ? status : fb_exact_state_check(m, state);
-  status = status ? status : fbi_exact_steady_check(m, input);
-  return status ? status : fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
+  FBI_TRY(count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc));
+  FBI_TRY(fb_exact_state_check(m, state));
+  FBI_TRY(fbi_exact_steady_check(m, input));
+  return fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
 }
 
 /* D = static gain of every pair of channels (E12.13 without shift). */
@@ -34516,10 +33932,7 @@ static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact 
 {
   fb_exact_linear *const out = &w->linear;
   int found = 0;
-  const fb_status status = fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count));
   out->n_mode = fbi_exact_mode_count(&w->spectrum, w->order, found, count);
   if (out->n_mode > FB_EXACT_MODES) {
     return FB_ERR_VALUE;
@@ -34536,15 +33949,13 @@ static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact 
 static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact *m, const fb_linear_desc *desc,
                                         int count)
 {
-  fb_status status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
-  for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
+  FBI_TRY(fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count)));
+  for (int k = 0; k < desc->n_in; k++) {
     fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
-    status = fbi_exact_project(w, m, fbi_exact_basis(m, count));
-    if (status == FB_OK) {
-      fbi_exact_linear_input(w, m, k);
-    }
+    FBI_TRY(fbi_exact_project(w, m, fbi_exact_basis(m, count)));
+    fbi_exact_linear_input(w, m, k);
   }
-  return status;
+  return FB_OK;
 }
 
 /* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D the static response (E12.13 without
@@ -34557,14 +33968,10 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 {
   static const fb_linear_desc none = {
       0, 0, {{FB_PORT_FORCE, 0, 0, 0, FB_AXES_BODY}}, {{FB_PORT_FORCE, 0, 0, 0, FB_AXES_BODY}}};
-  fb_status status;
   FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
   desc = desc ? desc : &none;
   input = input ? input : fbi_exact_no_input(&w->spectrum.exact);
-  status = fbi_exact_linear_start(w, m, state, input, desc, count);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_exact_linear_start(w, m, state, input, desc, count));
 
   /* Static gain, eigenvalues, modal matrices */
   memset(&w->linear, 0, sizeof w->linear);
@@ -34572,12 +33979,10 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
   w->linear.n_out = desc->n_out;
   fbi_copy(w->base_quat, state->base_quat, 4);
   fbi_exact_linear_gain(w, m, desc);
-  status = fbi_exact_linear_poles(w, m, state, input, count);
-  status = status ? status : fbi_exact_linear_gains(w, m, desc, count);
-  if (status == FB_OK) {
-    *linear = w->linear;
-  }
-  return status;
+  FBI_TRY(fbi_exact_linear_poles(w, m, state, input, count));
+  FBI_TRY(fbi_exact_linear_gains(w, m, desc, count));
+  *linear = w->linear;
+  return FB_OK;
 }
 #endif
 
@@ -34644,10 +34049,7 @@ static fb_status fbi_advise_modes_check(const fb_shape *shape)
 static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *desc, const fb_envelope *e,
                                   fb_real tolerance)
 {
-  const fb_status status = fbi_shape_check(shape);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_shape_check(shape));
   if (((FB_EFFECTS_FULL | FB_EFFECT_GRAVITY) & ~(unsigned)FBI_EFFECTS_BUILT) != 0) {
     return FB_ERR_EFFECTS;
   }
@@ -34683,20 +34085,19 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
 static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                  const int *coordinate, unsigned effects)
 {
-  fb_status status;
   work->desc = *desc;
   work->desc.effects = effects | FB_EFFECT_GRAVITY | (desc->effects & FB_EFFECT_DAMPING);
   work->desc.allow_long_step = 1;
   for (int k = 0; k < shape->n && coordinate; k++) {
     work->desc.zeta[k] = desc->zeta[coordinate[k]];
   }
-  status = fb_body_init(body, &work->body_work, shape, &work->desc);
+  FBI_TRY(fb_body_init(body, &work->body_work, shape, &work->desc));
 #if FB_WITH_ROTORS
-  for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
+  for (int r = 0; r < desc->n_rotor; r++) {
     body->rotor[r].damping = body->rotor[r].friction = FB_R(0.0);
   }
 #endif
-  return status;
+  return FB_OK;
 }
 
 #if FB_WITH_ROTORS
@@ -34752,7 +34153,6 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
   const signed char *const on = fbi_advice_instant[instant];
   fb_real v[3], w[3], turning[3];
   const int spins = on[0] || (instant != FBI_ADVICE_REST && fbi_is_zero(e->spin_rate, 3)); /* a steady spin: always */
-  fb_status status;
 
   /* Motion of the base */
   memset(&work->state, 0, sizeof work->state);
@@ -34792,9 +34192,9 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
   /* Loads, then accelerations and displacement */
   work->input.n_load = on[3] ? e->n_load : 0;
   memcpy(work->input.load, e->load, sizeof e->load);
-  status = fb_state_from_velocity(body, &work->state, v, w, q_dot);
-  status = status ? status : fb_body_motion_eval(body, &work->motion, &work->state, &work->input);
-  return status ? status : fb_body_node_motion_eval(body, &work->node, &work->state, &work->motion, e->node);
+  FBI_TRY(fb_state_from_velocity(body, &work->state, v, w, q_dot));
+  FBI_TRY(fb_body_motion_eval(body, &work->motion, &work->state, &work->input));
+  return fb_body_node_motion_eval(body, &work->node, &work->state, &work->motion, e->node);
 }
 
 /* A = -d(q_ddot)/dq at q = 0 by central differences. */
@@ -34828,13 +34228,12 @@ static fb_status fbi_advise_inertia(fb_advice_work *work, const fb_shape *shape)
   const int n = shape->n;
   const fb_real *const A = work->tangent[FBI_ADVICE_REST];
   fb_real unit[FB_MAX_MODES], column[FB_MAX_MODES];
-  fb_status status;
   for (int k = 0; k < n * n; k++) {
     work->K[k] = A[k] / shape->K[k % n * (n + 1)];
   }
-  status = fb_lu_factor(work->K, work->perm, work->scale, n);
+  FBI_TRY(fb_lu_factor(work->K, work->perm, work->scale, n));
   fbi_zero(work->inertia, n * n);
-  for (int a = 0; a < n && status == FB_OK; a++) {
+  for (int a = 0; a < n; a++) {
     fbi_zero(unit, n);
     unit[a] = FB_R(1.0);
     fb_lu_solve(column, work->K, work->perm, unit, n);
@@ -34843,7 +34242,7 @@ static fb_status fbi_advise_inertia(fb_advice_work *work, const fb_shape *shape)
       work->inertia[b * n + a] += FB_R(0.5) * column[b];
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* out = M a of the m coordinates coordinate[k], M among them; out may not be a. */
@@ -34862,8 +34261,8 @@ static fb_status fbi_advise_stiffness(fb_advice_work *work, const fb_envelope *e
 {
   const int n = work->full.n;
   fb_real *const K = work->tangent[instant], a[FB_MAX_MODES], column[FB_MAX_MODES];
-  const fb_status status = fbi_advise_tangent(K, work, &work->full, e, instant);
-  for (int b = 0; b < n && status == FB_OK; b++) {
+  FBI_TRY(fbi_advise_tangent(K, work, &work->full, e, instant));
+  for (int b = 0; b < n; b++) {
     for (int k = 0; k < n; k++) {
       a[k] = K[k * n + b];
     }
@@ -34872,7 +34271,7 @@ static fb_status fbi_advise_stiffness(fb_advice_work *work, const fb_envelope *e
       K[k * n + b] = column[k];
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* q = K^-1 f for the coordinates order[0..n-1]; the others are zero. */
@@ -34880,7 +34279,6 @@ static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_rea
 {
   const int size = work->full.n;
   fb_real rhs[FB_MAX_MODES], x[FB_MAX_MODES];
-  fb_status status;
   fbi_zero(rhs, FB_MAX_MODES);
   for (int k = 0; k < n; k++) {
     rhs[k] = f[work->order[k]];
@@ -34888,10 +34286,7 @@ static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_rea
       work->K[k * n + l] = K[work->order[k] * size + work->order[l]];
     }
   }
-  status = fb_lu_factor(work->K, work->perm, work->scale, n);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fb_lu_factor(work->K, work->perm, work->scale, n));
   fb_lu_solve(x, work->K, work->perm, rhs, n);
   fbi_zero(q, size);
   for (int k = 0; k < n; k++) {
@@ -34980,14 +34375,13 @@ static fb_status fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, in
   fbi_advice_modes *const m = &work->modes;
   const fb_real *const K = work->tangent[i], *const M = work->inertia, *const rest = work->tangent[FBI_ADVICE_REST];
   const int size = work->full.n, *const order = work->order;
-  fb_status status;
   for (int k = 0; k < n * n; k++) {
     const int a = order[k / n], b = order[k % n];
     m->K[k] = FB_R(0.5) * (K[a * size + b] + K[b * size + a]);
     m->M[k] = M[a * size + b];
   }
-  status = fb_eig_gen_solve(m->omega, m->x, m->K, m->M, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
+  FBI_TRY(fb_eig_gen_solve(m->omega, m->x, m->K, m->M, n));
+  for (int k = 0; k < n; k++) {
     const fb_real *const x = m->x + k * n;
     fb_real loss = FB_R(0.0);
     if (!(m->omega[k] > FB_R(0.0))) {
@@ -35010,7 +34404,7 @@ static fb_status fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, in
     m->gain[k] = fbi_advice_gain(e, m->omega[k], m->zeta[k]);
     m->free[k] = fbi_advice_free(e, m->omega[k], m->gain[k]);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Records frequencies and contributions of the modes of the body with n coordinates. */
@@ -35109,21 +34503,20 @@ static fb_status fbi_advise_respond(fb_real *beyond, fb_advice_work *work, const
   const int n = work->full.n;
   const fbi_advice_modes *const m = &work->modes;
   fb_real *const q = work->q[i], *const q_dot = work->q_dot[i], *const K = work->tangent[i];
-  fb_status status = FB_OK;
 
   /* Quasi-static response */
   if (fbi_advise_solve(q, work, K, work->f[i], n) != FB_OK || !fbi_advice_holds(work, K, q) ||
       fbi_advise_modes(work, e, i, q, n) != FB_OK) {
     fbi_copy(K, work->tangent[FBI_ADVICE_REST], n * n);
-    status = fbi_advise_solve(q, work, K, work->f[i], n);
+    FBI_TRY(fbi_advise_solve(q, work, K, work->f[i], n));
     work->buckled |= fbi_advice_holds(work, K, q); /* otherwise the load is too large even without preload */
-    status = status ? status : fbi_advise_modes(work, e, i, q, n);
+    FBI_TRY(fbi_advise_modes(work, e, i, q, n));
   }
 
   /* Dynamic amplification, within the deflection limit */
   fbi_zero(q, n);
   fbi_zero(q_dot, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
+  for (int k = 0; k < n; k++) {
     for (int a = 0; a < n; a++) {
       q[a] += m->gain[k] * m->part[k] * m->x[k * n + a];
       q_dot[a] += m->gain[k] * m->part[k] * m->x[k * n + a] * fbi_advice_rate(e, m->omega[k]);
@@ -35133,7 +34526,7 @@ static fb_status fbi_advise_respond(fb_real *beyond, fb_advice_work *work, const
   for (int a = 0; a < n; a++) {
     q_dot[a] /= *beyond;
   }
-  return status;
+  return FB_OK;
 }
 
 #if FB_WITH_ROTORS
@@ -35145,24 +34538,23 @@ static fb_status fbi_advise_coupling(fb_real *force, fb_advice_work *work, const
   const int n = work->full.n;
   fb_envelope still = *e;
   fb_real sum[FB_MAX_MODES];
-  fb_status status = FB_OK;
   memset(still.rotor, 0, sizeof still.rotor);
   fbi_zero(sum, n);
-  for (int turns = 0; turns < 2 && status == FB_OK; turns++) {
-    status = fbi_advise_motion(work, &work->full, turns ? e : &still, i, q, NULL);
-    for (int side = -1; side <= 1 && status == FB_OK; side += 2) {
+  for (int turns = 0; turns < 2; turns++) {
+    FBI_TRY(fbi_advise_motion(work, &work->full, turns ? e : &still, i, q, NULL));
+    for (int side = -1; side <= 1; side += 2) {
       fb_state at = work->state;
       for (int a = 0; a < n; a++) {
         at.pi[a] += (fb_real)side * p[a];
       }
-      status = fb_body_motion_eval(&work->full, &work->motion, &at, &work->input);
+      FBI_TRY(fb_body_motion_eval(&work->full, &work->motion, &at, &work->input));
       for (int a = 0; a < n; a++) {
         sum[a] += (turns ? FB_R(0.5) : FB_R(-0.5)) * (fb_real)side * work->motion.q_ddot[a];
       }
     }
   }
   fbi_advise_force(force, work, sum, work->all, n);
-  return status;
+  return FB_OK;
 }
 
 /* How much a mode that vibrates at `omega` on its own drives another one by a force at that frequency, of what that force
@@ -35186,16 +34578,12 @@ static fb_status fbi_advise_gyrate(fb_advice_work *work, const fb_envelope *e, i
   fbi_zero(more, n);
   for (int j = 0; j < n; j++) {
     const fb_real swing = FB_FABS(m->gain[j] * m->part[j]), speed = swing * fbi_advice_rate(e, m->omega[j]);
-    fb_status status;
     own += swing * m->omega[j] * swing * m->omega[j];
     if (!(speed > FB_R(0.0))) {
       continue;
     }
     fbi_advise_force(p, work, m->x + j * n, work->all, n);
-    status = fbi_advise_coupling(force, work, e, i, work->q[i], p);
-    if (status != FB_OK) {
-      return status;
-    }
+    FBI_TRY(fbi_advise_coupling(force, work, e, i, work->q[i], p));
     for (int k = 0; k < n; k++) {
       const fb_real other = m->omega[k], rest = FB_FABS(fbi_dot(m->x + k * n, force, n)) * speed / (other * other);
       given += rest * other * rest * other;
@@ -35225,44 +34613,39 @@ static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, i
 {
   const int n = work->full.n;
   fb_real *const q = work->q[i], tip, beyond = FB_R(1.0);
-  fb_status status = fbi_advise_stiffness(work, e, i);
+  FBI_TRY(fbi_advise_stiffness(work, e, i));
   fbi_zero(q, n);
-  status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_advise_motion(work, &work->full, e, i, q, NULL));
 
   /* Forces, and the answer */
   fbi_advise_force(work->f[i], work, work->motion.q_ddot, work->all, n);
-  status = fbi_advise_respond(&beyond, work, e, i);
+  FBI_TRY(fbi_advise_respond(&beyond, work, e, i));
 #if FB_WITH_ROTORS
-  if (status == FB_OK && work->turns) {
-    status = fbi_advise_gyrate(work, e, i);
-    status = status ? status : fbi_advise_respond(&beyond, work, e, i);
+  if (work->turns) {
+    FBI_TRY(fbi_advise_gyrate(work, e, i));
+    FBI_TRY(fbi_advise_respond(&beyond, work, e, i));
   }
 #endif
 
   /* Deflection of the output */
-  status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
-  if (status == FB_OK) {
-    tip = fbi_vec3_norm(work->node.displacement);
-    work->deflection = fbi_larger(work->deflection, tip);
-    work->bend = fbi_larger(work->bend, beyond * tip);
-    fbi_advise_note(work, n);
-    fbi_advise_score(work, e, q);
-    fbi_advise_draw(work, e, tip);
-    for (int at = 0; at < FBI_ADVICE_TIMES; at++) {
-      (void)fbi_advice_at(work->history[i][at], work, e, n, at);
-    }
+  FBI_TRY(fbi_advise_motion(work, &work->full, e, i, q, NULL));
+  tip = fbi_vec3_norm(work->node.displacement);
+  work->deflection = fbi_larger(work->deflection, tip);
+  work->bend = fbi_larger(work->bend, beyond * tip);
+  fbi_advise_note(work, n);
+  fbi_advise_score(work, e, q);
+  fbi_advise_draw(work, e, tip);
+  for (int at = 0; at < FBI_ADVICE_TIMES; at++) {
+    (void)fbi_advice_at(work->history[i][at], work, e, n, at);
   }
-  return status;
+  return FB_OK;
 }
 
 static fb_status fbi_advise_answers(fb_advice_work *work, const fb_shape *shape, const fb_envelope *e)
 {
   const int n = work->full.n;
-  fb_status status = fbi_advise_tangent(work->tangent[FBI_ADVICE_REST], work, &work->body, e, FBI_ADVICE_REST);
-  status = status ? status : fbi_advise_inertia(work, shape);
+  FBI_TRY(fbi_advise_tangent(work->tangent[FBI_ADVICE_REST], work, &work->body, e, FBI_ADVICE_REST));
+  FBI_TRY(fbi_advise_inertia(work, shape));
   work->deflection = work->bend = work->drawn = FB_R(0.0);
   work->buckled = work->has_field = 0;
   fbi_copy(work->tangent[FBI_ADVICE_REST], shape->K, n * n);
@@ -35273,10 +34656,10 @@ static fb_status fbi_advise_answers(fb_advice_work *work, const fb_shape *shape,
   for (int a = 0; a < n; a++) {
     work->score[a] = work->give[a] = work->beside[a] = FB_R(0.0);
   }
-  for (int i = 0; i < FBI_ADVICE_INSTANTS && status == FB_OK; i++) {
-    status = fbi_advise_answer(work, e, i);
+  for (int i = 0; i < FBI_ADVICE_INSTANTS; i++) {
+    FBI_TRY(fbi_advise_answer(work, e, i));
   }
-  return status;
+  return FB_OK;
 }
 
 /* Orders the coordinates by what they matter, those that are nothing to the output as they stand; ringing: phase that the free vibrations (E13.43) run through in half the
@@ -35360,23 +34743,22 @@ static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_
 /* The same for the full set of effects with all modes, as the reference; the forces of its accelerations. */
 static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e)
 {
-  fb_status status = FB_OK;
-  for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
+  for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES; k++) {
     const int at = k / FBI_ADVICE_PHASES, phase = k % FBI_ADVICE_PHASES;
-    status = fbi_advise_phase(work, &work->full, e, work->all, at, phase);
+    FBI_TRY(fbi_advise_phase(work, &work->full, e, work->all, at, phase));
     fbi_advise_force(work->force[at][phase], work, work->motion.q_ddot, work->all, work->full.n);
     fbi_copy(work->displacement[at][phase], work->node.displacement, 3);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Displacement of the output, statically at rest, by the forces off[] on the coordinates of work.body. */
 static fb_status fbi_advise_away(fb_real away[3], fb_advice_work *work, const fb_envelope *e, const fb_real *off)
 {
   fb_real q[FB_MAX_MODES];
-  const fb_status status = fbi_advise_solve(q, work, work->tangent[FBI_ADVICE_REST], off, work->body.n);
+  FBI_TRY(fbi_advise_solve(q, work, work->tangent[FBI_ADVICE_REST], off, work->body.n));
   fbi_advice_output(away, work, e, q);
-  return status;
+  return FB_OK;
 }
 
 /* What the accelerations of the candidate in work.body are off by, statically a part of the output, while it vibrates as
@@ -35460,12 +34842,12 @@ static fb_status fbi_advise_off(fb_real *off, fb_advice_work *work, const fb_env
 {
   const int n = work->full.n;
   fb_real force[FB_MAX_MODES];
-  const fb_status status = fbi_advise_phase(work, &work->body, e, work->all, at, phase);
+  FBI_TRY(fbi_advise_phase(work, &work->body, e, work->all, at, phase));
   fbi_advise_force(force, work, work->motion.q_ddot, work->all, n);
-  for (int a = 0; a < n && status == FB_OK; a++) {
+  for (int a = 0; a < n; a++) {
     off[a] = work->force[at][phase][a] - force[a];
   }
-  return status;
+  return FB_OK;
 }
 
 /* [E13.5] What each mode gives to the output, statically, by what large deflection (work.body, with all modes) has
@@ -35477,16 +34859,15 @@ static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e)
 {
   const int n = work->full.n;
   fb_real off[FB_MAX_MODES] = {FB_R(0.0)};
-  fb_status status = FB_OK;
-  for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
-    status = fbi_advise_off(off, work, e, k / FBI_ADVICE_PHASES, k % FBI_ADVICE_PHASES);
-    for (int a = 0; a < n && status == FB_OK; a++) {
+  for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES; k++) {
+    FBI_TRY(fbi_advise_off(off, work, e, k / FBI_ADVICE_PHASES, k % FBI_ADVICE_PHASES));
+    for (int a = 0; a < n; a++) {
       const fb_real K = work->tangent[FBI_ADVICE_REST][a * (n + 1)];
       const fb_real give = fbi_vec3_norm(work->full.node[e->node].psi + 3 * a) / work->deflection;
       work->beside[a] = fbi_larger(work->beside[a], FB_FABS(off[a]) / K * give);
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* [E13.40] Error of the full set by its displacement field, work.body that of large deflection. By the forces f at the
@@ -35854,10 +35235,10 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
                                     fb_envelope *e, fb_real tolerance)
 {
   /* Bodies with all modes: full and linear set of effects */
-  fb_status status = fbi_advise_check(shape, desc, e, tolerance);
+  FBI_TRY(fbi_advise_check(shape, desc, e, tolerance));
 #if FB_WITH_ROTORS
   work->turns = 0;
-  for (int r = 0; r < desc->n_rotor && status == FB_OK; r++) {
+  for (int r = 0; r < desc->n_rotor; r++) {
     work->turns |= e->rotor[r].momentum != FB_R(0.0);
   }
   if (work->turns) {
@@ -35868,21 +35249,19 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
     work->all[a] = work->order[a] = a;
     work->zeta[a] = fbi_has(desc->effects, FB_EFFECT_DAMPING) ? desc->zeta[a] : FB_R(0.0);
   }
-  status = status ? status : fbi_advise_body(&work->full, work, shape, desc, NULL, FB_EFFECTS_FULL);
-  status = status ? status : fbi_advise_body(&work->body, work, shape, desc, NULL, FB_EFFECTS_LINEAR);
+  FBI_TRY(fbi_advise_body(&work->full, work, shape, desc, NULL, FB_EFFECTS_FULL));
+  FBI_TRY(fbi_advise_body(&work->body, work, shape, desc, NULL, FB_EFFECTS_LINEAR));
 
   /* Modal responses in all load cases */
-  status = status ? status : fbi_advise_answers(work, shape, e);
-  if (status == FB_OK && !(work->deflection > (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * shape->size)) {
-    status = FB_ERR_VALUE; /* nothing drives the output */
+  FBI_TRY(fbi_advise_answers(work, shape, e));
+  if (!(work->deflection > (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * shape->size)) {
+    return FB_ERR_VALUE; /* nothing drives the output */
   }
-  if (status == FB_OK) {
-    fbi_advise_order(work, e);
-    status = fbi_advise_full(work, e);
-  }
+  fbi_advise_order(work, e);
+  FBI_TRY(fbi_advise_full(work, e));
 
   /* Errors by missing effects, then by missing modes */
-  for (int set = 0; set < FBI_ADVICE_SETS && status == FB_OK; set++) {
+  for (int set = 0; set < FBI_ADVICE_SETS; set++) {
     const int is = fbi_advice_has(shape, set) && /* incomplete sets are refused */
                    fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
     work->error[set] = is && set != FBI_ADVICE_LARGE ? fbi_advise_set(work, e, work->all, 1) : FB_HUGE;
@@ -35894,16 +35273,16 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
                         !(fbi_advice_aside(work, shape) > FB_R(0.0)); /* what else moves the output is no line */
     }
   }
-  if (status == FB_OK && fbi_advice_model_error(work, shape, 0) > FBI_ADVICE_FIELD * tolerance) { /* large deflection */
+  if (fbi_advice_model_error(work, shape, 0) > FBI_ADVICE_FIELD * tolerance) { /* large deflection */
     for (int a = 0; a < shape->n; a++) {
       work->score[a] += work->beside[a] * work->deflection;
     }
     fbi_advise_order(work, e);
   }
-  for (int n = shape->n - 1; n > 0 && status == FB_OK; n--) {
+  for (int n = shape->n - 1; n > 0; n--) {
     work->error_modes[n - 1] = fbi_advise_fewer(work, e, n);
   }
-  return status;
+  return FB_OK;
 }
 
 /* Effects, modes (in ascending order) and their errors of a candidate: the given set and the first n modes. */
@@ -35930,10 +35309,8 @@ static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const
 static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                const fb_advice *advice)
 {
-  const fb_status status = fb_shape_select(&work->shape, shape, advice->coordinate, advice->n);
-  return status ? status
-                : fbi_advise_body(&work->body, work, &work->shape, desc, advice->coordinate,
-                                  advice->effects & FB_EFFECTS_LARGE);
+  FBI_TRY(fb_shape_select(&work->shape, shape, advice->coordinate, advice->n));
+  return fbi_advise_body(&work->body, work, &work->shape, desc, advice->coordinate, advice->effects & FB_EFFECTS_LARGE);
 }
 
 /* Relative error of a candidate by the effects and the other modes it lacks: E13.3; one of large deflection errs as the
@@ -36035,15 +35412,11 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
 {
   fb_advice best[2], candidate; /* the cheapest within the tolerance; of those whose displacement field errs by more */
   fb_envelope e;
-  fb_status status;
 
   /* Responses and error estimates */
   FBI_REQUIRE(advice && work && shape && desc && envelope, FB_ERR_NULL);
   e = *envelope;
-  status = fbi_advise_prepare(work, shape, desc, &e, tolerance);
-  if (status != FB_OK) {
-    return status;
-  }
+  FBI_TRY(fbi_advise_prepare(work, shape, desc, &e, tolerance));
 
   /* The cheapest candidate whose errors add up to the tolerance, of which that of the displacement field counts up to
      half */
@@ -36251,34 +35624,29 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
 {
   fb_advice found;
   fb_envelope e;
-  fb_status status;
   FBI_REQUIRE(advice && work && shape && desc && envelope && trial, FB_ERR_NULL);
   FBI_REQUIRE(trial->run && trial->output && trial->reference, FB_ERR_NULL);
   FBI_REQUIRE(trial->n > 0 && trial->width > 0 && trial->n % trial->width == 0, FB_ERR_VALUE);
 
   /* Estimates, then the reference */
   e = *envelope;
-  status = fbi_advise_prepare(work, shape, desc, &e, tolerance);
-  status = status ? status : fbi_search_prepare(work, shape, desc, &e);
-  status = status ? status : fbi_search_fullest(&found, work, shape, desc, &e, trial);
-  if (status == FB_OK && found.error > 2 * tolerance) { /* with fewer effects it could be smaller by chance only */
-    status = FB_ERR_CONVERGENCE;
+  FBI_TRY(fbi_advise_prepare(work, shape, desc, &e, tolerance));
+  FBI_TRY(fbi_search_prepare(work, shape, desc, &e));
+  FBI_TRY(fbi_search_fullest(&found, work, shape, desc, &e, trial));
+  if (found.error > 2 * tolerance) { /* with fewer effects it could be smaller by chance only */
+    return FB_ERR_CONVERGENCE;
   }
 
   /* Candidates, the cheapest first */
-  status = status ? status : fbi_search_run(&found, work, desc, &e, tolerance, trial, found.cost);
+  FBI_TRY(fbi_search_run(&found, work, desc, &e, tolerance, trial, found.cost));
 
   /* The estimates beside the error found */
-  if (status == FB_OK) {
-    const fb_real error = found.error;
-    fbi_advice_finish(&found, work, shape);
-    found.error = error;
-    status = fbi_candidate(work, shape, desc, &found);
-  }
-  if (status == FB_OK) {
-    found.long_step = found.dt > fbi_integrator_limit(&work->body, found.integrator, &e);
-    *advice = found;
-  }
-  return status;
+  const fb_real error = found.error;
+  fbi_advice_finish(&found, work, shape);
+  found.error = error;
+  FBI_TRY(fbi_candidate(work, shape, desc, &found));
+  found.long_step = found.dt > fbi_integrator_limit(&work->body, found.integrator, &e);
+  *advice = found;
+  return FB_OK;
 }
 #endif /* FB_WITH_ANALYSE */
