@@ -4,7 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 need clang clang
-told=0 met=0 taken=0
+told=0 met=0 number=0
 program="-DFB_WITH_ANALYSE=0 -DFLEXBEAM_STATIC tests/checks/fast_math.c"
 
 # told MESSAGE CC FLAG...: #error; FB_ALLOW_FAST_MATH takes it
@@ -20,11 +20,14 @@ told() {
   told=$((told + 1))
 }
 
-# gives ANSWER CC FLAG...: in double and single precision by turns, from day to day, too
+# gives ANSWER CC FLAG...: in double and single precision by turns, from day to day, too; every second of them on each day
 single=$((day % 2))
 gives() {
   answer=$1
   shift
+  number=$((number + 1))
+  [ -n "${CHECK_ALL:-}" ] || [ $(((number + day / 2) % 2)) = 0 ] || return 0
+  met=$((met + 1))
   try "$@" -std=c99 -I. -DFB_SINGLE=$single -o "$out/program" $program -lm
   try "$out/program"
   [ "$(cat "$out/log")" = "$answer" ] || fail "$* -DFB_SINGLE=$single: $(cat "$out/log"), expected $answer"
@@ -44,16 +47,12 @@ for flag in "$associative" -funsafe-math-optimizations; do
   fi
   gives refused gcc -O1 $flag -U__ASSOCIATIVE_MATH__
   gives refused clang -O1 $flag
-  met=$((met + 2))
 done
 gives refused clang -O1 -fno-honor-nans
 gives refused gcc -O1 -ffinite-math-only -U__FINITE_MATH_ONLY__
-met=$((met + 2))
 for cc in gcc clang; do
   gives exact $cc -O2
   gives exact $cc -O1 -fno-math-errno -fno-trapping-math -fno-signed-zeros -freciprocal-math -ffp-contract=fast
-  taken=$((taken + 2))
 done
 gives exact gcc -O1 -fassociative-math # alone it is not in force: gcc says so
-taken=$((taken + 1))
-ok "$told builds refused by #error, $met by every _init, $taken taken (double and single by turns)"
+ok "$told builds refused by #error, $met more by every _init or taken (double and single by turns)"

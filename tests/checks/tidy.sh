@@ -1,10 +1,11 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks, gcc's analyzer
 # nothing in the library and the tests.
-# cppcheck sees the library in either precision, clang-tidy in one of them by day; the rest once: programs in double, tests in
-# single; what differs are conversions, of which the compilers warn (compile.sh). FLEXBEAM_IMPL_INCLUDED leaves the library out of what does not use its
-# inside; the paths of what does are followed where the library is looked at alone. cppcheck takes the library as a file of its own
-# and finds what one file does wrong to another's functions by its analysis of the whole program; of the others a fourth on each day.
+# cppcheck sees the library in either precision, clang-tidy in one of them by day; of the rest a fourth on each day: programs in
+# double, tests in single; what differs are conversions, of which the compilers warn (compile.sh). FLEXBEAM_IMPL_INCLUDED leaves
+# the library out of what does not use its inside; the paths of what does are followed where the library is looked at alone.
+# cppcheck takes the library as a file of its own and finds what one file does wrong to another's functions by its analysis of the
+# whole program.
 # cppcheck: uninitvar and ctuuninitvar are off, they take an array that is handed to the function that fills it for one that is
 # read; gcc, clang and the analyzer of clang-tidy look for the same. gcc's analyzer takes what a loop has filled for such, too; with values
 # followed any deeper the library wants more than the 2 GB that it takes now.
@@ -32,19 +33,27 @@ for library in $(turn examples/tools/library.c:0 tests/test_main.c:1); do
   look ${library%:*} ${library#*:}
 done
 look "--checks=-clang-analyzer-* $inside" 0
-look "$(echo "$files" | grep -v -e tests/test_ -e bench/bench_exact.c -e bench/bench_system.c -e tools/library.c)" 0 -DFLEXBEAM_IMPL_INCLUDED
-look "$(ls tests/test_*.c | grep -v test_main.c)" 1 -DFLEXBEAM_IMPL_INCLUDED
-number=0 those=
-for file in $files; do # of the files beside the library a fourth on each day
-  number=$((number + 1))
-  ! today $number || those="$those $file"
-done
-check "$those" 0
-check "" 1 # the library alone
+
 analyze="gcc -std=c99 -I. -O0 -fanalyzer -fanalyzer-call-summaries --param analyzer-max-svalue-depth=4 -Werror"
 analyze="$analyze -Wno-analyzer-use-of-uninitialized-value -c -o $out/analyzed.o"
-for file in $(ls tests/test_*.c | grep -v test_status_detail.c); do # that one has a copy of the library, which is next
-  try $analyze -DFLEXBEAM_IMPL_INCLUDED $file
+number=0 those= programs= tests=
+for file in $files; do
+  number=$((number + 1))
+  today $number || continue
+  those="$those $file"
+  case $file in
+  tests/test_main.c | bench/bench_exact.c | bench/bench_system.c | */library.c) ;;
+  tests/test_*) tests="$tests $file" ;;
+  *) programs="$programs $file" ;;
+  esac
+  case $file in
+  tests/test_status_detail.c) ;; # has a copy of the library, which is last
+  tests/test_*) try $analyze -DFLEXBEAM_IMPL_INCLUDED $file ;;
+  esac
 done
+look "$programs" 0 -DFLEXBEAM_IMPL_INCLUDED
+look "$tests" 1 -DFLEXBEAM_IMPL_INCLUDED
+check "$those" 0
+check "" 1 # the library alone
 try $analyze -DFB_WITH_FORMS=1 "$out/impl.c"
 ok "clang-tidy $(clang-tidy --version | sed -n 's/.*version \([0-9.]*\).*/\1/p'), $(cppcheck --version), gcc $(gcc -dumpfullversion) -fanalyzer: nothing found"
