@@ -18896,50 +18896,64 @@ static void fbi_newton_substitute(fb_system_state *r, fb_system_work *w, const f
   }
 }
 
+/* Squared size of the rates of one link: joint or attitude; deformed: modes. */
+static fb_real fbi_link_rates_size(fb_real *deformed, const fb_link_state *x, const fb_joint *joint,
+                                   const fb_body *model)
+{
+  const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
+  fb_real sum = FB_R(0.0), bent = FB_R(0.0);
+  if (fbi_is_ball(joint->kind)) {
+    sum = FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
+  } else {
+    for (int j = 0; j < joint->n_axis; j++) {
+      const fb_real move = fbi_axis_slides(joint, j) ? size * x->x[j] : x->x[j];
+      sum += move * move;
+    }
+  }
+
+  for (int a = 0; a < model->n; a++) {
+    bent += model->reach[a] * FB_FABS(x->q[a]);
+  }
+  bent *= bent;
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(model)) { /* of lines no displacement is the largest: the mean square of all */
+    fb_real Mq[FB_MAX_MODES];
+    fbi_sparse_eval(Mq, NULL, FB_R(1.0), &model->M, x->q, model->n);
+    bent = fbi_dot(x->q, Mq, model->n) / model->mass;
+  }
+#endif
+  *deformed = size * size * bent;
+  return sum;
+}
+
 /* [E11.24] Squared size of the increment s k [rad^2]: rotations of joints and attitudes, translations of joints over
    the radius of gyration of their body; deformed: modal displacements over that radius, those of lines as if they were
-   not bent. largest: the body with most of it.
+   not bent.
    Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
-static fb_real fbi_rates_size(fb_real *deformed, int *largest, const fb_system_state *k, const fb_system *system,
-                              const fb_body *body, fb_real s)
+static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system, const fb_body *body,
+                              fb_real s)
 {
-  fb_real sum = FB_R(0.0), elastic = FB_R(0.0), most = -FB_R(1.0);
+  fb_real sum = FB_R(0.0), elastic = FB_R(0.0), bent;
   for (int i = 0; i < system->n_body; i++) {
-    const fb_body *model = fbi_model(system, body, i);
-    const fb_joint *joint = &system->joint[i];
-    const fb_link_state *x = &k->link[i];
-    const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
-    fb_real bent = FB_R(0.0), before = sum;
-
-    /* Joint */
-    if (fbi_is_ball(joint->kind)) {
-      sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
-    } else {
-      for (int j = 0; j < joint->n_axis; j++) {
-        const fb_real move = fbi_axis_slides(joint, j) ? size * x->x[j] : x->x[j];
-        sum += move * move;
-      }
-    }
-
-    /* Modes */
-    for (int a = 0; a < model->n; a++) {
-      bent += model->reach[a] * FB_FABS(x->q[a]);
-    }
-    bent *= bent;
-#if FB_WITH_LARGE_DEFLECTION
-    if (fbi_is_large(model)) { /* of lines no displacement is the largest: the mean square of all */
-      fb_real Mq[FB_MAX_MODES];
-      fbi_sparse_eval(Mq, NULL, FB_R(1.0), &model->M, x->q, model->n);
-      bent = fbi_dot(x->q, Mq, model->n) / model->mass;
-    }
-#endif
-    elastic += size * size * bent;
-    before = sum - before + size * size * bent;
-    *largest = before > most ? i : *largest;
-    most = fbi_larger(most, before);
+    sum += fbi_link_rates_size(&bent, &k->link[i], &system->joint[i], fbi_model(system, body, i));
+    elastic += bent;
   }
   *deformed = s * s * elastic;
   return s * s * sum;
+}
+
+/* The body with most of it. */
+static int fbi_rates_largest(const fb_system_state *k, const fb_system *system, const fb_body *body)
+{
+  int largest = -1;
+  fb_real most = -FB_R(1.0), bent;
+  for (int i = 0; i < system->n_body; i++) {
+    fb_real own = fbi_link_rates_size(&bent, &k->link[i], &system->joint[i], fbi_model(system, body, i));
+    own += bent;
+    largest = own > most ? i : largest;
+    most = fbi_larger(most, own);
+  }
+  return largest;
 }
 
 /* E11.25 of modes, which are small against what moves them. They have converged if the last correction is at most a
@@ -18967,60 +18981,56 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
                                   const fb_system_state *base, const fb_system_state *modes,
                                   const fb_system_input *input, fb_real g, fb_real dt, int iterations)
 {
-  fb_status status = FB_OK;
+  fb_status status;
   fb_real first = FB_R(0.0), before = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change, deflection;
-  int largest = -1;
-  for (int i = 0; i < iterations && status == FB_OK; i++) {
+  for (int i = 0; i < iterations; i++) {
     /* Rates f at base + g k */
     fbi_system_advance(&w->stage, base, g, k, system, body);
     fbi_prescribe(&w->stage, system, modes, input);
-    status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
-    if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
-      status = fbi_rotations_check(w, system, dt, 0);
+    FBI_TRY(fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input));
+    if (i == iterations - 1 && !system->allow_long_step) {
+      FBI_TRY(fbi_rotations_check(w, system, dt, 0));
     }
 
     /* Residual f - k and iteration matrix */
-    if (status == FB_OK) {
-      fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, body);
-      if (system->rubs) {
-        fbi_axes_soften(w, system, &w->stage);
-      }
-      status = fbi_mass_factor(w, system, body, g);
+    fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, body);
+    if (system->rubs) {
+      fbi_axes_soften(w, system, &w->stage);
     }
+    FBI_TRY(fbi_mass_factor(w, system, body, g));
 
     /* Correction */
-    if (status == FB_OK) {
-      fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
-      fbi_zero(w->c, w->n_row);
-      status = w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
-    }
-    if (status == FB_OK) {
-      fbi_newton_substitute(&w->rate, w, system, body, &w->stage, g);
-      fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
-      before = last;
-      last = fbi_rates_size(&bent, &largest, &w->rate, system, body, g);
-      first = i == 0 ? last : first;
-    }
+    fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
+    fbi_zero(w->c, w->n_row);
+    FBI_TRY(w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body));
+    fbi_newton_substitute(&w->rate, w, system, body, &w->stage, g);
+    fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
+    before = last;
+    last = fbi_rates_size(&bent, &w->rate, system, body, g);
+    first = i == 0 ? last : first;
+  }
+  if (iterations <= 1) {
+    return FB_OK;
   }
 
   /* Convergence (E11.25) */
-  if (status == FB_OK && iterations > 1) {
-    int unused;
-    change = fbi_rates_size(&bent_change, &unused, k, system, body, g);
-    (void)fbi_rates_size(&deflection, &unused, &w->stage, system, body, FB_R(1.0));
-    status = fbi_stage_check(first, last, change);
-    status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
-    w->joint = status == FB_OK ? w->joint : largest;
-#if FB_WITH_ROTORS
-    for (int i = 0; i < system->n_body && system->carries_rotors && status == FB_OK; i++) {
-      if (!fbi_rotors_have_converged(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
-                                     g)) {
-        status = FBI_REFUSE(FB_ERR_CONVERGENCE, "rotor: friction, resolved by the step", i, FB_R(0.0), FB_R(0.0));
-      }
-    }
-#endif
+  change = fbi_rates_size(&bent_change, k, system, body, g);
+  (void)fbi_rates_size(&deflection, &w->stage, system, body, FB_R(1.0));
+  status = fbi_stage_check(first, last, change);
+  status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
+  if (status != FB_OK) {
+    w->joint = fbi_rates_largest(&w->rate, system, body);
+    return status;
   }
-  return status;
+#if FB_WITH_ROTORS
+  for (int i = 0; i < system->n_body && system->carries_rotors; i++) {
+    if (!fbi_rotors_have_converged(w->rate.link[i].pi, k->link[i].pi, w->stage.link[i].pi, fbi_model(system, body, i),
+                                   g)) {
+      return FBI_REFUSE(FB_ERR_CONVERGENCE, "rotor: friction, resolved by the step", i, FB_R(0.0), FB_R(0.0));
+    }
+  }
+#endif
+  return FB_OK;
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
