@@ -2,6 +2,8 @@
 
 CC     ?= cc
 CFLAGS ?= -O2
+CORES := $(shell nproc 2> /dev/null || echo 1)
+ON_ALL_CORES = $(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(CORES))
 
 WARNINGS   = -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wundef -Wvla -Werror=unused-function
 WARNINGS_C = -Wstrict-prototypes -Wmissing-prototypes
@@ -66,7 +68,8 @@ help:
 run: build/examples/spinup
 	$< --reference tests/reference/p07C_second_order.csv --out build/spinup.csv
 
-tool: build/flexbeam
+tool:
+	@$(ON_ALL_CORES) build/flexbeam
 
 table1: build/examples/table1
 	@mkdir -p build/table1
@@ -110,10 +113,12 @@ campaign-mpi:
 	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
 # The tests; a few random models against the laws that every model keeps. The last line counts all.
-test: check-quickstart build/test_runner build/laws
-	@{ build/test_runner; build/laws --count 20 --seed 1; } | awk \
+# A part of the tests on each core, and the short form of the laws.
+test: check-quickstart
+	@$(ON_ALL_CORES) -s build/quick_double build/laws
+	@{ build/laws --count 20 --seed 1 & for k in $$(seq $(CORES)); do build/quick_double --part=$$k/$(CORES) & done; wait; } | awk -v parts=$$(($(CORES) + 1)) \
 	  '/^[0-9]+ passed, [0-9]+ failed$$/ { passed += $$1; failed += $$3; ends++; next } { print; fflush() } \
-	   END { failed += 2 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
+	   END { failed += parts - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
 
 laws: check-laws
 
@@ -285,10 +290,6 @@ build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch] examples/commo
 build/page/flexbeam.html: $(wildcard examples/page/*) bench/case.h bench/check.h $(wildcard examples/common/*.h) $(LIBRARY) | build/page
 	@sh examples/page/pack.sh $@
 
-build/test_runner: $(TESTS:tests/%.c=build/tests/%.o)
-build/test_runner:
-	$(CC) $(CFLAGS) -o $@ $^ -lm
-
 LAWS = $(notdir $(basename $(wildcard tests/laws/*.c)))
 build/laws: $(LAWS:%=build/laws_of_double/%.o) build/library/double.o
 build/laws_single: $(LAWS:%=build/laws_of_single/%.o) build/library/single.o
@@ -301,15 +302,12 @@ build/laws_of_double/%.o: tests/laws/%.c build/flags | build/laws_of_double
 build/laws_of_single/%.o: tests/laws/%.c build/flags | build/laws_of_single
 	$(CC) $(SHARED) -DFB_WITH_DETAIL=1 -DFB_SINGLE=1 -c -o $@ $<
 
-build/tests/%.o: tests/%.c build/flags | build/tests
-	$(CC) $(if $(filter test_main,$*),$(SHARED),$(QUICKLY)) -c -o $@ $<
-
-build/quick_double: $(TESTS:tests/%.c=build/tests/double/%.o)
-build/quick_single: $(TESTS:tests/%.c=build/tests/single/%.o)
+build/quick_double: build/tests/double/test_main.o $(TESTS:tests/%.c=build/tests/double/%.o) # the library first, it takes longest
+build/quick_single: build/tests/single/test_main.o $(TESTS:tests/%.c=build/tests/single/%.o)
 build/quick_double build/quick_single:
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-# The library at -O1, what calls it at -O0, which compiles in a third of the time.
+# What calls the library at -O0, which compiles in a third of the time; long runs are brief (check-suite has them whole).
 OF_QUICK = $(SHARED) $(if $(filter tests/test_main.c,$<),,-O0) -DFBT_SHORT=1
 
 build/tests/double/%.o: tests/%.c | build/tests/double
@@ -327,7 +325,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/seconds build/laws_of_double build/laws_of_single:
+build build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/seconds build/laws_of_double build/laws_of_single:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -344,7 +342,7 @@ ci: | build/seconds # folders and objects first: what waits for one is put behin
 	@$(MAKE) -s -k -j2 --no-print-directory CFLAGS='$(filter-out -Werror,$(CFLAGS)) -Werror' build/flexbeam \
 	  build/library/double.o build/sanitized/single.o build/sanitized/double.o || true
 	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory CFLAGS='$(filter-out -Werror,$(CFLAGS)) -Werror' \
-	  $(CHECKS:%=check-%) examples build/test_runner
+	  $(CHECKS:%=check-%) examples build/quick_double
 	@echo "ci: none of $(words $(CHECKS)) checks failed"
 
 ci-all:

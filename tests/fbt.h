@@ -35,7 +35,7 @@
 typedef struct fbt_case {
   const char *name;
   void (*run)(void);
-  int lasts; /* 1: shows no line or branch of the library that others do not: test_runner --brief leaves it out */
+  int lasts; /* 1: shows no line or branch of the library that others do not: --brief leaves it out */
 } fbt_case;
 
 #define FBT_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
@@ -101,7 +101,7 @@ enum { FBT_IDENTITY = FB_TORQUE_IDENTITY, FBT_PRINTED = FB_TORQUE_PRINTED, FBT_B
   (fbt_compared = 0.0, fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit))
 #define FBT_DOUBLE_ONLY(why) if (!FB_SINGLE)
 
-/* A measured figure for the table of tests/VERIFICATION.md (test_runner --figures): what, against which source, how
+/* A measured figure for the table of tests/VERIFICATION.md (--figures): what, against which source, how
    much. */
 void fbt_figure(const char *what, const char *source, double value);
 

@@ -1,7 +1,7 @@
 /* Runs every suite and closes with "N passed, N failed". Optional arguments:
    only the tests whose section/name or section/topic/name contains it (`body/`
-   is all tests of that section); --brief: all but those that last; --list: their names alone; --figures: print the measured
-   figures, fields separated by |. */
+   is all tests of that section); --brief: all but those that last; --part=K/N: the Kth of N parts of them; --list: their names
+   alone; --figures: print the measured figures, fields separated by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif
@@ -27,7 +27,7 @@
 SUITES(DECLARE)
 
 static int passed, failed, claims_failed;
-static int figures, brief, list;
+static int figures, brief, list, number, part, parts = 1;
 static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
 double fbt_compared;
@@ -123,7 +123,7 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
     char path[128];
     snprintf(path, sizeof path, "%s/%s", section, cases[i].name);
     path[strcspn(path, "_/")] = '/'; /* a topic of the section */
-    if (strstr(path, only) == NULL || (brief && cases[i].lasts)) {
+    if (strstr(path, only) == NULL || (brief && cases[i].lasts) || ++number % parts != part % parts) {
       continue;
     }
     if (list) {
@@ -286,6 +286,10 @@ int main(int argc, char **argv)
     figures = figures || strcmp(argv[i], "--figures") == 0;
     brief = brief || strcmp(argv[i], "--brief") == 0;
     list = list || strcmp(argv[i], "--list") == 0;
+    if (sscanf(argv[i], "--part=%d/%d", &part, &parts) == 2 && (parts < 1 || part < 1 || part > parts)) {
+      printf("--part=K/N: K from 1 to N; it is %s\n", argv[i]);
+      return 2;
+    }
     only = argv[i][0] == '-' ? only : argv[i];
   }
   if (!figures && !list) {

@@ -1206,7 +1206,7 @@ def convert(options):
     worst = max(off, key=off.get)
     if off[worst] > (1e-6 if how == 'condensed' else options.tolerance):
         raise Refused('masses %s: the %s would be off by %.2g: a finer mesh%s, or --tolerance %.2g'
-                      % (how, worst, off[worst], ', no --line' if options.line else '', 1.1 * off[worst]))
+                      % (how, worst, off[worst], ', no --line' if options.line else ', --condense' if how == 'lumped' else '', 1.1 * off[worst]))
     marks = [mark for text in options.mark for mark in listed(text, '--mark', getattr(model, 'sets', None))]
     for k, (node, _) in enumerate(marks):
         model.find(node, '--mark')

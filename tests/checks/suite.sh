@@ -1,13 +1,15 @@
 #!/bin/sh
-# The tests pass in single precision by clang, and those of the forms as C++11 by g++. Others run them by gcc in double
-# precision (`make test`, check-sanitize) and by clang (check-memory); check-bits shows that both compilers give the same
-# bits in both precisions.
+# The tests pass in single precision by clang, every fourth day in double by gcc, long runs whole, and those of the forms as C++11
+# by g++. Others run them by gcc in double precision with long runs brief (`make test`, check-sanitize) and by clang
+# (check-memory); check-bits shows that both compilers give the same bits in both precisions.
 . tests/checks/common.sh
 need g++ g++
 need clang clang
 result=
 # compiler, FB_SINGLE, FBT_SHORT, optimization of the library, which tests
-for run in "clang 1 0 -O2" "g++ 0 1 -O1 forms/"; do
+whole=
+! today 1 || whole="gcc 0 0 -O2"
+for run in "clang 1 0 -O2" "g++ 0 1 -O1 forms/" ${whole:+"$whole"}; do
   set -- $run
   options="-DFB_SINGLE=$2 -DFBT_SHORT=$3"
   case $1 in
