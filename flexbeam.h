@@ -2034,10 +2034,11 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    work: within the next step, in steps below 0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first
    mode) by the part (dt/0.03 time)^2 of the way, so that the reaction does not grow with shorter steps. Of one rotation
    that is held alone the rate is held, no place. Steps may differ; one that is longer than the one before damps with
-   order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations more. One factorization, at the
-   extrapolated state, does for all but a stiff beam that is held along its line at two places and bends much between
-   them in a step: its stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped
-   and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one bears 0.1 s up to EA = 1e5 N, two
+   order 1. Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
+   until the next correction would be rounding, three or four as a rule. One factorization, at the extrapolated state,
+   does for all but a stiff beam that is held along its line at two places and bends much between them in a step: its
+   stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped and pinned at 4 m,
+   let go from 0.4 m, 300 steps that are equal or vary by half: one bears 0.1 s up to EA = 1e5 N, two
    0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of 0.2 s at 1e8 N. FB_ERR_CONVERGENCE:
    the last correction is not small, or the residual after it not so much smaller that the next one would be below a
    tenth of its bound (1e-6 of the length, a radian, the largest load; single precision 1e-3): take a shorter step, more
@@ -2728,7 +2729,7 @@ typedef struct fb_exact_desc {
   int n_lump;         /* lumped bodies on nodes, in section axes there */
   int n_joint;        /* elements that are joints */
   int n_branch;       /* further chains */
-  int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
+  int iterations;     /* Newton iterations of a time step, at most, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   int box; /* nonzero: mass that moves along the line stays in the middle of the elements, as in the box scheme of
               [L], where stretch waves of a straight beam travel without error in steps of dx/c. For bases that do not

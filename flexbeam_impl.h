@@ -19376,6 +19376,9 @@ static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, c
   }
 }
 
+/* Expected next correction that is rounding, of the measure of fbi_exact_change; in single precision residuals are from the
+   start, and all corrections are made. */
+#define FBI_EXACT_DONE (FB_SINGLE ? FB_R(0.0) : FB_R(256.0) * FB_EPSILON)
 #define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
 /* Strains, momenta, reactions and histories after the step, from the values at mid-step. */
 static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb_exact *m, fb_real dt)
@@ -19659,8 +19662,8 @@ static void fbi_exact_end(fb_exact_state *state, fb_exact_work *work, const fb_e
   state->step = step;
 }
 
-/* [E11.20] Step of the geometrically exact beam: E10.7 and E10.8 at mid-step, a fixed number of factorizations and of
-   Newton corrections. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
+/* [E11.20] Step of the geometrically exact beam: E10.7 and E10.8 at mid-step, a fixed number of factorizations and at most
+   `iterations` Newton corrections. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
    the energy with beta/4 dz.dz then falls by beta/4 (dz - dz_old).(dz - dz_old), and what oscillates much faster than
    the step is multiplied by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
    Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
@@ -19668,7 +19671,8 @@ static void fbi_exact_end(fb_exact_state *state, fb_exact_work *work, const fb_e
 FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *middle, fb_real dt)
 {
-  fb_real step, change = FB_HUGE, before = FB_HUGE;
+  fb_real step, after, change = FB_HUGE, next = FB_HUGE;
+  int rounding = 0;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
 
   /* Checks */
@@ -19688,18 +19692,20 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
     fbi_exact_way_find(work, m, step);
   }
 
-  /* Corrections with these factors */
-  for (int it = 0; it < m->iterations; it++) {
-    before = it + 1 == m->iterations ? fbi_exact_unbalance(work, m, step) : before;
+  /* Corrections with these factors, until the expected next one is rounding */
+  after = fbi_exact_unbalance(work, m, step);
+  for (int it = 0; it < m->iterations && !rounding; it++) {
+    const fb_real before = after;
     fbi_exact_solve(work, m);
     fbi_exact_correct(work, m, FB_R(1.0));
-    change = it + 1 == m->iterations ? fbi_exact_change(work, m, step, FB_R(0.0)) : change;
+    change = fbi_exact_change(work, m, step, FB_R(0.0));
     fbi_exact_middle(work, m, step, it + 2 < m->iterations);
+    after = fbi_exact_unbalance(work, m, step);
+    next = change * (after / (fbi_larger(before, after) + FB_TINY));
+    rounding = next <= FBI_EXACT_DONE && change <= FB_R(0.01) * FBI_EXACT_STEP_TOLERANCE && !(work->away > FB_R(0.0));
   }
 
   /* Convergence: last correction and the expected next one */
-  const fb_real after = fbi_exact_unbalance(work, m, step);
-  const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
   FBI_TRY(fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE);
   fbi_exact_end(state, work, m, step);
   return FB_OK;

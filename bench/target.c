@@ -1,5 +1,6 @@
 /* target - every stepper under random loads, on the desktop or on a board: the digest of all states, which must be the
-   same wherever it runs, and the fewest and most instructions of a step, which must be the same number.
+   same wherever it runs, and the fewest and most instructions of a step, which must be the same number,
+   but those of the exact beam in double precision.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms.
    sin, cos and atan2 are its own: those of C libraries differ in the
    last bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
@@ -107,7 +108,8 @@ static void counted(int step)
   most = count > most ? count : most;
 }
 
-static int end(fb_status status, int step)
+/* varies: the number of instructions may */
+static int end(fb_status status, int step, int varies)
 {
   board_print_unsigned((uint32_t)step, 9);
   board_print("  ");
@@ -121,7 +123,7 @@ static int end(fb_status status, int step)
     board_print(fb_status_string(status));
     board_print("\n");
   }
-  return status == FB_OK && (most == 0 || most == fewest);
+  return status == FB_OK && (varies || most == 0 || most == fewest);
 }
 
 /* ---- one body */
@@ -195,7 +197,7 @@ static int run_body(const char *name, int integrator)
     digest_reals(state.pi, BODY.n);
     step++;
   }
-  return end(status, step);
+  return end(status, step, 0);
 }
 
 /* ---- a system of two: the body, free, and on its last node another one of it on a hinge with a spring */
@@ -262,7 +264,7 @@ static int run_system(const char *name, fb_method method, int loop, int sdirk)
     }
     step++;
   }
-  return end(status, step);
+  return end(status, step, 0);
 }
 
 /* ---- the exact beam: a clamped boom on a moving base */
@@ -306,7 +308,7 @@ static int run_exact(const char *name)
     digest_reals(exact_state.momentum, 6 * FB_MAX_EXACT);
     step++;
   }
-  return end(status, step);
+  return end(status, step, !FB_SINGLE); /* of the exact beam at most the corrections that it is given */
 }
 
 int main(void)

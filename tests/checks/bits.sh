@@ -1,7 +1,7 @@
 #!/bin/sh
 # Every stepper under random loads: the same bits from gcc and clang at -O0, -O2 (single precision; the boards and MIPS in both),
 # -O3, twice, on Cortex-M4F and -M7, and on a big-endian 32-bit machine (MIPS), in one precision by day; on the boards the same number
-# of instructions in every step. Again with the beam as a line of large deflection. FLEXBEAM_STATIC: what no stepper calls is not
+# of instructions in every step (bench/target.c). Again with the beam as a line of large deflection. FLEXBEAM_STATIC: what no stepper calls is not
 # compiled.
 # STEPS=100000 make check-bits counts more of them (half an hour).
 . tests/checks/common.sh
