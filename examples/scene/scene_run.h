@@ -923,7 +923,8 @@ static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run
     return scene_failed(s, "at the start", status);
   }
   s->began = 1;
-  if (s->is_exact && s->trim && exact_run.work.unstable > 0) {
+  // of a base that spins gyroscopic forces decide
+  if (s->is_exact && s->trim && exact_run.work.unstable > 0 && fb_vec3_dot(exact_run.input.w, exact_run.input.w) == 0) {
     scene_warn(s, o->warn, "warning: the steady state is unstable, in %d directions, as beyond a buckling load",
                exact_run.work.unstable);
   }

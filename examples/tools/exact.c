@@ -140,7 +140,8 @@ static void tell_state(void)
   }
   (void)fb_exact_energy_eval(&beam, &energy, &beam_state);
   printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
-  if (beam_work.unstable > 0) {
+  // of a base that spins gyroscopic forces decide
+  if (beam_work.unstable > 0 && fb_vec3_dot(beam_input.w, beam_input.w) == 0) {
     printf("%-28s %14d directions, as beyond a buckling load\n", "unstable in", beam_work.unstable);
   }
 }
