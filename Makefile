@@ -112,8 +112,7 @@ campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
 	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
-# The tests; a few random models against the laws that every model keeps. The last line counts all.
-# A part of the tests on each core, and the short form of the laws.
+# The tests, a part of them on each core, and a few random models against the laws that every model keeps. The last line counts all.
 test: check-quickstart
 	@$(ON_ALL_CORES) -s build/quick_double build/laws
 	@{ build/laws --count 20 --seed 1 & for k in $$(seq $(CORES)); do build/quick_double --part=$$k/$(CORES) & done; wait; } | awk -v parts=$$(($(CORES) + 1)) \
@@ -310,10 +309,10 @@ build/quick_double build/quick_single:
 # What calls the library at -O0, which compiles in a third of the time; long runs are brief (check-suite has them whole).
 OF_QUICK = $(SHARED) $(if $(filter tests/test_main.c,$<),,-O0) -DFBT_SHORT=1
 
-build/tests/double/%.o: tests/%.c | build/tests/double
+build/tests/double/%.o: tests/%.c build/flags | build/tests/double
 	$(CC) $(OF_QUICK) -c -o $@ $<
 
-build/tests/single/%.o: tests/%.c | build/tests/single
+build/tests/single/%.o: tests/%.c build/flags | build/tests/single
 	$(CC) $(OF_QUICK) -DFB_SINGLE=1 -c -o $@ $<
 
 quick-double quick-single: quick-%: build/quick_%

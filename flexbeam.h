@@ -3462,7 +3462,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
           motion has not converged. fb_modes_join in single precision: slow modes of stiff parts are found, or refused.
           Exact beams have joints and branches: fb_exact_desc.joint, .branch, fb_exact_input.motor, fb_exact_joint_eval,
           FB_PORT_DRIVE, _COORDINATE, _SPEED; `joint` in descriptions. Reactions of nodes held beyond the root
-          converge with the step.
+          converge with the step. fb_exact_desc.iterations is a bound: in double precision a step ends its corrections
+          where the next would be rounding.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
           .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).

@@ -10477,7 +10477,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
   /* with constraint rows */
   if ((w->special && w->closed) || (input && input->rows)) {
     FBI_TRY(fbi_rows_fill(w, system, body, modes, input));
-    for (int r = 0; r < w->n_row; r++) { /* after a failure the last one may have no end */
+    for (int r = 0; r < w->n_row; r++) {
       fb_real size;
       w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
     }
@@ -19376,8 +19376,8 @@ static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, c
   }
 }
 
-/* Expected next correction that is rounding, of the measure of fbi_exact_change; in single precision residuals are from the
-   start, and all corrections are made. */
+/* Below this the expected next correction, as fbi_exact_change measures it, is rounding. In single precision residuals
+   are rounding from the start: all corrections are made. */
 #define FBI_EXACT_DONE (FB_SINGLE ? FB_R(0.0) : FB_R(256.0) * FB_EPSILON)
 #define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
 /* Strains, momenta, reactions and histories after the step, from the values at mid-step. */

@@ -1,6 +1,6 @@
 /* target - every stepper under random loads, on the desktop or on a board: the digest of all states, which must be the
-   same wherever it runs, and the fewest and most instructions of a step, which must be the same number,
-   but those of the exact beam in double precision.
+   same wherever it runs, and the fewest and most instructions of a step, which must be the same number, but for the
+   exact beam in double precision.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms.
    sin, cos and atan2 are its own: those of C libraries differ in the
    last bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */

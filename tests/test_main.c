@@ -286,7 +286,8 @@ int main(int argc, char **argv)
     figures = figures || strcmp(argv[i], "--figures") == 0;
     brief = brief || strcmp(argv[i], "--brief") == 0;
     list = list || strcmp(argv[i], "--list") == 0;
-    if (sscanf(argv[i], "--part=%d/%d", &part, &parts) == 2 && (parts < 1 || part < 1 || part > parts)) {
+    if (strncmp(argv[i], "--part", 6) == 0 &&
+        (sscanf(argv[i], "--part=%d/%d", &part, &parts) != 2 || parts < 1 || part < 1 || part > parts)) {
       printf("--part=K/N: K from 1 to N; it is %s\n", argv[i]);
       return 2;
     }

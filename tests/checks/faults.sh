@@ -1,7 +1,6 @@
 #!/bin/sh
 # One bit flipped in a model, an integrator or a state: tests/checks/faults.c, under the address and undefined-behavior
-# sanitizers, in one
-# precision by day. Each is detected, gives a status, or leaves finite results.
+# sanitizers, in one precision by day. Each is detected, gives a status, or leaves finite results.
 . tests/checks/common.sh
 need gcc gcc
 result=
