@@ -171,7 +171,7 @@
      fb_rk4_work                  1728
      fb_implicit_work             9920
      fb_exponential_work          4752
-     fb_system_work             635264
+     fb_system_work             637440
      fb_exact_work              201312
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
@@ -179,7 +179,7 @@
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
-     fb_system_analyse_work    1967904
+     fb_system_analyse_work    1970080
      fb_exact_path_work         230576
      fb_exact_spectrum_work    1848000
      fb_exact_linear_work      2300880
@@ -1206,6 +1206,10 @@ FB_API fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
 
 /* ---- parts of the work: not to be looked at */
 
+typedef struct fbi_sym6_factors { /* of a 6x6, E3.1 */
+  fb_real L[6], G[6], Z[9], W[9];
+} fbi_sym6_factors;
+
 typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real R[9];                 /* body to inertial axes */
   fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
@@ -1496,6 +1500,8 @@ typedef struct fbi_link_work {
   fb_real S[21];                /* articulated inertia */
   fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
   fb_real U[18], D[3];  /* S A, 1/(A S A) */
+  int factored;         /* of a free joint: the factors of S are known */
+  fbi_sym6_factors factors;
   fb_real stiffness[3], damping[3]; /* of the axes of a joint with friction or stops, in an implicit step */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
@@ -1528,6 +1534,7 @@ typedef struct fbi_span { /* of a spring, between its points; inertial axes */
 typedef struct fbi_row {
   fb_row r;
   int end[2], joint, axis;
+  int pushes; /* it has a force, not torques alone */
   fb_real force_dot[2][3], torque_dot[2][3], b_dot;
   fb_real most; /* upper bound of its value without impulses */
 } fbi_row;

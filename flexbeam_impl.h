@@ -716,28 +716,28 @@ static void fbi_chol3_scale(fb_real y[3], const fb_real L[6], const fb_real x[3]
   y[2] = x[2] * L[5];
 }
 
-/* [E3.1] Solves S x = y for a symmetric positive definite 6x6 by blocks of 3, written out without index arithmetic.
-   S = [A B; B^T D], A = L E L^T, Z = L^-1 B, D - Z^T E^-1 Z = G H G^T.
-   Source: [GV] 4.1, 4.2.  Shapes: S packed 21.  Cost: about 160 flops, 6 divisions.
+/* [E3.1] Factors of a symmetric positive definite 6x6 by blocks of 3, written out without index arithmetic.
+   S = [A B; B^T D], A = L E L^T, Z = L^-1 B, W = E^-1 Z, D - Z^T W = G H G^T.
+   Source: [GV] 4.1, 4.2.  Shapes: S packed 21.  Cost: about 100 flops, 6 divisions; a solution 60 flops.
    Fails: a pivot is not above tol * reference, the size of its summands.
    Test: sym6_solve_inverts_random_and_graded_matrices. */
-static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const fb_real y[6], const fb_real reference[6],
-                                      fb_real tol)
+static fb_status fbi_sym6_factor(fbi_sym6_factors *f, const fb_real S[21], const fb_real reference[6], fb_real tol)
 {
   const fb_real A[6] = {S[0], S[1], S[2], S[6], S[7], S[11]};
   const fb_real b0[3] = {S[3], S[8], S[12]}, b1[3] = {S[4], S[9], S[13]}, b2[3] = {S[5], S[10], S[14]};
-  fb_real L[6], G[6], D[6], z0[3], z1[3], z2[3], w0[3], w1[3], w2[3], s[3], t[3];
+  fb_real *const z0 = f->Z, *const z1 = f->Z + 3, *const z2 = f->Z + 6;
+  fb_real *const w0 = f->W, *const w1 = f->W + 3, *const w2 = f->W + 6, D[6];
 
   /* A = L E L^T, Z = L^-1 B, W = E^-1 Z */
-  if (!fbi_chol3_factor(L, A, reference, tol)) {
+  if (!fbi_chol3_factor(f->L, A, reference, tol)) {
     return FB_ERR_SINGULAR;
   }
-  fbi_chol3_forward(z0, L, b0);
-  fbi_chol3_forward(z1, L, b1);
-  fbi_chol3_forward(z2, L, b2);
-  fbi_chol3_scale(w0, L, z0);
-  fbi_chol3_scale(w1, L, z1);
-  fbi_chol3_scale(w2, L, z2);
+  fbi_chol3_forward(z0, f->L, b0);
+  fbi_chol3_forward(z1, f->L, b1);
+  fbi_chol3_forward(z2, f->L, b2);
+  fbi_chol3_scale(w0, f->L, z0);
+  fbi_chol3_scale(w1, f->L, z1);
+  fbi_chol3_scale(w2, f->L, z2);
 
   /* Schur complement D - Z^T W = G H G^T */
   D[0] = S[15] - fb_vec3_dot(z0, w0);
@@ -746,24 +746,27 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
   D[3] = S[18] - fb_vec3_dot(z1, w1);
   D[4] = S[19] - fb_vec3_dot(z1, w2);
   D[5] = S[20] - fb_vec3_dot(z2, w2);
-  if (!fbi_chol3_factor(G, D, reference + 3, tol)) {
-    return FB_ERR_SINGULAR;
-  }
+  return fbi_chol3_factor(f->G, D, reference + 3, tol) ? FB_OK : FB_ERR_SINGULAR;
+}
+
+/* S x = y with the factors of S. */
+static void fbi_sym6_back(fb_real x[6], const fbi_sym6_factors *f, const fb_real y[6])
+{
+  fb_real s[3], t[3];
 
   /* forward substitution */
-  fbi_chol3_forward(s, L, y);
-  t[0] = y[3] - fb_vec3_dot(w0, s);
-  t[1] = y[4] - fb_vec3_dot(w1, s);
-  t[2] = y[5] - fb_vec3_dot(w2, s);
-  fbi_chol3_forward(t, G, t);
+  fbi_chol3_forward(s, f->L, y);
+  t[0] = y[3] - fb_vec3_dot(f->W, s);
+  t[1] = y[4] - fb_vec3_dot(f->W + 3, s);
+  t[2] = y[5] - fb_vec3_dot(f->W + 6, s);
+  fbi_chol3_forward(t, f->G, t);
 
   /* back substitution */
-  fbi_chol3_back(x + 3, G, t);
-  fbi_vec3_add(s, -x[3], z0);
-  fbi_vec3_add(s, -x[4], z1);
-  fbi_vec3_add(s, -x[5], z2);
-  fbi_chol3_back(x, L, s);
-  return FB_OK;
+  fbi_chol3_back(x + 3, f->G, t);
+  fbi_vec3_add(s, -x[3], f->Z);
+  fbi_vec3_add(s, -x[4], f->Z + 3);
+  fbi_vec3_add(s, -x[5], f->Z + 6);
+  fbi_chol3_back(x, f->L, s);
 }
 
 #if FB_WITH_SYSTEM || FB_WITH_BUILD
@@ -827,7 +830,10 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
 static fb_status fbi_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
   const fb_real reference[6] = {S[0], S[6], S[11], S[15], S[18], S[20]};
-  return fbi_sym6_solve_above(x, S, y, reference, FBI_PIVOT);
+  fbi_sym6_factors f;
+  FBI_TRY(fbi_sym6_factor(&f, S, reference, FBI_PIVOT));
+  fbi_sym6_back(x, &f, y);
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
@@ -8869,7 +8875,7 @@ static fb_status fbi_joint_eliminate(fbi_link_work *L, const fb_joint *joint, fb
 {
   const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
 
-  /* free joint: solved by fbi_free_solve; here only whether there is inertia */
+  /* free joint: factored by fbi_free_factor; here only whether there is inertia */
   if (joint->kind == FB_JOINT_FREE) {
     const fb_real mass = fbi_smaller(FB_FABS(own[0]), fbi_smaller(FB_FABS(own[1]), FB_FABS(own[2])));
     const fb_real moment = fbi_smaller(FB_FABS(own[3]), fbi_smaller(FB_FABS(own[4]), FB_FABS(own[5])));
@@ -8936,6 +8942,7 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
       fbi_modes_assemble(L, model, g, w->heavy);
     }
     L->mass = L->moment = FB_R(0.0);
+    L->factored = 0;
   }
 
   /* from the tips: modes and joint eliminated, the rest added to the parent */
@@ -9006,17 +9013,26 @@ static void fbi_link_inward(fbi_link_work *L, const fb_joint *joint, const fb_bo
   }
 }
 
-/* V = S^-1 y of a free joint. The elimination of joints further out leaves round-off in all directions of S; pivots in
-   fixed order resolve only the square root of that. Where a pivot is below it, E3.2 decides. */
-static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_real y[6])
+/* Factors of S at a free joint, kept for further right-hand sides. The elimination of joints further out leaves round-off
+   in all directions of S; pivots in fixed order resolve only the square root of that. Where a pivot is below it, E3.2
+   decides. */
+static fb_status fbi_free_factor(fbi_link_work *L)
 {
   const fb_real tol = 64 * FB_EPSILON, root = FB_SINGLE ? FB_R(4e-3) : FB_R(2e-7);
+  const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
   fb_real reference[6];
-  fbi_sym6_reference(reference, L->S, L->mass, L->moment);
-  if (fbi_sym6_solve_above(V, L->S, y, reference, root) == FB_OK) {
+  if (L->factored) {
     return FB_OK;
   }
-  return fbi_sym6_stands_out(L->S, 0, reference, tol) ? fbi_sym6_solve(V, L->S, y) : FB_ERR_SINGULAR;
+  fbi_sym6_reference(reference, L->S, L->mass, L->moment);
+  if (fbi_sym6_factor(&L->factors, L->S, reference, root) != FB_OK) {
+    if (!fbi_sym6_stands_out(L->S, 0, reference, tol)) {
+      return FB_ERR_SINGULAR;
+    }
+    FBI_TRY(fbi_sym6_factor(&L->factors, L->S, own, FBI_PIVOT));
+  }
+  L->factored = 1;
+  return FB_OK;
 }
 
 /* V of a body on a free joint: S V = p - b, or prescribed; G = S V. */
@@ -9025,9 +9041,10 @@ static fb_status fbi_free_out(fb_real V[6], fbi_link_work *L, int n)
   if (L->mode[0] == FB_AXIS_FREE) {
     fbi_vec6_copy(L->G, L->p);
     fbi_vec6_add(L->G, -FB_R(1.0), L->b);
-    if (fbi_free_solve(V, L, L->G) != FB_OK) {
+    if (fbi_free_factor(L) != FB_OK) {
       return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
+    fbi_sym6_back(V, &L->factors, L->G);
   } else {
     if (L->mode[0] == FB_AXIS_PRESCRIBED) {
       fbi_vec6_copy(V, L->p);
@@ -9038,12 +9055,10 @@ static fb_status fbi_free_out(fb_real V[6], fbi_link_work *L, int n)
   return FB_OK;
 }
 
-/* G = S V, and V += A u of the axes of any other joint: the eliminated ones from the last to the first,
-   u_i = r_i - D_i U_i.V, with S A_i = 0 in the S that they leave; then the prescribed ones. V: as if the joint were
-   rigid. */
+/* V += A u of the axes of any other joint: the eliminated ones from the last to the first, u_i = r_i - D_i U_i.V, then
+   the prescribed ones. V: as if the joint were rigid. */
 static void fbi_axes_out(fb_real V[6], fbi_link_work *L, const fb_joint *joint)
 {
-  fb_sym6_mul_vec6(L->G, L->S, V);
   for (int i = joint->n_axis - 1; i >= 0; i--) {
     if (L->mode[i] == FB_AXIS_FREE) {
       L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
@@ -9081,7 +9096,8 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
 }
 
 /* Outward pass (back-substitution) of one body: V from the velocity of the node that carries it (NULL: the ground), the
-   speeds of its joint and modes, and the momentum G = S V + b of the subtree. */
+   speeds of its joint and modes, and the momentum of the subtree, G = S V + b with V as if the joint were rigid, for
+   S A_i = 0 in the S that its axes leave. */
 static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
 {
   fb_real *const V = L->V;
@@ -9093,6 +9109,7 @@ static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const
   if (joint->kind == FB_JOINT_FREE) {
     FBI_TRY(fbi_free_out(V, L, body->n));
   } else {
+    fb_sym6_mul_vec6(L->G, L->S, V);
     fbi_axes_out(V, L, joint);
   }
   fbi_vec6_add(L->G, FB_R(1.0), L->b);
@@ -9691,50 +9708,47 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
 
 /* Time derivatives of a joint's row along the motion of its ends: axes of the parent rotate with the parent, those of
    the child with the child. Rows of locked and prescribed axes rotate with the parent; with the child would do as
-   well, as the difference is a torque perpendicular to the motion, which the joint bears. Positions are those of the
-   rows, so that fbi_frames_eval finds its ends and cannot fail. */
-static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
+   well, as the difference is a torque perpendicular to the motion, which the joint bears. */
+static void fbi_joint_row_rates(fbi_row *row, const fb_system_work *w, const fbi_frames *f)
 {
   const int hold = -1 - row->axis;
-  fbi_frames f;
   fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
-  (void)fbi_frames_eval(&f, w, system, body, row->joint);
   fbi_vec3_copy(force, row->r.force[1]);
 
   /* force_dot, torque_dot at the child's joint frame */
   if (row->axis >= 0) {
     fb_real torque[3], moment[3];
-    fb_vec3_cross(moment, f.arm[1], force);
+    fb_vec3_cross(moment, f->arm[1], force);
     for (int i = 0; i < 3; i++) {
       torque[i] = row->r.torque[1][i] - moment[i];
     }
-    fb_vec3_cross(force_dot, f.end[0]->w, force);
-    fb_vec3_cross(torque_dot, f.end[0]->w, torque);
+    fb_vec3_cross(force_dot, f->end[0]->w, force);
+    fb_vec3_cross(torque_dot, f->end[0]->w, torque);
   } else if (hold < 3) {
-    fb_vec3_cross(force_dot, f.end[0]->w, force);
+    fb_vec3_cross(force_dot, f->end[0]->w, force);
   } else {
-    const fb_real *a = f.a[(hold - 3) / 3], *b = f.b[(hold - 3) % 3];
+    const fb_real *a = f->a[(hold - 3) / 3], *b = f->b[(hold - 3) % 3];
     fb_real a_dot[3], b_dot[3];
-    fb_vec3_cross(a_dot, f.end[0]->w, a);
-    fb_vec3_cross(b_dot, f.end[1]->w, b);
+    fb_vec3_cross(a_dot, f->end[0]->w, a);
+    fb_vec3_cross(b_dot, f->end[1]->w, b);
     fb_vec3_cross(torque_dot, b_dot, a);
     fbi_vec3_add_cross(torque_dot, b, a_dot);
   }
 
   /* velocity of the child's joint origin */
-  fbi_vec3_copy(at_child, f.end[1]->v);
-  fbi_vec3_add_cross(at_child, f.end[1]->w, f.arm[1]);
+  fbi_vec3_copy(at_child, f->end[1]->v);
+  fbi_vec3_add_cross(at_child, f->end[1]->w, f->arm[1]);
 
   /* both ends: the moment of the force changes by arm_dot x force + arm x force_dot */
   for (int s = 0; s < 2; s++) {
     const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
     fb_real arm_dot[3], moment[3];
     for (int i = 0; i < 3; i++) {
-      arm_dot[i] = at_child[i] - f.end[s]->v[i];
+      arm_dot[i] = at_child[i] - f->end[s]->v[i];
     }
-    fbi_frames_apart_add(arm_dot, FB_R(1.0), w, f.end[s]->link, f.end[1]->link, 1);
+    fbi_frames_apart_add(arm_dot, FB_R(1.0), w, f->end[s]->link, f->end[1]->link, 1);
     fb_vec3_cross(moment, arm_dot, force);
-    fbi_vec3_add_cross(moment, f.arm[s], force_dot);
+    fbi_vec3_add_cross(moment, f->arm[s], force_dot);
     for (int i = 0; i < 3; i++) {
       row->force_dot[s][i] = sign * force_dot[i];
       row->torque_dot[s][i] = sign * (torque_dot[i] + moment[i]);
@@ -9812,13 +9826,17 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
                                             const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
+  fbi_frames f;
 
   /* ends and rows of joints */
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
   }
-  for (int r = 0; r < w->n_joint_row; r++) {
-    fbi_joint_row_rates(&w->row[r], w, system, body);
+  for (int r = 0; r < w->n_joint_row; r++) { /* frames at the positions of the rows: their ends are known, no failure */
+    if (r == 0 || w->row[r].joint != w->row[r - 1].joint) {
+      (void)fbi_frames_eval(&f, w, system, body, w->row[r].joint);
+    }
+    fbi_joint_row_rates(&w->row[r], w, &f);
   }
 
   /* rows of the caller; in h the fastest body rotates by at most 1e-5 rad (single: 5e-3) */
@@ -9933,9 +9951,7 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
 /* Are two rows of the same joint (or both the caller's), and both with a force or both without? */
 static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
 {
-  const int force_a = fbi_vec3_norm(a->r.force[0]) + fbi_vec3_norm(a->r.force[1]) > FB_R(0.0);
-  const int force_b = fbi_vec3_norm(b->r.force[0]) + fbi_vec3_norm(b->r.force[1]) > FB_R(0.0);
-  return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
+  return a->pushes == b->pushes && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
 /* Q = A M^-1 A^T by columns, one solution for a unit impulse on each row; w->column: upper bounds of its diagonal. */
@@ -9943,6 +9959,8 @@ static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, con
 {
   const int m = w->n_row;
   for (int r = 0; r < m; r++) {
+    const fb_real *a = w->row[r].r.force[0], *b = w->row[r].r.force[1];
+    w->row[r].pushes = fb_vec3_dot(a, a) + fb_vec3_dot(b, b) > FB_R(0.0);
     fbi_rhs_clear(w, system, body);
     fbi_row_impulse(w, system, body, r, FB_R(1.0));
     FBI_TRY(fbi_speeds_solve(w, system, body));

@@ -1,6 +1,7 @@
 /* system_count - steps one system, for a counter of instructions (tests/checks/instructions.sh).
    usage: system_count CASE INTEGRATOR STEPS
-   CASE: rigid, a free body; hinge, a free hub and a rigid arm; booms, two bending booms on it; chain, five bending
+   CASE: rigid, a free body; hinge, a free hub and a rigid arm; links, the same
+   with six of them; booms, two bending booms on it; chain, five bending
    bodies, the first of them free; ground, the same, the first one on a hinge; dense, hub and boom by the dense method;
    ring, two arms of a free hub that a loop ties; rows, hub and arm both free, their hinge as a loop. INTEGRATOR: fb_system_rk4_step,
    fb_system_sdirk_step. */
@@ -63,6 +64,10 @@ static int build(const char *name)
     }
   } else if (strcmp(name, "hinge") == 0) {
     fbb_hang(&desc, 0, FB_JOINT_REVOLUTE, 0, 0)->position[0] = 1;
+  } else if (strcmp(name, "links") == 0) {
+    for (int k = 1; k <= 6; k++) {
+      fbb_hang(&desc, 0, FB_JOINT_REVOLUTE, k - 1, 0)->position[0] = 1;
+    }
   } else if (strcmp(name, "rows") == 0) {
     (void)fbb_hang(&desc, 0, FB_JOINT_FREE, FB_GROUND, 0);
     desc.n_loop = 1;

@@ -104,10 +104,11 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 # systems (bench/system_count.c), CASE, integrator, bound: what was reached; after it what was counted before trees had a frame
 # that flies with them, which in sum must not cost more than 4 per cent
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
-system rigid rk4 8830 # 8326
-system rigid sdirk 19920 # 20889
+system rigid rk4 8040 # 8326
+system rigid sdirk 19300 # 20889
 system hinge rk4 18850 # 20112
 system hinge sdirk 45900 # 49483
+system links rk4 73200 # six links
 system booms rk4 59800 # 58830
 system booms sdirk 170700 # 217877
 system chain rk4 323200 # 386664
@@ -116,10 +117,10 @@ system ground rk4 302300 # 387508
 system ground sdirk 684400 # 930043
 system dense rk4 121000 # 161214
 system dense sdirk 311800 # 426612
-system ring rk4 150250 # 182025
-system ring sdirk 293500 # 356790
-system rows rk4 173100 # 239507
-system rows sdirk 330300 # 476585
+system ring rk4 136700 # 182025
+system ring sdirk 268200 # 356790
+system rows rk4 133700 # 239507
+system rows sdirk 258300 # 476585
 
 # the geometrically exact beam: the most that a step takes; angles of libm's take a few more or less
 try gcc -std=c99 -I. -O2 -o "$out/exact" bench/exact_count.c "$out/default.o" -lm -Wl,-z,now
