@@ -15,12 +15,12 @@ TESTS    = $(wildcard tests/test_*.c)
 EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_flap arm fourbar \
            elastica follower flap whirl wing_goland ground_resonance rotor_flight leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware page
-EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
+EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi) $(if $(shell command -v $(CXX)),tutorial_filter)
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
-           advise symbols threads two_precisions jacobian style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard laws
+           advise symbols threads two_precisions jacobian trace style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard laws
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci ci-all seconds install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
@@ -216,7 +216,7 @@ vpath %.c examples $(wildcard examples/*)
 SHARED   = $(FLAGS) $(CFLAGS) -MMD -MP
 LARGER   = assembly elastica flap follower rotor rotor_flap whirl leigh ground_resonance rotor_flight tutorial_import campaign_mpi
 PAPERS   = spinup table1
-OF_THEIR_OWN = quickstart firmware tutorial_firmware page # the single file; a model in ROM, or a page, with the smallest library
+OF_THEIR_OWN = quickstart firmware tutorial_firmware tutorial_filter page # the single file; a model in ROM, or a page, with the smallest library
 
 build/library/double.o build/library/single.o: flexbeam.h build/flags | build/library
 	echo '#include "flexbeam.h"' | $(CC) $(SHARED) -MT $@ -MF $(@:.o=.d) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -DFB_WITH_DETAIL=1 -DFLEXBEAM_IMPLEMENTATION -c -o $@ -x c -
@@ -240,8 +240,17 @@ $(filter-out $(OF_THEIR_OWN:%=build/examples/%),$(EXAMPLES:%=build/examples/%)):
 build/examples/quickstart build/examples/page: build/examples/%: %.c build/flags | build/examples
 	$(CC) $(SHARED) -MT $@ -MF $@.d -o $@ $< -lm
 
-build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
-	$(CC) $(CFLAGS) -o $@ $^ -lm
+# The tracer (--jacobian) is C++; without a compiler for it the program says what to install. At -O0: the library whose
+# numbers are a class takes minutes to optimize, and a model is traced in less than a second.
+TRACE := $(if $(shell command -v $(CXX)),trace,untraced)
+build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) build/tool/$(TRACE).o build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
+	$(if $(filter trace,$(TRACE)),$(CXX),$(CC)) $(CFLAGS) -o $@ $^ -lm
+
+build/tool/trace.o: examples/tools/trace/trace.cpp build/flags | build/tool
+	$(CXX) -std=c++11 -O0 -w -I. -MMD -MP -c -o $@ $<
+
+build/tool/untraced.o: examples/tools/trace/untraced.c build/flags | build/tool
+	$(CC) $(QUICKLY) -c -o $@ $<
 
 # What costs time is the library.
 QUICKLY = $(SHARED:-O2=-O1)
@@ -263,10 +272,19 @@ build/tool/fmu_config.h: | build/tool
 build/examples/satellite_rom.h: examples/satellite.txt build/flexbeam | build/examples
 	build/flexbeam reduce $< --single --out $@
 
+build/examples/satellite_true.h: examples/satellite.txt build/flexbeam | build/examples
+	build/flexbeam reduce $< --out $@
+
+build/examples/satellite_model.h: examples/satellite.txt build/flexbeam | build/examples
+	build/flexbeam reduce $< --jacobian --sensors 0 --name model --out $@
+
+build/examples/tutorial_filter: build/examples/satellite_model.h
 build/examples/firmware: examples/firmware/board/desktop.c
-build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h build/flags
+build/examples/firmware build/examples/tutorial_firmware: build/examples/satellite_rom.h
+build/examples/tutorial_filter: build/examples/satellite_true.h
+build/examples/firmware build/examples/tutorial_firmware build/examples/tutorial_filter: build/examples/%: %.c build/flags
 	$(CC) $(SHARED) -MT $@ -MF $@.d -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
-	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $(filter %.c,$^) -lm
+	  $$(grep -h -o -e '-DFB_[A-Z_]*=[0-9]*' $(filter %_rom.h %_true.h,$^)) -o $@ $(filter %.c,$^) -lm
 
 # What a benchmark says of itself: its flags, its commit.
 BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
@@ -365,9 +383,11 @@ check-linear check-long check-scene check-hil check-aero: build/library/double.o
 
 check-page: build/examples/page
 
+check-trace: build/examples/tutorial_filter
+
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-$(addprefix check-,advise bits code code_hostile code_tree compile firmware fmu import linear packages parts rom scene): build/flexbeam
+$(addprefix check-,advise bits code code_hostile code_tree compile firmware fmu import linear packages parts rom scene trace): build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

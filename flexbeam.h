@@ -166,6 +166,9 @@
                                                        but good ones, come from -fno-signed-zeros, -freciprocal-math,
                                                        -ffp-contract=fast; -fno-math-errno, -fno-trapping-math: none
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
+     FB_REAL                          -        -       a class of C++11 in place of the number, with its own FB_SQRT.. and
+                                                       FB_BELOW(x, y, a, b), a where x < y, else b: dual numbers, a trace
+                                                       (examples/tools/trace/number.h); wants FB_ALLOW_FAST_MATH
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
      fb_rk4_work                  1728
@@ -512,15 +515,21 @@
 #endif
 #endif
 
-#if FB_SINGLE
+#ifdef FB_REAL /* a class of C++ in place of a number, which knows its derivatives, or how it was made */
+typedef FB_REAL fb_real;
+#define FB_R(x) fb_real(x)
+#elif FB_SINGLE
 typedef float fb_real;
 #define FB_R(x) (x##f)
+#else
+typedef double fb_real;
+#define FB_R(x) (x)
+#endif
+#if FB_SINGLE
 #define FB_EPSILON 1.19209290e-7f
 #define FB_HUGE 1e18f  /* magnitudes above this are refused: their squares overflow */
 #define FB_TINY 1e-12f /* magnitudes below this become zero in a step: their cubes underflow */
 #else
-typedef double fb_real;
-#define FB_R(x) (x)
 #define FB_EPSILON 2.2204460492503131e-16
 #define FB_HUGE 1e150
 #define FB_TINY 1e-100

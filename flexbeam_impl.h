@@ -34,6 +34,9 @@
 #ifndef FB_EXP
 #define FB_EXP(x) FBI_LIBM(exp)(x)
 #endif
+#ifndef FB_BELOW /* a selection by value, not a branch; a number class in place of fb_real may record it as one */
+#define FB_BELOW(x, y, yes, no) ((x) < (y) ? (yes) : (no))
+#endif
 #include <string.h>
 
 #ifndef FLEXBEAM_STATIC
@@ -251,17 +254,14 @@ static int fbi_is_finite(const fb_real *x, int n)
 /* 1 if sums are evaluated in the order written and NaN differs from itself: detects fast-math flags without a macro. */
 static int fbi_is_exact(void)
 {
-  volatile fb_real one = FB_R(1.0), little = FB_R(1e-30), x;
-  fb_real a, b;
-  memset(&a, 255, sizeof a); /* a quiet NaN, made without an operation that could trap */
-  x = a;
-  a = one;
-  b = little;
+  volatile float one = 1.0f, little = 1e-30f;
+  volatile unsigned char ones = 255;
+  fb_real a = (fb_real)one, b = (fb_real)little;
   if (!((a + b) - a <= FB_R(0.0))) { /* zero by rounding in any precision; b if reordered */
     return 0;
   }
-  a = x;
-  return a != a; /* NOLINT: NaN */
+  memset(&a, ones, sizeof a); /* a quiet NaN, made without an operation that could trap */
+  return a != a;              /* NOLINT: NaN */
 }
 
 #ifdef FB_ALLOW_FAST_MATH
@@ -428,13 +428,13 @@ static int fbi_is_zero(const fb_real *x, int n)
 #if FB_WITH_SYSTEM || FB_WITH_ANALYSE
 static fb_real fbi_smaller(fb_real a, fb_real b)
 {
-  return a < b ? a : b;
+  return FB_BELOW(a, b, a, b);
 }
 #endif
 
 static fb_real fbi_larger(fb_real a, fb_real b)
 {
-  return a > b ? a : b;
+  return FB_BELOW(b, a, a, b);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -931,7 +931,7 @@ FB_DEF void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3])
    Test: exponential_and_logarithm_are_inverse. */
 static fb_real fbi_quat_log(fb_real phi[3], const fb_real q[4])
 {
-  const fb_real sign = q[0] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
+  const fb_real sign = FB_BELOW(q[0], FB_R(0.0), -FB_R(1.0), FB_R(1.0));
   const fb_real u = fbi_larger(fbi_vec3_norm(q + 1), FB_TINY);
   const fb_real s = FB_R(2.0) * FB_ATAN2(u, sign * q[0]) / u;
   phi[0] = sign * s * q[1];
@@ -5140,11 +5140,10 @@ static FBI_NOINLINE void fbi_central_rotors(fbi_central *f, const fbi_kinetics *
 static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body *body, const fb_real c[3],
                                   const fb_real mass[3])
 {
-  fb_real own[21], a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, b[3], h[3], length;
+  fb_real own[21], a[3], b[3], h[3], length, sign, by;
   const fb_real *S;
-  int least = 0;
 
-  /* n and two axes across it */
+  /* n and two axes across it (T. Duff et al., Building an orthonormal basis, revisited, JCGT 6(1), 2017) */
   f->distance = fbi_vec3_norm(mass);
   if (!(f->distance > FB_R(0.0) && f->distance < FB_HUGE)) {
     return fbi_vec3_is_finite(mass) ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_CENTER, -1, f->distance, FB_R(0.0))
@@ -5153,15 +5152,13 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
   fb_mat33_mulT_vec3(f->n, k->R, mass);
   for (int i = 0; i < 3; i++) {
     f->n[i] /= f->distance;
-    least = FB_FABS(f->n[i]) < FB_FABS(f->n[least]) ? i : least;
   }
-  a[least] = FB_R(1.0);
+  sign = FB_BELOW(f->n[2], FB_R(0.0), -FB_R(1.0), FB_R(1.0));
+  by = -FB_R(1.0) / (sign + f->n[2]);
+  a[0] = FB_R(1.0) + sign * by * f->n[0] * f->n[0];
+  a[1] = sign * by * f->n[0] * f->n[1];
+  a[2] = -sign * f->n[0];
   fb_vec3_cross(b, f->n, a);
-  length = fbi_vec3_norm(b);
-  for (int i = 0; i < 3; i++) {
-    b[i] /= length;
-  }
-  fb_vec3_cross(a, b, f->n);
 
   /* J and its gradient */
 #if FB_WITH_LARGE_DEFLECTION
@@ -10651,7 +10648,7 @@ static fb_real fbi_friction(const fb_joint *joint, int i, fb_real speed)
 static fb_real fbi_stop_depth(const fb_joint *joint, int i, fb_real value)
 {
   const fb_real low = value - joint->stop[i][0], high = value - joint->stop[i][1];
-  return !(joint->stop_stiffness[i] > FB_R(0.0)) ? FB_R(0.0) : low < FB_R(0.0) ? low : fbi_larger(high, FB_R(0.0));
+  return joint->stop_stiffness[i] > FB_R(0.0) ? FB_BELOW(low, FB_R(0.0), low, fbi_larger(high, FB_R(0.0))) : FB_R(0.0);
 }
 
 /* [E9.29] Stiffness of a stop at a depth d and speed u, k (1 + c u) inwards, k (1 - c u) outwards, never below zero: the
@@ -10660,7 +10657,7 @@ static fb_real fbi_stop_depth(const fb_joint *joint, int i, fb_real value)
    Test: stops_return_an_impact_as_in_closed_form, steps_in_a_stop_converge_quadratically. */
 static fb_real fbi_stop_secant(const fb_joint *joint, int i, fb_real depth, fb_real speed)
 {
-  const fb_real inwards = depth < FB_R(0.0) ? -speed : speed;
+  const fb_real inwards = FB_BELOW(depth, FB_R(0.0), -speed, speed);
   return joint->stop_stiffness[i] * fbi_larger(FB_R(1.0) + joint->stop_loss[i] * inwards, FB_R(0.0));
 }
 

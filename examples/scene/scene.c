@@ -26,6 +26,10 @@ static const char help[] =
     "                    where the scene says so, else of rk4; functions are called as FILE; with --single for single\n"
     "                    precision, with --lanes for several at once, too; with --loads LIST for a force and a\n"
     "                    torque at each of these nodes, BODY.NODE,.., which its load lines then are\n"
+    "  --jacobian FILE   the rates of its tree of bodies and a step of rk4, with their exact Jacobians, as C of its "
+    "own,\n"
+    "                    for filters and controllers that predict; with --single and --loads LIST as above, and with\n"
+    "                    --sensors LIST for what an IMU, a star tracker and a receiver see at each of these nodes\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -52,7 +56,8 @@ static const char help[] =
 
 typedef struct command {
   scene_options options;
-  const char *code, *loads;
+  const char *code, *jacobian;
+  scene_code write;
   int n_set;
   char name[SCENE_PARAMETERS][TEXT_NAME];
   scene_setting set[SCENE_PARAMETERS];
@@ -87,8 +92,8 @@ static int read_option(void *to, const char *name, const char *text)
   if (strcmp(name, "--set") == 0) {
     return read_setting(c, text);
   }
-  if (strcmp(name, "--loads") == 0) {
-    c->loads = text;
+  if (strcmp(name, "--loads") == 0 || strcmp(name, "--sensors") == 0) {
+    *(name[2] == 'l' ? &c->write.loads : &c->write.sensors) = text;
     return 0;
   }
   if (strcmp(name, "--frame-count") == 0) {
@@ -98,7 +103,7 @@ static int read_option(void *to, const char *name, const char *text)
     c->options.n_frame = (int)n;
     return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
-  for (int k = 0; k < 7; k++) {
+  for (int k = 0; k < 8; k++) {
     const struct {
       const char *name, **file;
     } files[] = {{"--out", &c->options.csv},
@@ -107,7 +112,8 @@ static int read_option(void *to, const char *name, const char *text)
                  {"--picture", &c->options.picture},
                  {"--animation", &c->options.animation},
                  {"--frames", &c->options.frames},
-                 {"--code", &c->code}};
+                 {"--code", &c->code},
+                 {"--jacobian", &c->jacobian}};
     if (strcmp(name, files[k].name) == 0) {
       return read_out(files[k].file, text);
     }
@@ -309,29 +315,37 @@ int scene_main(int argc, char **argv)
   c.options.progress = quiet ? NULL : stderr;
   c.options.live = isatty(2);
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
-  if (!failed && (single || lanes || c.loads) && !c.code) {
-    return fail(single  ? "--single belongs to --code"
-                : lanes ? "--lanes belongs to --code"
-                        : "--loads belongs to --code",
+  c.write.file = c.code ? c.code : c.jacobian;
+  c.write.single = single;
+  c.write.lanes = lanes;
+  c.write.jacobian = c.jacobian != NULL;
+  if (!failed &&
+      ((lanes && !c.code) || (c.write.sensors && !c.jacobian) || ((single || c.write.loads) && !c.write.file))) {
+    return fail(lanes             ? "--lanes belongs to --code"
+                : c.write.sensors ? "--sensors belongs to --jacobian"
+                : single          ? "--single belongs to --code or --jacobian"
+                                  : "--loads belongs to --code or --jacobian",
                 "");
   }
-  if (!failed && (c.code || modes) &&
+  if (!failed && (c.write.file || modes) &&
       (c.options.csv || c.options.margins || c.options.linear || c.options.picture || c.options.animation ||
-       c.options.frames || (c.code && modes))) {
-    return fail(c.code ? "--code runs nothing: no other file beside it" : "--modes runs nothing: no file beside it",
+       c.options.frames || (c.code != NULL) + (c.jacobian != NULL) + modes > 1)) {
+    return fail(c.code       ? "--code runs nothing: no other file beside it"
+                : c.jacobian ? "--jacobian runs nothing: no other file beside it"
+                             : "--modes runs nothing: no file beside it",
                 "");
   }
-  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code) != 0) {
+  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.write.file) != 0) {
     return 2;
   }
-  failed = failed ? failed : c.code ? scene_write_code(s, c.code, single, lanes, c.loads) : run_scene(s, &c.options);
+  failed = failed ? failed : c.write.file ? scene_write_code(s, &c.write) : run_scene(s, &c.options);
   if (failed) {
     if (s->message[0]) {
       fprintf(stderr, "scene: %s\n", s->message);
     }
     return failed;
   }
-  if (c.code || modes) {
+  if (c.write.file || modes) {
     return 0;
   }
   tell(s, quiet);

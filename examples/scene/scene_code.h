@@ -1,10 +1,13 @@
 /* scene_code.h - writes the step of the bodies and joints of a scene as C of its own, of SDIRK where it says so, else of
-   rk4: scene --code. See scene.h and ../tools/code_tree.h. */
+   rk4: scene --code; their rates with a Jacobian: scene --jacobian. See scene.h, ../tools/code_tree.h, ../tools/trace. */
 #ifndef SCENE_CODE_H
 #define SCENE_CODE_H
 #include "scene_run.h"
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
+#include "../tools/trace/trace.h"
+
+static const scene *scene_code_of; /* what is written */
 
 /* How many rotors a line drives. */
 static int scene_code_rotors(const scene *s)
@@ -38,20 +41,20 @@ static void scene_code_known(char text[TEXT_MESSAGE], const scene_body *body)
   }
 }
 
-/* Says what is wrong with a body or node of --loads. */
-static void scene_code_no_node(scene *s, const char *name, const char *part, int body, int node)
+/* Says what is wrong with a body or node of --loads or --sensors. */
+static void scene_code_no_node(scene *s, const char *option, const char *name, const char *part, int body, int node)
 {
   char known[TEXT_MESSAGE];
   if (!name[0]) {
-    scene_fail(s, "--loads: a name is missing; choose BODY.NODE, or BODY for its origin, with commas");
+    scene_fail(s, "%s: a name is missing; choose BODY.NODE, or BODY for its origin, with commas", option);
   } else if (body == s->n_body) {
-    scene_fail(s, "--loads %s%s%s: there is no body %s; choose BODY.NODE, or BODY for its origin", name,
+    scene_fail(s, "%s %s%s%s: there is no body %s; choose BODY.NODE, or BODY for its origin", option, name,
                part[0] ? "." : "", part, name);
   } else if (node >= 0) {
-    scene_fail(s, "--loads %s%s%s: named twice; choose each node once", name, part[0] ? "." : "", part);
+    scene_fail(s, "%s %s%s%s: named twice; choose each node once", option, name, part[0] ? "." : "", part);
   } else {
     scene_code_known(known, &s->body[body]);
-    scene_fail(s, "--loads %s.%s: body %s has no such node; %s, and %s alone is its origin", name, part, name, known,
+    scene_fail(s, "%s %s.%s: body %s has no such node; %s, and %s alone is its origin", option, name, part, name, known,
                name);
   }
 }
@@ -68,7 +71,7 @@ static int scene_code_motor(const scene *s)
 
 /* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
    0: it has been said which is none. */
-static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *list)
+static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *option, const char *list)
 {
   for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
     const int n = (int)strcspn(at, ",");
@@ -84,7 +87,7 @@ static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char 
       node = *part ? scene_find_node(&s->body[body], part) : 0;
     }
     if (node < 0 || nodes[body] >> node & 1u) {
-      scene_code_no_node(s, name, part, body, node);
+      scene_code_no_node(s, option, name, part, body, node);
       return 0;
     }
     nodes[body] |= 1u << node;
@@ -120,23 +123,23 @@ static int scene_code_loads(char list[TEXT_MESSAGE], const scene *s, const unsig
 
 /* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. Loads at
    nodes that --loads names are inputs. */
-static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
+static int scene_code_refused(scene *s, const char *option, const unsigned loads[FB_MAX_BODIES])
 {
   char all[TEXT_MESSAGE] = "", list[TEXT_MESSAGE], load[TEXT_MESSAGE + 80];
   const int n_load = scene_code_loads(list, s, loads);
   const struct {
     int n, line; /* of the first; 0: none of its own */
     const char *what;
-  } other[] = {
-      {!scene_is_system(s) && !s->is_exact, 0,
-       "one body without a joint: flexbeam reduce --code writes its step of rk4; on a joint of kind free to the "
-       "ground it is a tree, of rk4 or sdirk"},
-      {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
-      {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
-      {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
-      {scene_code_motor(s) > 0, scene_code_motor(s), "motor of a loop: choose one on a joint of the tree"},
-      {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
-      {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
+  } other[] = {{!scene_is_system(s) && !s->is_exact, 0,
+                "one body without a joint: flexbeam reduce writes its step of rk4; on a joint of kind free to the "
+                "ground it is a "
+                "tree, of rk4 or sdirk"},
+               {n_load, text_seen(&s->seen, text_seen(&s->seen, "load") > 0 ? "load" : "nudge"), load},
+               {s->n_distributed, text_seen(&s->seen, "distributed"), "distributed: choose a scene without"},
+               {s->n_motion, text_seen(&s->seen, "motion"), "motion: choose a scene without"},
+               {scene_code_motor(s) > 0, scene_code_motor(s), "motor of a loop: choose one on a joint of the tree"},
+               {s->n_event, text_seen(&s->seen, "event"), "event: choose a scene without"},
+               {s->is_exact, 0, "an exact beam: choose bodies of modes"}};
   snprintf(load, sizeof load, "load and nudge: the caller gives them as input, by --loads %s", list);
   for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {
     const size_t n = strlen(all);
@@ -145,12 +148,12 @@ static int scene_code_refused(scene *s, const unsigned loads[FB_MAX_BODIES])
                other[k].line);
     }
   }
-  return all[0] ? scene_fail(s, "--code: %s", all) : 0;
+  return all[0] ? scene_fail(s, "%s: %s", option, all) : 0;
 }
 
 /* Lines in whose place the step has inputs; where the scene starts they count. And the integrator, where it is left to the
    program. */
-static void scene_code_tell(const scene *s)
+static void scene_code_tell(const scene *s, const char *option)
 {
   unsigned char pulls[FB_MAX_SPRINGS];
   const int pulled = scene_code_pulls(pulls, s);
@@ -163,7 +166,7 @@ static void scene_code_tell(const scene *s)
                {s->n_control, text_seen(&s->seen, "control"), "control"}};
   for (int k = 0; k < (int)(sizeof given / sizeof *given); k++) {
     if (given[k].n > 0) {
-      fprintf(stderr, "--code: %s (from line %d) are inputs of the step, which the caller gives\n", given[k].what,
+      fprintf(stderr, "%s: %s (from line %d) are inputs of the step, which the caller gives\n", option, given[k].what,
               given[k].line);
     }
   }
@@ -198,27 +201,55 @@ static int scene_code_name(char name[64], const char *file)
          strncmp(name, "FB_", 3) != 0;
 }
 
-/* Writes the step to a file; loads: nodes that have some (NULL: none). A status of main, 2 and a message for what cannot be
+typedef struct scene_code {
+  const char *file, *loads, *sensors; /* lists of nodes; NULL: none */
+  int single, lanes, jacobian;
+} scene_code;
+
+static const char *scene_code_node_name(int body, int node)
+{
+  return scene_code_of->body[body].node_name[node];
+}
+
+/* The rates with their Jacobian; "" or why not. */
+static void scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
+                              const char *const *names, char text[400])
+{
+  const trace_choice what = {choice->name, scene_code_of->path, choice->single, choice->loads, sensors,
+                             names,        scene_code_node_name};
+  const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
+                          sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
+                          scene_code_of->n_body};
+  if (trace_write(out, &what, &of, text) == 0) {
+    text[0] = '\0';
+  }
+}
+
+/* Writes the step, or the rates with their Jacobian, to a file. A status of main, 2 and a message for what cannot be
    written. */
-static int scene_write_code(scene *s, const char *file, int single, int lanes, const char *loads)
+static int scene_write_code(scene *s, const scene_code *c)
 {
   static const scene_options nothing;
-  const char *names[FB_MAX_BODIES];
-  char name[64], text[200];
-  tree_choice choice = {name, single, lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK, {0}, {0}};
+  const char *const option = c->jacobian ? "--jacobian" : "--code", *names[FB_MAX_BODIES];
+  char name[64], text[400] = "";
+  unsigned sensors[FB_MAX_BODIES] = {0};
+  tree_choice choice = {name, c->single, c->lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK,
+                        {0},  {0}};
   FILE *out;
   fb_status status;
-  int good;
+  int good = 1;
   memset(&engine, 0, sizeof engine);
-  if (!scene_code_nodes(s, choice.loads, loads) || scene_code_refused(s, choice.loads)) {
+  scene_code_of = s;
+  if (!scene_code_nodes(s, choice.loads, "--loads", c->loads) ||
+      !scene_code_nodes(s, sensors, "--sensors", c->sensors) || scene_code_refused(s, option, choice.loads)) {
     return 2;
   }
   scene_code_pulls(choice.pulls, s);
-  if (!scene_code_name(name, file)) {
+  if (!scene_code_name(name, c->file)) {
     return 1 + scene_fail(s,
-                          "--code %s: the step is called as its file, whose name wants to be a C identifier of at most "
-                          "39 characters, not fb_..",
-                          file);
+                          "%s %s: the functions are called as their file, whose name wants to be a C identifier of at "
+                          "most 39 characters, not fb_..",
+                          option, c->file);
   }
   if (scene_build(s, &nothing)) {
     return 2;
@@ -229,24 +260,30 @@ static int scene_write_code(scene *s, const char *file, int single, int lanes, c
     return 1 + scene_failed(s, "the start", status);
   }
   scene_tell_moved(s, stderr);
-  scene_code_tell(s);
+  scene_code_tell(s, option);
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
-  scene_code_unwritten(text, names, &choice);
+  if (!c->jacobian) {
+    scene_code_unwritten(text, names, &choice);
+  }
   if (text[0]) {
-    return 1 + scene_fail(s, "--code: %s", text);
+    return 1 + scene_fail(s, "%s: %s", option, text);
   }
-  out = output_open(file);
+  out = output_open(c->file);
   if (!out) {
-    return 1 + scene_fail(s, "cannot write %s: %s", file, output_why());
+    return 1 + scene_fail(s, "cannot write %s: %s", c->file, output_why());
   }
-  good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
-                    fb_system_crc(&engine.system, engine.body, s->n_body));
-  if (!good) {
-    output_drop(out, file);
-    return 1 + scene_fail(s, "a temporary file: %s", strerror(errno));
+  if (c->jacobian) {
+    scene_code_derive(out, &choice, sensors, names, text);
+  } else {
+    good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
+                      fb_system_crc(&engine.system, engine.body, s->n_body));
   }
-  return output_close(out, file);
+  if (!good || text[0]) {
+    output_drop(out, c->file);
+    return 1 + (good ? scene_fail(s, "%s: %s", option, text) : scene_fail(s, "a temporary file: %s", strerror(errno)));
+  }
+  return output_close(out, c->file);
 }
 #endif

@@ -7,6 +7,7 @@
 #include "model.h"
 #include "code.h"
 #include "rom.h"
+#include "trace/trace.h"
 #define PROGRAM "reduce"
 #include "words.h"
 #include "../common/options.h"
@@ -22,7 +23,11 @@ static const char help[] =
     "prescribed,\n"
     "               effects up to full, or large)\n"
     "  --lanes      with --code: also the step of 1, 2, 4 or 8 bodies at once, by vectors of the compiler\n"
-    "  --loads LIST with --code: a force and a torque at each of these nodes, by names or numbers, are inputs, too\n"
+    "  --jacobian   C of the body's rates and of a step of rk4 with their exact Jacobians instead, for filters and\n"
+    "               controllers that predict (effects up to full)\n"
+    "  --loads LIST with --code or --jacobian: a force and a torque at each of these nodes, by names or numbers, are\n"
+    "               inputs, too\n"
+    "  --sensors LIST  with --jacobian: what an IMU, a star tracker and a receiver see at each of these nodes, too\n"
     "  --vary LIST  with --code: these stay variable, as factors: stiffness,damping,mass,hub_mass,hub_inertia\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
@@ -90,7 +95,7 @@ static void print_coordinate(FILE *out, int coordinate)
 }
 
 typedef struct options {
-  const char *out, *loads;
+  const char *out, *loads, *sensors;
   code_choice choice;
 } options;
 
@@ -109,6 +114,10 @@ static int read_option(void *to, const char *name, const char *text)
   }
   if (strcmp(name, "--loads") == 0) {
     o->loads = text;
+    return 0;
+  }
+  if (strcmp(name, "--sensors") == 0) {
+    o->sensors = text;
     return 0;
   }
   if (strcmp(name, "--name") == 0) {
@@ -137,38 +146,38 @@ static const char *load_refusal(char text[TEXT_MESSAGE], const char *name, int n
 {
   size_t n;
   if (!name[0]) {
-    return "--loads: a name is missing; choose names or numbers of nodes, with commas";
+    return "a name is missing; choose names or numbers of nodes, with commas";
   }
-  if (node == 0) {
-    return "--loads: the load on the origin is an input anyway; leave it out";
-  }
-  if (node > 0) {
-    return twice           ? "--loads: a node is named twice; choose each once"
-           : namesakes > 1 ? "--loads: several nodes have this name; choose one by its number"
+  if (node >= 0) {
+    return twice           ? "a node is named twice; choose each once"
+           : namesakes > 1 ? "several nodes have this name; choose one by its number"
                            : NULL;
   }
   if (model_body.n_node < 2) {
-    return "--loads: the body has no node but its origin; give it one";
+    return "the body has no node but its origin; give it one";
   }
-  n = (size_t)snprintf(text, TEXT_MESSAGE, "--loads: there is no such node; choose 1 to %d", model_body.n_node - 1);
+  n = (size_t)snprintf(text, TEXT_MESSAGE, "there is no such node; choose 1 to %d", model_body.n_node - 1);
   for (int k = 1; k < model_body.n_node && n < TEXT_MESSAGE / 2; k++) {
     n += (size_t)snprintf(text + n, TEXT_MESSAGE - n, model.node_name[k][0] ? ", %s" : "%s", model.node_name[k]);
   }
   return text;
 }
 
-/* Nodes by names or numbers in a list with commas; 0: it has been said which is none. */
-static int read_loads(unsigned *nodes, const char *list)
+/* Nodes by names or numbers in a list with commas, of an option; 0: it has been said which is none. */
+static int read_nodes(unsigned *nodes, const char *option, const char *list, int origin)
 {
   for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
     char name[TEXT_NAME], text[TEXT_MESSAGE];
+    char all[TEXT_MESSAGE + 32];
     const char *what;
     int namesakes = 0, node;
     snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
     node = name[0] ? model_find_node(&namesakes, name) : -1;
-    what = load_refusal(text, name, node, namesakes, node > 0 && *nodes >> node & 1u);
+    what = node == 0 && !origin ? "the load on the origin is an input anyway; leave it out"
+                                : load_refusal(text, name, node, namesakes, node >= 0 && *nodes >> node & 1u);
     if (what) {
-      fail(what, name);
+      snprintf(all, sizeof all, "%s: %s", option, what);
+      fail(all, name);
       return 0;
     }
     *nodes |= 1u << node;
@@ -195,13 +204,33 @@ static int is_refused(const char *file, const code_choice *choice, int steps)
   return 0;
 }
 
+static const char *node_name(int body, int node)
+{
+  (void)body;
+  return model.node_name[node];
+}
+
+/* Writes the rates with their Jacobian; 0, or 1: it has been said why not. */
+static int write_jacobian(FILE *out, const options *o, const char *file, unsigned sensors)
+{
+  const trace_choice choice = {o->choice.name, file, o->choice.single, &o->choice.loads, &sensors, NULL, node_name};
+  const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
+  char text[400];
+  if (trace_write(out, &choice, &of, text) == 0) {
+    return 0;
+  }
+  fprintf(stderr, "reduce: %s: --jacobian: %s\n", file, text);
+  return 1;
+}
+
 int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
-  const int lanes = take_flag(&argc, argv, "--lanes");
+  const int lanes = take_flag(&argc, argv, "--lanes"), jacobian = take_flag(&argc, argv, "--jacobian");
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, NULL, {NULL, 0, 0, 0, 0, {{0}}}};
+  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, {{0}}}};
+  unsigned sensors = 0;
   FILE *out = stdout;
   fb_status status;
   output_begin(PROGRAM);
@@ -211,10 +240,13 @@ int reduce_main(int argc, char **argv)
   if (!named) {
     return fail("a description is missing", "");
   }
-  if ((o.choice.vary || lanes || o.loads) && !steps) {
-    return fail(lanes     ? "--lanes is an option of --code"
-                : o.loads ? "--loads is an option of --code"
-                          : "--vary is an option of --code",
+  if ((o.choice.vary || lanes) && !steps) {
+    return fail(lanes ? "--lanes is an option of --code" : "--vary is an option of --code", "");
+  }
+  if ((o.loads && !steps && !jacobian) || (o.sensors && !jacobian) || (steps && jacobian)) {
+    return fail(o.sensors && !jacobian ? "--sensors is an option of --jacobian"
+                : steps                ? "--code and --jacobian are two files: choose one"
+                                       : "--loads is an option of --code and of --jacobian",
                 "");
   }
   if (!model_read(PROGRAM, file)) {
@@ -236,7 +268,7 @@ int reduce_main(int argc, char **argv)
     return 1;
   }
   summarize(file, steps);
-  if (!read_loads(&o.choice.loads, o.loads)) {
+  if (!read_nodes(&o.choice.loads, "--loads", o.loads, 0) || !read_nodes(&sensors, "--sensors", o.sensors, 1)) {
     return 2;
   }
   if (is_refused(file, &o.choice, steps)) {
@@ -251,7 +283,14 @@ int reduce_main(int argc, char **argv)
     fprintf(stderr, "reduce: %s: %s\n", o.out, output_why());
     return 2;
   }
-  if (!steps) {
+  if (jacobian) {
+    if (write_jacobian(out, &o, file, sensors)) {
+      if (o.out) {
+        output_drop(out, o.out);
+      }
+      return 1;
+    }
+  } else if (!steps) {
     rom_write(out, &model_body, model.name, file, single);
   } else if (!code_write(out, &model_body, &o.choice, file, print_coordinate)) {
     fprintf(stderr, "reduce: a temporary file: %s\n", strerror(errno));

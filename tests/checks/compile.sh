@@ -11,9 +11,10 @@ need gcc gcc
 need g++ g++
 need clang clang
 count=0
-programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e bench/lanes.c)
+programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e bench/lanes.c -e tutorial_filter)
 inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c examples/tools/library.c tests/test_main.c tests/test_status_detail.c"
 boards="examples/firmware/firmware.c examples/tutorial_firmware.c bench/target.c bench/step_cost.c"
+filter=examples/tutorial_filter.c
 try build/flexbeam reduce examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
 body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
@@ -22,7 +23,7 @@ body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
 compile() {
   library=-DFLEXBEAM_IMPL_INCLUDED
   for argument; do
-    case " $inside $boards $out/impl.c " in *" $argument "*) library= ;; esac
+    case " $inside $boards $filter $out/impl.c " in *" $argument "*) library= ;; esac
   done
   try "$@" $base $library -o "$out/object.o"
   count=$((count + 1))
@@ -41,6 +42,11 @@ for cc in gcc clang; do
   for file in $boards examples/firmware/board/desktop.c; do
     compile $cc -std=c99 $WARNINGS_C -fsyntax-only $rom $body -DDESKTOP $file
   done
+done
+try build/flexbeam reduce examples/satellite.txt --out "$out/satellite_true.h"
+try build/flexbeam reduce examples/satellite.txt --jacobian --sensors 0 --name model --out "$out/satellite_model.h"
+for cc in gcc clang; do
+  compile $cc -std=c99 $WARNINGS_C -fsyntax-only -I"$out" $filter
 done
 for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the peers are installed
   echo "#include <${peer#*:}>" | gcc -x c -fsyntax-only - 2> /dev/null || continue

@@ -407,7 +407,7 @@ for run in '1e7 1 0.1' '1 1 1'; do
   [ $status = 1 ] && grep -q 'cannot write /dev/full: No space left' "$out/log" || fail "a full disk: status $status, $(cat "$out/log")"
 done
 
-try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" -Dscene_main=main examples/scene/scene.c examples/tools/library.c -lm
+try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" -Dscene_main=main examples/scene/scene.c examples/tools/trace/untraced.c examples/tools/library.c -lm
 # meets < FILE: it runs, and its answers are those that it expects
 met=0
 meets() {

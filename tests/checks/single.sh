@@ -6,7 +6,7 @@
 need gcc gcc
 for built in double single; do
   mkdir -p "$out/$built"
-  try gcc $c99 -O0 -DFB_SINGLE=$([ $built = single ] && echo 1 || echo 0) -o "$out/$built/reduce" -Dreduce_main=main examples/tools/reduce.c examples/tools/library.c -lm
+  try gcc $c99 -O0 -DFB_SINGLE=$([ $built = single ] && echo 1 || echo 0) -o "$out/$built/reduce" -Dreduce_main=main examples/tools/reduce.c examples/tools/trace/untraced.c examples/tools/library.c -lm
 done
 
 # run BUILT PRECISION FILE: the boom's motion

@@ -5,7 +5,7 @@
 need clang-format clang-format
 need git git
 git ls-files --cached --others --exclude-standard | grep -v -e '^tests/fuzz/corpus/' -e '^examples/fmu/fmi[23]/' | while read -r f; do [ ! -f "$f" ] || echo "$f"; done > "$out/files"
-try clang-format --dry-run -Werror $(grep -E '\.[ch]$' "$out/files")
+try clang-format --dry-run -Werror $(grep -E '\.([ch]|cpp)$' "$out/files")
 LC_ALL=C xargs grep -nP '[^\x20-\x7E\t]|[ \t]+$' < "$out/files" > "$out/log" && {
   head "$out/log"
   fail "characters beyond ASCII, carriage returns or blanks at line ends"

@@ -1,0 +1,154 @@
+/* number.h - a number that remembers how it was made. It takes the place of double in the library (FB_REAL of flexbeam.h),
+   so that whatever the library computes leaves a graph of operations behind. A number is a double, or, in a NaN of its
+   own kind, the index of a node of the graph: it has the size and layout of double, so that models are copied as they
+   are, and memory that is cleared is zero. */
+#ifndef TRACE_NUMBER_H
+#define TRACE_NUMBER_H
+#include <cstdint>
+#include <cstring>
+
+namespace trace
+{
+
+struct number {
+  double d;
+  number() = default;
+  constexpr number(double x) : d(x)
+  {
+  }
+  constexpr number(float x) : d((double)x)
+  {
+  }
+  constexpr number(int x) : d(x)
+  {
+  }
+  constexpr number(unsigned x) : d(x)
+  {
+  }
+  constexpr number(long x) : d((double)x)
+  {
+  }
+  constexpr number(unsigned long x) : d((double)x)
+  {
+  }
+  explicit operator double() const; /* its value where the graph was made */
+  explicit operator float() const
+  {
+    return (float)(double)*this;
+  }
+  explicit operator int() const; /* stops the generator where it depends on inputs */
+  explicit operator unsigned() const
+  {
+    return (unsigned)(int)*this;
+  }
+  explicit operator long() const
+  {
+    return (int)*this;
+  }
+};
+
+const std::uint64_t number_tag = 0x7FFDull << 48; /* no operation makes such a NaN */
+
+inline std::uint64_t bits(number a)
+{
+  std::uint64_t u;
+  std::memcpy(&u, &a, sizeof u);
+  return u;
+}
+
+/* Index of its node; 0: a constant. */
+inline int node_of(number a)
+{
+  return bits(a) >> 48 == number_tag >> 48 ? (int)(bits(a) & 0xFFFFFFFFu) : 0;
+}
+
+inline number number_of(int node)
+{
+  const std::uint64_t u = number_tag | (std::uint64_t)(unsigned)node;
+  number a;
+  std::memcpy(&a, &u, sizeof a);
+  return a;
+}
+
+/* What operations are called in the graph: + - * / as they are, n -a, q sqrt, s sin, c cos, t atan2, f fabs, e exp,
+   < 1 where a < b, else 0; ? b where a is not zero, else c; i an input. */
+number apply(char op, number a, number b = number(0));
+number select(char relation, number a, number b, number yes, number no); /* yes where a < b, else no: no branch */
+bool ask(char relation, number a, number b);                             /* a branch: <, l for <=, = */
+
+inline number operator+(number a, number b)
+{
+  return apply('+', a, b);
+}
+inline number operator-(number a, number b)
+{
+  return apply('-', a, b);
+}
+inline number operator*(number a, number b)
+{
+  return apply('*', a, b);
+}
+inline number operator/(number a, number b)
+{
+  return apply('/', a, b);
+}
+inline number operator-(number a)
+{
+  return apply('n', a);
+}
+inline number operator+(number a)
+{
+  return a;
+}
+inline number &operator+=(number &a, number b)
+{
+  return a = a + b;
+}
+inline number &operator-=(number &a, number b)
+{
+  return a = a - b;
+}
+inline number &operator*=(number &a, number b)
+{
+  return a = a * b;
+}
+inline number &operator/=(number &a, number b)
+{
+  return a = a / b;
+}
+inline bool operator<(number a, number b)
+{
+  return ask('<', a, b);
+}
+inline bool operator>(number a, number b)
+{
+  return ask('<', b, a);
+}
+inline bool operator<=(number a, number b)
+{
+  return ask('l', a, b);
+}
+inline bool operator>=(number a, number b)
+{
+  return ask('l', b, a);
+}
+inline bool operator==(number a, number b)
+{
+  return ask('=', a, b);
+}
+inline bool operator!=(number a, number b)
+{
+  return !ask('=', a, b);
+}
+
+} // namespace trace
+
+#define FB_REAL trace::number
+#define FB_SQRT(x) trace::apply('q', x)
+#define FB_SIN(x) trace::apply('s', x)
+#define FB_COS(x) trace::apply('c', x)
+#define FB_ATAN2(y, x) trace::apply('t', y, x)
+#define FB_FABS(x) trace::apply('f', x)
+#define FB_EXP(x) trace::apply('e', x)
+#define FB_BELOW(x, y, yes, no) trace::select('<', x, y, yes, no)
+#endif

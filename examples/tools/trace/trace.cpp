@@ -1,0 +1,678 @@
+/* trace.cpp - the rates of a model and their Jacobian as C of its own: reduce --jacobian, scene --jacobian. The library itself
+   computes them, with numbers that remember how they were made (number.h, graph.h); what it checks on the way is checked
+   in what is written, with the same status. Before anything is written the graph is held against the library at other
+   states, where it has to give the same bits. */
+#include "../capacities.h"
+#include "number.h"
+#define FB_WITH_EXACT 0
+#define FB_WITH_ANALYSE 0
+#define FB_ALLOW_FAST_MATH /* the check for it computes with numbers of the machine */
+#define FLEXBEAM_STATIC
+#include "../../../flexbeam.h"
+#include "graph.h"
+#include "text.h"
+#include "trace.h"
+#include <memory>
+
+namespace trace
+{
+
+struct entry {
+  std::string name;
+  number *at;
+};
+
+/* A model with its state and input, as a list of numbers each. Functions of it: 0 the rates, then one for each sensor. */
+struct subject {
+  std::vector<entry> state, input;
+  std::vector<std::string> sensor;
+  std::vector<int> quaternion; /* where in the state one begins */
+  std::uint32_t seed = 1;
+
+  virtual ~subject()
+  {
+  }
+  virtual fb_status eval(int function, std::vector<entry> &results) = 0;
+  virtual fb_status wander(double size) = 0; /* a random state and input, further away the larger size is */
+
+  double random() /* -1 .. 1 */
+  {
+    seed = 1664525u * seed + 1013904223u;
+    return (double)(seed >> 8) / 8388608.0 - 1.0;
+  }
+
+  static void add(std::vector<entry> &list, number *at, int n, const std::string &name)
+  {
+    for (int i = 0; i < n; i++) {
+      list.push_back({name + (n > 1 ? "[" + std::to_string(i) + "]" : ""), at + i});
+    }
+  }
+
+  void add_quaternion(number *at, const std::string &name)
+  {
+    quaternion.push_back((int)state.size());
+    add(state, at, 4, name);
+  }
+
+  void set(const std::vector<double> &v)
+  {
+    std::size_t i = 0;
+    for (auto *list : {&state, &input}) {
+      for (entry &e : *list) {
+        *e.at = v[i++];
+      }
+    }
+  }
+
+  std::vector<double> values() const
+  {
+    std::vector<double> v;
+    for (const auto *list : {&state, &input}) {
+      for (const entry &e : *list) {
+        v.push_back((double)*e.at);
+      }
+    }
+    return v;
+  }
+};
+
+/* What an inertial measurement unit, a star tracker and a receiver at a node see: E8.30. */
+static fb_status sense(std::vector<entry> &results, const fb_body *body, const fb_state *state, const fb_motion *motion,
+                       int node)
+{
+  static fb_node_motion at;
+  static fb_imu imu;
+  fb_real g[3];
+  FBI_TRY(fb_body_node_motion_eval(body, &at, state, motion, node));
+  FBI_TRY(fb_body_gravity_eval(body, g, at.position));
+  fb_imu_eval(&imu, &at, g);
+  subject::add(results, imu.angular_rate, 3, "angular_rate");
+  subject::add(results, imu.specific_force, 3, "specific_force");
+  subject::add(results, at.quat, 4, "quat");
+  subject::add(results, at.position, 3, "position");
+  subject::add(results, at.velocity, 3, "velocity");
+  return FB_OK;
+}
+
+static std::string node_text(const trace_choice *choice, int body, int node)
+{
+  const char *const name = node > 0 ? choice->node_name(body, node) : "O";
+  const std::string own = name[0] ? name : "node_" + std::to_string(node);
+  std::string all = choice->body ? std::string(choice->body[body]) + (node > 0 ? "_" + own : "") : own;
+  for (char &c : all) { /* part of the name of a function */
+    c = std::strchr("+-. ", c) ? '_' : c;
+  }
+  return all;
+}
+
+/* ---- a single body */
+
+struct single_body : subject {
+  fb_body body;
+  fb_state now, rate;
+  fb_input acts;
+  fb_motion motion;
+  std::vector<int> node; /* of the sensors */
+
+  single_body(const trace_choice *choice, const trace_model *model)
+  {
+    std::memcpy(&body, model->body, sizeof body);
+    fb_state_init(&body, &now);
+    std::memset(&acts, 0, sizeof acts);
+    add(state, now.rho, 3, "rho");
+    add_quaternion(now.quat, "quat");
+    add(state, now.u, 3, "u");
+    add(state, now.L, 3, "L");
+    add(state, now.q, body.n_coordinate, "q");
+    add(state, now.pi, body.n_coordinate, "pi");
+    for (int k = 0; k < body.n_node; k++) {
+      const std::string name = node_text(choice, 0, k);
+      if (k == 0 || choice->loads[0] >> k & 1u) {
+        fb_load *const load = &acts.load[acts.n_load++];
+        load->node = k;
+        load->axes = FB_AXES_BODY;
+        add(input, load->force, 3, name + ".force");
+        add(input, load->torque, 3, name + ".torque");
+      }
+      if (choice->sensors[0] >> k & 1u) {
+        node.push_back(k);
+        sensor.push_back(name);
+      }
+    }
+    if (body.base == FB_BASE_PRESCRIBED) {
+      add(input, acts.v, 3, "v");
+      add(input, acts.w, 3, "w");
+      add(input, acts.v_dot, 3, "v_dot");
+      add(input, acts.w_dot, 3, "w_dot");
+    }
+    for (int k = 0; k < body.n_rotor; k++) {
+      add(input, &acts.rotor[k].torque, 1, "rotor_torque_" + std::to_string(k));
+      if (body.rotor[k].given) {
+        add(input, &acts.rotor[k].momentum, 1, "rotor_momentum_" + std::to_string(k));
+      }
+    }
+  }
+
+  fb_status eval(int function, std::vector<entry> &results) override
+  {
+    if (function > 0) {
+      FBI_TRY(fb_body_motion_eval(&body, &motion, &now, &acts));
+      return sense(results, &body, &now, &motion, node[(std::size_t)function - 1]);
+    }
+    FBI_TRY(fb_body_rates_eval(&body, &rate, &now, &acts));
+    for (const entry &e : state) { /* the same members */
+      results.push_back({e.name, (number *)((char *)&rate + ((char *)e.at - (char *)&now))});
+    }
+    return FB_OK;
+  }
+
+  fb_status wander(double size) override
+  {
+    fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+    FBI_TRY(fb_state_init(&body, &now));
+    for (int i = 0; i < 3; i++) {
+      const int held = body.base == FB_BASE_FREE ? 0 : body.base == FB_BASE_HINGED && i == 2 ? 1 : 2;
+      v[i] = held == 0 || body.base == FB_BASE_PRESCRIBED ? size * random() : 0.0;
+      w[i] = body.base == FB_BASE_HINGED && i < 2 ? 0.0 : 0.3 * size * random();
+      now.rho[i] = body.base == FB_BASE_FREE ? random() : 0.0;
+      now.quat[i + 1] = body.base == FB_BASE_HINGED && i < 2 ? 0.0 : 0.2 * random();
+    }
+    FBI_TRY(fb_quat_normalize(now.quat));
+    for (int a = 0; a < body.n; a++) {
+      const double most = 0.2 * size * (double)body.deflection_limit / (body.n * (double)body.reach[a]);
+      now.q[a] = most * random();
+      q_dot[a] = most * random();
+    }
+    for (const entry &e : input) {
+      *e.at = size * random();
+    }
+    if (body.base == FB_BASE_PRESCRIBED) {
+      std::memcpy(acts.v, v, sizeof v);
+      std::memcpy(acts.w, w, sizeof w);
+    }
+    return fb_state_from_velocity(&body, &now, v, w, q_dot);
+  }
+};
+
+/* ---- bodies on joints */
+
+struct tree : subject {
+  std::vector<fb_body> body;
+  fb_system system;
+  fb_system_state start, now, rate;
+  fb_system_input acts;
+  fb_system_motion motion;
+  std::unique_ptr<fb_system_work> work{new fb_system_work};
+  std::vector<std::pair<int, int>> place; /* body and node of the sensors */
+
+  tree(const trace_choice *choice, const trace_model *model) : body((std::size_t)model->n_body)
+  {
+    std::memcpy(&body[0], model->body, sizeof body[0] * body.size());
+    std::memcpy(&system, model->system, sizeof system);
+    std::memcpy(&start, model->state, sizeof start);
+    now = start;
+    std::memset(&acts, 0, sizeof acts);
+    std::memset(work.get(), 0, sizeof *work);
+    for (int k = 0; k < system.n_body; k++) {
+      add_link(choice, k);
+    }
+    for (int k = 0; k < system.n_spring; k++) {
+      add(input, &acts.pull[k], 1, "pull_" + std::to_string(k));
+    }
+  }
+
+  const fb_body &model_of(int k) const
+  {
+    return body[(std::size_t)system.model[k]];
+  }
+
+  void add_link(const trace_choice *choice, int k)
+  {
+    const fb_joint &joint = system.joint[k];
+    const fb_body &own = model_of(k);
+    const std::string name = choice->body[k];
+    fb_link_state &link = now.link[k];
+    const bool root = joint.kind == FB_JOINT_FREE, ball = joint.kind == FB_JOINT_SPHERICAL;
+    if (!ball) {
+      add(state, link.x, root ? 3 : joint.n_axis, name + ".x");
+    }
+    if (root || ball) {
+      add_quaternion(link.quat, name + ".quat");
+    }
+    if (root && !system.tied) {
+      add(state, link.u, 3, name + ".u");
+    }
+    add(state, link.p, joint.n_axis, name + ".p");
+    add(state, link.q, own.n_coordinate, name + ".q");
+    add(state, link.pi, own.n_coordinate, name + ".pi");
+    for (int node = 0; node < own.n_node; node++) {
+      const std::string at = node_text(choice, k, node);
+      if (choice->loads[k] >> node & 1u) {
+        fb_system_load *const load = &acts.load[acts.n_load++];
+        load->body = k;
+        load->load.node = node;
+        load->load.axes = FB_AXES_BODY;
+        add(input, load->load.force, 3, at + ".force");
+        add(input, load->load.torque, 3, at + ".torque");
+      }
+      if (choice->sensors[k] >> node & 1u) {
+        place.push_back({k, node});
+        sensor.push_back(at);
+      }
+    }
+    for (int i = 0; i < joint.n_axis; i++) {
+      const int mode = now.mode[k][root ? 0 : i];
+      const std::string axis = joint.n_axis > 1 ? "[" + std::to_string(i) + "]" : "";
+      if (mode == FB_AXIS_PRESCRIBED) {
+        add(input, &acts.drive[k].rate[i], 1, name + ".rate" + axis);
+        add(input, &acts.drive[k].acceleration[i], 1, name + ".acceleration" + axis);
+      } else if (mode == FB_AXIS_FREE && !root) {
+        add(input, &acts.drive[k].torque[i], 1, name + ".motor" + axis);
+      }
+    }
+    for (int j = 0; j < own.n_rotor; j++) {
+      const std::string rotor = name + ".rotor_" + std::to_string(j);
+      add(input, &acts.rotor[k][j].torque, 1, rotor + ".torque");
+      if (own.rotor[j].given) {
+        add(input, &acts.rotor[k][j].momentum, 1, rotor + ".momentum");
+      }
+    }
+  }
+
+  fb_status eval(int function, std::vector<entry> &results) override
+  {
+    if (function > 0) {
+      const auto &at = place[(std::size_t)function - 1];
+      FBI_TRY(fb_system_motion_eval(&system, &body[0], work.get(), &motion, &now, &acts));
+      return sense(results, &model_of(at.first), &motion.pose[at.first], &motion.motion[at.first], at.second);
+    }
+    FBI_TRY(fb_system_rates_eval(&system, &body[0], work.get(), &rate, &now, &acts));
+    for (const entry &e : state) {
+      results.push_back({e.name, (number *)((char *)&rate + ((char *)e.at - (char *)&now))});
+    }
+    return FB_OK;
+  }
+
+  fb_status wander(double size) override
+  {
+    now = start;
+    for (int k = 0; k < system.n_body; k++) {
+      const fb_joint &joint = system.joint[k];
+      const fb_body &own = model_of(k);
+      fb_link_state &link = now.link[k];
+      const bool root = joint.kind == FB_JOINT_FREE, ball = joint.kind == FB_JOINT_SPHERICAL;
+      for (int i = 0; i < 3; i++) {
+        link.x[i] += root || i < joint.n_axis ? 0.2 * size * random() : 0.0;
+        link.quat[i + 1] += root || ball ? 0.1 * size * random() : 0.0;
+        link.u[i] += root && !system.tied ? size * random() : 0.0;
+      }
+      if (root || ball) {
+        FBI_TRY(fb_quat_normalize(link.quat));
+      }
+      for (int i = 0; i < joint.n_axis; i++) {
+        link.p[i] += 0.1 * size * (double)own.mass * random();
+      }
+      for (int a = 0; a < own.n_coordinate; a++) {
+        const bool mode = a < own.n;
+        const double most = mode ? 0.1 * size * (double)own.deflection_limit / (own.n * (double)own.reach[a]) : 0.1;
+        link.q[a] += most * random();
+        link.pi[a] += mode ? 0.1 * size * (double)own.mass * random() : 0.1 * random();
+      }
+    }
+    for (const entry &e : input) {
+      *e.at = 0.1 * size * random();
+    }
+    return FB_OK;
+  }
+};
+
+/* ---- tracing */
+
+/* Runs function f at the present state with the comparison `turned` turned round; the state is left as it was. */
+static fb_status run(subject &s, int f, int turned, std::vector<number> &results, std::vector<std::string> *names)
+{
+  const std::vector<double> before = s.values();
+  std::vector<entry> found;
+  std::size_t i = 0;
+  begin(turned);
+  for (auto *list : {&s.state, &s.input}) {
+    for (entry &e : *list) {
+      *e.at = input(before[i++]);
+    }
+  }
+  const fb_status status = s.eval(f, found);
+  G.recording = false;
+  results.clear();
+  for (const entry &e : found) {
+    results.push_back(*e.at);
+    if (names) {
+      names->push_back(e.name);
+    }
+  }
+  s.set(before);
+  return status;
+}
+
+/* What each comparison decides, by turning it round: nothing, where results and all other comparisons are the same. */
+static void judge_guards(subject &s, int f, const std::vector<number> &results)
+{
+  graph first = G;
+  for (int k = 0; k < (int)first.guards.size(); k++) {
+    guard &c = first.guards[(std::size_t)k];
+    std::vector<number> other;
+    G = first;
+    const std::vector<std::uint64_t> before = gist(results, k);
+    const fb_status status = run(s, f, k, other, nullptr);
+    c.status = status != FB_OK ? (int)status : gist(other, k) == before ? 0 : (int)BRANCH;
+    if (status != FB_OK && fb_detail_last()->what) {
+      c.what = fb_detail_last()->what;
+    }
+  }
+  G = first;
+}
+
+/* Holds the graph against the library at other states: the same bits, or the same status. Returns how many of 20 states
+   it computes, or -1. */
+static int compare(subject &s, int f, const std::vector<number> &results)
+{
+  int good = 0;
+  for (int k = 0; k < 20; k++) {
+    std::vector<double> v;
+    std::vector<entry> found;
+    if (s.wander(0.2 + 0.1 * k) != FB_OK) {
+      continue;
+    }
+    const fb_status status = s.eval(f, found);
+    const int own = values_at(v, s.values());
+    if (own == BRANCH) {
+      continue;
+    }
+    if (own != (int)status) {
+      return -1;
+    }
+    for (std::size_t i = 0; i < results.size() && status == FB_OK; i++) {
+      const double x = node_of(results[i]) ? v[(std::size_t)node_of(results[i])] : results[i].d;
+      if (!(x == (double)*found[i].at)) {
+        return -1;
+      }
+    }
+    good += status == FB_OK;
+  }
+  return good;
+}
+
+/* A state at which the library answers, not far from the start. */
+static bool find_state(subject &s)
+{
+  for (double size = 1.0; size > 1e-4; size *= 0.5) {
+    std::vector<entry> found;
+    if (s.wander(size) == FB_OK && s.eval(0, found) == FB_OK) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* ---- what is written */
+
+static void write_list(FILE *out, const std::string &name, const char *what, const std::vector<entry> &list)
+{
+  std::fprintf(out, "/* %s */\nstatic const char *const %s[%d] = {%s", what, name.c_str(),
+               list.empty() ? 1 : (int)list.size(), list.empty() ? "0" : "");
+  for (std::size_t i = 0; i < list.size(); i++) {
+    std::fprintf(out, "%s\"%s\"%s", i % 6 ? " " : "\n    ", list[i].name.c_str(), i + 1 < list.size() ? "," : "");
+  }
+  std::fprintf(out, "};\n\n");
+}
+
+static void write_head(FILE *out, const trace_choice *choice, const subject &s)
+{
+  const char *const n = choice->name, *const real = choice->single ? "float" : "double";
+  std::fprintf(out, "/* %s - rates, sensors and a step with their exact Jacobians, written by flexbeam from %s.\n", n,
+               choice->file);
+  std::fprintf(
+      out,
+      "   The rates are those of the library, operation by operation, with its checks; their derivatives are exact. A\n"
+      "   function returns 0, or the status of the library (fb_status) and leaves its results as they were; "
+      "%s_ERR_BRANCH: the\n"
+      "   state is on the other side of a branch of the library than the one that was traced. A Jacobian is a list of\n"
+      "   entries: number e stands in the row and the column that its table says; columns are states, then inputs. "
+      "*/\n",
+      n);
+  std::fprintf(out, "#ifndef %s_JACOBIAN_H\n#define %s_JACOBIAN_H\n#include <math.h>\n\n", n, n);
+  std::fprintf(out, "typedef %s %s_real;\n", real, n);
+  std::fprintf(out, "enum { %s_STATES = %d, %s_INPUTS = %d, %s_ERR_BRANCH = %d };\n\n", n, (int)s.state.size(), n,
+               (int)s.input.size(), n, (int)BRANCH);
+  write_list(out, std::string(n) + "_state", "x, as members of the library's state", s.state);
+  write_list(out, std::string(n) + "_input", "u; forces and torques in body axes", s.input);
+  const std::vector<double> v = s.values();
+  std::fprintf(out, "/* A state near which it was traced, and inputs. */\nstatic const %s_real %s_near[%d] = {", n, n,
+               (int)v.size());
+  for (std::size_t i = 0; i < v.size(); i++) {
+    std::fprintf(out, "%s%.9g%s", i % 6 ? ", " : i ? ",\n    " : "\n    ", v[i], "");
+  }
+  std::fprintf(out, "};\n\n");
+}
+
+/* A function of a model without and with its Jacobian, and the table of its entries, whose number it returns. */
+static int write_function(writer &w, const std::string &name, const std::string &what,
+                          const std::vector<number> &results)
+{
+  const char *const n = name.c_str(), *const real = w.real.c_str();
+  std::vector<std::pair<std::string, number>> lines;
+  std::vector<std::pair<int, int>> at;
+  for (std::size_t i = 0; i < results.size(); i++) {
+    lines.push_back({"y[" + std::to_string(i) + "]", results[i]});
+  }
+  std::fprintf(w.out, "/* %s */\nstatic inline int %s(%s *y, const %s *x, const %s *u)\n{\n", what.c_str(), n, real,
+               real, real);
+  w.body(lines);
+
+  /* derivatives are appended to the graph */
+  G.recording = true;
+  const std::vector<gradient> J = differentiate(results);
+  G.recording = false;
+  for (std::size_t i = 0; i < J.size(); i++) {
+    for (const auto &e : J[i]) {
+      lines.push_back({"J[" + std::to_string(at.size()) + "]", e.second});
+      at.push_back({(int)i, e.first});
+    }
+  }
+  std::fprintf(w.out, "enum { %s_entries = %d };\nstatic const unsigned short %s_at[%d][2] = { /* row, column */", n,
+               (int)at.size(), n, at.empty() ? 1 : (int)at.size());
+  for (std::size_t i = 0; i < at.size(); i++) {
+    std::fprintf(w.out, "%s{%d, %d}%s", i % 12 ? " " : "\n    ", at[i].first, at[i].second,
+                 i + 1 < at.size() ? "," : "");
+  }
+  std::fprintf(w.out, "};\nstatic inline int %s_jacobian(%s *y, %s *J, const %s *x, const %s *u)\n{\n", n, real, real,
+               real, real);
+  w.body(lines);
+  return (int)at.size();
+}
+
+/* The step: no arithmetic of the model's own. */
+static void write_step(writer &w, const subject &s)
+{
+  static const char *const text =
+      "/* One step of dt [s] of the classical Runge-Kutta method under inputs that stay: x becomes the state at its "
+      "end, Phi\n"
+      "   its derivative by the state at the start, Gamma that by the inputs, row by row. Attitudes are unit "
+      "quaternions\n"
+      "   again. On a status x stays as it was. */\n"
+      "typedef struct @_work { /* room for a step; what is in it does not matter */\n"
+      "  @_real y[@_STATES], k[@_STATES], sum[@_STATES], J[@_rates_entries];\n"
+      "  @_real P[@_STATES][@_STATES + @_INPUTS], K[@_STATES][@_STATES + @_INPUTS], S[@_STATES][@_STATES + @_INPUTS];\n"
+      "} @_work;\n"
+      "\n"
+      "static inline int @_step_jacobian(@_real *x, @_real *Phi, @_real *Gamma, @_work *w, const @_real *u, @_real "
+      "dt)\n"
+      "{\n"
+      "  static const @_real ahead[4] = {0, $, $, 1}, weight[4] = {1, 2, 2, 1};\n"
+      "  enum { n = @_STATES, all = @_STATES + @_INPUTS };\n"
+      "  for (int i = 0; i < n; i++) {\n"
+      "    w->k[i] = w->sum[i] = 0;\n"
+      "    for (int j = 0; j < all; j++) {\n"
+      "      w->K[i][j] = w->S[i][j] = 0;\n"
+      "    }\n"
+      "  }\n"
+      "\n"
+      "  /* stages: rates at y = x + ahead dt k, K = J P with P = dy/d(x, u) */\n"
+      "  for (int stage = 0; stage < 4; stage++) {\n"
+      "    int status;\n"
+      "    for (int i = 0; i < n; i++) {\n"
+      "      w->y[i] = x[i] + ahead[stage] * dt * w->k[i];\n"
+      "      for (int j = 0; j < all; j++) {\n"
+      "        w->P[i][j] = (i == j ? 1 : 0) + ahead[stage] * dt * w->K[i][j];\n"
+      "        w->K[i][j] = 0;\n"
+      "      }\n"
+      "    }\n"
+      "    status = @_rates_jacobian(w->k, w->J, w->y, u);\n"
+      "    if (status) {\n"
+      "      return status;\n"
+      "    }\n"
+      "    for (int e = 0; e < @_rates_entries; e++) {\n"
+      "      const int i = @_rates_at[e][0], c = @_rates_at[e][1];\n"
+      "      for (int j = 0; j < all && c < n; j++) {\n"
+      "        w->K[i][j] += w->J[e] * w->P[c][j];\n"
+      "      }\n"
+      "      if (c >= n) {\n"
+      "        w->K[i][c] += w->J[e];\n"
+      "      }\n"
+      "    }\n"
+      "    for (int i = 0; i < n; i++) {\n"
+      "      w->sum[i] += weight[stage] * w->k[i];\n"
+      "      for (int j = 0; j < all; j++) {\n"
+      "        w->S[i][j] += weight[stage] * w->K[i][j];\n"
+      "      }\n"
+      "    }\n"
+      "  }\n"
+      "\n"
+      "  /* the end of the step */\n"
+      "  for (int i = 0; i < n; i++) {\n"
+      "    x[i] += dt / 6 * w->sum[i];\n"
+      "    for (int j = 0; j < all; j++) {\n"
+      "      w->P[i][j] = (i == j ? 1 : 0) + dt / 6 * w->S[i][j];\n"
+      "    }\n"
+      "  }\n"
+      "  for (int a = 0; a < @_QUATERNIONS; a++) {\n"
+      "    const int at = @_quaternion[a];\n"
+      "    @_real *const q = x + at, size = ^(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
+      "    for (int i = 0; i < 4; i++) {\n"
+      "      q[i] /= size;\n"
+      "    }\n"
+      "    for (int j = 0; j < all; j++) { /* d(q/|q|) = (1 - q q^T) dq / |q| */\n"
+      "      const @_real along =\n"
+      "          q[0] * w->P[at][j] + q[1] * w->P[at + 1][j] + q[2] * w->P[at + 2][j] + q[3] * w->P[at + 3][j];\n"
+      "      for (int i = 0; i < 4; i++) {\n"
+      "        w->P[at + i][j] = (w->P[at + i][j] - along * q[i]) / size;\n"
+      "      }\n"
+      "    }\n"
+      "  }\n"
+      "  for (int i = 0; i < n; i++) {\n"
+      "    for (int j = 0; j < all; j++) {\n"
+      "      *(j < n ? Phi++ : Gamma++) = w->P[i][j];\n"
+      "    }\n"
+      "  }\n"
+      "  return 0;\n"
+      "}\n\n";
+  std::fprintf(
+      w.out, "/* Where attitudes begin in x. */\nenum { %s_QUATERNIONS = %d };\nstatic const int %s_quaternion[%d] = {",
+      w.name.c_str(), (int)s.quaternion.size(), w.name.c_str(), s.quaternion.empty() ? 1 : (int)s.quaternion.size());
+  for (std::size_t i = 0; i < s.quaternion.size(); i++) {
+    std::fprintf(w.out, "%s%d", i ? ", " : "", s.quaternion[i]);
+  }
+  std::fprintf(w.out, "%s};\n\n", s.quaternion.empty() ? "0" : "");
+  for (const char *c = text; *c; c++) {
+    const std::string part = *c == '@'   ? w.name
+                             : *c == '$' ? (w.single ? "0.5f" : "0.5")
+                             : *c == '^' ? (w.single ? "sqrtf" : "sqrt")
+                                         : std::string(1, *c);
+    std::fputs(part.c_str(), w.out);
+  }
+}
+
+/* What cannot be traced; NULL: all can. */
+static const char *refusal(const trace_model *model)
+{
+  const fb_body *const body = (const fb_body *)model->body;
+  const fb_system *const system = (const fb_system *)model->system;
+  if (model->body_size != sizeof(fb_body) || (system && model->system_size != sizeof(fb_system)) ||
+      (system && model->state_size != sizeof(fb_system_state))) {
+    return "the tracer was built with another configuration of the library; make it again";
+  }
+  for (int k = 0; k < model->n_body; k++) {
+    if (body[k].effects & FB_EFFECT_LARGE_DEFLECTION) {
+      return "effects large: loops over the points of lines are not written; choose effects up to full";
+    }
+  }
+  if (system && system->n_loop > 0) {
+    return "loops: the choice of independent rows branches on the state; open the loop by a joint of springs";
+  }
+  return system && system->method != FB_METHOD_RECURSIVE ? "method: choose recursive" : nullptr;
+}
+
+static int fail(char text[400], const std::string &what)
+{
+  std::snprintf(text, 400, "%s", what.c_str());
+  return 1;
+}
+
+static int write(FILE *out, const trace_choice *choice, subject &s, char text[400])
+{
+  writer w;
+  w.out = out;
+  w.name = choice->name;
+  w.real = w.name + "_real";
+  w.single = choice->single;
+  w.n_state = (int)s.state.size();
+  if (!find_state(s)) {
+    return fail(text, std::string("no state near the start that the library steps: ") +
+                          (fb_detail_last()->what ? fb_detail_last()->what : "it refuses all"));
+  }
+  const std::vector<double> near = s.values();
+  write_head(out, choice, s);
+  for (int f = 0; f <= (int)s.sensor.size(); f++) {
+    std::vector<number> results;
+    std::vector<std::string> names;
+    const std::string name = f == 0 ? "rates" : "sense_" + s.sensor[(std::size_t)f - 1];
+    s.set(near);
+    if (run(s, f, -1, results, &names) != FB_OK) {
+      return fail(text, name + ": " + (fb_detail_last()->what ? fb_detail_last()->what : "refused by the library"));
+    }
+    if (G.conversions > 0) {
+      return fail(text, name + ": the library rounds a number of this model to a whole one, which has no derivative");
+    }
+    judge_guards(s, f, results);
+    const int good = compare(s, f, results);
+    if (good < 10) {
+      return fail(text, name + (good < 0 ? ": what was traced differs from the library at another state"
+                                         : ": the library branches on the state of this model"));
+    }
+    std::string what = f == 0 ? "Rates of x: y[" + std::to_string(results.size()) + "]."
+                              : "What is seen at " + s.sensor[(std::size_t)f - 1] + ":";
+    for (std::size_t i = 0; f > 0 && i < names.size(); i++) {
+      what += (i ? ", " : " ") + names[i];
+    }
+    write_function(w, w.name + "_" + name, what, results);
+  }
+  write_step(w, s);
+  std::fprintf(out, "#endif\n");
+  return 0;
+}
+
+} // namespace trace
+
+extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
+{
+  const char *const refused = trace::refusal(model);
+  std::unique_ptr<trace::subject> s;
+  if (refused) {
+    return trace::fail(text, refused);
+  }
+  if (model->system) {
+    s.reset(new trace::tree(choice, model));
+  } else {
+    s.reset(new trace::single_body(choice, model));
+  }
+  return trace::write(out, choice, *s, text);
+}

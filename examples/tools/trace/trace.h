@@ -1,0 +1,33 @@
+/* trace.h - the rates of a model and their Jacobian as C of its own, found by letting the library compute with numbers
+   that remember how they were made (trace.cpp). */
+#ifndef TRACE_H
+#define TRACE_H
+#include <stddef.h>
+#include <stdio.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct trace_choice {
+  const char *name, *file;                      /* prefix of all names; what the model is from */
+  int single;                                   /* 1: float */
+  const unsigned *loads, *sensors;              /* bits of nodes, by body */
+  const char *const *body;                      /* names; of a single body NULL */
+  const char *(*node_name)(int body, int node); /* "": none */
+} trace_choice;
+
+/* Copies of the library's structs, of the caller's configuration, whose sizes tell whether it is that of trace.cpp. */
+typedef struct trace_model {
+  const void *body, *system, *state; /* of a single body system and state are NULL */
+  size_t body_size, system_size, state_size;
+  int n_body; /* models */
+} trace_model;
+
+/* 0, or 1 with why in text. */
+int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

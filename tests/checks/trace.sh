@@ -1,0 +1,65 @@
+#!/bin/sh
+# Rates, sensors and steps with their Jacobians (--jacobian): derivatives against differences, at states around; the rates
+# themselves the tracer holds against the library, bit by bit, before it writes. What it cannot write it names. Every fourth
+# model each day, and the first.
+. tests/checks/common.sh
+need gcc gcc
+need g++ g++
+worst=0 models=0 number=0
+
+# derive NAME SENSE PRECISION COMMAND...: writes NAME.h by the command and compares
+derive() {
+  model=$1 sense=$2 precision=$3
+  shift 3
+  number=$((number + 1))
+  [ $number = 1 ] || today $number || return 0
+  try "$@"
+  try gcc $c99 -O1 -Wno-unused-function -Wno-conversion -Wno-double-promotion -DMODEL=$model "-DHEADER=\"$model.h\"" -I"$out" ${sense:+-DSENSE=${model}_sense_$sense} \
+    -o "$out/compare" tests/checks/trace.c -lm
+  "$out/compare" > "$out/figures" || fail "$model: $(cat "$out/figures") (states of 20; errors of the rates, the step, a sensor)"
+  [ $precision = single ] || worst=$(cat "$out/figures" | tr ' ' '\n' | tail -n 3 | sort -g | tail -n 1 | cat - "$out/worst" 2> /dev/null | sort -g | tail -n 1)
+  echo "$worst" > "$out/worst"
+  models=$((models + 1))
+}
+reduce() {
+  derive "$1" "$2" double build/flexbeam reduce "$3" --jacobian --name "$1" --out "$out/$1.h" --sensors "${4:-0}"
+}
+scene() {
+  file=examples/scenes/$1.txt model=$1
+  shift
+  derive "$model" "${SENSE:-}" double build/flexbeam scene "$file" --jacobian "$out/$model.h" "$@"
+}
+reduce satellite O examples/satellite.txt
+reduce blade O examples/blade.txt
+reduce two_booms wheel examples/two_booms.txt wheel
+reduce wheels O examples/satellite_wheels.txt
+reduce panel O examples/panel.txt
+sed -e '/^ *start_/d' -e '/^body/,/^end/!d' -e 's/^body .* beam/beam/' -e 's/\$EI/2.5e5/g' examples/scenes/gravity_gradient.txt | grep -v '^end' > "$out/center.txt"
+reduce center O "$out/center.txt"
+scene double_pendulum
+scene gimbal
+scene hurty_joined
+scene stops
+scene functions
+SENSE=hub scene satellite_control --sensors hub
+scene spacecraft --loads hub
+scene rotor --loads blade_1.tip,blade_3.tip
+scene two_booms
+derive single O single build/flexbeam reduce examples/satellite.txt --jacobian --single --name single --sensors 0 --out "$out/single.h"
+
+# the filter that flies on them keeps its own bounds
+try build/examples/tutorial_filter
+
+# refused: FILE, option, what the message names
+refused() {
+  ! "$@" > "$out/log" 2>&1 || fail "taken: $*"
+}
+sed 's/effects full damping/effects large damping/' examples/satellite.txt > "$out/large.txt"
+refused build/flexbeam reduce "$out/large.txt" --jacobian --out "$out/refused.h"
+grep -q 'effects large: .*choose effects up to full' "$out/log" || fail "effects large: $(cat "$out/log")"
+refused build/flexbeam scene examples/scenes/four_bar.txt --jacobian "$out/refused.h"
+grep -q 'loops: ' "$out/log" || fail "loops: $(cat "$out/log")"
+refused build/flexbeam reduce examples/satellite.txt --jacobian --sensors 7
+grep -q -e '--sensors: there is no such node; choose 1 to 1' "$out/log" || fail "--sensors 7: $(cat "$out/log")"
+[ ! -e "$out/refused.h" ] || fail "a file is written in spite of a refusal"
+ok "$models models, derivatives against differences within $worst of the largest of a column"
