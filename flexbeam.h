@@ -1069,7 +1069,7 @@ typedef struct fb_body {
    whatever else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY,
    FB_ERR_VALUE. */
 FB_API fb_status fb_body_check(const fb_body *body);
-/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding
+/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its members, without padding
    and unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on
    FB_SINGLE, not on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
 FB_API unsigned fb_body_crc(const fb_body *body);

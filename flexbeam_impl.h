@@ -37,6 +37,7 @@
 #ifndef FB_BELOW /* a selection by value, not a branch; a number class in place of fb_real may record it as one */
 #define FB_BELOW(x, y, yes, no) ((x) < (y) ? (yes) : (no))
 #endif
+#include <stddef.h>
 #include <string.h>
 
 #ifndef FLEXBEAM_STATIC
@@ -3997,16 +3998,6 @@ static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21],
   return S[20] > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
 }
 
-static int fbi_node_is_finite(const fb_node *node, int n)
-{
-  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
-#if FBI_WITH_QUADRATIC
-  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
-#else
-  return own;
-#endif
-}
-
 /* ---- kernels of the step */
 
 /* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
@@ -7612,6 +7603,319 @@ FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
   return fbi_momentum_eval_any(body, momentum, state, input);
 }
 
+/* ---- walk over a model: its check word, whether its numbers are finite, its text as C */
+
+/* [E8.40] CRC-32 of integers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
+   + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
+   Source: IEEE 802.3, 3.2.9.  Cost: 8 words of a table of remainders, by the four bits that leave.  Fails: never.
+   Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_effect. */
+typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
+
+static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
+{
+  static const unsigned remainder[16] = {0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
+                                         0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
+                                         0x9B64C2B0u, 0x86D3D2D4u, 0xA00AE278u, 0xBDBDF21Cu};
+  crc ^= word;
+  for (int k = 0; k < 8; k++) {
+    crc = crc >> 4 ^ remainder[crc & 15u];
+  }
+  return crc;
+}
+
+/* Reals enter in the precision of the target, which may differ from the program's. FBI_NOINLINE: smaller code. */
+static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
+{
+  for (int i = 0; i < n; i++) {
+    if (single) {
+      const float value = (float)x[i];
+      unsigned bits;
+      memcpy(&bits, &value, sizeof value);
+      crc = fbi_crc_word(crc, bits);
+    } else {
+      const double value = (double)x[i];
+      unsigned long long bits;
+      memcpy(&bits, &value, sizeof value);
+      crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)(bits & 0xFFFFFFFFu)), (unsigned)(bits >> 32));
+    }
+  }
+  return crc;
+}
+
+/* A walk comes by every member of a model that a step reads, in the order of declaration: with_crc it takes them into a
+   check word, without it looks whether all numbers are finite. Counts have been checked before. What writes models as C
+   (examples/tools/rom.h) defines FBI_WITH_TEXT and is shown each member by its name; otherwise nothing reads the names,
+   and compilers drop them. */
+typedef struct fbi_walk {
+  int with_crc, single, finite; /* single: precision of the target */
+  unsigned crc;
+#ifdef FBI_WITH_TEXT
+  void (*text)(void *out, int kind, const char *name, const void *x, int n);
+  void *out;
+#endif
+} fbi_walk;
+
+enum { FBI_TEXT_INT, FBI_TEXT_REAL, FBI_TEXT_REALS, FBI_TEXT_STRUCT, FBI_TEXT_LIST, FBI_TEXT_END };
+
+static fbi_walk fbi_walk_start(int with_crc, int single)
+{
+  fbi_walk w;
+  memset(&w, 0, sizeof w);
+  w.with_crc = with_crc;
+  w.single = single;
+  w.finite = 1;
+  w.crc = 0xFFFFFFFFu;
+  return w;
+}
+
+static void fbi_walk_show(const fbi_walk *w, int kind, const char *name, const void *x, int n)
+{
+#ifdef FBI_WITH_TEXT
+  if (w->text) {
+    w->text(w->out, kind, name, x, n);
+  }
+#else
+  (void)w, (void)kind, (void)name, (void)x, (void)n;
+#endif
+}
+
+/* FBI_NOINLINE: smaller code */
+static FBI_NOINLINE void fbi_walk_int(fbi_walk *w, const char *name, int x)
+{
+  fbi_walk_show(w, FBI_TEXT_INT, name, &x, 1);
+  if (w->with_crc) {
+    w->crc = fbi_crc_word(w->crc, (unsigned)x);
+  }
+}
+
+static FBI_NOINLINE void fbi_walk_reals(fbi_walk *w, int kind, const char *name, const fb_real *x, int n)
+{
+  fbi_walk_show(w, kind, name, x, n);
+  if (w->with_crc) {
+    w->crc = fbi_crc_reals(w->crc, x, n, w->single);
+  } else {
+    w->finite = w->finite && fbi_is_finite(x, n);
+  }
+}
+
+/* 1 before each of n elements of a list, 0 behind them */
+static int fbi_walk_next(const fbi_walk *w, const char *name, int k, int n)
+{
+  fbi_walk_show(w, k == 0 ? FBI_TEXT_LIST : FBI_TEXT_END, name, NULL, 0);
+  fbi_walk_show(w, k < n ? FBI_TEXT_STRUCT : FBI_TEXT_END, NULL, NULL, 0);
+  return k < n;
+}
+
+/* The walk w comes by a member of *x: an integer, a number, the first n numbers of an array, all of them; by numbers
+   that are declared one behind the other, from one member to another. FBI_EACH: clauses of a loop over n of a list. */
+#define FBI_INT(x, member) fbi_walk_int(w, #member, (int)(x)->member)
+#define FBI_REAL(x, member) fbi_walk_reals(w, FBI_TEXT_REAL, #member, &(x)->member, 1)
+#define FBI_PART(x, member, n) fbi_walk_reals(w, FBI_TEXT_REALS, #member, (x)->member, n)
+#define FBI_ARRAY(x, member) FBI_PART(x, member, (int)(sizeof(x)->member / sizeof(fb_real)))
+#define FBI_REALS(type, x, from, to)                                                                                 \
+  fbi_walk_reals(w, FBI_TEXT_REALS, NULL, (const fb_real *)(const void *)((const char *)(x) + offsetof(type, from)), \
+                 (int)((offsetof(type, to) + sizeof(x)->to - offsetof(type, from)) / sizeof(fb_real)))
+#define FBI_EACH(type, x, name, list, n)        \
+  const type *x = (list);                       \
+  fbi_walk_next(w, name, (int)(x - (list)), n); \
+  x++
+
+#if FB_WITH_SYSTEM || FB_WITH_EXACT
+static void fbi_walk_ints(fbi_walk *w, const int *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    fbi_walk_int(w, NULL, x[i]);
+  }
+}
+#endif
+
+static void fbi_sparse_walk(fbi_walk *w, const char *name, const fb_sparse *m, int n)
+{
+  fbi_walk_show(w, FBI_TEXT_STRUCT, name, NULL, 0);
+  FBI_INT(m, n_term), FBI_PART(m, diagonal, n);
+  for (FBI_EACH(fb_pair_term, x, "term", m->term, m->n_term)) {
+    FBI_REAL(x, c), FBI_INT(x, a), FBI_INT(x, b);
+  }
+  fbi_walk_show(w, FBI_TEXT_END, NULL, NULL, 0);
+}
+
+static void fbi_lambda_walk(fbi_walk *w, const char *name, const fb_lambda_term *list, int n)
+{
+  for (FBI_EACH(fb_lambda_term, x, name, list, n)) {
+    FBI_REAL(x, c), FBI_INT(x, i), FBI_INT(x, a), FBI_INT(x, b);
+  }
+}
+
+static void fbi_terms_walk(fbi_walk *w, const fb_body *body)
+{
+  for (FBI_EACH(fb_lambda_row, x, "lambda_row", body->lambda_row, 6)) {
+    FBI_INT(x, i), FBI_INT(x, end);
+  }
+  fbi_lambda_walk(w, "lambda", body->lambda, body->n_lambda);
+  FBI_PART(body, S, body->n_S);
+  for (FBI_EACH(fb_S_run, x, "run", body->run, body->n_run)) {
+    FBI_INT(x, i), FBI_INT(x, pair), FBI_INT(x, n);
+  }
+  for (FBI_EACH(fb_S_pair, x, "pair", body->pair, body->n_pair)) {
+    FBI_INT(x, a), FBI_INT(x, b);
+  }
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+static void fbi_strain_walk(fbi_walk *w, const fb_body *body)
+{
+  FBI_INT(body, n_strain), FBI_INT(body, n_strain_row);
+  FBI_REAL(body, quartic), FBI_REAL(body, limit_slope), FBI_REAL(body, limit_tension);
+  FBI_PART(body, strain_weight, body->n_strain);
+  for (FBI_EACH(fb_strain_row, x, "strain_row", body->strain_row, body->n_strain_row)) {
+    FBI_PART(x, slope, body->n_strain), FBI_INT(x, axis), FBI_INT(x, a);
+  }
+}
+#endif
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Rows of n numbers, `stride` apart */
+static void fbi_walk_rows(fbi_walk *w, const char *name, const fb_real *x, int rows, int n, int stride)
+{
+  fbi_walk_show(w, FBI_TEXT_STRUCT, name, NULL, 0);
+  for (int i = 0; i < rows; i++) {
+    fbi_walk_reals(w, FBI_TEXT_REALS, NULL, x + i * stride, n);
+  }
+  fbi_walk_show(w, FBI_TEXT_END, NULL, NULL, 0);
+}
+
+static void fbi_stations_walk(fbi_walk *w, const char *name, const fb_line_station *list, int n)
+{
+  for (FBI_EACH(fb_line_station, x, name, list, n)) {
+    FBI_REAL(x, x), FBI_REAL(x, length), FBI_REAL(x, before), FBI_ARRAY(x, axes), FBI_INT(x, side);
+  }
+}
+
+/* The lines; of each without its frame, by which init alone finds it. */
+static void fbi_lines_walk(fbi_walk *w, const fb_lines *all)
+{
+  const int n = all->n_point;
+  fbi_walk_show(w, FBI_TEXT_STRUCT, "lines", NULL, 0);
+  FBI_INT(all, n_line), FBI_INT(all, n_point), FBI_INT(all, n_row), FBI_INT(all, n_table), FBI_INT(all, n_side);
+  for (FBI_EACH(fb_line, x, "line", all->line, all->n_line)) {
+    FBI_INT(x, first), FBI_INT(x, n), FBI_INT(x, point), FBI_INT(x, count), FBI_INT(x, stride), FBI_INT(x, row);
+    FBI_INT(x, n_turn), FBI_INT(x, n_stretch), FBI_INT(x, weight), FBI_INT(x, shift), FBI_INT(x, moves);
+    FBI_INT(x, hangs), FBI_INT(x, carries), FBI_INT(x, solid), FBI_INT(x, plane), FBI_INT(x, turned);
+    FBI_ARRAY(x, axes), FBI_ARRAY(x, root), FBI_PART(x, frame, 0);
+  }
+  FBI_PART(all, mass, n), FBI_PART(all, center, 3 * n), FBI_PART(all, inertia, 6 * n);
+  fbi_walk_rows(w, "start", all->start[0], 3, n, FB_MAX_POINTS);
+  fbi_walk_rows(w, "tangent", all->tangent[0], 3, n, FB_MAX_POINTS);
+  fbi_stations_walk(w, "station", all->station, n);
+  fbi_stations_walk(w, "root", all->root, all->n_line);
+  for (FBI_EACH(fb_line_side, x, "side", all->side, all->n_side)) {
+    FBI_ARRAY(x, mass);
+    fbi_walk_rows(w, "first", x->first[0], 2, 3, 3);
+    fbi_walk_rows(w, "moment", x->moment[0], 2, 6, 6);
+  }
+  for (FBI_EACH(fb_line_row, x, "row", all->row, all->n_row)) {
+    FBI_INT(x, axis), FBI_INT(x, a), FBI_INT(x, at);
+  }
+  FBI_PART(all, table, all->n_table);
+  fbi_walk_show(w, FBI_TEXT_END, NULL, NULL, 0);
+}
+
+static void fbi_line_node_walk(fbi_walk *w, const fb_lines *all, const fb_line_node *node)
+{
+  const fb_line *const line = node->line > 0 && node->line <= all->n_line ? &all->line[node->line - 1] : NULL;
+  const int n = line ? line->n : 0;
+  fbi_walk_show(w, FBI_TEXT_STRUCT, "line", NULL, 0);
+  FBI_INT(node, line), FBI_INT(node, after), FBI_ARRAY(node, start), FBI_PART(node, weight, line ? line->count : 0);
+  FBI_PART(node, turn, 3 * n), FBI_PART(node, bow, 3 * n), FBI_REAL(node, x), FBI_ARRAY(node, axes);
+  fbi_walk_show(w, FBI_TEXT_END, NULL, NULL, 0);
+}
+#endif
+
+/* Check word and text have the data of the body's own effects alone; all numbers are finite. */
+static FBI_INLINE int fbi_walk_has(const fbi_walk *w, const fb_body *body, int effects)
+{
+  return !w->with_crc || fbi_has(body->effects, effects);
+}
+
+/* Nodes of the body, or of the shape that it is made of */
+static void fbi_nodes_walk(fbi_walk *w, const fb_body *body, const fb_node *list)
+{
+  const int n = body->n;
+  for (FBI_EACH(fb_node, x, "node", list, body->n_node)) {
+    FBI_ARRAY(x, r), FBI_PART(x, psi, 3 * n), FBI_PART(x, theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+    if (fbi_walk_has(w, body, FBI_QUADRATIC_EFFECTS)) {
+      FBI_PART(x, chi, 3 * n * (n + 1) / 2), FBI_PART(x, chi_theta, 3 * n * (n + 1) / 2);
+    }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(body)) {
+      fbi_line_node_walk(w, &body->lines, &x->line);
+    }
+#endif
+  }
+}
+
+#if FB_WITH_ROTORS
+static void fbi_rotors_walk(fbi_walk *w, const fb_body *body)
+{
+  FBI_INT(body, n_rotor);
+  for (FBI_EACH(fb_rotor, x, "rotor", body->rotor, body->n_rotor)) {
+    FBI_INT(x, node), FBI_INT(x, given), FBI_ARRAY(x, axis), FBI_REAL(x, inertia), FBI_REAL(x, damping);
+    FBI_REAL(x, friction), FBI_REAL(x, friction_speed), FBI_REAL(x, static_imbalance), FBI_REAL(x, dynamic_imbalance);
+    FBI_REAL(x, dynamic_phase), FBI_INT(x, moves), FBI_ARRAY(x, across), FBI_REAL(x, mobility), FBI_REAL(x, rate);
+  }
+}
+#endif
+
+static void fbi_body_walk(fbi_walk *w, const fb_body *body)
+{
+  const int n = body->n;
+  FBI_INT(body, n), FBI_INT(body, n_node), FBI_INT(body, n_coordinate), FBI_INT(body, effects), FBI_INT(body, base);
+  FBI_INT(body, unit_mass), FBI_INT(body, constant_S), FBI_INT(body, allow_long_step), FBI_INT(body, n_lambda);
+  FBI_INT(body, n_lambda_constant), FBI_INT(body, n_linear_constant), FBI_INT(body, n_linear), FBI_INT(body, n_row);
+  FBI_INT(body, n_S), FBI_INT(body, n_run), FBI_INT(body, n_pair);
+  FBI_REAL(body, mass), FBI_ARRAY(body, c), FBI_REAL(body, deflection_limit), FBI_PART(body, reach, n);
+  FBI_REAL(body, recoil), FBI_REAL(body, gyration), FBI_REAL(body, limit_elastic), FBI_REAL(body, limit_damping);
+  FBI_REAL(body, limit_spin), FBI_REAL(body, limit_acceleration);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_walk_has(w, body, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_strain_walk(w, body);
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_lines_walk(w, &body->lines);
+    fbi_sparse_walk(w, "M_rest", &body->M_rest, n);
+    FBI_ARRAY(body, c_rest);
+  }
+#endif
+  FBI_ARRAY(body, S0), FBI_ARRAY(body, S0_inverse);
+  fbi_sparse_walk(w, "M", &body->M, n);
+  fbi_sparse_walk(w, "Minv", &body->Minv, n);
+  fbi_sparse_walk(w, "K", &body->K, n);
+#if FB_WITH_DAMPING
+  if (fbi_walk_has(w, body, FB_EFFECT_DAMPING)) {
+    fbi_sparse_walk(w, "C", &body->C, n);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  if (fbi_walk_has(w, body, FB_EFFECT_GRAVITY)) {
+    FBI_ARRAY(body, gravity);
+  }
+  if (fbi_walk_has(w, body, FB_EFFECT_CENTRAL_GRAVITY)) {
+    FBI_REAL(body, mu), FBI_ARRAY(body, center);
+  }
+#endif
+#if FB_WITH_ROTORS
+  if (fbi_has_rotors(body)) {
+    fbi_rotors_walk(w, body);
+  }
+#endif
+  fbi_terms_walk(w, body);
+  fbi_nodes_walk(w, body, body->node);
+}
+
 /* ---- checks of a model whose memory may be corrupted */
 
 static int fbi_is_flag(int value)
@@ -7624,12 +7928,49 @@ static int fbi_is_within(int n, int most)
   return n >= 0 && n <= most;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+static int fbi_line_counts_are_valid(const fb_lines *all)
+{
+  int valid = fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
+              fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE) &&
+              fbi_is_within(all->n_side, FBI_MAX_LINE_SIDES);
+  for (int l = 0; valid && l < all->n_line; l++) {
+    valid = all->line[l].count <= FB_MAX_POINTS && all->line[l].n <= FB_MAX_MODES;
+  }
+  return valid;
+}
+#endif
+
+/* 1 if every count is within its table, so that nothing is read beyond. */
+static int fbi_counts_are_valid(const fb_body *body)
+{
+  int valid = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
+              fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
+              fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
+              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
+              fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
+#if FB_WITH_DAMPING
+  valid = valid && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  valid =
+      valid && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  valid = valid && (!fbi_is_large(body) ||
+                    (fbi_line_counts_are_valid(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
+#endif
+#if FB_WITH_ROTORS
+  valid = valid && fbi_is_within(body->n_rotor, FB_MAX_ROTORS);
+#endif
+  return valid;
+}
+
 static int fbi_sparse_is_valid(const fb_sparse *m, int n)
 {
-  int valid = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
+  int valid = 1;
   for (int k = 0; valid && k < m->n_term; k++) {
-    const fb_pair_term *t = &m->term[k];
-    valid = t->a < n && t->b < t->a && fbi_is_number(t->c);
+    valid = m->term[k].a < n && m->term[k].b < m->term[k].a;
   }
   return valid;
 }
@@ -7637,10 +7978,10 @@ static int fbi_sparse_is_valid(const fb_sparse *m, int n)
 /* Checks the terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
 static int fbi_lambda_is_valid(const fb_body *body)
 {
-  int row = 0,
-      valid = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
-              fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
-              fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
+  int row = 0, valid = fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
+                       fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
+                       fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) &&
+                       fbi_is_within(body->n_row, 6);
   for (int k = 0; valid && k < body->n_row; k++) { /* no row is empty */
     valid = body->lambda_row[k].i < 6 &&
             body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
@@ -7649,7 +7990,7 @@ static int fbi_lambda_is_valid(const fb_body *body)
     const fb_lambda_term *t = &body->lambda[k];
     const int constant = k < body->n_lambda_constant;
     row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
-    valid = fbi_is_number(t->c) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
+    valid = t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
             (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
                       : row < body->n_row && t->i == body->lambda_row[row].i &&
                             (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
@@ -7660,8 +8001,7 @@ static int fbi_lambda_is_valid(const fb_body *body)
 /* Checks the terms of S: runs of consecutive pairs. */
 static int fbi_S_is_valid(const fb_body *body)
 {
-  int terms = 0, valid = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-                         fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
+  int terms = 0, valid = 1;
   for (int k = 0; valid && k < body->n_run; k++) {
     const fb_S_run *r = &body->run[k];
     terms += r->n;
@@ -7676,12 +8016,9 @@ static int fbi_S_is_valid(const fb_body *body)
 #if FB_WITH_NONLINEAR_STRAIN
 static int fbi_strain_is_valid(const fb_body *body)
 {
-  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  int valid = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
-              fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
+  int valid = body->n_strain % 4 == 0 && body->n_strain_row <= 3 * body->n;
   for (int k = 0; valid && k < body->n_strain_row; k++) {
-    const fb_strain_row *r = &body->strain_row[k];
-    valid = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
+    valid = body->strain_row[k].axis < 3 && body->strain_row[k].a < body->n;
   }
   return valid;
 }
@@ -7711,8 +8048,7 @@ static int fbi_line_is_valid(const fb_lines *all, const fb_line *line, int n)
               fbi_line_rows_are_valid(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - (2 * line->count + 4) * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && fbi_is_finite(line->axes, 9) &&
-              fbi_vec3_is_finite(line->root) && line->shift >= 0 &&
+              fbi_is_flag(line->turned) && line->plane == fbi_line_plane(all, line) && line->shift >= 0 &&
               line->shift <= all->n_table - 3 * line->n * line->moves;
   if (valid && line->hangs) {
     valid = line->hangs <= next;
@@ -7725,69 +8061,28 @@ static int fbi_line_is_valid(const fb_lines *all, const fb_line *line, int n)
   return valid;
 }
 
-static int fbi_line_counts_are_valid(const fb_lines *all)
-{
-  return fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
-         fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE) &&
-         fbi_is_within(all->n_side, FBI_MAX_LINE_SIDES);
-}
-
 /* Checks a node's place on its line, and that it has one only where there is a line. */
 static int fbi_line_node_is_valid(const fb_lines *all, const fb_line_node *node)
 {
   const fb_line *const line = node->line > 0 && node->line <= all->n_line ? &all->line[node->line - 1] : NULL;
   return node->line == 0 ||
-         (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
-          fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
-          fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n) &&
-          fbi_is_finite(node->axes, 9) && fbi_is_number(node->x));
+         (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)));
 }
 
-/* Checks where points stand, and the masses beside them. */
-static int fbi_stations_are_valid(const fb_line_station *s, int n, int n_side)
+/* Checks the lines and the nodes on them. */
+static int fbi_lines_are_valid(const fb_lines *all, const fb_node *node, int n_node, int n)
 {
-  int valid = 1;
-  for (int k = 0; valid && k < n; k++) {
-    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
-    valid = fbi_is_finite(place, 3) && fbi_is_finite(s[k].axes, 9) && s[k].side <= n_side;
-  }
-  return valid;
-}
-
-static int fbi_sides_are_valid(const fb_lines *all)
-{
-  int valid = 1;
-  for (int k = 0; valid && k < all->n_side; k++) {
-    valid = fbi_is_finite(all->side[k].mass, 2) && fbi_is_finite(all->side[k].first[0], 6) &&
-            fbi_is_finite(all->side[k].moment[0], 12);
-  }
-  return valid;
-}
-
-/* Checks the lines, S_0^-1 in place of S_0, and what the rest of the body has. */
-static int fbi_lines_are_valid(const fb_body *body)
-{
-  const fb_lines *const all = &body->lines;
-  const int n = all->n_point;
-  int points = 0;
-  int valid =
-      fbi_line_counts_are_valid(all) && fbi_sparse_is_valid(&body->M_rest, body->n) && fbi_is_finite(body->c_rest, 3);
+  int points = 0, valid = 1;
   for (int l = 0; valid && l < all->n_line; l++) {
-    valid = fbi_line_is_valid(all, &all->line[l], body->n);
+    valid = fbi_line_is_valid(all, &all->line[l], n) && all->root[l].side <= all->n_side;
     points += all->line[l].stride;
   }
-  valid = valid && points == n && fbi_stations_are_valid(all->station, n, all->n_side) &&
-          fbi_stations_are_valid(all->root, all->n_line, all->n_side) && fbi_sides_are_valid(all);
-  valid = valid && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
-          fbi_is_finite(all->inertia, 6 * n) && fbi_is_finite(all->table, all->n_table);
-  for (int i = 0; valid && i < 3; i++) {
-    valid = fbi_is_finite(all->start[i], n) && fbi_is_finite(all->tangent[i], n);
+  valid = valid && points == all->n_point;
+  for (int j = 0; valid && j < all->n_point; j++) {
+    valid = all->mass[j] >= FB_R(0.0) && all->station[j].side <= all->n_side;
   }
-  for (int j = 0; valid && j < n; j++) {
-    valid = all->mass[j] >= FB_R(0.0);
-  }
-  for (int k = 0; valid && k < body->n_node; k++) {
-    valid = fbi_line_node_is_valid(all, &body->node[k].line);
+  for (int k = 0; valid && k < n_node; k++) {
+    valid = fbi_line_node_is_valid(all, &node[k].line);
   }
   return valid;
 }
@@ -7810,39 +8105,24 @@ static int fbi_matrices_are_valid(const fb_body *body)
 #if FB_WITH_ROTORS
 static int fbi_rotors_are_valid(const fb_body *body)
 {
-  int valid = fbi_is_within(body->n_rotor, FB_MAX_ROTORS) && body->n_coordinate == body->n + body->n_rotor &&
-              fbi_has_rotors(body) == (body->n_rotor > 0);
+  int valid = body->n_coordinate == body->n + body->n_rotor && fbi_has_rotors(body) == (body->n_rotor > 0);
   for (int r = 0; valid && r < body->n_rotor; r++) {
     const fb_rotor *const rotor = &body->rotor[r];
-    const fb_real least[6] = {rotor->damping,  rotor->friction, rotor->friction_speed,
-                              rotor->mobility, rotor->rate,     rotor->inertia};
-    const fb_real other[3] = {rotor->static_imbalance, rotor->dynamic_imbalance, rotor->dynamic_phase};
     valid = fbi_is_within(rotor->node, body->n_node - 1) && fbi_is_flag(rotor->given) && fbi_is_flag(rotor->moves) &&
-            fbi_is_finite(least, 6) && fbi_is_finite(other, 3) && fbi_vec3_is_finite(rotor->axis) &&
-            fbi_vec3_is_finite(rotor->across) && rotor->inertia > FB_R(0.0) &&
+            rotor->inertia > FB_R(0.0) && rotor->damping >= FB_R(0.0) && rotor->friction >= FB_R(0.0) &&
+            rotor->friction_speed >= FB_R(0.0) && rotor->mobility >= FB_R(0.0) && rotor->rate >= FB_R(0.0) &&
             (rotor->friction_speed > FB_R(0.0) || rotor->friction == FB_R(0.0));
-    for (int i = 0; valid && i < 5; i++) {
-      valid = least[i] >= FB_R(0.0);
-    }
   }
   return valid;
 }
 #endif
 
-/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite; of a body with
-   lines the inverse is, and S_0 finite. */
+/* Checks the scalars and that S_0 of a free body is positive definite; with lines its inverse is. */
 static int fbi_rigid_is_valid(const fb_body *body)
 {
-  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
   const fb_real unit[6] = {FB_R(1.0)};
   fb_real x[6], S0[21];
   fbi_copy(S0, body->S0, 21);
-  for (int k = 0; k < 8; k++) {
-    if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
-      return 0;
-    }
-  }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) { /* S0 is of the rest, which may be nothing */
     for (int i = 0, at = 0; i < 6; i++) {
@@ -7852,29 +8132,32 @@ static int fbi_rigid_is_valid(const fb_body *body)
     }
   }
 #endif
-  return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
-         fbi_is_finite(body->S0_inverse, 36) && (body->base != FB_BASE_FREE || fbi_sym6_solve(x, S0, unit) == FB_OK);
+  return body->mass >= FB_R(0.0) && body->deflection_limit >= FB_R(0.0) && body->recoil >= FB_R(0.0) &&
+         body->gyration >= FB_R(0.0) && body->limit_elastic >= FB_R(0.0) && body->limit_damping >= FB_R(0.0) &&
+         body->limit_spin >= FB_R(0.0) && body->limit_acceleration >= FB_R(0.0) &&
+         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, S0, unit) == FB_OK);
 }
 
 FB_DEF fb_status fb_body_check(const fb_body *body)
 {
+  fbi_walk w = fbi_walk_start(0, FB_SINGLE);
   int valid;
   FBI_REQUIRE(body, FB_ERR_NULL);
-
-  /* counts first: the other checks read by them */
   if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }
 
-  /* values */
-  valid = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) &&
-          fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
-          fbi_rigid_is_valid(body) && fbi_matrices_are_valid(body) && fbi_lambda_is_valid(body) && fbi_S_is_valid(body);
+  /* counts first: all else is read by them */
+  valid = fbi_counts_are_valid(body) && !fbi_is_excluded(body->effects) &&
+          fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) && fbi_is_flag(body->unit_mass) &&
+          fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) && fbi_matrices_are_valid(body) &&
+          fbi_lambda_is_valid(body) && fbi_S_is_valid(body);
 #if FB_WITH_NONLINEAR_STRAIN
   valid = valid && fbi_strain_is_valid(body);
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  valid = valid && (!fbi_is_large(body) || fbi_lines_are_valid(body));
+  valid = valid && (!fbi_is_large(body) || (fbi_sparse_is_valid(&body->M_rest, body->n) &&
+                                            fbi_lines_are_valid(&body->lines, body->node, body->n_node, body->n)));
 #endif
 #if FB_WITH_ROTORS
   valid = valid && fbi_rotors_are_valid(body);
@@ -7882,294 +8165,20 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
   valid = valid && body->n_coordinate == body->n;
 #endif
 #if FB_WITH_GRAVITY
-  valid = valid && fbi_is_finite(body->gravity, 3) && fbi_is_finite(body->center, 3) && body->mu < FB_HUGE &&
-          (fbi_is_central(body) ? body->mu > FB_R(0.0) : body->mu == FB_R(0.0));
+  valid = valid && (fbi_is_central(body) ? body->mu > FB_R(0.0) : body->mu == FB_R(0.0));
 #endif
-  for (int k = 0; valid && k < body->n_node; k++) {
-    valid = fbi_node_is_finite(&body->node[k], body->n);
+  if (!valid) {
+    return FB_ERR_VALUE;
   }
-  return valid ? FB_OK : FB_ERR_VALUE;
-}
-
-/* ---- check word */
-
-/* [E8.40] CRC-32 of integers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
-   + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
-   Source: IEEE 802.3, 3.2.9.  Cost: 8 words of a table of remainders, by the four bits that leave.  Fails: never.
-   Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_effect. */
-typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
-
-static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
-{
-  static const unsigned remainder[16] = {0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
-                                         0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
-                                         0x9B64C2B0u, 0x86D3D2D4u, 0xA00AE278u, 0xBDBDF21Cu};
-  crc ^= word;
-  for (int k = 0; k < 8; k++) {
-    crc = crc >> 4 ^ remainder[crc & 15u];
-  }
-  return crc;
-}
-
-static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
-{
-  for (int i = 0; i < n; i++) {
-    crc = fbi_crc_word(crc, (unsigned)x[i]);
-  }
-  return crc;
-}
-
-/* Reals enter in the precision of the target, which may differ from the program's. FBI_NOINLINE: smaller code. */
-static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
-{
-  for (int i = 0; i < n; i++) {
-    if (single) {
-      const float value = (float)x[i];
-      unsigned bits;
-      memcpy(&bits, &value, sizeof value);
-      crc = fbi_crc_word(crc, bits);
-    } else {
-      const double value = (double)x[i];
-      unsigned long long bits;
-      memcpy(&bits, &value, sizeof value);
-      crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)(bits & 0xFFFFFFFFu)), (unsigned)(bits >> 32));
-    }
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_sparse(unsigned crc, const fb_sparse *m, int n, int single)
-{
-  crc = fbi_crc_reals(fbi_crc_word(crc, (unsigned)m->n_term), m->diagonal, n, single);
-  for (int k = 0; k < m->n_term; k++) {
-    crc = fbi_crc_word(fbi_crc_reals(crc, &m->term[k].c, 1, single), m->term[k].a | (unsigned)m->term[k].b << 16);
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_lambda(unsigned crc, const fb_lambda_term *list, int n, int single)
-{
-  for (int k = 0; k < n; k++) {
-    crc = fbi_crc_word(fbi_crc_reals(crc, &list[k].c, 1, single), list[k].i | (unsigned)list[k].a << 16);
-    crc = fbi_crc_word(crc, list[k].b);
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_terms(unsigned crc, const fb_body *body, int single)
-{
-  for (int k = 0; k < 6; k++) {
-    crc = fbi_crc_word(crc, body->lambda_row[k].i | (unsigned)body->lambda_row[k].end << 16);
-  }
-  crc = fbi_crc_lambda(crc, body->lambda, body->n_lambda, single);
-  crc = fbi_crc_reals(crc, body->S, body->n_S, single);
-  for (int k = 0; k < body->n_run; k++) {
-    crc = fbi_crc_word(fbi_crc_word(crc, body->run[k].i | (unsigned)body->run[k].pair << 16), body->run[k].n);
-  }
-  for (int k = 0; k < body->n_pair; k++) {
-    crc = fbi_crc_word(crc, body->pair[k].a | (unsigned)body->pair[k].b << 16);
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_nodes(unsigned crc, const fb_body *body, int single)
-{
-  const int n = body->n;
-  for (int k = 0; k < body->n_node; k++) {
-    const fb_node *node = &body->node[k];
-    crc = fbi_crc_reals(crc, node->r, 3, single);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, node->psi, 3 * n, single), node->theta, 3 * n, single);
-#if FBI_WITH_QUADRATIC
-    if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-      crc = fbi_crc_reals(crc, node->chi, 3 * n * (n + 1) / 2, single);
-      crc = fbi_crc_reals(crc, node->chi_theta, 3 * n * (n + 1) / 2, single);
-    }
-#endif
-  }
-  return crc;
-}
-
-#if FB_WITH_NONLINEAR_STRAIN
-static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
-{
-  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)body->n_strain), (unsigned)body->n_strain_row);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 3, single), body->strain_weight, body->n_strain, single);
-  for (int k = 0; k < body->n_strain_row; k++) {
-    const fb_strain_row *r = &body->strain_row[k];
-    crc = fbi_crc_word(fbi_crc_reals(crc, r->slope, body->n_strain, single), r->axis | (unsigned)r->a << 16);
-  }
-  return crc;
-}
-#endif
-
-#if FB_WITH_LARGE_DEFLECTION
-/* A line; without its frame, by which init alone finds it. */
-static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
-{
-  const int whole[] = {line->first,   line->n,         line->point,  line->count, line->stride, line->row,
-                       line->n_turn,  line->n_stretch, line->weight, line->shift, line->moves,  line->hangs,
-                       line->carries, line->solid,     line->plane,  line->turned};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  return fbi_crc_reals(fbi_crc_reals(crc, line->axes, 9, single), line->root, 3, single);
-}
-
-/* Where points stand, and the masses on either side of the ends of stretches. */
-static unsigned fbi_crc_stations(unsigned crc, const fb_line_station *s, int n, int single)
-{
-  for (int k = 0; k < n; k++) {
-    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
-    crc = fbi_crc_word(fbi_crc_reals(fbi_crc_reals(crc, place, 3, single), s[k].axes, 9, single), s[k].side);
-  }
-  return crc;
-}
-
-/* Lines, their nodes, and the rest of the body. */
-static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
-{
-  const fb_lines *const all = &body->lines;
-  const int whole[5] = {all->n_line, all->n_point, all->n_row, all->n_table, all->n_side}, n = all->n_point;
-  crc = fbi_crc_ints(crc, whole, 5);
-  crc = fbi_crc_stations(fbi_crc_stations(crc, all->station, n, single), all->root, all->n_line, single);
-  for (int k = 0; k < all->n_side; k++) {
-    const fb_line_side *const s = &all->side[k];
-    crc = fbi_crc_reals(fbi_crc_reals(crc, s->mass, 2, single), s->first[0], 6, single);
-    crc = fbi_crc_reals(crc, s->moment[0], 12, single);
-  }
-  for (int l = 0; l < all->n_line; l++) {
-    crc = fbi_crc_line(crc, &all->line[l], single);
-  }
-  crc = fbi_crc_reals(fbi_crc_reals(crc, all->mass, n, single), all->center, 3 * n, single);
-  crc = fbi_crc_reals(crc, all->inertia, 6 * n, single);
-  for (int i = 0; i < 3; i++) {
-    crc = fbi_crc_reals(fbi_crc_reals(crc, all->start[i], n, single), all->tangent[i], n, single);
-  }
-  for (int k = 0; k < all->n_row; k++) {
-    crc = fbi_crc_word(fbi_crc_word(crc, all->row[k].axis | (unsigned)all->row[k].a << 16), (unsigned)all->row[k].at);
-  }
-  crc = fbi_crc_reals(crc, all->table, all->n_table, single);
-  crc = fbi_crc_reals(fbi_crc_sparse(crc, &body->M_rest, body->n, single), body->c_rest, 3, single);
-  for (int k = 0; k < body->n_node; k++) {
-    const fb_line_node *const node = &body->node[k].line;
-    crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)node->line), (unsigned)node->after);
-    if (node->line > 0 && node->line <= all->n_line) {
-      const fb_line *const line = &all->line[node->line - 1];
-      const int count = line->count < FB_MAX_POINTS ? line->count : FB_MAX_POINTS,
-                a = line->n < FB_MAX_MODES ? line->n : FB_MAX_MODES;
-      crc = fbi_crc_reals(fbi_crc_reals(crc, node->start, 3, single), node->weight, count, single);
-      crc = fbi_crc_reals(fbi_crc_reals(crc, node->turn, 3 * a, single), node->bow, 3 * a, single);
-      crc = fbi_crc_reals(fbi_crc_reals(crc, node->axes, 9, single), &node->x, 1, single);
-    }
-  }
-  return crc;
-}
-#endif
-
-#if FB_WITH_ROTORS
-static unsigned fbi_crc_rotors(unsigned crc, const fb_body *body, int single)
-{
-  crc = fbi_crc_word(crc, (unsigned)body->n_rotor);
-  for (int r = 0; r < body->n_rotor; r++) {
-    const fb_rotor *const rotor = &body->rotor[r];
-    const int whole[3] = {rotor->node, rotor->given, rotor->moves};
-    const fb_real number[] = {rotor->inertia,        rotor->damping,          rotor->friction,
-                              rotor->friction_speed, rotor->static_imbalance, rotor->dynamic_imbalance,
-                              rotor->dynamic_phase,  rotor->mobility,         rotor->rate};
-    crc = fbi_crc_reals(fbi_crc_ints(crc, whole, 3), number, (int)(sizeof number / sizeof *number), single);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, rotor->axis, 3, single), rotor->across, 3, single);
-  }
-  return crc;
-}
-#endif
-
-/* Data of optional effects and forms; a body without them adds nothing. */
-static unsigned fbi_crc_optional(unsigned crc, const fb_body *body, int single)
-{
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    crc = fbi_crc_sparse(crc, &body->C, body->n, single);
-  }
-#endif
-#if FB_WITH_GRAVITY
-  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
-    crc = fbi_crc_reals(crc, body->gravity, 3, single);
-  }
-  if (fbi_is_central(body)) {
-    crc = fbi_crc_reals(fbi_crc_reals(crc, &body->mu, 1, single), body->center, 3, single);
-  }
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    crc = fbi_crc_strain(crc, body, single);
-  }
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  if (fbi_is_large(body)) {
-    crc = fbi_crc_lines(crc, body, single);
-  }
-#endif
-#if FB_WITH_ROTORS
-  if (fbi_has_rotors(body)) {
-    crc = fbi_crc_rotors(crc, body, single);
-  }
-#endif
-  (void)body, (void)single; /* all of it may be removed at compile time */
-  return crc;
+  fbi_body_walk(&w, body);
+  return w.finite && fbi_rigid_is_valid(body) ? FB_OK : FB_ERR_VALUE;
 }
 
 static unsigned fbi_body_crc(const fb_body *body, int single)
 {
-  const int whole[] = {body->n,
-                       body->n_node,
-                       body->n_coordinate,
-                       (int)body->effects,
-                       (int)body->base,
-                       body->n_lambda,
-                       body->n_lambda_constant,
-                       body->n_linear,
-                       body->n_linear_constant,
-                       body->n_row,
-                       body->n_S,
-                       body->n_run,
-                       body->n_pair,
-                       body->unit_mass,
-                       body->constant_S,
-                       body->allow_long_step};
-  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-  unsigned crc = fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 8, single), body->c, 3, single);
-  crc = fbi_crc_reals(crc, body->reach, body->n, single);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
-  crc = fbi_crc_sparse(fbi_crc_sparse(crc, &body->M, body->n, single), &body->Minv, body->n, single);
-  crc = fbi_crc_sparse(crc, &body->K, body->n, single);
-  crc = fbi_crc_optional(crc, body, single);
-  return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
-}
-
-/* 1 if every count is within its table, so that the CRC reads nothing beyond. */
-static int fbi_counts_are_valid(const fb_body *body)
-{
-  int valid = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
-              fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
-              fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
-              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-              fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
-#if FB_WITH_DAMPING
-  valid = valid && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  valid =
-      valid && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  valid = valid && (!fbi_is_large(body) ||
-                    (fbi_line_counts_are_valid(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
-#endif
-#if FB_WITH_ROTORS
-  valid = valid && fbi_is_within(body->n_rotor, FB_MAX_ROTORS);
-#endif
-  return valid;
+  fbi_walk w = fbi_walk_start(1, single);
+  fbi_body_walk(&w, body);
+  return ~w.crc;
 }
 
 FB_DEF unsigned fb_body_crc(const fb_body *body)
@@ -12967,6 +12976,25 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
 
 /* ---- checks of what is in memory */
 
+/* The system itself, without the models */
+static void fbi_system_walk(fbi_walk *w, const fb_system *system)
+{
+  FBI_INT(system, n_body), FBI_INT(system, n_loop), FBI_INT(system, n_spring), FBI_INT(system, method);
+  FBI_INT(system, allow_long_step), FBI_INT(system, tied), FBI_INT(system, carries_rotors), FBI_INT(system, rubs);
+  fbi_walk_ints(w, system->model, system->n_body);
+  fbi_walk_ints(w, system->coupled, system->n_body);
+  FBI_REALS(fb_system, system, limit_elastic, limit_spring_damping);
+  for (FBI_EACH(fb_joint, x, "joint", system->joint, system->n_body + system->n_loop)) {
+    FBI_INT(x, kind), FBI_INT(x, parent), FBI_INT(x, parent_node), FBI_INT(x, child), FBI_INT(x, child_node);
+    FBI_INT(x, n_axis), FBI_INT(x, moves), FBI_INT(x, turned), FBI_INT(x, rubs), FBI_INT(x, mode[0]);
+    FBI_INT(x, mode[1]), FBI_INT(x, mode[2]), FBI_REALS(fb_joint, x, position, bias);
+  }
+  for (FBI_EACH(fb_spring, x, "spring", system->spring, system->n_spring)) {
+    fbi_walk_ints(w, x->body, 2), fbi_walk_ints(w, x->node, 2);
+    FBI_REALS(fb_spring, x, position, damping);
+  }
+}
+
 static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int j)
 {
   const fb_joint *joint = &system->joint[j];
@@ -12974,22 +13002,13 @@ static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int 
   int valid = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
               joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
               joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
-              fbi_is_flag(joint->turned);
+              fbi_is_flag(joint->turned) && fbi_is_flag(joint->rubs);
 
   /* axes and nodes */
   valid = valid && joint->n_axis == fbi_traits(joint)->n_axis &&
           (joint->parent < 0 ? joint->parent_node == 0 && !joint->moves
                              : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
           joint->child_node < fbi_model(system, body, joint->child)->n_node;
-
-  /* values */
-  valid = valid && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
-          fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
-          fbi_is_finite(joint->A, 18) && fbi_is_number(joint->pitch) && fbi_is_finite(joint->stiffness, 3) &&
-          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3) && fbi_is_flag(joint->rubs) &&
-          fbi_is_finite(joint->friction, 3) && fbi_is_finite(joint->friction_speed, 3) &&
-          fbi_is_finite(joint->stop[0], 6) && fbi_is_finite(joint->stop_stiffness, 3) &&
-          fbi_is_finite(joint->stop_loss, 3) && fbi_is_finite(joint->bias, 3);
   for (int i = 0; valid && i < 3; i++) {
     valid = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
             joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
@@ -13002,11 +13021,7 @@ static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int 
 static int fbi_spring_is_valid(const fb_system *system, const fb_body *body, int j)
 {
   const fb_spring *const spring = &system->spring[j];
-  const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
-  int valid = fbi_is_finite(value, 3) && fbi_is_finite(spring->position[0], 3) && fbi_is_finite(spring->position[1], 3);
-  for (int i = 0; i < 3; i++) {
-    valid = valid && value[i] >= FB_R(0.0);
-  }
+  int valid = spring->stiffness >= FB_R(0.0) && spring->length >= FB_R(0.0) && spring->damping >= FB_R(0.0);
   for (int side = 0; valid && side < 2; side++) {
     const int k = spring->body[side];
     valid = k >= FB_GROUND && k < system->n_body &&
@@ -13015,21 +13030,25 @@ static int fbi_spring_is_valid(const fb_system *system, const fb_body *body, int
   return valid;
 }
 
+/* 1 if every count is within its table, so that nothing is read beyond. */
+static int fbi_system_is_sized(const fb_system *system)
+{
+  return fbi_is_within(system->n_body, FB_MAX_BODIES) && fbi_is_within(system->n_loop, FB_MAX_LOOPS) &&
+         fbi_is_within(system->n_spring, FB_MAX_SPRINGS);
+}
+
 FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
 {
+  fbi_walk w = fbi_walk_start(0, FB_SINGLE);
   int valid;
   FBI_REQUIRE(system && body, FB_ERR_NULL);
-  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
-      !fbi_is_within(system->n_loop, FB_MAX_LOOPS) || !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
+  if (n_model < 1 || system->n_body < 1 || !fbi_system_is_sized(system)) {
     return FB_ERR_CAPACITY;
   }
-  {
-    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
-                              system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    valid = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) && fbi_is_within(system->tied, 2) &&
-            fbi_is_finite(limit, 6);
-  }
+  fbi_system_walk(&w, system);
+  valid = w.finite && fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) &&
+          fbi_is_flag(system->allow_long_step) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) &&
+          fbi_is_within(system->tied, 2);
 
   /* models and joints */
   for (int k = 0; valid && k < system->n_body; k++) {
@@ -13046,43 +13065,15 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   return valid ? FB_OK : FB_ERR_VALUE;
 }
 
-/* CRC of a joint (E8.40). */
-static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
-{
-  const int whole[] = {(int)joint->kind,  joint->parent,       joint->parent_node,  joint->child,
-                       joint->child_node, joint->n_axis,       joint->moves,        joint->turned,
-                       joint->rubs,       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->position, 3, FB_SINGLE), joint->axes, 9, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
-  crc = fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->friction, 3, FB_SINGLE), joint->friction_speed, 3, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stop[0], 6, FB_SINGLE), joint->stop_stiffness, 3, FB_SINGLE);
-  return fbi_crc_reals(fbi_crc_reals(crc, joint->stop_loss, 3, FB_SINGLE), joint->bias, 3, FB_SINGLE);
-}
-
+/* By E8.40. */
 FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
 {
-  unsigned crc;
+  fbi_walk w = fbi_walk_start(1, FB_SINGLE);
   FBI_REQUIRE(system && body, 0);
-  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS) ||
-      !fbi_is_within(system->n_spring, FB_MAX_SPRINGS)) {
+  if (n_model < 1 || !fbi_system_is_sized(system)) {
     return 0;
   }
-
-  /* options and limits */
-  {
-    const int whole[] = {system->n_body,          system->n_loop, system->n_spring,       (int)system->method,
-                         system->allow_long_step, system->tied,   system->carries_rotors, system->rubs};
-    const fb_real limit[6] = {system->limit_elastic,      system->limit_damping,        system->limit_loop_elastic,
-                              system->limit_loop_damping, system->limit_spring_elastic, system->limit_spring_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole)), limit, 6, FB_SINGLE);
-  }
-
-  /* models */
-  crc = fbi_crc_ints(fbi_crc_ints(crc, system->model, system->n_body), system->coupled, system->n_body);
+  fbi_system_walk(&w, system);
   for (int k = 0; k < system->n_body; k++) {
     unsigned word = 0;
     if (fbi_is_within(system->model[k], n_model - 1)) {
@@ -13091,21 +13082,9 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
     if (word == 0) {
       return 0;
     }
-    crc = fbi_crc_word(crc, word);
+    w.crc = fbi_crc_word(w.crc, word);
   }
-
-  /* joints */
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    crc = fbi_crc_joint(crc, &system->joint[j]);
-  }
-  for (int j = 0; j < system->n_spring; j++) {
-    const fb_spring *const spring = &system->spring[j];
-    const fb_real value[3] = {spring->stiffness, spring->length, spring->damping};
-    crc = fbi_crc_ints(fbi_crc_ints(crc, spring->body, 2), spring->node, 2);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, spring->position[0], 3, FB_SINGLE), spring->position[1], 3, FB_SINGLE);
-    crc = fbi_crc_reals(crc, value, 3, FB_SINGLE);
-  }
-  return ~crc;
+  return ~w.crc;
 }
 
 FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
@@ -14983,8 +14962,25 @@ static int fbi_exact_is_angle(fb_real angle)
   return FB_FABS(angle) < FB_R(1e9);
 }
 
+static void fbi_exact_walk(fbi_walk *w, const fb_exact *m)
+{
+  const int n = m->n;
+  FBI_INT(m, n), FBI_INT(m, n_joint), FBI_INT(m, n_branch), FBI_INT(m, iterations), FBI_INT(m, factorizations);
+  FBI_INT(m, floating), FBI_INT(m, box), FBI_REALS(fb_exact, m, length, gravity);
+  fbi_walk_ints(w, m->held, n + 1), fbi_walk_ints(w, m->jointed, n + 1), fbi_walk_ints(w, m->inboard, n);
+  FBI_PART(m, h, n), FBI_PART(m, xi, 6 * n), FBI_PART(m, C, 36 * n), FBI_PART(m, S, 36 * n);
+  FBI_PART(m, section, 36 * n), FBI_PART(m, taper, 36 * n), FBI_PART(m, M, 36 * n), FBI_PART(m, M_inverse, 36 * n);
+  FBI_PART(m, weight, 4 * n), FBI_PART(m, share, 8 * n), FBI_PART(m, node_M, 36 * (n + 1));
+  FBI_PART(m, node_weight, 4 * (n + 1)), FBI_PART(m, r, 3 * (n + 1)), FBI_PART(m, quat, 4 * (n + 1));
+  fbi_walk_ints(w, m->branch, m->n_branch);
+  for (FBI_EACH(fb_exact_joint, x, "joint", m->joint, m->n_joint)) {
+    FBI_INT(x, element), FBI_INT(x, driven), FBI_REALS(fb_exact_joint, x, axis, damping);
+  }
+}
+
 FB_DEF fb_status fb_exact_check(const fb_exact *m)
 {
+  fbi_walk w = fbi_walk_start(0, FB_SINGLE);
   int sound;
   FBI_REQUIRE(m, FB_ERR_NULL);
   if (!fbi_exact_is_sized(m)) {
@@ -14995,18 +14991,11 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
   sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
           m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
           m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
-          fbi_is_choice(m->box, 1) && fbi_is_finite(m->gravity, 3) && fbi_vec3_is_finite(m->damping) &&
-          fbi_vec3_is_finite(m->damping + 3);
-
-  /* Tables */
-  sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
-          fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
-          fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
-          fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
-          fbi_is_finite(m->weight, 4 * m->n) && fbi_is_finite(m->share, 8 * m->n) &&
-          fbi_is_finite(m->node_M, 36 * (m->n + 1)) && fbi_is_finite(m->node_weight, 4 * (m->n + 1));
+          fbi_is_choice(m->box, 1);
+  fbi_exact_walk(&w, m);
 
   /* Ranges */
+  sound = sound && w.finite;
   for (int k = 0; sound && k <= m->n; k++) {
     sound = fbi_is_within(m->held[k], 127) && fbi_is_within(m->jointed[k], m->n_joint) &&
             (k == m->n || (m->jointed[k] ? m->h[k] == FB_R(0.0) && m->joint[m->jointed[k] - 1].element == k
@@ -15016,9 +15005,7 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
     const fb_exact_joint *const joint = &m->joint[j];
     sound = fbi_is_within(joint->element, m->n - 1) && m->jointed[joint->element] == j + 1 &&
             FB_FABS(fb_vec3_dot(joint->axis, joint->axis) - FB_R(1.0)) < FB_R(1e-5) &&
-            fbi_exact_is_angle(joint->angle) && fbi_is_number(joint->rest) && fbi_is_number(joint->rate) &&
-            joint->stiffness >= FB_R(0.0) && joint->stiffness <= FB_HUGE && joint->damping >= FB_R(0.0) &&
-            joint->damping <= FB_HUGE;
+            fbi_exact_is_angle(joint->angle) && joint->stiffness >= FB_R(0.0) && joint->damping >= FB_R(0.0);
   }
 
   /* Elements hang on earlier nodes, those of the list of branches alone not on the node before */
@@ -15034,36 +15021,13 @@ FB_DEF fb_status fb_exact_check(const fb_exact *m)
 /* By E8.40. */
 FB_DEF unsigned fb_exact_crc(const fb_exact *m)
 {
-  unsigned crc;
+  fbi_walk w = fbi_walk_start(1, FB_SINGLE);
   FBI_REQUIRE(m, 0);
   if (!fbi_exact_is_sized(m)) {
     return 0;
   }
-  {
-    const int whole[7] = {m->n, m->n_joint, m->n_branch, m->iterations, m->factorizations, m->floating, m->box};
-    const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
-    const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 7), number, 7, FB_SINGLE);
-    crc = fbi_crc_reals(crc, m->damping, 6, FB_SINGLE);
-    for (int k = 0; k < 6; k++) {
-      crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
-    }
-  }
-  crc = fbi_crc_ints(crc, m->held, m->n + 1);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->h, m->n, FB_SINGLE), m->xi, 6 * m->n, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->weight, 4 * m->n, FB_SINGLE), m->share, 8 * m->n, FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->node_M, 36 * (m->n + 1), FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->node_weight, 4 * (m->n + 1), FB_SINGLE);
-  crc = fbi_crc_ints(fbi_crc_ints(crc, m->jointed, m->n + 1), m->inboard, m->n);
-  crc = fbi_crc_ints(crc, m->branch, m->n_branch);
-  for (int j = 0; j < m->n_joint; j++) {
-    const fb_exact_joint *const joint = &m->joint[j];
-    const int whole[2] = {joint->element, joint->driven};
-    const fb_real number[5] = {joint->angle, joint->rate, joint->rest, joint->stiffness, joint->damping};
-    crc = fbi_crc_reals(fbi_crc_reals(fbi_crc_ints(crc, whole, 2), joint->axis, 3, FB_SINGLE), number, 5, FB_SINGLE);
-  }
-  return ~crc;
+  fbi_exact_walk(&w, m);
+  return ~w.crc;
 }
 
 static int fbi_exact_rates_are_finite(const fb_exact *m, const fb_exact_state *state)
@@ -26384,17 +26348,8 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
 {
   const fb_lines *const all = &shape->lines;
   const fb_second *const rest = &shape->rest;
-  const int n = shape->n, nn = n * n, valid = fbi_line_counts_are_valid(all), points = valid ? all->n_point : 0;
-  const fbi_number table[] = {FBI_NOT_NEGATIVE(all->mass, points, "shape.lines.mass [kg]"),
-                              FBI_ANY(all->center, 3 * points, "shape.lines.center [m]"),
-                              FBI_ANY(all->inertia, 6 * points, "shape.lines.inertia [kg m^2]"),
-                              FBI_ANY(all->start[0], points, "shape.lines.start[0] [m]"),
-                              FBI_ANY(all->start[1], points, "shape.lines.start[1] [m]"),
-                              FBI_ANY(all->start[2], points, "shape.lines.start[2] [m]"),
-                              FBI_ANY(all->tangent[0], points, "shape.lines.tangent[0]"),
-                              FBI_ANY(all->tangent[1], points, "shape.lines.tangent[1]"),
-                              FBI_ANY(all->tangent[2], points, "shape.lines.tangent[2]"),
-                              FBI_ANY(all->table, valid ? all->n_table : 0, "shape.lines.table"),
+  const int n = shape->n, nn = n * n, valid = fbi_line_counts_are_valid(all);
+  const fbi_number table[] = {FBI_NOT_NEGATIVE(all->mass, valid ? all->n_point : 0, "shape.lines.mass [kg]"),
                               FBI_ANY(rest->reach, n, "shape.rest.reach"),
                               FBI_ANY(rest->ups, 3 * nn, "shape.rest.ups"),
                               FBI_ANY(rest->Gam, 9 * n, "shape.rest.Gam"),
@@ -26402,36 +26357,38 @@ static fb_status fbi_shape_lines_check(const fb_shape *shape)
                               FBI_ANY(rest->Gamchi, 9 * nn, "shape.rest.Gamchi"),
                               FBI_ANY(rest->pchi, 3 * nn, "shape.rest.pchi"),
                               FBI_ANY(rest->hchi, 3 * nn, "shape.rest.hchi")};
-  int stride = 0;
+  fbi_walk w = fbi_walk_start(0, FB_SINGLE);
   if (!valid) {
     return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: counts within its tables", -1, FB_R(0.0), FB_R(0.0));
   }
   FBI_TRY(fbi_numbers_check(table, FBI_LENGTH(table), -1));
-  for (int l = 0; l < all->n_line; l++) {
-    const fbi_number line[] = {FBI_ANY(all->line[l].axes, 9, "line: shape.lines.line.axes"),
-                               FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
-                               FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
-    FBI_TRY(fbi_numbers_check(line, FBI_LENGTH(line), l));
-    if (!fbi_line_is_valid(all, &all->line[l], n)) {
-      return FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
-    }
-    stride += all->line[l].stride;
-  }
-  if (stride != points) {
-    return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
-  }
-  if (!(fbi_stations_are_valid(all->station, points, all->n_side) &&
-        fbi_stations_are_valid(all->root, all->n_line, all->n_side) && fbi_sides_are_valid(all))) {
-    return FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
-  }
+  fbi_lines_walk(&w, all);
   for (int k = 0; k < shape->n_node; k++) {
-    if (!fbi_line_node_is_valid(all, &shape->node[k].line)) {
-      return FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
-    }
+    fbi_line_node_walk(&w, all, &shape->node[k].line);
+  }
+  for (int l = 0; l < all->n_line; l++) {
+    fbi_walk_reals(&w, FBI_TEXT_REALS, NULL, all->line[l].frame, 9);
+  }
+  if (!w.finite) {
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines and the nodes on them, finite", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (!fbi_lines_are_valid(all, shape->node, shape->n_node, n)) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: rows, points and sides within the tables", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   return FB_OK;
 }
 #endif
+
+static int fbi_node_is_finite(const fb_node *node, int n)
+{
+  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
+#else
+  return own;
+#endif
+}
 
 /* Counts within the tables and all values finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
@@ -29033,42 +28990,46 @@ static int fbi_form_counts_are_valid(const fb_form_body *formed)
          fbi_is_within(formed->n_gam, 9 * body->n) && fbi_is_within(formed->n_torque, 3 * body->n * body->n);
 }
 
+/* What a form adds to its body */
+static void fbi_form_walk(fbi_walk *w, const fb_form_body *formed)
+{
+  FBI_INT(formed, form), FBI_INT(formed, stiffness_torque), FBI_INT(formed, degree), FBI_INT(formed, n_run);
+  FBI_INT(formed, n_lambda), FBI_INT(formed, n_gam), FBI_INT(formed, n_torque), FBI_ARRAY(formed, M_rr);
+  fbi_lambda_walk(w, "gam", formed->gam, formed->n_gam);
+  fbi_lambda_walk(w, "torque", formed->torque, formed->n_torque);
+}
+
 FB_DEF fb_status fb_form_check(const fb_form_body *formed)
 {
+  fbi_walk w = fbi_walk_start(0, FB_SINGLE);
   int valid;
   FBI_REQUIRE(formed, FB_ERR_NULL);
   FBI_TRY(fb_body_check(&formed->body));
   valid = fbi_is_choice((int)formed->form, (int)FB_FORM_COUNT - 1) &&
           fbi_is_choice((int)formed->stiffness_torque, (int)FB_TORQUE_COUNT - 1) && fbi_is_within(formed->degree, 3) &&
-          fbi_form_counts_are_valid(formed) && fbi_is_finite(formed->M_rr, 21);
+          fbi_form_counts_are_valid(formed);
   for (int k = 0; valid && k < formed->n_gam + formed->n_torque; k++) {
     const int is_gam = k < formed->n_gam;
     const fb_lambda_term *t = is_gam ? &formed->gam[k] : &formed->torque[k - formed->n_gam];
-    valid =
-        fbi_is_number(t->c) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= formed->body.n && t->b < formed->body.n;
+    valid = t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= formed->body.n && t->b < formed->body.n;
   }
-  return valid ? FB_OK : FB_ERR_VALUE;
-}
-
-/* Goes on with a check word, not yet inverted, over the tables of a form. */
-static unsigned fbi_crc_form(unsigned crc, const fb_form_body *formed)
-{
-  const int whole[] = {
-      (int)formed->form, (int)formed->stiffness_torque, formed->degree, formed->n_run, formed->n_lambda, formed->n_gam,
-      formed->n_torque};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(crc, formed->M_rr, 21, FB_SINGLE);
-  crc = fbi_crc_lambda(crc, formed->gam, formed->n_gam, FB_SINGLE);
-  return fbi_crc_lambda(crc, formed->torque, formed->n_torque, FB_SINGLE);
+  if (!valid) {
+    return FB_ERR_VALUE;
+  }
+  fbi_form_walk(&w, formed);
+  return w.finite ? FB_OK : FB_ERR_VALUE;
 }
 
 FB_DEF unsigned fb_form_crc(const fb_form_body *formed)
 {
+  fbi_walk w = fbi_walk_start(1, FB_SINGLE);
   FBI_REQUIRE(formed, 0);
   if (!fbi_counts_are_valid(&formed->body) || !fbi_form_counts_are_valid(formed)) {
     return 0;
   }
-  return ~fbi_crc_form(~fbi_body_crc(&formed->body, FB_SINGLE), formed);
+  fbi_body_walk(&w, &formed->body);
+  fbi_form_walk(&w, formed);
+  return ~w.crc;
 }
 
 /* ---- rates */
