@@ -5,6 +5,7 @@
 static int fmu_fmi; /* version of FMI */
 #define FMU_INTERFACE ((unsigned)fmu_fmi)
 #include "fmu_scene.h"
+#include "../tools/config.h"
 #include "../tools/rom.h"
 #define PROGRAM "fmu"
 #include "../tools/words.h"
@@ -225,7 +226,7 @@ static void write_config(FILE *out, const fmu_export *e)
 static void write_model(FILE *out, const fmu_export *e)
 {
   const fmu_parts *const p = e->parts;
-  rom r = {out, 0, 0};
+  rom r = {out, 0, 0, 0, 0};
   rom_write(out, e->body, "fmu_model", e->name, 0);
   fputs("\nstatic const fmu_parts fmu_model_parts = {\n", out);
   rom_shape(out, "rest", &p->rest, e->body, 0);

@@ -1,9 +1,11 @@
-/* library.c - the library of build/flexbeam, compiled once for all words, and the functions of inside.h. */
+/* library.c - the library of build/flexbeam, compiled once for all words, and the functions of inside.h and rom.h. */
 #include "capacities.h"
+#define FBI_WITH_TEXT
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #define INSIDE_HERE
 #include "inside.h"
+#include "rom.h"
 #include <stddef.h>
 
 const int *inside_sym6_row(void)

@@ -1,4 +1,5 @@
 /* Writes the body of a ROM header again; check-rom compares the two. */
+#define FBI_WITH_TEXT
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "rom.h"

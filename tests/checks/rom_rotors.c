@@ -1,4 +1,5 @@
 /* Writes the ROM header of a body with rotors, which no description has. usage: rom_rotors [--single] */
+#define FBI_WITH_TEXT
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "../../examples/tools/rom.h"

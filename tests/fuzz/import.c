@@ -8,6 +8,7 @@
 #define FB_MAX_EXACT 400 /* as exact */
 #define FB_WITH_DETAIL 1
 #define CAPACITIES_H /* not those of build/flexbeam */
+#define FBI_WITH_TEXT
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>
