@@ -215,7 +215,7 @@ static const char *scene_code_node_name(int body, int node)
 static void scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
                               const char *const *names, char text[400])
 {
-  const trace_choice what = {choice->name, scene_code_of->path, choice->single, choice->loads, sensors,
+  const trace_choice what = {choice->name, scene_code_of->path, choice->single, 0, choice->loads, sensors,
                              names,        scene_code_node_name};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,

@@ -28,7 +28,8 @@ static const char help[] =
     "  --loads LIST with --code or --jacobian: a force and a torque at each of these nodes, by names or numbers, are\n"
     "               inputs, too\n"
     "  --sensors LIST  with --jacobian: what an IMU, a star tracker and a receiver see at each of these nodes, too\n"
-    "  --vary LIST  with --code: these stay variable, as factors: stiffness,damping,mass,hub_mass,hub_inertia\n"
+    "  --vary LIST  with --code: these stay variable, as factors: stiffness,damping,mass,hub_mass,hub_inertia; with\n"
+    "               --jacobian stiffness,damping are inputs, so that they can be estimated\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
@@ -213,7 +214,8 @@ static const char *node_name(int body, int node)
 /* Writes the rates with their Jacobian; 0, or 1: it has been said why not. */
 static int write_jacobian(FILE *out, const options *o, const char *file, unsigned sensors)
 {
-  const trace_choice choice = {o->choice.name, file, o->choice.single, &o->choice.loads, &sensors, NULL, node_name};
+  const trace_choice choice = {o->choice.name, file, o->choice.single, o->choice.vary, &o->choice.loads,
+                               &sensors,       NULL, node_name};
   const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
   char text[400];
   if (trace_write(out, &choice, &of, text) == 0) {
@@ -240,14 +242,18 @@ int reduce_main(int argc, char **argv)
   if (!named) {
     return fail("a description is missing", "");
   }
-  if ((o.choice.vary || lanes) && !steps) {
-    return fail(lanes ? "--lanes is an option of --code" : "--vary is an option of --code", "");
+  if (lanes && !steps) {
+    return fail("--lanes is an option of --code", "");
   }
-  if ((o.loads && !steps && !jacobian) || (o.sensors && !jacobian) || (steps && jacobian)) {
+  if (((o.loads || o.choice.vary) && !steps && !jacobian) || (o.sensors && !jacobian) || (steps && jacobian)) {
     return fail(o.sensors && !jacobian ? "--sensors is an option of --jacobian"
                 : steps                ? "--code and --jacobian are two files: choose one"
-                                       : "--loads is an option of --code and of --jacobian",
+                : o.loads              ? "--loads is an option of --code and of --jacobian"
+                                       : "--vary is an option of --code and of --jacobian",
                 "");
+  }
+  if (jacobian && o.choice.vary & ~(CODE_STIFFNESS | CODE_DAMPING)) {
+    return fail("--vary: with --jacobian stiffness and damping alone can vary", "");
   }
   if (!model_read(PROGRAM, file)) {
     return 2;

@@ -22,14 +22,16 @@ derive() {
   models=$((models + 1))
 }
 reduce() {
-  derive "$1" "$2" double build/flexbeam reduce "$3" --jacobian --name "$1" --out "$out/$1.h" --sensors "${4:-0}"
+  model=$1 sense=$2 file=$3 at=${4:-0}
+  shift $(($# < 4 ? $# : 4))
+  derive "$model" "$sense" double build/flexbeam reduce "$file" --jacobian --name "$model" --out "$out/$model.h" --sensors "$at" "$@"
 }
 scene() {
   file=examples/scenes/$1.txt model=$1
   shift
   derive "$model" "${SENSE:-}" double build/flexbeam scene "$file" --jacobian "$out/$model.h" "$@"
 }
-reduce satellite O examples/satellite.txt
+reduce satellite O examples/satellite.txt 0 --vary stiffness,damping --loads 1
 reduce blade O examples/blade.txt
 reduce two_booms wheel examples/two_booms.txt wheel
 reduce wheels O examples/satellite_wheels.txt

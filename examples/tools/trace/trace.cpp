@@ -108,7 +108,9 @@ static std::string node_text(const trace_choice *choice, int body, int node)
 /* ---- a single body */
 
 struct single_body : subject {
-  fb_body body;
+  fb_body given, body;           /* as described, as it varies */
+  number factor[2] = {1.0, 1.0}; /* of stiffness and damping ratios */
+  int vary;
   fb_state now, rate;
   fb_input acts;
   fb_motion motion;
@@ -116,7 +118,8 @@ struct single_body : subject {
 
   single_body(const trace_choice *choice, const trace_model *model)
   {
-    std::memcpy(&body, model->body, sizeof body);
+    std::memcpy(&given, model->body, sizeof given);
+    body = given;
     fb_state_init(&body, &now);
     std::memset(&acts, 0, sizeof acts);
     add(state, now.rho, 3, "rho");
@@ -151,10 +154,28 @@ struct single_body : subject {
         add(input, &acts.rotor[k].momentum, 1, "rotor_momentum_" + std::to_string(k));
       }
     }
+    vary = choice->vary;
+    for (int k = 0; k < 2; k++) {
+      if (vary >> k & 1) {
+        add(input, &factor[k], 1, k == 0 ? "stiffness" : "damping");
+      }
+    }
+  }
+
+  static void scale(fb_sparse &to, const fb_sparse &of, int n, number by)
+  {
+    for (int a = 0; a < n; a++) {
+      to.diagonal[a] = of.diagonal[a] * by;
+    }
+    for (int k = 0; k < of.n_term; k++) {
+      to.term[k].c = of.term[k].c * by;
+    }
   }
 
   fb_status eval(int function, std::vector<entry> &results) override
   {
+    scale(body.K, given.K, body.n, factor[0]);
+    scale(body.C, given.C, body.n, factor[1] * FB_SQRT(factor[0])); /* c = 2 zeta sqrt(k m) */
     if (function > 0) {
       FBI_TRY(fb_body_motion_eval(&body, &motion, &now, &acts));
       return sense(results, &body, &now, &motion, node[(std::size_t)function - 1]);
@@ -185,6 +206,9 @@ struct single_body : subject {
     }
     for (const entry &e : input) {
       *e.at = size * random();
+    }
+    for (int k = 0; k < 2; k++) {
+      factor[k] = vary >> k & 1 ? 1.0 + 0.1 * random() : 1.0;
     }
     if (body.base == FB_BASE_PRESCRIBED) {
       std::memcpy(acts.v, v, sizeof v);

@@ -12,6 +12,7 @@ extern "C" {
 typedef struct trace_choice {
   const char *name, *file;                      /* prefix of all names; what the model is from */
   int single;                                   /* 1: float */
+  int vary;                                     /* 1: factors of the stiffness are inputs, 2: of damping ratios; both */
   const unsigned *loads, *sensors;              /* bits of nodes, by body */
   const char *const *body;                      /* names; of a single body NULL */
   const char *(*node_name)(int body, int node); /* "": none */
