@@ -1,17 +1,19 @@
 #!/bin/sh
 # The generated step (reduce --code, scene --code) bears hostile numbers and flipped bits: tests/checks/code_hostile.c says which and
 # what must come of them. Bodies with polynomial terms on each base, rigid ones, exact lines, trees; with parameters and lanes; under the
-# address and undefined-behavior sanitizers, in both precisions.
+# address and undefined-behavior sanitizers, in both precisions. Every fourth each day.
 . tests/checks/common.sh
 need gcc gcc
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
 try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
 
 # attack WHAT OPTION...: code.h
-texts=0 steps=0 refused=0
+number=0 texts=0 steps=0 refused=0
 attack() {
   what=$1
   shift
+  number=$((number + 1))
+  today $number || return 0
   try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 "$@" -I"$out" -o "$out/run" tests/checks/code_hostile.c -lm
   "$out/run" > "$out/log" 2>&1 || {
     head -n 20 "$out/log"

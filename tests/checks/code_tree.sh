@@ -76,7 +76,7 @@ single=0
 trees=0
 looked_at=0
 while "$out/write" $trees --members > /dev/null; do
-  today $trees || {
+  today $trees 8 || {
     trees=$((trees + 1))
     continue
   }
@@ -103,7 +103,7 @@ implicit=0
 call='generated_step(&s, 0, 0, 1)'
 main
 for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 25 27 28 29 35 36 37 38 39 40 41 42 43 44 45 48 50 51 52 53 54 60 62 63 64 65 66 67 68 69 71 72 73 74 75 76 78 79 80 81 83 86 87 90 91 92 93 94 95 96 97 100 101 102 103 104 107 108 111; do
-  today $tree || continue
+  today $tree 8 || continue
   write $tree --sdirk
   scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
   agree $tree -O0
@@ -149,7 +149,7 @@ all_lanes() {
   fi
 }
 for tree in 5 6 7 8 10 12 17 18 19 20 22 26 29 31 33 38 41 43 46 48 49 50 51 54 55 58 60 61 63 64 65 67 68 69 70 72 73 74 77 80 81 82 83 85 86 87 94 96 98 99 102 103 105 106 109 111; do
-  today $tree || continue
+  today $tree 8 || continue
   case $tree in # jumps of a crank, and gaps, which loops refuse
   22 | 49 | 64 | 70 | 82 | 85 | 86 | 87) small=-DLOAD=1e-4 ;;
   60 | 61 | 69 | 98) small=-DLOAD=1e-3 ;;
@@ -160,7 +160,7 @@ done
 call='generated_step(&s, 0, 0, 1)'
 main
 for tree in 5 6 8 12 18 19 20 21 35 38 41 43 46 53 62 63 71 72 74 81 83 90 94 102 104; do
-  today $tree || continue
+  today $tree 8 || continue
   case $tree in
   62) small="-DSDIRK -DLOAD=1e-4" ;;
   90) small="-DSDIRK -DLOAD=1e-4 -DHELD=1" ;;

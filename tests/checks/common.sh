@@ -20,12 +20,12 @@ skip() {
   exit 0
 }
 
-# today NUMBER: is it among those of this day (of random models, of what other checks run, too), every fourth one?
-# CHECK_ALL=1 (make ci-all): all are
+# today NUMBER [PARTS]: is it among those of this day (of random models, of what other checks run, too), every fourth one, or one
+# of PARTS? CHECK_ALL=1 (make ci-all): all are
 today() {
   [ -z "${CHECK_ALL:-}" ] || return 0
-  slice="; slice $((day % 4 + 1)) of 4"
-  [ $((($1 + day) % 4)) = 0 ]
+  slice="; slice $((day % ${2:-4} + 1)) of ${2:-4}"
+  [ $((($1 + day) % ${2:-4})) = 0 ]
 }
 # turn WORD...: one of them, by day; all of them where CHECK_ALL=1
 turn() {
