@@ -4,6 +4,7 @@
 #define EXACT_TEXT_H
 #include "../common/section_doubt.h"
 #include "../common/text.h"
+#include "exact_curve.h"
 
 typedef struct exact_spot { /* place on a line */
   double x;
@@ -27,6 +28,7 @@ typedef struct exact_text { /* what was read; places want the whole file before 
     exact_spot a, b;
     fb_line_load load;
   } line[64];
+  exact_curve curve; /* the line through points, if there are some */
 } exact_text;
 
 /* 6, 21 or 36 numbers to a full 6x6. */
@@ -326,6 +328,23 @@ static void exact_damping(text_file *t, exact_text *m, const char *word)
   }
 }
 
+/* point X Y Z: of the reference line, base axes */
+static void exact_point(text_file *t, exact_text *m)
+{
+  fb_real x[3] = {0};
+  text_reals(t, "point x y z", x, 3);
+  if (m->on) {
+    text_fail(t, "points belong to the beam that branches begin on: before them");
+  } else if (m->curve.n == CURVE_POINTS) {
+    text_fail(t, "more than %d points", CURVE_POINTS);
+  } else {
+    for (int i = 0; i < 3; i++) {
+      m->curve.x[m->curve.n][i] = (double)x[i];
+    }
+    m->curve.n++;
+  }
+}
+
 /* A line that begins with that word. */
 static void exact_line(text_file *t, exact_text *m, const char *word)
 {
@@ -333,6 +352,8 @@ static void exact_line(text_file *t, exact_text *m, const char *word)
     exact_branch(t, m);
   } else if (exact_own(t, m, word)) {
     /* read */
+  } else if (strcmp(word, "point") == 0) {
+    exact_point(t, m);
   } else if (m->on && (strcmp(word, "position") == 0 || strcmp(word, "root") == 0 || strcmp(word, "tip") == 0)) {
     text_fail(t, "%s belongs to the beam that branches begin on: before them", word);
   } else if (strcmp(word, "position") == 0) {
@@ -497,9 +518,94 @@ static void exact_doubt(exact_text *m)
   }
 }
 
+/* The line through points: where the root is, its attitude, and its length if the file has none; of a length that it has
+   places are parts. */
+static void exact_curve_begin(text_file *t, exact_text *m)
+{
+  const fb_real *const x = m->desc.position, *const q = m->desc.attitude;
+  const char *const wrong = curve_fill(&m->curve);
+  if (wrong) {
+    text_fail(t, "point: %s", wrong);
+    return;
+  }
+  if (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] > 0 || q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] > 0) {
+    text_fail(t, "position and attitude follow from the points: leave them out");
+  }
+  for (int k = 0; k < m->n_station; k++) {
+    const fb_real *const kappa = m->desc.station[k].curvature;
+    if (kappa[0] * kappa[0] + kappa[1] * kappa[1] + kappa[2] * kappa[2] > 0) {
+      text_fail(t, "curvature follows from the points: leave it out");
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    m->desc.position[i] = (fb_real)m->curve.x[0][i];
+  }
+  curve_attitude(&m->curve, m->desc.attitude);
+  m->desc.length = m->desc.length > 0 ? m->desc.length : (fb_real)m->curve.s[CURVE_STEPS];
+}
+
+/* Section at s [m] of a line between its stations. */
+static void exact_section_at(fb_exact_station *out, const fb_exact_station *list, int n, double s)
+{
+  int k = 0;
+  while (k + 2 < n && s > (double)list[k + 1].x) {
+    k++;
+  }
+  *out = list[k];
+  if (n > 1) {
+    const fb_exact_station *const a = &list[k], *const b = &list[k + 1];
+    const fb_real part = ((fb_real)s - a->x) / (b->x - a->x);
+    for (int i = 0; i < 36; i++) {
+      out->stiffness[i] += part * (b->stiffness[i] - a->stiffness[i]);
+      out->inertia[i] += part * (b->inertia[i] - a->inertia[i]);
+    }
+    out->twist += part * (b->twist - a->twist);
+  }
+  out->x = (fb_real)s;
+}
+
+/* Stations of the chain: those of the file and others between them, each with the curvature of the line there. What is
+   linear between the file's stations stays so. */
+static void exact_curve_stations(text_file *t, exact_text *m)
+{
+  static fb_exact_station given[FB_MAX_STATIONS], *s;
+  const int n = m->desc.n_station, others = m->n_station - n;
+  const double all = m->curve.s[CURVE_STEPS], scale = all / (double)m->desc.length;
+  int room = FB_MAX_STATIONS - others, at = 0, between;
+  memcpy(given, m->desc.station, sizeof given);
+  for (int k = 0; k < n; k++) {
+    given[k].x = n > 1 ? (fb_real)(scale * (double)given[k].x) : FB_R(0.0);
+  }
+  between = n > 1 ? (room - 1) / (n - 1) : room - 1; /* intervals in each of the file's */
+  if (between < 1) {
+    text_fail(t, "%d stations leave no room for the curvature: at most %d in all", m->n_station, FB_MAX_STATIONS);
+    return;
+  }
+  s = m->desc.station;
+  for (int k = 0; k < (n > 1 ? n - 1 : 1); k++) {
+    const double a = n > 1 ? (double)given[k].x : 0.0, b = n > 1 ? (double)given[k + 1].x : all;
+    for (int j = b > a ? k > 0 : between; j <= between; j++) {
+      exact_section_at(&s[at], given, n, j == between ? b : a + (b - a) * j / between);
+      curve_curvature(&m->curve, (double)s[at].x, s[at].curvature);
+      at++;
+    }
+  }
+  memcpy(s + at, given + n, sizeof *s * (size_t)others); /* of the branches */
+  for (int k = 0; k < m->desc.n_branch; k++) {
+    m->desc.branch[k].station += m->desc.branch[k].n_station > 0 ? at - n : 0;
+  }
+  s[at - 1].x = (fb_real)all;
+  m->desc.n_station = at;
+  m->n_station = at + others;
+  m->desc.length = (fb_real)all;
+}
+
 /* Places to nodes, now that length and elements are known. */
 static void exact_places(text_file *t, exact_text *m)
 {
+  if (m->curve.n > 0) {
+    exact_curve_begin(t, m);
+  }
   if (!(m->desc.length > 0)) {
     text_fail(t, "length is missing, or not positive");
     return;
@@ -533,5 +639,8 @@ static void exact_places(text_file *t, exact_text *m)
     exact_line_load(t, m, l);
   }
   exact_doubt(m);
+  if (m->curve.n > 0 && !t->failed) {
+    exact_curve_stations(t, m);
+  }
 }
 #endif

@@ -56,6 +56,20 @@ grep -q '^unstable in  *2 directions' "$out/log" || fail "exact says nothing of 
 build/flexbeam scene "$out/buckled_scene.txt" > "$out/log" 2>&1 || fail "a buckled column does not run: $(cat "$out/log")"
 grep -q 'warning: the steady state is unstable, in 2 directions' "$out/log" || fail "scene says nothing of a buckled column: $(cat "$out/log")"
 
+# a line through points of an arc is the arc: the bend of 45 degrees by 9 points, places as fractions
+awk 'BEGIN { pi = atan2(0, -1); for (k = 0; k <= 8; k++) { a = pi / 4 * k / 8; printf "point %.15g %.15g 0\n", 100 * (1 - cos(a)), 100 * sin(a) } }' > "$out/points.txt"
+sed -e 's/^length .*/length 1/' -e '/^attitude/d' -e '/curvature/d' -e 's/^load [0-9.]*/load 1/' examples/bend45.txt >> "$out/points.txt"
+for file in examples/bend45.txt "$out/points.txt"; do
+  try build/flexbeam exact $file
+  sed -n 's/^tip position//p' "$out/log"
+done | awk 'NR == 1 { for (i = 1; i <= 3; i++) x[i] = $i } NR == 2 { for (i = 1; i <= 3; i++) { d = $i - x[i]; if (d * d > 1e-7) exit 1 } seen = 1 } END { exit !seen }' ||
+  fail "a line through points of an arc bends otherwise than the arc"
+for wrong in "point 0 0 0:the same" "position 1 0 0:follow from the points" "curvature 0 0 1:curvature follows"; do
+  { echo "point 0 0 0"; echo "${wrong%%:*}"; sed -n '2,$p' "$out/points.txt"; } | sed '/^ *curvature/{H;d};/^station/{G;}' > "$out/wrong.txt"
+  ! build/flexbeam exact "$out/wrong.txt" > /dev/null 2> "$out/log" || fail "taken: $wrong"
+  grep -q "${wrong#*:}" "$out/log" || fail "$wrong: $(cat "$out/log")"
+done
+
 # known MEASURE VALUE PART SCENE OPTION...: another case of its table, by parameters; a measure differs by that part at most
 known() {
   measure=$1 value=$2 part=$3 scene=$4
