@@ -30,6 +30,8 @@ static const char help[] =
     "      mass M [Y Z]                per length, its center off the line: instead of inertia\n"
     "      twist DEGREES               of the section axes about the line\n"
     "      curvature KX KY KZ          of the unloaded line, section axes\n"
+    "    point X Y Z                   of the line, 2 to 200 of them: in place of position, attitude and curvature;\n"
+    "                                  without length places are along the line through them\n"
     "    position X Y Z                of the root (0 0 0)\n"
     "    attitude RX RY RZ             rotation vector of the root in degrees (0 0 0)\n"
     "    root END, tip END             clamped, pinned, guided, sliding, free, or any of x y z rx ry rz (root "
