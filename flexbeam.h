@@ -174,7 +174,7 @@
      fb_rk4_work                  1728
      fb_implicit_work             9920
      fb_exponential_work          4752
-     fb_system_work             637440
+     fb_system_work             637536
      fb_exact_work              201312
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
@@ -182,7 +182,7 @@
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
-     fb_system_analyse_work    1970080
+     fb_system_analyse_work    1970176
      fb_exact_path_work         230576
      fb_exact_spectrum_work    1848000
      fb_exact_linear_work      2300880
@@ -1318,6 +1318,7 @@ typedef struct fb_joint { /* a checked desc */
   int n_axis;                   /* speeds */
   int moves;                    /* the parent's node moves in its body */
   int turned;                   /* the joint axes on the child are not the body's */
+  int about;                    /* k = 1..3: it turns about axis k of both bodies, -k: against it; 0: about none */
   fb_real position[3], axes[9]; /* joint frame in the parent's node axes; where the node does not move: in the body's */
   fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
   fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
@@ -1488,6 +1489,7 @@ typedef struct fbi_link_work {
   const fb_joint *joint; /* where it is placed: by which it hangs, what it is, on what */
   const fb_body *model;
   struct fbi_link_work *parent;
+  int about;      /* 1..3: C is a rotation about that axis; 0: it is not */
   int has_speeds; /* q_dot is known */
   int had_speeds;
   int coupled, open; /* its modes carry something; they are in E, X, Z below */

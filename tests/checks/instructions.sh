@@ -106,9 +106,9 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
 system rigid rk4 8040 # 8326
 system rigid sdirk 19300 # 20889
-system hinge rk4 18850 # 20112
+system hinge rk4 18050 # 20112
 system hinge sdirk 45900 # 49483
-system links rk4 73200 # six links
+system links rk4 68900 # six links
 system booms rk4 59800 # 58830
 system booms sdirk 170700 # 217877
 system chain rk4 323200 # 386664
@@ -117,7 +117,7 @@ system ground rk4 302300 # 387508
 system ground sdirk 684400 # 930043
 system dense rk4 121000 # 161214
 system dense sdirk 311800 # 426612
-system ring rk4 136700 # 182025
+system ring rk4 134600 # 182025
 system ring sdirk 268200 # 356790
 system rows rk4 133700 # 239507
 system rows sdirk 258300 # 476585
