@@ -15992,7 +15992,9 @@ static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_b
   }
   *acceleration = fbi_vec3_norm(a);
 #if FB_WITH_GRAVITY
-  *acceleration += fbi_vec3_norm(body->gravity);
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) { /* else it is no part of the check word */
+    *acceleration += fbi_vec3_norm(body->gravity);
+  }
 #endif
 }
 
