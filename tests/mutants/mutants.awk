@@ -3,8 +3,8 @@
 # section, function, line, occurrence of that change in its function, the line changed.
 # Sections 3 to 13; code alone: no comments, no checks of arguments, no refusals, no declarations of types.
 # Kinds: sign, operator (* / && || sin cos), factor (a constant), index (a constant or a letter), bound (of a loop by one pass,
-# of a comparison with or without equality, of real numbers, which are never equal, the other way round), term (of a sum, or a
-# statement that adds or calls).
+# of a comparison with or without equality, of real numbers, which are never equal, the other way round; not where the equal ones
+# are what is chosen from), term (of a sum, or a statement that adds or calls).
 
 function hash(text, i, h) {
   h = 12345
@@ -72,6 +72,51 @@ function term_end(text, at, depth, c) {
   return 0
 }
 
+# Notes the names that a line of a function declares as real numbers, in its signature or its body.
+function note_reals(text, part, n, k) {
+  while (gsub(/\([^()]*\)|\{[^{}]*\}/, "", text) && text !~ /fbi?_[a-z0-9_]+\(/) {
+  }
+  n = split(text, part, ",")
+  for (k = 1; k <= n; k++) {
+    if (part[k] ~ /fb_real/ || k > 1 && text ~ /^ +(static )?(const )?fb_real /) {
+      gsub(/^.*fb_real|const|[* ]|[\[=)].*$|;$/, "", part[k])
+      real[part[k]] = 1
+    }
+  }
+}
+
+# The sides of the comparison by `op` at a place of a line.
+function left_of(text, at) {
+  text = substr(text, 1, at - 1)
+  sub(/^.*[ (!]/, "", text)
+  sub(/^.*\[/, text ~ /\]$/ ? "&" : "", text) # of an index
+  return text
+}
+
+function right_of(text, at, op) {
+  text = substr(text, at + length(op))
+  sub(/[ ;)].*$/, "", text)
+  sub(/^[^[]*\]/, substr(text, 1, index(text, "]") - 1), text)
+  return text
+}
+
+# Is one of them a real number, by its declaration?
+function is_real(text, at, op, a, b) {
+  a = left_of(text, at)
+  b = right_of(text, at, op)
+  sub(/[\[].*$/, "", a)
+  sub(/[\[].*$/, "", b)
+  return text ~ /FB_/ || a in real || b in real
+}
+
+# a < b ? a : b: the same with equality
+function is_choice(text, at, op, a, b, rest) {
+  a = left_of(text, at)
+  b = right_of(text, at, op)
+  rest = substr(text, at + length(op))
+  return index(rest, b " ? " a " : " b ";") == 1 || index(rest, b " ? " b " : " a ";") == 1
+}
+
 function mutate(n, text, i, c, brackets, rest, end, words, is_for, stride, value) {
   text = code[n]
   is_for = text ~ /^ *for \(/
@@ -114,7 +159,11 @@ function mutate(n, text, i, c, brackets, rest, end, words, is_for, stride, value
     }
     if (rest ~ /^ [<>]=? / && !is_for) {
       words = substr(rest, 1, index(substr(rest, 2), " ") + 1)
-      change(n, "bound", i, words, text ~ /FB_/ ? (c2(rest) == "<" ? " > " : " < ") : " " c2(rest) (words ~ /=/ ? " " : "= "))
+      if (is_real(text, i, words)) {
+        change(n, "bound", i, words, c2(rest) == "<" ? " > " : " < ")
+      } else if (!is_choice(text, i, words)) {
+        change(n, "bound", i, words, " " c2(rest) (words ~ /=/ ? " " : "= "))
+      }
     } else if (rest ~ /^ [<>]=? [^;]*;/ && is_for) {
       end = index(rest, ";")
       if (substr(rest, 1, end - 1) !~ / && /) {
@@ -162,6 +211,10 @@ END {
     }
     if (code[n] ~ /^[A-Za-z].*[A-Za-z0-9_]\(/ && match(code[n], /fbi?_[A-Za-z0-9_]+\(/)) {
       name = substr(code[n], RSTART, RLENGTH - 1)
+      delete real
+    }
+    if (code[n] ~ /fb_real/) {
+      note_reals(code[n])
     }
     inside = code[n] ~ /^\{/ ? 1 : code[n] ~ /^\}/ ? 0 : inside
     if (inside && number && !left[n] && name !~ checks) {
