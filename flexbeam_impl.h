@@ -958,14 +958,19 @@ static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
                               {x, FB_R(1.0) + R[0] - R[4] - R[8], xy, xz},
                               {y, xy, FB_R(1.0) - R[0] + R[4] - R[8], yz},
                               {z, xz, yz, FB_R(1.0) - R[0] - R[4] + R[8]}};
-  int k = 0;
-  fb_real s;
-  for (int i = 1; i < 4; i++) {
-    k = four[i][i] > four[k][k] ? i : k;
-  }
-  s = (four[k][0] < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)) / FB_SQRT(four[k][k]);
+  fb_real most = four[0][0], s;
   for (int i = 0; i < 4; i++) {
-    q[i] = s * four[k][i];
+    q[i] = four[0][i];
+  }
+  for (int k = 1; k < 4; k++) { /* no branch: it has derivatives wherever they are asked for */
+    for (int i = 0; i < 4; i++) {
+      q[i] = FB_BELOW(most, four[k][k], four[k][i], q[i]);
+    }
+    most = FB_BELOW(most, four[k][k], four[k][k], most);
+  }
+  s = FB_BELOW(q[0], FB_R(0.0), -FB_R(0.5), FB_R(0.5)) / FB_SQRT(most);
+  for (int i = 0; i < 4; i++) {
+    q[i] = s * q[i];
   }
 }
 #endif
