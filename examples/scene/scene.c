@@ -93,7 +93,11 @@ static int read_option(void *to, const char *name, const char *text)
     return read_setting(c, text);
   }
   if (strcmp(name, "--loads") == 0 || strcmp(name, "--sensors") == 0) {
-    *(name[2] == 'l' ? &c->write.loads : &c->write.sensors) = text;
+    const char **const list = name[2] == 'l' ? &c->write.loads : &c->write.sensors;
+    if (*list) {
+      return fail("--loads and --sensors take all nodes at once, with commas", text);
+    }
+    *list = text;
     return 0;
   }
   if (strcmp(name, "--frame-count") == 0) {

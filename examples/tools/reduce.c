@@ -113,12 +113,12 @@ static int read_option(void *to, const char *name, const char *text)
     o->choice.vary = code_vary_read(text);
     return o->choice.vary ? 0 : fail("--vary wants names out of stiffness,damping,mass,hub_mass,hub_inertia", text);
   }
-  if (strcmp(name, "--loads") == 0) {
-    o->loads = text;
-    return 0;
-  }
-  if (strcmp(name, "--sensors") == 0) {
-    o->sensors = text;
+  if (strcmp(name, "--loads") == 0 || strcmp(name, "--sensors") == 0) {
+    const char **const list = name[2] == 'l' ? &o->loads : &o->sensors;
+    if (*list) {
+      return fail("--loads and --sensors take all nodes at once, with commas", text);
+    }
+    *list = text;
     return 0;
   }
   if (strcmp(name, "--name") == 0) {

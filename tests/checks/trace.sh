@@ -38,6 +38,8 @@ reduce wheels O examples/satellite_wheels.txt
 reduce panel O examples/panel.txt
 sed -e '/^ *start_/d' -e '/^body/,/^end/!d' -e 's/^body .* beam/beam/' -e 's/\$EI/2.5e5/g' examples/scenes/gravity_gradient.txt | grep -v '^end' > "$out/center.txt"
 reduce center O "$out/center.txt"
+sed -e 's/^ *modes .*/modes bend_y 1 bend_z 1 torsion 1/' examples/blade.txt > "$out/torsion.txt" # of which the tip does not move
+reduce torsion node_1 "$out/torsion.txt" 1
 scene double_pendulum
 scene gimbal
 scene hurty_joined
@@ -63,5 +65,13 @@ refused build/flexbeam scene examples/scenes/four_bar.txt --jacobian "$out/refus
 grep -q 'loops: ' "$out/log" || fail "loops: $(cat "$out/log")"
 refused build/flexbeam reduce examples/satellite.txt --jacobian --sensors 7
 grep -q -e '--sensors: there is no such node; choose 1 to 1' "$out/log" || fail "--sensors 7: $(cat "$out/log")"
+refused build/flexbeam reduce examples/satellite.txt --jacobian --sensors 0 --sensors 1
+grep -q 'take all nodes at once' "$out/log" || fail "--sensors twice: $(cat "$out/log")"
+printf 'rigid\nhub 1 0 0 0 1 1 1\nnode 1 0 0 tip\nnode 2 0 0 tip_jacobian\n' > "$out/alike.txt"
+refused build/flexbeam reduce "$out/alike.txt" --jacobian --sensors 1,2 --out "$out/refused.h"
+grep -q 'tip and tip_jacobian would both have' "$out/log" || fail "names alike: $(cat "$out/log")"
+printf 'body a rigid\n  hub 1 0 0 0 1 1 1\nend\njoint j rigid ground a\nend\nduration 1\nstep 1\n' > "$out/still.txt"
+refused build/flexbeam scene "$out/still.txt" --jacobian "$out/refused.h"
+grep -q 'nothing of it moves' "$out/log" || fail "no state: $(cat "$out/log")"
 [ ! -e "$out/refused.h" ] || fail "a file is written in spite of a refusal"
 ok "$models models, derivatives against differences within $worst of the largest of a column"

@@ -12,6 +12,7 @@
 #include "graph.h"
 #include "text.h"
 #include "trace.h"
+#include <cctype>
 #include <memory>
 
 namespace trace
@@ -26,7 +27,8 @@ struct entry {
 struct subject {
   std::vector<entry> state, input;
   std::vector<std::string> sensor;
-  std::vector<int> quaternion; /* where in the state one begins */
+  std::vector<int> quaternion;                       /* where in the state one begins */
+  std::vector<std::pair<int, const fb_body *>> bent; /* where in the state q of a body begins */
   std::uint32_t seed = 1;
 
   virtual ~subject()
@@ -39,6 +41,17 @@ struct subject {
   {
     seed = 1664525u * seed + 1013904223u;
     return (double)(seed >> 8) / 8388608.0 - 1.0;
+  }
+
+  /* Of a mode: at a part of what the body may deflect. Torsion may move no node: then as a mode that does. */
+  static double most_of(const fb_body &body, int mode, double part)
+  {
+    double reach = (double)body.reach[mode], longest = 0.0;
+    for (int a = 0; a < body.n; a++) {
+      longest = std::fmax(longest, (double)body.reach[a]);
+    }
+    reach = reach < 1e-3 * longest ? longest : reach;
+    return reach > 0.0 ? part * (double)body.deflection_limit / (body.n * reach) : part;
   }
 
   static void add(std::vector<entry> &list, number *at, int n, const std::string &name)
@@ -126,6 +139,7 @@ struct single_body : subject {
     add_quaternion(now.quat, "quat");
     add(state, now.u, 3, "u");
     add(state, now.L, 3, "L");
+    bent.push_back({(int)state.size(), &body});
     add(state, now.q, body.n_coordinate, "q");
     add(state, now.pi, body.n_coordinate, "pi");
     for (int k = 0; k < body.n_node; k++) {
@@ -200,7 +214,7 @@ struct single_body : subject {
     }
     FBI_TRY(fb_quat_normalize(now.quat));
     for (int a = 0; a < body.n; a++) {
-      const double most = 0.2 * size * (double)body.deflection_limit / (body.n * (double)body.reach[a]);
+      const double most = most_of(body, a, 0.2 * size);
       now.q[a] = most * random();
       q_dot[a] = most * random();
     }
@@ -267,6 +281,7 @@ struct tree : subject {
       add(state, link.u, 3, name + ".u");
     }
     add(state, link.p, joint.n_axis, name + ".p");
+    bent.push_back({(int)state.size(), &own});
     add(state, link.q, own.n_coordinate, name + ".q");
     add(state, link.pi, own.n_coordinate, name + ".pi");
     for (int node = 0; node < own.n_node; node++) {
@@ -338,7 +353,7 @@ struct tree : subject {
       }
       for (int a = 0; a < own.n_coordinate; a++) {
         const bool mode = a < own.n;
-        const double most = mode ? 0.1 * size * (double)own.deflection_limit / (own.n * (double)own.reach[a]) : 0.1;
+        const double most = mode ? most_of(own, a, 0.1 * size) : 0.1;
         link.q[a] += most * random();
         link.pi[a] += mode ? 0.1 * size * (double)own.mass * random() : 0.1 * random();
       }
@@ -426,11 +441,13 @@ static int compare(subject &s, int f, const std::vector<number> &results)
 }
 
 /* A state at which the library answers, not far from the start. */
-static bool find_state(subject &s)
+static bool find_state(subject &s, fb_status &status)
 {
   for (double size = 1.0; size > 1e-4; size *= 0.5) {
     std::vector<entry> found;
-    if (s.wander(size) == FB_OK && s.eval(0, found) == FB_OK) {
+    status = s.wander(size);
+    status = status == FB_OK ? s.eval(0, found) : status;
+    if (status == FB_OK) {
       return true;
     }
   }
@@ -452,8 +469,12 @@ static void write_list(FILE *out, const std::string &name, const char *what, con
 static void write_head(FILE *out, const trace_choice *choice, const subject &s)
 {
   const char *const n = choice->name, *const real = choice->single ? "float" : "double";
+  std::string file = choice->file;
+  for (std::size_t i = 0; i < file.size(); i++) { /* it stays in the comment */
+    file[i] = std::iscntrl((unsigned char)file[i]) || (i > 0 && file[i - 1] == '*' && file[i] == '/') ? '_' : file[i];
+  }
   std::fprintf(out, "/* %s - rates, sensors and a step with their exact Jacobians, written by flexbeam from %s.\n", n,
-               choice->file);
+               file.c_str());
   std::fprintf(
       out,
       "   The rates are those of the library, operation by operation, with its checks; their derivatives are exact. A\n"
@@ -508,8 +529,11 @@ static int write_function(writer &w, const std::string &name, const std::string 
     std::fprintf(w.out, "%s{%d, %d}%s", i % 12 ? " " : "\n    ", at[i].first, at[i].second,
                  i + 1 < at.size() ? "," : "");
   }
-  std::fprintf(w.out, "};\nstatic inline int %s_jacobian(%s *y, %s *J, const %s *x, const %s *u)\n{\n", n, real, real,
-               real, real);
+  std::fprintf(w.out, "%s};\nstatic inline int %s_jacobian(%s *y, %s *J, const %s *x, const %s *u)\n{\n",
+               at.empty() ? "{0, 0}" : "", n, real, real, real, real);
+  if (at.empty()) {
+    std::fprintf(w.out, "  (void)J;\n");
+  }
   w.body(lines);
   return (int)at.size();
 }
@@ -522,7 +546,9 @@ static void write_step(writer &w, const subject &s)
       "end, Phi\n"
       "   its derivative by the state at the start, Gamma that by the inputs, row by row. Attitudes are unit "
       "quaternions\n"
-      "   again. On a status x stays as it was. */\n"
+      "   again. On a status x, Phi and Gamma stay as they were: of the rates, or what is not finite or beyond the "
+      "deflection\n"
+      "   limit at the end. dt is not held against a limit: choose it below that of fb_rk4_step. */\n"
       "typedef struct @_work { /* room for a step; what is in it does not matter */\n"
       "  @_real y[@_STATES], k[@_STATES], sum[@_STATES], J[@_rates_entries];\n"
       "  @_real P[@_STATES][@_STATES + @_INPUTS], K[@_STATES][@_STATES + @_INPUTS], S[@_STATES][@_STATES + @_INPUTS];\n"
@@ -573,14 +599,14 @@ static void write_step(writer &w, const subject &s)
       "\n"
       "  /* the end of the step */\n"
       "  for (int i = 0; i < n; i++) {\n"
-      "    x[i] += dt / 6 * w->sum[i];\n"
+      "    w->y[i] = x[i] + dt / 6 * w->sum[i];\n"
       "    for (int j = 0; j < all; j++) {\n"
       "      w->P[i][j] = (i == j ? 1 : 0) + dt / 6 * w->S[i][j];\n"
       "    }\n"
       "  }\n"
       "  for (int a = 0; a < @_QUATERNIONS; a++) {\n"
       "    const int at = @_quaternion[a];\n"
-      "    @_real *const q = x + at, size = ^(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
+      "    @_real *const q = w->y + at, size = ^(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);\n"
       "    for (int i = 0; i < 4; i++) {\n"
       "      q[i] /= size;\n"
       "    }\n"
@@ -592,7 +618,20 @@ static void write_step(writer &w, const subject &s)
       "      }\n"
       "    }\n"
       "  }\n"
+      "\n"
+      "  /* finite, within the deflection limit */\n"
       "  for (int i = 0; i < n; i++) {\n"
+      "    @_real sum = w->y[i];\n"
+      "    for (int j = 0; j < all; j++) {\n"
+      "      sum += w->P[i][j] - w->P[i][j];\n"
+      "    }\n"
+      "    if (!(sum - sum == 0)) {\n"
+      "      return %;\n"
+      "    }\n"
+      "  }\n"
+      "~"
+      "  for (int i = 0; i < n; i++) {\n"
+      "    x[i] = w->y[i];\n"
       "    for (int j = 0; j < all; j++) {\n"
       "      *(j < n ? Phi++ : Gamma++) = w->P[i][j];\n"
       "    }\n"
@@ -606,10 +645,27 @@ static void write_step(writer &w, const subject &s)
     std::fprintf(w.out, "%s%d", i ? ", " : "", s.quaternion[i]);
   }
   std::fprintf(w.out, "%s};\n\n", s.quaternion.empty() ? "0" : "");
+  std::string range;
+  for (const auto &b : s.bent) { /* as the library: the sum over the modes of a body */
+    std::string sum;
+    for (int a = 0; a < b.second->n; a++) {
+      const double reach = (double)b.second->reach[a];
+      if (reach > 0.0) {
+        sum += (sum.empty() ? "" : " +\n        ") + w.constant(reach) + " * " + (w.single ? "fabsf" : "fabs") +
+               "(w->y[" + std::to_string(b.first + a) + "])";
+      }
+    }
+    if (!sum.empty()) {
+      range += "  if (!(" + sum + "\n        <= " + w.constant((double)b.second->deflection_limit) +
+               ")) {\n    return " + std::to_string((int)FB_ERR_RANGE) + ";\n  }\n";
+    }
+  }
   for (const char *c = text; *c; c++) {
     const std::string part = *c == '@'   ? w.name
                              : *c == '$' ? (w.single ? "0.5f" : "0.5")
                              : *c == '^' ? (w.single ? "sqrtf" : "sqrt")
+                             : *c == '%' ? std::to_string((int)FB_ERR_NOT_FINITE)
+                             : *c == '~' ? range
                                          : std::string(1, *c);
     std::fputs(part.c_str(), w.out);
   }
@@ -641,6 +697,29 @@ static int fail(char text[400], const std::string &what)
   return 1;
 }
 
+/* What the library refused last, with its reason where it has one. */
+static std::string refused_by(fb_status status)
+{
+  const std::string what = fb_detail_last()->status == status ? fb_detail_last()->what : "";
+  return std::string(fb_status_string(status)) + (what.empty() ? "" : " (" + what + ")");
+}
+
+/* Two names that a sensor would have in common with another, or none. */
+static std::string namesakes(const subject &s)
+{
+  std::map<std::string, std::string> taken;
+  for (const std::string &name : s.sensor) {
+    for (const char *end : {"", "_jacobian", "_entries", "_at"}) {
+      const auto found = taken.insert({name + end, name});
+      if (!found.second) {
+        return "--sensors: " + found.first->second + " and " + name + " would both have sense_" + name + end +
+               "; give a node another name";
+      }
+    }
+  }
+  return "";
+}
+
 static int write(FILE *out, const trace_choice *choice, subject &s, char text[400])
 {
   writer w;
@@ -649,9 +728,15 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
   w.real = w.name + "_real";
   w.single = choice->single;
   w.n_state = (int)s.state.size();
-  if (!find_state(s)) {
-    return fail(text, std::string("no state near the start that the library steps: ") +
-                          (fb_detail_last()->what ? fb_detail_last()->what : "it refuses all"));
+  fb_status status = FB_OK;
+  if (s.state.empty()) {
+    return fail(text, "nothing of it moves: it has no state");
+  }
+  if (!namesakes(s).empty()) {
+    return fail(text, namesakes(s));
+  }
+  if (!find_state(s, status)) {
+    return fail(text, "no state near the start that the library steps: " + refused_by(status));
   }
   const std::vector<double> near = s.values();
   write_head(out, choice, s);
@@ -660,8 +745,9 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
     std::vector<std::string> names;
     const std::string name = f == 0 ? "rates" : "sense_" + s.sensor[(std::size_t)f - 1];
     s.set(near);
-    if (run(s, f, -1, results, &names) != FB_OK) {
-      return fail(text, name + ": " + (fb_detail_last()->what ? fb_detail_last()->what : "refused by the library"));
+    status = run(s, f, -1, results, &names);
+    if (status != FB_OK) {
+      return fail(text, name + ": " + refused_by(status));
     }
     if (G.conversions > 0) {
       return fail(text, name + ": the library rounds a number of this model to a whole one, which has no derivative");
