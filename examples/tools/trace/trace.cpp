@@ -494,7 +494,7 @@ static void write_head(FILE *out, const trace_choice *choice, const subject &s)
   std::fprintf(out, "/* A state near which it was traced, and inputs. */\nstatic const %s_real %s_near[%d] = {", n, n,
                (int)v.size());
   for (std::size_t i = 0; i < v.size(); i++) {
-    std::fprintf(out, "%s%.9g%s", i % 6 ? ", " : i ? ",\n    " : "\n    ", v[i], "");
+    std::fprintf(out, "%s%.8e%s", i % 6 ? ", " : i ? ",\n    " : "\n    ", v[i], choice->single ? "f" : "");
   }
   std::fprintf(out, "};\n\n");
 }
