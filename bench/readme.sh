@@ -148,7 +148,7 @@ hostile() {
   sed -e 's/^ok *hostile: /Calls of `check-hostile`: /' -e 's/: NULL is refused.*/./' "$out/calls" | block hostile
 }
 
-# Flips of check-faults; double precision, with all forms, before a bar, single behind it.
+# Flips of check-faults; double precision before a bar, single behind it.
 faults() {
   CHECK_ALL=1 make -s check-faults CFLAGS='-O2 -Werror' > "$out/faults"
   awk '
@@ -159,7 +159,7 @@ faults() {
           print "|---|---:|---:|---:|---:|---:|---:|---:|"
           for (k = 1; k <= rows; k++) { line = "| `" row[k] "`"
             for (i = 2; i <= 8; i++) line = line " | " cell[row[k], i]
-            print line " |" } }' build/checks/faults/table01.txt build/checks/faults/table10.txt | block faults
+            print line " |" } }' build/checks/faults/table0.txt build/checks/faults/table1.txt | block faults
 }
 
 # Figures of the tests, double and single side by side.
@@ -326,7 +326,7 @@ firmware() {
 
 # Of the reports of both checks of generated steps.
 code() {
-  { make -s check-code && make -s check-code_tree; } > "$out/code"
+  { CHECK_ALL=1 make -s check-code && CHECK_ALL=1 make -s check-code_tree; } > "$out/code"
   { echo '```'; sed -n -e 's/^ok *code_tree: /scene --code: /' -e 's/^ok *code: /reduce --code: /' -e '/--code: /s/; /\n  /gp' "$out/code"; echo '```'; } | block code
 }
 

@@ -38,7 +38,7 @@ reduce wheels O examples/satellite_wheels.txt
 reduce panel O examples/panel.txt
 sed -e '/^ *start_/d' -e '/^body/,/^end/!d' -e 's/^body .* beam/beam/' -e 's/\$EI/2.5e5/g' examples/scenes/gravity_gradient.txt | grep -v '^end' > "$out/center.txt"
 reduce center O "$out/center.txt"
-sed -e 's/^ *modes .*/modes bend_y 1 bend_z 1 torsion 1/' examples/blade.txt > "$out/torsion.txt" # of which the tip does not move
+printf 'beam\nlength 4\nelements 6\nroot clamped\nhub 50 0 0 0  20 30 40\nmodes bend_y 1 bend_z 1 torsion 1\neffects full damping\ndamping 0.01\nnode 4\nstations x mass EI_y EI_z GJ i_y i_z\n0 2 400 500 200 0.01 0.02\nend\n' > "$out/torsion.txt"
 reduce torsion node_1 "$out/torsion.txt" 1
 scene double_pendulum
 scene gimbal
