@@ -85,6 +85,9 @@ static void legal(int *level)
   if (level[SECTION] == CENTERS || level[SECTION] == FULL) { /* couple with stretch and shear */
     level[RIGID] = 0;
   }
+  if (level[BASE] == FREE && level[CURVATURE] + level[JOINT] == 0 && level[BRANCH] <= IN_LINE && level[LUMPS] < 2) {
+    level[ROTARY] = 0; /* nothing says how a straight line turns about itself */
+  }
   if (level[HELD] == HINGED && level[JOINT] == LOOSE) {
     level[HELD] = ROOT;
   }
@@ -753,6 +756,12 @@ static double joint_rates(double h)
                  w = dot(out->angular_rate, beam.joint[j].axis) - dot(in->angular_rate, beam.joint[j].axis);
     miss = larger(miss, fabs(rate - (double)b->rate) / (fabs(rate) + 0.1));
     miss = larger(miss, fabs(w - (double)b->rate) / (fbl_largest(in->angular_rate, 3) + 0.1));
+    if (j < desc.n_joint && !desc.joint[j].driven && !now[DISSIPATION]) { /* which moves the middle of the step */
+      const double bend = 0.5 * ((double)before.hinge[j].angle + (double)b->angle) - (double)desc.joint[j].rest;
+      const double moment = (double)input.motor[j] - (double)desc.joint[j].stiffness * bend -
+                            (double)desc.joint[j].damping * (double)b->rate;
+      miss = larger(miss, fabs(moment - (double)b->moment) / (force_of() * length_of()));
+    }
     for (int i = 0; i < 3; i++) {
       miss = larger(miss, fabs((double)in->position[i] - (double)out->position[i]) / length_of());
     }
@@ -935,31 +944,66 @@ static int line_of_node(int node, int *place)
 
 enum { STEPS = 20 };
 
+/* A vector of the plain scene as it is seen, its unit kg^kg m^m s^s. */
+static void seen(fb_real out[3], const fb_real *x, int axial, int kg, int m, int s)
+{
+  (axial ? fbl_axial : fbl_polar)(out, (double)x[0], (double)x[1], (double)x[2], kg, m, s);
+}
+
+static double over(const fb_real *a, const fb_real *b, double unit)
+{
+  return fbl_difference(a, b, 3) / (unit + fbl_largest(a, 3));
+}
+
+/* Outputs of an element, by the vectors in it, in their order. Velocities are those of momenta: without rotary inertia rounding
+   moves them. */
+static double elements_differ(const fb_exact_element *a, const fb_exact_element *b)
+{
+  static const int unit[8][3] = {{1, 1, -2}, {1, 2, -2}, {0, 0, 0},  {0, -1, 0},
+                                 {0, 1, -1}, {0, 0, -1}, {1, 0, -1}, {1, 1, -1}}; /* kg, m, s */
+  const double l = drawn.length[0], f = drawn.EI / (l * l), size[8] = {f, f * l, 1e-3, 1.0 / l, l, 1.0, f / l, f};
+  const fb_real *const p = (const fb_real *)a, *const q = (const fb_real *)b;
+  double miss = 0.0;
+  for (int i = 0; i < 8; i++) {
+    const int kg = unit[i][0], m = unit[i][1], s = unit[i][2], unsure = now[ROTARY] && i / 2 == 2;
+    fb_real x[3];
+    seen(x, p + 3 * i, i % 2, kg, m, s);
+    miss = larger(miss, unsure ? 0.0 : over(x, q + 3 * i, (double)fbl_unit(size[i], kg, m, s)));
+  }
+  return 0.01 * miss;
+}
+
 /* Largest difference of the two over the size of the motion; the second as fbl_seen has it. Nodes of the first are
    numbered as the plain scene has them. map: node of the second for that of the first. */
-static double looks_differ(const look *a, const look *b, int n, const int *map, int loads)
+static double looks_differ(const look *a, const look *b, int n, const int *map)
 {
   double miss = 0.0;
   for (int k = 0; k <= n; k++) {
     const fb_exact_node *const p = &a->node[k], *const q = &b->node[map[k]];
-    fb_real x[3], v[3], w[3], u[3], f[3], m[3];
+    fb_real x[3];
     fbl_inertial_polar(x, (double)p->position[0], (double)p->position[1], (double)p->position[2], 0, 1, 0);
-    fbl_polar(v, (double)p->velocity[0], (double)p->velocity[1], (double)p->velocity[2], 0, 1, -1);
-    fbl_axial(w, (double)p->angular_rate[0], (double)p->angular_rate[1], (double)p->angular_rate[2], 0, 0, -1);
-    fbl_polar(u, (double)p->displacement[0], (double)p->displacement[1], (double)p->displacement[2], 0, 1, 0);
-    fbl_polar(f, (double)p->force[0], (double)p->force[1], (double)p->force[2], 1, 1, -2);
-    fbl_axial(m, (double)p->moment[0], (double)p->moment[1], (double)p->moment[2], 1, 2, -2);
     for (int i = 0; i < 3; i++) {
       miss = larger(miss, fabs((double)q->position[i] - (double)x[i] - (double)fbl_unit(fbl_seen.shift[i], 0, 1, 0)) /
                               length_of());
     }
-    miss = larger(miss, fbl_difference(q->velocity, v, 3) / (speed_of() + fbl_largest(v, 3)));
-    miss = larger(miss, fbl_difference(q->angular_rate, w, 3) / ((double)fbl_unit(1.0, 0, 0, -1) + fbl_largest(w, 3)));
-    miss = larger(miss, fbl_difference(q->displacement, u, 3) / length_of());
-    if (loads) {
-      miss = larger(miss, 0.01 * fbl_difference(q->force, f, 3) / (force_of() + fbl_largest(f, 3)));
-      miss = larger(miss, 0.01 * fbl_difference(q->moment, m, 3) / (force_of() * length_of() + fbl_largest(m, 3)));
-    }
+    seen(x, p->velocity, 0, 0, 1, -1);
+    miss = larger(miss, over(x, q->velocity, speed_of()));
+    seen(x, p->angular_rate, 1, 0, 0, -1);
+    miss = larger(miss, over(x, q->angular_rate, (double)fbl_unit(1.0, 0, 0, -1)));
+    seen(x, p->displacement, 0, 0, 1, 0);
+    miss = larger(miss, fbl_difference(q->displacement, x, 3) / length_of());
+    seen(x, p->force, 0, 1, 1, -2);
+    miss = larger(miss, 0.01 * over(x, q->force, force_of()));
+    seen(x, p->moment, 1, 1, 2, -2);
+    miss = larger(miss, 0.01 * over(x, q->moment, force_of() * length_of()));
+    miss = larger(miss, k < n ? elements_differ(&a->element[k], &b->element[map[k + 1] - 1]) : 0.0);
+  }
+  for (int j = 0; j < desc.n_joint - locked; j++) {
+    const int other = fbl_seen.reverse && now[JOINT] == TWO_JOINTS ? 1 - j : j;
+    const fb_exact_hinge *const p = &a->hinge[j], *const q = &b->hinge[other];
+    const double unit = force_of() * length_of(), moment = (double)fbl_unit((double)p->moment, 1, 2, -2);
+    miss = larger(miss, fabs((double)q->angle - (double)p->angle));
+    miss = larger(miss, 0.01 * fabs((double)q->moment - moment) / (unit + fabs(moment)));
   }
   return larger(miss, fabs((double)b->energy.strain - (double)fbl_unit((double)a->energy.strain, 1, 2, -2)) /
                           ((double)fbl_unit((double)a->energy.kinetic + (double)a->energy.strain, 1, 2, -2) + 1e-300));
@@ -987,7 +1031,7 @@ static double seen_as(const fbl_view *view)
     map[k] = line_begin(line[k]) + place[k];
   }
   FBL_TRY(motion_of(&second, step_of(0.7) * view->s));
-  miss = looks_differ(&first, &second, beam.n, map, 1);
+  miss = looks_differ(&first, &second, beam.n, map);
   fbl_plain();
   return miss;
 }
@@ -1047,12 +1091,16 @@ static double boosted(double h)
 
 /* ---- laws: the same beam otherwise */
 
-/* The beam as it is and as draw_as has it: moves alike. */
+/* The beam as it is and as draw_as has it: moves alike. Rotations without inertia ring at once and multiply rounding, by
+   4e5 in these steps: single precision says nothing of them. */
 static double built_as(int with_joint, int in_parts)
 {
   static look first, second;
   int map[FB_MAX_EXACT + 1], n = beam.n;
   double miss;
+  if (FB_SINGLE && now[ROTARY]) {
+    return FBL_NONE;
+  }
   FBL_TRY(motion_of(&first, step_of(0.7)));
   {
     const fb_status status = draw_as(1, with_joint, in_parts);
@@ -1064,7 +1112,7 @@ static double built_as(int with_joint, int in_parts)
     map[k] = k + (with_joint && k > 1);
   }
   FBL_TRY(motion_of(&second, step_of(0.7)));
-  miss = looks_differ(&first, &second, n, map, 1);
+  miss = looks_differ(&first, &second, n, map);
   fbl_plain();
   return miss;
 }
@@ -1195,7 +1243,8 @@ static double holds_of(double h)
       miss = larger(miss, fbl_largest(b->reaction_force, 3) + fbl_largest(b->reaction_moment, 3));
     }
     for (int i = 0; i < 3; i++) {
-      miss = larger(miss, beam.held[k] >> i & 1 ? fabs((double)b->displacement[i]) / length_of() : 0.0);
+      const double off = beam.held[k] >> i & 1 ? fabs((double)b->displacement[i]) / length_of() : 0.0;
+      miss = larger(miss, k == 0 && off > 0.0 ? 1.0 : off); /* the root exactly */
     }
   }
   return miss;
@@ -1268,7 +1317,7 @@ static double words(double h)
     beam = other;
     status = k % 8 ? FB_OK : motion_of(&second, step_of(0.7));
     beam = own;
-    if (status || (k % 8 == 0 && looks_differ(&first, &second, own.n, map, 1) > 0.0)) {
+    if (status || (k % 8 == 0 && looks_differ(&first, &second, own.n, map) > 0.0)) {
       return 1.0;
     }
   }
@@ -1411,13 +1460,13 @@ static double gravity_slope(const fb_exact_state *where, int i, int rotate)
   return -fbl_slope(U, 1, d);
 }
 
-static void wrench_add(double F[6], const fb_exact_node *node, const fb_real *force, const fb_real *moment)
+/* Adds `part` of a force and a moment at a place to those about the inertial origin. */
+static void wrench_add(double F[6], const fb_real *x, const fb_real *force, const fb_real *moment, double part)
 {
-  fb_real arm[3];
-  fb_vec3_cross(arm, node->position, force);
   for (int i = 0; i < 3; i++) {
-    F[i] += (double)force[i];
-    F[i + 3] += (double)arm[i] + (double)moment[i];
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    F[i] += part * (double)force[i];
+    F[i + 3] += part * ((double)moment[i] + (double)x[j] * (double)force[k] - (double)x[k] * (double)force[j]);
   }
 }
 
@@ -1435,13 +1484,13 @@ static double unbalance(void)
       to_inertial(f, quat, load->force);
       to_inertial(t, quat, load->torque);
     }
-    wrench_add(F, &before.node[load->node], f, t);
+    wrench_add(F, before.node[load->node].position, f, t, 1.0);
   }
   for (int k = 0; k <= beam.n; k++) {
     fb_real f[3], t[3];
     to_inertial(f, before.node[k].quat, before.node[k].reaction_force);
     to_inertial(t, before.node[k].quat, before.node[k].reaction_moment);
-    wrench_add(F, &before.node[k], f, t);
+    wrench_add(F, before.node[k].position, f, t, 1.0);
     f_size += fbl_largest(f, 3);
     m_size += fbl_largest(f, 3) * length_of() + fbl_largest(t, 3);
   }
@@ -1453,29 +1502,195 @@ static double unbalance(void)
   return miss;
 }
 
-/* What holds a steady beam balances what acts, to the order 4 of what an element loses by its turn;
-   the weight to order 2. */
-static double reactions_balance(double h)
+/* Miss of a law about the drawn state, or about the steady state under what acts, that meshes twice as fine divide by
+   `least` or more. */
+static double by_halves(double (*miss)(void), int steady, double least)
 {
-  double miss[2];
-  (void)h;
-  if (!rests() || now[LOAD] == LINE) {
-    return FBL_NONE;
-  }
-  now[BASE] = CLAMPED;
+  double found[2];
   for (int k = 0; k < 2; k++) {
-    fb_exact_state at;
     const fb_status status = draw_as(1 + k, 0, 0);
+    fb_exact_state at;
     if (status != FB_OK) {
       return fbl_refuse("finer", status);
     }
     still();
     at = state;
-    FBL_TRY(fb_exact_trim(&beam, &at, &work, &input));
+    FBL_TRY(steady ? fb_exact_trim(&beam, &at, &work, &input) : FB_OK);
     FBL_TRY(look_at(&before, &at));
-    miss[k] = unbalance();
+    found[k] = miss();
   }
-  return miss[1] < miss[0] / (now[GRAVITY] ? 3.0 : 8.0) ? 0.0 : miss[1];
+  return found[1] < found[0] / least ? 0.0 : found[1];
+}
+
+/* What holds a steady beam balances what acts, to the order 4 of what an element loses by its turn;
+   the weight to order 2. */
+static double reactions_balance(double h)
+{
+  (void)h;
+  if (!rests() || now[LOAD] == LINE) {
+    return FBL_NONE;
+  }
+  now[BASE] = CLAMPED;
+  return by_halves(unbalance, 1, now[GRAVITY] ? 3.0 : 8.0);
+}
+
+/* ---- laws: outputs by element, each from those of its two nodes */
+
+/* Place, to order 2 of its length, and axes of the middle of element k; turn, apart: the twist that leads from its inboard
+   to its outboard node, of now and as built. */
+static void element_pose(fb_real place[3], fb_real R[9], fb_real turn[2][3], fb_real apart[2][3], int k)
+{
+  for (int built = 1; built >= 0; built--) {
+    const int in = beam.inboard[k], out = k + 1;
+    const fb_real *const p = built ? beam.quat + 4 * in : before.node[in].quat;
+    const fb_real *const q = built ? beam.quat + 4 * out : before.node[out].quat;
+    const fb_real *const x = built ? beam.r + 3 * in : before.node[in].position;
+    const fb_real *const y = built ? beam.r + 3 * out : before.node[out].position;
+    const fb_real back[4] = {p[0], -p[1], -p[2], -p[3]};
+    fb_real relative[4], middle[4], d[3];
+    double size, share;
+    fb_quat_mul(relative, back, q);
+    fb_quat_to_rotvec(turn[built], relative);
+    size = dot(turn[built], turn[built]);
+    quat_between(middle, p, q);
+    fb_quat_to_mat33(R, middle);
+    for (int i = 0; i < 3; i++) {
+      d[i] = (y[i] - x[i]) * (built ? beam.length : FB_R(1.0));
+      place[i] = FB_R(0.5) * (x[i] + y[i]);
+    }
+    fb_mat33_mulT_vec3(apart[built], R, d); /* of an arc, whose chord is shorter */
+    share = size > 0.0 ? dot(turn[built], apart[built]) / size : 0.0;
+    for (int i = 0; i < 3; i++) {
+      const double along = share * (double)turn[built][i];
+      const double longer = size > 0.0 ? 0.5 * sqrt(size) / sin(0.5 * sqrt(size)) : 1.0;
+      apart[built][i] = (fb_real)(along + longer * ((double)apart[built][i] - along));
+    }
+  }
+}
+
+/* Mean of vectors in the axes of the two nodes, in those of the middle. */
+static void element_mean(fb_real mean[3], const fb_real R[9], int k, const fb_real *a, const fb_real *b)
+{
+  fb_real x[3], y[3];
+  to_inertial(x, before.node[beam.inboard[k]].quat, a);
+  to_inertial(y, before.node[k + 1].quat, b);
+  for (int i = 0; i < 3; i++) {
+    x[i] = FB_R(0.5) * (x[i] + y[i]);
+  }
+  fb_mat33_mulT_vec3(mean, R, x);
+}
+
+/* Does what is at its inboard side reach element k whole: no load, body, branch, hold at that node? */
+static int is_plain(int k)
+{
+  const int in = beam.inboard[k];
+  int plain = in == 0 || beam.held[in] == 0;
+  for (int l = 0; l < input.n_load; l++) {
+    plain &= input.load[l].node != in;
+  }
+  for (int l = 0; l < desc.n_lump; l++) {
+    plain &= desc.lump[l].node != in || !now[GRAVITY];
+  }
+  for (int other = 0; other < beam.n; other++) {
+    plain &= other == k || beam.inboard[other] != in;
+  }
+  return plain || in == 0;
+}
+
+/* Of a steady state: forces and moments are the means of those at the nodes, to order 2 of the length; strains are what
+   sets the nodes apart. */
+static double strains_of_nodes(void)
+{
+  double sum = 0.0;
+  for (int k = 0; k < beam.n; k++) {
+    const double length = (double)beam.h[k] * (double)beam.length;
+    const fb_exact_element *const own = &before.element[k];
+    fb_real R[9], turn[2][3], apart[2][3], mean[3], place[3];
+    const fb_exact_node *const a = &before.node[beam.inboard[k]], *const b = &before.node[k + 1];
+    double miss = 0.0;
+    if (beam.jointed[k]) {
+      continue;
+    }
+    element_pose(place, R, turn, apart, k);
+    element_mean(mean, R, k, a->force, b->force);
+    miss = larger(miss, is_plain(k) ? fbl_difference(mean, own->force, 3) / force_of() : 0.0);
+    element_mean(mean, R, k, a->moment, b->moment);
+    miss = larger(miss, is_plain(k) ? fbl_difference(mean, own->moment, 3) / (force_of() * length_of()) : 0.0);
+    for (int i = 0; i < 3; i++) {
+      turn[0][i] = (turn[0][i] - turn[1][i]) / (fb_real)length;
+      apart[0][i] = (apart[0][i] - apart[1][i]) / (fb_real)length;
+    }
+    miss = larger(miss, fbl_difference(turn[0], own->moment_strain, 3) * length_of());
+    miss = larger(miss, fbl_difference(apart[0], own->force_strain, 3) / 1e-2);
+    sum += length / length_of() * miss;
+  }
+  return sum;
+}
+
+static double strains(double h)
+{
+  (void)h;
+  if (!rests()) {
+    return FBL_NONE;
+  }
+  now[BASE] = CLAMPED;
+  return by_halves(strains_of_nodes, 1, 3.0);
+}
+
+/* In rigid motion: velocities are the means of those of the nodes, momenta those of the whole but for lumped bodies. */
+static double momenta_of_elements(void)
+{
+  double miss = 0.0, off[6] = {0.0};
+  for (int i = 0; i < 3; i++) {
+    off[i] = -(double)before.momentum.linear[i];
+    off[3 + i] = -(double)before.momentum.angular[i];
+  }
+  for (int k = 0; k < beam.n; k++) {
+    const fb_exact_element *const own = &before.element[k];
+    const fb_exact_node *const a = &before.node[beam.inboard[k]], *const b = &before.node[k + 1];
+    fb_real R[9], turn[2][3], apart[2][3], mean[3], p[3], t[3], place[3];
+    if (beam.jointed[k]) {
+      continue;
+    }
+    element_pose(place, R, turn, apart, k);
+    element_mean(mean, R, k, a->velocity, b->velocity);
+    miss = larger(miss, now[ROTARY] ? 0.0 : over(mean, own->velocity, speed_of()));
+    element_mean(mean, R, k, a->angular_rate, b->angular_rate);
+    miss = larger(miss, now[ROTARY] ? 0.0 : over(mean, own->angular_rate, 1.0));
+    fb_mat33_mul_vec3(p, R, own->momentum);
+    fb_mat33_mul_vec3(t, R, own->angular_momentum);
+    wrench_add(off, place, p, t, (double)beam.h[k] * (double)beam.length);
+  }
+  for (int l = 0; l < desc.n_lump; l++) {
+    const fb_lump *const lump = &desc.lump[l];
+    const fb_exact_node *const node = &before.node[lump->node];
+    const fb_real *const J = lump->inertia, *const w = node->angular_rate;
+    fb_real v[3], p[3], t[3], spin[3];
+    fb_vec3_cross(v, w, lump->center);
+    for (int i = 0; i < 3; i++) {
+      v[i] = lump->mass * (v[i] + node->velocity[i]);
+    }
+    fb_vec3_cross(t, lump->center, v);
+    t[0] += J[0] * w[0] + J[3] * w[1] + J[4] * w[2];
+    t[1] += J[3] * w[0] + J[1] * w[1] + J[5] * w[2];
+    t[2] += J[4] * w[0] + J[5] * w[1] + J[2] * w[2];
+    to_inertial(p, node->quat, v);
+    to_inertial(spin, node->quat, t);
+    wrench_add(off, node->position, p, spin, 1.0);
+  }
+  for (int i = 0; i < 6; i++) {
+    const double mass = drawn.mass * drawn.length[0];
+    miss = larger(miss, fabs(off[i]) / (mass * drawn.length[0] * (i < 3 ? 1.0 : drawn.length[0])));
+  }
+  return miss;
+}
+
+static double momenta(double h)
+{
+  (void)h;
+  now[START] = 1;
+  legal(now);
+  return by_halves(momenta_of_elements, 0, 3.0);
 }
 
 /* Steady states on a path under growing loads are those of the trim under the loads of its factor. */
@@ -1643,6 +1858,8 @@ static const fbl_law laws[] = {
     {"paths_lead_through_trims", "E12.17", path_and_trim, 0.0, {1e-7, 1e-2}},
     {"linear_models_are_slopes", "E12.14 E12.15", linear_slope, 0.0, {1e-6, 0}},
     {"reactions_balance", "E10.11 E10.13", reactions_balance, 0.0, {1e-6, 0}},
+    {"elements_bear_what_their_nodes_do", "E10.7 E10.11", strains, 0.0, {1e-6, 0}},
+    {"elements_have_the_momentum_of_all", "E10.6 E10.14", momenta, 0.0, {1e-9, 0}},
 };
 
 const fbl_kind fbl_exact = {"exact", features, FBL_COUNT(features), legal, draw, laws, FBL_COUNT(laws), digest};
