@@ -431,6 +431,7 @@ static void rotors_draw(const fbl_choice *c, int n_node)
   for (int r = 0; r < desc.n_rotor; r++) {
     fb_rotor *const rotor = &desc.rotor[r];
     rotor->node = fbl_node(c, r > 0 && c->rotors >= FBL_ON_BOOM && n_node > 1);
+    rotor->node = r == 2 && c->effects != FBL_STRAIN ? n_node : rotor->node; /* the last node, which is still to come */
     rotor->inertia = fbl_unit(fbl_in(0.01, 0.05), 1, 2, 0);
     fbl_axial(rotor->axis, fbl_in(0.2, 1.0), fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), 0, 0, 0);
     if (c->rotors == FBL_RUBBING) {
@@ -510,11 +511,12 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
   status = status == FB_OK && extra ? import_draw(n, extra, (int)c->import) : status;
   fbl_stream("effects");
   desc_draw(c, shape.n_node, *size);
-  if (status == FB_OK && c->effects != FBL_STRAIN) { /* the last node: near the root of the last beam */
+  fbl_stream("way");
+  if (status == FB_OK && c->effects != FBL_STRAIN) { /* the last node: on the last beam, near its root or not */
     const int last = n_beam - 1, at = fbl_seen.reverse && c->parts == FBL_TWO_BEAMS ? 0 : last;
     int node, first = at > 0 && c->parts == FBL_TWO_BEAMS ? modes[0].n : 0;
     status = fb_shape_add_beam_node(&shape, &node, first, &beam[at], &modes[at],
-                                    FB_R(0.1) * beam[at].start[beam[at].desc.n_element]);
+                                    (fbl_pick(2) ? FB_R(0.1) : FB_R(0.6)) * beam[at].start[beam[at].desc.n_element]);
   }
   return status ? status : fb_body_init(body, &body_work, &shape, &desc);
 }

@@ -4,7 +4,7 @@
 static const fbl_feature features[] = {
     {"bodies", {"one", "two", "three", "four", "five"}},
     {"tree", {"chain", "star", "mixed"}},
-    {"at", {"hub", "tip"}},
+    {"at", {"hub", "tip", "+way"}},
     {"root", {"free", "rigid", "revolute", "spherical", "driven"}},
     {"joint", {"revolute", "prismatic", "cylindrical", "screw", "universal", "spherical", "rigid", "free", "all"}},
     {"mode", {"free", "locked", "prescribed", "some"}},
@@ -46,7 +46,7 @@ enum {
   CALLBACK,
   N_FEATURE
 };
-enum { ON_HUB = 0, ON_TIP };
+enum { ON_HUB = 0, ON_TIP, ON_WAY };
 enum { ROOT_FREE, ROOT_RIGID, ROOT_REVOLUTE, ROOT_SPHERICAL, ROOT_DRIVEN };
 enum { ALL_JOINTS = 8, FREE_JOINTS = 7 };
 enum { SOME_MODES = 3 };
@@ -78,7 +78,9 @@ static fb_system mechanism;
 static fb_system_work work;
 static fb_system_state state; /* where the motion starts */
 static fb_link_motion start[BODIES_MOST];
-static fb_row held; /* the caller's constraint */
+static fb_row held; /* the caller's constraint: O of a body stays at a distance from a place on the ground */
+static int held_side;
+static fb_real held_place[3];
 static double size;
 static double amplitude = 1.0; /* of the motion and of what acts: for laws of small motions */
 
@@ -522,7 +524,9 @@ static void joint_draw(int k)
     d->parent = FB_GROUND;
     return;
   }
-  d->parent_node = !ground && !wheel && now[AT] == ON_TIP ? 1 : 0;
+  if (!ground && !wheel) {
+    d->parent_node = now[AT] == ON_WAY ? body(parent[k])->n_node - 1 : now[AT] == ON_TIP;
+  }
   frames_draw(d, ground);
   for (int i = 0; i < 3 && !wheel; i++) {
     d->mode[i] = d->kind == FB_JOINT_SPHERICAL && i > 0 ? FB_AXIS_FREE : mode_of(now, k, i);
@@ -611,19 +615,28 @@ static fb_status forces(fb_system_forces *f, void *user)
   return FB_OK;
 }
 
+/* Direction from the place to a body's O; returns the distance. */
+static double held_along(fb_real along[3], const fb_real *position)
+{
+  double distance;
+  for (int i = 0; i < 3; i++) {
+    along[i] = position[i] - held_place[i];
+  }
+  distance = sqrt(dot(along, along));
+  for (int i = 0; i < 3; i++) {
+    along[i] /= (fb_real)distance;
+  }
+  return distance;
+}
+
 static int rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
 {
-  fb_real off[3];
   (void)t, (void)user;
   if (capacity < 1) {
     return FB_ERR_CAPACITY;
   }
   *row = held;
-  for (int i = 0; i < 3; i++) {
-    off[i] = pose[held.body[0]].position[i] - held.force[1][i]; /* the place, in what the other side does not use */
-    row->force[1][i] = FB_R(0.0);
-  }
-  row->value = fb_vec3_dot(held.force[0], off);
+  row->value += (fb_real)held_along(row->force[held_side], pose[held.body[held_side]].position);
   return 1;
 }
 
@@ -861,16 +874,23 @@ static fb_status system_make(void)
   return fb_system_init(&mechanism, &init_work, model, &desc, n_model);
 }
 
-/* The plane in which the origin of the last body stays. */
+/* The row names the ground, or the first body, on which it does not act, on the other side. */
 static void held_draw(const look *at)
 {
   const int k = bodies_of(now) - 1;
+  fb_real along[3];
+  fbl_number = 0;
+  fbl_stream("row");
   memset(&held, 0, sizeof held);
-  held.body[0] = slot[k];
-  held.body[1] = FB_GROUND;
+  held_side = fbl_pick(2);
+  held.body[held_side] = slot[k];
+  held.body[1 - held_side] = k > 0 && fbl_pick(2) ? slot[0] : FB_GROUND;
   held.holonomic = 1;
-  fbl_inertial_polar(held.force[0], 0.48, -0.6, 0.64, 0, 0, 0);
-  memcpy(held.force[1], at->motion.pose[slot[k]].rho, sizeof held.force[1]);
+  fbl_inertial_polar(held_place, 0.7, -0.9, 1.0, 0, 1, 0);
+  for (int i = 0; i < 3; i++) {
+    held_place[i] += at->motion.pose[slot[k]].rho[i];
+  }
+  held.value = -(fb_real)held_along(along, at->motion.pose[slot[k]].rho);
 }
 
 /* Writes the joints of the tree as loops of free bodies, from the state on. */
@@ -1686,15 +1706,18 @@ static double reactions(double h)
     }
     to_inertial(f, pose->quat, m->reaction_force);
     to_inertial(t, pose->quat, m->reaction_torque);
-    if (now[CALLBACK] == ROWS && s == held.body[0]) { /* and of the row, which pushes along its direction at O */
-      double along = 0.0;
+    if (now[CALLBACK] == ROWS &&
+        s == held.body[held_side]) { /* and of the row, which pushes along its direction at O */
+      fb_real along[3];
+      double push = 0.0;
+      (void)held_along(along, pose->rho);
       for (int i = 0; i < 3; i++) {
-        along += ((double)f[i] - p.force[i]) * (double)held.force[0][i];
+        push += ((double)f[i] - p.force[i]) * (double)along[i];
       }
       for (int i = 0; i < 3; i++) {
-        f[i] -= (fb_real)along * held.force[0][i];
+        f[i] -= (fb_real)push * along[i];
       }
-      p.f_size = larger(p.f_size, fabs(along));
+      p.f_size = larger(p.f_size, fabs(push));
     }
     for (int i = 0; i < 3; i++) {
       f_off = larger(f_off, fabs((double)f[i] - p.force[i]));
@@ -1912,7 +1935,7 @@ static double boosted_for; /* [s] since the start of b, of a scene that flies al
 
 /* Largest difference of two looks over the size of what is compared, by bodies of the scene. a is one of the plain scene,
    b as fbl_seen has it; joints_of_a: where a has the tree's joints; forces: of joints,
-   too, 2: and limits of steps, which a power method finds to some digits. */
+   too, 2: and limits of steps, which a power method finds to 5 % (E11.40). */
 static double looks_differ(const look *a, const look *b, const int *joints_of_a, int with_forces)
 {
   double miss = 0.0;
@@ -1944,7 +1967,7 @@ static double looks_differ(const look *a, const look *b, const int *joints_of_a,
       const fb_real limit[2] = {a->limit.rk4, a->limit.sdirk}, seen[2] = {b->limit.rk4, b->limit.sdirk};
       for (int i = 0; i < 2; i++) {
         const double t = (double)fbl_unit((double)limit[i], 0, 0, 1);
-        miss = larger(miss, limit[i] < FB_HUGE ? 1e-6 * fabs((double)seen[i] - t) / t : seen[i] < FB_HUGE);
+        miss = larger(miss, limit[i] < FB_HUGE ? 2e-7 * fabs((double)seen[i] - t) / t : seen[i] < FB_HUGE);
       }
     }
     if (with_forces) {
