@@ -16,8 +16,9 @@ static fb_input input;
 static double size;
 static fbl_choice now; /* and */
 static int load_level, motion_level;
-static double amplitude; /* of the motion and of what acts: for laws of small motions */
-static int varies;       /* the input, while integrators run */
+static double amplitude;    /* of the motion and of what acts: for laws of small motions */
+static double wheels = 1.0; /* of the speeds of rotors */
+static int varies;          /* the input, while integrators run */
 
 static void legal(int *level)
 {
@@ -66,7 +67,7 @@ static void input_draw(void)
   fbl_stream("motor");
   for (int r = 0; r < body.n_rotor; r++) {
     const double torque = amplitude * fbl_in(-0.05, 0.05);
-    const double momentum = amplitude * fbl_in(-2.0, 2.0); /* about the axis, which is mirrored */
+    const double momentum = wheels * amplitude * fbl_in(-2.0, 2.0); /* about the axis, which is mirrored */
     input.rotor[r].torque = body.rotor[r].given ? FB_R(0.0) : fbl_unit(torque, 1, 2, -2);
     input.rotor[r].momentum = body.rotor[r].given ? fbl_unit(momentum, 1, 2, -1) : FB_R(0.0);
   }
@@ -109,7 +110,7 @@ static fb_status state_draw(void)
   status = status ? status : fb_state_from_velocity(&body, &state, v, w, q_dot);
   fbl_stream("wheels");
   for (int r = 0; r < body.n_rotor && status == FB_OK; r++) {
-    const double speed = amplitude * fbl_in(-60.0, 60.0), angle = fbl_in(-1.0, 1.0);
+    const double speed = wheels * amplitude * fbl_in(-60.0, 60.0), angle = fbl_in(-1.0, 1.0);
     if (!body.rotor[r].given) {
       status = fb_state_rotor_set(&body, &state, r, fbl_unit(speed, 0, 0, -1), (fb_real)angle, &input);
     }
@@ -981,12 +982,28 @@ static double small_steps(double h)
 }
 
 /* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that. Near
-   rest such steps are stable, and those of three limits are not. */
+   rest such steps are stable, and those a fifth longer are not, of damped modes twice as long. Faster rotors never allow
+   longer steps. */
 static double limits(double h)
 {
-  fb_body_limit limit;
+  fb_body_limit limit, slower = {FB_HUGE, FB_HUGE, FB_HUGE, FB_R(0.0), FB_R(0.0)};
   fbl_choice c = now;
   (void)h;
+  for (int k = 0; k < 3; k++) {
+    wheels = k;
+    input_draw();
+    fbl_stream("spin");
+    FBL_TRY(state_draw());
+    FBL_TRY(fb_body_limit_eval(&body, &limit, &state, &input));
+    if (limit.rk4 > slower.rk4 || limit.implicit > slower.implicit || limit.exponential > slower.exponential) {
+      return 1.0;
+    }
+    slower = limit;
+  }
+  wheels = 1.0;
+  input_draw();
+  fbl_stream("spin");
+  FBL_TRY(state_draw());
   FBL_TRY(fb_body_limit_eval(&body, &limit, &state, &input));
   for (int k = 0; k < FB_INTEGRATOR_COUNT; k++) {
     const double most = (double)(k == FB_INTEGRATOR_RK4           ? limit.rk4
@@ -1027,7 +1044,8 @@ static double limits(double h)
       return 1.0;
     }
     body.allow_long_step = 1;
-    if (step < 0.09 * (double)fbl_unit(1.0, 0, 0, 1) && integrate(&at, FB_INTEGRATOR_RK4, 3.0 * step, 80) == FB_OK &&
+    if (step < 0.09 * (double)fbl_unit(1.0, 0, 0, 1) &&
+        integrate(&at, FB_INTEGRATOR_RK4, (now.damping ? 2.0 : 1.2) * step, 80) == FB_OK &&
         look_at(&second, &at, &input) == FB_OK && (double)second.energy.strain < 1e3 * (double)first.energy.strain) {
       return 1.0;
     }
