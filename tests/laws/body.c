@@ -1038,7 +1038,7 @@ static double limits(double h)
     fb_state at;
     FBL_TRY(longest(&step, 0));
     FBL_TRY(look_at(&first, &state, &input));
-    FBL_TRY(integrate(&at, FB_INTEGRATOR_RK4, 0.9 * step, 80));
+    FBL_TRY(integrate(&at, FB_INTEGRATOR_RK4, 0.99 * step, 80));
     FBL_TRY(look_at(&second, &at, &input));
     if ((double)second.energy.strain > 2.0 * ((double)first.energy.strain + (double)first.energy.kinetic)) {
       return 1.0;

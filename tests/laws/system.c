@@ -2485,17 +2485,11 @@ static double absent(double h)
              : 0.0;
 }
 
-/* Near rest the equations are linear: what the iterations leave of a long step falls with the square of the motion if the
-   matrix of sdirk is their derivative. */
-static double small_steps(double h)
+/* Draws the scene of other levels near rest, where its equations are linear. */
+static fb_status draw_quiet(int *level, double size_of_motion)
 {
-  static look few, many;
-  static fb_system_state at;
-  static fb_system_input in[2];
-  int level[FBL_FEATURES];
-  double step;
+  static fb_system_input in;
   fb_status status;
-  memcpy(level, now, sizeof level);
   put(level, GRAVITY, 0, FBL_CENTER, FBL_NO_GRAVITY);
   put(level, MOTION, 0, FLIGHT, SLOW);
   put(level, EFFORT, FRICTION, STOP, SPRUNG);
@@ -2506,18 +2500,29 @@ static double small_steps(double h)
   put(level, ROTORS, FBL_RUBBING, FBL_UNBALANCED, FBL_ON_BOOM);
   put(level, METHOD, AS_LOOPS, AS_LOOPS, FB_METHOD_RECURSIVE);
   legal(level);
-  amplitude = h;
-  FBL_TRY(draw_levels(level));
-  for (int j = 0; j < n_body; j++) {
-    for (int i = 0; i < 3; i++) {
-      if (mechanism.joint[j].rest[i] != FB_R(0.0)) {
-        desc.joint[j].rest[i] = FB_R(0.0);
-      }
-    }
+  amplitude = size_of_motion;
+  status = draw_levels(level);
+  for (int j = 0; j < n_body && status == FB_OK; j++) {
+    memset(desc.joint[j].rest, 0, sizeof desc.joint[j].rest);
   }
+  input_fill(&in, 0.0);
+  status = status ? status : system_make();
+  return status ? status : state_draw(&in);
+}
+
+/* What the iterations leave of a long step falls with the square of the motion if the matrix of sdirk is the derivative of
+   the equations. */
+static double small_steps(double h)
+{
+  static look few, many;
+  static fb_system_state at;
+  static fb_system_input in[2];
+  int level[FBL_FEATURES];
+  double step;
+  fb_status status;
+  memcpy(level, now, sizeof level);
+  FBL_TRY(draw_quiet(level, h));
   input_fill(&in[0], 0.0);
-  FBL_TRY(system_make());
-  FBL_TRY(state_draw(&in[0]));
   step = 4.0 * step_of(&status, 0);
   FBL_TRY(status);
   input_fill(&in[1], step / (double)fbl_unit(1.0, 0, 0, 1));
@@ -2533,12 +2538,32 @@ static double small_steps(double h)
   return looks_differ(&many, &few, slot, 0) / h;
 }
 
-/* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that. */
+/* Energy after steps of rk4 near rest, over that at the start; HUGE_VAL: they were refused. */
+static double growth(double step)
+{
+  static const fb_system_input none;
+  static fb_system_state at;
+  fb_energy first, last;
+  fb_status status = fb_system_energy_eval(&mechanism, model, &work, &first, &state, &none);
+  at = state;
+  for (int k = 0; k < 80 && status == FB_OK; k++) {
+    status = fb_system_rk4_step(&mechanism, model, &at, &work, &none, &none, &none, (fb_real)step);
+  }
+  status = status ? status : fb_system_energy_eval(&mechanism, model, &work, &last, &at, &none);
+  return status ? HUGE_VAL
+                : ((double)last.kinetic + (double)last.strain) / ((double)first.kinetic + (double)first.strain);
+}
+
+/* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that. Near
+   rest such steps are stable, and those a fifth longer are not, of damped modes and joints twice as long. */
 static double limits(double h)
 {
   static fb_system_state at;
   fb_system_limit limit;
   static fb_system_input in;
+  int level[FBL_FEATURES];
+  double step;
+  fb_status status;
   (void)h;
   input_fill(&in, 0.0);
   FBL_TRY(fb_system_limit_eval(&mechanism, model, &work, &limit, &state, &in));
@@ -2550,7 +2575,11 @@ static double limits(double h)
       continue;
     }
     at = state;
-    if ((k ? sdirk(&at, 0.0, 1.001 * most) : rk4(&at, 0.0, 1.001 * most)) != FB_ERR_STEP || links_differ(&at, &state)) {
+    status = k ? sdirk(&at, 0.0, 1.001 * most) : rk4(&at, 0.0, 1.001 * most);
+    if (status == FB_ERR_CONTRADICTION && now[MODE]) { /* it does not resolve what is prescribed */
+      continue;
+    }
+    if (status != FB_ERR_STEP || links_differ(&at, &state)) {
       return 1.0;
     }
     (void)snprintf(what, sizeof what, "%s", fbl_record(&have, &need, most));
@@ -2560,7 +2589,19 @@ static double limits(double h)
       return 1.0;
     }
   }
-  return 0.0;
+  memcpy(level, now, sizeof level);
+  level[LOAD] = level[WHEEL] = level[MODE] = level[ROTORS] = 0;
+  put(level, ROOT, ROOT_DRIVEN, ROOT_DRIVEN, ROOT_FREE);
+  put(level, EFFORT, MOTOR, STOP, SPRUNG);
+  FBL_TRY(draw_quiet(level, 1e-4));
+  step = step_of(&status, 0);
+  FBL_TRY(status);
+  if (growth(0.99 * step) > 2.0) {
+    return 1.0;
+  }
+  mechanism.allow_long_step = 1;
+  step *= now[DAMPING] || now[EFFORT] ? 2.0 : 1.2;
+  return step < 0.1 * (double)fbl_unit(1.0, 0, 0, 1) && growth(step) < 1e3 ? 1.0 : 0.0;
 }
 
 /* What is no number in a model is refused by its check, or by the evaluation, or nothing reads it; a bit that the check
