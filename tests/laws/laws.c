@@ -409,12 +409,12 @@ static void print_pairs(void)
 
 /* ---- asking */
 
-/* The least miss over the steps, which are halved five times, and on as long as that divides the miss by three; what is
-   no number misses by all. */
+/* The least miss over the steps, which are halved five times, and on as long as that lessens the miss: what is real does
+   not shrink with the step. What is no number misses by all. */
 static double miss_of(const fbl_law *law)
 {
   double least = HUGE_VAL, h = law->h;
-  for (int k = 0; k < 9; k++, h *= 0.5) {
+  for (int k = 0; k < 13; k++, h *= 0.5) {
     const double before = least;
     double miss;
     fbl_plain();
@@ -426,7 +426,7 @@ static double miss_of(const fbl_law *law)
       return miss;
     }
     least = miss < least ? miss : least;
-    if (least <= law->bound[FB_SINGLE] || h <= 0.0 || (k >= 4 && least > before / 3.0)) {
+    if (least <= law->bound[FB_SINGLE] || h <= 0.0 || (k >= 4 && least > before / 1.7)) {
       break;
     }
   }
