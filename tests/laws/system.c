@@ -2001,7 +2001,8 @@ static double seen_as(const fbl_view *view)
   FBL_TRY(draw(level));
   FBL_TRY(motion_of(&second, step * view->s, STEPS));
   boosted_for = STEPS * step;
-  miss = looks_differ(&first, &second, joints_of_first, 2);
+  /* loops of joints with one direction may hold twice what holds: forces that are not unique */
+  miss = looks_differ(&first, &second, joints_of_first, now[LOOP] != NO_LOOP && now[FRAME] == PLAIN ? 0 : 2);
   boosted_for = 0.0;
   fbl_plain();
   return miss;
