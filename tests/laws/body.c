@@ -1000,6 +1000,11 @@ static double limits(double h)
     }
     slower = limit;
   }
+  /* of a base that is driven, which has no recoil, the matrix of the implicit integrators leaves out more than E11.10 */
+  if (body.base == FB_BASE_PRESCRIBED && now.effects != FBL_STRAIN && !now.damping &&
+      limit.exponential < limit.implicit) {
+    return 1.0;
+  }
   wheels = 1.0;
   input_draw();
   fbl_stream("spin");
