@@ -1966,8 +1966,8 @@ static double looks_differ(const look *a, const look *b, const int *joints_of_a,
     if (with_forces == 2 && k == 0 && desc.n_loop == 0) { /* of loops where joint coordinates are zero */
       const fb_real limit[2] = {a->limit.rk4, a->limit.sdirk}, seen[2] = {b->limit.rk4, b->limit.sdirk};
       for (int i = 0; i < 2; i++) {
-        const double t = (double)fbl_unit((double)limit[i], 0, 0, 1);
-        miss = larger(miss, limit[i] < FB_HUGE ? 2e-7 * fabs((double)seen[i] - t) / t : seen[i] < FB_HUGE);
+        const double rate = 1.0 / (double)fbl_unit((double)limit[i], 0, 0, 1), own = 1.0 / (double)seen[i];
+        miss = larger(miss, 2e-7 * fabs(own - rate) / (rate + (double)fbl_unit(1e-6, 0, 0, -1)));
       }
     }
     if (with_forces) {
