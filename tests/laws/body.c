@@ -4,9 +4,10 @@
 static const fbl_feature features[] = {
     FBL_BODY_FEATURES,
     {"load", {"none", "dead", "follower", "hub", "distributed"}},
-    {"motion", {"slow", "spinning", "flight"}},
+    {"motion", {"slow", "spinning", "flight", "+rest"}},
 };
 enum { NO_LOAD, DEAD, FOLLOWER, ON_HUB, DISTRIBUTED };
+enum { REST = 3 };
 enum { BODY_FEATURES = 13, LOAD = BODY_FEATURES, MOTION };
 typedef char one_int_each[sizeof(fbl_choice) == BODY_FEATURES * sizeof(int) ? 1 : -1];
 
@@ -76,7 +77,8 @@ static void input_draw(void)
 static fb_status state_draw(void)
 {
   static const double q[4] = {0.5, -0.5, 0.1, 0.7};
-  const double fast = amplitude * (motion_level == 0 ? 0.1 : 1.5),
+  static const double pace[] = {0.1, 1.5, 1.5, 0.0}, speeds[] = {0.3, 0.3, 400.0, 0.0};
+  const double fast = amplitude * pace[motion_level],
                spin[3] = {fbl_in(-fast, fast), fbl_in(-fast, fast), fbl_in(-fast, fast)};
   fb_real v[3] = {0}, w[3] = {0}, q_dot[FB_MAX_MODES] = {0}, u[3];
   fb_status status = fb_state_init(&body, &state);
@@ -87,13 +89,13 @@ static fb_status state_draw(void)
   fbl_deflect(state.q, q_dot, &body, size);
   for (int a = 0; a < body.n; a++) {
     state.q[a] *= (fb_real)amplitude;
-    q_dot[a] *= (fb_real)amplitude;
+    q_dot[a] *= (fb_real)(motion_level == REST ? 0.0 : amplitude);
   }
   fbl_stream("velocity");
   /* fb_effects_check: few effects lack the loads w x v of O on the modes, steps are then of order 1 */
   if (body.base == FB_BASE_FREE ||
       (body.base == FB_BASE_PRESCRIBED && now.effects != FBL_LINEAR && now.effects != FBL_SPIN)) {
-    const double speed = amplitude * (motion_level == 2 ? 400.0 : 0.3);
+    const double speed = amplitude * speeds[motion_level];
     fbl_polar(v, fbl_in(-speed, speed), fbl_in(-speed, speed), fbl_in(-speed, speed), 0, 1, -1);
   }
   fbl_axial(w, spin[0], spin[1], spin[2], 0, 0, -1);
@@ -432,7 +434,7 @@ static double energy_rate(double h)
     return FBL_NONE;
   }
   power += dot(path[2].motion.reaction_force, path[2].motion.v) + dot(path[2].motion.reaction_torque, path[2].motion.w);
-  return fabs(rate - power) / (size_of + (double)path[2].energy.kinetic * (double)fbl_unit(1.0, 0, 0, -1));
+  return fabs(rate - power) / (size_of + (double)path[2].energy.kinetic * (double)fbl_unit(1.0, 0, 0, -1) + 1e-300);
 }
 
 /* -dU/d(shift), -dU/d(rotation about the inertial origin) of the energy of gravity: its force and moment. */
@@ -735,8 +737,8 @@ static double ends_differ(const look *a, const look *b)
   for (int k = 0; k < 3; k++) {
     const fb_real limit[3] = {a->limit.rk4, a->limit.implicit, a->limit.exponential};
     const fb_real seen[3] = {b->limit.rk4, b->limit.implicit, b->limit.exponential};
-    const double x = (double)fbl_unit((double)limit[k], 0, 0, 1);
-    miss = larger(miss, limit[k] < FB_HUGE ? 1e-3 * fabs((double)seen[k] - x) / x : seen[k] < FB_HUGE);
+    const double rate = 1.0 / (double)fbl_unit((double)limit[k], 0, 0, 1), own = 1.0 / (double)seen[k];
+    miss = larger(miss, 1e-3 * fabs(own - rate) / (rate + (double)fbl_unit(1e-3, 0, 0, -1)));
   }
   miss = larger(miss, fabs((double)b->energy.strain - (double)fbl_unit((double)a->energy.strain, 1, 2, -2)) /
                           ((double)fbl_unit((double)a->energy.kinetic + (double)a->energy.strain, 1, 2, -2) + 1e-300));
