@@ -648,10 +648,11 @@ static double loads_at_roots(double h)
     act(sum, size_of, x, force, none);
   }
 
-  /* a node bears what lies between the points beside it */
+  /* a node near a root bears what lies between the points beside it; farther out loads have peaks between points */
   for (int node = 0; node < body.n_node; node++) {
     const fb_line_motion *a = NULL, *b = NULL;
     const double x = (double)body.node[node].line.x;
+    double end = 0.0;
     fb_node_loads loads;
     if (body.node[node].line.line == 0) {
       continue;
@@ -662,9 +663,10 @@ static double loads_at_roots(double h)
       if (p->at.line == body.node[node].line.line - 1) {
         a = (double)p->at.x <= x ? p : a;
         b = (double)p->at.x >= x && !b ? p : b;
+        end = (double)p->at.x;
       }
     }
-    if (!a || !b || a == b) {
+    if (!a || !b || a == b || x > 0.2 * end) {
       continue;
     }
     for (int turns = 0; turns < 2; turns++) { /* its length: the axes of a node are not those of the section */
