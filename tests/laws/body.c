@@ -324,6 +324,13 @@ static double coordinates(double h)
   off[0] = body.n ? off[0] / larger(1e-300, fbl_largest(path[2].motion.q_dot, body.n)) : 0.0;
   off[1] = body.n ? off[1] / larger(1e-300, fbl_largest(path[2].motion.q_ddot, body.n)) : 0.0;
   off[2] /= fbl_largest(path[2].motion.w_dot, 3) + (double)fbl_unit(1.0, 0, 0, -2);
+  for (int k = 0; k < 5; k++) { /* h is L in body axes */
+    const fb_state *const at = &path[k].state;
+    fb_real R[9], own[3];
+    fb_quat_to_mat33(R, at->quat);
+    fb_mat33_mulT_vec3(own, R, at->L);
+    off[2] = larger(off[2], fbl_difference(own, at->h, 3) / (fbl_largest(own, 3) + (double)fbl_unit(1.0, 1, 2, -1)));
+  }
   return larger(off[0], larger(off[1], off[2]));
 }
 

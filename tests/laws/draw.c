@@ -428,6 +428,7 @@ int fbl_node(const fbl_choice *c, int k)
 static void rotors_draw(const fbl_choice *c, int n_node)
 {
   desc.n_rotor = c->rotors == FBL_NO_ROTOR ? 0 : c->rotors == FBL_ON_HUB ? 2 : 3;
+  desc.n_rotor = c->rotors == FBL_GIVEN && fbl_pick(2) ? 1 : desc.n_rotor;
   for (int r = 0; r < desc.n_rotor; r++) {
     fb_rotor *const rotor = &desc.rotor[r];
     rotor->node = fbl_node(c, r > 0 && c->rotors >= FBL_ON_BOOM && n_node > 1);
