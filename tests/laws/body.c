@@ -4,10 +4,9 @@
 static const fbl_feature features[] = {
     FBL_BODY_FEATURES,
     {"load", {"none", "dead", "follower", "hub", "distributed"}},
-    {"motion", {"slow", "spinning", "flight", "+rest"}},
+    {"motion", {"slow", "spinning", "flight"}},
 };
 enum { NO_LOAD, DEAD, FOLLOWER, ON_HUB, DISTRIBUTED };
-enum { REST = 3 };
 enum { BODY_FEATURES = 13, LOAD = BODY_FEATURES, MOTION };
 typedef char one_int_each[sizeof(fbl_choice) == BODY_FEATURES * sizeof(int) ? 1 : -1];
 
@@ -77,7 +76,7 @@ static void input_draw(void)
 static fb_status state_draw(void)
 {
   static const double q[4] = {0.5, -0.5, 0.1, 0.7};
-  static const double pace[] = {0.1, 1.5, 1.5, 0.0}, speeds[] = {0.3, 0.3, 400.0, 0.0};
+  static const double pace[] = {0.1, 1.5, 1.5}, speeds[] = {0.3, 0.3, 400.0};
   const double fast = amplitude * pace[motion_level],
                spin[3] = {fbl_in(-fast, fast), fbl_in(-fast, fast), fbl_in(-fast, fast)};
   fb_real v[3] = {0}, w[3] = {0}, q_dot[FB_MAX_MODES] = {0}, u[3];
@@ -89,7 +88,7 @@ static fb_status state_draw(void)
   fbl_deflect(state.q, q_dot, &body, size);
   for (int a = 0; a < body.n; a++) {
     state.q[a] *= (fb_real)amplitude;
-    q_dot[a] *= (fb_real)(motion_level == REST ? 0.0 : amplitude);
+    q_dot[a] *= (fb_real)amplitude;
   }
   fbl_stream("velocity");
   /* fb_effects_check: few effects lack the loads w x v of O on the modes, steps are then of order 1 */

@@ -2124,8 +2124,8 @@ static double open_loops(double h)
   static fb_system_input in;
   double miss = 0.0;
   (void)h;
-  if (now[LOOP] == NO_LOOP || now[METHOD] == AS_LOOPS) {
-    return FBL_NONE;
+  if (now[LOOP] == NO_LOOP || now[METHOD] == AS_LOOPS || now[CALLBACK] == ROWS) {
+    return FBL_NONE; /* of the caller's rows that turn the way to the closed posture is no straight one */
   }
   input_fill(&in, 0.0);
   for (int run = 0; run < 3; run++) {
