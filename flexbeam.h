@@ -1318,7 +1318,7 @@ typedef struct fb_joint { /* a checked desc */
   int n_axis;                   /* speeds */
   int moves;                    /* the parent's node moves in its body */
   int turned;                   /* the joint axes on the child are not the body's */
-  int about;                    /* k = 1..3: it turns about axis k of both bodies, -k: against it; 0: about none */
+  int about;                    /* 1..3: it turns about that axis of both bodies, 4..6: against it; 0: about none */
   fb_real position[3], axes[9]; /* joint frame in the parent's node axes; where the node does not move: in the body's */
   fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
   fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */

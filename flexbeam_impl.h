@@ -7632,7 +7632,7 @@ static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
 static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
 {
   for (int i = 0; i < n; i++) {
-    if (single) {
+    if (FB_SINGLE || single) { /* a target in single precision has no conversion to double */
       const float value = (float)x[i];
       unsigned bits;
       memcpy(&bits, &value, sizeof value);
@@ -7720,10 +7720,10 @@ static int fbi_walk_next(const fbi_walk *w, const char *name, int k, int n)
 #define FBI_REALS(type, x, from, to)                                                                                 \
   fbi_walk_reals(w, FBI_TEXT_REALS, NULL, (const fb_real *)(const void *)((const char *)(x) + offsetof(type, from)), \
                  (int)((offsetof(type, to) + sizeof(x)->to - offsetof(type, from)) / sizeof(fb_real)))
-#define FBI_EACH(type, x, name, list, n)        \
-  const type *x = (list);                       \
-  fbi_walk_next(w, name, (int)(x - (list)), n); \
-  x++
+#define FBI_EACH(type, x, name, list, n)          \
+  const type *x = (list);                         \
+  fbi_walk_next(w, name, (int)((x) - (list)), n); \
+  (x)++
 
 #if FB_WITH_SYSTEM || FB_WITH_EXACT
 static void fbi_walk_ints(fbi_walk *w, const int *x, int n)
@@ -8382,12 +8382,12 @@ static const fb_real *fbi_parent_frame(fb_real origin[3], fb_real turned[9], fbi
 }
 
 /* C and translation along the joint's z of a joint that turns about an axis of both bodies. */
-static void fbi_axis_pose(fb_real C[9], fb_real *slide, const fb_joint *joint, const fb_link_state *x)
+static void fbi_axis_pose(fb_real C[9], fb_real *slide, const fb_joint *joint, int about, const fb_link_state *x)
 {
   static const int next[4] = {0, 1, 2, 0};
   const fbi_joint_traits *is = fbi_traits(joint);
-  const int k = (joint->about < 0 ? -joint->about : joint->about) - 1, i = next[k + 1], j = next[i + 1];
-  const fb_real c = FB_COS(x->x[is->angle]), sine = FB_SIN(x->x[is->angle]), s = joint->about < 0 ? -sine : sine;
+  const int k = about - 1, i = next[k + 1], j = next[i + 1];
+  const fb_real c = FB_COS(x->x[is->angle]), sine = FB_SIN(x->x[is->angle]), s = joint->about > 3 ? -sine : sine;
   C[0] = C[4] = C[8] = c;
   C[4 * k] = FB_R(1.0);
   C[3 * i + k] = C[3 * k + i] = C[3 * j + k] = C[3 * k + j] = FB_R(0.0);
@@ -8402,8 +8402,8 @@ static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_re
                             const fb_link_state *x)
 {
   fb_real J[9], slide;
-  if (joint->about) {
-    fbi_axis_pose(L->C, &slide, joint, x);
+  if (L->about) {
+    fbi_axis_pose(L->C, &slide, joint, L->about, x);
   } else {
     fbi_joint_pose(joint->turned ? J : L->C, &slide, L, joint, axes, x);
     for (int i = 0; i < 9 && joint->turned; i++) {
@@ -8551,7 +8551,10 @@ static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb
     L->model = fbi_model(system, body, k);
     L->parent = fbi_parent(w, joint);
     L->coupled = system->coupled[k];
-    L->about = joint->about < 0 ? -joint->about : joint->about;
+    L->about = 0;
+    if (joint->about > 0 && joint->about <= 6 && fbi_traits(joint)->angle >= 0) { /* else a bit has flipped */
+      L->about = joint->about > 3 ? joint->about - 3 : joint->about;
+    }
     L->A = joint->A;
     L->settled = 0;
     fbi_root_enter(w, system, joint, k, &modes->link[k]);
@@ -13063,7 +13066,7 @@ static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int 
   int valid = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
               joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
               joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
-              fbi_is_flag(joint->turned) && joint->about >= -3 && joint->about <= 3 && fbi_is_flag(joint->rubs);
+              fbi_is_flag(joint->turned) && fbi_is_within(joint->about, 6) && fbi_is_flag(joint->rubs);
 
   /* axes and nodes */
   valid = valid && joint->n_axis == fbi_traits(joint)->n_axis &&
@@ -27436,7 +27439,7 @@ static int fbi_joint_about(const fb_joint *joint)
   while (k < 3 && !(FB_FABS(joint->axes[3 * k + 2]) >= FB_R(1.0))) {
     k++;
   }
-  return !same || k == 3 ? 0 : joint->axes[3 * k + 2] > FB_R(0.0) ? k + 1 : -1 - k;
+  return !same || k == 3 ? 0 : joint->axes[3 * k + 2] > FB_R(0.0) ? k + 1 : k + 4;
 }
 
 /* Fills joint j from its desc; those from n_body on close loops. */

@@ -214,5 +214,5 @@ int main(void)
          "error by\n"
          "what the filter expects %.2f (bound 0.1 to 4)\n",
          1e3 * worst_tip, 1e3 * worst_turn, ratio);
-  return failed;
+  return failed || fflush(stdout) != 0;
 }

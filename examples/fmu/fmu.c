@@ -314,6 +314,7 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                     "examples/tools/capacities.h",
                                     "examples/tools/inside.h",
                                     "examples/tools/model.h",
+                                    "examples/tools/exact_curve.h",
                                     "examples/tools/exact_text.h",
                                     "examples/scene/control.h",
                                     "examples/scene/function.h",

@@ -170,7 +170,7 @@ static void scene_code_tell(const scene *s, const char *option)
               given[k].line);
     }
   }
-  if (s->integrator_auto && !(s->step > 0)) { /* with a step auto is that */
+  if (s->integrator_auto && !(s->step > 0) && strcmp(option, "--code") == 0) { /* with a step auto is that */
     fprintf(stderr, "--code: integrator auto: the step is that of rk4; for stiff joints and modes choose sdirk\n");
   }
 }
