@@ -211,18 +211,16 @@ static const char *scene_code_node_name(int body, int node)
   return scene_code_of->body[body].node_name[node];
 }
 
-/* The rates with their Jacobian; "" or why not. */
-static void scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
-                              const char *const *names, char text[400])
+/* The rates with their Jacobian; 1, or 0 with why not in text. */
+static int scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
+                             const char *const *names, char text[400])
 {
   const trace_choice what = {choice->name, scene_code_of->path, choice->single, 0, choice->loads, sensors,
                              names,        scene_code_node_name};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
-  if (trace_write(out, &what, &of, text) == 0) {
-    text[0] = '\0';
-  }
+  return trace_write(out, &what, &of, text) == 0;
 }
 
 /* Writes the step, or the rates with their Jacobian, to a file. A status of main, 2 and a message for what cannot be
@@ -275,14 +273,15 @@ static int scene_write_code(scene *s, const scene_code *c)
     return 1 + scene_fail(s, "cannot write %s: %s", c->file, output_why());
   }
   if (c->jacobian) {
-    scene_code_derive(out, &choice, sensors, names, text);
+    good = scene_code_derive(out, &choice, sensors, names, text);
   } else {
     good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
                       fb_system_crc(&engine.system, engine.body, s->n_body));
   }
-  if (!good || text[0]) {
+  if (!good) {
     output_drop(out, c->file);
-    return 1 + (good ? scene_fail(s, "%s: %s", option, text) : scene_fail(s, "a temporary file: %s", strerror(errno)));
+    return 1 + (c->jacobian ? scene_fail(s, "%s: %s", option, text)
+                            : scene_fail(s, "a temporary file: %s", strerror(errno)));
   }
   return output_close(out, c->file);
 }
