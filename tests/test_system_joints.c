@@ -267,6 +267,57 @@ static void turned(double y[3], const fb_real quat[4], const double x[3])
   }
 }
 
+/* E9.1, E9.2, E9.3: hinges along an axis of both bodies, or against it, whose rotations leave out their zeros: bodies are
+   turned about that axis, by quaternions, screws moved along it; momenta of the bodies one by one give back the speeds. */
+TEST(hinges_turn_about_axes_of_the_bodies)
+{
+  static const fb_joint_kind kinds[] = {FB_JOINT_REVOLUTE, FB_JOINT_CYLINDRICAL, FB_JOINT_SCREW};
+  for (int run = 0; run < 18; run++) {
+    const int k = run % 3, sign = run / 3 % 2 ? -1 : 1, kind = (int)kinds[run / 6];
+    fb_real phi[3] = {0}, step[3] = {0}, by[4], quat[4], R[9], x[3];
+    double most = 0.0;
+    fresh();
+    rigid(&model[0], 2.0, 0.3, 0.1, -0.2, 1, 2, 3);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    turn(start[0].quat, 0.1, 0.2, 0.3);
+    for (int body = 1; body < 3; body++) {
+      hang(body, 0, kinds[run / 6], body - 1, 0);
+      desc.joint[body].axis[k] = (fb_real)sign;
+      desc.joint[body].pitch = kind == (int)FB_JOINT_SCREW ? FB_R(0.25) : FB_R(0.0);
+      start[body].value[0] = FB_R(0.7);
+      start[body].value[1] = FB_R(0.3);
+      start[body].speed[0] = FB_R(0.4) * (fb_real)body;
+    }
+    start[0].speed[1] = start[0].speed[5] = FB_R(0.5);
+    phi[k] = FB_R(0.7) * (fb_real)sign;
+    step[k] = (kind == (int)FB_JOINT_SCREW         ? FB_R(0.175)
+               : kind == (int)FB_JOINT_CYLINDRICAL ? FB_R(0.3)
+                                                   : FB_R(0.0)) *
+              (fb_real)sign;
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(mechanism.joint[1].about, sign > 0 ? k + 1 : k + 4);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    fb_quat_from_rotvec(by, phi);
+    for (int body = 1; body < 3; body++) {
+      fb_quat_mul(quat, motion.pose[body - 1].quat, by);
+      fb_quat_to_mat33(R, motion.pose[body - 1].quat);
+      fb_mat33_mul_vec3(x, R, step);
+      const double same =
+          quat[0] * motion.pose[body].quat[0] + fb_vec3_dot(quat + 1, motion.pose[body].quat + 1) < 0 ? -1 : 1;
+      for (int i = 0; i < 4; i++) {
+        most = fmax(most, fabs((double)quat[i] - same * (double)motion.pose[body].quat[i]));
+      }
+      for (int i = 0; i < 3; i++) {
+        const double apart = (double)motion.pose[body].rho[i] - (double)motion.pose[body - 1].rho[i];
+        most = fmax(most, fabs(apart - (double)x[i]));
+      }
+      most = fmax(most, fabs((double)motion.joint[body].speed[0] - (double)start[body].speed[0]));
+    }
+    FBT_BELOW(most, FBT_TOL(1e-14, 2e-6));
+  }
+}
+
 /* E9.1, E9.2, E9.7, E9.14: for every kind of joint the frame on the child sits on that of the parent, moved and turned
    by the coordinates as the header says, by quaternions. */
 TEST(every_joint_moves_as_it_should)
@@ -608,8 +659,9 @@ SUITE(system_joints, RUN(joints_turn_about_the_axes_that_they_are_given), RUN(ax
       RUN(axes_near_the_opposite_of_z_are_met), RUN(springs_and_dampers_balance_energy),
       RUN(joint_forces_carry_what_hangs_on_them), RUN(locked_axes_need_no_inertia),
       RUN(reactions_are_the_sum_of_joint_forces), RUN(every_joint_moves_as_it_should),
-      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
-      RUN(attitudes_come_back_as_they_were), RUN(nodes_that_move_in_one_way_carry_their_bodies),
-      RUN(a_ball_joint_has_one_spring_and_one_damper), RUN(an_imu_reads_in_its_own_axes),
-      RUN(screws_without_pitch_are_hinges), RUN(locked_free_bodies_stand), RUN(given_axes_have_no_momentum_rates),
-      RUN(a_latch_conserves_momentum), RUN(joints_of_loops_turn_all_the_way_round))
+      RUN(hinges_turn_about_axes_of_the_bodies), RUN(joint_frames_may_be_half_a_turn_off),
+      RUN(a_node_that_only_turns_carries_its_body), RUN(attitudes_come_back_as_they_were),
+      RUN(nodes_that_move_in_one_way_carry_their_bodies), RUN(a_ball_joint_has_one_spring_and_one_damper),
+      RUN(an_imu_reads_in_its_own_axes), RUN(screws_without_pitch_are_hinges), RUN(locked_free_bodies_stand),
+      RUN(given_axes_have_no_momentum_rates), RUN(a_latch_conserves_momentum),
+      RUN(joints_of_loops_turn_all_the_way_round))

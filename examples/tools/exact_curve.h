@@ -23,55 +23,46 @@ static inline double curve_dot(const double *a, const double *b)
 }
 
 /* Second derivatives of the spline: continuity at inner points; the third derivative is that of the neighbor in the first
-   and the last interval, with three points one parabola. Dense elimination with the largest pivot. */
-static inline void curve_spline(exact_curve *c)
+   and the last interval, with three points one parabola, with two a line. 0: it is singular. */
+static inline int curve_spline(exact_curve *c)
 {
-  static double A[CURVE_POINTS][CURVE_POINTS + 3];
+  static fb_real A[CURVE_POINTS * CURVE_POINTS], b[3][CURVE_POINTS], y[CURVE_POINTS];
+  static int perm[CURVE_POINTS];
   const int n = c->n;
   memset(A, 0, sizeof A);
+  memset(b, 0, sizeof b);
   for (int k = 1; k + 1 < n; k++) {
-    const double a = c->u[k] - c->u[k - 1], b = c->u[k + 1] - c->u[k];
-    A[k][k - 1] = a;
-    A[k][k] = 2.0 * (a + b);
-    A[k][k + 1] = b;
+    const double before = c->u[k] - c->u[k - 1], after = c->u[k + 1] - c->u[k];
+    A[k * n + k - 1] = (fb_real)before;
+    A[k * n + k] = (fb_real)(2.0 * (before + after));
+    A[k * n + k + 1] = (fb_real)after;
     for (int i = 0; i < 3; i++) {
-      A[k][n + i] = 6.0 * ((c->x[k + 1][i] - c->x[k][i]) / b - (c->x[k][i] - c->x[k - 1][i]) / a);
+      b[i][k] = (fb_real)(6.0 * ((c->x[k + 1][i] - c->x[k][i]) / after - (c->x[k][i] - c->x[k - 1][i]) / before));
     }
   }
-  for (int end = 0; end < 2; end++) { /* row of an end: the slope of the second derivative goes on */
+  for (int end = 0; end < 2; end++) { /* row of an end */
     const int k = end ? n - 1 : 0, d = end ? -1 : 1;
+    fb_real *const row = A + k * n;
     if (n < 4) {
-      A[k][k] = 1.0;
-      A[k][k + d] = n == 3 ? -1.0 : 0.0;
+      row[k] = FB_R(1.0);
+      row[k + d] = n == 3 ? -FB_R(1.0) : FB_R(0.0);
     } else {
-      const double a = fabs(c->u[k + d] - c->u[k]), b = fabs(c->u[k + 2 * d] - c->u[k + d]);
-      A[k][k] = b;
-      A[k][k + d] = -(a + b);
-      A[k][k + 2 * d] = a;
+      const double own = fabs(c->u[k + d] - c->u[k]), next = fabs(c->u[k + 2 * d] - c->u[k + d]);
+      row[k] = (fb_real)next;
+      row[k + d] = (fb_real)(-own - next);
+      row[k + 2 * d] = (fb_real)own;
     }
   }
-  for (int k = 0; k < n; k++) {
-    int p = k;
-    for (int i = k + 1; i < n; i++) {
-      p = fabs(A[i][k]) > fabs(A[p][k]) ? i : p;
-    }
-    for (int j = 0; j < n + 3; j++) {
-      const double x = A[k][j];
-      A[k][j] = A[p][j];
-      A[p][j] = x;
-    }
-    for (int i = 0; i < n; i++) {
-      const double f = i == k ? 0.0 : A[i][k] / A[k][k];
-      for (int j = k; j < n + 3 && i != k; j++) {
-        A[i][j] -= f * A[k][j];
-      }
+  if (fb_lu_factor(A, perm, y, n) != FB_OK) {
+    return 0;
+  }
+  for (int i = 0; i < 3; i++) {
+    fb_lu_solve(y, A, perm, b[i], n);
+    for (int k = 0; k < n; k++) {
+      c->bend[k][i] = (double)y[k];
     }
   }
-  for (int k = 0; k < n; k++) {
-    for (int i = 0; i < 3; i++) {
-      c->bend[k][i] = A[k][n + i] / A[k][k];
-    }
-  }
+  return 1;
 }
 
 /* First and second derivative of the line at parameter u. */
@@ -103,7 +94,9 @@ static inline const char *curve_fill(exact_curve *c)
       return "two points that follow each other are the same";
     }
   }
-  curve_spline(c);
+  if (!curve_spline(c)) {
+    return "distances of points differ too much";
+  }
   for (int k = 0; k <= CURVE_STEPS; k++) {
     double speed, middle, *const t = c->along[k], *const y = c->y[k];
     curve_at(c, c->u[c->n - 1] * k / CURVE_STEPS, first, second);

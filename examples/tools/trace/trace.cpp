@@ -499,9 +499,9 @@ static void write_head(FILE *out, const trace_choice *choice, const subject &s)
   std::fprintf(out, "};\n\n");
 }
 
-/* A function of a model without and with its Jacobian, and the table of its entries, whose number it returns. */
-static int write_function(writer &w, const std::string &name, const std::string &what,
-                          const std::vector<number> &results)
+/* A function of a model without and with its Jacobian, and the table of its entries. */
+static void write_function(writer &w, const std::string &name, const std::string &what,
+                           const std::vector<number> &results)
 {
   const char *const n = name.c_str(), *const real = w.real.c_str();
   std::vector<std::pair<std::string, number>> lines;
@@ -535,7 +535,6 @@ static int write_function(writer &w, const std::string &name, const std::string 
     std::fprintf(w.out, "  (void)J;\n");
   }
   w.body(lines);
-  return (int)at.size();
 }
 
 /* The step: no arithmetic of the model's own. */
