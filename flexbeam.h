@@ -1842,7 +1842,8 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
 } fb_exact_work;
 
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
-   of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE; FB_ERR_CAPACITY: counts of the model. */
+   of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE; FB_ERR_CAPACITY: counts of the model; FB_ERR_SINGULAR,
+   the state is then empty: a free beam on one line without rotary inertia (i_y, i_z, a lump's) about it. */
 FB_API fb_status fb_exact_state_init(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                      const fb_exact_input *input);
 

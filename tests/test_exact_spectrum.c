@@ -904,6 +904,7 @@ TEST(paths_refuse_bad_input)
   FBT_INT_EQ(PATH(NULL, FB_R(0.1)), FB_ERR_NOT_FINITE);
 #undef PATH
   desc.root = FB_END_FREE;
+  desc.station[0].inertia[21] = FB_R(1e-3);
   memset(&path, 0, sizeof path);
   start();
   FBT_INT_EQ(fb_exact_path_step(&exact, &path, &state, &path_work, NULL, &varied, FB_R(0.1)), FB_ERR_SINGULAR);
