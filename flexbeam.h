@@ -3011,7 +3011,8 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
 
 /* Steady state of a body: sets q, with q_dot = 0, and the momenta that belong to it. state gives the attitude and the
    first guess; at most 40 Newton iterations. input is required, here and in the following functions of one body;
-   distributed loads are taken as they are at the state and input.t.
+   distributed loads are taken as they are at the state and input.t. It need not be stable: beyond a buckling load the
+   unbent state is a steady one, too; the spectrum tells.
      Prescribed   the frame moves with v, w of the input. Gravity and loads in inertial axes, which do not rotate with
                   it, are taken in their present direction
      Free         or pinned: spins at |input.w| about the principal axis of the deformed body nearest to input.w, with

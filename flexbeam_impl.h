@@ -10444,7 +10444,6 @@ static void fbi_own_frame_add(fb_real y[3], fb_real s, const fb_system_work *w, 
 static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_system_state *state,
                             const fb_system_input *input)
 {
-  static const fb_real none[6] = {0};
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = L->joint;
@@ -10462,7 +10461,7 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
 
     /* prescribed speeds, of a free joint relative to the tree's frame */
     if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
-      fbi_copy(L->p, input ? input->drive[k].rate : none, 6);
+      fbi_copy(L->p, input ? input->drive[k].rate : L->y, 6);
       fbi_own_frame_add(L->p, -FB_R(1.0), w, k);
     }
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
@@ -13535,11 +13534,12 @@ static fb_real fbi_exact_joint_angle(const fb_exact_work *work, const fb_exact *
   const fb_real turn = FB_R(6.283185307179586), near_to = work->angle[m->jointed[k] - 1];
   const int root = m->inboard[k];
   const fb_exact_joint *const joint = &m->joint[m->jointed[k] - 1];
-  fb_real r[3], q[4], angle;
+  const fb_real *const a = work->quat + 4 * root, back[4] = {a[0], -a[1], -a[2], -a[3]};
+  fb_real q[4], angle;
   if (work->motion.march) {
     return near_to + work->motion.pose * fbi_exact_joint_rate(m, work->V, k);
   }
-  fbi_pose_relative(r, q, work->r + 3 * root, work->quat + 4 * root, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+  fb_quat_mul(q, back, work->quat + 4 * k + 4);
   angle = FB_R(2.0) * FB_ATAN2(fb_vec3_dot(joint->axis, q + 1), q[0]);
   return angle + turn * fbi_round((near_to - angle) / turn);
 }

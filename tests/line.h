@@ -59,10 +59,11 @@ static inline void line_load_mode(int node, int axis)
   keep.n_load++;
 }
 
-/* Bodies of the beam, with nodes 1, 2, 3 at root, middle and tip, 4 at 0.37 of the length, one between points. */
+/* Bodies of the beam, with nodes 1, 2, 3 at root, middle and tip, 4 at 0.37 of the length, one between points, and 5 before
+   the first point. */
 static inline void line_build(void)
 {
-  static const double at[4] = {0.0, 0.5, 1.0, 0.37};
+  static const double at[] = {0.0, 0.5, 1.0, 0.37, 0.003};
   fb_body_desc plain = body_desc;
   int node;
   plain.effects &= ~(unsigned)FB_EFFECT_LARGE_DEFLECTION;
@@ -75,7 +76,7 @@ static inline void line_build(void)
     FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)hub_mass, center, inertia), FB_OK);
   }
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; k < FBT_COUNT(at); k++) {
     FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)at[k] * beam.desc.length), FB_OK);
   }
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);

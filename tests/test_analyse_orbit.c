@@ -477,6 +477,11 @@ TEST(orbits_that_are_none_are_refused)
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_UNREST);
   input.w[0] = (fb_real)n;
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_VALUE);
+  input.w[1] = (fb_real)(0.09 * n); /* a tenth of the rate has to be across */
+  FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_VALUE);
+  input.w[1] = (fb_real)(0.11 * n);
+  FBT_TRUE(fb_body_trim(&body, &state, &work, &input) != FB_ERR_VALUE);
+  state = kept;
   input.w[1] = (fb_real)NAN;
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_NOT_FINITE);
   input.w[1] = FB_R(1e8);

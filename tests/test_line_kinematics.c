@@ -104,7 +104,7 @@ TEST(line_velocities_are_derivatives_of_poses)
     line_random(q, 1.0);
     line_random(speed, 1.0);
     line_random(rate, 1.0);
-    for (int number = 1; number <= 4; number++) {
+    for (int number = 1; number <= 5; number++) {
       fb_node_motion at[5];
       fb_real R[5][9];
       fb_state state;

@@ -282,7 +282,7 @@ TEST(hinges_turn_about_axes_of_the_bodies)
     turn(start[0].quat, 0.1, 0.2, 0.3);
     for (int body = 1; body < 3; body++) {
       hang(body, 0, kinds[run / 6], body - 1, 0);
-      desc.joint[body].axis[k] = (fb_real)sign;
+      desc.joint[body].axis[k] = (fb_real)(2 * body * sign);
       desc.joint[body].pitch = kind == (int)FB_JOINT_SCREW ? FB_R(0.25) : FB_R(0.0);
       start[body].value[0] = FB_R(0.7);
       start[body].value[1] = FB_R(0.3);
@@ -296,6 +296,7 @@ TEST(hinges_turn_about_axes_of_the_bodies)
               (fb_real)sign;
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(mechanism.joint[1].about, sign > 0 ? k + 1 : k + 4);
+    FBT_INT_EQ(mechanism.joint[2].about, sign > 0 ? k + 1 : k + 4);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
     fb_quat_from_rotvec(by, phi);

@@ -277,7 +277,8 @@ static void scene_check_base(text_file *t, const scene *s, int k)
   const scene_body *const body = &s->body[k];
   if (body->level.base != FB_BASE_FREE && (body->base_line > 0 || !scene_joint_under(s, k))) {
     t->line = body->base_line > 0 ? body->base_line : body->line;
-    text_fail(t, "base of body %s among others or on a joint: give it a joint to ground", body->name);
+    text_fail(t, "base of body %s among others or on a joint: %s", body->name,
+              scene_joint_under(s, k) ? "leave it out, its joint says how it is held" : "give it a joint to ground");
   }
 }
 

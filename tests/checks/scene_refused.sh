@@ -1108,6 +1108,16 @@ body b file ../../../examples/boom.txt
 end
 duration 1
 END
+refuse 8 "base of body b among others or on a joint: leave it out, its joint says how it is held" << END
+$top
+duration 1
+body b rigid
+  hub 1  0 0 0  1 1 1
+  base pinned
+end
+joint j revolute ground b
+end
+END
 refuse 5 "start_velocity under trim: the steady state has its own" << END
 trim
 body b rigid

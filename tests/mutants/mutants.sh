@@ -1,9 +1,9 @@
 #!/bin/sh
 # Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
-# sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check of the inside against outside figures
-# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes tests leave an array or
-# (where there is clang) use what nothing was written to, which check-sanitize forbids. Asked are the tests that call the function,
-# the shortest first. Mutants that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that
+# sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, a check of the inside against outside figures
+# (tests/checks/jacobian.c, shape_rates.c) or the laws (150 models of each kind) answer by a false claim, a crash or too much time,
+# or that makes tests leave an array or (where there is clang) use what nothing was written to, which check-sanitize forbids. Asked
+# are those that call the function, the shortest first. Mutants that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that
 # do not compile, or to the same code, are told and do not count. All are compiled into one program (switch.awk), the environment
 # chooses. Restartable: build/mutants/caught is kept, survivors are tried again. On all cores (JOBS). Ends with a table by section and
 # by kind of change, which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners.
@@ -42,7 +42,13 @@ main() { (cd "$1" && $CC $flags $tests -c -o main.o tests/test_main.c 2> errors)
 run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log-$$" 2>&1) 2> "$out/crash-$$"; }
 
 # command_of TEST: the command that runs it, a test or a check
-command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1" ;; esac; }
+command_of() {
+  case $1 in
+    laws-*) echo "$out/laws ${1#laws-} --stop --count 150 --seed 1" ;;
+    check-*) echo "$out/${1#check-}" ;;
+    *) echo "$out/runner $1" ;;
+  esac
+}
 
 # measured TEST: it passes without a mutant; what it takes and calls are lines of $out/reached/TEST "seconds TEST function"
 measured() {
@@ -79,7 +85,7 @@ same_code() {
 # wants it (slow: survivors alone)
 sanitized() {
   for program in "$out"/sanitized*; do
-    for test in $(callers "$1" | sed -n '1,30s/^[^ ]* \([^ ]*\) .*/\1/p' | grep -v '^check-'); do
+    for test in $(callers "$1" | sed -n '1,30s/^[^ ]* \([^ ]*\) .*/\1/p' | grep -v -E '^(check|laws)-'); do
       run 600 "$program" "$test" || return 1
     done
   done
@@ -155,8 +161,10 @@ for check in jacobian shape_rates; do
   $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
 done
 $CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
+(cd "$out/tree" && echo '#include "flexbeam.h"' | $CC $flags -DFLEXBEAM_IMPLEMENTATION -I. -c -x c - -o ../library.o)
+$CC $flags -o "$out/laws" "$out/library.o" tests/laws/*.c -lm
 clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
-{ "$out/runner" --list && echo check-jacobian && echo check-shape_rates; } > "$out/tests"
+{ "$out/runner" --list && printf '%s\n' check-jacobian check-shape_rates laws-body laws-exact laws-system; } > "$out/tests"
 export MUTANT out
 printf '. "$out/parts.sh"\nmeasured "$1"\nrm "$out/log-$$" "$out/crash-$$"\n' > "$out/measured.sh"
 xargs -n 1 -P "${JOBS:-$(nproc)}" sh "$out/measured.sh" < "$out/tests"
