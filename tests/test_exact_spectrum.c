@@ -723,7 +723,9 @@ static void path_start(void)
 
 static fb_status path_on(double arc)
 {
-  const fb_status status = fb_exact_path_step(&exact, &path, &state, &path_work, &input, &varied, (fb_real)arc);
+  fb_status status;
+  memset(&path_work, 0xff, sizeof path_work); /* it means nothing between calls */
+  status = fb_exact_path_step(&exact, &path, &state, &path_work, &input, &varied, (fb_real)arc);
   FBT_INT_EQ(status, FB_OK);
   FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
   return status;

@@ -257,6 +257,25 @@ TEST(steppers_refuse_what_they_cannot_step)
     FBT_INT_EQ(fb_stepper_init(&stepper, &way),
                k == FB_INTEGRATOR_RK4 || k == FB_INTEGRATOR_MIDPOINT ? FB_OK : FB_ERR_UNSUPPORTED);
   }
+
+  /* a body with a single thing of a system or of an exact beam */
+  for (int k = 0; k < 7; k++) {
+    static const fb_system_input system_input;
+    static const fb_exact_input exact_input;
+    memset(&way, 0, sizeof way);
+    way.dt = FB_R(0.002);
+    way.body = &body;
+    way.state = &state;
+    FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_OK);
+    way.system = k == 0 ? &pendulum : NULL;
+    way.system_state = k == 1 ? &system_state : NULL;
+    way.system_work = k == 2 ? &system_work : NULL;
+    way.system_input = k == 3 ? &system_input : NULL;
+    way.exact_state = k == 4 ? &exact_state : NULL;
+    way.exact_work = k == 5 ? &exact_work : NULL;
+    way.exact_input = k == 6 ? &exact_input : NULL;
+    FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_VALUE);
+  }
 }
 
 SUITE(integrate_stepper, RUN(steppers_of_bodies_take_the_steps_of_their_integrator),
