@@ -108,6 +108,7 @@
      ANALYSE    >>trim       steady states and their paths
                 >>linear     linear models, complex modes, step advice
                 >>advise     which effects, modes, integrator and step a scene calls for
+     all        >>scratch    of flexbeam.h alone: what is in the work structs that functions take
 
    OPTIONS (define them before the include, the same in every file: files with different options do not link. Best put
    them into one file and name it in every compiler call: -DFLEXBEAM_CONFIG='"my_config.h"'. Values are bare numbers.)
@@ -819,35 +820,6 @@ typedef struct fb_line_node {              /* a node on a line, line axes */
   fb_real x, axes[9];                                    /* [m] from the root; section axes, undeformed, to line axes */
 } fb_line_node;
 
-typedef struct fbi_line_work { /* what an evaluation knows about the lines, line axes, by coordinate axis and point */
-  fb_real turn[3][FB_MAX_POINTS], bow[3][FB_MAX_POINTS]; /* A q, B q of the interval before a point */
-  fb_real stretch[3][FB_MAX_POINTS];                     /* sum Gamma_a q_a */
-  fb_real phi[3][FB_MAX_POINTS];                         /* rotation vector of the interval */
-  fb_real x[FB_MAX_POINTS];                              /* |phi|^2 */
-  fb_real a[FB_MAX_POINTS], b[FB_MAX_POINTS];            /* (1 - cos)/|phi|^2, (|phi| - sin)/|phi|^3 */
-  fb_real a_dot[FB_MAX_POINTS], b_dot[FB_MAX_POINTS];    /* their rates */
-  fb_real quat[4][FB_MAX_POINTS];                        /* rotation as a quaternion */
-  fb_real H[9][FB_MAX_POINTS], N[9][FB_MAX_POINTS];      /* rotation; rate of it per rate of phi */
-  fb_real t[3][FB_MAX_POINTS], r[3][FB_MAX_POINTS];      /* tangent, position from O */
-  fb_real turn_dot[3][FB_MAX_POINTS], bow_dot[3][FB_MAX_POINTS], phi_dot[3][FB_MAX_POINTS]; /* rates */
-  fb_real glide[3][FB_MAX_POINTS], t_dot[3][FB_MAX_POINTS]; /* H Gamma q_dot, rate of the tangent */
-  fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
-  fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
-  fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
-  fb_real root[FB_MAX_LINES][3], root_dot[FB_MAX_LINES][3]; /* displacement of a line's root by the modes; its rate */
-  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jr[FB_MAX_LINES][FB_MAX_MODES][3]; /* per rate of a line's coordinate:
-                                                            of the points, velocity of the root */
-  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS]; /* velocities of a line's points, weighed (E14.17) */
-  fb_real place[3 * FB_MAX_POINTS];       /* likewise positions of the mass centers, line by line, 3 x stride each */
-  fb_real gradient[FB_MAX_MODES];         /* dT/dq */
-  fb_real push[3];                        /* [N] E14.15 */
-  fb_real L[FB_MAX_MODES * FB_MAX_MODES]; /* Cholesky factor of M(q) */
-  fb_real X[6 * FB_MAX_MODES];            /* Lambda(q), 6 x n, body axes */
-  fb_real column[FB_MAX_MODES][8];        /* columns of Lambda L^-T, element of L^-1 pi, a spare one */
-  fb_real M_rr[21];                       /* M_rr(q) */
-  fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
-  fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
-} fbi_line_work;
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -1213,51 +1185,6 @@ FB_API fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, con
 FB_API fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
                                        const fb_input *input);
 
-/* ---- parts of the work: not to be looked at */
-
-typedef struct fbi_sym6_factors { /* of a 6x6, E3.1 */
-  fb_real L[6], G[6], Z[9], W[9];
-} fbi_sym6_factors;
-
-typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
-  fb_real R[9];                 /* body to inertial axes */
-  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
-  fb_real Minv_pi[FB_MAX_MODES];
-  const fb_real *pb; /* M^-1 pi: the above, or pi itself where M = 1 */
-  fb_real V[6];      /* (v, w), body axes; of single bodies v relative to state.u */
-#if FB_WITH_ROTORS
-  fb_real rotor_axis[FB_MAX_ROTORS][3]; /* body axes */
-  fb_real rotor_momentum[FB_MAX_ROTORS], rotor_speed[FB_MAX_ROTORS];
-#endif
-  fb_real ph[6];         /* (p, h), body axes */
-  fb_real S[21], dS[21]; /* S(q) and its rate, when they were needed */
-  int loaded;            /* loads or gravity act: fg is not zero */
-  fb_real fg[6];         /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
-                                  the torque about the mass center, E8.33 */
-  fb_real a[3];          /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
-#if FB_WITH_GRAVITY
-  fb_real fall[3], fall_rate; /* [m/s^2], [rad/s] by central gravity: of the mass center, inertial axes; E8.37 */
-#endif
-  fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
-  fb_real e[FB_MAX_MODES];     /* scratch */
-#if FB_WITH_NONLINEAR_STRAIN
-  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  fbi_line_work *line;
-#endif
-} fbi_kinetics;
-
-typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
-  fb_real u[3], phi[3];           /* displacement, rotation parameters */
-  fb_real Ju[3 * FB_MAX_MODES];   /* n x 3: velocity per q_dot */
-  fb_real Jphi[3 * FB_MAX_MODES]; /* n x 3: angular rate per q_dot */
-  fb_real turn[3 * FB_MAX_MODES]; /* n x 3: rate of phi per q_dot */
-#if FB_WITH_LARGE_DEFLECTION
-  fb_real quat[4]; /* of a node on a line, in place of phi and its rates */
-#endif
-} fbi_node_field;
-
 typedef struct fb_imu {                       /* section axes of the node */
   fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
 } fb_imu;
@@ -1482,109 +1409,9 @@ typedef struct fb_system_input { /* all zero: nothing acts */
 #endif
 } fb_system_input;
 
-/* ---- parts of the work: not to be looked at */
-
-typedef struct fbi_link_work {
-  fbi_kinetics k;
-  const fb_joint *joint; /* where it is placed: by which it hangs, what it is, on what */
-  const fb_body *model;
-  struct fbi_link_work *parent;
-  int about;      /* 1..3: C is a rotation about that axis; 0: it is not */
-  int has_speeds; /* q_dot is known */
-  int had_speeds;
-  int coupled, open; /* its modes carry something; they are in E, X, Z below */
-  int settled;       /* S, U and D are the same at every state; 2: known */
-  int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
-  fb_axis_mode mode[3];
-  fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
-  fb_real origin[3], frame[3];        /* of roots: what rho of the tree is from; its velocity, that of the momenta */
-  fb_real change[3], glide[3], center[3];   /* of roots: that of frame, integral of P, m times the mass center before */
-  fb_real total, impulse[3];                /* of roots: mass and momentum of the tree */
-  fb_real turn[3];                          /* w at the start of the step */
-  fb_real own[3], own_start[3], own_sum[3]; /* of roots: L in body axes at a stage, at the start, its increment */
-  int held;                                 /* of roots: constraints push it from outside, 2: from the ground */
-  fb_real bulk, first[3];                   /* mass of all that hangs here and its first moment about O, body axes */
-  fb_real n[3];                             /* that node, parent's axes */
-  fbi_node_field node;
-  const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
-  fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
-  fb_real S[21];                /* articulated inertia */
-  fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
-  fb_real U[18], D[3];  /* S A, 1/(A S A) */
-  int factored;         /* of a free joint: the factors of S are known */
-  fbi_sym6_factors factors;
-  fb_real stiffness[3], damping[3]; /* of the axes of a joint with friction or stops, in an implicit step */
-  fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
-  fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
-  fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
-  fb_real V[6], u[6], q_dot[FB_MAX_MODES];                               /* solution */
-  fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
-  fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
-  fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
-  fb_real spin, acceleration;
-#if FB_WITH_LARGE_DEFLECTION
-  fb_status lines_status; /* of its lines at q: FB_OK, or an interval turns too far */
-#endif
-} fbi_link_work;
-
-typedef struct fbi_end { /* one side of a constraint */
-  int link, node, moves;
-  fbi_node_field f;
-  fb_real n[3];                                   /* the node, body axes */
-  fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
-  fb_real move[6];                                /* v, w of a solution */
-} fbi_end;
-
-typedef struct fbi_span { /* of a spring, between its points; inertial axes */
-  fbi_end end[2];
-  fb_real arm[2][3];         /* of the points from the nodes */
-  fb_real step[3], along[3]; /* from the first to the second; unit vector */
-  fb_spring_motion at;
-} fbi_span;
-
-typedef struct fbi_row {
-  fb_row r;
-  int end[2], joint, axis;
-  int pushes; /* it has a force, not torques alone */
-  fb_real force_dot[2][3], torque_dot[2][3], b_dot;
-  fb_real most; /* upper bound of its value without impulses */
-} fbi_row;
-
-typedef struct fb_system_work { /* scratch; large: make it static */
-  int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
-  int closed;    /* there are loops */
-  int special;   /* so, or rotors inside bodies */
-  int floating;  /* of a step: a tree's frame may move */
-  int repeats;   /* within a step: what belongs to the links is known */
-  int driven;    /* an axis is prescribed */
-  fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
-  fb_real clock; /* [s] since the frames were at their origins */
-  int owns;      /* roots that are free take L in body axes from link.own */
-  int n_row, n_joint_row, n_end;
-  fbi_link_work link[FB_MAX_BODIES];
-  fbi_end end[FBI_MAX_ENDS];
-  fbi_row row[FB_MAX_ROWS];
-  fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
-  fb_pose pose[FB_MAX_BODIES];
-  fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];
-  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS];
-  int order[FB_MAX_ROWS], rank;
-  fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], T[6 * FB_MAX_BODIES * FB_MAX_SPEEDS];
-  fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
-  int perm[FB_MAX_SPEEDS];
-  fb_system system;
-  fb_system_input between;
-  fb_system_forces forces;
-  int has_forces; /* they are those of a callback */
-  fbi_span span;
-  fb_real spring_elastic[FB_MAX_SPRINGS], spring_damping[FB_MAX_SPRINGS]; /* [1/s^2], [1/s] in the step limit.. */
-  fb_real elastic, damping;                                               /* ..and their sums */
-  fb_real impact[2]; /* of stops: bound of a joint of the tree, greatest stop_loss times speed of one of a loop */
-  fb_system_state stage, rate, sum, first, base;
-#if FB_WITH_LARGE_DEFLECTION
-  fbi_line_work line[FB_MAX_BODIES];
-#endif
-} fb_system_work;
+/* Scratch; large: make it static. .joint: after a failure the joint at fault, loops after the bodies; -1: none; -2 - k: row
+   k of the caller's. */
+typedef struct fb_system_work fb_system_work;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
    form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
@@ -1778,68 +1605,9 @@ typedef struct fb_exact_state {           /* all that changes, in the beam's own
   fb_real lost[3]; /* [m] of base_position: what rounding took from it, given back with the next step */
 } fb_exact_state;
 
-/* ---- parts of the work: not to be looked at */
-
-typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
-  int march;                      /* d is the velocity; else a change of pose */
-  int inertia, gravity, dead;     /* velocities, gravity, dead loads (1: on elements, 2: on nodes) are there */
-  fb_real pose;                   /* change of pose by d */
-  fb_real shift;                  /* rate of a strain, momentum or pose by itself */
-  int damped;                     /* structural damping counts */
-} fbi_exact_motion;
-
-/* Functions of the twist of an element (E10.28). */
-typedef struct fbi_exact_twist {
-  fb_real f[6], even, screw, beta[6];
-} fbi_exact_twist;
-
-/* What an element knows about itself, and the derivatives of it. */
-typedef struct fbi_exact_cell {
-  fb_real h;
-  fb_real strain[6], theta[6]; /* strain, twist from end to end */
-  fbi_exact_twist twist;
-  fb_real V[6], P[6];          /* of the middle: velocity, momentum per length */
-  fb_real f[6], dead[6], G[3]; /* load per length there, dead line loads, gravity */
-  fb_real p[6], F1[6], F2[6];  /* ad(theta)^T s; loads on the nodes */
-} fbi_exact_cell;
-
-typedef struct fbi_exact_jacobian {
-  fb_real D1[36], D2[36], E[36]; /* of the compatibility by the nodes, by the stress */
-  fb_real F1d1[36], F1d2[36], F1s[36], F2d1[36], F2d2[36], F2s[36];
-} fbi_exact_jacobian;
-
-typedef struct fb_exact_work { /* scratch; large: make it static */
-  int iterations, increments;  /* of fb_exact_trim: Newton iterations, load increments tried */
-  int unstable;                /* number of unstable directions of the steady state; 0: stable */
-  fbi_exact_motion motion;
-  fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
-  fb_real before[4];                     /* inverse of that turn, a quaternion */
-  fb_real drift[3];                      /* velocity u there, in base axes of the middle */
-  fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
-  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
-  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)], R[9 * (FB_MAX_EXACT + 1)];
-  fb_real V[6 * (FB_MAX_EXACT + 1)], G[6 * (FB_MAX_EXACT + 1)], s[6 * FB_MAX_EXACT];
-  fb_real
-      middle[9 * FB_MAX_EXACT]; /* dead loads, gravity in axes of the middles of elements at the start of the step */
-  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], velocity[6 * (FB_MAX_EXACT + 1)],
-      node_momentum[6 * (FB_MAX_EXACT + 1)];                                            /* where rates start */
-  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
-  fb_real way[2][6 * (FB_MAX_EXACT + 1)], away, along[2], pull[3]; /* of held nodes back to their place (E10.16) */
-  /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
-     angle to hold in a steady state; motors */
-  fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
-  fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
-  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
-  fb_real C[36 * FB_MAX_EXACT], relaxed[6 * FB_MAX_EXACT];  /* of structural damping (E10.29) */
-  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
-  fb_real y[12 * (FB_MAX_EXACT + 1)];
-  fb_real aside[36 * FB_MAX_LUMPS]; /* what eliminated branches leave to the nodes they begin at */
-  int perm[12 * FB_MAX_EXACT + 6];
-  fbi_exact_cell cell;
-  fbi_exact_jacobian jacobian;
-  fb_exact_input input;
-  fb_exact_state state; /* of the last increment that converged */
-} fb_exact_work;
+/* Scratch; large: make it static. .unstable counts the unstable directions of a steady state, .iterations and .increments
+   what fb_exact_trim took. */
+typedef struct fb_exact_work fb_exact_work;
 
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
    of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE; FB_ERR_CAPACITY: counts of the model; FB_ERR_SINGULAR,
@@ -2353,16 +2121,7 @@ typedef struct fb_modes {
   fb_real momentum[6 * FB_MAX_MODES], rigid_mass[6], effective[6];
 } fb_modes;
 
-typedef struct fb_modes_work { /* scratch; large: make it static */
-  int held[FBI_MAX_DOF];
-  fb_real rigid[6 * FBI_MAX_DOF];                                     /* six rigid motions about the root, rows */
-  fb_real free[6 * FBI_MAX_DOF];                                      /* those that the root permits, orthonormal */
-  fb_real K[FBI_MAX_ROW * FBI_MAX_DOF], M[FBI_MAX_ROW * FBI_MAX_DOF]; /* assembled, what a row couples with */
-  /* Of an eigenproblem: one matrix above the diagonal of A, the factor of the other in the rest; the vectors */
-  fb_real A[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
-  fb_real omega2[FBI_MAX_DOF];
-  fb_modes found;
-} fb_modes_work;
+typedef struct fb_modes_work fb_modes_work; /* scratch; large: make it static */
 
 /* Modes of a beam, without the rigid-body modes of pinned and free roots (unless desc->rigid): the body frame carries
    that motion.
@@ -2399,17 +2158,7 @@ typedef struct fb_join_desc {
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
 } fb_join_desc;
 
-#define FBI_MAX_JOINED (FB_MAX_COMPONENTS * FB_MAX_MODES)
-#define FBI_MAX_WELD_ROWS (6 * FB_MAX_WELDS)
-typedef struct fb_join_work { /* scratch; large: make it static */
-  fb_real K[FBI_MAX_JOINED * FBI_MAX_JOINED], M[FBI_MAX_JOINED * FBI_MAX_JOINED];
-  fb_real Z[FBI_MAX_JOINED * FBI_MAX_JOINED], A[FBI_MAX_JOINED * FBI_MAX_JOINED];
-  /* constraints, modes */
-  fb_real X[FBI_MAX_JOINED * (FBI_MAX_JOINED > FBI_MAX_WELD_ROWS ? FBI_MAX_JOINED : FBI_MAX_WELD_ROWS)];
-  fb_real d[FBI_MAX_JOINED], scale[FBI_MAX_JOINED];
-  int pivot[FBI_MAX_JOINED];
-  fb_modes joined;
-} fb_join_work;
+typedef struct fb_join_work fb_join_work; /* scratch; large: make it static */
 
 /* Common modes of components connected rigidly at nodes, without the rigid-body modes of the whole. joined, beam and
    component are arrays of n_component; joined may be component. joined[k].M and K are the contribution of component k.
@@ -2579,16 +2328,8 @@ typedef struct fb_body_desc {
   int allow_long_step;     /* 1: accept steps beyond the stability limit */
 } fb_body_desc;
 
-typedef struct fb_body_work {
-  fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
-  fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
-  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES], S[FBI_MAX_PAIRS_S][21];
-#if FB_WITH_LARGE_DEFLECTION
-  fb_shape rest;
-  fbi_line_work line;
-#endif
-  fb_body body;
-} fb_body_work;
+typedef struct fb_body_work fb_body_work; /* scratch */
+
 /* The model of a body from its shape integrals.
      FB_ERR_CAPACITY    FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS; number or node of a rotor
      FB_ERR_EFFECTS     see fb_effects_check; large deflection: a node that moves with a beam but was added before it or
@@ -2625,22 +2366,9 @@ typedef struct fb_build_desc {
   fb_body_desc body;
 } fb_build_desc;
 
-typedef union fb_build_scratch { /* one at a time */
-  fb_modes_work modes;
-  fb_join_work join;
-  fb_body_work body;
-} fb_build_scratch;
-
-typedef struct fb_build_work { /* scratch; large: make it static */
-  int part; /* after a failure: the part that failed; -1: the hub, n_part: joining, the body as a whole */
-  int n;    /* coordinates so far */
-  fb_beam_desc placed;
-  fb_beam beam[FB_MAX_PARTS];
-  fb_modes modes[FB_MAX_PARTS];
-  fb_shape shape;
-  fb_body_desc desc;
-  fb_build_scratch scratch;
-} fb_build_work;
+/* Scratch; large: make it static. .part: after a failure the part that failed; -1: the hub, n_part: joining, the body as a
+   whole. */
+typedef struct fb_build_work fb_build_work;
 
 /* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
    n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
@@ -2845,10 +2573,7 @@ typedef struct fb_form_body {
   fb_lambda_term torque[3 * FB_MAX_MODES * FB_MAX_MODES]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
 } fb_form_body;
 
-typedef struct fb_form_work {
-  fb_rk4_work rk4;
-  fb_implicit_work implicit;
-} fb_form_work;
+typedef struct fb_form_work fb_form_work; /* scratch */
 
 /* Adds a beam that fb_shape_add_beam_strain has added. Statuses as of that. */
 FB_API fb_status fb_form_torque_add_beam(fb_form_torque *torque, const fb_shape *shape, int first, const fb_beam *beam,
@@ -2987,27 +2712,7 @@ typedef struct fb_linear {
   fb_real error;
 } fb_linear;
 
-#define FBI_MAX_COLUMN (FB_MAX_LINEAR + FB_MAX_PORTS + FB_MAX_LINEAR / 2) /* rates, outputs, momenta */
-
-/* Internal: part of the work of bodies and systems. */
-typedef struct fbi_analysis {
-  fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
-  fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
-  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], step[FB_MAX_LINEAR + FB_MAX_PORTS], scale[FB_MAX_LINEAR / 2];
-  fb_real f[FBI_MAX_COLUMN], column[FBI_MAX_COLUMN], wider[FBI_MAX_COLUMN], best[FBI_MAX_COLUMN], miss[FBI_MAX_COLUMN];
-  fb_real E[FB_MAX_LINEAR * FB_MAX_LINEAR], other_re[FB_MAX_LINEAR], other_im[FB_MAX_LINEAR];
-  fb_real P[FB_MAX_LINEAR * FB_MAX_LINEAR / 4], P_miss[FB_MAX_LINEAR * FB_MAX_LINEAR / 4];
-  int perm[FB_MAX_LINEAR / 2], keep[FB_MAX_LINEAR];
-  fb_linear_desc none;
-  fb_linear linear;
-} fbi_analysis;
-
-typedef struct fb_analyse_work { /* scratch; large: make it static */
-  fbi_analysis common;
-  fb_state state, moved, rate;
-  fb_motion steady, motion;
-  fb_input input;
-} fb_analyse_work;
+typedef struct fb_analyse_work fb_analyse_work; /* scratch; large: make it static */
 
 /* Steady state of a body: sets q, with q_dot = 0, and the momenta that belong to it. state gives the attitude and the
    first guess; at most 40 Newton iterations. input is required, here and in the following functions of one body;
@@ -3035,35 +2740,8 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
-typedef struct fbi_coordinate { /* coordinate of a system's linear model */
-  int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
-} fbi_coordinate;
 
-#if FB_WITH_ROTORS
-typedef struct fbi_free_rotor { /* a rotor whose momentum is a state of a system's linear model */
-  int body, rotor;
-  fb_real speed; /* [rad/s] in the steady state */
-} fbi_free_rotor;
-#endif
-
-typedef struct fb_system_analyse_work { /* scratch; large: make it static */
-  fb_system_work system;                /* .joint: after a failure the joint that failed */
-  fbi_analysis common;
-  int n; /* number of coordinates; loops make some dependent: */
-  int n_dependent, n_independent, dependent[FB_MAX_ROWS], independent[FB_MAX_LINEAR / 2];
-  fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
-  fb_real size[FB_MAX_LINEAR / 2], z_dot[FB_MAX_LINEAR / 2], p_dot[FB_MAX_LINEAR / 2], p_moved[FB_MAX_LINEAR / 2];
-  fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
-  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
-  fb_link_motion rest[FB_MAX_BODIES];
-  int n_rotor; /* whose momentum is not given */
-#if FB_WITH_ROTORS
-  fbi_free_rotor rotor[FB_MAX_BODIES * FB_MAX_ROTORS];
-#endif
-  fb_system_state state, moved, rate;
-  fb_system_motion motion;
-  fb_system_input input;
-} fb_system_analyse_work;
+typedef struct fb_system_analyse_work fb_system_analyse_work; /* scratch; large: make it static */
 
 /* Relative equilibrium of a system, loops included; input may be NULL. Prescribed axes have the value and rate of the
    input, locked axes stay, free axes and modes are at rest relative to them. Such a state must exist: one rotating
@@ -3098,18 +2776,7 @@ typedef struct fb_exact_path {           /* position on a path of steady states;
   fb_real ahead[6 * (FB_MAX_EXACT + 1)]; /* internal: tangent of the path */
 } fb_exact_path;
 
-typedef struct fbi_exact_loads {
-  fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
-  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)], motor[FB_MAX_LUMPS];
-} fbi_exact_loads;
-
-typedef struct fb_exact_path_work { /* scratch; large: make it static */
-  fb_exact_work exact;
-  fbi_exact_loads constant, varied;
-  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* change of the residuals per unit of the factor */
-  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at a constant factor */
-  fb_real ahead[6 * (FB_MAX_EXACT + 1)];
-} fb_exact_path_work;
+typedef struct fb_exact_path_work fb_exact_path_work; /* scratch; large: make it static */
 
 /* One step of arc-length continuation along the path of steady states under `constant` (NULL: gravity alone) and
    path->factor times the loads of `varied`. The path passes limit points, where a load that only grows would jump
@@ -3219,13 +2886,7 @@ typedef struct fb_exact_spectrum { /* ascending by |re + i im|; of a conjugate p
   fb_real shape_re[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)], shape_im[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)];
 } fb_exact_spectrum;
 
-typedef struct fb_exact_spectrum_work { /* scratch; large: make it static */
-  fb_exact_work exact;
-  fb_real Q[(FBI_EXACT_BASIS + 2) * FBI_EXACT_DIM], x[FBI_EXACT_DIM];
-  fb_real H[(FBI_EXACT_BASIS + 2) * FBI_EXACT_BASIS], A[FBI_EXACT_BASIS * FBI_EXACT_BASIS];
-  fb_real X[2 * FBI_EXACT_BASIS * FBI_EXACT_BASIS], eig[4 * FBI_EXACT_BASIS * FBI_EXACT_BASIS];
-  fb_real re[FBI_EXACT_BASIS], im[FBI_EXACT_BASIS], missing[FBI_EXACT_BASIS];
-} fb_exact_spectrum_work;
+typedef struct fb_exact_spectrum_work fb_exact_spectrum_work; /* scratch; large: make it static */
 
 /* The `count` (1..FB_EXACT_MODES) complex modes with the smallest |lambda| about a steady state of fb_exact_trim with
    the same input, in the frame of the base: vibration, whirl, flutter, buckling (lambda = 0). The rigid-body modes of
@@ -3252,15 +2913,7 @@ typedef struct fb_exact_linear {
   fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];         /* n_out x n_in */
 } fb_exact_linear;
 
-typedef struct fb_exact_linear_work { /* scratch; large: make it static */
-  fb_exact_spectrum_work spectrum;
-  fb_real base_quat[4], answer[FBI_EXACT_DIM], other[FBI_EXACT_DIM];
-  fb_real basis[FB_EXACT_STATES * FBI_EXACT_DIM], R[FB_EXACT_STATES * FB_EXACT_STATES];
-  fb_real right[FB_EXACT_STATES * FBI_EXACT_BASIS], left[FB_EXACT_STATES * FBI_EXACT_BASIS];
-  fb_real G[FB_EXACT_STATES * FB_EXACT_STATES], scale[FB_EXACT_STATES], part[FB_EXACT_STATES], sum[FB_EXACT_STATES];
-  int perm[FB_EXACT_STATES], order[FBI_EXACT_BASIS];
-  fb_exact_linear linear;
-} fb_exact_linear_work;
+typedef struct fb_exact_linear_work fb_exact_linear_work; /* scratch; large: make it static */
 
 /* Modal model with the `count` slowest modes (modes with equal eigenvalues stay together: one or two more) about a
    steady state of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues
@@ -3329,59 +2982,7 @@ typedef struct fb_advice {
 #define FBI_ADVICE_TIMES 129 /* a quasi-static one, then those of two drives */
 #define FBI_ADVICE_PARTS 16  /* trial steps per integrator */
 
-typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in a load case */
-  fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
-  fb_real omega[FB_MAX_MODES], zeta[FB_MAX_MODES], part[FB_MAX_MODES]; /* [rad/s], -, of the quasi-static answer */
-  fb_real gain[FB_MAX_MODES], give[FB_MAX_MODES][3];                   /* to the output, without gain [m] */
-  fb_real free[FB_MAX_MODES];                                          /* free vibration by gain */
-} fbi_advice_modes;
-
-typedef struct fb_advice_work { /* scratch; large: make it static */
-  fb_body_work body_work;
-  fb_body body, full;
-  fb_shape shape;
-  fb_body_desc desc;
-  fb_state state;
-  fb_input input;
-  fb_motion motion;
-  fb_node_motion node;
-  fb_spectrum spectrum;
-  fb_exponential exponential;
-  fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
-  int perm[FB_MAX_MODES];
-  int all[FB_MAX_MODES];                        /* 0, 1, ... */
-  fb_real inertia[FB_MAX_MODES * FB_MAX_MODES]; /* M of the modes while the base recoils */
-  fbi_advice_modes modes;
-  /* K q = f of the load cases, K also at rest; forces and output of the full set in phases of the load cases */
-  fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
-  fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
-  fb_real q_dot[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
-  fb_real force[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
-  fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
-  /* of the body with the first n coordinates in that order: highest frequency and largest contribution of each mode of
-     its own, row n - 1; its motion in the load cases with all of them */
-  fb_real omega[FB_MAX_MODES][FB_MAX_MODES], most[FB_MAX_MODES][FB_MAX_MODES];
-  fb_real swing[FB_MAX_MODES][FB_MAX_MODES]; /* free vibration of the contribution */
-  fb_real history[FBI_ADVICE_INSTANTS][FBI_ADVICE_TIMES][3];
-  int order[FB_MAX_MODES]; /* coordinates in descending order of what they matter to the output, score */
-  fb_real score[FB_MAX_MODES], give[FB_MAX_MODES]; /* give: what they give directly */
-  fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
-  fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
-  fb_real motion_off, linear_off,
-      field_off; /* of a set, of the linear one, by the field: acceleration, as statically */
-  fb_real bend;  /* [m] the deflection without its limit */
-  int buckled;   /* 1: in some load case */
-  int has_field; /* 1: lines say what the displacement field errs by, */
-  fb_real field; /* relative to the deflection */
-#if FB_WITH_ROTORS
-  int turns; /* some rotor does */
-#endif
-  fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
-  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
-  fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
-  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
-  int part[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
-} fb_advice_work;
+typedef struct fb_advice_work fb_advice_work; /* scratch; large: make it static */
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most four fifths of
    the tolerance (relative to the largest output). error_model uses at most 0.7 of the tolerance; if it is larger, error
@@ -3426,6 +3027,454 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
                                   const fb_trial *trial);
 
 #endif /* FB_WITH_ANALYSE */
+
+/* ---------------------------------------------------------------------------------------------------------------
+   ALL >>scratch: what the functions above work in. What is in it means nothing between calls, but for the few members that
+   are named where the struct is declared */
+
+#if FB_WITH_LARGE_DEFLECTION
+typedef struct fbi_line_work { /* what an evaluation knows about the lines, line axes, by coordinate axis and point */
+  fb_real turn[3][FB_MAX_POINTS], bow[3][FB_MAX_POINTS]; /* A q, B q of the interval before a point */
+  fb_real stretch[3][FB_MAX_POINTS];                     /* sum Gamma_a q_a */
+  fb_real phi[3][FB_MAX_POINTS];                         /* rotation vector of the interval */
+  fb_real x[FB_MAX_POINTS];                              /* |phi|^2 */
+  fb_real a[FB_MAX_POINTS], b[FB_MAX_POINTS];            /* (1 - cos)/|phi|^2, (|phi| - sin)/|phi|^3 */
+  fb_real a_dot[FB_MAX_POINTS], b_dot[FB_MAX_POINTS];    /* their rates */
+  fb_real quat[4][FB_MAX_POINTS];                        /* rotation as a quaternion */
+  fb_real H[9][FB_MAX_POINTS], N[9][FB_MAX_POINTS];      /* rotation; rate of it per rate of phi */
+  fb_real t[3][FB_MAX_POINTS], r[3][FB_MAX_POINTS];      /* tangent, position from O */
+  fb_real turn_dot[3][FB_MAX_POINTS], bow_dot[3][FB_MAX_POINTS], phi_dot[3][FB_MAX_POINTS]; /* rates */
+  fb_real glide[3][FB_MAX_POINTS], t_dot[3][FB_MAX_POINTS]; /* H Gamma q_dot, rate of the tangent */
+  fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
+  fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
+  fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
+  fb_real root[FB_MAX_LINES][3], root_dot[FB_MAX_LINES][3]; /* displacement of a line's root by the modes; its rate */
+  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jr[FB_MAX_LINES][FB_MAX_MODES][3]; /* per rate of a line's coordinate:
+                                                            of the points, velocity of the root */
+  fb_real Y[FB_MAX_MODES][3 * FB_MAX_POINTS]; /* velocities of a line's points, weighed (E14.17) */
+  fb_real place[3 * FB_MAX_POINTS];       /* likewise positions of the mass centers, line by line, 3 x stride each */
+  fb_real gradient[FB_MAX_MODES];         /* dT/dq */
+  fb_real push[3];                        /* [N] E14.15 */
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES]; /* Cholesky factor of M(q) */
+  fb_real X[6 * FB_MAX_MODES];            /* Lambda(q), 6 x n, body axes */
+  fb_real column[FB_MAX_MODES][8];        /* columns of Lambda L^-T, element of L^-1 pi, a spare one */
+  fb_real M_rr[21];                       /* M_rr(q) */
+  fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
+  fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
+} fbi_line_work;
+#endif
+
+typedef struct fbi_sym6_factors { /* of a 6x6, E3.1 */
+  fb_real L[6], G[6], Z[9], W[9];
+} fbi_sym6_factors;
+
+typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
+  fb_real R[9];                 /* body to inertial axes */
+  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
+  fb_real Minv_pi[FB_MAX_MODES];
+  const fb_real *pb; /* M^-1 pi: the above, or pi itself where M = 1 */
+  fb_real V[6];      /* (v, w), body axes; of single bodies v relative to state.u */
+#if FB_WITH_ROTORS
+  fb_real rotor_axis[FB_MAX_ROTORS][3]; /* body axes */
+  fb_real rotor_momentum[FB_MAX_ROTORS], rotor_speed[FB_MAX_ROTORS];
+#endif
+  fb_real ph[6];         /* (p, h), body axes */
+  fb_real S[21], dS[21]; /* S(q) and its rate, when they were needed */
+  int loaded;            /* loads or gravity act: fg is not zero */
+  fb_real fg[6];         /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
+                                  the torque about the mass center, E8.33 */
+  fb_real a[3];          /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
+#if FB_WITH_GRAVITY
+  fb_real fall[3], fall_rate; /* [m/s^2], [rad/s] by central gravity: of the mass center, inertial axes; E8.37 */
+#endif
+  fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
+  fb_real e[FB_MAX_MODES];     /* scratch */
+#if FB_WITH_NONLINEAR_STRAIN
+  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work *line;
+#endif
+} fbi_kinetics;
+
+typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
+  fb_real u[3], phi[3];           /* displacement, rotation parameters */
+  fb_real Ju[3 * FB_MAX_MODES];   /* n x 3: velocity per q_dot */
+  fb_real Jphi[3 * FB_MAX_MODES]; /* n x 3: angular rate per q_dot */
+  fb_real turn[3 * FB_MAX_MODES]; /* n x 3: rate of phi per q_dot */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_real quat[4]; /* of a node on a line, in place of phi and its rates */
+#endif
+} fbi_node_field;
+
+#if FB_WITH_SYSTEM
+typedef struct fbi_link_work {
+  fbi_kinetics k;
+  const fb_joint *joint; /* where it is placed: by which it hangs, what it is, on what */
+  const fb_body *model;
+  struct fbi_link_work *parent;
+  int about;      /* 1..3: C is a rotation about that axis; 0: it is not */
+  int has_speeds; /* q_dot is known */
+  int had_speeds;
+  int coupled, open; /* its modes carry something; they are in E, X, Z below */
+  int settled;       /* S, U and D are the same at every state; 2: known */
+  int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
+  fb_axis_mode mode[3];
+  fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
+  fb_real origin[3], frame[3];        /* of roots: what rho of the tree is from; its velocity, that of the momenta */
+  fb_real change[3], glide[3], center[3];   /* of roots: that of frame, integral of P, m times the mass center before */
+  fb_real total, impulse[3];                /* of roots: mass and momentum of the tree */
+  fb_real turn[3];                          /* w at the start of the step */
+  fb_real own[3], own_start[3], own_sum[3]; /* of roots: L in body axes at a stage, at the start, its increment */
+  int held;                                 /* of roots: constraints push it from outside, 2: from the ground */
+  fb_real bulk, first[3];                   /* mass of all that hangs here and its first moment about O, body axes */
+  fb_real n[3];                             /* that node, parent's axes */
+  fbi_node_field node;
+  const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
+  fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
+  fb_real S[21];                /* articulated inertia */
+  fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
+  fb_real U[18], D[3];  /* S A, 1/(A S A) */
+  int factored;         /* of a free joint: the factors of S are known */
+  fbi_sym6_factors factors;
+  fb_real stiffness[3], damping[3]; /* of the axes of a joint with friction or stops, in an implicit step */
+  fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
+  fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
+  fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
+  fb_real V[6], u[6], q_dot[FB_MAX_MODES];                               /* solution */
+  fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
+  fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
+  fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
+  fb_real spin, acceleration;
+#if FB_WITH_LARGE_DEFLECTION
+  fb_status lines_status; /* of its lines at q: FB_OK, or an interval turns too far */
+#endif
+} fbi_link_work;
+
+typedef struct fbi_end { /* one side of a constraint */
+  int link, node, moves;
+  fbi_node_field f;
+  fb_real n[3];                                   /* the node, body axes */
+  fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
+  fb_real move[6];                                /* v, w of a solution */
+} fbi_end;
+
+typedef struct fbi_span { /* of a spring, between its points; inertial axes */
+  fbi_end end[2];
+  fb_real arm[2][3];         /* of the points from the nodes */
+  fb_real step[3], along[3]; /* from the first to the second; unit vector */
+  fb_spring_motion at;
+} fbi_span;
+
+typedef struct fbi_row {
+  fb_row r;
+  int end[2], joint, axis;
+  int pushes; /* it has a force, not torques alone */
+  fb_real force_dot[2][3], torque_dot[2][3], b_dot;
+  fb_real most; /* upper bound of its value without impulses */
+} fbi_row;
+
+struct fb_system_work {
+  int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
+  int closed;    /* there are loops */
+  int special;   /* so, or rotors inside bodies */
+  int floating;  /* of a step: a tree's frame may move */
+  int repeats;   /* within a step: what belongs to the links is known */
+  int driven;    /* an axis is prescribed */
+  fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
+  fb_real clock; /* [s] since the frames were at their origins */
+  int owns;      /* roots that are free take L in body axes from link.own */
+  int n_row, n_joint_row, n_end;
+  fbi_link_work link[FB_MAX_BODIES];
+  fbi_end end[FBI_MAX_ENDS];
+  fbi_row row[FB_MAX_ROWS];
+  fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
+  fb_pose pose[FB_MAX_BODIES];
+  fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];
+  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS];
+  int order[FB_MAX_ROWS], rank;
+  fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], T[6 * FB_MAX_BODIES * FB_MAX_SPEEDS];
+  fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
+  int perm[FB_MAX_SPEEDS];
+  fb_system system;
+  fb_system_input between;
+  fb_system_forces forces;
+  int has_forces; /* they are those of a callback */
+  fbi_span span;
+  fb_real spring_elastic[FB_MAX_SPRINGS], spring_damping[FB_MAX_SPRINGS]; /* [1/s^2], [1/s] in the step limit.. */
+  fb_real elastic, damping;                                               /* ..and their sums */
+  fb_real impact[2]; /* of stops: bound of a joint of the tree, greatest stop_loss times speed of one of a loop */
+  fb_system_state stage, rate, sum, first, base;
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work line[FB_MAX_BODIES];
+#endif
+};
+#endif
+
+#if FB_WITH_EXACT
+typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
+  int march;                      /* d is the velocity; else a change of pose */
+  int inertia, gravity, dead;     /* velocities, gravity, dead loads (1: on elements, 2: on nodes) are there */
+  fb_real pose;                   /* change of pose by d */
+  fb_real shift;                  /* rate of a strain, momentum or pose by itself */
+  int damped;                     /* structural damping counts */
+} fbi_exact_motion;
+
+/* Functions of the twist of an element (E10.28). */
+typedef struct fbi_exact_twist {
+  fb_real f[6], even, screw, beta[6];
+} fbi_exact_twist;
+
+/* What an element knows about itself, and the derivatives of it. */
+typedef struct fbi_exact_cell {
+  fb_real h;
+  fb_real strain[6], theta[6]; /* strain, twist from end to end */
+  fbi_exact_twist twist;
+  fb_real V[6], P[6];          /* of the middle: velocity, momentum per length */
+  fb_real f[6], dead[6], G[3]; /* load per length there, dead line loads, gravity */
+  fb_real p[6], F1[6], F2[6];  /* ad(theta)^T s; loads on the nodes */
+} fbi_exact_cell;
+
+typedef struct fbi_exact_jacobian {
+  fb_real D1[36], D2[36], E[36]; /* of the compatibility by the nodes, by the stress */
+  fb_real F1d1[36], F1d2[36], F1s[36], F2d1[36], F2d2[36], F2s[36];
+} fbi_exact_jacobian;
+
+struct fb_exact_work {
+  int iterations, increments; /* of fb_exact_trim: Newton iterations, load increments tried */
+  int unstable;               /* number of unstable directions of the steady state; 0: stable */
+  fbi_exact_motion motion;
+  fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
+  fb_real before[4];                     /* inverse of that turn, a quaternion */
+  fb_real drift[3];                      /* velocity u there, in base axes of the middle */
+  fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
+  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
+  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)], R[9 * (FB_MAX_EXACT + 1)];
+  fb_real V[6 * (FB_MAX_EXACT + 1)], G[6 * (FB_MAX_EXACT + 1)], s[6 * FB_MAX_EXACT];
+  fb_real
+      middle[9 * FB_MAX_EXACT]; /* dead loads, gravity in axes of the middles of elements at the start of the step */
+  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], velocity[6 * (FB_MAX_EXACT + 1)],
+      node_momentum[6 * (FB_MAX_EXACT + 1)];                                            /* where rates start */
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
+  fb_real way[2][6 * (FB_MAX_EXACT + 1)], away, along[2], pull[3]; /* of held nodes back to their place (E10.16) */
+  /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
+     angle to hold in a steady state; motors */
+  fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
+  fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
+  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
+  fb_real C[36 * FB_MAX_EXACT], relaxed[6 * FB_MAX_EXACT];  /* of structural damping (E10.29) */
+  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36];
+  fb_real y[12 * (FB_MAX_EXACT + 1)];
+  fb_real aside[36 * FB_MAX_LUMPS]; /* what eliminated branches leave to the nodes they begin at */
+  int perm[12 * FB_MAX_EXACT + 6];
+  fbi_exact_cell cell;
+  fbi_exact_jacobian jacobian;
+  fb_exact_input input;
+  fb_exact_state state; /* of the last increment that converged */
+};
+#endif
+
+#if FB_WITH_BUILD
+struct fb_modes_work {
+  int held[FBI_MAX_DOF];
+  fb_real rigid[6 * FBI_MAX_DOF];                                     /* six rigid motions about the root, rows */
+  fb_real free[6 * FBI_MAX_DOF];                                      /* those that the root permits, orthonormal */
+  fb_real K[FBI_MAX_ROW * FBI_MAX_DOF], M[FBI_MAX_ROW * FBI_MAX_DOF]; /* assembled, what a row couples with */
+  /* Of an eigenproblem: one matrix above the diagonal of A, the factor of the other in the rest; the vectors */
+  fb_real A[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
+  fb_real omega2[FBI_MAX_DOF];
+  fb_modes found;
+};
+
+#define FBI_MAX_JOINED (FB_MAX_COMPONENTS * FB_MAX_MODES)
+#define FBI_MAX_WELD_ROWS (6 * FB_MAX_WELDS)
+struct fb_join_work {
+  fb_real K[FBI_MAX_JOINED * FBI_MAX_JOINED], M[FBI_MAX_JOINED * FBI_MAX_JOINED];
+  fb_real Z[FBI_MAX_JOINED * FBI_MAX_JOINED], A[FBI_MAX_JOINED * FBI_MAX_JOINED];
+  /* constraints, modes */
+  fb_real X[FBI_MAX_JOINED * (FBI_MAX_JOINED > FBI_MAX_WELD_ROWS ? FBI_MAX_JOINED : FBI_MAX_WELD_ROWS)];
+  fb_real d[FBI_MAX_JOINED], scale[FBI_MAX_JOINED];
+  int pivot[FBI_MAX_JOINED];
+  fb_modes joined;
+};
+
+struct fb_body_work {
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
+  fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
+  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES], S[FBI_MAX_PAIRS_S][21];
+#if FB_WITH_LARGE_DEFLECTION
+  fb_shape rest;
+  fbi_line_work line;
+#endif
+  fb_body body;
+};
+
+typedef union fb_build_scratch { /* one at a time */
+  fb_modes_work modes;
+  fb_join_work join;
+  fb_body_work body;
+} fb_build_scratch;
+
+struct fb_build_work {
+  int part; /* after a failure: the part that failed; -1: the hub, n_part: joining, the body as a whole */
+  int n;    /* coordinates so far */
+  fb_beam_desc placed;
+  fb_beam beam[FB_MAX_PARTS];
+  fb_modes modes[FB_MAX_PARTS];
+  fb_shape shape;
+  fb_body_desc desc;
+  fb_build_scratch scratch;
+};
+
+#if FB_WITH_FORMS
+struct fb_form_work {
+  fb_rk4_work rk4;
+  fb_implicit_work implicit;
+};
+#endif
+#endif
+
+#if FB_WITH_ANALYSE
+/* Internal: part of the work of bodies and systems. */
+#define FBI_MAX_COLUMN (FB_MAX_LINEAR + FB_MAX_PORTS + FB_MAX_LINEAR / 2) /* rates, outputs, momenta */
+typedef struct fbi_analysis {
+  fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
+  fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], step[FB_MAX_LINEAR + FB_MAX_PORTS], scale[FB_MAX_LINEAR / 2];
+  fb_real f[FBI_MAX_COLUMN], column[FBI_MAX_COLUMN], wider[FBI_MAX_COLUMN], best[FBI_MAX_COLUMN], miss[FBI_MAX_COLUMN];
+  fb_real E[FB_MAX_LINEAR * FB_MAX_LINEAR], other_re[FB_MAX_LINEAR], other_im[FB_MAX_LINEAR];
+  fb_real P[FB_MAX_LINEAR * FB_MAX_LINEAR / 4], P_miss[FB_MAX_LINEAR * FB_MAX_LINEAR / 4];
+  int perm[FB_MAX_LINEAR / 2], keep[FB_MAX_LINEAR];
+  fb_linear_desc none;
+  fb_linear linear;
+} fbi_analysis;
+
+struct fb_analyse_work {
+  fbi_analysis common;
+  fb_state state, moved, rate;
+  fb_motion steady, motion;
+  fb_input input;
+};
+
+#if FB_WITH_SYSTEM
+typedef struct fbi_coordinate { /* coordinate of a system's linear model */
+  int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
+} fbi_coordinate;
+
+#if FB_WITH_ROTORS
+typedef struct fbi_free_rotor { /* a rotor whose momentum is a state of a system's linear model */
+  int body, rotor;
+  fb_real speed; /* [rad/s] in the steady state */
+} fbi_free_rotor;
+#endif
+
+struct fb_system_analyse_work {
+  fb_system_work system; /* .joint: after a failure the joint that failed */
+  fbi_analysis common;
+  int n; /* number of coordinates; loops make some dependent: */
+  int n_dependent, n_independent, dependent[FB_MAX_ROWS], independent[FB_MAX_LINEAR / 2];
+  fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
+  fb_real size[FB_MAX_LINEAR / 2], z_dot[FB_MAX_LINEAR / 2], p_dot[FB_MAX_LINEAR / 2], p_moved[FB_MAX_LINEAR / 2];
+  fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
+  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
+  fb_link_motion rest[FB_MAX_BODIES];
+  int n_rotor; /* whose momentum is not given */
+#if FB_WITH_ROTORS
+  fbi_free_rotor rotor[FB_MAX_BODIES * FB_MAX_ROTORS];
+#endif
+  fb_system_state state, moved, rate;
+  fb_system_motion motion;
+  fb_system_input input;
+};
+#endif
+
+#if FB_WITH_EXACT
+typedef struct fbi_exact_loads {
+  fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
+  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)], motor[FB_MAX_LUMPS];
+} fbi_exact_loads;
+
+struct fb_exact_path_work {
+  fb_exact_work exact;
+  fbi_exact_loads constant, varied;
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* change of the residuals per unit of the factor */
+  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at a constant factor */
+  fb_real ahead[6 * (FB_MAX_EXACT + 1)];
+};
+
+struct fb_exact_spectrum_work {
+  fb_exact_work exact;
+  fb_real Q[(FBI_EXACT_BASIS + 2) * FBI_EXACT_DIM], x[FBI_EXACT_DIM];
+  fb_real H[(FBI_EXACT_BASIS + 2) * FBI_EXACT_BASIS], A[FBI_EXACT_BASIS * FBI_EXACT_BASIS];
+  fb_real X[2 * FBI_EXACT_BASIS * FBI_EXACT_BASIS], eig[4 * FBI_EXACT_BASIS * FBI_EXACT_BASIS];
+  fb_real re[FBI_EXACT_BASIS], im[FBI_EXACT_BASIS], missing[FBI_EXACT_BASIS];
+};
+
+struct fb_exact_linear_work {
+  fb_exact_spectrum_work spectrum;
+  fb_real base_quat[4], answer[FBI_EXACT_DIM], other[FBI_EXACT_DIM];
+  fb_real basis[FB_EXACT_STATES * FBI_EXACT_DIM], R[FB_EXACT_STATES * FB_EXACT_STATES];
+  fb_real right[FB_EXACT_STATES * FBI_EXACT_BASIS], left[FB_EXACT_STATES * FBI_EXACT_BASIS];
+  fb_real G[FB_EXACT_STATES * FB_EXACT_STATES], scale[FB_EXACT_STATES], part[FB_EXACT_STATES], sum[FB_EXACT_STATES];
+  int perm[FB_EXACT_STATES], order[FBI_EXACT_BASIS];
+  fb_exact_linear linear;
+};
+#endif
+
+typedef struct fbi_advice_modes { /* of a body with some of the coordinates, in a load case */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES], M[FB_MAX_MODES * FB_MAX_MODES], x[FB_MAX_MODES * FB_MAX_MODES];
+  fb_real omega[FB_MAX_MODES], zeta[FB_MAX_MODES], part[FB_MAX_MODES]; /* [rad/s], -, of the quasi-static answer */
+  fb_real gain[FB_MAX_MODES], give[FB_MAX_MODES][3];                   /* to the output, without gain [m] */
+  fb_real free[FB_MAX_MODES];                                          /* free vibration by gain */
+} fbi_advice_modes;
+
+struct fb_advice_work {
+  fb_body_work body_work;
+  fb_body body, full;
+  fb_shape shape;
+  fb_body_desc desc;
+  fb_state state;
+  fb_input input;
+  fb_motion motion;
+  fb_node_motion node;
+  fb_spectrum spectrum;
+  fb_exponential exponential;
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
+  int perm[FB_MAX_MODES];
+  int all[FB_MAX_MODES];                        /* 0, 1, ... */
+  fb_real inertia[FB_MAX_MODES * FB_MAX_MODES]; /* M of the modes while the base recoils */
+  fbi_advice_modes modes;
+  /* K q = f of the load cases, K also at rest; forces and output of the full set in phases of the load cases */
+  fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
+  fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
+  fb_real q_dot[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
+  fb_real force[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
+  fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
+  /* of the body with the first n coordinates in that order: highest frequency and largest contribution of each mode of
+     its own, row n - 1; its motion in the load cases with all of them */
+  fb_real omega[FB_MAX_MODES][FB_MAX_MODES], most[FB_MAX_MODES][FB_MAX_MODES];
+  fb_real swing[FB_MAX_MODES][FB_MAX_MODES]; /* free vibration of the contribution */
+  fb_real history[FBI_ADVICE_INSTANTS][FBI_ADVICE_TIMES][3];
+  int order[FB_MAX_MODES]; /* coordinates in descending order of what they matter to the output, score */
+  fb_real score[FB_MAX_MODES], give[FB_MAX_MODES]; /* give: what they give directly */
+  fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
+  fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
+  fb_real motion_off, linear_off,
+      field_off; /* of a set, of the linear one, by the field: acceleration, as statically */
+  fb_real bend;  /* [m] the deflection without its limit */
+  int buckled;   /* 1: in some load case */
+  int has_field; /* 1: lines say what the displacement field errs by, */
+  fb_real field; /* relative to the deflection */
+#if FB_WITH_ROTORS
+  int turns; /* some rotor does */
+#endif
+  fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
+  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  int part[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+};
+#endif
 
 #endif /* FLEXBEAM_H */
 

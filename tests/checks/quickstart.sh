@@ -27,7 +27,7 @@ try ${CC:-cc} $flags -o "$out/quickstart"
 cmp -s "$out/printed" "$out/said" || fail "examples/quickstart.c prints \"$(cat "$out/printed")\", README.md says \"$(cat "$out/said")\""
 
 # The table of MEMORY: a line for each work struct, its size, a note
-structs=$(sed -n 's/^} \(fb_[a-z0-9_]*_work\);$/\1/p' flexbeam.h)
+structs=$(sed -n 's/^} \(fb_[a-z0-9_]*_work\);$/\1/p; s/^struct \(fb_[a-z0-9_]*_work\) {$/\1/p' flexbeam.h)
 {
   printf '#define FLEXBEAM_STATIC\n#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include <stdio.h>\nint main(void)\n{\n'
   printf '  printf("pointer %%d\\n", (int)sizeof(void *));\n'
