@@ -1484,6 +1484,38 @@ static void wrench_add(double F[6], const fb_real *x, const fb_real *force, cons
   }
 }
 
+/* Place, to order 2 of its length, and axes of the middle of element k; turn, apart: the twist that leads from its inboard
+   to its outboard node, of now and as built. */
+static void element_pose(fb_real place[3], fb_real R[9], fb_real turn[2][3], fb_real apart[2][3], int k)
+{
+  for (int built = 1; built >= 0; built--) {
+    const int in = beam.inboard[k], out = k + 1;
+    const fb_real *const p = built ? beam.quat + 4 * in : before.node[in].quat;
+    const fb_real *const q = built ? beam.quat + 4 * out : before.node[out].quat;
+    const fb_real *const x = built ? beam.r + 3 * in : before.node[in].position;
+    const fb_real *const y = built ? beam.r + 3 * out : before.node[out].position;
+    const fb_real back[4] = {p[0], -p[1], -p[2], -p[3]};
+    fb_real relative[4], middle[4], d[3];
+    double size, share;
+    fb_quat_mul(relative, back, q);
+    fb_quat_to_rotvec(turn[built], relative);
+    size = dot(turn[built], turn[built]);
+    quat_between(middle, p, q);
+    fb_quat_to_mat33(R, middle);
+    for (int i = 0; i < 3; i++) {
+      d[i] = (y[i] - x[i]) * (built ? beam.length : FB_R(1.0));
+      place[i] = FB_R(0.5) * (x[i] + y[i]);
+    }
+    fb_mat33_mulT_vec3(apart[built], R, d); /* of an arc, whose chord is shorter */
+    share = size > 0.0 ? dot(turn[built], apart[built]) / size : 0.0;
+    for (int i = 0; i < 3; i++) {
+      const double along = share * (double)turn[built][i];
+      const double longer = size > 0.0 ? 0.5 * sqrt(size) / sin(0.5 * sqrt(size)) : 1.0;
+      apart[built][i] = (fb_real)(along + longer * ((double)apart[built][i] - along));
+    }
+  }
+}
+
 /* Sum of loads, weight and reactions about the origin, over their size: of a steady state. */
 static double unbalance(void)
 {
@@ -1499,6 +1531,19 @@ static double unbalance(void)
       to_inertial(t, quat, load->torque);
     }
     wrench_add(F, before.node[load->node].position, f, t, 1.0);
+  }
+  for (int k = 0; k < beam.n && now[LOAD] == LINE; k++) {
+    const fb_line_load *const load = &input.line[k];
+    fb_real place[3], R[9], turn[2][3], apart[2][3], f[3], t[3];
+    element_pose(place, R, turn, apart, k);
+    if (load->axes == FB_AXES_NODE) {
+      fb_mat33_mul_vec3(f, R, load->force);
+      fb_mat33_mul_vec3(t, R, load->torque);
+    } else {
+      to_inertial(f, before.state.base_quat, load->force);
+      to_inertial(t, before.state.base_quat, load->torque);
+    }
+    wrench_add(F, place, f, t, (double)(beam.h[k] * beam.length));
   }
   for (int k = 0; k <= beam.n; k++) {
     fb_real f[3], t[3];
@@ -1537,51 +1582,19 @@ static double by_halves(double (*miss)(void), int steady, double least)
 }
 
 /* What holds a steady beam balances what acts, to the order 4 of what an element loses by its turn;
-   the weight to order 2. */
+   the weight and loads along the line to order 2. */
 static double reactions_balance(double h)
 {
   (void)h;
-  if (!rests() || now[LOAD] == LINE) {
+  if (!rests()) {
     return FBL_NONE;
   }
   now[BASE] = CLAMPED;
-  return by_halves(unbalance, 1, now[GRAVITY] ? 3.0 : 8.0);
+  return by_halves(unbalance, 1, now[GRAVITY] || now[LOAD] == LINE ? 3.0 : 8.0);
 }
 
 /* ---- laws: outputs by element, each from those of its two nodes. Halved lengths divide a miss of order 2 by four, by a
    little less where elements turn far. */
-
-/* Place, to order 2 of its length, and axes of the middle of element k; turn, apart: the twist that leads from its inboard
-   to its outboard node, of now and as built. */
-static void element_pose(fb_real place[3], fb_real R[9], fb_real turn[2][3], fb_real apart[2][3], int k)
-{
-  for (int built = 1; built >= 0; built--) {
-    const int in = beam.inboard[k], out = k + 1;
-    const fb_real *const p = built ? beam.quat + 4 * in : before.node[in].quat;
-    const fb_real *const q = built ? beam.quat + 4 * out : before.node[out].quat;
-    const fb_real *const x = built ? beam.r + 3 * in : before.node[in].position;
-    const fb_real *const y = built ? beam.r + 3 * out : before.node[out].position;
-    const fb_real back[4] = {p[0], -p[1], -p[2], -p[3]};
-    fb_real relative[4], middle[4], d[3];
-    double size, share;
-    fb_quat_mul(relative, back, q);
-    fb_quat_to_rotvec(turn[built], relative);
-    size = dot(turn[built], turn[built]);
-    quat_between(middle, p, q);
-    fb_quat_to_mat33(R, middle);
-    for (int i = 0; i < 3; i++) {
-      d[i] = (y[i] - x[i]) * (built ? beam.length : FB_R(1.0));
-      place[i] = FB_R(0.5) * (x[i] + y[i]);
-    }
-    fb_mat33_mulT_vec3(apart[built], R, d); /* of an arc, whose chord is shorter */
-    share = size > 0.0 ? dot(turn[built], apart[built]) / size : 0.0;
-    for (int i = 0; i < 3; i++) {
-      const double along = share * (double)turn[built][i];
-      const double longer = size > 0.0 ? 0.5 * sqrt(size) / sin(0.5 * sqrt(size)) : 1.0;
-      apart[built][i] = (fb_real)(along + longer * ((double)apart[built][i] - along));
-    }
-  }
-}
 
 /* Mean of vectors in the axes of the two nodes, in those of the middle. */
 static void element_mean(fb_real mean[3], const fb_real R[9], int k, const fb_real *a, const fb_real *b)

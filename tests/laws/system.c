@@ -11,7 +11,7 @@ static const fbl_feature features[] = {
     {"effort", {"none", "spring", "motor", "friction", "stop"}},
     {"loop", {"none", "ball", "hinge", "several", "planar"}},
     {"spring", {"none", "between", "ground", "pull", "+cord"}},
-    {"frame", {"plain", "turned", "axis"}},
+    {"frame", {"plain", "turned", "axis", "+square"}},
     {"body", {"solid", "full", "rigid", "linear", "spin", "large", "mixed"}},
     {"made", {"beam", "offset", "lumps", "import", "welded", "two"}},
     {"rotors", {"none", "hub", "boom", "rubbing", "unbalanced", "given"}},
@@ -53,7 +53,7 @@ enum { SOME_MODES = 3 };
 enum { NO_EFFORT, SPRUNG, MOTOR, FRICTION, STOP };
 enum { NO_LOOP, BALL, HINGE, SEVERAL, PLANAR };
 enum { NO_SPRING, BETWEEN, TO_GROUND, PULL, CORD };
-enum { PLAIN, TURNED, BY_AXIS };
+enum { PLAIN, TURNED, BY_AXIS, SQUARE };
 enum { SOLID, FULL, COUPLED, LINEAR, SPIN, LARGE, MIXED };
 enum { BEAM, OFFSET_BEAM, WITH_LUMPS, IMPORTED, WELDED, TWO_BEAMS };
 enum { NO_LOAD, DEAD, FOLLOWER, BODY_LOAD, DISTRIBUTED };
@@ -499,6 +499,11 @@ static void frames_draw(fb_joint_desc *d, int ground)
   if (now[FRAME] == BY_AXIS && !ground) {
     fbl_polar(d->axis, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(0.1, 1.0), 0, 0, 0);
     fbl_polar(d->child_axis, fbl_in(-1.0, 1.0), fbl_in(-1.0, 1.0), fbl_in(0.1, 1.0), 0, 0, 0);
+  } else if (now[FRAME] == SQUARE && !ground) { /* along an axis of both bodies: x, y, z, -x, -y */
+    const int i = fbl_pick(5), along = i % 3;
+    const double sign = i < 3 ? 2.0 : -0.7;
+    fbl_polar(d->axis, along == 0 ? sign : 0.0, along == 1 ? sign : 0.0, along == 2 ? sign : 0.0, 0, 0, 0);
+    memcpy(d->child_axis, d->axis, sizeof d->child_axis);
   } else if (ground && now[LOOP] == PLANAR) {
     const double level_[4] = {1.0, 0.0, 0.0, 0.0};
     fbl_quat(d->attitude, level_, 1);
@@ -539,7 +544,7 @@ static void joint_draw(int k)
     memset(d->child_position, 0, sizeof d->child_position);
     memset(d->child_attitude, 0, sizeof d->child_attitude);
     memset(d->child_axis, 0, sizeof d->child_axis);
-    if (now[FRAME] == BY_AXIS) {
+    if (now[FRAME] >= BY_AXIS) {
       d->child_axis[2] = FB_R(1.0);
     }
   } else {
