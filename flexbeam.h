@@ -1654,7 +1654,8 @@ FB_API fb_status fb_exact_joint_eval(const fb_exact *exact, fb_exact_hinge *hing
 FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x);
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
-   in every step of a conservative beam. This and the momentum refuse what fb_exact_state_check refuses. */
+   in every step of a conservative beam. Follower loads on elements that come or go at once change strains, places never:
+   the energy then changes by their part of the strain. This and the momentum refuse what fb_exact_state_check refuses. */
 FB_API fb_status fb_exact_energy_eval(const fb_exact *exact, fb_energy *energy, const fb_exact_state *state);
 /* A free beam's momentum is that of the start and the impulse of its loads, at any step and speed; then the beam of Simo
    and Vu-Quoc (10 m, 50 N s in 5 s, steps of 10 ms) keeps its energy to 1e-10. Its angular momentum drifts with the step,
@@ -1818,10 +1819,8 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    iteration, whatever the step. A free beam keeps its momentum to rounding; its energy, and that of gravity, vary by order
    2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
    modes that matter. Supports beyond the root are brought back to their place across the reaction, so that they do no
-   work: within the next step, in steps below 0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first
-   mode) by the part (dt/0.03 time)^2 of the way, so that the reaction does not grow with shorter steps. Of one rotation
-   that is held alone the rate is held, no place. Steps may differ; one that is longer than the one before damps with
-   order 1. Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
+   work, within the next step. Of one rotation that is held alone the rate is held, no place. Steps may differ; one that
+   is longer than the one before damps with order 1. Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
    until the next correction would be rounding, three or four as a rule. One factorization, at the extrapolated state,
    does for all but a stiff beam that is held along its line at two places and bends much between them in a step: its
    stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped and pinned at 4 m,
@@ -3532,7 +3531,7 @@ struct fb_advice_work {
           Exact beams have joints and branches: fb_exact_desc.joint, .branch, fb_exact_input.motor, fb_exact_joint_eval,
           FB_PORT_DRIVE, _COORDINATE, _SPEED; `joint` in descriptions. Reactions of nodes held beyond the root
           converge with the step. fb_exact_desc.iterations is a bound: in double precision a step ends its corrections
-          where the next would be rounding.
+          where the next would be rounding. Follower loads on elements that come at once move no node at once.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
           .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).

@@ -14755,9 +14755,10 @@ static void fbi_exact_load_add(fb_real *dead, fb_real *follower, fb_axes axes, c
 
 /* [E10.15] Mean strain due to the linear variation of the internal load under a line load f:
    -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that does not depend on the stress. Follower loads
-   only: for dead loads its derivative by the rotation would be needed.
+   only: for dead loads its derivative by the rotation would be needed. Where it changes in motion the element stays as it
+   is, and its elastic strain changes by the opposite.
    Source: own, as E10.6.  Cost: 200 flops an element that is loaded.  Fails: never.
-   Test: line_loads_are_exact_at_the_nodes. */
+   Test: line_loads_are_exact_at_the_nodes, sudden_line_loads_move_no_node_at_once. */
 static void fbi_exact_offset(fb_exact_work *work, const fb_exact *m)
 {
   fbi_zero(work->offset, 6 * m->n);
@@ -14945,14 +14946,6 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
-/* Rate at which held nodes come back to their places [1/time]: over the step; in short ones slower, so that the speed that
-   comes or goes in one step is an acceleration of no more than off/time^2, with the time below, in the beam's own unit. */
-#define FBI_EXACT_RETURN FB_R(0.03)
-static fb_real fbi_exact_return(fb_real dt)
-{
-  return dt < FBI_EXACT_RETURN ? dt / (FBI_EXACT_RETURN * FBI_EXACT_RETURN) : FB_R(1.0) / dt;
-}
-
 /* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base, plus the way back of E10.16 (not
    for the root, which is placed exactly after the step). */
 static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
@@ -14968,7 +14961,7 @@ static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
     }
     fbi_exact_slip(want, work, m, j);
     for (int i = 0; i < 2 && j > 0 && work->away > FB_R(0.0); i++) {
-      fbi_vec6_add(want, work->along[i] * fbi_exact_return(dt), work->way[i] + 6 * j);
+      fbi_vec6_add(want, work->along[i] / dt, work->way[i] + 6 * j);
     }
   }
 }
@@ -19462,6 +19455,14 @@ static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, c
   }
 }
 
+/* Elastic strains where that from loads on elements changes at once (E10.15). */
+static void fbi_exact_offset_change(fb_real *strain, const fb_real *last, const fb_real *now, int n)
+{
+  for (int i = 0; i < n; i++) {
+    strain[i] += last[i] - now[i];
+  }
+}
+
 /* Below this the expected next correction, as fbi_exact_change measures it, is rounding. In single precision residuals
    are rounding from the start: all corrections are made. */
 #define FBI_EXACT_DONE (FB_SINGLE ? FB_R(0.0) : FB_R(256.0) * FB_EPSILON)
@@ -19473,6 +19474,7 @@ static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb
   fb_real strain[6];
 
   /* Strains, momenta, velocities of the nodes */
+  fbi_exact_offset_change(next->strain, next->offset, work->offset, 6 * m->n);
   for (int k = 0; k < m->n; k++) {
     fbi_exact_strain_eval(strain, work, m, k);
     fbi_exact_rate_update(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
@@ -19529,6 +19531,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_copy(work->r, state->r, 3 * (m->n + 1));
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
   fbi_exact_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
+  fbi_exact_offset_change(work->strain, state->offset, work->offset, 6 * m->n);
   fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->velocity, state->velocity, state->velocity_rate, last, 6 * (m->n + 1));
   fbi_exact_middles_begin(work, m, state);
@@ -19615,7 +19618,7 @@ static void fbi_exact_way_probe(fb_real change[2], fb_exact_work *work, const fb
   fbi_exact_residual(work, m);
   fbi_exact_way_power(change, work, m);
   for (int k = 0; k < 2; k++) {
-    change[k] = (change[k] - before[k]) * dt * fbi_exact_return(dt) / part;
+    change[k] = (change[k] - before[k]) / part;
   }
   fbi_exact_correct(work, m, -FB_R(1.0));
   fbi_exact_nodes_eval(work, m);
