@@ -13313,6 +13313,20 @@ static void fbi_mat66_add_mul(fb_real *FBI_RESTRICT C, const fb_real *FBI_RESTRI
   }
 }
 
+/* C += A B of a function A of ad(theta), (A B; 0 A). */
+static void fbi_ad_function_add_mul(fb_real *FBI_RESTRICT C, const fb_real *FBI_RESTRICT A,
+                                    const fb_real *FBI_RESTRICT B)
+{
+  for (int i = 0; i < 18; i += 6) {
+    const fb_real *const a = A + i;
+    for (int j = 0; j < 6; j++) {
+      C[i + j] = C[i + j] + a[0] * B[j] + a[1] * B[6 + j] + a[2] * B[12 + j] + a[3] * B[18 + j] + a[4] * B[24 + j] +
+                 a[5] * B[30 + j];
+      C[i + j + 18] = C[i + j + 18] + a[0] * B[18 + j] + a[1] * B[24 + j] + a[2] * B[30 + j];
+    }
+  }
+}
+
 static void fbi_mat66_transpose(fb_real *FBI_RESTRICT T, const fb_real *FBI_RESTRICT A)
 {
   for (int i = 0; i < 6; i++) {
@@ -14162,8 +14176,9 @@ static void fbi_exact_even_by_theta(fb_real Y[36], const fbi_exact_cell *c, cons
   fbi_adT_turn(X, s, FB_R(1.0));
   fbi_adT_mul(Y, c->theta, X);
   fbi_adT_turn(Y, c->p, FB_R(1.0));
-  for (int i = 35; i >= 0; i--) {
-    Y[i] = c->twist.even * Y[i] + (i < 18 ? FB_R(0.0) : c->twist.screw * Y[i - 18]);
+  for (int i = 0; i < 18; i++) {
+    Y[i + 18] = c->twist.even * Y[i + 18] + c->twist.screw * Y[i];
+    Y[i] *= c->twist.even;
   }
 
   /* Those coefficients, times y */
@@ -14220,8 +14235,9 @@ static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, co
     d[i] = FB_R(0.5) * (a[i] + b[i]);
   }
   fbi_ad_fill(X, d);
-  for (int i = 0; i < 36; i++) {
-    X[i] += c->twist.even * Y[i] + (i < 18 ? c->twist.screw * Y[i + 18] : FB_R(0.0));
+  for (int i = 0; i < 18; i++) {
+    X[i] += c->twist.even * Y[i] + c->twist.screw * Y[i + 18];
+    X[i + 18] += c->twist.even * Y[i + 18];
   }
 
   /* The coefficients, times y */
@@ -14235,7 +14251,7 @@ static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, co
   for (int i = 0; i < 36; i++) {
     E[i] *= work->motion.shift;
   }
-  fbi_mat66_add_mul(E, X, hC);
+  fbi_ad_function_add_mul(E, X, hC);
 }
 
 /* [E10.9] Jacobian of E10.7 and E10.8: by the motion of the nodes, and by the stress, which changes the twist by h C ds.
@@ -14473,30 +14489,21 @@ static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb
 }
 
 /* Balance of the outer node of element k under its constraints, by the stress, by the motion of that node and by that of
-   the inner one: [F2s, F2d2 + K | F2d1], K that of what is outboard. */
-static void fbi_exact_balance_fill(fb_real S[36], fb_real N[36], fb_real H[36], const fb_exact_work *work,
-                                   const fb_exact *m, const fb_real K[36], int k)
+   the inner one, in place of what the element has in it: [F2s, F2d2 + K | F2d1], K that of what is outboard. */
+static void fbi_exact_balance_complete(fb_exact_work *work, const fb_exact *m, const fb_real K[36], int k)
 {
-  const fbi_exact_jacobian *const j = &work->jacobian;
-  fb_real rows[6 * 18];
-  fbi_copy(S, j->F2s, 36);
-  fbi_copy(H, j->F2d1, 36);
-  for (int i = 0; i < 36; i++) {
-    N[i] = j->F2d2[i] + K[i];
-  }
+  fbi_exact_jacobian *const j = &work->jacobian;
+  fb_real *const part[3] = {j->F2s, j->F2d2, j->F2d1}, rows[6 * 18];
+  fbi_row_sub(j->F2d2, -FB_R(1.0), K, 36);
   if (!m->held[k + 1]) {
     return;
   }
-  for (int r = 0; r < 6; r++) {
-    fbi_copy(rows + 18 * r, S + 6 * r, 6);
-    fbi_copy(rows + 18 * r + 6, N + 6 * r, 6);
-    fbi_copy(rows + 18 * r + 12, H + 6 * r, 6);
+  for (int i = 0; i < 18; i++) {
+    fbi_vec6_copy(rows + 6 * i, part[i % 3] + 6 * (i / 3));
   }
   fbi_exact_hold(rows, work, m, k + 1, 18, 6);
-  for (int r = 0; r < 6; r++) {
-    fbi_copy(S + 6 * r, rows + 18 * r, 6);
-    fbi_copy(N + 6 * r, rows + 18 * r + 6, 6);
-    fbi_copy(H + 6 * r, rows + 18 * r + 12, 6);
+  for (int i = 0; i < 18; i++) {
+    fbi_vec6_copy(part[i % 3] + 6 * (i / 3), rows + 6 * i);
   }
 }
 
@@ -14520,15 +14527,16 @@ static void fbi_exact_condense(fb_real K[36], fb_exact_work *work, const fb_real
 static FBI_NOINLINE fb_status fbi_exact_whole_eliminate(fb_real K[36], fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_jacobian *const j = &work->jacobian;
-  fb_real *const A = work->LU + 144 * k, S[36], N[36], W[72], scale[12];
-  fbi_exact_balance_fill(S, N, W + 36, work, m, K, k);
+  fb_real *const A = work->LU + 144 * k, W[72], scale[12];
+  fbi_exact_balance_complete(work, m, K, k);
   for (int i = 0; i < 36; i++) {
     const int at = 12 * (i / 6) + i % 6;
     A[at] = j->E[i];
     A[at + 6] = -j->D2[i];
-    A[at + 72] = S[i];
-    A[at + 78] = N[i];
+    A[at + 72] = j->F2s[i];
+    A[at + 78] = j->F2d2[i];
     W[i] = -j->D1[i];
+    W[i + 36] = j->F2d1[i];
   }
   FBI_TRY(fbi_lu_12_factor(A, work->perm + 12 * k, scale));
   fbi_lu_12_solve_rows(W, A, work->perm + 12 * k);
@@ -14548,28 +14556,32 @@ static int fbi_exact_by_parts(const fb_exact_work *work, const fb_exact *m, int 
    X ad(theta). Kept transposed: the inverse of that matrix, N, G, X. */
 static FBI_NOINLINE fb_status fbi_exact_beam_eliminate(fb_real K[36], fb_exact_work *work, const fb_exact *m, int k)
 {
-  const fbi_exact_jacobian *const j = &work->jacobian;
-  fb_real *const kept = work->LU + 144 * k, *const X = work->L + 72 * k,
-                 *const G = X + 36; /* there until L is filled */
-  fb_real S[36], N[36], H[36], Y[36], W[72];
+  fbi_exact_jacobian *const j = &work->jacobian;
+  fb_real *const kept = work->LU + 144 * k, *const S = j->F2s, *const N = j->F2d2, X[36], G[36], W[72];
   fbi_ad_function_invert(X, j->D2);
   fbi_zero(G, 36);
-  fbi_mat66_add_mul(G, X, j->E);
-  fbi_mul_ad(Y, X, work->cell.theta);
-  fbi_zero(W, 36);
-  for (int i = 0; i < 36; i++) { /* -X D1 */
-    W[i + 36] = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) - Y[i];
+  fbi_ad_function_add_mul(G, X, j->E);
+  fbi_zero(W, 72);
+  for (int i = 36; i < 54; i += 6) { /* -X D1 */
+    fbi_adT(W + i, work->cell.theta, X + i - 36);
   }
-  fbi_exact_balance_fill(S, N, H, work, m, K, k);
+  for (int i = 0; i < 3; i++) {
+    for (int l = 0; l < 3; l++) {
+      const fb_real one = i == l ? FB_R(1.0) : FB_R(0.0);
+      W[6 * i + l + 36] = W[6 * i + l + 57] = one - W[6 * i + l + 36];
+      W[6 * i + l + 39] = -W[6 * i + l + 39];
+    }
+  }
+  fbi_exact_balance_complete(work, m, K, k);
   fbi_mat66_add_mul(S, N, G);
   FBI_TRY(fbi_mat66_invert(S));
 
   /* ds = -W_s dd1, dd2 = -W_d dd1 without residuals */
-  fbi_mat66_add_mul(H, N, W + 36);
-  for (int i = 0; i < 36; i++) {
-    W[i + 36] = -W[i + 36];
+  fbi_mat66_add_mul(j->F2d1, N, W + 36);
+  for (int i = 36; i < 72; i++) {
+    W[i] = -W[i];
   }
-  fbi_mat66_add_mul(W, S, H);
+  fbi_mat66_add_mul(W, S, j->F2d1);
   fbi_mat66_add_mul(W + 36, G, W);
   fbi_mat66_transpose(kept, S);
   fbi_mat66_transpose(kept + 36, N);
