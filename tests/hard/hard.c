@@ -26,17 +26,15 @@ typedef struct hard_case {
 } hard_case;
 
 static const hard_case cases[] = {
-    {"flat-spin", hard_flat_spin},   {"fast-spin", hard_fast_spin},
-    {"axial", hard_axial},           {"long", hard_long},
-    {"resonance", hard_resonance},   {"rounding", hard_rounding},
-    {"decay", hard_decay},           {"latches", hard_latches},
-    {"massless", hard_massless},     {"loop", hard_loop},
-    {"column", hard_column},         {"circle", hard_circle},
-    {"long-steps", hard_long_steps}, {"many-modes", hard_many_modes},
-    {"units", hard_units},           {"absurd", hard_absurd},
-    {"rotor", hard_rotor},           {"flight", hard_flight},
-    {"slender", hard_slender},       {"roll", hard_roll},
-    {"release", hard_release},       {"long-bent", hard_long_bent},
+    {"flat-spin", hard_flat_spin}, {"fast-spin", hard_fast_spin},   {"axial", hard_axial},
+    {"long", hard_long},           {"resonance", hard_resonance},   {"rounding", hard_rounding},
+    {"decay", hard_decay},         {"latches", hard_latches},       {"massless", hard_massless},
+    {"loop", hard_loop},           {"column", hard_column},         {"circle", hard_circle},
+    {"growth", hard_growth},       {"kicked", hard_kicked},         {"thrown", hard_thrown},
+    {"helix", hard_helix},         {"long-steps", hard_long_steps}, {"many-modes", hard_many_modes},
+    {"units", hard_units},         {"absurd", hard_absurd},         {"rotor", hard_rotor},
+    {"flight", hard_flight},       {"slender", hard_slender},       {"roll", hard_roll},
+    {"release", hard_release},     {"long-bent", hard_long_bent},
 };
 
 typedef struct options {

@@ -6,6 +6,7 @@
 #define HARD_H
 
 #define FB_MAX_MODES 40
+#define FB_MAX_EXACT 60
 #define FB_MAX_STRAINS 64
 #include "../../flexbeam.h"
 #include "../../examples/common/boom.h"
@@ -55,6 +56,10 @@ void hard_massless(int brief);
 void hard_loop(int brief);
 void hard_column(int brief);
 void hard_circle(int brief);
+void hard_growth(int brief);
+void hard_kicked(int brief);
+void hard_thrown(int brief);
+void hard_helix(int brief);
 void hard_long_steps(int brief);
 void hard_many_modes(int brief);
 void hard_units(int brief);
