@@ -31,8 +31,14 @@ typedef struct text_words { /* words that were there, and the line of the first 
 
 #define TEXT_BLOCKS 4 /* within each other: body, beam, stations are 3 */
 
+typedef struct text_fault { /* what a complaint is about; line 0, empty: about none */
+  char file[512], word[64];
+  int line;
+} text_fault;
+
 typedef struct text_file {
   FILE *file;
+  const char *text; /* what is left of a text in memory; NULL: the file is read */
   const char *program, *name;
   int line, failed;
   int table;           /* 1: 0,1 are two numbers */
@@ -42,7 +48,10 @@ typedef struct text_file {
     int line;
   } block[TEXT_BLOCKS];
   char buffer[2048], *at; /* what is left of the line */
+  const char *word;       /* the last one that was taken, and.. */
+  int word_line;          /* ..its line */
   char *message;          /* TEXT_MESSAGE characters for a complaint; NULL: it goes to stderr */
+  text_fault *fault;      /* NULL: nobody asks */
   text_named *named;
   int n_named;
 } text_file;
@@ -62,19 +71,35 @@ static inline int text_begins(const char *line)
   return -(strcmp(word, "end") == 0);
 }
 
+/* As fgets. */
+static inline char *text_gets(text_file *t, char *line, size_t size)
+{
+  size_t n;
+  if (!t->text) {
+    return fgets(line, (int)size, t->file);
+  }
+  n = strcspn(t->text, "\n");
+  n += t->text[n] == '\n';
+  n = n < size - 1 ? n : size - 1;
+  memcpy(line, t->text, n);
+  line[n] = 0;
+  t->text += n;
+  return n > 0 ? line : NULL;
+}
+
 /* Has the rest of the file, which this reads, fewer lines `end` than its blocks and those around it want? */
-static inline int text_lacks_end(const text_file *t)
+static inline int text_lacks_end(text_file *t)
 {
   char line[sizeof t->buffer];
   int open = t->n_block + t->begins;
-  while (t->n_block > 0 && fgets(line, (int)sizeof line, t->file)) {
+  while (t->n_block > 0 && text_gets(t, line, sizeof line)) {
     open += text_begins(line);
   }
   return t->n_block > 0 && open > 0;
 }
 
 /* Appends the blocks around it, the innermost first, if an `end` is missing: what follows was taken for their lines. */
-static inline void text_tell_blocks(const text_file *t, char message[TEXT_MESSAGE])
+static inline void text_tell_blocks(text_file *t, char message[TEXT_MESSAGE])
 {
   const int lacks = text_lacks_end(t);
   for (int k = t->n_block; lacks && k-- > 0;) {
@@ -83,6 +108,13 @@ static inline void text_tell_blocks(const text_file *t, char message[TEXT_MESSAG
              t->block[k].kind, t->block[k].name[0] ? " " : "", t->block[k].name, t->block[k].line,
              k == 0 ? ": a line `end` is missing)" : "");
   }
+}
+
+static inline void text_blame(text_fault *fault, const char *file, int line, const char *word)
+{
+  snprintf(fault->file, sizeof fault->file, "%s", file);
+  snprintf(fault->word, sizeof fault->word, "%s", word);
+  fault->line = line;
 }
 
 /* Says what is wrong, once; the reader then finds no more words. */
@@ -96,6 +128,9 @@ static inline void text_fail(text_file *t, const char *format, ...)
     va_start(list, format);
     vsnprintf(message + n, sizeof message - (size_t)n, format, list);
     va_end(list);
+    if (t->fault) {
+      text_blame(t->fault, t->name, t->line, t->word && t->word_line == t->line ? t->word : "");
+    }
     text_tell_blocks(t, message);
     if (t->message) {
       memcpy(t->message, message, sizeof message);
@@ -106,15 +141,22 @@ static inline void text_fail(text_file *t, const char *format, ...)
   t->failed = 1;
 }
 
-/* 0 when the file cannot be read, of which nothing is said. */
-static inline int text_try(text_file *t, const char *program, const char *name)
+/* Of a text in memory, which is called `name`; NULL: of the file of that name. 0 when that cannot be read, of which nothing
+   is said. */
+static inline int text_try_of(text_file *t, const char *program, const char *name, const char *text)
 {
   memset(t, 0, sizeof *t);
   t->program = program;
   t->name = name;
   t->at = t->buffer;
-  t->file = fopen(name, "r");
-  return t->file != NULL;
+  t->text = text;
+  t->file = text ? NULL : fopen(name, "r");
+  return text || t->file;
+}
+
+static inline int text_try(text_file *t, const char *program, const char *name)
+{
+  return text_try_of(t, program, name, NULL);
 }
 
 /* 0 when the file cannot be read. */
@@ -146,8 +188,8 @@ static inline int text_raw_line(text_file *t)
 {
   t->at = t->buffer;
   t->buffer[0] = 0;
-  if (t->failed || !fgets(t->buffer, (int)sizeof t->buffer, t->file)) {
-    if (!t->failed && ferror(t->file)) {
+  if (t->failed || !text_gets(t, t->buffer, sizeof t->buffer)) {
+    if (!t->failed && t->file && ferror(t->file)) {
       text_fail(t, "cannot be read");
     }
     return 0;
@@ -156,7 +198,7 @@ static inline int text_raw_line(text_file *t)
   if (t->line == 1 && strncmp(t->buffer, "\xEF\xBB\xBF", 3) == 0) { /* byte order mark */
     memmove(t->buffer, t->buffer + 3, strlen(t->buffer) - 2);
   }
-  if (!strchr(t->buffer, '\n') && !feof(t->file)) {
+  if (!strchr(t->buffer, '\n') && !(t->text ? !*t->text : feof(t->file))) {
     text_fail(t, strlen(t->buffer) + 1 == sizeof t->buffer ? "the line is longer than %d characters" : "is no text",
               (int)sizeof t->buffer - 2);
     return 0;
@@ -197,6 +239,8 @@ static inline const char *text_word(text_file *t)
   if (*t->at) {
     *t->at++ = 0;
   }
+  t->word = word;
+  t->word_line = t->line;
   return word;
 }
 

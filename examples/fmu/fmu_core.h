@@ -102,6 +102,18 @@ static void fmu_reset(fmu *f)
   }
 }
 
+/* The variables of the plant that is open, as instantiated. */
+static void fmu_list(fmu *f)
+{
+  f->n_variable = fmu_plant_variables(&f->plant, f->variable);
+  for (int k = 0; k < f->n_variable; k++) {
+    for (int i = 0; i < f->variable[k].count; i++) {
+      f->owner[f->n_value++] = (short)k;
+    }
+  }
+  fmu_reset(f);
+}
+
 /* f: of zeros. token: what the importer has read; resources: the folder. */
 static fmu_answer fmu_init(fmu *f, const char *token, const char *resources)
 {
@@ -113,13 +125,7 @@ static fmu_answer fmu_init(fmu *f, const char *token, const char *resources)
     return fmu_refuse(f, FMU_ERROR, "the token of the model description is %.60s, that of the program %s",
                       token ? token : "missing", fmu_plant_token(&f->plant));
   }
-  f->n_variable = fmu_plant_variables(&f->plant, f->variable);
-  for (int k = 0; k < f->n_variable; k++) {
-    for (int i = 0; i < f->variable[k].count; i++) {
-      f->owner[f->n_value++] = (short)k;
-    }
-  }
-  fmu_reset(f);
+  fmu_list(f);
   return FMU_OK;
 }
 

@@ -41,9 +41,15 @@ typedef struct fmu_scene_input {
 
 typedef struct fmu_plant { /* large, but for what the scene has not: that stays as it was taken, zeros */
   int made, begun;         /* is it built for the parameters below, and started since? */
+  int used;                /* was anything built before? */
+  int is_alone;     /* no FMU, but examples/bindings: may be a scene without duration; paths, units as in files */
+  const char *text; /* of the scene; NULL: that of the file at.. */
   char token[48], path[FMU_PATH + 200];
-  double step; /* the start value of settings.step */
+  double step;           /* the start value of settings.step */
+  scene_options options; /* no files, no talk, where nobody asks */
   scene_run_state run;
+  double spin, acceleration; /* of `automatic`, and.. */
+  fb_advice advice;          /* ..that of its first body, as they were built */
   fmu_scene_input input[FMU_SCENE_INPUTS];
   int n_input, n_variable;
   fmu_variable variable[FMU_SCENE_VARIABLES];
@@ -86,8 +92,6 @@ static void fmu_scene_done(void)
 #endif
 }
 
-static const scene_options fmu_scene_quiet; /* no files, no talk */
-
 static fmu_answer fmu_scene_said(fmu_text text, fmu_answer answer, const char *what)
 {
   snprintf(text, sizeof(fmu_text), "%.700s", what);
@@ -97,9 +101,13 @@ static fmu_answer fmu_scene_said(fmu_text text, fmu_answer answer, const char *w
 /* ---- variables */
 
 /* A unit as FMI has it: N.m, m/s2; NULL: none. */
-static const char *fmu_scene_unit(char to[40], const char *unit)
+static const char *fmu_scene_unit(const fmu_plant *p, char to[40], const char *unit)
 {
   size_t n = 0;
+  if (p->is_alone) {
+    snprintf(to, 40, "%s", unit);
+    return to;
+  }
   for (const char *c = unit; *c && n < 39; c++) {
     if (*c != '^') {
       to[n++] = *c;
@@ -121,7 +129,7 @@ static fmu_variable *fmu_scene_add(fmu_plant *p, fmu_kind kind, const char *head
   v->count = 1;
   snprintf(p->name[k], sizeof p->name[k], "%.40s%.40s", head, name);
   v->name = p->name[k];
-  v->unit = fmu_scene_unit(p->unit[k], unit);
+  v->unit = fmu_scene_unit(p, p->unit[k], unit);
   return v;
 }
 
@@ -357,10 +365,13 @@ static fmu_answer fmu_scene_read(fmu_plant *p, const char *path, const double *p
   }
   p->made = 0;
   fmu_scene_here(p);
-  if (scene_read(s, path, set, n)) {
+  if (scene_read_of(s, path, p->text, set, n)) {
     return fmu_scene_said(text, FMU_ERROR, s->message);
   }
   s->step = step > 0 ? step : s->step;
+  if (p->is_alone) {
+    return FMU_OK;
+  }
   memmove(s->path, slash ? slash + 1 : s->path, slash ? strlen(slash) : strlen(s->path) + 1); /* messages */
   if (!(s->duration > 0)) {
     scene_fail(s, "a scene without duration computes its start alone: no motion that an FMU could step");
@@ -393,10 +404,17 @@ static fmu_answer fmu_scene_make(fmu_plant *p, const double *parameter, double s
   if (answer != FMU_OK) {
     return answer;
   }
-  clear_memory(&engine, sizeof engine);
-  if (scene_build(&p->s, &fmu_scene_quiet)) {
+  if (p->used) {
+    clear_memory(&engine, sizeof engine);
+  }
+  p->used = 1;
+  scene_warn_bodies(&p->s, p->options.warn);
+  if (scene_build(&p->s, &p->options)) {
     return fmu_scene_said(text, FMU_ERROR, p->s.message);
   }
+  p->spin = automatic.spin;
+  p->acceleration = automatic.acceleration;
+  p->advice = automatic.advice[0];
   for (int k = 0; k < p->s.n_parameter; k++) {
     p->built[k] = parameter[k];
   }
@@ -514,10 +532,15 @@ static fmu_answer fmu_scene_begin(fmu_plant *p, fmu_text text)
     return fmu_scene_said(text, FMU_ERROR, s->message);
   }
   scene_clock_init(s, scene_rows(s));
-  fmu_scene_wait();
-  scene_choose(s);
-  fmu_scene_done();
-  if (scene_check_steps(s, &fmu_scene_quiet)) {
+  if (s->duration > 0) {
+    fmu_scene_wait();
+    automatic.spin = p->spin;
+    automatic.acceleration = p->acceleration;
+    automatic.advice[0] = p->advice;
+    scene_choose(s);
+    fmu_scene_done();
+  }
+  if (s->duration > 0 && scene_check_steps(s, &p->options)) {
     return fmu_scene_said(text, FMU_ERROR, s->message);
   }
   engine.by_step = 0;
@@ -595,6 +618,18 @@ static void fmu_scene_store(fmu_plant *p, fmu_plant_state *state)
   }
 }
 
+/* The scene that was read is what was exported. */
+static void fmu_scene_opened(fmu_plant *p)
+{
+  fmu_scene_list(p, &p->s);
+  memcpy(p->exported, p->name, sizeof p->exported);
+  p->n_exported = p->n_variable;
+  p->n_parameter = p->s.n_parameter;
+  for (int k = 0; k < p->n_parameter; k++) {
+    strcpy(p->parameter[k], p->s.parameter[k].name);
+  }
+}
+
 /* ---- what the core asks for */
 
 static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text text)
@@ -605,13 +640,7 @@ static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text t
   answer = answer ? answer : fmu_scene_read(p, p->path, NULL, 0, text);
   fmu_scene_done();
   if (answer == FMU_OK) {
-    fmu_scene_list(p, &p->s);
-    memcpy(p->exported, p->name, sizeof p->exported);
-    p->n_exported = p->n_variable;
-    p->n_parameter = p->s.n_parameter;
-    for (int k = 0; k < p->n_parameter; k++) {
-      strcpy(p->parameter[k], p->s.parameter[k].name);
-    }
+    fmu_scene_opened(p);
   }
   (void)scene_run; /* it runs a scene from end to end; here somebody else has the clock */
   return answer;

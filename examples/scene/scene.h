@@ -78,7 +78,7 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
     scene_at_part(t, what);
     text_fail(t, "%s: %s", what, refusal_text(status));
   }
-  body->shape = model_shape;
+  copy_memory(&body->shape, &model_shape, sizeof model_shape);
   if (s->exact_elements > 0 && !t->failed) {
     s->is_exact = 1;
     scene_convert_exact(t, s, body);
@@ -98,6 +98,7 @@ static void scene_read_model(text_file *t, const scene *s)
   text_beside(path, s->path, name);
   if (text_try(&other, t->program, path)) {
     other.message = t->message;
+    other.fault = t->fault;
     other.named = t->named;
     other.n_named = t->n_named;
     model_lines(&other);
@@ -152,7 +153,7 @@ static void scene_body_like(text_file *t, scene *s, scene_body *body)
     return;
   }
   strcpy(name, body->name);
-  *body = s->body[other];
+  copy_memory(body, &s->body[other], sizeof *body);
   strcpy(body->name, name);
   body->line = t->line;
   for (int k = 0; k < n && !t->failed; k++) {
@@ -177,7 +178,7 @@ static void scene_read_body(text_file *t, scene *s)
     text_fail(t, "more than %d bodies", FB_MAX_BODIES);
     return;
   }
-  memset(body, 0, sizeof *body);
+  clear_memory(body, sizeof *body);
   body->attitude[0] = 1;
   body->line = begin;
   scene_name_body(t, s, body);
@@ -468,8 +469,8 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
   text_end_of_line(t);
 }
 
-/* 0, or 1 and the reason in s->message. */
-static int scene_read(scene *s, const char *path, const scene_setting *set, int n_set)
+/* Of a text in memory, which is called `path`; NULL: of that file. 0, or 1 and the reason in s->message. */
+static int scene_read_of(scene *s, const char *path, const char *text, const scene_setting *set, int n_set)
 {
   text_file t;
   clear_memory(s, sizeof *s);
@@ -480,10 +481,11 @@ static int scene_read(scene *s, const char *path, const scene_setting *set, int 
   s->view_of = -1;
   strcpy(s->length_unit, "m");
   strcpy(s->force_unit, "N");
-  if (!text_try(&t, "scene", path)) {
+  if (!text_try_of(&t, "scene", path, text)) {
     return scene_fail(s, "%s", strerror(errno));
   }
   t.message = s->message;
+  t.fault = &s->fault;
   while (text_line(&t)) {
     scene_read_line(&t, s, text_word(&t));
   }
@@ -491,5 +493,10 @@ static int scene_read(scene *s, const char *path, const scene_setting *set, int 
   text_close(&t);
   s->set = NULL;
   return t.failed;
+}
+
+static inline int scene_read(scene *s, const char *path, const scene_setting *set, int n_set)
+{
+  return scene_read_of(s, path, NULL, set, n_set);
 }
 #endif

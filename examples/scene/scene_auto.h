@@ -17,6 +17,16 @@ static long scene_rows(const scene *s)
 
 /* ---- bodies of the chosen effects and modes */
 
+/* Built elsewhere, where all of it is written: scenes of several instances have room for bodies that are not there. */
+static fb_status scene_body_init(int k, const fb_shape *shape, const fb_body_desc *level)
+{
+  static fb_body body;
+  static fb_body_work work;
+  const fb_status status = fb_body_init(&body, &work, shape, level);
+  copy_memory(&engine.body[k], &body, sizeof body);
+  return status;
+}
+
 static fb_status scene_init_body(const scene *s, int k, const fb_advice *advice)
 {
   static fb_shape selected;
@@ -38,7 +48,7 @@ static fb_status scene_init_body(const scene *s, int k, const fb_advice *advice)
   if (scene_is_system(s)) {
     level.base = FB_BASE_PRESCRIBED;
   }
-  status = status ? status : fb_body_init(&engine.body[k], &engine.body_work, advice ? &selected : &b->shape, &level);
+  status = status ? status : scene_body_init(k, advice ? &selected : &b->shape, &level);
   if (status == FB_OK && b->form.form != FB_FORM_MOMENTUM) {
     const fb_form_desc form = {b->form.form, b->form.stiffness_torque, &b->torque};
     status = fb_form_init(&engine.formed, &engine.body_work, &b->shape, &level, &form);
@@ -76,7 +86,7 @@ static fb_status scene_build_rigid(const scene *s)
     for (int a = 0; a < FB_MAX_MODES; a++) {
       engine.place[k][a] = -1;
     }
-    status = fb_body_init(&engine.body[k], &engine.body_work, &s->body[k].shape, &level);
+    status = scene_body_init(k, &s->body[k].shape, &level);
   }
   return status;
 }

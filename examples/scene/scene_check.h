@@ -466,6 +466,8 @@ static void scene_check_settings(text_file *t, const scene *s)
       there |= strcmp(s->set[k].name, s->parameter[i].name) == 0;
     }
     if (!there) {
+      t->word = s->set[k].name;
+      t->word_line = t->line;
       text_fail(t, "no parameter has the name %s, which is to be set", s->set[k].name);
     }
   }

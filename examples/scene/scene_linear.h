@@ -436,51 +436,60 @@ static void plant_describe(const scene *s)
   }
 }
 
-/* Writes the linear model about the start, as far as it is asked for: inputs are all loads, motors, actuators and rotors
-   of the scene, outputs all its outputs that are functions of state and inputs. */
-static int scene_write_linear(scene *s, const char *name, FILE *talk)
+/* The linear model about the start, in plant.file: inputs are all loads, motors, actuators and rotors of the scene,
+   outputs all its outputs that are functions of state and inputs. 1: the reason is in s->message. */
+static int scene_linearize(scene *s)
 {
   plant_input in[SCENE_OUTPUTS];
-  int sensor[SCENE_OUTPUTS], n_in, n_out;
+  int sensor[SCENE_OUTPUTS], n_in;
   fb_status status;
-  if (!name) {
-    return 0;
-  }
   if (s->is_exact && !s->trim) {
-    return scene_fail(s, "--linear: of an exact beam about its steady state alone: add a line trim");
+    return scene_fail(s, "linear model: of an exact beam about its steady state alone: add a line trim");
   }
   status = plant_begin(s);
   n_in = status ? 0 : plant_inputs(in, s);
   if (n_in < 0) {
-    return scene_fail(s, "--linear: loads, motors, actuators and rotors have more than %d components together",
+    return scene_fail(s, "linear model: loads, motors, actuators and rotors have more than %d components together",
                       FB_MAX_PORTS);
   }
   for (int o = 0; o < s->n_output; o++) {
     sensor[o] = (s->is_exact ? exact_plant_sensor : plant_sensor)(s, &s->output[o]);
     if (sensor[o] == -2) {
-      return scene_fail(s, "--linear: output %s and those before it are more than %d sensors", s->output[o].label,
+      return scene_fail(s, "linear model: output %s and those before it are more than %d sensors", s->output[o].label,
                         FB_MAX_PORTS);
     }
   }
   status = status ? status : (s->is_exact ? exact_plant_solve : plant_solve)(s);
   if (status != FB_OK) {
-    return scene_fail(s, "--linear: no linear model about the start: %s", refusal_text(status));
+    return scene_fail(s, "no linear model about the start: %s", refusal_text(status));
   }
   plant_describe(s);
-  n_out = plant_fill(s, in, n_in, sensor);
+  plant.file.n_out = plant_fill(s, in, n_in, sensor);
   for (int k = 0; k < n_in; k++) {
     plant_name_input(s, &in[k], k);
   }
   plant.file.n_in = n_in;
-  plant.file.n_out = n_out;
   plant.file.B = plant.B;
   plant.file.C = plant.C;
   plant.file.D = plant.D;
+  return 0;
+}
+
+/* Writes it, where it is asked for. */
+static int scene_write_linear(scene *s, const char *name, FILE *talk)
+{
+  if (!name) {
+    return 0;
+  }
+  if (scene_linearize(s)) {
+    return 1;
+  }
   if (linear_out_write(&plant.file, name)) {
     return scene_fail(s, "cannot write %s: %s%s", name, output_why(), output_left(name));
   }
   if (talk) {
-    fprintf(talk, "linear model: %d states, %d inputs, %d of %d outputs\n", plant.file.n, n_in, n_out, s->n_output);
+    fprintf(talk, "linear model: %d states, %d inputs, %d of %d outputs\n", plant.file.n, plant.file.n_in,
+            plant.file.n_out, s->n_output);
   }
   return 0;
 }

@@ -77,10 +77,15 @@ static fb_status modes_of_beam(const scene *s)
   return status;
 }
 
-/* Prints a row for each mode about the start. 1: the reason is in s->message. */
-static int scene_print_modes(scene *s, FILE *out)
+typedef struct scene_mode {
+  double undamped, damped, ratio, growth; /* [rad/s], [rad/s], -, [1/s] */
+  char what[256];                         /* moves */
+} scene_mode;
+#define SCENE_MODES (FB_MAX_LINEAR > MODES_OF_BEAM ? FB_MAX_LINEAR : MODES_OF_BEAM)
+
+/* The modes about the start, slowest first: how many; -1: the reason is in s->message. */
+static int scene_modes(scene *s, scene_mode mode[SCENE_MODES])
 {
-  static const double pi = 3.14159265358979323846;
   fb_real *const re = s->is_exact ? exact_run.spectrum.re : engine.spectrum.re;
   fb_real *const im = s->is_exact ? exact_run.spectrum.im : engine.spectrum.im;
   fb_status status = plant_begin(s);
@@ -88,7 +93,8 @@ static int scene_print_modes(scene *s, FILE *out)
   status = status ? status : s->is_exact ? modes_of_beam(s) : plant_solve(s);
   status = status || s->is_exact ? status : scene_spectrum(s);
   if (status != FB_OK) {
-    return scene_fail(s, "--modes: no modes about the start: %s", refusal_text(status));
+    (void)scene_fail(s, "no modes about the start: %s", refusal_text(status));
+    return -1;
   }
   if (!s->is_exact) {
     plant_describe(s);
@@ -96,17 +102,33 @@ static int scene_print_modes(scene *s, FILE *out)
   n = s->is_exact ? exact_run.spectrum.n : engine.spectrum.n;
   n = s->is_exact && n > MODES_OF_BEAM ? MODES_OF_BEAM : n; /* a pair of equal ones ends beyond */
   (void)spectrum_drop_rounding(re, im, n);
-  fprintf(out, "mode  undamped [Hz]  damped [Hz]  damped [rad/s]  damping ratio  growth [1/s]  what moves\n");
   for (int k = 0; k < n; k++) {
     const double size = hypot((double)re[k], (double)im[k]), omega = fabs((double)im[k]);
     const double error = s->is_exact ? (double)exact_run.spectrum.error[k] * size : (double)engine.spectrum.error[k];
     const double growth = fabs((double)re[k]) > error ? (double)re[k] : 0;
-    char what[256] = "rigid-body motion";
+    const scene_mode one = {size, omega, size > 0 ? -growth / size + 0.0 : 0, growth + 0.0, "rigid-body motion"};
+    mode[k] = one;
     if (size > 0) {
-      (s->is_exact ? modes_name_exact : modes_name)(what, sizeof what, s, k);
+      (s->is_exact ? modes_name_exact : modes_name)(mode[k].what, sizeof mode[k].what, s, k);
     }
-    fprintf(out, "%4d  %13.6g  %11.6g  %14.6g  %13.4g  %12.4g  %s\n", k + 1, size / (2 * pi), omega / (2 * pi), omega,
-            size > 0 ? -growth / size + 0.0 : 0, growth + 0.0, what);
+  }
+  return n;
+}
+
+/* Prints a row for each. 1: the reason is in s->message. */
+static int scene_print_modes(scene *s, FILE *out)
+{
+  static const double pi = 3.14159265358979323846;
+  static scene_mode mode[SCENE_MODES];
+  const int n = scene_modes(s, mode);
+  if (n < 0) {
+    return 1;
+  }
+  fprintf(out, "mode  undamped [Hz]  damped [Hz]  damped [rad/s]  damping ratio  growth [1/s]  what moves\n");
+  for (int k = 0; k < n; k++) {
+    const scene_mode *const m = &mode[k];
+    fprintf(out, "%4d  %13.6g  %11.6g  %14.6g  %13.4g  %12.4g  %s\n", k + 1, m->undamped / (2 * pi),
+            m->damped / (2 * pi), m->damped, m->ratio, m->growth, m->what);
   }
   return 0;
 }

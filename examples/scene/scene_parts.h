@@ -296,6 +296,7 @@ typedef enum scene_view_from { /* which axes are right and up on a page */
 
 typedef struct scene {
   char warning[TEXT_MESSAGE]; /* by scene_run: the first one; empty: none */
+  text_fault fault;           /* of the message */
   char message[TEXT_MESSAGE], path[512], title[128], length_unit[8], force_unit[8];
   int n_parameter;
   text_named parameter[SCENE_PARAMETERS];
@@ -339,6 +340,7 @@ static int scene_fail_list(scene *s, int line, const char *format, va_list list)
 {
   const int n = snprintf(s->message, sizeof s->message, line > 0 ? "%.400s:%d: " : "%.400s: ", s->path, line);
   vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  text_blame(&s->fault, s->path, line, "");
   return 1;
 }
 
