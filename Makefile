@@ -265,6 +265,13 @@ build/tool/fmu2.so build/tool/fmu3.so: build/tool/fmu%.so: build/tool/fmu%.o bui
 build/tool/fmu2.o build/tool/fmu3.o: build/tool/fmu%.o: fmu%.c build/tool/fmu_config.h build/flags | build/tool
 	$(CC) $(QUICKLY) -w -fPIC -fvisibility=hidden -DFMU_LINKED -Ibuild/tool -Iexamples/fmu/fmi$* -c -o $@ $<
 
+# The same for other languages (examples/bindings), and Python's wheel of it.
+build/bindings/libflexbeam_scene.so: build/bindings/flexbeam_scene.o build/library/tool.o
+	$(CC) $(CFLAGS) -shared -o $@ $^ -lm
+
+build/bindings/flexbeam_scene.o: flexbeam_scene.c build/flags | build/bindings
+	$(CC) $(QUICKLY) -Wno-unused-function -fPIC -fvisibility=hidden -c -o $@ $<
+
 build/tool/fmu_config.h: | build/tool
 	@printf '#define FMU_OF_A_SCENE 1\n#define FMU_STATIC 0\n' > $@
 
@@ -342,7 +349,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/seconds build/laws_of_double build/laws_of_single:
+build build/tests/double build/tests/single build/tool build/examples build/bench build/readme build/page build/sanitized build/library build/bindings build/seconds build/laws_of_double build/laws_of_single:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.

@@ -11,7 +11,7 @@ need gcc gcc
 need g++ g++
 need clang clang
 count=0
-programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e bench/lanes.c -e tutorial_filter)
+programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e fmu2.c -e fmu3.c -e flexbeam_scene.c -e bench/lanes.c -e tutorial_filter)
 inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c examples/tools/library.c tests/test_main.c tests/test_status_detail.c"
 boards="examples/firmware/firmware.c examples/tutorial_firmware.c bench/target.c bench/step_cost.c"
 filter=examples/tutorial_filter.c

@@ -60,7 +60,8 @@ for program in $(basename -s .c examples/*.c examples/*/*.c); do
     ;;
   assembly | firmware) unprinted $program ;;
   campaign_mpi) ;; # mpirun has its standard output
-  fmu2 | fmu3 | library) ;; # no programs: they go into FMUs, and the tool
+  fmu2 | fmu3 | library | flexbeam_scene) ;; # no programs: they go into FMUs, the tool, and a shared library
+  first_curve) ;; # tests/checks/python.sh
   *) unprinted $program --help ;;
   esac
 done
