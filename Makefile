@@ -20,10 +20,10 @@ WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
-           advise symbols threads two_precisions jacobian trace style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard laws
+           advise symbols threads two_precisions jacobian trace python style ids documents quickstart first_build fast_math output hil aero scene linear import packages page hard laws
 
 .DELETE_ON_ERROR:
-.PHONY: help run tool table1 leigh scenes blade page firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci ci-all seconds install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
+.PHONY: help run tool table1 leigh scenes blade page python firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci ci-all seconds install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -33,6 +33,7 @@ help:
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
+	@echo "make python    scenes from Python: a wheel of the package flexbeam (examples/bindings), build/bindings/"
 	@echo "make firmware  the attitude loop of examples/firmware/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests"
@@ -97,6 +98,11 @@ firmware:
 	@echo && echo "Cortex-M4F, single precision, -O2, the step by reduce --code:" && cat build/checks/firmware/board_generated_single-O2.txt
 
 page: build/page/flexbeam.html
+
+python: build/bindings/libflexbeam_scene.so
+	@command -v python3 > /dev/null || { echo "python: no python3 (Debian: apt-get install python3)"; exit 1; }
+	@rm -f build/bindings/*.whl; wheel=$$(python3 examples/bindings/python/wheel_of_make.py build/bindings) && \
+	echo "pip install build/bindings/$$wheel" && { python3 -c 'import numpy' 2> /dev/null || echo "it wants NumPy, which pip fetches (Debian: apt-get install python3-numpy)"; }
 
 hil: build/examples/hil_plant build/examples/hil_controller
 	@rm -f build/hil.key; (umask 077; od -An -N16 -tx1 /dev/urandom | tr -d ' \n' > build/hil.key)
@@ -389,6 +395,8 @@ build/sanitized/%.o: tests/checks/hostile_sizes.h $(LIBRARY) | build/sanitized
 check-linear check-long check-scene check-hil check-aero: build/library/double.o
 
 check-page: build/examples/page
+
+check-python: build/flexbeam build/bindings/libflexbeam_scene.so
 
 check-trace: build/examples/tutorial_filter
 
