@@ -69,11 +69,17 @@
          .n_body = 2, // both of model 0; z of a joint is its axis
          .joint = {{.kind = FB_JOINT_REVOLUTE, .parent = FB_GROUND},
                    {.kind = FB_JOINT_REVOLUTE, .parent = 0, .parent_node = 1, .damping = {FB_R(0.1)}}}};
-     status = fb_system_init(&system, &work, &body, &arm, 1);
+     static const fb_system_input elbow = {.drive[1].torque = {200}}; // [N m]
+     static fb_system system;
+     static fb_system_work work;
+     static fb_system_state state;
+     static fb_system_motion motion;
+     status = status ? status : fb_system_init(&system, &work, &body, &arm, 1);
      status = status ? status : fb_system_state_init(&system, &body, &state, &work, NULL, NULL); // or angles, speeds
-     input.drive[1].torque[0] = FB_R(2.0); // [N m] at the elbow
-     status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, dt);
-     status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces
+     for (int k = 0; k < 1000 && status == FB_OK; k++) {
+       status = fb_system_rk4_step(&system, &body, &state, &work, &elbow, &elbow, &elbow, FB_R(0.001));
+     }
+     status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &elbow); // joint forces
 
    A GEOMETRICALLY EXACT BEAM, for any deflection (examples/elastica.c, follower.c, flap.c, whirl.c)
 

@@ -7,6 +7,12 @@
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>config: libm hooks, configuration symbol, requirements, unrolling */
 
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wfloat-equal" /* with zero, what is left out, and with what was copied: on purpose */
+#pragma GCC diagnostic ignored "-Wswitch-enum" /* default stands for the others */
+#pragma GCC diagnostic ignored "-Wredundant-decls"
+#endif
 #if !(defined(FB_SQRT) && defined(FB_SIN) && defined(FB_COS) && defined(FB_ATAN2) && defined(FB_FABS) && \
       defined(FB_EXP))
 #include <math.h>
@@ -35785,3 +35791,7 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
   return FB_OK;
 }
 #endif /* FB_WITH_ANALYSE */
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif

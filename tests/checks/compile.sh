@@ -30,6 +30,9 @@ compile() {
 }
 
 compile gcc -std=c99 $WARNINGS_C -O3 -DFB_WITH_FORMS=1 -DFB_MAX_MODES=1 -c "$out/impl.c"
+for cc in gcc clang; do # warnings that are not ours, and some users have
+  compile $cc -std=c99 -Wfloat-equal -Wswitch-enum -Wredundant-decls -fsyntax-only "$out/impl.c"
+done
 for points in 2 6 10; do # lines shorter than those that have a kernel of their own
   today $points || continue
   compile gcc -std=c99 $WARNINGS_C -O2 -DFB_MAX_POINTS=$points -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0 -DFB_WITH_ANALYSE=0 -c "$out/impl.c"

@@ -26,6 +26,23 @@ try ${CC:-cc} $flags -o "$out/quickstart"
 "$out/quickstart" > "$out/printed" || fail "examples/quickstart.c: $(cat "$out/printed")"
 cmp -s "$out/printed" "$out/said" || fail "examples/quickstart.c prints \"$(cat "$out/printed")\", README.md says \"$(cat "$out/said")\""
 
+# The system is the same in both, too, and does what README.md says
+sed -n '/^   A SYSTEM of bodies/,/^   A GEOMETRICALLY EXACT/p' flexbeam.h | sed -e '1,2d;$d' -e 's/^     //' -e '/^$/d' > "$out/header"
+awk '/^```c/ { code = 1; next } /^```/ { code = 0 } code' README.md | sed -n '/^static const fb_system_desc/,/fb_system_motion_eval/p' > "$out/system"
+diff "$out/header" "$out/system" > "$out/log" || {
+  head -n 20 "$out/log"
+  fail "A SYSTEM of flexbeam.h is not that of README.md"
+}
+{
+  sed '/fb_body_build(/q' examples/quickstart.c
+  echo '  {'
+  cat "$out/system"
+  printf '    printf("%%.4f %%d\\n", (double)motion.joint[1].value[0], (int)status);\n  }\n  return 0;\n}\n'
+} > "$out/system.c"
+try ${CC:-cc} -std=c99 -I. -o "$out/system_of_two" "$out/system.c" -lm
+said=$(sed -n 's/.* the elbow is at \([-0-9.]*\) rad:$/\1/p' README.md)
+[ "$("$out/system_of_two")" = "$said 0" ] || fail "the system prints $("$out/system_of_two"), README.md says $said"
+
 # The table of MEMORY: a line for each work struct, its size, a note
 structs=$(sed -n 's/^} \(fb_[a-z0-9_]*_work\);$/\1/p; s/^struct \(fb_[a-z0-9_]*_work\) {$/\1/p' flexbeam.h)
 {
