@@ -170,7 +170,8 @@ int fbs_open(fbs *s, const char *name, const char *text, int n, const char *cons
   fmu_plant *const p = &s->f.plant;
   if (p->is_alone) { /* opened before */
     fbs_give(s);
-    clear_memory(s, sizeof *s);
+    fmu_clear(&s->f);
+    memset((char *)s + sizeof s->f, 0, sizeof *s - sizeof s->f);
   }
   s->f.calls.take = calloc;
   s->f.calls.give = free;

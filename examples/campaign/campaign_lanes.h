@@ -212,7 +212,7 @@ static int lanes_prepare(const campaign *c, int run)
   scene *const s = &case_scene;
   scene_setting setting[2 * CAMPAIGN_VARY];
   const int n = case_settings(c, setting, run);
-  clear_memory(&engine, sizeof engine);
+  clear_memory(&engine, offsetof(struct scene_engine, body));
   if (scene_read(s, c->scene, setting, n)) {
     return 0;
   }

@@ -26,6 +26,11 @@ typedef struct fmu_plant {
 
 typedef fb_state fmu_plant_state;
 
+static inline void fmu_plant_clear(fmu_plant *p)
+{
+  clear_memory(p, sizeof *p);
+}
+
 /* Is the model what was exported? resources: of the FMU, in which there are none. */
 static fmu_answer fmu_plant_open(fmu_plant *p, const char *resources, fmu_text text)
 {

@@ -2,6 +2,7 @@
    states. It knows nothing of what it simulates: that is a plant (fmu_body.h, fmu_scene.h), included before, with
 
      fmu_plant, fmu_plant_state                    the model with its scratch; all that changes
+     fmu_plant_clear(p)                            zeros, where they matter
      fmu_plant_open(p, resources, text)            is the model what was exported?
      fmu_plant_token(p)                            of the model
      fmu_plant_variables(p, list)                  how many, in the order of their references
@@ -62,8 +63,14 @@ typedef struct fmu {
   fmu_text text;
   int events, early; /* does the importer use event mode; may a step end before its end? */
   int stopped;       /* the last one did, at an event */
-  fmu_plant plant;
+  fmu_plant plant;   /* last */
 } fmu;
+
+static void fmu_clear(fmu *f)
+{
+  clear_memory(f, offsetof(fmu, plant));
+  fmu_plant_clear(&f->plant);
+}
 
 static fmu_answer fmu_refuse(fmu *f, fmu_answer answer, const char *format, ...)
 {

@@ -29,7 +29,7 @@ static fmu *fmu_take(const fmu_memory_calls *calls)
 #else
   fmu *const f = (fmu *)calls->take(1, sizeof *f);
   if (f) {
-    clear_memory(f, sizeof *f);
+    fmu_clear(f);
     f->calls = *calls;
   }
   return f;

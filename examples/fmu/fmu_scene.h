@@ -405,7 +405,7 @@ static fmu_answer fmu_scene_make(fmu_plant *p, const double *parameter, double s
     return answer;
   }
   if (p->used) {
-    clear_memory(&engine, sizeof engine);
+    clear_memory(&engine, offsetof(struct scene_engine, body));
   }
   p->used = 1;
   scene_warn_bodies(&p->s, p->options.warn);
@@ -616,6 +616,16 @@ static void fmu_scene_store(fmu_plant *p, fmu_plant_state *state)
   } else {
     state->of.body = engine.state;
   }
+}
+
+/* All but the bodies, of which nothing is used that was not written. */
+static inline void fmu_plant_clear(fmu_plant *p)
+{
+  clear_memory(p, offsetof(fmu_plant, s) + offsetof(scene, body));
+  clear_memory(&p->clock, sizeof p->clock);
+  clear_memory(p->controller, sizeof p->controller);
+  clear_memory(&p->moving, offsetof(struct scene_engine, body));
+  clear_memory(&p->bending, sizeof p->bending);
 }
 
 /* The scene that was read is what was exported. */

@@ -473,7 +473,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
 static int scene_read_of(scene *s, const char *path, const char *text, const scene_setting *set, int n_set)
 {
   text_file t;
-  clear_memory(s, sizeof *s);
+  clear_memory(s, offsetof(scene, body));
   snprintf(s->path, sizeof s->path, "%s", path);
   s->set = set;
   s->n_set = n_set;

@@ -237,7 +237,8 @@ static fb_status scene_add_drawn(scene_body *body)
     const int part = model.node_part[k];
     body->on_beam[k] = part >= 0 && model.part[part].kind == MODEL_BEAM;
   }
-  n = scene_draws && body->n_beam > 0 ? (FB_MAX_NODES - body->n_node) / body->n_beam - 1 : 0;
+  n = body->n_node < SCENE_DRAWN ? 2 * SCENE_DRAWN - body->n_node : SCENE_DRAWN;
+  n = scene_draws && body->n_beam > 0 ? n / body->n_beam - 1 : 0;
   body->n_drawn = n > 0 ? n + 1 : 0;
   for (int p = 0; p < model.n_part; p++) {
     const fb_beam *const beam = &model_beam[p];

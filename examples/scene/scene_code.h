@@ -236,7 +236,7 @@ static int scene_write_code(scene *s, const scene_code *c)
   FILE *out;
   fb_status status;
   int good = 1;
-  memset(&engine, 0, sizeof engine);
+  clear_memory(&engine, offsetof(struct scene_engine, body));
   scene_code_of = s;
   if (!scene_code_nodes(s, choice.loads, "--loads", c->loads) ||
       !scene_code_nodes(s, sensors, "--sensors", c->sensors) || scene_code_refused(s, option, choice.loads)) {

@@ -11,7 +11,6 @@ typedef struct scene_instant { /* of a step: what a distributed load needs to kn
 } scene_instant;
 
 struct scene_engine {
-  fb_body body[FB_MAX_BODIES];
   fb_body_work body_work;
   int place[FB_MAX_BODIES][FB_MAX_MODES]; /* in it, of the modes that the file has; -1: left out */
   fb_integrator integrator;
@@ -37,6 +36,7 @@ struct scene_engine {
   scene_view view;
   double lowest[SCENE_OUTPUTS], highest[SCENE_OUTPUTS],
       command[SCENE_CONTROLS]; /* in a run: outputs, most of commands */
+  fb_body body[FB_MAX_BODIES]; /* last: each is built whole, memory of others is not looked at */
 };
 SCENE_RUNS(struct scene_engine, engine, );
 
@@ -110,7 +110,7 @@ static fb_rotor_input scene_rotor_at(const scene *s, const scene_rotor *rotor, d
 
 static void single_input(const scene *s, fb_input *input, double t, double side)
 {
-  memset(input, 0, sizeof *input);
+  memset(input->v, 0, sizeof *input - offsetof(fb_input, v)); /* behind the loads */
   input->t = (fb_real)t;
   input->distributed = scene_distributed_from(s, side);
   input->user = &engine.instant;
@@ -249,9 +249,11 @@ static void system_drive_add(fb_drive *drive, const scene_drive *d, int axes, co
   }
 }
 
+/* input: of zeros, or from here. What the scene has is written, no more: it has room for much. */
 static void system_input(const scene *s, fb_system_input *input, double t, double side)
 {
-  memset(input, 0, sizeof *input);
+  memset(input->drive, 0, (size_t)(s->n_body + s->n_loop) * sizeof input->drive[0]);
+  memset(input->rotor, 0, (size_t)s->n_body * sizeof input->rotor[0]);
   input->t = (fb_real)t;
   input->distributed = scene_distributed_from(s, side);
   input->user = &engine.instant;

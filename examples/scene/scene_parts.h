@@ -9,8 +9,10 @@
 #include "function.h"
 #include "control.h"
 #include "../tools/exact_text.h"
+#include <stddef.h>
 
-#define SCENE_NODES 11 /* of a body, with names; the rest is for drawing */
+#define SCENE_NODES 63 /* of a body, with names; the rest is for drawing: */
+#define SCENE_DRAWN 12 /* nodes of all its beams, at least */
 #define SCENE_PARAMETERS 64
 #define SCENE_OUTPUTS 64
 #define SCENE_MEASURES 64
@@ -20,7 +22,7 @@
 #define SCENE_GAUGES 4
 #define SCENE_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS)
 #define SCENE_DRIVES 64
-#define SCENE_ROTORS 12 /* of all bodies */
+#define SCENE_ROTORS 48 /* of all bodies */
 #define SCENE_EVENTS 32
 #define SCENE_CONTROLS 6
 #define SCENE_SENSORS 4 /* of a controller */
@@ -310,7 +312,6 @@ typedef struct scene {
   fb_method method;
   int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_rotor, n_event, n_control,
       n_expectation, n_reference, n_distributed;
-  scene_body body[FB_MAX_BODIES];
   scene_load load[SCENE_LOADS];
   scene_distributed distributed[SCENE_DISTRIBUTED];
   scene_motion motion[SCENE_MOTIONS];
@@ -332,7 +333,8 @@ typedef struct scene {
   text_words seen;
   const scene_setting *set;
   int n_set;
-  int began; /* by scene_run: the start was found; what failed before is in the file */
+  int began;                      /* by scene_run: the start was found; what failed before is in the file */
+  scene_body body[FB_MAX_BODIES]; /* last: each is cleared where it is read, memory of others is not looked at */
 } scene;
 
 /* A reason in the scene's message, about a line of it; line 0: about the whole. Returns 1. */

@@ -970,7 +970,7 @@ static int scene_run(scene *s, const scene_options *o)
   fb_status status;
   int failed;
   memset(&run, 0, sizeof run);
-  clear_memory(&engine, sizeof engine);
+  clear_memory(&engine, offsetof(struct scene_engine, body));
   film.n = 0;
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);

@@ -3,8 +3,8 @@
 #ifndef CAPACITIES_H
 #define CAPACITIES_H
 #define FB_MAX_MODES 24
-#define FB_MAX_NODES 24
-#define FB_MAX_LOADS 32
+#define FB_MAX_NODES 76
+#define FB_MAX_LOADS 64
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
 #define FB_MAX_STRAINS 60

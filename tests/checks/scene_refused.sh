@@ -1249,14 +1249,14 @@ END
 refuse 1 "a title has 127 characters at most" << END
 title $(printf '%0128d' 0)
 END
-refuse 0 "body b of line 2: more than 32 loads" << END
+refuse 0 "body b of line 2: more than 64 loads" << END
 duration 1
 body b exact
   length 1
   station 0
     stiffness 0 0 0 0 0 1
     mass 1
-$(for k in $(seq 32); do echo 'load 1 dead 0 1 0'; done)
+$(for k in $(seq 64); do echo 'load 1 dead 0 1 0'; done)
 end
 load b dead force 1 0 0
 END
