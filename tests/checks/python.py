@@ -7,6 +7,7 @@ Prints one line of figures, or what is wrong, with exit status 1.
 import csv
 import json
 import os
+import pickle
 import re
 import resource
 import subprocess
@@ -235,6 +236,16 @@ def check_refusals():
     refused(lambda: scene.run(0.5), "a run to 0.5 s")
     refused(lambda: Scene(scenes / "beck.txt").step_to(1), "without duration")
     refused(lambda: Scene(scenes / "whirl.txt").campbell("spi", 1, 2), "spi")
+    refused(lambda: Scene(DRIVEN, EI="stiff"), "'stiff' is no number", None, 0, "EI")
+    refused(lambda: scene.set("force.boom.tip"), "None is no number", None, 0, "force.boom.tip")
+    refused(lambda: scene.run(float("nan")), "a run to nan")
+    refused(lambda: Scene("duration 1\n\0"), "character 0")
+    with Scene(DRIVEN) as closed:
+        closed.step_to(0.013)
+        want(closed.run(0.1).t.tolist() == [0.013, 0.02, 0.04, 0.06, 0.08, 0.1], "rows from a time that is none")
+    refused(lambda: closed.get("angle"), "the scene is closed")
+    error = refused(lambda: scene.get("agle"), "agle")
+    want(str(pickle.loads(pickle.dumps(error))) == str(error), "an error does not go to other processes")
     before = scene.save()
     scene.set("force.boom.tip", 1e9)
     error = refused(lambda: scene.run(4), "text: at 0.5")

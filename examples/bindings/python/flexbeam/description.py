@@ -13,7 +13,7 @@ def _words(values: Iterable[Any]) -> Iterable[str]:
         elif isinstance(value, Iterable):
             yield from _words(value)
         else:
-            yield repr(int(value) if int(value) == value else float(value))
+            yield repr(int(value) if isinstance(value, int) else float(value))
 
 
 class _Block:

@@ -20,14 +20,24 @@ class FlexbeamError(ValueError):
     """What was refused. `file` (None: of no file), `line` (0: about the whole) and `word` tell what it is about."""
 
     def __init__(self, text: str, file: Optional[str], line: int, word: str) -> None:
-        super().__init__(text)
+        super().__init__(text, file, line, word)
         self.file, self.line, self.word = file, line, word
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class StepRefused(FlexbeamError):
     """The motion cannot be stepped so; the state is as before. `run`: rows up to there, of Scene.run."""
 
     run: Optional[Run] = None
+
+
+def _number(name: str, value: object) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise FlexbeamError(f"{name}: {value!r} is no number", None, 0, str(name)) from None
 
 
 class Scene:
@@ -44,15 +54,17 @@ class Scene:
 
     def __init__(self, source: Union[str, os.PathLike, Description], parameters: Optional[Mapping[str, float]] = None, /,
                  *, folder: Union[str, os.PathLike] = "", **more: float) -> None:
+        given = {**(parameters or {}), **more}
+        is_text = isinstance(source, Description) or (isinstance(source, str) and "\n" in source)
+        name = os.path.join(folder, "text") if is_text else os.fspath(source)
+        values = np.array([_number(*one) for one in given.items()])
+        if "\0" in str(source):
+            raise FlexbeamError("a text has no character 0", None, 0, "")
         self._handle = c.library.new()
         if not self._handle:
             raise MemoryError("no memory for one more scene")
         self._lock = threading.RLock()
         self._source, self._folder = source, folder
-        given = {**(parameters or {}), **more}
-        is_text = isinstance(source, Description) or (isinstance(source, str) and "\n" in source)
-        name = os.path.join(folder, "text") if is_text else os.fspath(source)
-        values = np.array([float(x) for x in given.values()])
         keys = (ctypes.c_char_p * max(1, len(given)))(*[key.encode() for key in given])
         self._check(c.library.open(self._handle, os.fsencode(name), str(source).encode() if is_text else None, len(given),
                                    keys, c.doubles(values)))
@@ -72,6 +84,12 @@ class Scene:
 
     __del__ = close
 
+    @property
+    def _scene(self) -> int:
+        if self._handle is None:
+            raise FlexbeamError("the scene is closed", None, 0, "")
+        return self._handle
+
     def __enter__(self) -> Scene:
         return self
 
@@ -83,19 +101,19 @@ class Scene:
 
     def _check(self, status: int, run: Optional[Run] = None) -> None:
         if status != 0:
-            text, file, word = (f(self._handle).decode(errors="replace")
+            text, file, word = (f(self._scene).decode(errors="replace")
                                 for f in (c.library.error, c.library.error_file, c.library.error_word))
             kind = StepRefused if status == 2 else FlexbeamError
-            error = kind(text, file or None, c.library.error_line(self._handle), word)
+            error = kind(text, file or None, c.library.error_line(self._scene), word)
             if isinstance(error, StepRefused):
                 error.run = run
             raise error
 
     def _names(self, kind: int) -> tuple[str, ...]:
-        return tuple(c.library.name(self._handle, kind, k).decode() for k in range(c.library.count(self._handle, kind)))
+        return tuple(c.library.name(self._scene, kind, k).decode() for k in range(c.library.count(self._scene, kind)))
 
     def _units_of(self, kind: int) -> tuple[str, ...]:
-        return tuple(c.library.unit(self._handle, kind, k).decode() for k in range(c.library.count(self._handle, kind)))
+        return tuple(c.library.unit(self._scene, kind, k).decode() for k in range(c.library.count(self._scene, kind)))
 
     def _find(self, name: str, *kinds: int) -> tuple[int, int]:
         for kind in kinds:
@@ -129,21 +147,22 @@ class Scene:
     @property
     def time(self) -> float:
         """[s]"""
-        return c.library.time(self._handle)
+        return c.library.time(self._scene)
 
     @property
     def duration(self) -> float:
         """[s] as the scene says; 0: it computes its start alone."""
-        return c.library.duration(self._handle)
+        return c.library.duration(self._scene)
 
     @property
     def interval(self) -> float:
         """[s] between its rows."""
-        return c.library.interval(self._handle)
+        return c.library.interval(self._scene)
 
     # numbers
 
-    def set(self, name: Union[str, Mapping[str, float], None] = None, value: float = 0.0, /, **more: float) -> None:
+    def set(self, name: Union[str, Mapping[str, float], None] = None, value: Optional[float] = None, /,
+            **more: float) -> None:
         """An input, which holds until it is set again, or before the first step a parameter: set("torque.hub", 3),
         set({"torque.hub": 3, "force.tip": 0}), set(spin=6)."""
         given = dict(name) if isinstance(name, Mapping) else {} if name is None else {name: value}
@@ -151,9 +170,9 @@ class Scene:
         found = [self._find(key, c.INPUTS, c.PARAMETERS) for key in given]
         with self._lock:
             for kind in (c.INPUTS, c.PARAMETERS):
-                values = np.array([float(x) for x, (of, _) in zip(given.values(), found) if of == kind])
+                values = np.array([_number(*one) for one, (of, _) in zip(given.items(), found) if of == kind])
                 index = [at for of, at in found if of == kind]
-                self._check(c.library.set(self._handle, kind, len(index), (ctypes.c_int * max(1, len(index)))(*index),
+                self._check(c.library.set(self._scene, kind, len(index), (ctypes.c_int * max(1, len(index)))(*index),
                                           c.doubles(values)))
 
     def get(self, name: Union[str, Iterable[str], None] = None) -> Union[float, np.ndarray, dict[str, float]]:
@@ -165,13 +184,13 @@ class Scene:
         kind, index = self._find(name, c.OUTPUTS, c.INPUTS, c.PARAMETERS)
         value = ctypes.c_double()
         with self._lock:
-            self._check(c.library.get(self._handle, kind, 1, ctypes.c_int(index), value))
+            self._check(c.library.get(self._scene, kind, 1, ctypes.c_int(index), value))
         return value.value
 
     def _read(self, kind: int) -> np.ndarray:
         values = np.zeros(len(self._index[kind]))
         with self._lock:
-            self._check(c.library.get(self._handle, kind, len(values), None, c.doubles(values)))
+            self._check(c.library.get(self._scene, kind, len(values), None, c.doubles(values)))
         return values
 
     # motion
@@ -179,21 +198,22 @@ class Scene:
     def step_to(self, time: float) -> None:
         """Up to that time [s], in steps of the scene's own; between rows of the scene with the bits of its run."""
         with self._lock:
-            self._check(c.library.step_to(self._handle, float(time)))
+            self._check(c.library.step_to(self._scene, float(time)))
 
     def run(self, until: Optional[float] = None) -> Run:
-        """From the present time to `until` [s] (the duration of the scene): a row now and at each interval."""
-        until = self.duration if until is None else float(until)
+        """From the present time to the row nearest to `until` [s] (the duration of the scene): a row now and at each
+        interval of the scene."""
+        until = self.duration if until is None else _number("until", until)
         if not until > self.time:
             raise FlexbeamError(f"a run to {until} s, while the time is {self.time} s", None, 0, str(until))
-        rows = round((until - self.time) / self.interval) if self.interval > 0 else 1
+        rows = round(until / self.interval) - int(self.time / self.interval + 1e-6) if self.interval > 0 else 1
         table = np.zeros((1 + rows, 1 + len(self.outputs)))
         made = 1
         with self._lock:
             table[0] = [self.time, *self._read(c.OUTPUTS)]
             while made <= rows:
                 now = ctypes.c_int()
-                status = c.library.run(self._handle, min(CHUNK, rows + 1 - made), c.doubles(table[made:]), now)
+                status = c.library.run(self._scene, min(CHUNK, rows + 1 - made), c.doubles(table[made:]), now)
                 made += now.value
                 self._check(status, Run(self.outputs, self._units, table[:made]))
         return Run(self.outputs, self._units, table)
@@ -201,35 +221,35 @@ class Scene:
     def reset(self, **parameters: float) -> None:
         """As it was opened: time 0, no inputs; with other values of parameters, if they are given."""
         with self._lock:
-            self._check(c.library.reset(self._handle))
+            self._check(c.library.reset(self._scene))
             self.set(**parameters)
 
     def save(self) -> bytes:
         """All that changes, for `restore` of this scene or of another one of the same text."""
         size = ctypes.c_size_t()
         with self._lock:
-            self._check(c.library.save(self._handle, None, 0, size))
+            self._check(c.library.save(self._scene, None, 0, size))
             saved = ctypes.create_string_buffer(size.value)
-            self._check(c.library.save(self._handle, saved, size.value, size))
+            self._check(c.library.save(self._scene, saved, size.value, size))
         return saved.raw
 
     def restore(self, saved: bytes) -> None:
         """The state that was saved: what follows has the same bits."""
         with self._lock:
-            self._check(c.library.restore(self._handle, saved, len(saved)))
+            self._check(c.library.restore(self._scene, saved, len(saved)))
 
     # about the start
 
     def _matrix(self, which: int, *shape: int) -> np.ndarray:
         matrix = np.zeros(shape)
-        self._check(c.library.matrix(self._handle, which, c.doubles(matrix), matrix.size))
+        self._check(c.library.matrix(self._scene, which, c.doubles(matrix), matrix.size))
         return matrix
 
     def linear(self) -> Linear:
         """The linear model about the start: inputs are loads, motors, actuators and rotors, those of controllers too."""
         kinds = (c.STATES, c.LINEAR_INPUTS, c.LINEAR_OUTPUTS)
         with self._lock:
-            self._check(c.library.linear(self._handle))
+            self._check(c.library.linear(self._scene))
             names = [self._names(kind) for kind in kinds]
             n, inputs, outputs = map(len, names)
             at = self._names(c.POINT)
@@ -240,7 +260,7 @@ class Scene:
     def modes(self) -> Modes:
         """Every mode about the start, slowest first; of an exact beam the twelve slowest."""
         with self._lock:
-            self._check(c.library.modes(self._handle))
+            self._check(c.library.modes(self._scene))
             what = self._names(c.MODES)
             return Modes(*self._matrix(c.MODE_VALUES, len(what), 4).T.copy(), what)
 
@@ -259,6 +279,6 @@ class Scene:
     def advise(self) -> str:
         """What the scene chooses where it leaves the choice: effects, modes, integrator, step; what may be wrong."""
         with self._lock:
-            text = c.library.advice(self._handle)
+            text = c.library.advice(self._scene)
             self._check(3 if text is None else 0)
             return text.decode()
