@@ -142,6 +142,25 @@ TEST(spectrum_of_a_straight_beam_is_the_textbooks)
   }
 }
 
+/* E12.4, E12.5: a free beam of any mesh has the frequencies of the textbook, its rigid motions disturb none. */
+TEST(free_beams_of_any_mesh_have_their_frequencies)
+{
+  const double bl[3] = {4.730040744862704, 7.853204624095838, 10.995607838001671};
+  for (int n = 20; n <= 40; n += 5) {
+    elastica(n);
+    desc.station[0].inertia[21] = FB_R(1e-5);
+    desc.root = FB_END_FREE;
+    start();
+    spectrum_of(18);
+    for (int k = 0, at = 0; k < 6; k++, at++) {
+      while (at < 17 && (double)spectrum.im[at] < 2.0) { /* rigid motions */
+        at++;
+      }
+      FBT_NEAR_REL(spectrum.im[at], bl[k / 2] * bl[k / 2], FBT_TOL(1e-4, 3e-4));
+    }
+  }
+}
+
 /* E10.5: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts
    to bend just before a node, and one that hardly stops in between. */
 TEST(curvature_may_jump_beside_a_node)
@@ -931,11 +950,12 @@ SUITE(exact_spectrum, RUN(elements_bear_a_tension_of_their_own), RUN(curvature_m
       RUN(eight_elements_have_four_frequencies), RUN(spinning_beams_with_their_mass_ahead_are_stable),
       RUN(whirling_shafts_move_on_circles), RUN(spectrum_is_that_of_the_natural_modes),
       RUN(a_rod_has_the_dispersion_of_its_mesh_and_its_step), RUN(any_unit_gives_the_same_frequency),
-      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN_LONG(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(columns_have_as_many_unstable_directions_as_loads_exceeded), RUN(rigid_strains_are_no_unstable_directions),
-      RUN(columns_bend_to_the_side_they_are_nudged_to), RUN(a_stiff_truss_snaps_in_closed_form),
-      RUN(arches_snap_at_their_limit_load), RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(free_beams_of_any_mesh_have_their_frequencies),
+      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
+      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN_LONG(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(columns_have_as_many_unstable_directions_as_loads_exceeded),
+      RUN(rigid_strains_are_no_unstable_directions), RUN(columns_bend_to_the_side_they_are_nudged_to),
+      RUN(a_stiff_truss_snaps_in_closed_form), RUN(arches_snap_at_their_limit_load),
+      RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))
