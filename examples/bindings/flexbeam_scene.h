@@ -9,8 +9,9 @@
      fbs_free(s);
 
    Units: SI, radians; the scene's own where it says `units`. fbs_unit tells that of each number.
-   Errors: a function that can fail returns a status. Where it is not FBS_OK nothing has changed, fbs_error tells why and
-     fbs_error_file, _line, _word what it is about. Functions that return a text, a count or a number return NULL or -1.
+   Errors: a function that can fail returns a status. Where it is not FBS_OK nothing has changed (but fbs_open leaves no
+     scene, fbs_run tells how far it came), fbs_error tells why and fbs_error_file, _line, _word what it is about.
+     Functions that return a text, a count or an index return NULL or -1.
    Ownership: what fbs_new gives ends with fbs_free. Texts and names that functions return belong to the instance, and
      stay until it is opened again or freed (those of an error until the next one; of the linear model, modes and advice
      until they are asked for again). All that is passed in is copied.
