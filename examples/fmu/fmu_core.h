@@ -66,7 +66,7 @@ typedef struct fmu {
   fmu_plant plant;   /* last */
 } fmu;
 
-static void fmu_clear(fmu *f)
+static inline void fmu_clear(fmu *f)
 {
   clear_memory(f, offsetof(fmu, plant));
   fmu_plant_clear(&f->plant);

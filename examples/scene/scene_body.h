@@ -237,7 +237,7 @@ static fb_status scene_add_drawn(scene_body *body)
     const int part = model.node_part[k];
     body->on_beam[k] = part >= 0 && model.part[part].kind == MODEL_BEAM;
   }
-  n = body->n_node < SCENE_DRAWN ? 2 * SCENE_DRAWN - body->n_node : SCENE_DRAWN;
+  n = (body->n_node <= 12 ? 24 : FB_MAX_NODES) - body->n_node;
   n = scene_draws && body->n_beam > 0 ? n / body->n_beam - 1 : 0;
   body->n_drawn = n > 0 ? n + 1 : 0;
   for (int p = 0; p < model.n_part; p++) {

@@ -11,8 +11,7 @@
 #include "../tools/exact_text.h"
 #include <stddef.h>
 
-#define SCENE_NODES 63 /* of a body, with names; the rest is for drawing: */
-#define SCENE_DRAWN 12 /* nodes of all its beams, at least */
+#define SCENE_NODES 23 /* of a body, with names; the rest is for drawing */
 #define SCENE_PARAMETERS 64
 #define SCENE_OUTPUTS 64
 #define SCENE_MEASURES 64

@@ -11,6 +11,8 @@ static struct code_loads { /* of each node that has a load, as written */
   code_value move[FB_MAX_NODES][3][FB_MAX_MODES], turn[FB_MAX_NODES][3][FB_MAX_MODES]; /* by rates of the coordinates */
 } code_loads;
 
+typedef char code_nodes_are_bits[FB_MAX_NODES <= 32 ? 1 : -1];
+
 static void code_loads_choose(unsigned nodes)
 {
   for (int k = 0; k < FB_MAX_NODES; k++) {

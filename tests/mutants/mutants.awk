@@ -65,7 +65,7 @@ function term_end(text, at, depth, c) {
     if (c ~ /[(\[]/) {
       depth++
     }
-    if (c ~ /[)\]]/ && --depth < 0 || depth == 0 && (c ~ /[,;]/ || substr(text, at) ~ /^ ([-+?:<>]|[<>=!]=|&&|\|\|) /)) {
+    if (c ~ /[)\]]/ && --depth < 0 || depth == 0 && (c ~ /[,;}]/ || substr(text, at) ~ /^ ([-+?:<>]|[<>=!]=|&&|\|\|) /)) {
       return at
     }
   }

@@ -44,7 +44,7 @@ run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log-$$" 2>&1) 2> "$out/cra
 # command_of TEST: the command that runs it, a test or a check
 command_of() {
   case $1 in
-    laws-*) echo "$out/laws ${1#laws-} --stop --count 150 --seed 1" ;;
+    laws-*) echo "$out/held ${1#laws-} --stop --count 150 --seed 1" ;;
     check-*) echo "$out/${1#check-}" ;;
     *) echo "$out/runner $1" ;;
   esac
@@ -162,7 +162,7 @@ for check in jacobian shape_rates; do
 done
 $CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
 (cd "$out/tree" && echo '#include "flexbeam.h"' | $CC $flags -DFLEXBEAM_IMPLEMENTATION -I. -c -x c - -o ../library.o)
-$CC $flags -o "$out/laws" "$out/library.o" tests/laws/*.c -lm
+$CC $flags -o "$out/held" "$out/library.o" tests/laws/*.c -lm
 clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
 { "$out/runner" --list && printf '%s\n' check-jacobian check-shape_rates laws-body laws-exact laws-system; } > "$out/tests"
 export MUTANT out
