@@ -24,18 +24,22 @@ do for [s in scenes] {
        rows(s, '', 12) using 11:10 with steps lw 1 dt 2 lc rgb '#000000' title 'best'
 }
 
-set terminal svg size 1000,560 font 'Helvetica,11' background '#ffffff'
+# all in one; the key of all rungs is a panel of its own, below the others
+set terminal svg size 1000,600 font 'Helvetica,11' background '#ffffff'
 set output folder . '/accuracy.svg'
-set multiplot layout 2,4
+set multiplot layout 2,4 margins 0.07,0.98,0.13,0.95 spacing 0.055,0.14
 unset key
-set xlabel 'us per simulated second' offset 0,0.7
+set xlabel 'us per simulated second' offset 0,0.5
 set xrange [1:1e6]
 set xtics 100
 do for [n = 1:8] {
   s = word(scenes, n)
   set title s offset 0,-0.7
   set ylabel n % 4 == 1 ? 'error' : ''
-  if (n == 5) { set key inside bottom left samplen 1 spacing 0.9 opaque box lc rgb '#cccccc' } else { unset key }
-  plot for [k = 1:6] rows(s, word(rungs, k), 13) using 11:10 with linespoints pt 7 ps 0.3 lw width(k) lc rgb word(colors, k) title word(rungs, k)
+  plot for [k = 1:6] rows(s, word(rungs, k), 13) using 11:10 with linespoints pt 7 ps 0.3 lw width(k) lc rgb word(colors, k) notitle
 }
+unset title; unset xlabel; unset ylabel; unset tics; unset border; unset grid
+set lmargin at screen 0.1; set rmargin at screen 0.9; set tmargin at screen 0.06; set bmargin at screen 0
+set key inside center center horizontal Left reverse
+plot for [k = 1:6] NaN with linespoints pt 7 ps 0.3 lw width(k) lc rgb word(colors, k) title word(rungs, k)
 unset multiplot
