@@ -204,7 +204,7 @@ static void draw(const char *out, const char *runs)
   char svg[512];
   FILE *gnuplot;
   other_name(svg, sizeof svg, out, ".svg");
-  gnuplot = plot_begin(svg, 800, stdout);
+  gnuplot = plot_begin(svg, 900, 800, stdout);
   if (gnuplot) {
     fputs("set multiplot layout 2,1\nset key left\nset xlabel 'speed [m/s]'\nset ylabel 'growth [1/s]'\n", gnuplot);
     plot_curves(gnuplot,

@@ -31,7 +31,7 @@ static void put_quoted(FILE *gnuplot, const char *name)
 }
 
 /* gnuplot, told to draw into the file svg; NULL after a word to talk why not. */
-static FILE *plot_begin(const char *svg, int height, FILE *talk)
+static FILE *plot_begin(const char *svg, int width, int height, FILE *talk)
 {
   FILE *gnuplot;
   if (system("gnuplot --version >/dev/null 2>&1") != 0) {
@@ -44,10 +44,11 @@ static FILE *plot_begin(const char *svg, int height, FILE *talk)
     fprintf(talk, "no picture: gnuplot did not start\n");
     return NULL;
   }
-  fprintf(gnuplot, "set terminal svg size 900,%d font 'Helvetica,14' background '#ffffff'\nset output ", height);
+  fprintf(gnuplot, "set terminal svg size %d,%d font 'Helvetica,14' background '#ffffff'\nset output ", width, height);
   put_quoted(gnuplot, svg);
-  fprintf(gnuplot, "\nset datafile separator ','\nset datafile commentschars '#'\nset key bottom right\nset grid\n"
-                   "set xlabel 'time [s]'\n");
+  fprintf(gnuplot,
+          "\nset datafile separator ','\nset datafile commentschars '#'\nset grid\nset key above Left reverse\n"
+          "set linetype 5 linecolor rgb '#8c564b'\nset xlabel 'time [s]'\n");
   return gnuplot;
 }
 
@@ -80,7 +81,7 @@ static inline int plot_is_piped(const curve *curves, int n)
 /* Draws n curves into the file svg; settings: commands of gnuplot, each with its line end. Tells talk what it did. */
 static inline void plot(const char *svg, const char *settings, const curve *curves, int n, FILE *talk)
 {
-  FILE *const gnuplot = plot_is_piped(curves, n) ? NULL : plot_begin(svg, 520, talk);
+  FILE *const gnuplot = plot_is_piped(curves, n) ? NULL : plot_begin(svg, 900, 520, talk);
   if (gnuplot) {
     fputs(settings, gnuplot);
     plot_curves(gnuplot, curves, n);

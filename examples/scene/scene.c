@@ -9,6 +9,7 @@
 #include "../common/output.h"
 #include "../common/plot.h"
 #include "scene_code.h"
+#include "scene_curves.h"
 #include "scene_files.h"
 #include <unistd.h>
 
@@ -153,86 +154,6 @@ static void tell(const scene *s, int quiet)
     printf("%s: %.3g at most from %d rows of the reference, of which the largest is %.6g; allowed %.3g%s\n",
            s->output[r->output].label, r->difference, r->compared, r->largest, allowed,
            r->difference <= allowed ? "" : "  MISSED");
-  }
-}
-
-/* The outputs of that unit, below those of the units before. */
-static void draw_panel(FILE *gnuplot, const scene *s, const char *csv, const char *unit)
-{
-  static curve curves[SCENE_OUTPUTS];
-  static char columns[SCENE_OUTPUTS][16];
-  int n = 0;
-  for (int k = 0; k < s->n_output; k++) {
-    if (strcmp(s->output[k].unit, unit) == 0) {
-      snprintf(columns[n], sizeof columns[n], "1:%d", k + 2);
-      curves[n] = (curve){csv, columns[n], "with lines", s->output[k].label};
-      n++;
-    }
-  }
-  fputs("set ylabel ", gnuplot);
-  put_quoted(gnuplot, unit);
-  fputs(" noenhanced\n", gnuplot);
-  plot_curves(gnuplot, curves, n);
-}
-
-/* Curves of the outputs, a panel for each unit. */
-static void draw_curves(const scene *s, const char *csv)
-{
-  const char *units[SCENE_OUTPUTS];
-  char svg[512];
-  size_t longest = 0;
-  int n = 0;
-  FILE *gnuplot;
-  for (int k = 0; k < s->n_output; k++) {
-    int at = 0;
-    while (at < n && strcmp(units[at], s->output[k].unit) != 0) {
-      at++;
-    }
-    units[at] = s->output[k].unit;
-    n += at == n;
-    longest = strlen(s->output[k].label) > longest ? strlen(s->output[k].label) : longest;
-  }
-  other_name(svg, sizeof svg, csv, ".svg");
-  gnuplot = plot_begin(svg, n > 1 ? 80 + 240 * n : 520, stdout);
-  if (gnuplot) {
-    fprintf(gnuplot,
-            "set key outside right top noenhanced\nset lmargin 12\nset rmargin %d\nset multiplot layout %d,1\n",
-            (int)longest + 8, n);
-    for (int k = 0; k < n; k++) {
-      draw_panel(gnuplot, s, csv, units[k]);
-    }
-    plot_end(gnuplot, svg, stdout);
-  }
-}
-
-/* One panel of the loops' responses: a curve for each. */
-static void draw_loops(FILE *gnuplot, const scene *s, const char *csv, const char *settings, const char *columns)
-{
-  fprintf(gnuplot, "%s\nplot \\\n", settings);
-  for (int k = 0; k < s->n_control; k++) {
-    put_quoted(gnuplot, csv);
-    fprintf(gnuplot, " using (strcol(1) eq '%s' ? %s with lines title '%s'%s\n", s->control[k].name, columns,
-            s->control[k].name, k + 1 < s->n_control ? ",\\" : "");
-  }
-}
-
-/* Bode and Nyquist, the circle of radius 1 and the point -1 in it. */
-static void draw_margins(const scene *s, const char *csv)
-{
-  char svg[512];
-  FILE *gnuplot;
-  other_name(svg, sizeof svg, csv, ".svg");
-  gnuplot = plot_begin(svg, 1200, stdout);
-  if (gnuplot) {
-    fputs("set key outside right top noenhanced\nset lmargin 12\nset multiplot layout 3,1\nset logscale x\n", gnuplot);
-    draw_loops(gnuplot, s, csv, "set xlabel 'omega [rad/s]'\nset ylabel 'gain [dB]'", "$2 : NaN):3");
-    draw_loops(gnuplot, s, csv, "set ylabel 'phase [deg]'", "$2 : NaN):4");
-    draw_loops(gnuplot, s, csv,
-               "unset logscale x\nset xlabel 're L'\nset ylabel 'im L'\nset size ratio -1\nset xrange [-3:2]\n"
-               "set yrange [-2:2]\nset object circle at 0,0 size 1 fs empty border lc rgb '#888888'\nset label at -1,0 "
-               "point pt 7",
-               "$5 : NaN):6");
-    plot_end(gnuplot, svg, stdout);
   }
 }
 

@@ -26,6 +26,7 @@
 
 typedef struct loop_margins {
   double gain, gain_at, reduction, reduction_at, phase, phase_at, delay, delay_at, radius; /* at: [rad/s] */
+  double shown[3]; /* [deg] about the phase of the file at gain_at, reduction_at and phase_at */
 } loop_margins;
 
 typedef struct loop_point {
@@ -517,6 +518,23 @@ static int loop_open(scene *s, int k, double radius)
   return 0;
 }
 
+/* Points between those whose chord would be seen as a corner of the Nyquist curve. */
+static void loop_smooth(void)
+{
+  int before;
+  do {
+    before = loops.n_point;
+    for (int k = 0; k + 1 < before && loops.n_point < LOOP_POINTS; k++) {
+      const loop_point *const p = &loops.point[k];
+      const double omega = 0.5 * (p[0].omega + p[1].omega);
+      if (cabs(p[1].L - p[0].L) > 0.05 * fmax(1, cabs(p[0].L)) && p[1].omega - p[0].omega > 1e-9 * omega) {
+        loops.point[loops.n_point++] = (loop_point){omega, loop_gain(omega)};
+      }
+    }
+    qsort(loops.point, (size_t)loops.n_point, sizeof *loops.point, loop_lower);
+  } while (loops.n_point > before);
+}
+
 /* The closed loops: the largest |z| of their poles; negative where they are not found. */
 static double loop_close(const scene *s)
 {
@@ -536,12 +554,17 @@ static double loop_close(const scene *s)
 /* The response of the loop that was cut last: Bode and Nyquist. */
 static void loop_write(const scene *s, FILE *csv, int k)
 {
+  loop_margins *const m = &loops.margins[k];
+  const double at[3] = {m->gain_at, m->reduction_at, m->phase_at};
   double turn = 0, last = 0;
   for (int p = 0; p < loops.n_point; p++) {
     const double complex L = loops.point[p].L;
     const double angle = carg(L);
     turn += p == 0 ? (angle > 0 ? -2 * function_pi : 0) : -2 * function_pi * round((angle - last) / (2 * function_pi));
     last = angle;
+    for (int i = 0; i < 3; i++) {
+      m->shown[i] = loops.point[p].omega <= at[i] ? (angle + turn) * 180 / function_pi : m->shown[i];
+    }
     fprintf(csv, "%s,%.12g,%.12g,%.12g,%.12g,%.12g\n", s->control[k].name, loops.point[p].omega, 20 * log10(cabs(L)),
             (angle + turn) * 180 / function_pi, creal(L), cimag(L));
   }
@@ -606,6 +629,7 @@ static int scene_measure_margins(scene *s, const char *name, FILE *talk)
   for (int k = 0; k < s->n_control && !failed; k++) {
     failed = loop_open(s, k, radius);
     if (csv && !failed) {
+      loop_smooth();
       loop_write(s, csv, k);
     }
     if (talk && !failed) {
