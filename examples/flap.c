@@ -122,7 +122,7 @@ static void draw(const options *o, const char *shapes)
   beam_file_name(svg, sizeof svg, o->out, ".svg");
   plot(svg, "set ylabel 'height of the tip'\n", tips, 3, stdout);
   beam_file_name(svg, sizeof svg, o->out, "_shapes.svg");
-  plot(svg, "set size ratio -1\nset xlabel 'x'\nset ylabel 'z'\nset key top right\n", lines, 1, stdout);
+  plot(svg, "set size ratio -1\nset xlabel 'x'\nset ylabel 'z'\n", lines, 1, stdout);
 }
 
 static double largest(const double *x, long n)

@@ -191,9 +191,9 @@ static void draw(const options *o, const char *flutter_csv)
                          {flutter_csv, "1:3", "with lines lw 2", "frequency 2 [rad/s]"},
                          {flutter_csv, "1:4", "with lines lw 2", "growth [1/s]"}};
   beam_file_name(svg, sizeof svg, o->out, ".svg");
-  plot(svg, "set size ratio -1\nset xlabel 'x'\nset ylabel 'y'\nset key top right\n", shapes, 1, stdout);
+  plot(svg, "set size ratio -1\nset xlabel 'x'\nset ylabel 'y'\n", shapes, 1, stdout);
   beam_file_name(svg, sizeof svg, o->out, "_flutter.svg");
-  plot(svg, "set xlabel 'pressing force [EI/L^2]'\nset key top left\n", modes, 3, stdout);
+  plot(svg, "set xlabel 'pressing force [EI/L^2]'\n", modes, 3, stdout);
 }
 
 int main(int argc, char **argv)

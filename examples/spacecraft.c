@@ -281,7 +281,7 @@ int main(int argc, char **argv)
   printf("curves: %s\n", o.out);
   other_name(svg, sizeof svg, o.out, "_error.svg");
   plot(svg,
-       "set key top left\nset logscale y\nset format y '10^{%L}'\nset ylabel 'pointing error [deg]'\n"
+       "set logscale y\nset format y '10^{%L}'\nset ylabel 'pointing error [deg]'\n"
        "set title 'Slew of a spacecraft with flexible arrays: distance from the commanded attitude'\n",
        (const curve[]){{o.out, "1:2", "every ::1 with lines lw 1.5 lc rgb '#dd181f'", "without notch"},
                        {o.out, "1:6", "every ::1 with lines lw 2 lc rgb '#0060ad'", "with notch"}},

@@ -207,8 +207,7 @@ static void draw(const char *out, const char *runs)
   other_name(svg, sizeof svg, out, ".svg");
   gnuplot = plot_begin(svg, 900, 800, stdout);
   if (gnuplot) {
-    fputs("set multiplot layout 2,1\nset xlabel 'speed [rad/s]'\nset ylabel 'growth [1/s]'\nset key top left\n",
-          gnuplot);
+    fputs("set multiplot layout 2,1\nset xlabel 'speed [rad/s]'\nset ylabel 'growth [1/s]'\n", gnuplot);
     plot_curves(gnuplot, growth, 2);
     fputs("set xlabel 'time [s]'\nset ylabel 'angle [rad]'\n", gnuplot);
     plot_curves(gnuplot, whirl, 2);

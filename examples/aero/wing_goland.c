@@ -206,7 +206,7 @@ static void draw(const char *out, const char *runs)
   other_name(svg, sizeof svg, out, ".svg");
   gnuplot = plot_begin(svg, 900, 800, stdout);
   if (gnuplot) {
-    fputs("set multiplot layout 2,1\nset key left\nset xlabel 'speed [m/s]'\nset ylabel 'growth [1/s]'\n", gnuplot);
+    fputs("set multiplot layout 2,1\nset xlabel 'speed [m/s]'\nset ylabel 'growth [1/s]'\n", gnuplot);
     plot_curves(gnuplot,
                 (const curve[]){{out, "1:2", "every ::1 with lines lw 2", "mode of lower frequency"},
                                 {out, "1:4", "every ::1 with lines lw 2", "mode of higher frequency"}},

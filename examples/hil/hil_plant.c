@@ -582,13 +582,13 @@ static void draw(const char *csv, int real_time)
                          {csv, "1:18", "every ::1 with lines lw 1 lc rgb '#0060ad'", "computation"}};
   other_name(svg, sizeof svg, csv, "_pointing.svg");
   plot(svg,
-       "set key top right\nset logscale y\nset format y '10^{%L}'\nset yrange [1e-7:]\n"
+       "set logscale y\nset format y '10^{%L}'\nset yrange [1e-7:]\n"
        "set title 'Hardware in the loop: pointing error, deflection of an array'\n",
        pointing, 2, stdout);
   if (real_time) {
     other_name(svg, sizeof svg, csv, "_time.svg");
     plot(svg,
-         "set key top right\nset logscale y\nset ylabel 'longest of some periods [us]'\n"
+         "set logscale y\nset ylabel 'longest of some periods [us]'\n"
          "set title 'Hardware in the loop: time after the instant at which a period begins'\n",
          times, 3, stdout);
   }

@@ -1056,7 +1056,7 @@ static void draw_dispersion(const options *o, const char *csv)
   }
   close_csv(file, path);
   draw(o, "dispersion",
-       "set title 'Fundamental of a fixed-free rod by mesh and step'\nset logscale x\nset key top right\n"
+       "set title 'Fundamental of a fixed-free rod by mesh and step'\nset logscale x\n"
        "set xlabel 'wave speed times step / element length'\nset ylabel 'frequency / exact'\n",
        curves, 5);
 }
@@ -1286,8 +1286,7 @@ static void flapping(const options *o)
       fprintf(csv, "%.6g,%.6g,%.6g,%.6g\n", t, -12 * sin(pi / 6 * sin(4 * pi * t)), z[0][k], z[1][k]);
     }
     close_csv(csv, path);
-    draw(o, "flapping", "set title 'Flapping: height of the tip, inertial'\nset ylabel 'z [in]'\nset key top right\n",
-         curves, 3);
+    draw(o, "flapping", "set title 'Flapping: height of the tip, inertial'\nset ylabel 'z [in]'\n", curves, 3);
   }
 }
 

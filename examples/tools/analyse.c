@@ -273,8 +273,7 @@ static int draw(const options *o, const char *csv, double critical)
     curves[n].title = title[n];
   }
   snprintf(svg, sizeof svg, "%s.svg", o->out);
-  used = snprintf(settings, sizeof settings,
-                  "set xlabel 'spin [rad/s]'\nset ylabel 'frequency [rad/s]'\nset key outside right\n");
+  used = snprintf(settings, sizeof settings, "set xlabel 'spin [rad/s]'\nset ylabel 'frequency [rad/s]'\n");
   if (critical > 0 || critical < 0) {
     snprintf(settings + used, sizeof settings - (size_t)used,
              "set arrow from %.9g, graph 0 to %.9g, graph 1 nohead dashtype 2\n", critical, critical);

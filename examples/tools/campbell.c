@@ -247,7 +247,7 @@ static fb_status solve(const options *o)
 static int draw(const options *o)
 {
   static const char *const kind[2] = {"lag", "flap"};
-  static char name[1024], column[3 * MAX_MODES][32], title[3 * MAX_MODES][32];
+  static char name[1024], column[3 * MAX_MODES][32], title[3 * MAX_MODES][32], style[3 * MAX_MODES][64];
   curve curves[3 * MAX_MODES];
   int n = 0;
   FILE *out;
@@ -272,17 +272,18 @@ static int draw(const options *o)
     if (harmonic > 0) {
       snprintf(column[n], sizeof column[n], "1:($1*%d/60)", harmonic);
       snprintf(title[n], sizeof title[n], "%d per turn", harmonic);
+      snprintf(style[n], sizeof style[n], "with lines dashtype %d linecolor rgb '#777777'", harmonic + 1);
     } else {
       snprintf(column[n], sizeof column[n], "1:%d", i + 2);
       snprintf(title[n], sizeof title[n], "%s %d", kind[i / o->modes], i % o->modes + 1);
+      snprintf(style[n], sizeof style[n], "with lines linewidth 2");
     }
     curves[n].columns = column[n];
     curves[n].title = title[n];
-    curves[n].style = harmonic > 0 ? "with lines dashtype 2 linecolor rgb '#999999'" : "with lines linewidth 2";
+    curves[n].style = style[n];
     n++;
   }
-  plot(o->picture, "set xlabel 'spin [rpm]'\nset ylabel 'frequency [Hz]'\nset yrange [0:*]\nset key outside right\n",
-       curves, n, stderr);
+  plot(o->picture, "set xlabel 'spin [rpm]'\nset ylabel 'frequency [Hz]'\nset yrange [0:*]\n", curves, n, stderr);
   return 1;
 }
 

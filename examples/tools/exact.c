@@ -242,7 +242,7 @@ static int draw(const char *out)
     return 2;
   }
   beam_file_name(svg, sizeof svg, out, ".svg");
-  plot(svg, "set size ratio -1\nset xlabel ''\nset key top right\n", views, 3, stdout);
+  plot(svg, "set size ratio -1\nset xlabel ''\n", views, 3, stdout);
   return 0;
 }
 
