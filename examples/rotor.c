@@ -286,7 +286,7 @@ int main(int argc, char **argv)
   check("angular momentum less impulse, part of the shaft's", all[2].momentum_miss, FB_SINGLE ? 1e-3 : 1e-5);
   printf("curves: %s\n", out);
   other_name(svg, sizeof svg, out, ".svg");
-  plot(svg, "set key below\nset ylabel 'angle [deg]'\nset title 'A rotor from straight blades to its cone and tilt'\n",
+  plot(svg, "set ylabel 'angle [deg]'\nset title 'A rotor from straight blades to its cone and tilt'\n",
        (const curve[]){{out, "1:2", "every ::1 with lines lw 2 lc rgb '#0060ad'", "coning"},
                        {out, "1:3", "every ::1 with lines lw 2 lc rgb '#dd181f'", "tilt, cosine"},
                        {out, "1:4", "every ::1 with lines lw 2 lc rgb '#009e73'", "tilt, sine"}},

@@ -73,6 +73,7 @@ static void draw_panel(FILE *gnuplot, const scene *s, const char *csv, const int
   static curve curves[SCENE_OUTPUTS];
   static char columns[SCENE_OUTPUTS][16];
   const char *unit = "";
+  char label[40];
   double low = HUGE_VAL, high = -HUGE_VAL, size;
   int n = 0;
   for (int k = 0; k < s->n_output; k++) {
@@ -92,7 +93,10 @@ static void draw_panel(FILE *gnuplot, const scene *s, const char *csv, const int
     const double around = size > 0 ? 0.01 * size : 1;
     fprintf(gnuplot, "set yrange [%.12g:%.12g]\n", low - around, high + around);
   }
-  fprintf(gnuplot, "set ylabel '[%s]' noenhanced\n", unit);
+  snprintf(label, sizeof label, "[%s]", unit);
+  fputs("set ylabel ", gnuplot);
+  put_quoted(gnuplot, label);
+  fputs(" noenhanced\n", gnuplot);
   plot_curves(gnuplot, curves, n);
 }
 
