@@ -14964,6 +14964,15 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
+/* Rate at which held nodes come back to their places [1/time]: over the step; in short ones slower, so that the speed that
+   comes or goes in one step is an acceleration of no more than off/time^2, with the time below, in the beam's own unit, and
+   round-off of places none of the velocities. */
+#define FBI_EXACT_RETURN FB_R(0.03)
+static fb_real fbi_exact_return(fb_real dt)
+{
+  return dt < FBI_EXACT_RETURN ? dt / (FBI_EXACT_RETURN * FBI_EXACT_RETURN) : FB_R(1.0) / dt;
+}
+
 /* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base, plus the way back of E10.16 (not
    for the root, which is placed exactly after the step). */
 static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
@@ -14979,7 +14988,7 @@ static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
     }
     fbi_exact_slip(want, work, m, j);
     for (int i = 0; i < 2 && j > 0 && work->away > FB_R(0.0); i++) {
-      fbi_vec6_add(want, work->along[i] / dt, work->way[i] + 6 * j);
+      fbi_vec6_add(want, work->along[i] * fbi_exact_return(dt), work->way[i] + 6 * j);
     }
   }
 }
@@ -19636,7 +19645,7 @@ static void fbi_exact_way_probe(fb_real change[2], fb_exact_work *work, const fb
   fbi_exact_residual(work, m);
   fbi_exact_way_power(change, work, m);
   for (int k = 0; k < 2; k++) {
-    change[k] = (change[k] - before[k]) / part;
+    change[k] = (change[k] - before[k]) * dt * fbi_exact_return(dt) / part;
   }
   fbi_exact_correct(work, m, -FB_R(1.0));
   fbi_exact_nodes_eval(work, m);

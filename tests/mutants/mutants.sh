@@ -161,8 +161,8 @@ for check in jacobian shape_rates; do
   $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
 done
 $CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
-(cd "$out/tree" && echo '#include "flexbeam.h"' | $CC $flags -DFLEXBEAM_IMPLEMENTATION -I. -c -x c - -o ../library.o)
-$CC $flags -o "$out/held" "$out/library.o" tests/laws/*.c -lm
+(cd "$out/tree" && echo '#include "flexbeam.h"' | $CC $flags -DFB_WITH_DETAIL=1 -DFLEXBEAM_IMPLEMENTATION -I. -c -x c - -o ../library.o)
+$CC $flags -DFB_WITH_DETAIL=1 -o "$out/held" "$out/library.o" tests/laws/*.c -lm
 clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
 { "$out/runner" --list && printf '%s\n' check-jacobian check-shape_rates laws-body laws-exact laws-system; } > "$out/tests"
 export MUTANT out
