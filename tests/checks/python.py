@@ -4,6 +4,7 @@ threads, the notebook.
 usage: python.py FOLDER CURVE..., of files that programs in other languages have written; FLEXBEAM_SECONDS: to the first curve, at most
 Prints one line of figures, or what is wrong, with exit status 1.
 """
+import copy
 import csv
 import json
 import os
@@ -244,6 +245,12 @@ def check_refusals():
         closed.step_to(0.013)
         want(closed.run(0.1).t.tolist() == [0.013, 0.02, 0.04, 0.06, 0.08, 0.1], "rows from a time that is none")
     refused(lambda: closed.get("angle"), "the scene is closed")
+    for one in (copy.copy, copy.deepcopy, pickle.dumps):
+        try:
+            one(scene)
+            want(False, f"{one.__name__} of a scene: two that give the same memory back")
+        except TypeError as error:
+            want("restore()" in str(error), str(error))
     error = refused(lambda: scene.get("agle"), "agle")
     want(str(pickle.loads(pickle.dumps(error))) == str(error), "an error does not go to other processes")
     before = scene.save()

@@ -84,6 +84,9 @@ class Scene:
 
     __del__ = close
 
+    def __reduce__(self) -> str:
+        raise TypeError("a Scene is not copied or pickled: open it again, its save() goes to restore() there")
+
     @property
     def _scene(self) -> int:
         if self._handle is None:
