@@ -90,9 +90,15 @@ def _oscillating(model: Linear) -> tuple[np.ndarray, np.ndarray]:
     return value[keep], seen / np.maximum(np.linalg.norm(seen, axis=0), 1e-300)
 
 
-def track(models: list[Linear]) -> np.ndarray:
-    """Eigenvalues of models, each near the one before: a row for each, a column for each oscillation of the first. It is
-    followed by what is seen of it and by where it was going."""
+def far(one: Linear, other: Linear) -> bool:
+    """Do frequencies change so much between them that modes of like shapes would be mistaken for each other?"""
+    moduli = [np.abs(_oscillating(model)[0]) for model in (one, other)]
+    return len(moduli[0]) == len(moduli[1]) and bool((np.abs(np.log(moduli[1] / moduli[0])) > 0.15).any())
+
+
+def track(models: list[Linear], places: list[float]) -> np.ndarray:
+    """Eigenvalues of models at values of a parameter, each near the one before: a row for each, a column for each oscillation
+    of the first. It is followed by what is seen of it and by where it was going."""
     value, seen = _oscillating(models[0])
     table = np.full((len(models), len(value)), np.nan, dtype=complex)
     table[0], expected = value, value
@@ -104,6 +110,8 @@ def track(models: list[Linear]) -> np.ndarray:
             k, at = np.unravel_index(np.nanargmin(apart), apart.shape)
             table[row, k], seen[:, k] = value[at], now[:, at]
             apart[k, :] = apart[:, at] = np.inf
-        expected = np.where(np.isnan(table[row]), expected, 2 * table[row] - table[row - 1])
+        last, here, there = places[row - 1], places[row], places[min(row + 1, len(places) - 1)]
+        ahead = min((there - here) / (here - last), 2) if here != last else 0
+        expected = np.where(np.isnan(table[row]), expected, table[row] + ahead * (table[row] - table[row - 1]))
         expected = np.where(np.isnan(expected), table[row], expected)
     return table

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _library as c
 from .description import Description
-from .results import Campbell, Linear, Modes, Run, track
+from .results import Campbell, Linear, Modes, Run, far, track
 
 CHUNK = 256  # rows of a call, between which Python takes signals
 
@@ -269,14 +269,34 @@ class Scene:
 
     def campbell(self, parameter: str, first: float, last: float, n: int = 21) -> Campbell:
         """Modes over n values of a parameter, followed through crossings by what joints, bodies and outputs see of them:
-        outputs at the nodes that move tell modes apart. This scene stays as it is."""
+        outputs at the nodes that move tell modes apart. Values between are looked at where frequencies change much. This scene
+        stays as it is."""
+        if n < 1:
+            raise FlexbeamError(f"modes over {n} values of {parameter}", None, 0, parameter)
         values = np.linspace(first, last, n)
         with Scene(self._source, self._given, folder=self._folder) as other:
-            models = []
-            for value in values:
+
+            def at(value: float) -> Linear:
                 other.reset(**{parameter: value})
-                models.append(other.linear())
-        table = track(models)
+                return other.linear()
+
+            models, places, rows = [at(values[0])], [values[0]], [0]
+            for last_value, value in zip(values, values[1:]):
+                ahead = [(value, at(value))]
+                while ahead:
+                    place, model = ahead[-1]
+                    if abs(place - places[-1]) > abs(value - last_value) / 30 and far(models[-1], model):
+                        try:
+                            middle = (place + places[-1]) / 2
+                            ahead.append((middle, at(middle)))
+                            continue
+                        except FlexbeamError:  # a number of modes, say: nothing is between
+                            pass
+                    models.append(model)
+                    places.append(place)
+                    ahead.pop()
+                rows.append(len(models) - 1)
+        table = track(models, places)[rows]
         return Campbell(parameter, values, table.imag.copy(), table.real.copy())
 
     def advise(self) -> str:
