@@ -2,7 +2,7 @@
 
 >>> import flexbeam
 >>> run = flexbeam.Scene("examples/scenes/rotor.txt").run()
->>> run.t, run["tip_y"], run.units
+>>> run.t, run["tip_1"], run.units
 """
 from ._library import version as __version__
 from .description import Description

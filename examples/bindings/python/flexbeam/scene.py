@@ -46,8 +46,8 @@ class Scene:
     source: the name of a file; or the text itself, of more than one line; or a Description. Files that a text names are
     looked for in `folder`. Parameters of the scene have other values by keyword, or in a mapping:
 
-    >>> run = Scene("satellite.txt", spin=6).run(60)
-    >>> run.t, run["tip_y"], run.units["tip_y"]
+    >>> run = Scene("examples/scenes/rotor.txt", rate=40).run()
+    >>> run.t, run["tip_1"], run.units["tip_1"]
 
     Units are SI and radians. A scene is used by one thread at a time; several run in as many threads as wanted.
     """
@@ -249,7 +249,8 @@ class Scene:
         return matrix
 
     def linear(self) -> Linear:
-        """The linear model about the start: inputs are loads, motors, actuators and rotors, those of controllers too."""
+        """The linear model about the start: inputs are loads, motors, actuators and rotors, those of controllers too, by names
+        of their own (motor.axle.1 is motor.axle[1] of `set`); a load in multiples of its vector, as its unit says."""
         kinds = (c.STATES, c.LINEAR_INPUTS, c.LINEAR_OUTPUTS)
         with self._lock:
             self._check(c.library.linear(self._scene))
