@@ -6,6 +6,13 @@ from collections.abc import Iterable
 from typing import Any, Callable
 
 
+def _number(value: Any) -> str:
+    try:
+        return repr(int(value) if isinstance(value, int) else float(value))
+    except (TypeError, ValueError):
+        raise TypeError(f"neither a word nor a number: {value!r}") from None
+
+
 def _words(values: Iterable[Any]) -> Iterable[str]:
     for value in values:
         if isinstance(value, str):
@@ -13,7 +20,7 @@ def _words(values: Iterable[Any]) -> Iterable[str]:
         elif isinstance(value, Iterable):
             yield from _words(value)
         else:
-            yield repr(int(value) if isinstance(value, int) else float(value))
+            yield _number(value)
 
 
 class _Block:

@@ -21,6 +21,8 @@ class Run(Mapping):
         return self.table[:, 0]
 
     def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._column:
+            raise KeyError(f"{name}: there is no such output, but {', '.join(self.names)}")
         return self.table[:, self._column[name]]
 
     def __iter__(self) -> Iterator[str]:

@@ -181,7 +181,7 @@ class Scene:
     def get(self, name: Union[str, Iterable[str], None] = None) -> Union[float, np.ndarray, dict[str, float]]:
         """The present number of an output, input or parameter; an array of several names; a dict of all outputs."""
         if name is None:
-            return dict(zip(self.outputs, self._read(c.OUTPUTS)))
+            return dict(zip(self.outputs, self._read(c.OUTPUTS).tolist()))
         if not isinstance(name, str):
             return np.array([self.get(one) for one in name])
         kind, index = self._find(name, c.OUTPUTS, c.INPUTS, c.PARAMETERS)
@@ -200,8 +200,11 @@ class Scene:
 
     def step_to(self, time: float) -> None:
         """Up to that time [s], in steps of the scene's own; between rows of the scene with the bits of its run."""
+        time = _number("step_to", time)
         with self._lock:
-            self._check(c.library.step_to(self._scene, float(time)))
+            if not time >= self.time:
+                raise FlexbeamError(f"a step to {time} s, while the time is {self.time} s", None, 0, str(time))
+            self._check(c.library.step_to(self._scene, time))
 
     def run(self, until: Optional[float] = None) -> Run:
         """From the present time to the row nearest to `until` [s] (the duration of the scene): a row now and at each
