@@ -640,7 +640,7 @@ static void fmu_save(const fmu *f, fmu_saved *to, const fmu_span *span, int n, s
 static fmu_answer fmu_saved_check(fmu *f, const fmu_saved *from)
 {
   if (!from || from->token != fmu_token_word(f) || from->size < sizeof *from || from->size > FMU_SAVED_MOST) {
-    return fmu_refuse(f, FMU_ERROR, "this is no state of this FMU, but of another model or nothing");
+    return fmu_refuse(f, FMU_ERROR, "this is no state of this model, but of another one or nothing");
   }
   if (from->check != fmu_saved_word(from)) {
     return fmu_refuse(f, FMU_ERROR, "the saved state is damaged: its check word differs");

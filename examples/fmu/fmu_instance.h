@@ -113,7 +113,7 @@ static fmu_answer fmu_keep_bytes(fmu *f, fmu_saved **saved, const void *bytes, s
     memcpy(&from, bytes, n);
   }
   if (!bytes || n < sizeof from.saved || n > sizeof from || from.saved.size != n) {
-    answer = fmu_refuse(f, FMU_ERROR, "%u bytes are no serialized state of this FMU", (unsigned)n);
+    answer = fmu_refuse(f, FMU_ERROR, "%u bytes are no saved state of this model", (unsigned)n);
   }
   answer = answer ? answer : fmu_saved_check(f, &from.saved);
   answer = answer ? answer : fmu_room(f, saved, n);

@@ -64,7 +64,7 @@ static void scene_check_conversion(text_file *t)
     text_fail(t, "central_gravity of an exact beam: it acts on bodies with modes");
   }
   if (model.kind != MODEL_BEAM || beam->n_point > 0) {
-    text_fail(t, "exact takes a straight beam; bent ones are described by body NAME exact");
+    text_fail(t, "exact takes a straight beam, as the only body; bent ones are described by body NAME exact");
   } else if (beam->root != FB_ROOT_CLAMPED && (beam->root != FB_ROOT_FREE || base != FB_BASE_FREE || model.hub)) {
     model_at(t, &model.part[0], "root");
     text_fail(t, "an exact beam is clamped to its body, which `base` holds");

@@ -242,6 +242,8 @@ def check_refusals():
     refused(lambda: scene.step_to(float("nan")), "a step to nan")
     refused(lambda: scene.run(0.5), "a run to 0.5 s")
     refused(lambda: Scene(scenes / "beck.txt").step_to(1), "without duration")
+    refused(lambda: Scene(scenes / "beck.txt").run(), "without duration")
+    refused(lambda: Scene(scenes / "rotor.txt").restore(scene.save()), "no state of this model")
     refused(lambda: Scene(scenes / "whirl.txt").campbell("spi", 1, 2), "spi")
     refused(lambda: Scene(DRIVEN, EI="stiff"), "'stiff' is no number", None, 0, "EI")
     refused(lambda: scene.set("force.boom.tip"), "None is no number", None, 0, "force.boom.tip")

@@ -210,6 +210,8 @@ class Scene:
         """From the present time to the row nearest to `until` [s] (the duration of the scene): a row now and at each
         interval of the scene."""
         until = self.duration if until is None else _number("until", until)
+        if self.duration == 0:
+            raise FlexbeamError("a run of a scene without duration: get() has its start", None, 0, "")
         if not until > self.time:
             raise FlexbeamError(f"a run to {until} s, while the time is {self.time} s", None, 0, str(until))
         rows = round(until / self.interval) - int(self.time / self.interval + 1e-6) if self.interval > 0 else 1
