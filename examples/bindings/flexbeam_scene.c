@@ -23,6 +23,10 @@ struct fbs {
   struct scene_plant *linear; /* NULL: nobody asked for it */
   scene_mode *mode;
   int n_mode;
+  int n_input,
+      n_output; /* of the scene as it was opened: what a refused parameter leaves of it in f.plant has others */
+  double duration, interval;
+  int changed; /* are those perhaps of other parameters? */
 };
 
 int fbs_interface(void)
@@ -139,7 +143,27 @@ static void *fbs_copied(const void *from, size_t bytes)
   return to;
 }
 
-/* Its token is the check word of the text. */
+/* Duration and interval of the scene that was read last. */
+static void fbs_note(fbs *s)
+{
+  const scene *const of = &s->f.plant.s;
+  const long rows = scene_rows(of);
+  s->duration = of->duration;
+  s->interval = rows > 0 ? of->duration / (double)rows : 0;
+  s->changed = 0;
+}
+
+/* Those of the present parameters, or where these are refused of the last ones that were not. */
+static void fbs_look(fbs *s)
+{
+  const fmu_values all = fmu_all(&s->f);
+  fmu_text text;
+  if (s->changed && s->f.n_value > 0 && fmu_plant_prepare(&s->f.plant, &all, text) == FMU_OK) {
+    fbs_note(s);
+  }
+}
+
+/* Its token is the check word of the text, as of a file of it. */
 static fmu_answer fbs_read(fbs *s, int n, const double *value)
 {
   fmu_plant *const p = &s->f.plant;
@@ -153,8 +177,11 @@ static fmu_answer fbs_read(fbs *s, int n, const double *value)
     return answer;
   }
   if (s->text) {
-    for (const char *c = s->text; *c; c++) {
-      word = fbi_crc_word(word, (unsigned char)*c);
+    const size_t all = strlen(s->text);
+    for (size_t k = 0; k < all; k += sizeof word) {
+      unsigned part = 0;
+      memcpy(&part, s->text + k, all - k < sizeof part ? all - k : sizeof part);
+      word = fbi_crc_word(word, part);
     }
   } else {
     (void)fmu_scene_word(&word, p->path);
@@ -162,6 +189,9 @@ static fmu_answer fbs_read(fbs *s, int n, const double *value)
   fmu_scene_token(p, 0, word);
   fmu_scene_opened(p);
   fmu_list(&s->f);
+  s->n_input = p->n_input;
+  s->n_output = p->s.n_output;
+  fbs_note(s);
   return FMU_OK;
 }
 
@@ -201,7 +231,7 @@ int fbs_open(fbs *s, const char *name, const char *text, int n, const char *cons
 /* Value reference of the first of a list that can be set or read. */
 static int fbs_first(const fbs *s, int list)
 {
-  const int inputs = s->f.plant.n_input, outputs = s->f.plant.s.n_output;
+  const int inputs = s->n_input, outputs = s->n_output;
   return list == FBS_INPUTS ? 1 : list == FBS_OUTPUTS ? 1 + inputs : 1 + inputs + outputs;
 }
 
@@ -223,7 +253,7 @@ static const linear_value *fbs_linear_list(const fbs *s, int list, int *n)
 
 int fbs_count(const fbs *s, int list)
 {
-  const int inputs = s->f.plant.n_input, outputs = s->f.plant.s.n_output;
+  const int inputs = s->n_input, outputs = s->n_output;
   int n = list == FBS_INPUTS ? inputs : list == FBS_OUTPUTS ? outputs : list == FBS_MODES ? s->n_mode : 0;
   if (list < 0 || list >= FBS_LISTS) {
     return -1;
@@ -334,6 +364,7 @@ int fbs_set(fbs *s, int list, int n, const int *index, const double *value)
       fbs_blame(s, fbs_name(s, list, index ? index[k] : k));
       answer = pass == 0 ? fmu_accepts(&s->f, &s->f.variable[at], 0, value[k])
                          : fmu_set(&s->f, &reference, 1, &value[k], 1, FMU_NUMBERS);
+      s->changed |= list == FBS_PARAMETERS;
       if (answer != FMU_OK) {
         return (int)answer;
       }
@@ -367,15 +398,16 @@ double fbs_time(const fbs *s)
   return s->f.now.time;
 }
 
-double fbs_duration(const fbs *s)
+double fbs_duration(fbs *s)
 {
-  return s->f.plant.s.duration;
+  fbs_look(s);
+  return s->duration;
 }
 
-double fbs_interval(const fbs *s)
+double fbs_interval(fbs *s)
 {
-  const long rows = scene_rows(&s->f.plant.s);
-  return rows > 0 ? s->f.plant.s.duration / (double)rows : 0;
+  fbs_look(s);
+  return s->interval;
 }
 
 /* May it be stepped? The first step ends what parameters may be set. */
@@ -383,9 +415,16 @@ static fmu_answer fbs_ready(fbs *s)
 {
   fmu_answer answer = FMU_OK;
   fbs_blame(s, "");
-  if (!(fbs_duration(s) > 0)) {
-    return fmu_refuse(&s->f, FMU_ERROR,
-                      s->f.n_value > 0 ? "a scene without duration computes its start alone" : "no scene is open");
+  if (s->f.n_value == 0) {
+    return fmu_refuse(&s->f, FMU_ERROR, "no scene is open");
+  }
+  answer = fmu_prepare(&s->f);
+  if (answer != FMU_OK) {
+    return answer;
+  }
+  fbs_note(s);
+  if (!(s->duration > 0)) {
+    return fmu_refuse(&s->f, FMU_ERROR, "a scene without duration computes its start alone");
   }
   if (s->f.now.mode == FMU_MADE) {
     answer = fmu_started(&s->f);
@@ -415,8 +454,11 @@ int fbs_step_to(fbs *s, double time)
 int fbs_run(fbs *s, int n, double *rows, int *made)
 {
   const int outputs = fbs_count(s, FBS_OUTPUTS);
-  const double row = fbs_interval(s);
-  fmu_answer answer = fbs_ready(s);
+  fmu_answer answer = made && (rows || n <= 0) ? fbs_ready(s) : FMU_ERROR;
+  const double row = s->interval;
+  if (!made || (!rows && n > 0)) {
+    return fbs_refuse(s, "", "a place for rows is missing");
+  }
   *made = 0;
   for (int k = 0; k < n && answer == FMU_OK; k++) {
     double *const to = rows + (size_t)k * (size_t)(1 + outputs);
@@ -432,6 +474,7 @@ int fbs_run(fbs *s, int n, double *rows, int *made)
 int fbs_reset(fbs *s)
 {
   fmu_reset(&s->f);
+  s->changed = 1;
   return FBS_OK;
 }
 
@@ -444,6 +487,9 @@ int fbs_save(fbs *s, void *bytes, size_t room, size_t *size)
   fbs_blame(s, "");
   if (answer != FMU_OK) {
     return fbs_told(s, answer);
+  }
+  if (!size) {
+    return fbs_refuse(s, "", "a place for the size is missing");
   }
   *size = s->saved->size;
   if (bytes && room < *size) {
@@ -460,6 +506,7 @@ int fbs_restore(fbs *s, const void *bytes, size_t size)
   fmu_answer answer = fmu_keep_bytes(&s->f, &s->saved, bytes, size);
   fbs_blame(s, "");
   answer = answer ? answer : fmu_load(&s->f, s->saved);
+  s->changed = 1;
   return fbs_told(s, answer);
 }
 
@@ -546,7 +593,7 @@ int fbs_matrix(fbs *s, int matrix, double *to, size_t n)
   const size_t x = (size_t)fbs_count(s, FBS_STATES), u = (size_t)fbs_count(s, FBS_LINEAR_INPUTS),
                y = (size_t)fbs_count(s, FBS_LINEAR_OUTPUTS);
   const size_t size[] = {x * x, x * u, y * x, y * u, (size_t)fbs_count(s, FBS_POINT), 4 * (size_t)s->n_mode};
-  if (matrix < 0 || matrix >= FBS_MATRICES || n != size[matrix] || (!of && (is_linear || is_point))) {
+  if (matrix < 0 || matrix >= FBS_MATRICES || n != size[matrix] || (n > 0 && !to) || (!of && (is_linear || is_point))) {
     return fbs_refuse(s, "", "no such matrix is there, or it has another number of elements");
   }
   if (is_linear) {

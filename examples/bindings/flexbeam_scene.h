@@ -89,9 +89,9 @@ FBS_API int fbs_find(fbs *s, int list, const char *name); /* -1: there is none *
 FBS_API int fbs_set(fbs *s, int list, int n, const int *index, const double *value);
 FBS_API int fbs_get(fbs *s, int list, int n, const int *index, double *value);
 
-FBS_API double fbs_time(const fbs *s);     /* [s] */
-FBS_API double fbs_duration(const fbs *s); /* [s] of the scene; 0: it computes its start alone */
-FBS_API double fbs_interval(const fbs *s); /* [s] of its rows */
+FBS_API double fbs_time(const fbs *s); /* [s] */
+FBS_API double fbs_duration(fbs *s);   /* [s] of the scene; 0: it computes its start alone */
+FBS_API double fbs_interval(fbs *s);   /* [s] of its rows */
 
 /* Steps up to a time, in steps of the scene's own. From a row to a later row of the scene: with the bits of its run. */
 FBS_API int fbs_step_to(fbs *s, double time);

@@ -11,6 +11,9 @@
 #define SCENE_SEVERAL
 #include "../scene/scene_run.h"
 #include <stddef.h>
+#ifdef __unix__
+#include <sched.h>
+#endif
 #include "fmu_variables.h"
 
 #define FMU_SCENE_INPUTS \
@@ -74,13 +77,16 @@ static void fmu_scene_here(fmu_plant *p)
   controlling_now = p->controller;
 }
 
-/* Reading and building have static memory of their own: one thread at a time. */
+/* Reading and building have static memory of their own: one thread at a time; those that wait leave their core to it. */
 static int fmu_scene_builds;
 
 static void fmu_scene_wait(void)
 {
 #ifdef __GNUC__
   while (__sync_lock_test_and_set(&fmu_scene_builds, 1)) {
+#ifdef __unix__
+    sched_yield();
+#endif
   }
 #endif
 }
@@ -384,12 +390,16 @@ static fmu_answer fmu_scene_read(fmu_plant *p, const char *path, const double *p
 static fmu_answer fmu_scene_relist(fmu_plant *p, fmu_text text)
 {
   const int n = p->n_exported;
+  char unit[FMU_SCENE_VARIABLES][40];
+  memcpy(unit, p->unit, sizeof unit);
   fmu_scene_list(p, &p->s);
   for (int k = 0; k < n || k < p->n_variable; k++) {
     if (k >= n || k >= p->n_variable || strcmp(p->exported[k], p->name[k]) != 0) {
       snprintf(text, sizeof(fmu_text),
                "with these parameters the scene has other variables than the FMU (%s): export it with them",
                k < n ? p->exported[k] : p->name[k]);
+      memcpy(p->name, p->exported, sizeof p->name); /* variables of the instance are named by these */
+      memcpy(p->unit, unit, sizeof unit);
       return FMU_ERROR;
     }
   }

@@ -121,6 +121,30 @@ def check_states():
     return len(saved)
 
 
+def check_parameters():
+    """A parameter that is refused leaves all but its number as it was, and what depends on one is that of its present number."""
+    text = DRIVEN.replace("duration 4", "").replace("interval 0.02", "") + "duration $T\ninterval 0.1*$T\n"
+    text = text.replace("force 0 1 0", "force 0 $F 0").replace("length 4", "length $L")
+    text = "parameter T 4\nparameter L 4\nparameter F 1\n" + text
+    known, scene = Scene(text).run(1.2).table, Scene(text)
+    for name, bad, good in (("L", -1, 4), ("F", 0, 1)):
+        names = [(scene._names(kind), scene._units_of(kind)) for kind in range(3)]
+        scene.reset(**{name: bad})
+        refused(lambda: scene.step_to(0.4), "length" if name == "L" else "other variables")
+        want([(scene._names(kind), scene._units_of(kind)) for kind in range(3)] == names, f"a refused {name} renames numbers")
+        want((scene.get("T"), scene.get("L"), scene.get(name)) == (4, bad if name == "L" else 4, bad), f"a refused {name}: parameters")
+        want((scene.duration, scene.interval) == (4, 0.4), f"a refused {name}: duration {scene.duration}")
+        scene.set(name, good)
+        want((scene.run(1.2).table == known).all(), f"after a refused {name} the scene moves otherwise")
+    scene.reset(T=2)
+    want((scene.duration, scene.interval) == (2, 0.2), f"duration {scene.duration}, where the parameter says 2")
+    want(scene.run().t.tolist() == (np.arange(11) * 0.2).tolist(), "rows are those of another parameter")
+    scene.reset()
+    want((scene.run(1.2).table == known).all(), "a duration of before the reset")
+    (folder / "same.txt").write_text(text)
+    Scene(folder / "same.txt").restore(scene.save())
+
+
 def check_linear():
     for name in ("satellite_control", "rotating_beam", "panel_slew"):
         out = folder / f"{name}.json"
@@ -377,6 +401,7 @@ want(first_curve < float(os.environ.get("FLEXBEAM_SECONDS", 1)), f"{first_curve:
 check_curves()
 numbers = check_bits()
 saved = check_states()
+check_parameters()
 check_linear()
 check_modes()
 difference, control_is = check_scipy()

@@ -155,12 +155,14 @@ class Scene:
     @property
     def duration(self) -> float:
         """[s] as the scene says; 0: it computes its start alone."""
-        return c.library.duration(self._scene)
+        with self._lock:
+            return c.library.duration(self._scene)
 
     @property
     def interval(self) -> float:
         """[s] between its rows."""
-        return c.library.interval(self._scene)
+        with self._lock:
+            return c.library.interval(self._scene)
 
     # numbers
 
