@@ -2887,7 +2887,7 @@ typedef struct fb_exact_spectrum { /* ascending by |re + i im|; of a conjugate p
   /* [1/s], [rad/s]. Elements keep d'Alembert's principle: without follower loads and damping, re of a beam that is stable
      is rounding, some 1e-14 of the modulus whatever the mesh is (1e-6 in single precision) */
   fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES];
-  fb_real error[FB_EXACT_MODES]; /* estimated relative error of the iteration (not of the mesh) */
+  fb_real error[FB_EXACT_MODES]; /* estimated relative error of iteration and rounding (not of the mesh) */
   /* Motion of the nodes relative to the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
      rotation [rad], scaled so that the largest displacement, or rotation times length, is 1 m. */
   fb_real shape_re[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)], shape_im[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)];
