@@ -260,8 +260,8 @@ TEST(steppers_refuse_what_they_cannot_step)
 
   /* a body with a single thing of a system or of an exact beam */
   for (int k = 0; k < 7; k++) {
-    static const fb_system_input system_input;
-    static const fb_exact_input exact_input;
+    static fb_system_input system_input;
+    static fb_exact_input exact_input;
     memset(&way, 0, sizeof way);
     way.dt = FB_R(0.002);
     way.body = &body;
