@@ -14569,7 +14569,7 @@ static FBI_NOINLINE fb_status fbi_exact_beam_eliminate(fb_real K[36], fb_exact_w
   fbi_ad_function_add_mul(G, X, j->E);
   fbi_zero(W, 72);
   for (int i = 36; i < 54; i += 6) { /* -X D1 */
-    fbi_adT(W + i, work->cell.theta, X + i - 36);
+    fbi_adT(W + i, work->cell.theta, X + (i - 36));
   }
   for (int i = 0; i < 3; i++) {
     for (int l = 0; l < 3; l++) {
