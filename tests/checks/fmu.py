@@ -543,10 +543,10 @@ def check_refusals(version, saved, foreign):
         inside = [one.first["hub.force"] + 1]
         refused(one, "an element", lambda: one.fmu.getFloat64(inside), "vector")
     refused(one, "a short state", lambda: one.fmu.deserializeFMUState(saved[:-8]), "bytes")
-    refused(one, "a state of another model", lambda: one.fmu.deserializeFMUState(foreign), "bytes" if len(foreign) != len(saved) else "another model")
+    refused(one, "a state of another model", lambda: one.fmu.deserializeFMUState(foreign), "bytes" if len(foreign) != len(saved) else "of another one or nothing")
     alien = bytearray(saved)
     alien[4] ^= 1
-    refused(one, "a state of another FMU", lambda: one.fmu.deserializeFMUState(bytes(alien)), "another model")
+    refused(one, "a state of another FMU", lambda: one.fmu.deserializeFMUState(bytes(alien)), "of another one or nothing")
     for at in 16, len(saved) // 2, len(saved) - 1:
         broken = bytearray(saved)
         broken[at] ^= 4
