@@ -3539,7 +3539,8 @@ struct fb_advice_work {
           Exact beams have joints and branches: fb_exact_desc.joint, .branch, fb_exact_input.motor, fb_exact_joint_eval,
           FB_PORT_DRIVE, _COORDINATE, _SPEED; `joint` in descriptions. Reactions of nodes held beyond the root
           converge with the step. fb_exact_desc.iterations is a bound: in double precision a step ends its corrections
-          where the next would be rounding. Follower loads on elements that come at once move no node at once.
+          where the next would be rounding. Follower loads on elements that come at once move no node at once. Free beams on
+          one line want inertia about it (FB_ERR_SINGULAR). Work structs are complete at the end of flexbeam.h.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
           .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).
