@@ -993,7 +993,7 @@ static double small_steps(double h)
 
 /* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that. Near
    rest such steps are stable, and those a fifth longer are not, of damped modes twice as long. Faster rotors never allow
-   longer steps. */
+   longer steps at the same acceleration of O. */
 static double limits(double h)
 {
   fb_body_limit limit, slower = {FB_HUGE, FB_HUGE, FB_HUGE, FB_R(0.0), FB_R(0.0)};
@@ -1005,7 +1005,8 @@ static double limits(double h)
     fbl_stream("spin");
     FBL_TRY(state_draw());
     FBL_TRY(fb_body_limit_eval(&body, &limit, &state, &input));
-    if (limit.rk4 > slower.rk4 || limit.implicit > slower.implicit || limit.exponential > slower.exponential) {
+    if (limit.acceleration >= slower.acceleration &&
+        (limit.rk4 > slower.rk4 || limit.implicit > slower.implicit || limit.exponential > slower.exponential)) {
       return 1.0;
     }
     slower = limit;
