@@ -1617,7 +1617,8 @@ typedef struct fb_exact_work fb_exact_work;
 
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
    of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE; FB_ERR_CAPACITY: counts of the model; FB_ERR_SINGULAR,
-   the state is then empty: a free beam on one line without rotary inertia (i_y, i_z, a lump's) about it. */
+   the state is then empty: a free beam on one line whose rotary inertia about it (i_y, i_z, a lump's) is below FB_EPSILON
+   times its mass and the square of its length, 1.2e-7 in single precision. */
 FB_API fb_status fb_exact_state_init(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                      const fb_exact_input *input);
 
@@ -3036,7 +3037,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
 #endif /* FB_WITH_ANALYSE */
 
 /* ---------------------------------------------------------------------------------------------------------------
-   ALL >>scratch: what the functions above work in. What is in it means nothing between calls, but for the few members that
+   >>scratch: what the functions above work in. What is in it means nothing between calls, but for the few members that
    are named where the struct is declared */
 
 #if FB_WITH_LARGE_DEFLECTION

@@ -33680,14 +33680,14 @@ static void fbi_exact_shape(fb_real *re, fb_real *im, const fb_exact_spectrum_wo
   }
 }
 
-/* Linearizes and factors the beam at the first of three shifts that is not an eigenvalue. Rigid motions of a floating beam,
-   which go on, have 1/shift^2 in the operator, and what rounds there is an error of every mode: in single precision the shift
-   is near the first frequency of a free beam. */
+/* Rigid motions of a floating beam, which go on, have 1/shift^2 in the operator of E12.4, and what rounds there is an error of
+   every mode: in single precision the shift is near the first frequency of a free beam. */
 static fb_real fbi_exact_first_shift(const fb_exact *m)
 {
   return m->floating && FB_SINGLE ? FB_R(20.0) : FB_R(1.0);
 }
 
+/* Linearizes and factors the beam at the first of three shifts that is not an eigenvalue. */
 static fb_status fbi_exact_shifted(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                                    const fb_exact_input *input)
 {
@@ -33744,8 +33744,9 @@ static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exac
   return *found >= count ? FB_OK : size < fbi_exact_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_MODES;
 }
 
-/* Relative error of an eigenvalue by what rounds of the rigid motions of a floating beam, eps/shift in the operator: shown by
-   modes that are much slower than the shift. The factor is that of beams of 6 to 30 elements. */
+/* Relative error of an eigenvalue by what rounds of the rigid motions of a floating beam: large for modes that are much slower
+   than the shift. The factor was measured on beams of 6 to 30 elements.
+   Test: slow_modes_of_floating_beams_tell_their_error. */
 static fb_real fbi_exact_rounding(const fb_exact *m, fb_real re, fb_real im)
 {
   const fb_real shift = fbi_exact_first_shift(m), size = FB_SQRT(re * re + im * im);

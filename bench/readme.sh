@@ -156,7 +156,7 @@ alone() {
 noticed() {
   caught=$(table_of mutants | sed -n 's/^together: \(.*\) caught$/\1/p')
   commit=$(commit_of mutants)
-  echo "The tests and the laws notice $caught random changes of equations, of the library as it was at commit $commit." | block noticed "$commit"
+  echo "The tests and the laws notice $caught random changes of equations, after tests for what first survived, of the library at commit $commit." | block noticed "$commit"
 }
 
 # Of each scene its title and the largest relative difference from what it is compared with.

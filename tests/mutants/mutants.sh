@@ -3,10 +3,11 @@
 # sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, a check of the inside against outside figures
 # (tests/checks/jacobian.c, shape_rates.c) or the laws (150 models of each kind) answer by a false claim, a crash or too much time,
 # or that makes tests leave an array or (where there is clang) use what nothing was written to, which check-sanitize forbids. Asked
-# are those that call the function, the shortest first. Mutants that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those that
-# do not compile, or to the same code, are told and do not count. All are compiled into one program (switch.awk), the environment
-# chooses. Restartable: build/mutants/caught is kept, survivors are tried again. On all cores (JOBS). Ends with a table by section and
-# by kind of change, which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners.
+# are those that call the function, the shortest first. Mutants that change nothing to be seen stand in equivalent.txt with the
+# reason and count neither way; those that do not compile, or to the same code, are told and do not count. All are compiled into one
+# program (switch.awk), the environment chooses. Restartable: build/mutants/caught is kept, survivors are tried again. On all cores
+# (JOBS). Ends with a table by section and by kind of change, which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections
+# are those of the banners.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
