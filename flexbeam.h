@@ -181,7 +181,7 @@
      fb_rk4_work                  1728
      fb_implicit_work             9920
      fb_exponential_work          4752
-     fb_system_work             637536
+     fb_system_work             643680
      fb_exact_work              201312
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
@@ -189,7 +189,7 @@
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
-     fb_system_analyse_work    1970176
+     fb_system_analyse_work    1976320
      fb_exact_path_work         230576
      fb_exact_spectrum_work    1848000
      fb_exact_linear_work      2300880
@@ -3122,10 +3122,13 @@ typedef struct fbi_link_work {
   const fb_body *model;
   struct fbi_link_work *parent;
   int about;      /* 1..3: C is a rotation about that axis; 0: it is not */
+  int axis[3];    /* so: that axis and the two across it */
+  int hinge;      /* 3..5: a free axis of this one component of A, through O; 0: it is not */
   int has_speeds; /* q_dot is known */
   int had_speeds;
   int coupled, open; /* its modes carry something; they are in E, X, Z below */
   int settled;       /* S, U and D are the same at every state; 2: known */
+  int passed;        /* the last row whose impulse passed it; or none, FBI_ENDS; nor will one, FBI_ALL_LINKS */
   int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
   fb_axis_mode mode[3];
   fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
@@ -3164,8 +3167,19 @@ typedef struct fbi_end { /* one side of a constraint */
   fbi_node_field f;
   fb_real n[3];                                   /* the node, body axes */
   fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
-  fb_real move[6];                                /* v, w of a solution */
+  fb_real move[6];                                /* v, w of a solution, body axes */
+  fb_real impulse[6];                             /* sum of mu times the wrenches of the rows, body axes */
+  fb_real push[6];                                /* of mu times their rates along the motion, inertial axes */
 } fbi_end;
+
+typedef struct fbi_frames { /* joint frames, inertial axes: sketch at fbi_frames_eval */
+  fbi_end *end[2];
+  int at[2];                /* indices of the ends */
+  fb_real a[3][3], b[3][3]; /* axes x, y, z on the parent, on the child */
+  fb_real x[2][3];          /* origins on the parent, on the child */
+  fb_real arm[2][3];        /* from each end to x[1] */
+  fb_real step[3];          /* from x[0] to x[1] */
+} fbi_frames;
 
 typedef struct fbi_span { /* of a spring, between its points; inertial axes */
   fbi_end end[2];
@@ -3177,7 +3191,8 @@ typedef struct fbi_span { /* of a spring, between its points; inertial axes */
 typedef struct fbi_row {
   fb_row r;
   int end[2], joint, axis;
-  int pushes; /* it has a force, not torques alone */
+  fb_real wrench[2][6]; /* force, torque at each end, axes of its body */
+  int pushes;           /* it has a force, not torques alone */
   fb_real force_dot[2][3], torque_dot[2][3], b_dot;
   fb_real most; /* upper bound of its value without impulses */
 } fbi_row;
@@ -3196,6 +3211,7 @@ struct fb_system_work {
   fbi_link_work link[FB_MAX_BODIES];
   fbi_end end[FBI_MAX_ENDS];
   fbi_row row[FB_MAX_ROWS];
+  fbi_frames frames[FB_MAX_LOOPS]; /* of the joints of loops, as the rows were filled */
   fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
   fb_pose pose[FB_MAX_BODIES];
   fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];

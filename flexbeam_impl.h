@@ -8320,15 +8320,31 @@ static int fbi_node_moves(const fb_body *body, int node)
 
 /* ---- positions */
 
-/* C = axes rotated by the joint coordinates x; slide [m]: translation along z of the axes. Universal joint: also the
-   twists of its axes, of which the first depends on the second angle, and the derivative A_dot by that angle. */
-static void fbi_joint_pose(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
+/* C = axes, columns, rotated about axis k, i and j across it, by an angle of cosine c and sine s; C may be axes. */
+static FBI_INLINE void fbi_axes_rotate(fb_real C[9], const fb_real axes[9], int k, int i, int j, fb_real c, fb_real s)
+{
+  FBI_UNROLL
+  for (int m = 0; m < 9; m += 3) {
+    const fb_real x = axes[m + i], y = axes[m + j];
+    C[m + i] = c * x + s * y;
+    C[m + j] = c * y - s * x;
+    C[m + k] = axes[m + k];
+  }
+}
+
+/* Translation [m] along z of the axes of a joint. */
+static fb_real fbi_joint_slide(const fb_joint *joint, const fb_link_state *x)
+{
+  const fbi_joint_traits *is = fbi_traits(joint);
+  return is->slide >= 0 ? x->x[is->slide] : is->pitched ? joint->pitch * x->x[is->angle] : FB_R(0.0);
+}
+
+/* C = axes rotated by the joint coordinates x. Universal joint: also the twists of its axes, of which the first depends
+   on the second angle, and the derivative A_dot by that angle. */
+static void fbi_joint_pose(fb_real C[9], fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
                            const fb_link_state *x)
 {
   const fbi_joint_traits *is = fbi_traits(joint);
-
-  /* translation along z */
-  *slide = is->slide >= 0 ? x->x[is->slide] : is->pitched ? joint->pitch * x->x[is->angle] : FB_R(0.0);
 
   /* rotation: by a quaternion, none, or by an angle about z */
   if (fbi_is_ball(joint->kind)) {
@@ -8338,24 +8354,14 @@ static void fbi_joint_pose(fb_real C[9], fb_real *slide, fbi_link_work *L, const
   } else if (is->angle < 0) {
     fbi_mat33_copy(C, axes);
   } else {
-    const fb_real c = FB_COS(x->x[is->angle]), s = FB_SIN(x->x[is->angle]);
-    FBI_UNROLL
-    for (int i = 0; i < 9; i += 3) {
-      C[i] = c * axes[i] + s * axes[i + 1];
-      C[i + 1] = c * axes[i + 1] - s * axes[i];
-      C[i + 2] = axes[i + 2];
-    }
+    fbi_axes_rotate(C, axes, 2, 0, 1, FB_COS(x->x[is->angle]), FB_SIN(x->x[is->angle]));
   }
 
   /* universal: then by the second angle about the rotated x; first axis seen from the child */
   if (is->tilt >= 0) {
     const fb_real c = FB_COS(x->x[is->tilt]), s = FB_SIN(x->x[is->tilt]);
     const fb_real first[3] = {FB_R(0.0), s, c}, rate[3] = {FB_R(0.0), c, -s};
-    for (int i = 0; i < 9; i += 3) {
-      const fb_real y = C[i + 1], z = C[i + 2];
-      C[i + 1] = c * y + s * z;
-      C[i + 2] = c * z - s * y;
-    }
+    fbi_axes_rotate(C, C, 0, 1, 2, c, s);
     fbi_axis_twist(L->turned, joint, first, FB_R(1.0), FB_R(0.0));
     fbi_vec6_copy(L->turned + 6, joint->A + 6);
     L->A = L->turned;
@@ -8387,19 +8393,14 @@ static const fb_real *fbi_parent_frame(fb_real origin[3], fb_real turned[9], fbi
   return turned;
 }
 
-/* C and translation along the joint's z of a joint that turns about an axis of both bodies. */
-static void fbi_axis_pose(fb_real C[9], fb_real *slide, const fb_joint *joint, int about, const fb_link_state *x)
+/* C of a joint that turns about an axis of both bodies: what of it is not constant. */
+static void fbi_axis_pose(fbi_link_work *L, const fb_joint *joint, const fb_link_state *x)
 {
-  static const int next[4] = {0, 1, 2, 0};
-  const fbi_joint_traits *is = fbi_traits(joint);
-  const int k = about - 1, i = next[k + 1], j = next[i + 1];
-  const fb_real c = FB_COS(x->x[is->angle]), sine = FB_SIN(x->x[is->angle]), s = joint->about > 3 ? -sine : sine;
-  C[0] = C[4] = C[8] = c;
-  C[4 * k] = FB_R(1.0);
-  C[3 * i + k] = C[3 * k + i] = C[3 * j + k] = C[3 * k + j] = FB_R(0.0);
-  C[3 * i + j] = -s;
-  C[3 * j + i] = s;
-  *slide = is->slide >= 0 ? x->x[is->slide] : is->pitched ? joint->pitch * x->x[is->angle] : FB_R(0.0);
+  const int i = L->axis[1], j = L->axis[2];
+  const fb_real angle = x->x[0], c = FB_COS(angle), sine = FB_SIN(angle), s = joint->about > 3 ? -sine : sine;
+  L->C[4 * i] = L->C[4 * j] = c;
+  L->C[3 * i + j] = -s;
+  L->C[3 * j + i] = s;
 }
 
 /* Child in the parent's axes, from the joint frame there: axes L->C = J child_axes^T, J the joint frame rotated by the
@@ -8407,11 +8408,12 @@ static void fbi_axis_pose(fb_real C[9], fb_real *slide, const fb_joint *joint, i
 static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_real origin[3], const fb_real axes[9],
                             const fb_link_state *x)
 {
-  fb_real J[9], slide;
+  const fb_real slide = fbi_joint_slide(joint, x);
+  fb_real J[9];
   if (L->about) {
-    fbi_axis_pose(L->C, &slide, joint, L->about, x);
+    fbi_axis_pose(L, joint, x);
   } else {
-    fbi_joint_pose(joint->turned ? J : L->C, &slide, L, joint, axes, x);
+    fbi_joint_pose(joint->turned ? J : L->C, L, joint, axes, x);
     for (int i = 0; i < 9 && joint->turned; i++) {
       L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
     }
@@ -8437,12 +8439,16 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
     return;
   }
 
-  /* C, s; arm from the node to the child's origin */
-  axes = fbi_parent_frame(origin, turned, L, joint, parent, on);
-  fbi_child_place(L, joint, origin, axes, x);
-  fbi_vec3_copy(L->arm, L->s);
-  if (joint->moves) {
-    fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
+  /* C, s; arm from the node to the child's origin; s and arm of a hinge are constant */
+  if (L->hinge) {
+    fbi_axis_pose(L, joint, x);
+  } else {
+    axes = fbi_parent_frame(origin, turned, L, joint, parent, on);
+    fbi_child_place(L, joint, origin, axes, x);
+    fbi_vec3_copy(L->arm, L->s);
+    if (joint->moves) {
+      fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
+    }
   }
 
   /* R, rho: on the ground as they are, else by the parent's pose */
@@ -8451,7 +8457,12 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
     fbi_vec3_copy(L->rho, L->s);
     return;
   }
-  fb_mat33_mul(L->k.R, parent->k.R, L->C);
+  if (L->about) {
+    const int *const a = L->axis;
+    fbi_axes_rotate(L->k.R, parent->k.R, a[0], a[1], a[2], L->C[4 * a[1]], L->C[3 * a[2] + a[1]]);
+  } else {
+    fb_mat33_mul(L->k.R, parent->k.R, L->C);
+  }
   fb_mat33_mul_vec3(L->rho, parent->k.R, L->s);
   fbi_vec3_add(L->rho, FB_R(1.0), parent->rho);
 }
@@ -8537,6 +8548,28 @@ static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *
   }
 }
 
+/* What is constant of a joint that rotates about an axis of both bodies, among it s and arm of a hinge that is free and
+   goes through O. */
+static void fbi_axis_enter(fbi_link_work *L, const fb_joint *joint)
+{
+  L->about = L->hinge = 0;
+  if (joint->about > 0 && joint->about <= 6 && fbi_traits(joint)->angle == 0) { /* else a bit has flipped */
+    const int k = (joint->about - 1) % 3;
+    L->about = k + 1;
+    L->axis[0] = k;
+    L->axis[1] = (k + 1) % 3;
+    L->axis[2] = (k + 2) % 3;
+    fbi_zero(L->C, 9);
+    L->C[4 * k] = FB_R(1.0);
+    if (joint->n_axis == 1 && L->mode[0] == FB_AXIS_FREE && fbi_is_zero(joint->A, 3)) {
+      L->hinge = 3 + k;
+      for (int i = 0; i < 3; i++) {
+        L->s[i] = L->arm[i] = joint->position[i] - joint->child_position[i];
+      }
+    }
+  }
+}
+
 /* Joint, model, parent, axis modes and frame of each body, by the axis modes and frames of a state. */
 static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *modes)
@@ -8557,11 +8590,8 @@ static void fbi_links_enter(fb_system_work *w, const fb_system *system, const fb
     L->model = fbi_model(system, body, k);
     L->parent = fbi_parent(w, joint);
     L->coupled = system->coupled[k];
-    L->about = 0;
-    if (joint->about > 0 && joint->about <= 6 && fbi_traits(joint)->angle >= 0) { /* else a bit has flipped */
-      L->about = joint->about > 3 ? joint->about - 3 : joint->about;
-    }
     L->A = joint->A;
+    fbi_axis_enter(L, joint);
     L->settled = 0;
     fbi_root_enter(w, system, joint, k, &modes->link[k]);
   }
@@ -8609,30 +8639,30 @@ static fb_axis_mode fbi_axis_mode(const fbi_link_work *L, const fb_joint *joint,
   return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
 }
 
-/* Y = C X C^T */
-static void fbi_mat33_congruence(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+/* X becomes C X C^T */
+static void fbi_mat33_congruence(fb_real X[9], const fb_real C[9])
 {
   fb_real T[9];
   fb_mat33_mul(T, C, X);
   FBI_UNROLL
   for (int i = 0; i < 9; i += 3) {
-    Y[i] = fb_vec3_dot(T + i, C);
-    Y[i + 1] = fb_vec3_dot(T + i, C + 3);
-    Y[i + 2] = fb_vec3_dot(T + i, C + 6);
+    X[i] = fb_vec3_dot(T + i, C);
+    X[i + 1] = fb_vec3_dot(T + i, C + 3);
+    X[i + 2] = fb_vec3_dot(T + i, C + 6);
   }
 }
 
-/* Y = C X C^T of a symmetric X. */
-static void fbi_sym3_congruence(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+/* The same of a symmetric X. */
+static void fbi_sym3_congruence(fb_real X[9], const fb_real C[9])
 {
   fb_real T[9];
   fb_mat33_mul(T, C, X);
-  Y[0] = fb_vec3_dot(T, C);
-  Y[1] = Y[3] = fb_vec3_dot(T, C + 3);
-  Y[2] = Y[6] = fb_vec3_dot(T, C + 6);
-  Y[4] = fb_vec3_dot(T + 3, C + 3);
-  Y[5] = Y[7] = fb_vec3_dot(T + 3, C + 6);
-  Y[8] = fb_vec3_dot(T + 6, C + 6);
+  X[0] = fb_vec3_dot(T, C);
+  X[1] = X[3] = fb_vec3_dot(T, C + 3);
+  X[2] = X[6] = fb_vec3_dot(T, C + 6);
+  X[4] = fb_vec3_dot(T + 3, C + 3);
+  X[5] = X[7] = fb_vec3_dot(T + 3, C + 6);
+  X[8] = fb_vec3_dot(T + 6, C + 6);
 }
 
 /* T += X^T S X for the velocity transform X V = (v + w x arm, w): the 6x6 inertia S = [A B; B^T D] about another
@@ -8714,25 +8744,43 @@ static void fbi_sym6_blocks(fb_real A[9], fb_real B[9], fb_real D[9], const fb_r
   D[8] = S[20];
 }
 
-/* A, B, D become C X C^T for a rotation about axis k, i and j across it, without its zeros: the same bits. */
+/* (x, y) rotated by an angle of cosine c and sine s. */
+static FBI_INLINE void fbi_pair_rotate(fb_real *x, fb_real *y, fb_real c, fb_real s)
+{
+  const fb_real a = c * *x - s * *y, b = s * *x + c * *y;
+  *x = a;
+  *y = b;
+}
+
+/* The symmetric X becomes C X C^T for a rotation about axis k, i and j across it. */
+static FBI_INLINE void fbi_axis_sym3(fb_real X[9], fb_real c, fb_real s, int k, int i, int j)
+{
+  fb_real ki = X[3 * k + i], kj = X[3 * k + j], ii = X[4 * i], ij = X[3 * i + j], ji = ij, jj = X[4 * j];
+  fbi_pair_rotate(&ki, &kj, c, s);
+  fbi_pair_rotate(&ii, &ij, c, s);
+  fbi_pair_rotate(&ji, &jj, c, s);
+  X[4 * i] = c * ii - s * ji;
+  fbi_pair_rotate(&ij, &jj, c, s);
+  X[4 * j] = jj;
+  X[3 * k + i] = X[3 * i + k] = ki;
+  X[3 * k + j] = X[3 * j + k] = kj;
+  X[3 * i + j] = X[3 * j + i] = ij;
+}
+
+/* Blocks A, B, D of a 6x6 likewise. */
 static FBI_INLINE void fbi_axis_congruence(fb_real A[9], fb_real B[9], fb_real D[9], const fb_real C[9], int k, int i,
                                            int j)
 {
   const fb_real c = C[4 * i], s = C[3 * j + i];
-  fb_real *const X[3] = {A, B, D};
+  fbi_axis_sym3(A, c, s, k, i, j);
+  fbi_axis_sym3(D, c, s, k, i, j);
   FBI_UNROLL
   for (int m = 0; m < 3; m++) {
-    fb_real *const x = X[m], ii = c * x[4 * i] - s * x[3 * j + i], ij = c * x[3 * i + j] - s * x[4 * j];
-    const fb_real ji = s * x[4 * i] + c * x[3 * j + i], jj = s * x[3 * i + j] + c * x[4 * j];
-    const fb_real ki = x[3 * k + i], kj = x[3 * k + j], ik = x[3 * i + k], jk = x[3 * j + k];
-    x[4 * i] = c * ii - s * ij;
-    x[3 * i + j] = s * ii + c * ij;
-    x[3 * j + i] = c * ji - s * jj;
-    x[4 * j] = s * ji + c * jj;
-    x[3 * k + i] = c * ki - s * kj;
-    x[3 * k + j] = s * ki + c * kj;
-    x[3 * i + k] = c * ik - s * jk;
-    x[3 * j + k] = s * ik + c * jk;
+    fbi_pair_rotate(&B[3 * m + i], &B[3 * m + j], c, s);
+  }
+  FBI_UNROLL
+  for (int m = 0; m < 3; m++) {
+    fbi_pair_rotate(&B[3 * i + m], &B[3 * j + m], c, s);
   }
 }
 
@@ -8740,26 +8788,24 @@ static FBI_INLINE void fbi_axis_congruence(fb_real A[9], fb_real B[9], fb_real D
    Source: congruence.  Cost: 350 flops, 200 of a hinge about an axis of both.  Test: the_three_methods_agree. */
 static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fbi_link_work *L)
 {
-  fb_real a[9], b[9], d[9], A[9], B[9], D[9];
-  fbi_sym6_blocks(a, b, d, S);
+  fb_real A[9], B[9], D[9];
+  fbi_sym6_blocks(A, B, D, S);
   switch (L->about) {
   case 1:
-    fbi_axis_congruence(a, b, d, L->C, 0, 1, 2);
+    fbi_axis_congruence(A, B, D, L->C, 0, 1, 2);
     break;
   case 2:
-    fbi_axis_congruence(a, b, d, L->C, 1, 2, 0);
+    fbi_axis_congruence(A, B, D, L->C, 1, 2, 0);
     break;
   case 3:
-    fbi_axis_congruence(a, b, d, L->C, 2, 0, 1);
+    fbi_axis_congruence(A, B, D, L->C, 2, 0, 1);
     break;
   default:
-    fbi_sym3_congruence(A, L->C, a);
-    fbi_mat33_congruence(B, L->C, b);
-    fbi_sym3_congruence(D, L->C, d);
-    fbi_sym6_shift_add(T, A, B, D, L->arm);
-    return;
+    fbi_sym3_congruence(A, L->C);
+    fbi_mat33_congruence(B, L->C);
+    fbi_sym3_congruence(D, L->C);
   }
-  fbi_sym6_shift_add(T, a, b, d, L->arm);
+  fbi_sym6_shift_add(T, A, B, D, L->arm);
 }
 
 /* y += momentum or load x of a child in the parent's axes, about the node that carries it (the parent's origin where
@@ -8942,6 +8988,33 @@ static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joi
   return joint->rubs && g > FB_R(0.0) ? L->damping : joint->damping;
 }
 
+/* S -= U U^T / D of axis i; reference: the size of the summands of D. */
+static fb_status fbi_axis_eliminate(fbi_link_work *L, int i, fb_real D, fb_real reference)
+{
+  const fb_real *const U = L->U + 6 * i;
+  if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflection beyond the model's range */
+    return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
+  }
+  L->D[i] = FB_R(1.0) / D;
+  L->mass = fbi_larger(L->mass, L->D[i] * fb_vec3_dot(U, U));
+  L->moment = fbi_larger(L->moment, L->D[i] * fb_vec3_dot(U + 3, U + 3));
+  fbi_sym6_rank1_sub(L->S, L->D[i], U);
+  return FB_OK;
+}
+
+/* U = S A of a hinge, whose A has one component: a column of S, which has A.U on the diagonal; returned. */
+static fb_real fbi_hinge_column(fb_real U[6], const fbi_link_work *L)
+{
+  static const int column[3][6] = {{3, 8, 12, 15, 16, 17}, {4, 9, 13, 16, 18, 19}, {5, 10, 14, 17, 19, 20}};
+  const int *const at = column[L->hinge - 3];
+  const fb_real sign = L->A[L->hinge];
+  FBI_WHOLE
+  for (int i = 0; i < 6; i++) {
+    U[i] = sign * L->S[at[i]];
+  }
+  return L->S[at[L->hinge]];
+}
+
 /* [E9.4] Articulated-body inertia: each free axis is eliminated, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k. Axes
    of one joint are eliminated one after the other, as if massless bodies were between them. An axis moves no inertia
    where D is round-off, of its own summands or of the largest inertia that an axis further out has eliminated.
@@ -8949,6 +9022,11 @@ static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joi
    Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
 static fb_status fbi_joint_eliminate(fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
+  if (L->hinge) {
+    const fb_real spring = g * fbi_damping_of(L, joint, g)[0] + g * g * fbi_stiffness_of(L, joint, g)[0];
+    const fb_real D = spring + fbi_hinge_column(L->U, L);
+    return fbi_axis_eliminate(L, 0, D, D + L->moment);
+  }
   const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
 
   /* free joint: factored by fbi_free_factor; here only whether there is inertia */
@@ -8979,13 +9057,7 @@ static fb_status fbi_joint_eliminate(fbi_link_work *L, const fb_joint *joint, fb
     D += fbi_vec6_dot(A, U);
     reference += A[0] * A[0] * (own[0] + mass) + A[1] * A[1] * (own[1] + mass) + A[2] * A[2] * (own[2] + mass) +
                  A[3] * A[3] * (own[3] + moment) + A[4] * A[4] * (own[4] + moment) + A[5] * A[5] * (own[5] + moment);
-    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflection beyond the model's range */
-      return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
-    }
-    L->D[i] = FB_R(1.0) / D;
-    L->mass = fbi_larger(L->mass, L->D[i] * fb_vec3_dot(U, U));
-    L->moment = fbi_larger(L->moment, L->D[i] * fb_vec3_dot(U + 3, U + 3));
-    fbi_sym6_rank1_sub(L->S, L->D[i], U);
+    FBI_TRY(fbi_axis_eliminate(L, i, D, reference));
   }
   return FB_OK;
 }
@@ -9073,6 +9145,11 @@ static void fbi_link_inward(fbi_link_work *L, const fb_joint *joint, const fb_bo
   }
 
   /* joint: prescribed axes, then free ones */
+  if (L->hinge) {
+    L->r[0] = L->D[0] * (L->p[0] - L->A[L->hinge] * L->b[L->hinge]);
+    fbi_vec6_add(L->b, L->r[0], L->U);
+    return;
+  }
   if (joint->kind == FB_JOINT_FREE) {
     return;
   }
@@ -9173,8 +9250,9 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
 
 /* Outward pass (back-substitution) of one body: V from the velocity of the node that carries it (NULL: the ground), the
    speeds of its joint and modes, and the momentum of the subtree, G = S V + b with V as if the joint were rigid, for
-   S A_i = 0 in the S that its axes leave. */
-static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+   S A_i = 0 in the S that its axes leave; without momenta not G. */
+static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6],
+                                  int momenta)
 {
   fb_real *const V = L->V;
   if (node) {
@@ -9185,8 +9263,15 @@ static fb_status fbi_link_outward(fbi_link_work *L, const fb_joint *joint, const
   if (joint->kind == FB_JOINT_FREE) {
     FBI_TRY(fbi_free_out(V, L, body->n));
   } else {
-    fb_sym6_mul_vec6(L->G, L->S, V);
-    fbi_axes_out(V, L, joint);
+    if (momenta) {
+      fb_sym6_mul_vec6(L->G, L->S, V);
+    }
+    if (L->hinge) {
+      L->u[0] = L->r[0] - L->D[0] * fbi_vec6_dot(L->U, V);
+      V[L->hinge] += L->A[L->hinge] * L->u[0];
+    } else {
+      fbi_axes_out(V, L, joint);
+    }
   }
   fbi_vec6_add(L->G, FB_R(1.0), L->b);
   fbi_modes_out(L, body, V);
@@ -9218,25 +9303,43 @@ static void fbi_child_rhs_add_at(fb_system_work *w, const fb_system *system, con
                     joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
 }
 
+/* What E9.5 solves for, and what link.passed says: no row has passed, or none will. */
+#define FBI_ALL_LINKS (-2)
+#define FBI_ENDS (-1)
+
 /* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out
    from the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p
    and pi do not contain. b and G become the momentum of the subtree less y.
+   row: FBI_ALL_LINKS, or for velocities at the ends of rows alone, without G and what leads to none of them, FBI_ENDS; or
+   so, and y and pi are an impulse on this row: links that it does not pass have nothing on the right-hand side.
    Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
-static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system)
+static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, int row)
 {
+  const int every = row < 0, all = row == FBI_ALL_LINKS;
+
   /* right-hand side */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    fbi_vec6_zero(L->b);
-    fbi_vec6_add(L->b, -FB_R(1.0), L->y);
+    if (!every && L->passed != row) {
+      fbi_vec6_zero(L->b);
+      fbi_vec3_zero(L->r);
+      fbi_zero(L->e, L->model->n);
+      continue;
+    }
+    FBI_WHOLE
+    for (int i = 0; i < 6; i++) {
+      L->b[i] = -L->y[i];
+    }
     fbi_copy(L->e, L->pi, L->model->n);
   }
 
   /* in from the tips */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k], *parent = L->parent;
-    fbi_link_inward(L, L->joint, L->model);
-    fbi_child_rhs_add(parent, L, L->joint, parent ? parent->model->n : 0);
+    if (every || L->passed == row) {
+      fbi_link_inward(L, L->joint, L->model);
+      fbi_child_rhs_add(parent, L, L->joint, parent ? parent->model->n : 0);
+    }
   }
 
   /* out from the ground */
@@ -9246,11 +9349,14 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
     const fb_real *at = parent ? parent->V : NULL;
     fb_real node[6];
     fb_status status;
+    if (!all && L->passed == FBI_ALL_LINKS) {
+      continue;
+    }
     if (parent && L->joint->moves) {
       fbi_node_velocity(node, L, L->joint, parent->model, parent->V, parent->q_dot);
       at = node;
     }
-    status = fbi_link_outward(L, L->joint, L->model, at);
+    status = fbi_link_outward(L, L->joint, L->model, at, all);
     if (status != FB_OK) {
       w->joint = k;
       return status;
@@ -9456,13 +9562,18 @@ static fb_status fbi_mass_factor(fb_system_work *w, const fb_system *system, con
   return fbi_tree_factor(w, system, g);
 }
 
-static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+static fb_status fbi_links_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int row)
 {
   if (system->method == FB_METHOD_DENSE) {
     fbi_dense_solve(w, system, body);
     return FB_OK;
   }
-  return fbi_tree_solve(w, system);
+  return fbi_tree_solve(w, system, row);
+}
+
+static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  return fbi_links_solve(w, system, body, FBI_ALL_LINKS);
 }
 
 /* ---- constraints */
@@ -9478,14 +9589,17 @@ static void fbi_end_place(fbi_end *end, const fb_system_work *w, const fb_system
   if (link >= 0) {
     const fb_body *model = fbi_model(system, body, link);
     const fbi_link_work *L = &w->link[link];
-    fb_real quat[4], turn[9];
-    end->moves = fbi_node_moves(model, node);
-    fbi_node_eval(&end->f, &L->k, model, &model->node[node], L->k.qx + 1);
     fbi_vec3_copy(end->n, model->node[node].r);
-    fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
-    fbi_node_quat(quat, &end->f, model, &model->node[node]);
-    fb_quat_to_mat33(turn, quat);
-    fb_mat33_mul(end->R, L->k.R, turn);
+    fbi_mat33_copy(end->R, L->k.R);
+    if (model->n > 0) {
+      fb_real quat[4], turn[9];
+      end->moves = fbi_node_moves(model, node);
+      fbi_node_eval(&end->f, &L->k, model, &model->node[node], L->k.qx + 1);
+      fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
+      fbi_node_quat(quat, &end->f, model, &model->node[node]);
+      fb_quat_to_mat33(turn, quat);
+      fb_mat33_mul(end->R, L->k.R, turn);
+    }
     fb_mat33_mul_vec3(end->x, L->k.R, end->n);
     fbi_vec3_add(end->x, FB_R(1.0), L->rho);
   }
@@ -9512,51 +9626,58 @@ static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *syste
   return FB_OK;
 }
 
-/* Velocity v and angular velocity w of an end, inertial axes, from the solution V, q_dot. */
+/* Velocity and angular velocity of an end, axes of its body (of the ground: zero), from the solution V, q_dot. */
+static void fbi_end_twist(fb_real twist[6], const fb_system_work *w, const fb_system *system, const fb_body *body,
+                          const fbi_end *end)
+{
+  fbi_vec6_zero(twist);
+  if (end->link >= 0) {
+    const fbi_link_work *L = &w->link[end->link];
+    fbi_vec6_copy(twist, L->V);
+    fbi_vec3_add_cross(twist, L->V + 3, end->n);
+    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
+      fbi_vec3_add(twist, L->q_dot[a], end->f.Ju + 3 * a);
+      fbi_vec3_add(twist + 3, L->q_dot[a], end->f.Jphi + 3 * a);
+    }
+  }
+}
+
+/* The same in inertial axes. */
 static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work *w, const fb_system *system,
                              const fb_body *body, const fbi_end *end)
 {
+  fb_real twist[6];
+  fbi_end_twist(twist, w, system, body, end);
   fbi_vec3_zero(v);
   fbi_vec3_zero(w_I);
   if (end->link >= 0) {
-    const fbi_link_work *L = &w->link[end->link];
-    fb_real velocity[3], rate[3];
-    fbi_vec3_copy(velocity, L->V);
-    fbi_vec3_copy(rate, L->V + 3);
-    fbi_vec3_add_cross(velocity, L->V + 3, end->n);
-    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
-      fbi_vec3_add(velocity, L->q_dot[a], end->f.Ju + 3 * a);
-      fbi_vec3_add(rate, L->q_dot[a], end->f.Jphi + 3 * a);
-    }
-    fb_mat33_mul_vec3(v, L->k.R, velocity);
-    fb_mat33_mul_vec3(w_I, L->k.R, rate);
+    fb_mat33_mul_vec3(v, w->link[end->link].k.R, twist);
+    fb_mat33_mul_vec3(w_I, w->link[end->link].k.R, twist + 3);
   }
 }
 
-/* Adds s times a force and torque (inertial axes) on the node of an end, to y about its body's origin and to e of the
-   modes. */
-static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const fbi_end *end, int n, fb_real s,
-                         const fb_real force[3], const fb_real torque[3])
+/* Adds s times a force and torque, body axes, on the node of an end, to y about its body's origin and to e of the modes. */
+static void fbi_end_wrench(fb_real y[6], fb_real *e, const fbi_end *end, int n, fb_real s, const fb_real wrench[6])
 {
-  fb_real f[3], t[3];
-  fb_mat33_mulT_vec3(f, L->k.R, force);
-  fb_mat33_mulT_vec3(t, L->k.R, torque);
+  fb_real t[3];
   for (int a = 0; a < n && end->moves; a++) {
-    e[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
+    e[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, wrench) + fb_vec3_dot(end->f.Jphi + 3 * a, wrench + 3));
   }
-  fbi_vec3_add_cross(t, end->n, f);
-  fbi_vec3_add(y, s, f);
+  fbi_vec3_copy(t, wrench + 3);
+  fbi_vec3_add_cross(t, end->n, wrench);
+  fbi_vec3_add(y, s, wrench);
   fbi_vec3_add(y + 3, s, t);
 }
 
-typedef struct fbi_frames { /* joint frames, inertial axes: sketch at fbi_frames_eval */
-  fbi_end *end[2];
-  int at[2];                /* indices of the ends */
-  fb_real a[3][3], b[3][3]; /* axes x, y, z on the parent, on the child */
-  fb_real x[2][3];          /* origins on the parent, on the child */
-  fb_real arm[2][3];        /* from each end to x[1] */
-  fb_real step[3];          /* from x[0] to x[1] */
-} fbi_frames;
+/* The same of a force and torque in inertial axes. */
+static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const fbi_end *end, int n, fb_real s,
+                         const fb_real force[3], const fb_real torque[3])
+{
+  fb_real wrench[6];
+  fb_mat33_mulT_vec3(wrench, L->k.R, force);
+  fb_mat33_mulT_vec3(wrench + 3, L->k.R, torque);
+  fbi_end_wrench(y, e, end, n, s, wrench);
+}
 
 /* Joint frames of a joint j that closes a loop, on its parent (origin x[0], axes a[i]) and child (origin x[1], axes
    b[i]). Ends are the nodes that carry them; rows exert their forces at x[1].
@@ -9645,6 +9766,18 @@ static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frame
   }
 }
 
+/* Forces and torques of a row in the axes of the bodies of its ends. */
+static void fbi_row_turn(fbi_row *row, const fb_system_work *w)
+{
+  for (int s = 0; s < 2; s++) {
+    const int link = w->end[row->end[s]].link;
+    if (link >= 0) {
+      fb_mat33_mulT_vec3(row->wrench[s], w->link[link].k.R, row->r.force[s]);
+      fb_mat33_mulT_vec3(row->wrench[s] + 3, w->link[link].k.R, row->r.torque[s]);
+    }
+  }
+}
+
 /* New row of joint j: (force, torque) on the child at its joint frame, the reaction on the parent. NULL: no room. */
 static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const fb_real force[3],
                             const fb_real torque[3], fb_real value)
@@ -9671,6 +9804,7 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
     fb_vec3_cross(moment, f->arm[s], force);
     fbi_vec3_add(row->r.torque[s], sign, moment);
   }
+  fbi_row_turn(row, w);
   return row;
 }
 
@@ -9685,12 +9819,21 @@ static int fbi_axis_slides(const fb_joint *joint, int i)
   return i == fbi_traits(joint)->slide;
 }
 
+/* Are all axes of a joint free? */
+static int fbi_moves_freely(const fb_axis_mode mode[3])
+{
+  return mode[0] == FB_AXIS_FREE && mode[1] == FB_AXIS_FREE && mode[2] == FB_AXIS_FREE;
+}
+
 /* Rows of the axes that are locked or prescribed; 0: no room. */
 static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_frames *f, int j,
                           const fb_system_state *modes, const fb_system_input *input)
 {
   const fb_joint *joint = &system->joint[j];
   fb_real value[3], force[3], torque[3];
+  if (fbi_moves_freely(modes->mode[j])) {
+    return 1;
+  }
   fbi_frames_value(value, f, joint);
   for (int i = 0; i < joint->n_axis; i++) {
     const int prescribed = modes->mode[j][i] == FB_AXIS_PRESCRIBED;
@@ -9740,21 +9883,21 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
 {
   const fb_joint *joint = &system->joint[j];
   static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fbi_frames f;
-  FBI_TRY(fbi_frames_eval(&f, w, system, body, j));
+  fbi_frames *const f = &w->frames[j - system->n_body];
   int room = 1;
+  FBI_TRY(fbi_frames_eval(f, w, system, body, j));
 
   /* translations and right angles */
   for (const int *hold = fbi_traits(joint)->holds; *hold >= 0 && room; hold++) {
-    const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
+    const fb_real *a = f->a[*hold < 3 ? *hold : (*hold - 3) / 3];
     fbi_row *row;
     if (*hold < 3) {
-      row = fbi_row_new(w, &f, j, a, none, fb_vec3_dot(a, f.step));
+      row = fbi_row_new(w, f, j, a, none, fb_vec3_dot(a, f->step));
     } else {
-      const fb_real *b = f.b[(*hold - 3) % 3];
+      const fb_real *b = f->b[(*hold - 3) % 3];
       fb_real torque[3];
       fb_vec3_cross(torque, b, a);
-      row = fbi_row_new(w, &f, j, none, torque, fb_vec3_dot(a, b));
+      row = fbi_row_new(w, f, j, none, torque, fb_vec3_dot(a, b));
     }
     room = row != NULL;
     if (row) {
@@ -9765,13 +9908,13 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   /* screw: slide - pitch angle, modulo whole revolutions */
   if (fbi_traits(joint)->pitched && room) {
     const int angle = fbi_traits(joint)->angle;
-    const fb_real slide = fb_vec3_dot(f.a[2], f.step);
+    const fb_real slide = fb_vec3_dot(f->a[2], f->step);
     fb_real value[3], torque[3] = {0}, miss;
     fbi_row *row;
-    fbi_frames_value(value, &f, joint);
-    fbi_vec3_add(torque, -joint->pitch, f.a[2]);
+    fbi_frames_value(value, f, joint);
+    fbi_vec3_add(torque, -joint->pitch, f->a[2]);
     miss = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[angle]);
-    row = fbi_row_new(w, &f, j, f.a[2], torque, miss);
+    row = fbi_row_new(w, f, j, f->a[2], torque, miss);
     room = row != NULL;
     if (row) {
       row->axis = angle;
@@ -9779,7 +9922,7 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   }
 
   /* locked and prescribed axes */
-  return room && fbi_given_rows(w, system, &f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
+  return room && fbi_given_rows(w, system, f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
 }
 
 /* Time derivatives of a joint's row along the motion of its ends: axes of the parent rotate with the parent, those of
@@ -9890,6 +10033,9 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
            !fbi_is_finite(row->r.torque[0], 3) || !fbi_is_finite(row->r.torque[1], 3) || !fbi_is_finite(rest, 2))) {
         status = FB_ERR_NOT_FINITE;
       }
+      if (status == FB_OK) {
+        fbi_row_turn(row, w);
+      }
       w->joint = status == FB_OK ? w->joint : row->joint;
     }
   }
@@ -9902,17 +10048,13 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
                                             const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
-  fbi_frames f;
 
   /* ends and rows of joints */
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
   }
-  for (int r = 0; r < w->n_joint_row; r++) { /* frames at the positions of the rows: their ends are known, no failure */
-    if (r == 0 || w->row[r].joint != w->row[r - 1].joint) {
-      (void)fbi_frames_eval(&f, w, system, body, w->row[r].joint);
-    }
-    fbi_joint_row_rates(&w->row[r], w, &f);
+  for (int r = 0; r < w->n_joint_row; r++) {
+    fbi_joint_row_rates(&w->row[r], w, &w->frames[w->row[r].joint - system->n_body]);
   }
 
   /* rows of the caller; in h the fastest body rotates by at most 1e-5 rad (single: 5e-3) */
@@ -9946,16 +10088,15 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
 static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int e = 0; e < w->n_end; e++) {
-    fbi_end_velocity(w->end[e].move, w->end[e].move + 3, w, system, body, &w->end[e]);
+    fbi_end_twist(w->end[e].move, w, system, body, &w->end[e]);
   }
 }
 
 /* Row times velocities, A u: force.v + torque.w over both ends. */
 static fb_real fbi_row_eval(const fbi_row *row, const fb_system_work *w)
 {
-  const fb_real *a = w->end[row->end[0]].move, *b = w->end[row->end[1]].move;
-  return fb_vec3_dot(row->r.force[0], a) + fb_vec3_dot(row->r.torque[0], a + 3) + fb_vec3_dot(row->r.force[1], b) +
-         fb_vec3_dot(row->r.torque[1], b + 3);
+  return fbi_vec6_dot(row->wrench[0], w->end[row->end[0]].move) +
+         fbi_vec6_dot(row->wrench[1], w->end[row->end[1]].move);
 }
 
 /* Upper bound of fbi_row_eval: its value if all vectors were parallel. */
@@ -10018,8 +10159,7 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
     const fbi_end *end = &w->end[row->end[side]];
     if (end->link >= 0) {
       fbi_link_work *L = &w->link[end->link];
-      fbi_end_push(L->y, L->pi, L, end, fbi_model(system, body, end->link)->n, s, row->r.force[side],
-                   row->r.torque[side]);
+      fbi_end_wrench(L->y, L->pi, end, fbi_model(system, body, end->link)->n, s, row->wrench[side]);
     }
   }
 }
@@ -10030,17 +10170,52 @@ static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
   return a->pushes == b->pushes && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
+/* Marks link k and those that carry it. */
+static void fbi_way_mark(fb_system_work *w, const fb_system *system, int k, int mark)
+{
+  for (; k >= 0; k = system->joint[k].parent) {
+    w->link[k].passed = mark;
+  }
+}
+
+/* Marks the links that lead to ends of rows. */
+static void fbi_ways_clear(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    w->link[k].passed = FBI_ALL_LINKS;
+  }
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_way_mark(w, system, w->end[e].link, FBI_ENDS);
+  }
+}
+
+/* Velocities of all ends by a unit impulse on row r. The right-hand side is zero before and after. */
+static fb_status fbi_row_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int r)
+{
+  const int link[2] = {w->end[w->row[r].end[0]].link, w->end[w->row[r].end[1]].link};
+  fbi_way_mark(w, system, link[0], r);
+  fbi_way_mark(w, system, link[1], r);
+  fbi_row_impulse(w, system, body, r, FB_R(1.0));
+  FBI_TRY(fbi_links_solve(w, system, body, r));
+  for (int s = 0; s < 2; s++) {
+    if (link[s] >= 0) {
+      fbi_vec6_zero(w->link[link[s]].y);
+      fbi_zero(w->link[link[s]].pi, fbi_model(system, body, link[s])->n);
+    }
+  }
+  fbi_ends_move(w, system, body);
+  return FB_OK;
+}
+
 /* Q = A M^-1 A^T by columns, one solution for a unit impulse on each row; w->column: upper bounds of its diagonal. */
 static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int m = w->n_row;
+  fbi_rhs_clear(w, system, body);
   for (int r = 0; r < m; r++) {
     const fb_real *a = w->row[r].r.force[0], *b = w->row[r].r.force[1];
     w->row[r].pushes = fb_vec3_dot(a, a) + fb_vec3_dot(b, b) > FB_R(0.0);
-    fbi_rhs_clear(w, system, body);
-    fbi_row_impulse(w, system, body, r, FB_R(1.0));
-    FBI_TRY(fbi_speeds_solve(w, system, body));
-    fbi_ends_move(w, system, body);
+    FBI_TRY(fbi_row_solve(w, system, body, r));
     for (int i = r; i < m; i++) {
       w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
     }
@@ -10171,12 +10346,27 @@ static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_bod
     fbi_vec6_copy(L->y0, L->y);
     fbi_vec6_copy(L->p0, L->p);
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
-    for (int i = 0; i < system->joint[k].n_axis; i++) {
+    for (int i = 0; i < system->joint[k].n_axis && w->driven; i++) {
       const int drives = fbi_axis_mode(L, &system->joint[k], i) == FB_AXIS_PRESCRIBED;
       given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
     }
   }
   return given;
+}
+
+/* Sums of mu times the wrenches of the rows at each end, end.impulse. */
+static void fbi_impulses_sum(fb_system_work *w)
+{
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_vec6_zero(w->end[e].impulse);
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    const fbi_row *const row = &w->row[r];
+    for (int s = 0; s < 2; s++) {
+      fb_real *const impulse = w->end[row->end[s]].impulse;
+      fbi_vec6_add(impulse, w->mu[r], row->wrench[s]);
+    }
+  }
 }
 
 /* Right-hand side with the impulses mu of the rows: the saved one and A^T mu. */
@@ -10188,8 +10378,13 @@ static void fbi_rhs_push(fb_system_work *w, const fb_system *system, const fb_bo
     fbi_vec6_copy(L->p, L->p0);
     fbi_copy(L->pi, L->pi0, fbi_model(system, body, k)->n);
   }
-  for (int r = 0; r < w->n_row; r++) {
-    fbi_row_impulse(w, system, body, r, w->mu[r]);
+  fbi_impulses_sum(w);
+  for (int e = 0; e < w->n_end; e++) {
+    const fbi_end *const end = &w->end[e];
+    if (end->link >= 0) {
+      fbi_link_work *const L = &w->link[end->link];
+      fbi_end_wrench(L->y, L->pi, end, fbi_model(system, body, end->link)->n, FB_R(1.0), end->impulse);
+    }
   }
 }
 
@@ -10258,6 +10453,21 @@ static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system 
   return FB_OK;
 }
 
+/* Impulses Q mu = -c and the solution with them, the saved right-hand side and A^T mu. judge: tests rows that were left
+   out. */
+static fb_status fbi_impulses_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int judge)
+{
+  FBI_TRY(fbi_rows_factor(w, system, body));
+  judge = w->rank < w->n_row && judge; /* the rank first: a step's work depends on no value */
+  if (judge) {
+    fbi_rows_angles(w);
+  }
+  fbi_rows_multipliers(w);
+  fbi_rhs_push(w, system, body);
+  FBI_TRY(fbi_speeds_solve(w, system, body));
+  return judge ? fbi_rows_check(w, system, body) : FB_OK;
+}
+
 /* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
    with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
    prescribed speeds or a c other than zero may contradict.
@@ -10266,10 +10476,9 @@ static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system 
 static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                     int check)
 {
-  int given = fbi_rhs_save(w, system, body), judge; /* a right-hand side that rows left out can contradict? */
-
-  /* c + A u without impulses */
-  FBI_TRY(fbi_speeds_solve(w, system, body));
+  int given = fbi_rhs_save(w, system, body); /* a right-hand side that rows left out can contradict? */
+  fbi_ways_clear(w, system);
+  FBI_TRY(fbi_links_solve(w, system, body, FBI_ENDS));
   fbi_ends_move(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
     given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
@@ -10278,20 +10487,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   for (int r = 0; r < w->n_row && given && check; r++) {
     w->row[r].most = fbi_row_size(&w->row[r], w);
   }
-
-  /* Q mu = -(c + A u); the solution again, with the impulses */
-  FBI_TRY(fbi_rows_factor(w, system, body));
-  judge = w->rank < w->n_row && given && check; /* the rank first: a step's work depends on no value */
-  if (judge) {
-    fbi_rows_angles(w);
-  }
-  fbi_rows_multipliers(w);
-  fbi_rhs_push(w, system, body);
-  FBI_TRY(fbi_speeds_solve(w, system, body));
-  if (judge) {
-    FBI_TRY(fbi_rows_check(w, system, body));
-  }
-  return FB_OK;
+  return fbi_impulses_solve(w, system, body, given && check);
 }
 
 /* ---- rates */
@@ -10458,6 +10654,10 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
     /* momenta; w->owns: the angular momentum of free roots in body axes, from L->own */
     fbi_vec6_zero(L->y);
     fbi_copy(L->pi, x->pi, L->model->n);
+    if (L->hinge) {
+      L->p[0] = x->p[0];
+      continue;
+    }
     if (w->owns && joint->kind == FB_JOINT_FREE) {
       fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
       fbi_vec3_copy(L->p + 3, L->own);
@@ -10560,7 +10760,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
   fbi_rhs_momenta(w, system, state, input);
 
   /* rotors */
-  w->n_row = w->n_end = 0;
+  w->n_row = w->n_joint_row = w->n_end = 0;
 #if FB_WITH_ROTORS
   if (w->special && system->carries_rotors) {
     fbi_links_rotors_sub(w, system, state, input);
@@ -10574,8 +10774,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
       fb_real size;
       w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
     }
-    FBI_TRY(fbi_constrained_solve(w, system, body, 1));
-    return fbi_rows_rate(w, system, body, input);
+    return fbi_constrained_solve(w, system, body, 1);
   }
 
   /* without constraint rows */
@@ -11131,37 +11330,41 @@ static FBI_NOINLINE fb_real fbi_loops_load(fb_system_work *w, const fb_system *s
    Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
 static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
+  /* sums of mu times the rates of the rows at each end */
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_vec6_zero(w->end[e].push);
+  }
   for (int r = 0; r < w->n_row; r++) {
-    const fbi_row *row = &w->row[r];
-    const fb_real mu = w->mu[r];
+    const fbi_row *const row = &w->row[r];
     for (int s = 0; s < 2; s++) {
-      const fbi_end *end = &w->end[row->end[s]];
-      fbi_link_work *L = end->link >= 0 ? &w->link[end->link] : NULL;
-      fb_real G[6], F[6], twist[3];
-      if (!L) {
-        continue;
-      }
-
-      /* momentum G and load F at the node, body axes */
-      fbi_vec3_copy(twist, row->torque_dot[s]);
-      fbi_vec3_add_cross(twist, end->v, row->r.force[s]);
-      fb_mat33_mulT_vec3(G, L->k.R, row->r.force[s]);
-      fb_mat33_mulT_vec3(G + 3, L->k.R, row->r.torque[s]);
-      fb_mat33_mulT_vec3(F, L->k.R, row->force_dot[s]);
-      fb_mat33_mulT_vec3(F + 3, L->k.R, twist);
-      for (int i = 0; i < 6; i++) {
-        G[i] *= -mu;
-        F[i] *= -mu;
-      }
-
-      /* on the modes; on the body about O */
-      if (end->moves) {
-        const fb_body *model = fbi_model(system, body, end->link);
-        fbi_node_forces_add(L->k.x + 1, &end->f, &L->k, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
-      }
-      fbi_vec3_add_cross(F + 3, end->n, F);
-      fbi_vec6_add(L->F, FB_R(1.0), F);
+      fb_real *const push = w->end[row->end[s]].push;
+      fbi_vec3_add(push, w->mu[r], row->force_dot[s]);
+      fbi_vec3_add(push + 3, w->mu[r], row->torque_dot[s]);
     }
+  }
+
+  /* momentum G and load F at each node, body axes: on its modes, and on the body about O */
+  for (int e = 0; e < w->n_end; e++) {
+    const fbi_end *const end = &w->end[e];
+    fbi_link_work *const L = end->link >= 0 ? &w->link[end->link] : NULL;
+    fb_real G[6], F[6], v[3];
+    if (!L) {
+      continue;
+    }
+    fb_mat33_mulT_vec3(v, L->k.R, end->v);
+    fb_mat33_mulT_vec3(F, L->k.R, end->push);
+    fb_mat33_mulT_vec3(F + 3, L->k.R, end->push + 3);
+    fbi_vec3_add_cross(F + 3, v, end->impulse);
+    for (int i = 0; i < 6; i++) {
+      G[i] = -end->impulse[i];
+      F[i] = -F[i];
+    }
+    if (end->moves) {
+      const fb_body *const model = fbi_model(system, body, end->link);
+      fbi_node_forces_add(L->k.x + 1, &end->f, &L->k, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
+    }
+    fbi_vec3_add_cross(F + 3, end->n, F);
+    fbi_vec6_add(L->F, FB_R(1.0), F);
   }
 }
 
@@ -11179,6 +11382,14 @@ static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, co
       rate->x[i] = L->u[i];
     }
   }
+}
+
+/* Component of the turning of G along the axis of a hinge. */
+static fb_real fbi_hinge_turning(const fbi_link_work *L)
+{
+  const int i = L->axis[1], j = L->axis[2];
+  const fb_real *const v = L->V, *const w = L->V + 3, *const p = L->G, *const h = L->G + 3;
+  return w[i] * h[j] - w[j] * h[i] + v[i] * p[j] - v[j] * p[i];
 }
 
 /* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes,
@@ -11207,6 +11418,14 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fb_system_work *w, c
       fbi_vec6_zero(rate->p);
     }
     return power;
+  }
+
+  /* hinge: the component about its axis */
+  if (L->hinge) {
+    const fb_real motor = fbi_motor(w, input, k, 0);
+    const fb_real push = L->k.loaded ? fbi_vec6_dot(L->A, L->F) : FB_R(0.0); /* whole: a load that is no number shows */
+    rate->p[0] = fbi_axis_torque(joint, motor, 0, x->x[0], L->u[0]) + push - L->A[L->hinge] * fbi_hinge_turning(L);
+    return motor * L->u[0];
   }
 
   /* F - turning */
@@ -11279,6 +11498,9 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
                                               const fb_system_state *modes, const fb_system_input *input)
 {
   FBI_TRY(fbi_system_velocity(w, system, body, state, modes, input, 1));
+  if (w->n_row > 0) {
+    FBI_TRY(fbi_rows_rate(w, system, body, input));
+  }
   fb_real power;
 
   /* forces on the bodies: loads, springs, impulses of the rows */
@@ -11811,8 +12033,10 @@ static fb_status fbi_posture_step(fb_system_state *state, fb_system_work *w, con
   for (int r = 0; r < w->n_row; r++) {
     w->c[r] = w->row[r].r.holonomic ? share * w->row[r].r.value : FB_R(0.0);
   }
-  fbi_rhs_clear(w, system, body);
-  FBI_TRY(fbi_constrained_solve(w, system, body, 0));
+  fbi_rhs_clear(w, system, body); /* nothing moves without impulses */
+  (void)fbi_rhs_save(w, system, body);
+  fbi_ways_clear(w, system);
+  FBI_TRY(fbi_impulses_solve(w, system, body, 0));
   fbi_state_displace(state, w, system, body);
   return FB_OK;
 }
@@ -11839,7 +12063,10 @@ static void fbi_free_momenta_restore(fb_system_state *state, const fb_system_sta
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
+  fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
+  if (status == FB_OK && !w->repeats) { /* does the caller have as many rows a moment later? A step has asked. */
+    status = fbi_rows_rate(w, system, body, input);
+  }
   if (status == FB_OK && fbi_has_rows(w, input)) {
     fbi_momenta_fill(state, w, system, body);
   } else if (status == FB_OK) {
@@ -12695,6 +12922,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
+  status = status == FB_OK ? fbi_rows_rate(work, system, body, input) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     fbi_link_momenta(&work->link[k], fbi_model(system, body, k), 0);
   }

@@ -104,23 +104,23 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 # systems (bench/system_count.c), CASE, integrator, bound: what was reached; after it what was counted before trees had a frame
 # that flies with them, which in sum must not cost more than 4 per cent
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
-system rigid rk4 8040 # 8326
-system rigid sdirk 19300 # 20889
-system hinge rk4 18050 # 20112
-system hinge sdirk 45900 # 49483
-system links rk4 68900 # six links
-system booms rk4 59800 # 58830
-system booms sdirk 170700 # 217877
+system rigid rk4 7860 # 8326
+system rigid sdirk 19240 # 20889
+system hinge rk4 16020 # 20112
+system hinge sdirk 38430 # 49483
+system links rk4 54820 # six links
+system booms rk4 56870 # 58830
+system booms sdirk 164300 # 217877
 system chain rk4 323200 # 386664
-system chain sdirk 716300 # 929501
-system ground rk4 302300 # 387508
+system chain sdirk 717200 # 929501
+system ground rk4 301000 # 387508
 system ground sdirk 684400 # 930043
-system dense rk4 121000 # 161214
-system dense sdirk 311800 # 426612
-system ring rk4 134600 # 182025
-system ring sdirk 268200 # 356790
-system rows rk4 133700 # 239507
-system rows sdirk 258300 # 476585
+system dense rk4 119700 # 161214
+system dense sdirk 309700 # 426612
+system ring rk4 98600 # 182025
+system ring sdirk 195700 # 356790
+system rows rk4 105000 # 239507
+system rows sdirk 206600 # 476585
 
 # the geometrically exact beam: the most that a step takes; angles of libm's take a few more or less
 try gcc -std=c99 -I. -O2 -o "$out/exact" bench/exact_count.c "$out/default.o" -lm -Wl,-z,now
