@@ -4969,6 +4969,20 @@ static int fbi_is_distributed(const fb_input *input)
 #endif
 }
 
+/* A load of that index on a body with n_node nodes. No other check sees one that nothing gives way to. */
+static fb_status fbi_load_check(const fb_load *load, int index, int n_node)
+{
+  (void)index;
+  if (load->node < 0 || load->node >= n_node) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, index, (fb_real)load->node, (fb_real)n_node);
+  }
+  FBI_REQUIRE(fbi_is_choice((int)load->axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
+  if (!fbi_vec3_is_finite(load->force) || !fbi_vec3_is_finite(load->torque)) {
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "load: force [N] or torque [N m], finite", index, FB_R(0.0), FB_R(0.0));
+  }
+  return FB_OK;
+}
+
 static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 {
   if (!input) {
@@ -4985,14 +4999,7 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 #endif
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
-    if (input->load[i].node < 0 || input->load[i].node >= body->n_node) {
-      return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, i, (fb_real)input->load[i].node, (fb_real)body->n_node);
-    }
-    FBI_REQUIRE(fbi_is_choice((int)input->load[i].axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
-    if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
-      /* no other check sees loads on a prescribed base */
-      return FBI_REFUSE(FB_ERR_NOT_FINITE, "load: force [N] or torque [N m], finite", i, FB_R(0.0), FB_R(0.0));
-    }
+    FBI_TRY(fbi_load_check(&input->load[i], i, body->n_node));
   }
   return FB_OK;
 }
@@ -10725,11 +10732,7 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
   for (int i = 0; i < input->n_load; i++) {
     const fb_system_load *load = &input->load[i];
     FBI_REQUIRE(load->body >= 0 && load->body < system->n_body, FB_ERR_CAPACITY);
-    if (load->load.node < 0 || load->load.node >= fbi_model(system, body, load->body)->n_node) {
-      return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_NO_NODE, i, (fb_real)load->load.node,
-                        (fb_real)fbi_model(system, body, load->body)->n_node);
-    }
-    FBI_REQUIRE(fbi_is_choice((int)load->load.axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
+    FBI_TRY(fbi_load_check(&load->load, i, fbi_model(system, body, load->body)->n_node));
   }
 
   /* Motors: where there is none, a torque would do nothing */

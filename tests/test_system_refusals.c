@@ -425,6 +425,29 @@ TEST(torques_without_a_motor_are_refused)
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_VALUE);
 }
 
+/* Interface: a load that is no number is refused, also where nothing gives way to it: a root that is prescribed, a body
+   fixed to the ground. */
+TEST(loads_that_are_no_numbers_are_refused)
+{
+  static const fb_joint_kind root[] = {FB_JOINT_FREE, FB_JOINT_RIGID};
+  static fb_system_state slope;
+  for (int k = 0; k < FBT_COUNT(root); k++) {
+    fresh();
+    rigid(&model[0], 2.0, 0, 0, 0, 0.1, 0.1, 0.1);
+    hang(0, 0, root[k], FB_GROUND, 0);
+    desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK);
+    kept = state;
+    input.n_load = 1;
+    (k ? input.load[0].load.torque : input.load[0].load.force)[1] = (fb_real)NAN;
+    FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &slope, &state, &input), FB_ERR_NOT_FINITE);
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)),
+               FB_ERR_NOT_FINITE);
+    FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
+  }
+}
+
 /* Interface: a model that no body has, of as many models as bodies: desc.model was forgotten, and the default, 0, would
    double another body. An array of more or fewer models may hold spare ones. */
 TEST(forgotten_models_are_refused)
@@ -531,7 +554,8 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
 }
 
 SUITE(system_refusals, RUN(torques_without_a_motor_are_refused), RUN(forgotten_models_are_refused),
-      RUN(a_prescribed_value_that_denies_its_rate_is_refused), RUN(systems_that_memory_has_changed_are_refused),
-      RUN(states_out_of_range_are_refused), RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent),
-      RUN(work_means_nothing_between_calls), RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
+      RUN(loads_that_are_no_numbers_are_refused), RUN(a_prescribed_value_that_denies_its_rate_is_refused),
+      RUN(systems_that_memory_has_changed_are_refused), RUN(states_out_of_range_are_refused),
+      RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent), RUN(work_means_nothing_between_calls),
+      RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
       RUN(the_check_word_of_a_system_sees_every_byte))

@@ -1100,6 +1100,135 @@ static double words(double h)
   return fb_body_crc(&body) == word ? 0.0 : 1.0;
 }
 
+/* States and inputs of a legal body that are wrong in one place. */
+static int wrong_motions(void)
+{
+  static fb_motion motion;
+  static fb_node_motion node;
+  fb_state at = state, rate = state;
+  fb_real v[3] = {0}, w[3] = {0};
+  fb_real dt_ = FB_R(1e-6);
+  int number = 0, many = 3, n = 0;
+  n += fb_body_motion_eval(&body, &motion, &at, &input) != FB_OK;
+#define STATE(what, wrong, status) FBL_WRONG(n, what, wrong, status, fb_state_check(&body, &at), body)
+  STATE(at.quat[0], FB_R(1.5), FB_ERR_VALUE);
+  STATE(at.quat[3], FB_R(0.0), FB_ERR_VALUE);
+  STATE(at.rho[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.L[2], (fb_real)HUGE_VAL, FB_ERR_NOT_FINITE);
+  if (body.n > 0) {
+    STATE(at.pi[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    STATE(at.q[body.n - 1], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (body.base >= FB_BASE_PINNED) {
+    STATE(at.u[0], FB_R(1.0), FB_ERR_VALUE);
+    FBL_WRONG(n, v[1], FB_R(1.0), FB_ERR_VALUE, fb_state_from_velocity(&body, &at, v, w, NULL), at);
+  }
+  if (body.base == FB_BASE_HINGED) {
+    FBL_WRONG(n, w[1], FB_R(1.0), FB_ERR_VALUE, fb_state_from_velocity(&body, &at, v, w, NULL), at);
+  }
+  FBL_WRONG(n, w[2], FBL_NAN, FB_ERR_NOT_FINITE, fb_state_from_velocity(&body, &at, v, w, NULL), at);
+#undef STATE
+#define INPUT(what, wrong, status)                                                                     \
+  do {                                                                                                 \
+    FBL_WRONG(n, what, wrong, status, fb_body_motion_eval(&body, &motion, &at, &input), motion);       \
+    FBL_WRONG(n, what, wrong, status, fb_body_rates_eval(&body, &rate, &at, &input), rate);            \
+    FBL_WRONG(n, what, wrong, status, fb_midpoint_step(&body, &at, &implicit, &input, dt_, many), at); \
+  } while (0)
+  INPUT(input.n_load, FB_MAX_LOADS + 1, FB_ERR_CAPACITY);
+  INPUT(input.n_load, -1, FB_ERR_CAPACITY);
+  if (input.n_load > 0) {
+    fb_load *const load = &input.load[input.n_load - 1];
+    INPUT(load->node, body.n_node, FB_ERR_CAPACITY);
+    INPUT(load->node, -1, FB_ERR_CAPACITY);
+    INPUT(load->axes, FB_AXES_COUNT, FB_ERR_VALUE);
+    INPUT(load->force[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    INPUT(load->torque[2], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (body.base == FB_BASE_PRESCRIBED) {
+    INPUT(input.v[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    INPUT(input.w[2], FBL_NAN, FB_ERR_NOT_FINITE);
+    FBL_WRONG(n, input.v_dot[1], FBL_NAN, FB_ERR_NOT_FINITE, fb_body_motion_eval(&body, &motion, &at, &input), motion);
+  }
+  if (now.effects != FBL_LARGE) {
+    INPUT(input.distributed, fbl_wind, FB_ERR_UNSUPPORTED);
+  }
+  for (int r = 0; r < FB_MAX_ROTORS; r++) {
+    INPUT(input.rotor[r].torque, FBL_NAN, r < body.n_rotor ? FB_ERR_NOT_FINITE : FB_ERR_VALUE);
+    if (r >= body.n_rotor) {
+      INPUT(input.rotor[r].torque, FB_R(1.0), FB_ERR_VALUE);
+    }
+    if (r >= body.n_rotor || !body.rotor[r].given) {
+      INPUT(input.rotor[r].momentum, FB_R(1.0), FB_ERR_VALUE);
+    } else {
+      number = r;
+      FBL_WRONG(n, at.rho[0], at.rho[0], FB_ERR_VALUE,
+                fb_state_rotor_set(&body, &at, number, FB_R(1.0), FB_R(0.0), &input), at);
+    }
+  }
+  FBL_WRONG(n, number, body.n_rotor, FB_ERR_CAPACITY,
+            fb_state_rotor_set(&body, &at, number, FB_R(1.0), FB_R(0.0), &input), at);
+#undef INPUT
+  FBL_WRONG(n, number, body.n_node, FB_ERR_CAPACITY, fb_body_node_motion_eval(&body, &node, &at, &motion, number),
+            node);
+  FBL_WRONG(n, number, -1, FB_ERR_CAPACITY, fb_body_node_motion_eval(&body, &node, &at, &motion, number), node);
+#define STEP(what, wrong)                                                                                         \
+  do {                                                                                                            \
+    FBL_WRONG(n, what, wrong, FB_ERR_VALUE, fb_midpoint_step(&body, &at, &implicit, &input, dt_, many), at);      \
+    FBL_WRONG(n, what, wrong, FB_ERR_VALUE, fb_sdirk_step(&body, &at, &implicit, &input, &input, dt_, many), at); \
+  } while (0)
+  STEP(dt_, FB_R(0.0));
+  STEP(dt_, FB_R(-1e-6));
+  STEP(dt_, FBL_NAN);
+  STEP(many, -1);
+#undef STEP
+  FBL_WRONG(n, dt_, FB_R(0.0), FB_ERR_VALUE, fb_rk4_step(&body, &at, &rk4, &input, &input, &input, dt_), at);
+  FBL_WRONG(n, dt_, FBL_NAN, FB_ERR_VALUE, fb_exponential_init(&exponential, &body_work, &body, dt_), exponential);
+  return n;
+}
+
+/* A model in memory that has changed is no legal one any more. */
+static int wrong_memory(void)
+{
+  int n = fb_body_check(&body) != FB_OK;
+  static fb_body other;
+  other = body;
+#define MEMORY(what, wrong) FBL_WRONG(n, what, wrong, FB_ERR_CAPACITY, fb_body_check(&other), body)
+  MEMORY(other.n, FB_MAX_MODES + 1);
+  MEMORY(other.n_node, 0);
+  MEMORY(other.n_node, FB_MAX_NODES + 1);
+  MEMORY(other.base, FB_BASE_COUNT);
+  MEMORY(other.mass, FB_R(-1.0));
+  MEMORY(other.deflection_limit, FB_R(-1.0));
+  MEMORY(other.gyration, FB_R(-1.0));
+  MEMORY(other.recoil, FB_R(-1.0));
+  MEMORY(other.limit_elastic, FB_R(-1.0));
+  MEMORY(other.limit_damping, FB_R(-1.0));
+  MEMORY(other.limit_spin, FB_R(-1.0));
+  MEMORY(other.limit_acceleration, FB_R(-1.0));
+  if (other.n_run > 0) {
+    fb_S_run *const last = &other.run[other.n_run - 1];
+    MEMORY(last->i, 21);
+    MEMORY(last->pair, (unsigned short)other.n_pair);
+  }
+  if (other.n_pair > 0) {
+    MEMORY(other.pair[other.n_pair - 1].a, (unsigned short)(other.n + 1));
+    MEMORY(other.pair[0].b, (unsigned short)(other.pair[0].a + 1));
+  }
+  if (other.n_rotor > 0) {
+    MEMORY(other.rotor[0].node, other.n_node);
+    MEMORY(other.rotor[0].inertia, FB_R(0.0));
+  }
+#undef MEMORY
+  return n;
+}
+
+/* One wrong value in a legal scene is refused with the status of its kind, and changes nothing. */
+static double wrong(double h)
+{
+  (void)h;
+  return wrong_motions() + wrong_memory() + fbl_wrong_bodies();
+}
+
 static void zero_lost(fb_state *at)
 {
   memset(at->lost_rho, 0, sizeof at->lost_rho);
@@ -1387,6 +1516,7 @@ static const fbl_law laws[] = {
     {"long_steps_of_small_motions", "E11.4 E11.5 E11.25", small_steps, 1e-5, {1e-6, 0}},
     {"limits_of_steps", "E11.3 E11.6", limits, 0.0, {0.5, 0}},
     {"models_and_their_check_words", "E8.11", words, 0.0, {0.5, 0}},
+    {"what_is_wrong_is_refused", "E8.11 E11.3", wrong, 0.0, {0.5, 0.5}},
     {"motion_goes_back", "E8.17 E11.3", goes_back, 0.1, {1e-9, 0}},
     {"work_and_restart_change_no_bit", "E11.3 E11.8 E11.10", same_bits, 0.0, {0.5, 0.5}},
     {"what_is_absent_is_zero", "E8.17 E11.3", absent, 0.0, {0.5, 0.5}},

@@ -535,3 +535,146 @@ void fbl_deflect(fb_real *q, fb_real *q_dot, const fb_body *body, double size)
     }
   }
 }
+
+/* ---- what is wrong */
+
+static int wrong_beams(void)
+{
+  static fb_beam out;
+  static fb_modes out_modes;
+  const int last = beam_desc.n_station - 1;
+  fb_section *const root = &beam_desc.station[0];
+  int n = fb_beam_init(&out, &beam_desc) != FB_OK;
+#define BEAM(at, wrong, status) FBL_WRONG(n, at, wrong, status, fb_beam_init(&out, &beam_desc), out)
+  BEAM(beam_desc.n_element, 0, FB_ERR_CAPACITY);
+  BEAM(beam_desc.n_element, FB_MAX_ELEMENTS + 1, FB_ERR_CAPACITY);
+  BEAM(beam_desc.root, FB_ROOT_COUNT, FB_ERR_VALUE);
+  BEAM(beam_desc.n_station, 0, FB_ERR_CAPACITY);
+  BEAM(beam_desc.n_station, FB_MAX_STATIONS + 1, FB_ERR_CAPACITY);
+  BEAM(beam_desc.n_lump, FB_MAX_LUMPS + 1, FB_ERR_CAPACITY);
+  BEAM(beam_desc.position[2], FBL_NAN, FB_ERR_NOT_FINITE);
+  BEAM(beam_desc.attitude[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  BEAM(root->mass, -root->mass, FB_ERR_VALUE);
+  BEAM(root->EI_y, -root->EI_z, FB_ERR_VALUE);
+  BEAM(root->EI_z, FBL_NAN, FB_ERR_NOT_FINITE);
+  BEAM(root->EA, FB_R(-1.0), FB_ERR_VALUE);
+  BEAM(root->GJ, FB_R(-1.0), FB_ERR_VALUE);
+  BEAM(root->i_y, FB_R(-1.0), FB_ERR_VALUE);
+  if (last > 0) {
+    BEAM(beam_desc.station[last].x, FB_R(0.9) * beam_desc.length, FB_ERR_VALUE);
+    BEAM(beam_desc.station[last].x, FB_R(0.0), FB_ERR_VALUE);
+    BEAM(root->x, FB_R(0.1) * beam_desc.length, FB_ERR_VALUE);
+  }
+  if (beam_desc.n_lump > 0) {
+    fb_lump *const lump = &beam_desc.lump[0];
+    BEAM(lump->node, beam_desc.n_element + 1, FB_ERR_CAPACITY);
+    BEAM(lump->node, -1, FB_ERR_CAPACITY);
+    BEAM(lump->mass, -lump->mass, FB_ERR_VALUE);
+    BEAM(lump->center[1], FBL_NAN, FB_ERR_NOT_FINITE);
+    BEAM(lump->inertia[2], lump->inertia[0] + lump->inertia[1] + lump->mass * beam_desc.length * beam_desc.length,
+         FB_ERR_VALUE);
+    BEAM(beam_desc.n_lump, 0, FB_ERR_VALUE);
+  }
+  if (beam_desc.n_point > 0) {
+    BEAM(beam_desc.n_point, beam_desc.n_point - 1, FB_ERR_VALUE);
+    BEAM(beam_desc.point[1][0], FBL_NAN, FB_ERR_NOT_FINITE);
+    BEAM(beam_desc.point[2][0], FB_R(0.0), FB_ERR_VALUE); /* turns back */
+  } else {
+    BEAM(beam_desc.length, FB_R(0.0), FB_ERR_VALUE);
+    BEAM(beam_desc.length, FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+#undef BEAM
+#define MODES(at, wrong, status) \
+  FBL_WRONG(n, at, wrong, status, fb_modes_solve(&out_modes, &modes_work, &beam[0], &modes_desc), out_modes)
+  MODES(modes_desc.basis, FB_BASIS_COUNT, FB_ERR_VALUE);
+  MODES(modes_desc.count[0], -1, FB_ERR_VALUE);
+  MODES(modes_desc.omega_limit, FB_R(-1.0), FB_ERR_VALUE);
+  MODES(modes_desc.mass_fraction, FB_R(1.5), FB_ERR_VALUE);
+  MODES(modes_desc.n_load, FB_MAX_COORDINATES + 1, FB_ERR_CAPACITY);
+  MODES(modes_desc.n_boundary, FB_MAX_COORDINATES + 1, FB_ERR_CAPACITY);
+  MODES(modes_desc.preload.force, FBL_NAN, FB_ERR_NOT_FINITE);
+  if (modes_desc.n_load > 0) {
+    MODES(modes_desc.load[0].node, beam[0].desc.n_element + 1, FB_ERR_CAPACITY);
+    MODES(modes_desc.load[0].axis, 6, FB_ERR_CAPACITY);
+  }
+  if (modes_desc.n_boundary > 0) {
+    MODES(modes_desc.boundary[1].node, beam[0].desc.n_element + 1, FB_ERR_CAPACITY);
+    MODES(modes_desc.boundary[1].axis, -1, FB_ERR_CAPACITY);
+  }
+#undef MODES
+  return n;
+}
+
+static int wrong_shapes(void)
+{
+  static fb_shape out;
+  fb_real mass = FB_R(2.0), at[3] = {FB_R(0.1), FB_R(0.2), FB_R(0.3)};
+  fb_real inertia[6] = {FB_R(1.0), FB_R(1.5), FB_R(2.0), FB_R(0.1), FB_R(0.0), FB_R(-0.1)};
+  int n = 0, node = 0;
+  out = shape;
+  n += fb_shape_add_rigid(&out, mass, at, inertia) != FB_OK;
+#define RIGID(what, wrong, status) FBL_WRONG(n, what, wrong, status, fb_shape_add_rigid(&out, mass, at, inertia), out)
+  RIGID(mass, FB_R(-2.0), FB_ERR_VALUE);
+  RIGID(mass, FBL_NAN, FB_ERR_NOT_FINITE);
+  RIGID(at[0], FB_R(2.0) * FB_HUGE, FB_ERR_NOT_FINITE);
+  RIGID(inertia[0], FB_R(-1.0), FB_ERR_VALUE);
+  RIGID(inertia[1], FB_R(0.5), FB_ERR_VALUE); /* a triangle of 1, 0.5, 2 */
+  RIGID(inertia[2], FB_R(2.6), FB_ERR_VALUE);
+  RIGID(inertia[3], FB_R(1.6), FB_ERR_VALUE);
+  RIGID(inertia[5], FBL_NAN, FB_ERR_NOT_FINITE);
+#undef RIGID
+#define PARTICLE(what, wrong, status) \
+  FBL_WRONG(n, what, wrong, status, fb_shape_add_particle(&out, mass, at, shape.P, NULL), out)
+  PARTICLE(mass, FB_R(-1.0), FB_ERR_VALUE);
+  PARTICLE(at[1], FBL_NAN, FB_ERR_NOT_FINITE);
+#undef PARTICLE
+  FBL_WRONG(n, at[2], FBL_NAN, FB_ERR_NOT_FINITE, fb_shape_add_node(&out, &node, at, shape.P, shape.P), out);
+  FBL_WRONG(n, out.n_node, FB_MAX_NODES, FB_ERR_CAPACITY, fb_shape_add_node(&out, &node, at, shape.P, shape.P), node);
+  return n;
+}
+
+int fbl_wrong_bodies(void)
+{
+  static fb_body out;
+  int n = wrong_beams() + wrong_shapes();
+#define BODY(at, wrong, status) FBL_WRONG(n, at, wrong, status, fb_body_init(&out, &body_work, &shape, &desc), out)
+  n += fb_body_init(&out, &body_work, &shape, &desc) != FB_OK;
+  BODY(desc.base, FB_BASE_COUNT, FB_ERR_VALUE);
+  BODY(desc.effects, desc.effects | 0x40000000u, FB_ERR_EFFECTS);
+  BODY(desc.deflection_limit, FB_R(-1.0), FB_ERR_VALUE);
+  BODY(desc.mu, FB_R(-1.0), FB_ERR_VALUE);
+  BODY(desc.center[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  BODY(desc.gravity[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  BODY(desc.truncation, FB_TRUNCATE_COUNT, FB_ERR_VALUE);
+  if (!(desc.effects & FB_EFFECT_GRAVITY)) {
+    BODY(desc.gravity[0], FB_R(1.0), FB_ERR_EFFECTS);
+  }
+  if (shape.n > 0 && (desc.effects & FB_EFFECT_DAMPING)) {
+    BODY(desc.zeta[0], FB_R(-0.01), FB_ERR_VALUE);
+    BODY(desc.zeta[shape.n - 1], FBL_NAN, FB_ERR_NOT_FINITE);
+  } else if (shape.n > 0) {
+    BODY(desc.zeta[shape.n - 1], FB_R(0.01), FB_ERR_EFFECTS);
+  }
+  if (out.n > 0) { /* of a rigid body nobody reads it */
+    BODY(shape.M[0], FB_R(-1.0), FB_ERR_SINGULAR);
+  }
+  BODY(desc.n_rotor, FB_MAX_ROTORS + 1, FB_ERR_CAPACITY);
+  BODY(desc.n_rotor, -1, FB_ERR_CAPACITY);
+  if (desc.n_rotor > 0) {
+    fb_rotor *const rotor = &desc.rotor[desc.n_rotor - 1];
+    BODY(rotor->node, shape.n_node, FB_ERR_CAPACITY);
+    BODY(rotor->node, -1, FB_ERR_CAPACITY);
+    BODY(rotor->inertia, FB_R(0.0), FB_ERR_VALUE);
+    BODY(rotor->axis[2], FBL_NAN, FB_ERR_NOT_FINITE);
+    BODY(rotor->damping, FB_R(-1.0), FB_ERR_VALUE);
+    BODY(rotor->friction, FB_R(-1.0), FB_ERR_VALUE);
+    BODY(rotor->static_imbalance, FB_R(-1.0), FB_ERR_VALUE);
+    BODY(rotor->dynamic_phase, FBL_NAN, FB_ERR_NOT_FINITE);
+    BODY(desc.n_rotor, 0, FB_ERR_VALUE);
+    if (!(rotor->friction_speed > FB_R(0.0))) {
+      BODY(rotor->friction, FB_R(1.0), FB_ERR_VALUE);
+    }
+  }
+#undef BODY
+  return n;
+}

@@ -1291,6 +1291,139 @@ static double small_steps(double h)
   }
 }
 
+/* One wrong value in a legal scene is refused with the status of its kind, and changes nothing. */
+static int wrong_descriptions(void)
+{
+  static fb_exact out;
+  fb_exact_station *const root = &desc.station[0];
+  const int elements = beam.n;
+  int n = fb_exact_init(&out, &desc) != FB_OK;
+#define MADE(what, wrong, status) FBL_WRONG(n, what, wrong, status, fb_exact_init(&out, &desc), out)
+  MADE(desc.length, FB_R(0.0), FB_ERR_VALUE);
+  MADE(desc.length, FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(desc.n_element, 0, FB_ERR_CAPACITY);
+  MADE(desc.n_element, FB_MAX_EXACT + 1, FB_ERR_CAPACITY);
+  MADE(desc.n_station, 0, FB_ERR_CAPACITY);
+  MADE(desc.n_station, FB_MAX_STATIONS + 1, FB_ERR_CAPACITY);
+  MADE(desc.root, 128, FB_ERR_VALUE);
+  MADE(desc.iterations, 21, FB_ERR_VALUE);
+  MADE(desc.iterations, -1, FB_ERR_VALUE);
+  MADE(desc.factorizations, 21, FB_ERR_VALUE);
+  MADE(desc.dissipation, FB_R(0.7), FB_ERR_VALUE);
+  MADE(desc.dissipation, FB_R(-0.1), FB_ERR_VALUE);
+  MADE(desc.damping[4], FB_R(-1.0), FB_ERR_VALUE);
+  MADE(desc.gravity[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(desc.position[2], FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(desc.attitude[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(desc.place[1], FB_R(2.0) * desc.length, FB_ERR_VALUE);
+  MADE(root->x, FB_R(0.1) * desc.length, FB_ERR_VALUE);
+  MADE(root->stiffness[21], FB_R(-1.0), FB_ERR_VALUE);
+  MADE(root->stiffness[28], FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(root->stiffness[29], FB_R(10.0) * root->stiffness[28], FB_ERR_VALUE);
+  MADE(root->inertia[7], -root->inertia[7], FB_ERR_VALUE);
+  MADE(root->inertia[22], FB_R(1e3) * root->inertia[0] * desc.length * desc.length, FB_ERR_VALUE);
+  MADE(root->twist, FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(root->curvature[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  MADE(desc.n_support, FB_MAX_LUMPS + 1, FB_ERR_CAPACITY);
+  MADE(desc.n_lump, FB_MAX_LUMPS + 1, FB_ERR_CAPACITY);
+  MADE(desc.n_joint, FB_MAX_LUMPS + 1, FB_ERR_CAPACITY);
+  MADE(desc.n_branch, FB_MAX_LUMPS + 1, FB_ERR_CAPACITY);
+  if (desc.n_support > 0) {
+    MADE(desc.support[0].node, elements + 1, FB_ERR_CAPACITY);
+    MADE(desc.support[0].held, 128, FB_ERR_VALUE);
+    MADE(desc.n_support, 0, FB_ERR_VALUE);
+  }
+  if (desc.n_lump > 0) {
+    fb_lump *const lump = &desc.lump[desc.n_lump - 1];
+    MADE(lump->node, elements + 1, FB_ERR_CAPACITY);
+    MADE(lump->mass, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(lump->center[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(lump->inertia[1], lump->inertia[0] + lump->inertia[2] + lump->mass * desc.length * desc.length, FB_ERR_VALUE);
+    MADE(desc.n_lump, 0, FB_ERR_VALUE);
+  }
+  if (desc.n_joint > 0) {
+    fb_exact_joint *const joint = &desc.joint[desc.n_joint - 1];
+    MADE(joint->element, elements, FB_ERR_CAPACITY);
+    MADE(joint->element, -1, FB_ERR_CAPACITY);
+    MADE(joint->axis[2], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(joint->stiffness, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(joint->damping, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(joint->rest, FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(desc.n_joint, 0, FB_ERR_VALUE);
+    if (desc.n_joint > 1) {
+      MADE(joint->element, desc.joint[0].element, FB_ERR_VALUE);
+    }
+  }
+  if (desc.n_branch > 0) {
+    fb_exact_branch *const branch = &desc.branch[desc.n_branch - 1];
+    MADE(branch->node, elements + 1, FB_ERR_CAPACITY);
+    MADE(branch->n_element, 0, FB_ERR_CAPACITY);
+    MADE(branch->n_element, FB_MAX_EXACT + 1, FB_ERR_CAPACITY);
+    MADE(branch->length, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(branch->attitude[3], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+#undef MADE
+  return n;
+}
+
+static int wrong_motions(void)
+{
+  static fb_exact_node node[FB_MAX_EXACT + 1];
+  fb_exact_state at = state;
+  fb_exact_element element;
+  fb_exact_hinge hinge;
+  fb_real step = (fb_real)(0.5 * drawn.fast), x = FB_R(0.0), place[3], quat[4];
+  int n = fb_exact_nodes_eval(&beam, node, &at) != FB_OK, k = beam.n;
+#define STATE(what, wrong, status)                                                             \
+  do {                                                                                         \
+    FBL_WRONG(n, what, wrong, status, fb_exact_state_check(&beam, &at), beam.n);               \
+    FBL_WRONG(n, what, wrong, status, fb_exact_step(&beam, &at, &work, &input, step), beam.n); \
+  } while (0)
+  STATE(at.base_quat[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.base_position[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.r[3 * beam.n], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.quat[4 * beam.n + 1], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.strain[6 * beam.n - 1], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.momentum[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.u[2], FBL_NAN, FB_ERR_NOT_FINITE);
+#undef STATE
+#define INPUT(what, wrong, status) FBL_WRONG(n, what, wrong, status, fb_exact_step(&beam, &at, &work, &input, step), at)
+  INPUT(step, FB_R(0.0), FB_ERR_VALUE);
+  INPUT(step, FB_R(-0.01), FB_ERR_VALUE);
+  INPUT(step, FBL_NAN, FB_ERR_NOT_FINITE);
+  INPUT(input.n_load, FB_MAX_LOADS + 1, FB_ERR_CAPACITY);
+  INPUT(input.n_load, -1, FB_ERR_CAPACITY);
+  INPUT(input.line[0].axes, FB_AXES_COUNT, FB_ERR_VALUE);
+  INPUT(input.line[beam.n - 1].force[1], FBL_NAN, FB_ERR_NOT_FINITE);
+  if (input.n_load > 0) {
+    fb_load *const load = &input.load[input.n_load - 1];
+    INPUT(load->node, beam.n + 1, FB_ERR_CAPACITY);
+    INPUT(load->node, -1, FB_ERR_CAPACITY);
+    INPUT(load->axes, FB_AXES_COUNT, FB_ERR_VALUE);
+    INPUT(load->torque[2], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (now[BASE] != FREE) {
+    INPUT(input.v[1], FBL_NAN, FB_ERR_NOT_FINITE);
+    INPUT(input.w[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (beam.n_joint > 0) {
+    INPUT(input.motor[beam.n_joint - 1], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+#undef INPUT
+  FBL_WRONG(n, k, beam.n, FB_ERR_CAPACITY, fb_exact_element_eval(&beam, &element, &at, k), element);
+  FBL_WRONG(n, k, -1, FB_ERR_CAPACITY, fb_exact_element_eval(&beam, &element, &at, k), element);
+  FBL_WRONG(n, k, beam.n_joint, FB_ERR_CAPACITY, fb_exact_joint_eval(&beam, &hinge, &at, k), hinge);
+  FBL_WRONG(n, x, (fb_real)(-0.01 * length_of()), FB_ERR_VALUE, fb_exact_point_eval(&beam, place, quat, &at, x), place);
+  FBL_WRONG(n, x, (fb_real)(20.0 * length_of()), FB_ERR_VALUE, fb_exact_point_eval(&beam, place, quat, &at, x), place);
+  return n;
+}
+
+static double wrong(double h)
+{
+  (void)h;
+  return wrong_descriptions() + wrong_motions();
+}
+
 /* What is no number in a model is refused by its check, or nothing reads it; a bit that the check word does not see is one
    that changes nothing. */
 static double words(double h)
@@ -1881,6 +2014,7 @@ static const fbl_law laws[] = {
     {"points_follow_the_line", "E10.12", points, 0.02, {1e-2, 0}},
     {"long_steps_of_small_motions", "E11.20 E10.18", small_steps, 1e-4, {1e-6, 0}},
     {"models_and_their_check_words", "E10.4", words, 0.0, {0.5, 0}},
+    {"what_is_wrong_is_refused", "E10.4 E11.20", wrong, 0.0, {0.5, 0.5}},
     {"what_is_held_stays", "E10.16 E10.17", holds, 0.4, {1e-4, 1e-2}},
     {"trim_rests", "E10.11 E11.20", trim_rests, 0.2, {1e-6, 0}},
     {"paths_lead_through_trims", "E12.17", path_and_trim, 0.0, {1e-7, 1e-2}},

@@ -407,6 +407,35 @@ static void print_pairs(void)
   }
 }
 
+/* ---- what is wrong is refused */
+
+static unsigned char kept[1 << 22];
+static const void *kept_of;
+static size_t kept_size;
+
+void fbl_wrong_begin(const void *made, size_t size)
+{
+  kept_of = made;
+  kept_size = size;
+  memcpy(kept, made, size);
+}
+
+/* What is no number may be told as out of a range, or allow no step; a count below zero is of either status. */
+int fbl_wrong_end(const char *row, fb_status status, fb_status expected)
+{
+  const int either = (status == FB_ERR_VALUE && (expected == FB_ERR_NOT_FINITE || expected == FB_ERR_CAPACITY)) ||
+                     (status == FB_ERR_STEP && expected == FB_ERR_NOT_FINITE);
+  const int changed = memcmp(kept, kept_of, kept_size) != 0;
+  if ((status == expected || either) && !changed) {
+    return 0;
+  }
+  if (verbose) {
+    printf("taken: %s gives %s%s", row, fb_status_string(status), changed ? ", and changes what it was given" : "");
+    print_levels(level, 0);
+  }
+  return 1;
+}
+
 /* ---- asking */
 
 /* The least miss over the steps, which are halved five times, and on as long as that lessens the miss: what is real does

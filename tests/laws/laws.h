@@ -112,6 +112,23 @@ void fbl_turning(double w[3], const fb_real *quat, size_t stride, double h);
 fb_status fbl_draw_again(void);
 int fbl_level(const char *feature); /* of the present draw */
 
+/* What is wrong with a description, a state, an input: where `at` holds `wrong`, `call` refuses with `expected` and leaves
+   `made` as it was. Counts the rows that hold otherwise; build/laws --verbose names them. */
+void fbl_wrong_begin(const void *made, size_t size);
+int fbl_wrong_end(const char *row, fb_status status, fb_status expected);
+#define FBL_WRONG(count, at, wrong, expected, call, made)                           \
+  do {                                                                              \
+    unsigned char fbl_was_[sizeof(at)];                                             \
+    fb_status fbl_answer_;                                                          \
+    memcpy(fbl_was_, &(at), sizeof(at));                                            \
+    fbl_wrong_begin(&(made), sizeof(made));                                         \
+    (at) = (wrong);                                                                 \
+    fbl_answer_ = (call);                                                           \
+    memcpy(&(at), fbl_was_, sizeof(at));                                            \
+    (count) += fbl_wrong_end(#call ": " #at " = " #wrong, fbl_answer_, (expected)); \
+  } while (0)
+#define FBL_NAN ((fb_real)NAN)
+
 /* A number of a digest, over the size of what it is one of: single precision prints the same to its accuracy. */
 void fbl_say(double value, double size);
 /* The power of two at or below a step: the same in both precisions, whose limits differ by rounding. */
@@ -158,6 +175,8 @@ extern fbl_points fbl_told;
 double fbl_points_miss(const fbl_points *told, size_t stride, double h, double size);
 /* A dead load along the lines that grows towards their tips, for fb_distributed. user: their size in drawn units, double. */
 fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user);
+/* How many wrong values the makers of the body drawn last take. */
+int fbl_wrong_bodies(void);
 /* Lowers what does not go together. */
 void fbl_legal(fbl_choice *choice);
 /* A body by its choice; its last nodes are on its beams, the tip of the first one is node 1. Size: reach of its beams in

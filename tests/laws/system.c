@@ -402,6 +402,12 @@ static const fb_body *body(int k)
   return &made[model_of(k)];
 }
 
+/* The model of body s of the system. */
+static const fb_body *model_at(int s)
+{
+  return &model[desc.model[s]];
+}
+
 /* ---- tree */
 
 /* Numbers of the bodies in the system: reversed, as far as parents come first. */
@@ -2646,6 +2652,208 @@ static double words(double h)
   return 0.0;
 }
 
+/* ---- laws: what is wrong */
+
+static int wrong_descriptions(void)
+{
+  static fb_system out;
+  fb_joint_desc *const joint = &desc.joint[n_body - 1], *const loop = &desc.loop[0];
+  fb_spring *const spring = &desc.spring[0];
+  const int moves = axes_of(joint->kind) > 0 && joint->kind != FB_JOINT_FREE;
+  int n = fb_system_init(&out, &work, model, &desc, n_model) != FB_OK;
+#define MADE(what, wrong, status) \
+  FBL_WRONG(n, what, wrong, status, fb_system_init(&out, &work, model, &desc, n_model), out)
+  MADE(desc.n_body, 0, FB_ERR_CAPACITY);
+  MADE(desc.n_body, FB_MAX_BODIES + 1, FB_ERR_CAPACITY);
+  MADE(desc.n_loop, FB_MAX_LOOPS + 1, FB_ERR_CAPACITY);
+  MADE(desc.n_loop, -1, FB_ERR_CAPACITY);
+  MADE(desc.n_spring, FB_MAX_SPRINGS + 1, FB_ERR_CAPACITY);
+  MADE(desc.method, FB_METHOD_COUNT, FB_ERR_VALUE);
+  MADE(desc.model[n_body - 1], n_model, FB_ERR_CAPACITY);
+  MADE(desc.model[n_body - 1], -1, FB_ERR_CAPACITY);
+  MADE(joint->kind, FB_JOINT_COUNT, FB_ERR_VALUE);
+  MADE(joint->mode[0], FB_AXIS_COUNT, FB_ERR_VALUE);
+  if (joint->kind != FB_JOINT_FREE) {
+    const int ground = joint->parent == FB_GROUND;
+    MADE(joint->parent, n_body - 1, FB_ERR_VALUE);
+    MADE(joint->parent, FB_GROUND - 1, FB_ERR_VALUE);
+    MADE(joint->position[1], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(joint->child_position[2], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(joint->attitude[2], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(joint->parent_node, ground ? 1 : model_at(joint->parent)->n_node, FB_ERR_CAPACITY);
+    MADE(joint->parent_node, -1, FB_ERR_CAPACITY);
+  }
+  if (moves) {
+    MADE(joint->stiffness[0], FB_R(-1.0), FB_ERR_VALUE);
+    MADE(joint->damping[0], FB_R(-1.0), FB_ERR_VALUE);
+    MADE(joint->rest[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (joint->kind == FB_JOINT_REVOLUTE || joint->kind == FB_JOINT_PRISMATIC || joint->kind == FB_JOINT_SCREW) {
+    MADE(joint->friction[0], FB_R(-1.0), FB_ERR_VALUE);
+    MADE(joint->stop_stiffness[0], FB_R(-1.0), FB_ERR_VALUE);
+    MADE(joint->stop_loss[0], FB_R(-1.0), FB_ERR_VALUE);
+    if (!(joint->friction_speed[0] > FB_R(0.0))) {
+      MADE(joint->friction[0], FB_R(1.0), FB_ERR_VALUE);
+    }
+    if (joint->stop_stiffness[0] > FB_R(0.0)) {
+      MADE(joint->stop[0][0], joint->stop[0][1] + FB_R(1.0), FB_ERR_VALUE);
+    }
+  }
+  if (desc.n_loop > 0) {
+    MADE(loop->kind, FB_JOINT_FREE, FB_ERR_VALUE);
+    MADE(loop->child, n_body, FB_ERR_CAPACITY);
+    MADE(loop->child_node, model_at(loop->child)->n_node, FB_ERR_CAPACITY);
+    MADE(loop->parent, loop->child, FB_ERR_VALUE);
+    MADE(loop->position[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(desc.n_loop, 0, FB_ERR_VALUE);
+  }
+  if (desc.n_spring > 0) {
+    const int end = spring->body[1] == FB_GROUND ? 0 : 1;
+    MADE(spring->body[end], n_body, FB_ERR_CAPACITY);
+    MADE(spring->node[end], model_at(spring->body[end])->n_node, FB_ERR_CAPACITY);
+    MADE(spring->stiffness, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(spring->length, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(spring->damping, FB_R(-1.0), FB_ERR_VALUE);
+    MADE(spring->position[0][1], FBL_NAN, FB_ERR_NOT_FINITE);
+    MADE(desc.n_spring, 0, FB_ERR_VALUE);
+    if (spring->body[0] == FB_GROUND && spring->node[1] == 0) {
+      MADE(spring->body[1], FB_GROUND, FB_ERR_VALUE);
+    }
+  }
+#undef MADE
+  return n;
+}
+
+static int wrong_motions(void)
+{
+  static fb_system_input in;
+  static fb_system_state at, rate;
+  static fb_system_motion motion;
+  const int s = slot[0];
+  fb_link_state *const root = &at.link[s];
+  fb_real step = FB_R(1e-6);
+  int many = 2, n = 0, number = n_body + desc.n_loop;
+  at = rate = state;
+  memset(&in, 0, sizeof in);
+  input_fill(&in, 0.0);
+  n += fb_system_motion_eval(&mechanism, model, &work, &motion, &at, &in) != FB_OK;
+#define STATE(what, wrong, status) \
+  FBL_WRONG(n, what, wrong, status, fb_system_state_check(&mechanism, model, &at), at.motor_work)
+  STATE(at.motor_work, FBL_NAN, FB_ERR_NOT_FINITE);
+  STATE(at.mode[s][0], FB_AXIS_COUNT, FB_ERR_VALUE);
+  if (kind[0] == FB_JOINT_FREE || kind[0] == FB_JOINT_SPHERICAL) {
+    STATE(root->quat[0], FB_R(1.5), FB_ERR_VALUE);
+    STATE(root->quat[1], FBL_NAN, FB_ERR_NOT_FINITE);
+    STATE(root->p[kind[0] == FB_JOINT_FREE ? 5 : 2], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (kind[0] == FB_JOINT_REVOLUTE || kind[0] == FB_JOINT_FREE) {
+    STATE(root->x[0], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+  if (body(0)->n > 0) {
+    STATE(root->q[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    STATE(root->pi[body(0)->n - 1], FBL_NAN, FB_ERR_NOT_FINITE);
+  }
+#undef STATE
+#define INPUT(what, wrong, status)                                                                                 \
+  do {                                                                                                             \
+    FBL_WRONG(n, what, wrong, status, fb_system_motion_eval(&mechanism, model, &work, &motion, &at, &in), motion); \
+    FBL_WRONG(n, what, wrong, status, fb_system_rates_eval(&mechanism, model, &work, &rate, &at, &in), rate);      \
+    FBL_WRONG(n, what, wrong, status, fb_system_rk4_step(&mechanism, model, &at, &work, &in, &in, &in, step), at); \
+  } while (0)
+  INPUT(in.n_load, FB_MAX_LOADS + 1, FB_ERR_CAPACITY);
+  INPUT(in.n_load, -1, FB_ERR_CAPACITY);
+  if (in.n_load > 0) {
+    fb_system_load *const load = &in.load[in.n_load - 1];
+    INPUT(load->body, n_body, FB_ERR_CAPACITY);
+    INPUT(load->body, -1, FB_ERR_CAPACITY);
+    INPUT(load->load.node, model_at(load->body)->n_node, FB_ERR_CAPACITY);
+    INPUT(load->load.axes, FB_AXES_COUNT, FB_ERR_VALUE);
+    if (now[CALLBACK] != FORCES) { /* which writes them */
+      INPUT(load->load.force[1], FBL_NAN, FB_ERR_NOT_FINITE);
+      INPUT(load->load.torque[0], FBL_NAN, FB_ERR_NOT_FINITE);
+    }
+  }
+  for (int r = 0; r < FB_MAX_ROTORS; r++) {
+    const int there = r < body(0)->n_rotor, given = there && body(0)->rotor[r].given;
+    INPUT(in.rotor[s][r].torque, FBL_NAN, there ? FB_ERR_NOT_FINITE : FB_ERR_VALUE);
+    INPUT(in.rotor[s][r].momentum, given ? FBL_NAN : FB_R(1.0), given ? FB_ERR_NOT_FINITE : FB_ERR_VALUE);
+  }
+  for (int j = 0; j < n_body; j++) {
+    if (kind[body_of[j]] == FB_JOINT_FREE && state.mode[j][0] == FB_AXIS_FREE && n_as_loops == 0) {
+      INPUT(in.drive[j].torque[0], FB_R(1.0), FB_ERR_VALUE);
+    }
+  }
+  if (now[BODY] != LARGE) {
+    INPUT(in.distributed, fbl_wind, FB_ERR_UNSUPPORTED);
+  }
+#undef INPUT
+#define STEP(what, wrong) \
+  FBL_WRONG(n, what, wrong, FB_ERR_VALUE, fb_system_sdirk_step(&mechanism, model, &at, &work, &in, &in, step, many), at)
+  STEP(step, FB_R(0.0));
+  STEP(step, FB_R(-1e-6));
+  STEP(step, FBL_NAN);
+  STEP(many, -1);
+#undef STEP
+  FBL_WRONG(n, step, FB_R(0.0), FB_ERR_VALUE, fb_system_rk4_step(&mechanism, model, &at, &work, &in, &in, &in, step),
+            at);
+  FBL_WRONG(n, number, number, FB_ERR_CAPACITY,
+            fb_system_axis_set(&mechanism, model, &at, &work, number, 0, FB_AXIS_LOCKED, &in), at);
+  FBL_WRONG(n, number, 0, FB_ERR_CAPACITY,
+            fb_system_axis_set(&mechanism, model, &at, &work, number, 6, FB_AXIS_LOCKED, &in), at);
+  return n;
+}
+
+/* A system in memory that has changed is no legal one any more. */
+static int wrong_memory(void)
+{
+  static fb_system other;
+  fb_joint *const joint = &other.joint[n_body - 1];
+  int n = 0;
+  other = mechanism;
+#define MEMORY(what, wrong) \
+  FBL_WRONG(n, what, wrong, FB_ERR_CAPACITY, fb_system_check(&other, model, n_model), mechanism)
+  MEMORY(other.n_body, FB_MAX_BODIES + 1);
+  MEMORY(other.n_loop, FB_MAX_LOOPS + 1);
+  MEMORY(other.n_spring, -1);
+  MEMORY(other.tied, 3);
+  MEMORY(other.model[0], n_model);
+  MEMORY(joint->kind, FB_JOINT_COUNT);
+  MEMORY(joint->parent, n_body - 1);
+  MEMORY(joint->child, n_body - 2);
+  MEMORY(joint->child_node, model_at(n_body - 1)->n_node);
+  MEMORY(joint->parent_node, joint->parent < 0 ? 1 : model_at(joint->parent)->n_node);
+  MEMORY(joint->n_axis, joint->n_axis + 1);
+  MEMORY(joint->about, 7);
+  MEMORY(joint->mode[2], FB_AXIS_COUNT);
+  MEMORY(joint->stiffness[2], FB_R(-1.0));
+  MEMORY(joint->damping[1], FB_R(-1.0));
+  MEMORY(joint->friction[0], FB_R(-1.0));
+  MEMORY(joint->stop_stiffness[0], FB_R(-1.0));
+  MEMORY(joint->stop_loss[0], FB_R(-1.0));
+  if (other.n_loop > 0) {
+    fb_joint *const loop = &other.joint[n_body];
+    MEMORY(loop->child, n_body);
+    MEMORY(loop->child_node, model_at(loop->child)->n_node);
+    MEMORY(loop->parent, n_body);
+  }
+  if (other.n_spring > 0) {
+    fb_spring *const spring = &other.spring[0];
+    const int end = spring->body[1] == FB_GROUND ? 0 : 1;
+    MEMORY(spring->body[end], n_body);
+    MEMORY(spring->node[end], model_at(spring->body[end])->n_node);
+    MEMORY(spring->stiffness, FB_R(-1.0));
+  }
+#undef MEMORY
+  return n;
+}
+
+/* One wrong value in a legal scene is refused with the status of its kind, and changes nothing. */
+static double wrong(double h)
+{
+  (void)h;
+  return wrong_descriptions() + wrong_motions() + wrong_memory();
+}
+
 /* ---- laws: steady states */
 
 static fb_system_analyse_work analyse;
@@ -2920,6 +3128,7 @@ static const fbl_law laws[] = {
     {"long_steps_of_small_motions", "E11.14 E11.15", small_steps, 1e-5, {1e-6, 0}},
     {"limits_of_steps", "E11.12", limits, 0.0, {0.5, 0}},
     {"models_and_their_check_words", "E9.1", words, 0.0, {0.5, 0}},
+    {"what_is_wrong_is_refused", "E9.1 E9.15", wrong, 0.0, {0.5, 0.5}},
     {"dirty_work_gives_the_same_bits", "E9.15", dirt, 0.0, {1e-300, 0}},
     {"what_is_absent_is_zero", "E9.15 E11.12", absent, 0.0, {0.5, 0.5}},
     {"trimmed_stays_at_rest", "E12.1", trimmed, 0.1, {1e-7, 0}},
