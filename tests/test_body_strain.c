@@ -450,6 +450,7 @@ TEST(what_is_held_keeps_no_momentum)
     bend(q_dot);
     fbt_fill(v, origin ? 0 : 3, 1.0);
     fbt_fill(w + (base == FB_BASE_HINGED ? 2 : 0), base == FB_BASE_HINGED ? 1 : 3, 1.0);
+    fbt_fill(state.L, 3, 1.0); /* of an earlier motion */
     FBT_INT_EQ(fb_form_state_from_velocity(&formed, &state, v, w, q_dot), FB_OK);
     held_are_zero(&state, state.quat, base, form == FBT_MOMENTUM);
     loads_at_O(&input);

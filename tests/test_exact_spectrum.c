@@ -161,6 +161,28 @@ TEST(free_beams_of_any_mesh_have_their_frequencies)
   }
 }
 
+/* E12.4: the shapes of a free arc are symmetric or the opposite: both ends move as far in each of their own directions. */
+TEST(free_arcs_move_as_far_at_both_ends)
+{
+  int seen = 0;
+  elastica(12);
+  desc.station[0].inertia[21] = FB_R(1e-5);
+  desc.station[0].curvature[2] = FB_R(4.0);
+  desc.root = FB_END_FREE;
+  start();
+  spectrum_of(18);
+  for (int k = 0; k < spectrum.n; k++) {
+    const int tip = 6 * desc.n_element;
+    const fb_real *const re = spectrum.shape_re + (tip + 6) * k, *const im = spectrum.shape_im + (tip + 6) * k;
+    for (int i = 0; i < 3 && (double)spectrum.im[k] > 2.0; i++) {
+      FBT_NEAR_ABS(hypot((double)re[i], (double)im[i]), hypot((double)re[tip + i], (double)im[tip + i]),
+                   FBT_TOL(1e-8, 1e-3));
+      seen += i == 0 && hypot((double)re[0], (double)im[0]) > 0.01;
+    }
+  }
+  FBT_TRUE(seen >= 2);
+}
+
 /* E10.5: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts
    to bend just before a node, and one that hardly stops in between. */
 TEST(curvature_may_jump_beside_a_node)
@@ -977,11 +999,12 @@ SUITE(exact_spectrum, RUN(slow_modes_of_floating_beams_tell_their_error), RUN(el
       RUN(spinning_beams_with_their_mass_ahead_are_stable), RUN(whirling_shafts_move_on_circles),
       RUN(spectrum_is_that_of_the_natural_modes), RUN(a_rod_has_the_dispersion_of_its_mesh_and_its_step),
       RUN(any_unit_gives_the_same_frequency), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(free_beams_of_any_mesh_have_their_frequencies), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN_LONG(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(columns_have_as_many_unstable_directions_as_loads_exceeded), RUN(rigid_strains_are_no_unstable_directions),
-      RUN(columns_bend_to_the_side_they_are_nudged_to), RUN(a_stiff_truss_snaps_in_closed_form),
-      RUN(arches_snap_at_their_limit_load), RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))
+      RUN(free_beams_of_any_mesh_have_their_frequencies), RUN(free_arcs_move_as_far_at_both_ends),
+      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
+      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN_LONG(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(columns_have_as_many_unstable_directions_as_loads_exceeded),
+      RUN(rigid_strains_are_no_unstable_directions), RUN(columns_bend_to_the_side_they_are_nudged_to),
+      RUN(a_stiff_truss_snaps_in_closed_form), RUN(arches_snap_at_their_limit_load),
+      RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))

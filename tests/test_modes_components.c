@@ -607,6 +607,35 @@ TEST(rigid_parts_have_no_common_modes)
   FBT_INT_EQ(common[0].n + common[1].n, 0);
 }
 
+/* E7.12: of parts that nothing joins the common modes are those of each, also where the last one flies free: its rigid
+   motions are none of them. */
+TEST(parts_without_welds_keep_their_modes)
+{
+  int n = 0;
+  for (int c = 0; c < 2; c++) {
+    fb_modes_desc *keep;
+    uniform_desc(2, c ? FB_ROOT_FREE : FB_ROOT_CLAMPED);
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+    keep = choice();
+    keep->rigid = c;
+    keep->count[FB_KIND_BEND_Y] = 2;
+    FBT_INT_EQ(fb_modes_solve(&limb_basis[c], &work, &beam, keep), FB_OK);
+    limb[c] = beam;
+  }
+  FBT_INT_EQ(joined_by(common, &join_work, limb, limb_basis, 2, NULL, 0, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(common[0].n, 4);
+  for (int c = 0; c < 2; c++) {
+    for (int a = 0; a < limb_basis[c].n; a++) {
+      double nearest = HUGE_VAL;
+      for (int k = 0; k < common[0].n; k++) {
+        nearest = fmin(nearest, fabs((double)common[0].omega[k] / (double)limb_basis[c].omega[a] - 1.0));
+      }
+      n += nearest < FBT_TOL(1e-9, 1e-4);
+    }
+  }
+  FBT_INT_EQ(n, 4);
+}
+
 /* Interface: the work of the modes of a beam is two full matrices and rows as long as a row couples with, that of a
    synthesis five full matrices: with n coordinates 2 n^2 and 5 n^2 numbers, the rest grows with n. */
 TEST(work_structs_hold_no_more_than_their_matrices)
@@ -626,4 +655,4 @@ SUITE(modes_components, RUN(hurty_example_has_the_printed_numbers),
       RUN(components_with_shear_deflect_exactly_in_every_direction), RUN(a_part_alone_keeps_its_modes),
       RUN(a_component_of_all_nodes_has_the_stiffness_of_the_elements), RUN(a_free_chain_has_the_inertia_of_its_rods),
       RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes),
-      RUN(work_structs_hold_no_more_than_their_matrices))
+      RUN(parts_without_welds_keep_their_modes), RUN(work_structs_hold_no_more_than_their_matrices))

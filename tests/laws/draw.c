@@ -50,7 +50,8 @@ double fbl_points_miss(const fbl_points *told, size_t stride, double h, double s
   const fbl_points *const now = (const fbl_points *)((const fb_real *)told + 2 * stride);
   double miss = 0.0;
   for (int b = 0; b < FB_MAX_BODIES; b++) {
-    for (int k = 0; k < 3 && now->there[b]; k++) {
+    miss = now->told[b] == now->own[b] ? miss : 1.0;
+    for (int k = 0; k < 3 && now->told[b]; k++) {
       fb_real turning[3];
       double v_off = 0.0, w_off = 0.0;
       fb_vec3_cross(turning, now->angular_rate[b][k], now->along[b][k]);
@@ -77,7 +78,11 @@ static void points_tell(const fb_line_point *point, int n)
       fbl_told.angular_rate[b][k][i] = p->angular_rate[i];
     }
   }
-  fbl_told.there[b] = 1;
+  fbl_told.told[b] = n;
+  fbl_told.own[b] = 0;
+  for (int k = 0; k < n; k++) {
+    fbl_told.own[b] += point[k].body == b;
+  }
 }
 
 fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user)
@@ -483,7 +488,7 @@ static void desc_draw(const fbl_choice *c, int n_node, double size)
   rotors_draw(c, n_node);
 }
 
-fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
+static fb_status make(fb_body *body, const fbl_choice *c, double *size)
 {
   int n = 0, n_beam = 0, extra = c->import == FBL_NO_IMPORT ? 0 : 2;
   fb_status status;
@@ -520,6 +525,49 @@ fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
                                     (fbl_pick(2) ? FB_R(0.1) : FB_R(0.6)) * beam[at].start[beam[at].desc.n_element]);
   }
   return status ? status : fb_body_init(body, &body_work, &shape, &desc);
+}
+
+/* What was made before: most of the time would go there. */
+typedef struct memory {
+  struct {
+    fbl_choice choice;
+    fbl_view view;
+    double signature;
+  } key;
+  fb_body body;
+  double size;
+  int missing;
+} memory;
+
+fb_status fbl_make(fb_body *body, const fbl_choice *c, double *size)
+{
+  static memory kept[8], now;
+  static int oldest;
+  fb_status status;
+  memset(&now.key, 0, sizeof now.key);
+  now.key.choice = *c;
+  now.key.view = fbl_seen;
+  now.key.view.undeformed = 0;
+  memset(now.key.view.boost, 0, sizeof now.key.view.boost);
+  fbl_stream("signature");
+  now.key.signature = fbl_in(1.0, 2.0);
+  for (int k = 0; k < FBL_COUNT(kept); k++) {
+    if (memcmp(&kept[k].key, &now.key, sizeof now.key) == 0) {
+      *body = kept[k].body;
+      *size = kept[k].size;
+      fbl_missing = kept[k].missing;
+      return FB_OK;
+    }
+  }
+  status = make(&now.body, c, &now.size);
+  *body = now.body;
+  *size = now.size;
+  if (status == FB_OK) {
+    now.missing = fbl_missing;
+    kept[oldest] = now;
+    oldest = (oldest + 1) % FBL_COUNT(kept);
+  }
+  return status;
 }
 
 void fbl_deflect(fb_real *q, fb_real *q_dot, const fb_body *body, double size)
@@ -633,12 +681,13 @@ static int wrong_shapes(void)
   return n;
 }
 
-int fbl_wrong_bodies(void)
+int fbl_wrong_bodies(const fbl_choice *c)
 {
   static fb_body out;
-  int n = wrong_beams() + wrong_shapes();
+  double size;
+  int n = make(&out, c, &size) != FB_OK;
+  n += wrong_beams() + wrong_shapes();
 #define BODY(at, wrong, status) FBL_WRONG(n, at, wrong, status, fb_body_init(&out, &body_work, &shape, &desc), out)
-  n += fb_body_init(&out, &body_work, &shape, &desc) != FB_OK;
   BODY(desc.base, FB_BASE_COUNT, FB_ERR_VALUE);
   BODY(desc.effects, desc.effects | 0x40000000u, FB_ERR_EFFECTS);
   BODY(desc.deflection_limit, FB_R(-1.0), FB_ERR_VALUE);

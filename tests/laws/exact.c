@@ -1442,11 +1442,11 @@ static double words(double h)
   }
   fbl_stream("words");
   own = beam;
-  for (int k = 0; k < 140; k++) {
+  for (int k = 0; k < 64; k++) {
     fb_status status;
     memcpy(&other, &own, sizeof other);
-    (k < 40 ? fbl_spoil : fbl_flip)(&other, sizeof other);
-    if (fb_exact_check(&other) != FB_OK || (k >= 40 && fb_exact_crc(&other) != word)) {
+    (k < 24 ? fbl_spoil : fbl_flip)(&other, sizeof other);
+    if (fb_exact_check(&other) != FB_OK || (k >= 24 && fb_exact_crc(&other) != word)) {
       continue;
     }
     beam = other;

@@ -167,7 +167,7 @@ typedef struct fbl_choice { /* levels of the features of a body */
 typedef struct fbl_points {
   fb_real position[FB_MAX_BODIES][3][3], velocity[FB_MAX_BODIES][3][3];
   fb_real along[FB_MAX_BODIES][3][3], angular_rate[FB_MAX_BODIES][3][3]; /* along: axis x of the section */
-  int there[FB_MAX_BODIES];
+  int told[FB_MAX_BODIES], own[FB_MAX_BODIES]; /* points of a body, and those that say that they are its own */
 } fbl_points;
 extern fbl_points fbl_told;
 /* By how much positions and attitudes of points change otherwise than their velocities say: five of them, `stride` reals
@@ -175,8 +175,8 @@ extern fbl_points fbl_told;
 double fbl_points_miss(const fbl_points *told, size_t stride, double h, double size);
 /* A dead load along the lines that grows towards their tips, for fb_distributed. user: their size in drawn units, double. */
 fb_status fbl_wind(fb_line_point *point, int n, fb_real t, void *user);
-/* How many wrong values the makers of the body drawn last take. */
-int fbl_wrong_bodies(void);
+/* How many wrong values the makers of a body take. */
+int fbl_wrong_bodies(const fbl_choice *choice);
 /* Lowers what does not go together. */
 void fbl_legal(fbl_choice *choice);
 /* A body by its choice; its last nodes are on its beams, the tip of the first one is node 1. Size: reach of its beams in

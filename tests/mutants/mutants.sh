@@ -23,6 +23,8 @@ flags="-std=c99 -ffp-contract=off -Og -w"
 sanitize="-fno-sanitize-recover=all -fsanitize"
 tests="-DFBT_SHORT=1 -DFBT_STOP=1"
 tab=$(printf '\t')
+export here out tab CC flags tests
+export ASAN_OPTIONS=detect_leaks=0 # nothing is allocated
 
 rm -rf "$out/tree" "$out"/at-* "$out/reached"
 mkdir -p "$out/tree/tests" "$out/reached"
@@ -83,7 +85,7 @@ same_code() {
 }
 
 # sanitized FUNCTION: the thirty shortest tests that call it stay within all arrays and use nothing uninitialized, as check-sanitize
-# wants it (slow: survivors alone)
+# wants it (slow: survivors alone, and not those of another constant)
 sanitized() {
   for program in "$out"/sanitized*; do
     for test in $(callers "$1" | sed -n '1,30s/^[^ ]* \([^ ]*\) .*/\1/p' | grep -v -E '^(check|laws)-'); do
@@ -115,7 +117,7 @@ else
   verdict=survived
   by=$(seen_by "$name")
   if [ -z "$by" ]; then
-    if same_code; then verdict=same; else sanitized "$name" || by=sanitize; fi
+    if same_code; then verdict=same; else [ "$kind" = factor ] || sanitized "$name" || by=sanitize; fi
   fi
   [ -z "$by" ] || {
     verdict=caught
@@ -128,11 +130,8 @@ END
 . "$out/parts.sh"
 
 tree "$out/original.h" # test_status_detail.c has a copy of it
-for file in "$out"/tree/tests/test_*.c; do
-  object=$out/$(basename "$file" .c).o
-  [ "$object" = "$out/test_main.o" ] || $CC $flags $tests -c -o "$object" "$file"
-done
-rm -f "$out/test_main.o"
+ls "$out"/tree/tests/test_*.c | grep -v /test_main.c | xargs -n 1 -P "${JOBS:-$(nproc)}" \
+  sh -c 'exec $CC $flags $tests -c -o "$out/$(basename "$1" .c).o" "$1"' sh
 MUTANT=0
 main "$out/tree"
 mv "$out/tree/main.o" "$out/original.o"
@@ -157,23 +156,26 @@ for round in 1 2 3 4 5 6 7 8 9; do
 done
 awk -F'\t' 'FNR == NR { compiles[$1]; next } !($1 in compiles) { print "does not compile: " $4 ":" $6 " " $5 ": " $8 }' \
   "$out/compiling" "$out/drawn" | tee "$out/not-compiling"
+$CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm &
+sanitized=$!
+clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" &
+memory=$!
 $CC -o "$out/runner" "$out/tree/main.o" "$out"/test_*.o -lm
 for check in jacobian shape_rates; do
   $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
 done
-$CC $flags $sanitize=address,bounds $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
 (cd "$out/tree" && echo '#include "flexbeam.h"' | $CC $flags -DFB_WITH_DETAIL=1 -DFLEXBEAM_IMPLEMENTATION -I. -c -x c - -o ../library.o)
 $CC $flags -DFB_WITH_DETAIL=1 -o "$out/held" "$out/library.o" tests/laws/*.c -lm
-clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
+wait "$sanitized"
+wait "$memory" || rm -f "$out/sanitized-memory" # no clang
 { "$out/runner" --list && printf '%s\n' check-jacobian check-shape_rates laws-body laws-exact laws-system; } > "$out/tests"
-export MUTANT out
+export MUTANT
 printf '. "$out/parts.sh"\nmeasured "$1"\nrm "$out/log-$$" "$out/crash-$$"\n' > "$out/measured.sh"
 xargs -n 1 -P "${JOBS:-$(nproc)}" sh "$out/measured.sh" < "$out/tests"
 cat "$out"/reached/* | sort -s -n > "$out/reached-by"
 mv "$out/reached-by" "$out/reached/all"
 
 # on all cores; for those that compile to the same code, which do not count, others are taken
-export here tab CC flags tests
 : > "$out/results"
 asked=0
 drawn=$(wc -l < "$out/compiling")
