@@ -35,7 +35,8 @@ cat > "$out/one.sh" << 'END'
 line=$(sed -n "$1p" "$out/drawn") v=survived by='not reached'
 name=$(printf '%s\n' "$line" | cut -f 5) was=$(sed -n "$(printf '%s\n' "$line" | cut -f 6)s/^ *//p" "$out/original.h")
 now=$(printf '%s\n' "$line" | cut -f 8 | sed 's/^ *//')
-! grep -q -F -e "$name | $was | $now | " tests/mutants/equivalent.txt || v=equivalent
+times=$(printf '%s\n' "$line" | cut -f 7)
+! grep -q -F -e "$name | $was | $now | " -e "$name | $was | $now (#$times) | " tests/mutants/equivalent.txt || v=equivalent
 ask() { (ulimit -t 900; MUTANT=$1 exec "$2" "$3" --stop --count "$4" --seed "$seed") > "$out/log-$1" 2>&1; }
 for program in laws laws-sanitized; do
   for kind in body exact system; do

@@ -2527,16 +2527,36 @@ static double small_steps(double h)
   return looks_differ(&many, &few, slot, 0) / h;
 }
 
-/* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that. */
+static void rotors_speed_up(double factor)
+{
+  for (int k = 0; k < n_body; k++) {
+    for (int r = 0; r < FB_MAX_ROTORS; r++) {
+      start[k].rotor_speed[r] *= (fb_real)factor;
+    }
+  }
+}
+
+/* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that.
+   Faster rotors allow no longer steps. */
 static double limits(double h)
 {
   static fb_system_state at;
   fb_system_limit limit;
   static fb_system_input in;
+  fb_system_limit faster;
   fb_status status;
   (void)h;
   input_fill(&in, 0.0);
   FBL_TRY(fb_system_limit_eval(&mechanism, model, &work, &limit, &state, &in));
+  rotors_speed_up(10.0);
+  status = fb_system_state_init(&mechanism, model, &at, &work, start, &in);
+  rotors_speed_up(0.1);
+  FBL_TRY(status);
+  FBL_TRY(fb_system_limit_eval(&mechanism, model, &work, &faster, &at, &in));
+  if ((double)faster.rk4 > 1.0001 * (double)limit.rk4 || (double)faster.sdirk > 1.0001 * (double)limit.sdirk) {
+    printf("L %g %g  %g %g\n", (double)limit.rk4, (double)faster.rk4, (double)limit.sdirk, (double)faster.sdirk);
+    return 1.0;
+  }
   for (int k = 0; k < 2; k++) {
     const double most = (double)(k ? limit.sdirk : limit.rk4);
     char what[160];

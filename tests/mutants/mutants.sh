@@ -4,10 +4,10 @@
 # (tests/checks/jacobian.c, shape_rates.c) or the laws (150 models of each kind) answer by a false claim, a crash or too much time,
 # or that makes tests leave an array or (where there is clang) use what nothing was written to, which check-sanitize forbids. Asked
 # are those that call the function, the shortest first. Mutants that change nothing to be seen stand in equivalent.txt with the
-# reason and count neither way; those that do not compile, or to the same code, are told and do not count. All are compiled into one
-# program (switch.awk), the environment chooses. Restartable: build/mutants/caught is kept, survivors are tried again. On all cores
-# (JOBS). Ends with a table by section and by kind of change, which is in build/mutants/table-SEED.txt, too; fails below 95 %. Sections
-# are those of the banners.
+# reason, (#2) behind the second of equal lines of a function, and count neither way; those that do not compile, or to the same code,
+# are told and do not count. All are compiled into one program (switch.awk), the environment chooses. Restartable: build/mutants/caught
+# is kept, survivors are tried again. On all cores (JOBS). Ends with a table by section and by kind of change, which is in
+# build/mutants/table-SEED.txt, too; fails below 95 %. Sections are those of the banners.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
@@ -108,7 +108,7 @@ original=$(sed -n "${line}s/^ *//p" "$out/original.h")
 text=$(printf '%s\n' "$text" | sed 's/^ *//')
 key="$name | $original | $text"
 by=
-if grep -q -F -e "$key | " $here/equivalent.txt; then
+if grep -q -F -e "$key | " -e "$key (#$times) | " $here/equivalent.txt; then
   verdict=equivalent
 elif by=$(key="$key" awk -F'\t' -v n="$times" '$3 == ENVIRON["key"] && $2 == n { print $1; found = 1 } END { exit !found }' \
   "$out/caught"); then
