@@ -150,9 +150,9 @@
      FB_MAX_LINES                     8        1..99   its lines: beams of a body (large deflection only)
      FB_MAX_LINE_ROWS,                0        0..     rows and numbers in the tables of the lines; 0: as many as there
      FB_MAX_LINE_TABLE                                 can be. As FB_MAX_LAMBDA for models in ROM
-     FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
-     FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: build/flexbeam
-                                                      reduce (make tool) tells what one takes
+     FB_MAX_LAMBDA, FB_MAX_S          0       0..     terms of Lambda(q) and S(q) that a body holds; 0: as many as
+                                                      there can be. For models in ROM: build/flexbeam reduce (make
+                                                      tool) tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: fb_form_..., the equations of [DB]. No struct
                                                        depends on it: it may differ between files
      FB_WITH_SYSTEM                   1        0, 1    0 removes systems of bodies: their types, functions and code
@@ -185,7 +185,7 @@
      fb_exact_work              201312
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               429096
+     fb_body_work               417400
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
@@ -193,7 +193,7 @@
      fb_exact_path_work         230576
      fb_exact_spectrum_work    1848000
      fb_exact_linear_work      2300880
-     fb_advice_work            1135776
+     fb_advice_work            1130928
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -431,9 +431,6 @@
 #ifndef FB_MAX_S
 #define FB_MAX_S 0
 #endif
-#ifndef FB_MAX_RUNS
-#define FB_MAX_RUNS 0
-#endif
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 0
 #endif
@@ -505,9 +502,8 @@
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
 #endif
-#if FB_MAX_LAMBDA < 0 || FB_MAX_LAMBDA > 60000 || FB_MAX_S < 0 || FB_MAX_S > 60000 || FB_MAX_RUNS < 0 || \
-    FB_MAX_RUNS > 60000
-#error "flexbeam: FB_MAX_LAMBDA, FB_MAX_S and FB_MAX_RUNS are 0..60000"
+#if FB_MAX_LAMBDA < 0 || FB_MAX_LAMBDA > 60000 || FB_MAX_S < 0 || FB_MAX_S > 60000
+#error "flexbeam: FB_MAX_LAMBDA and FB_MAX_S are 0..60000"
 #endif
 #if FB_WITH_FORMS && !(FB_WITH_SPIN_COUPLING && FB_WITH_RESIDUAL_INERTIA && FB_WITH_NONLINEAR_STRAIN && FB_WITH_BUILD)
 #error "flexbeam: FB_WITH_FORMS needs FB_WITH_SPIN_COUPLING, _RESIDUAL_INERTIA, _NONLINEAR_STRAIN and _BUILD"
@@ -564,16 +560,14 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, \
-                M)                                                                                                    \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, \
-                 M)                                                                                                    \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M)
 #define FBI_CONFIG_SYMBOL                                                                                           \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,          \
-           FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,   \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS, FB_MAX_SPEEDS,        \
+           FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                  \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN,             \
            FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,  \
            FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS, FB_MAX_ROTORS, FB_WITH_ROTORS)
@@ -949,20 +943,12 @@ typedef struct fb_sparse {
    drops a call whose loop runs over parallel arrays of reals and bytes of one struct. */
 typedef struct fb_lambda_term {
   fb_real c;
-  unsigned short i, a, b;
+  unsigned char i, a, b;
 } fb_lambda_term;
 
 typedef struct fb_lambda_row { /* row i of Lambda, and where its terms linear in q end in the list; ascending */
   unsigned short i, end;
 } fb_lambda_row;
-
-typedef struct fb_S_pair { /* of (1, q), a >= b */
-  unsigned short a, b;
-} fb_S_pair;
-
-typedef struct fb_S_run { /* element i of S has coefficients for n pairs that follow each other, the first is `pair` */
-  unsigned short i, pair, n;
-} fb_S_run;
 
 #if FB_MAX_LAMBDA > 0
 #define FBI_MAX_LAMBDA FB_MAX_LAMBDA
@@ -977,11 +963,6 @@ typedef struct fb_S_run { /* element i of S has coefficients for n pairs that fo
 #define FBI_MAX_S FB_MAX_S
 #else
 #define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
-#endif
-#if FB_MAX_RUNS > 0
-#define FBI_MAX_RUNS FB_MAX_RUNS
-#else
-#define FBI_MAX_RUNS FBI_MAX_S
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -1003,7 +984,8 @@ typedef struct fb_body {
   int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
   int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
   int n_row;                       /* rows of Lambda that have terms linear in q */
-  int n_S, n_run, n_pair;          /* terms of S, their runs, and the pairs of (1, q) they belong to */
+  int by_velocities;               /* slope of the kinetic energy at fixed velocities, E8.49 */
+  int n_S, n_slope_alone, n_slope; /* terms of S: the first are those of its slope, of which some are not in S */
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real recoil; /* sqrt of the largest ratio of the body's inertia to what the modes leave the frame; 1: heavy hub */
@@ -1036,9 +1018,9 @@ typedef struct fb_body {
 #endif
   fb_lambda_row lambda_row[6];
   fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
-  fb_real S[FBI_MAX_S];                  /* S_i(q) = S0_i + sum of S (1, q)_a (1, q)_b over the pairs of its runs */
-  fb_S_run run[FBI_MAX_RUNS];
-  fb_S_pair pair[FBI_MAX_PAIRS_S];
+  fb_lambda_term
+      S[FBI_MAX_S]; /* S_i(q) = S0_i + sum of c (1, q)_a (1, q)_b, a >= b; i = 21..26: c_x, c_y, c_z, W_xx, W_yy,
+                                  W_zz, moments of mass that are in two elements */
   fb_node node[FB_MAX_NODES];
 } fb_body;
 
@@ -2339,7 +2321,7 @@ typedef struct fb_body_desc {
 typedef struct fb_body_work fb_body_work; /* scratch */
 
 /* The model of a body from its shape integrals.
-     FB_ERR_CAPACITY    FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS; number or node of a rotor
+     FB_ERR_CAPACITY    FB_MAX_LAMBDA, FB_MAX_S; number or node of a rotor
      FB_ERR_EFFECTS     see fb_effects_check; large deflection: a node that moves with a beam but was added before it or
                         by fb_shape_add_node, or such a mass (fb_shape_add_particle, _lump, _pair); mu with modes but
                         without inertia that follows the shape; FB_EFFECT_ROTORS without any
@@ -2574,7 +2556,7 @@ typedef struct fb_form_body {
   fb_form form;
   fb_stiffness_torque stiffness_torque;
   int degree;          /* 3, or what truncation leaves */
-  int n_run, n_lambda; /* second-order form: those in the mass matrix, the others of body in its rates alone */
+  int n_S, n_lambda;   /* second-order form: those in the mass matrix, the others of body in its rates alone */
   int n_gam, n_torque; /* first-order form */
   fb_real M_rr[21];    /* rigid mass matrix of the undeformed body */
   fb_lambda_term gam[9 * FB_MAX_MODES];                   /* Gamma_a, element i of 9 */
@@ -3079,6 +3061,7 @@ typedef struct fbi_sym6_factors { /* of a 6x6, E3.1 */
 typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real R[9];                 /* body to inertial axes */
   fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
+  fb_real D[6 * FB_MAX_MODES];  /* rows of -Lambda(q) that depend on q, without constants; not of a body with lines */
   fb_real Minv_pi[FB_MAX_MODES];
   const fb_real *pb; /* M^-1 pi: the above, or pi itself where M = 1 */
   fb_real V[6];      /* (v, w), body axes; of single bodies v relative to state.u */
@@ -3325,7 +3308,7 @@ struct fb_join_work {
 struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
-  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES], S[FBI_MAX_PAIRS_S][21];
+  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES];
 #if FB_WITH_LARGE_DEFLECTION
   fb_shape rest;
   fbi_line_work line;

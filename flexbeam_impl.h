@@ -660,6 +660,7 @@ static void fbi_sym6_rank1_sub(fb_real S[21], fb_real s, const fb_real u[6])
 /* Row and column of each packed element. */
 static const int fbi_sym6_row[21] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 4, 4, 5};
 
+static const int fbi_sym6_at[6] = {0, 6, 11, 15, 18, 20}; /* of the diagonal */
 static const int fbi_sym6_column[21] = {0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 2, 3, 4, 5, 3, 4, 5, 4, 5, 5};
 
 static fb_real fbi_vec6_dot(const fb_real a[6], const fb_real b[6])
@@ -4047,125 +4048,188 @@ static void fbi_mass_mul(fb_real *y, const fb_body *body, const fb_real *x)
   fbi_sparse_eval(y, NULL, FB_R(1.0), &body->M, x, body->n);
 }
 
-/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; qx = (1, q). By rows: sums stay in registers. */
-static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
+/* D, n_row x n: the rows of -Lambda(q) that have terms linear in q, without their constants; qx = (1, q), or its rate
+   for that of D.
+   Cost: 2 flops a term. */
+static void fbi_lambda_linear_eval(fb_real *D, const fb_body *body, const fb_real *qx)
 {
   const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
-    fb_real sum = y[r->i];
-    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
-      sum += t->c * qx[t->a] * pb[t->b];
+  fbi_zero(D, body->n_row * body->n);
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++, D += body->n) {
+    FBI_UNROLL_2
+    for (int k = r->end - (int)(t - body->lambda); k > 0; k--, t++) {
+      D[t->b] += t->c * qx[t->a];
     }
-    y[r->i] = sum;
   }
 }
 
-/* [E8.9] y -= Lambda(q) pb, the contribution of the modes to the momenta (p, h).
-   Source: THEORY.md 8.2.  Cost: 3 n_lambda flops.  Test: momenta_agree_with_a_particle_model. */
-static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
+/* y -= the part of Lambda(q) x that is linear in q */
+static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *D, const fb_real *x)
+{
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++, D += body->n) {
+    y[r->i] += fbi_dot(D, x, body->n);
+  }
+}
+
+/* [E8.9] y -= Lambda(q) x; x = M^-1 pi: the contribution of the modes to the momenta (p, h).
+   Source: THEORY.md 8.2.  Cost: 2 n_lambda_constant + 2 n_row n flops.  Test: momenta_agree_with_a_particle_model. */
+static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *D, const fb_real *x)
 {
   const fb_lambda_term *t = body->lambda;
   FBI_UNROLL
   for (int k = body->n_lambda_constant; k > 0; k--, t++) {
-    y[t->i] += t->c * pb[t->b];
+    y[t->i] += t->c * x[t->b];
   }
-  fbi_lambda_linear_sub(y, body, qx, pb);
+  fbi_lambda_linear_sub(y, body, D, x);
 }
 
-/* e -= sum_a q_a Lambda_a^T V, x += d/dq (V^T Lambda(q) pb): the part of E8.10 that is linear in q. */
-static void fbi_lambda_linear_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6],
-                                        const fb_real *qx, const fb_real *pb)
+/* e -= the part of Lambda(q)^T V that is linear in q */
+static void fbi_lambdaT_linear_sub(fb_real *e, const fb_body *body, const fb_real *D, const fb_real V[6])
 {
-  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
-    const fb_real along = V[r->i];
-    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
-      const fb_real s = t->c * along;
-      e[t->b] += s * qx[t->a];
-      x[t->a] -= s * pb[t->b];
-    }
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++, D += body->n) {
+    fbi_row_sub(e, -V[r->i], D, body->n);
   }
 }
 
-/* [E8.10] Gradients of the trilinear form V^T Lambda(q) pb: e -= Lambda(q)^T V (elastic velocities),
-   x += d/dq (V^T Lambda pb) (elastic forces: gyroscopic (Coriolis), E8.4); x is indexed as (1, q), x[0] is not written.
-   Source: THEORY.md 8.2; -N(w)^T pi_e.  Cost: 5 n_lambda flops.  Test: accelerations_agree_with_a_particle_model. */
-static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx,
-                                 const fb_real *pb)
+/* e -= Lambda(q)^T V, transpose of E8.9 */
+static void fbi_lambdaT_sub(fb_real *e, const fb_body *body, const fb_real *D, const fb_real V[6])
 {
   const fb_lambda_term *t = body->lambda;
   FBI_UNROLL
   for (int k = body->n_lambda_constant; k > 0; k--, t++) {
     e[t->b] += t->c * V[t->i];
   }
-  fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
+  fbi_lambdaT_linear_sub(e, body, D, V);
 }
 
-/* S += its first n runs with the monomials m of the pairs; a run: consecutive pairs of one element of S.
-   Cost: 2 n_S flops. */
-static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int n)
+/* [E8.10] Gradient of the trilinear form V^T Lambda(q) p: x += d/dq (V^T Lambda p), elastic forces (gyroscopic
+   (Coriolis), E8.4); x is indexed as (1, q), x[0] is not written.
+   Source: THEORY.md 8.2; -N(w)^T pi_e.  Cost: 3 flops a term.  Test: accelerations_agree_with_a_particle_model. */
+static void fbi_lambda_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *p)
 {
-  const fb_real *c = body->S;
-  for (const fb_S_run *r = body->run; r < body->run + n; r++) {
-    S[r->i] += fbi_dot(c, m + r->pair, r->n);
-    c += r->n;
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
+  FBI_UNROLL
+  for (int k = body->n_lambda - body->n_lambda_constant; k > 0; k--, t++) {
+    x[t->a] -= t->c * V[t->i] * p[t->b];
   }
 }
 
-/* [E8.11] Reduced rigid-body inertia S(q) from the monomials (1,q)_a (1,q)_b and its first n runs: fewer than all only
-   in a truncated second-order form.
-   Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
+#if FBI_WITH_SHAPE_INERTIA
+/* S = sum, its 21 elements, and in pairs of them the first moments of mass c, [0 -c^; c^ 0], and the second moments
+   W_xx, W_yy, W_zz, J_xx = W_yy + W_zz. */
+static void fbi_S_from_sum(fb_real S[21], const fb_real sum[27])
+{
+  const fb_real *const c = sum + 21, *const W = sum + 24;
+  fbi_sym6_copy(S, sum);
+  S[10] += c[0];
+  S[13] -= c[0];
+  S[12] += c[1];
+  S[5] -= c[1];
+  S[4] += c[2];
+  S[8] -= c[2];
+  S[15] += W[1] + W[2];
+  S[18] += W[2] + W[0];
+  S[20] += W[0] + W[1];
+}
+#endif
+
+/* [E8.11] Reduced rigid-body inertia S(q) from its terms up to the n-th, fewer than all only in a truncated second-order
+   form.
+   Source: E8.6.  Cost: 3 n_S flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* padded to groups of four: with one mode gcc warns otherwise */
-  const fb_S_pair *const last = body->pair + body->n_pair;
-  fb_real *to = m;
-  FBI_UNROLL_2
-  for (const fb_S_pair *p = body->pair; p < last; p++, to++) {
-    *to = qx[p->a] * qx[p->b];
+#if FBI_WITH_SHAPE_INERTIA
+  const fb_lambda_term *t = body->S + body->n_slope_alone;
+  fb_real sum[27];
+  fbi_sym6_copy(sum, body->S0);
+  fbi_zero(sum + 21, 6);
+  FBI_UNROLL
+  for (int k = n - body->n_slope_alone; k > 0; k--, t++) {
+    sum[t->i] += t->c * qx[t->a] * qx[t->b];
   }
-  for (int i = 0; i < 21; i++) {
-    S[i] = body->S0[i];
-  }
-  fbi_S_add(S, body, m, n);
+  fbi_S_from_sum(S, sum);
+#else
+  fbi_sym6_copy(S, body->S0);
+#endif
+  (void)qx, (void)n;
 }
 
 /* dS = rate of S(q) for the rate xd of (1, q). */
 static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, const fb_real *xd)
 {
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* padded to groups of four: with one mode gcc warns otherwise */
-  for (int k = 0; k < body->n_pair; k++) {
-    const int a = body->pair[k].a, b = body->pair[k].b;
-    m[k] = qx[a] * xd[b] + xd[a] * qx[b];
+#if FBI_WITH_SHAPE_INERTIA
+  fb_real sum[27] = {FB_R(0.0)};
+  for (const fb_lambda_term *t = body->S + body->n_slope_alone; t < body->S + body->n_S; t++) {
+    sum[t->i] += t->c * (qx[t->a] * xd[t->b] + xd[t->a] * qx[t->b]);
   }
+  fbi_S_from_sum(dS, sum);
+#else
   fbi_zero(dS, 21);
-  fbi_S_add(dS, body, m, body->n_run);
+#endif
+  (void)body, (void)qx, (void)xd;
 }
 
 #if FBI_WITH_SHAPE_INERTIA
-/* [E8.12] x += d/d(1,q) (1/2 V^T S V): centrifugal softening and stiffening.
-   Source: THEORY.md 8.2.  Cost: 2 n_S + 4 n_pair flops.
+/* [E8.12] x += d/d(1,q) (1/2 V^T S V), of a body of E8.49 (1/2 V^T M_rr V): centrifugal softening and stiffening.
+   Source: THEORY.md 8.2.  Cost: 5 n_slope flops.
    Test: accelerations_agree_with_a_particle_model (softening alone), each_set_of_effects_follows_its_own_lagrangian. */
-static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
+static FBI_NOINLINE void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
 {
-  const fb_real *c = body->S;
-  fb_real g[FBI_MAX_PAIRS_S + 3];
-  fbi_zero(g, body->n_pair);
-  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
-    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
-    fbi_row_sub(g + r->pair, (i == j ? FB_R(-0.5) : FB_R(-1.0)) * V[i] * V[j], c, r->n);
-    c += r->n;
+  const fb_lambda_term *t = body->S;
+  fb_real weight[27]; /* of elements and moments in 1/2 V^T S V; the slope of M_rr has those of J */
+  for (int i = body->by_velocities ? 3 : 0; i < 6; i++) {
+    fb_real *const row = weight + fbi_sym6_at[i] - i;
+    row[i] = FB_R(0.5) * V[i] * V[i];
+    for (int j = i + 1; j < 6; j++) {
+      row[j] = V[i] * V[j];
+    }
   }
-  const fb_real *s = g;
-  const fb_S_pair *const last = body->pair + body->n_pair;
-  FBI_UNROLL_2
-  for (const fb_S_pair *p = body->pair; p < last; p++, s++) {
-    const int a = p->a, b = p->b;
-    x[a] += *s * qx[b];
-    x[b] += *s * qx[a];
+  fb_vec3_cross(weight + 21, V, V + 3);
+  weight[24] = weight[18] + weight[20];
+  weight[25] = weight[20] + weight[15];
+  weight[26] = weight[15] + weight[18];
+  FBI_UNROLL
+  for (int k = body->n_slope; k > 0; k--, t++) {
+    const fb_real s = weight[t->i] * t->c;
+    x[t->a] += s * qx[t->b];
+    x[t->b] += s * qx[t->a];
+  }
+}
+
+/* x += (dc/dq)^T F, c(q) the first moment of mass, whose slope are the rows of linear momentum in Lambda; x is indexed as
+   (1, q). */
+static void fbi_center_slope(fb_real *x, const fb_body *body, const fb_real *D, const fb_real F[3])
+{
+  const fb_lambda_term *t = body->lambda;
+  for (int k = body->n_linear_constant; k > 0; k--, t++) {
+    x[t->b + 1] -= t->c * F[t->i];
+  }
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row && r->i < 3; r++, D += body->n) {
+    fbi_row_sub(x + 1, F[r->i], D, body->n);
   }
 }
 #endif
+
+/* [E8.49] x += slope of the kinetic energy by q. At fixed momenta it is d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V); where S
+   has the Lambda of the momenta that is d/dq (V^T Lambda(q) q_dot + 1/2 V^T M_rr(q) V) at fixed velocities, of fewer terms:
+   M_rr(q) has c(q), whose slope is in Lambda, and J(q).
+   Source: THEORY.md 8.2.  Fails: never.
+   Test: slopes_at_fixed_velocities_are_those_at_fixed_momenta. */
+static void fbi_inertia_slope(fb_real *x, const fb_body *body, const fb_real V[6], const fbi_kinetics *k,
+                              const fb_real *pb, const fb_real *q_dot)
+{
+  fbi_lambda_gradient(x, body, V, body->by_velocities ? q_dot : pb);
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_gradient(x, body, V, k->qx);
+  }
+  if (body->by_velocities) {
+    fb_real F[3];
+    fb_vec3_cross(F, V, V + 3); /* 1/2 V^T M_rr V has c.(v x w) */
+    fbi_center_slope(x, body, k->D, F);
+  }
+#endif
+}
 
 /* X = rows first..5 of Lambda(q), (6 - first) x n, from the first n_terms of its list. */
 static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
@@ -4413,7 +4477,7 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
   }
   fbi_sparse_to_dense(w->L, &body->M_rest, n);
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
-  fbi_S_eval(w->M_rr, body, k->qx, body->n_run);
+  fbi_S_eval(w->M_rr, body, k->qx, body->n_S);
   fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
   return FB_OK;
 }
@@ -4445,12 +4509,10 @@ static void fbi_large_lambdaT_sub(fb_real *e, const fbi_kinetics *k, const fb_bo
 /* k.x += dT/dq at fixed V and q_dot, of the lines and of the rest; that of the lines stays in w->gradient. */
 static FBI_NOINLINE void fbi_large_gradient(fbi_kinetics *k, const fb_body *body, const fb_real *q_dot)
 {
-  fb_real unused[FB_MAX_MODES];
   fbi_line_work *const w = k->line;
-  fbi_zero(unused, body->n);
   fbi_zero(w->gradient, body->n);
   fbi_lines_gradient_add(w->gradient, w, &body->lines, k->V, q_dot);
-  fbi_lambda_linear_gradients(unused, k->x, body, k->V, k->qx, q_dot);
+  fbi_lambda_gradient(k->x, body, k->V, q_dot);
 #if FBI_WITH_SHAPE_INERTIA
   fbi_S_gradient(k->x, body, k->V, k->qx);
 #endif
@@ -4557,6 +4619,7 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
     k->qx[a + 1] = state->q[a];
     k->x[a + 1] = FB_R(0.0);
   }
+  fbi_lambda_linear_eval(k->D, body, k->qx);
   k->pb = pi;
   if (!body->unit_mass) {
     fbi_mass_solve(k->Minv_pi, body, pi);
@@ -4574,12 +4637,12 @@ static FBI_FLATTEN_SHARED fb_status fbi_velocity(fbi_kinetics *k, const fb_body 
   fbi_vec3_zero(k->ph);
   fbi_vec3_copy(k->ph + 3, h);
   fbi_vec6_copy(y, k->ph);
-  fbi_lambda_sub(y, body, k->qx, k->pb);
+  fbi_lambda_sub(y, body, k->D, k->pb);
 
   /* V = S(q)^-1 y */
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
-    fbi_S_eval(k->S, body, k->qx, body->n_run);
+    fbi_S_eval(k->S, body, k->qx, body->n_S);
     if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
       return !fbi_is_finite(k->S, 21) ? FB_ERR_NOT_FINITE : body->n_node == 0 ? FB_ERR_INIT : FB_ERR_RANGE;
     }
@@ -5092,24 +5155,19 @@ static void fbi_central_rotation(fb_real h[3], fb_real *x, fb_real weight, fbi_k
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
     fbi_lines_gradient_add(slope + 1, k->line, &body->lines, V, none);
+    fbi_S_gradient(slope, body, V, k->qx);
   } else
 #endif
-  { /* pb = M^-1 Lambda^T V */
-    fb_real pb[FB_MAX_MODES] = {FB_R(0.0)};
-    fbi_lambda_gradients(pb, slope, body, V, k->qx, none);
-    fbi_mass_solve(none, body, pb);
-    fbi_lambda_sub(y, body, k->qx, none);
+  { /* pb = M^-1 Lambda^T V, no q_dot */
+    fb_real own[FB_MAX_MODES] = {FB_R(0.0)}, pb[FB_MAX_MODES];
+    fbi_lambdaT_sub(own, body, k->D, V);
+    fbi_mass_solve(pb, body, own);
+    fbi_lambda_sub(y, body, k->D, pb);
     for (int a = 0; a < n; a++) {
-      pb[a] = -none[a];
+      pb[a] = -pb[a];
     }
-    fbi_zero(none, n);
-    fbi_lambda_linear_gradients(none, slope, body, V, k->qx, pb);
+    fbi_inertia_slope(slope, body, V, k, pb, none);
   }
-#if FBI_WITH_SHAPE_INERTIA
-  if (!body->constant_S) {
-    fbi_S_gradient(slope, body, V, k->qx);
-  }
-#endif
   fbi_vec3_copy(h, y + 3);
   for (int a = 0; a < n; a++) {
     x[a] += weight * slope[a + 1];
@@ -5176,7 +5234,7 @@ static fb_status fbi_central_eval(fbi_central *f, fbi_kinetics *k, const fb_body
   S = own;
 #endif
   if (S == own) {
-    fbi_S_eval(own, body, k->qx, body->n_run);
+    fbi_S_eval(own, body, k->qx, body->n_S);
   }
   fbi_zero(f->x, body->n);
   fbi_central_rotation(f->Jn, f->x, -FB_R(2.0), k, body, S, c, f->n);
@@ -5397,7 +5455,8 @@ static void fbi_transport(fb_real y[6], const fb_real V[6], const fb_real ph[6])
 }
 
 /* [E8.17] Elastic equations.
-   q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
+   q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V),
+   the last by E8.49.
    These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so every choice of terms conserves energy.
    Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
 static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_real *q,
@@ -5405,15 +5464,11 @@ static FBI_FLATTEN_SHARED void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k
 {
   fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
   fbi_copy(e, pi, body->n);
-  fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
-#if FBI_WITH_SHAPE_INERTIA
-  if (!body->constant_S) {
-    fbi_S_gradient(k->x, body, k->V, k->qx);
-  }
-#endif
+  fbi_lambdaT_sub(e, body, k->D, k->V);
   if (!body->unit_mass) {
     fbi_mass_solve(rate->q, body, k->e);
   }
+  fbi_inertia_slope(k->x, body, k->V, k, k->pb, rate->q);
   fbi_elastic_forces(rate->pi, k, body, q, rate->q);
 }
 
@@ -6471,7 +6526,7 @@ static void fbi_S_now(fbi_kinetics *k, const fb_body *body)
     return;
   }
 #endif
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fbi_S_eval(k->S, body, k->qx, body->n_S);
 }
 
 /* y -= Lambda(q) x */
@@ -6483,7 +6538,7 @@ static void fbi_lambda_now_sub(fb_real y[6], const fbi_kinetics *k, const fb_bod
     return;
   }
 #endif
-  fbi_lambda_sub(y, body, k->qx, x);
+  fbi_lambda_sub(y, body, k->D, x);
 }
 
 /* Momenta of known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k.S. */
@@ -6501,7 +6556,7 @@ static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
 /* pi = M q_dot + Lambda(q)^T V and (p, h) of the velocities V and q_dot. */
 static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, const fb_real *q_dot)
 {
-  fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0};
+  fb_real e[FB_MAX_MODES];
   fbi_zero(e, body->n);
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
@@ -6516,7 +6571,7 @@ static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, 
     return;
   }
 #endif
-  fbi_lambda_gradients(e, unused, body, k->V, k->qx, zero);
+  fbi_lambdaT_sub(e, body, k->D, k->V);
   fbi_mass_mul(pi, body, q_dot);
   for (int a = 0; a < body->n; a++) {
     pi[a] -= e[a];
@@ -6587,6 +6642,7 @@ static fb_status fbi_state_from_velocity(fbi_line_work *line, const fb_body *bod
   fb_quat_to_mat33(k.R, state->quat);
   k.qx[0] = FB_R(1.0);
   fbi_copy(k.qx + 1, state->q, body->n);
+  fbi_lambda_linear_eval(k.D, body, k.qx);
   fbi_zero(k.V, 3);
   fbi_copy(k.V + 3, w, 3);
 
@@ -6735,16 +6791,17 @@ static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kineti
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fb_real xd[FB_MAX_MODES + 1], own[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES],
-                                                        unused[FB_MAX_MODES + 1] = {FB_R(0.0)};
+  fb_real xd[FB_MAX_MODES + 1], D[6 * FB_MAX_MODES], own[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES];
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, q_dot, n);
 
   /* the rest */
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fbi_S_eval(k->S, body, k->qx, body->n_S);
   fb_sym6_mul_vec6(k->ph, k->S, k->V);
   fbi_vec6_zero(own);
-  fbi_lambda_sub(own, body, k->qx, q_dot);
+  fbi_lambda_linear_eval(D, body, k->qx);
+  fbi_lambda_sub(own, body, D, q_dot);
+  fbi_lambda_linear_eval(D, body, xd);
   fbi_vec6_add(k->ph, -FB_R(1.0), own);
   fbi_transport(turn, k->V, k->ph);
   fbi_S_rate(k->dS, body, k->qx, xd);
@@ -6752,8 +6809,8 @@ static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kineti
   for (int i = 0; i < 6; i++) {
     y[i] -= turn[i] + SV[i];
   }
-  fbi_lambda_linear_sub(y, body, xd, q_dot);
-  fbi_lambda_linear_gradients(e, unused, body, k->V, xd, q_dot);
+  fbi_lambda_linear_sub(y, body, D, q_dot);
+  fbi_lambdaT_linear_sub(e, body, D, k->V);
 
   /* the lines */
   fbi_zero(x, n);
@@ -6810,7 +6867,7 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
                                    const fb_input *input)
 {
   const int n = body->n;
-  fb_real xd[FB_MAX_MODES + 1], pb_dot[FB_MAX_MODES], y[6], V_dot[6], turn[6], SV[6];
+  fb_real xd[FB_MAX_MODES + 1], D_dot[6 * FB_MAX_MODES], pb_dot[FB_MAX_MODES], y[6], V_dot[6], turn[6], SV[6];
 
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
@@ -6829,8 +6886,9 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   for (int i = 0; i < 6; i++) {
     y[i] = k->fg[i] - turn[i] - SV[i];
   }
-  fbi_lambda_linear_sub(y, body, xd, k->pb);
-  fbi_lambda_sub(y, body, k->qx, pb_dot);
+  fbi_lambda_linear_eval(D_dot, body, xd);
+  fbi_lambda_linear_sub(y, body, D_dot, k->pb);
+  fbi_lambda_sub(y, body, k->D, pb_dot);
 
   /* V_dot by solution or prescribed, then the reactions */
   if (fbi_base_accelerate(m, V_dot, k, body, y, input) != FB_OK) {
@@ -6839,8 +6897,8 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
 
   /* q_ddot */
   fbi_copy(k->e, rate->pi, n);
-  fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x: scratch by now */
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
+  fbi_lambdaT_sub(k->e, body, k->D, V_dot);
+  fbi_lambdaT_linear_sub(k->e, body, D_dot, k->V);
   fbi_mass_solve(m->q_ddot, body, k->e);
 
   /* w_dot, acceleration of O */
@@ -7770,13 +7828,7 @@ static void fbi_terms_walk(fbi_walk *w, const fb_body *body)
     FBI_INT(x, i), FBI_INT(x, end);
   }
   fbi_lambda_walk(w, "lambda", body->lambda, body->n_lambda);
-  FBI_PART(body, S, body->n_S);
-  for (FBI_EACH(fb_S_run, x, "run", body->run, body->n_run)) {
-    FBI_INT(x, i), FBI_INT(x, pair), FBI_INT(x, n);
-  }
-  for (FBI_EACH(fb_S_pair, x, "pair", body->pair, body->n_pair)) {
-    FBI_INT(x, a), FBI_INT(x, b);
-  }
+  fbi_lambda_walk(w, "S", body->S, body->n_S);
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -7892,7 +7944,7 @@ static void fbi_body_walk(fbi_walk *w, const fb_body *body)
   FBI_INT(body, n), FBI_INT(body, n_node), FBI_INT(body, n_coordinate), FBI_INT(body, effects), FBI_INT(body, base);
   FBI_INT(body, unit_mass), FBI_INT(body, constant_S), FBI_INT(body, allow_long_step), FBI_INT(body, n_lambda);
   FBI_INT(body, n_lambda_constant), FBI_INT(body, n_linear_constant), FBI_INT(body, n_linear), FBI_INT(body, n_row);
-  FBI_INT(body, n_S), FBI_INT(body, n_run), FBI_INT(body, n_pair);
+  FBI_INT(body, by_velocities), FBI_INT(body, n_S), FBI_INT(body, n_slope_alone), FBI_INT(body, n_slope);
   FBI_REAL(body, mass), FBI_ARRAY(body, c), FBI_REAL(body, deflection_limit), FBI_PART(body, reach, n);
   FBI_REAL(body, recoil), FBI_REAL(body, gyration), FBI_REAL(body, limit_elastic), FBI_REAL(body, limit_damping);
   FBI_REAL(body, limit_spin), FBI_REAL(body, limit_acceleration);
@@ -7965,8 +8017,8 @@ static int fbi_counts_are_valid(const fb_body *body)
   int valid = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
               fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
               fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
-              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-              fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
+              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_slope, body->n_S) &&
+              fbi_is_within(body->n_slope_alone, body->n_slope);
 #if FB_WITH_DAMPING
   valid = valid && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
 #endif
@@ -8016,19 +8068,17 @@ static int fbi_lambda_is_valid(const fb_body *body)
   return valid && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
 }
 
-/* Checks the terms of S: runs of consecutive pairs. */
+/* Checks the terms of S; all are in its slope but where that is taken at fixed velocities. */
 static int fbi_S_is_valid(const fb_body *body)
 {
-  int terms = 0, valid = 1;
-  for (int k = 0; valid && k < body->n_run; k++) {
-    const fb_S_run *r = &body->run[k];
-    terms += r->n;
-    valid = r->i < 21 && r->pair + r->n <= body->n_pair;
+  int valid = fbi_is_flag(body->by_velocities) &&
+              (body->by_velocities || (body->n_slope_alone == 0 && body->n_slope == body->n_S));
+  for (int k = 0; valid && k < body->n_S; k++) {
+    const fb_lambda_term *t = &body->S[k];
+    valid = t->i < 27 && (t->i > 14 || !body->by_velocities || k >= body->n_slope) && t->a >= 1 && t->a <= body->n &&
+            t->b <= t->a;
   }
-  for (int k = 0; valid && k < body->n_pair; k++) {
-    valid = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
-  }
-  return valid && terms == body->n_S;
+  return valid;
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -8621,6 +8671,9 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
     for (int a = 0; a < model->n; a++) {
       L->k.qx[a + 1] = state->link[k].q[a];
     }
+    if (!fbi_is_large(model)) {
+      fbi_lambda_linear_eval(L->k.D, model, L->k.qx);
+    }
 
 #if FB_WITH_LARGE_DEFLECTION
     if (fbi_is_large(model)) { /* poses of its lines, M, Lambda and M_rr at q */
@@ -9091,7 +9144,7 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     } else if (model->constant_S) {
       fbi_sym6_copy(L->S, model->S0);
     } else {
-      fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+      fbi_S_eval(L->S, model, L->k.qx, model->n_S);
     }
     if (L->open) {
       fbi_modes_assemble(L, model, g, w->heavy);
@@ -9147,7 +9200,7 @@ static void fbi_link_inward(fbi_link_work *L, const fb_joint *joint, const fb_bo
     fb_real own[6] = {0}, e[FB_MAX_MODES];
     fbi_copy(e, L->e, n);
     fbi_mass_solve(L->e, body, e);
-    fbi_lambda_sub(own, body, L->k.qx, L->e);
+    fbi_lambda_sub(own, body, L->k.D, L->e);
     fbi_vec6_add(L->b, -FB_R(1.0), own);
   }
 
@@ -9245,9 +9298,9 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
     }
     fbi_chol_back(L->q_dot, L->E, L->q_dot, n);
   } else if (n > 0 && L->has_speeds) {
-    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+    fb_real e[FB_MAX_MODES];
     fbi_zero(e, n);
-    fbi_lambda_gradients(e, unused, body, V, L->k.qx, L->e);
+    fbi_lambdaT_sub(e, body, L->k.D, V);
     fbi_mass_solve(L->q_dot, body, e);
     for (int a = 0; a < n; a++) {
       L->q_dot[a] += L->e[a];
@@ -9430,7 +9483,7 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
 
   /* own inertia and velocity map */
   if (!fbi_is_large(model)) {
-    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+    fbi_S_eval(L->S, model, L->k.qx, model->n_S);
   }
   fbi_modes_assemble(L, model, g, w->heavy);
   fbi_velocity_map(w, system, body, k, N);
@@ -10793,9 +10846,9 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   fbi_vec6_copy(L->k.V, L->V);
   L->k.pb = L->k.Minv_pi;
   if (body->n > 0) {
-    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+    fb_real e[FB_MAX_MODES];
     fbi_zero(e, body->n);
-    fbi_lambda_gradients(e, unused, body, L->V, L->k.qx, L->q_dot);
+    fbi_lambdaT_sub(e, body, L->k.D, L->V);
     fbi_mass_solve(L->k.Minv_pi, body, e);
     for (int a = 0; a < body->n; a++) {
       L->k.Minv_pi[a] = L->q_dot[a] - L->k.Minv_pi[a];
@@ -10860,23 +10913,17 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
       L->k.pb = L->e;
     }
 
-    /* forces by Lambda */
-    fbi_zero(L->k.x, body->n + 1);
-    fbi_zero(L->k.e, body->n);
-    fbi_lambda_gradients(L->k.e, L->k.x, body, L->V, L->k.qx, L->k.pb);
-
     /* q_dot, if not known */
     if (!L->has_speeds) {
+      fbi_zero(L->k.e, body->n);
+      fbi_lambdaT_sub(L->k.e, body, L->k.D, L->V);
       fbi_mass_solve(L->q_dot, body, L->k.e);
       for (int a = 0; a < body->n; a++) {
         L->q_dot[a] += L->e[a];
       }
     }
-#if FBI_WITH_SHAPE_INERTIA
-    if (!body->constant_S) {
-      fbi_S_gradient(L->k.x, body, L->V, L->k.qx);
-    }
-#endif
+    fbi_zero(L->k.x, body->n + 1);
+    fbi_inertia_slope(L->k.x, body, L->V, &L->k, L->k.pb, L->q_dot);
   }
 }
 
@@ -11660,7 +11707,7 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
     fb_real elastic[6] = {0}, pb[FB_MAX_MODES];
     fbi_mass_solve(pb, body, e);
     fb_sym6_mul_vec6(F, body->S0, V);
-    fbi_lambda_sub(elastic, body, L->k.qx, pb);
+    fbi_lambda_sub(elastic, body, L->k.D, pb);
     fbi_vec6_add(F, -FB_R(1.0), elastic);
   } else {
     for (int i = 0; i < 3; i++) {
@@ -12522,15 +12569,16 @@ FB_DEF fb_status fb_system_rates_eval(const fb_system *system, const fb_body *bo
 static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
 {
   const int n = body->n;
-  fb_real xd[FB_MAX_MODES + 1], e[FB_MAX_MODES], pb_dot[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  fb_real xd[FB_MAX_MODES + 1], D_dot[6 * FB_MAX_MODES], e[FB_MAX_MODES], pb_dot[FB_MAX_MODES];
   fb_real SV[6], elastic[6] = {0};
 
   /* pi_dot = d/dt (M q_dot + Lambda^T V) */
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, L->q_dot, n);
   fbi_zero(e, n);
-  fbi_lambda_gradients(e, unused, body, V_dot, L->k.qx, L->k.pb);
-  fbi_lambda_linear_gradients(e, unused, body, L->V, xd, L->k.pb);
+  fbi_lambda_linear_eval(D_dot, body, xd);
+  fbi_lambdaT_sub(e, body, L->k.D, V_dot);
+  fbi_lambdaT_linear_sub(e, body, D_dot, L->V);
   fbi_mass_mul(L->e, body, q_ddot);
   fbi_row_sub(L->e, FB_R(1.0), e, n);
   fbi_mass_solve(pb_dot, body, L->e);
@@ -12539,8 +12587,8 @@ static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const 
   fbi_S_rate(L->k.dS, body, L->k.qx, xd);
   fb_sym6_mul_vec6(L->b, L->k.S, V_dot);
   fb_sym6_mul_vec6(SV, L->k.dS, L->V);
-  fbi_lambda_sub(elastic, body, L->k.qx, pb_dot);
-  fbi_lambda_linear_sub(elastic, body, xd, L->k.pb);
+  fbi_lambda_sub(elastic, body, L->k.D, pb_dot);
+  fbi_lambda_linear_sub(elastic, body, D_dot, L->k.pb);
   for (int i = 0; i < 6; i++) {
     L->b[i] += SV[i] - elastic[i];
   }
@@ -16714,11 +16762,12 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
                      fbi_step_end
      fbi_rates_of: fbi_state_rates
      fbi_state_rates: fbi_velocity fbi_forces fbi_momentum_rates
-     fbi_velocity: fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
+     fbi_velocity: fbi_lambda_linear_eval fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
      fbi_forces: fbi_load_add fbi_gravity_add fbi_fall
      fbi_load_add: fbi_node_eval fbi_node_quat
      fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
-     fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
+     fbi_elastic_rates: fbi_lambdaT_sub fbi_inertia_slope fbi_elastic_forces fbi_mass_solve
+     fbi_inertia_slope: fbi_lambda_gradient fbi_S_gradient fbi_center_slope
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection, rotors or central gravity
      fb_rk4_step: fbi_optional_rk4_step_any fbi_rotor_rk4_step
@@ -16730,7 +16779,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_central_state_rates: fbi_velocity fbi_forces fbi_central_add fbi_momentum_rates
      fbi_central_add: fbi_central_eval
      fbi_central_eval: fbi_central_rotation
-     fbi_central_rotation: fbi_lambda_gradients fbi_lambda_sub fbi_S_gradient fbi_lines_gradient_add
+     fbi_central_rotation: fbi_lambdaT_sub fbi_lambda_sub fbi_inertia_slope fbi_S_gradient fbi_lines_gradient_add
      fbi_optional_gravity: fbi_central_add
      fbi_rotor_state_rates: fbi_rotor_velocity fbi_forces fbi_imbalance_add fbi_elastic_rates fbi_rigid_rates
                             fbi_rotors_rates fbi_rotors_rates_apart
@@ -16747,7 +16796,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_large_inertia: fbi_large_matrices fbi_large_factor
      fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
-     fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
+     fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_gradient fbi_S_gradient
    with and without
      fbi_rk4_check: fbi_rk4_longest
      fbi_rk4_longest: fbi_optional_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
@@ -16892,24 +16941,10 @@ static void fbi_gyro_add(fb_real *y, fb_real s, const fb_real V[6], const fb_bod
   }
 }
 
-/* D += s d/dq of the sum of c (1, q)_a (1, q)_b over n pairs, a >= b */
-static void fbi_pairs_gradient(fb_real *D, fb_real s, const fb_real *c, const fb_S_pair *pair, int n, const fb_real *qx)
-{
-  for (int k = 0; k < n; k++) {
-    const int a = pair[k].a, b = pair[k].b;
-    const fb_real sc = s * c[k];
-    D[a - 1] += sc * qx[b];
-    if (b > 0) {
-      D[b - 1] += sc * qx[a];
-    }
-  }
-}
-
 /* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: derivative of the rigid momenta by the modes. */
 static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
 {
   const int n = body->n;
-  const fb_real *c = body->S;
   fbi_zero(D, (6 - first) * n);
 
   /* Lambda(q) pb */
@@ -16920,17 +16955,22 @@ static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *bo
     }
   }
 
-  /* S(q) V, S symmetric */
-  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
-    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
-    if (i >= first) {
-      fbi_pairs_gradient(D + (i - first) * n, k->V[j], c, body->pair + r->pair, r->n, k->qx);
-    }
-    if (j >= first && i != j) {
-      fbi_pairs_gradient(D + (j - first) * n, k->V[i], c, body->pair + r->pair, r->n, k->qx);
-    }
-    c += r->n;
+#if FBI_WITH_SHAPE_INERTIA
+  /* S(q) V by the slopes of its elements and moments, (1, q) x 27 */
+  fb_real slope[(FB_MAX_MODES + 1) * 27], dS[21], y[6];
+  fbi_zero(slope, (n + 1) * 27);
+  for (const fb_lambda_term *t = body->S + body->n_slope_alone; t < body->S + body->n_S; t++) {
+    slope[27 * t->a + t->i] += t->c * k->qx[t->b];
+    slope[27 * t->b + t->i] += t->c * k->qx[t->a];
   }
+  for (int a = 0; a < n && body->n_S > 0; a++) {
+    fbi_S_from_sum(dS, slope + 27 * (a + 1));
+    fb_sym6_mul_vec6(y, dS, k->V);
+    for (int i = first; i < 6; i++) {
+      D[(i - first) * n + a] += y[i];
+    }
+  }
+#endif
 }
 
 /* X <- A^-1 X, rows x n, with the factors of fbi_lu_plain_factor */
@@ -26113,19 +26153,24 @@ static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
   return size;
 }
 
+/* Appends a term to a list, and counts it beyond the capacity, too: the caller checks that. */
+static void fbi_term_list(fb_lambda_term *list, int *n, int capacity, fb_real c, int i, int a, int b)
+{
+  if (*n < capacity) {
+    list[*n].c = c;
+    list[*n].i = (unsigned char)i;
+    list[*n].a = (unsigned char)a;
+    list[*n].b = (unsigned char)b;
+  }
+  ++*n;
+}
+
 /* Appends element (i, b) of -Lambda_a to the list unless it is round-off. */
 static void fbi_lambda_list_term(fb_body *body, const fb_shape *shape, const fb_real *Lambda, int i, int a, int b)
 {
   const fb_real value = Lambda[(a * 6 + i) * body->n + b];
   if (FB_FABS(value) > FBI_ROUNDING * fbi_lambda_size(shape, i, a, b)) {
-    if (body->n_lambda < FBI_MAX_LAMBDA) {
-      fb_lambda_term *term = &body->lambda[body->n_lambda];
-      term->c = -value;
-      term->i = (unsigned short)i;
-      term->a = (unsigned short)a;
-      term->b = (unsigned short)b;
-    }
-    body->n_lambda++; /* counted beyond the capacity, too: the caller checks it */
+    fbi_term_list(body->lambda, &body->n_lambda, FBI_MAX_LAMBDA, -value, i, a, b);
   }
 }
 
@@ -26256,16 +26301,22 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
          FB_SQRT(fbi_dot(Zb + i * n, Zb + i * n, n)) * FB_SQRT(fbi_dot(Za + j * n, Za + j * n, n));
 }
 
+/* x, or zero where it is round-off of element `at` of S. */
+static fb_real fbi_S_clean(fb_real x, const fb_shape *shape, const fb_real *Z, int a, int b, int at)
+{
+  const fb_real size = fbi_S_size(shape, Z, a, b, fbi_sym6_row[at], fbi_sym6_column[at]);
+  return FB_FABS(x) <= FBI_ROUNDING * size ? FB_R(0.0) : x;
+}
+
 /* [E8.6] Coefficient of a pair in the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and
    Z_a = Lambda_a L^-T it is the pair's part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b); round-off
    is set to zero. It is S_0 + [0 D1; D1^T D2] of THEORY.md 8.2 in one polynomial. Without residual inertia the caller
-   leaves ups out of Z. Returns 1 where anything is left.
+   leaves ups out of Z.
    Source: THEORY.md 8.2, 8.3.  Shapes: S packed 21, Z (n+1) x 6 x n.  Cost: 42 n.  Fails: never.
    Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
-static int fbi_S_coefficient(fb_real S[21], const fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b)
+static void fbi_S_coefficient(fb_real S[21], const fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b)
 {
   const int n = body->n;
-  int any = 0;
   fbi_rigid_term(S, shape, body->effects, a, b);
   for (int i = 0; i < 6; i++) {
     for (int j = i; j < 6; j++) {
@@ -26274,89 +26325,86 @@ static int fbi_S_coefficient(fb_real S[21], const fb_body *body, const fb_shape 
         S[at] -= Z[(a * 6 + i) * n + k] * Z[(b * 6 + j) * n + k];
         S[at] -= a == b ? FB_R(0.0) : Z[(b * 6 + i) * n + k] * Z[(a * 6 + j) * n + k];
       }
-      if (a > 0 && FB_FABS(S[at]) <= FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
-        S[at] = FB_R(0.0);
-      }
-      any |= S[at] != FB_R(0.0);
+      S[at] = a > 0 ? fbi_S_clean(S[at], shape, Z, a, b, at) : S[at];
     }
   }
-  return any;
 }
 
 #if FBI_WITH_SHAPE_INERTIA
-/* Bit pattern of the elements of a coefficient that are not zero. */
-static unsigned long fbi_S_pattern(const fb_real S[21])
-{
-  unsigned long pattern = 0;
-  for (int i = 0; i < 21; i++) {
-    pattern = 2 * pattern + (S[i] != FB_R(0.0));
-  }
-  return pattern;
-}
+/* Elements of S in which c_x, c_y, c_z, W_xx, W_yy, W_zz are; of c with the opposite sign in the second. */
+static const int fbi_S_pair[6][2] = {{10, 13}, {12, 5}, {4, 8}, {18, 20}, {20, 15}, {15, 18}};
 
-/* Inserts a pair among those from `first` on, in the order of their patterns: an element then runs through many
-   consecutive pairs. */
-static void fbi_S_insert(fb_body *body, fb_real S[][21], int first, const fb_real coefficient[21], int a, int b)
+/* M = coefficients of a pair in M_rr, first moments c and second moments of mass W = 1/2 (tr J) 1 - J, J_xy = -W_xy in
+   place; S = those of E8.6, by these moments where that leaves fewer elements. */
+static void fbi_S_moments(fb_real S[27], fb_real M[27], const fb_body *body, const fb_shape *shape, const fb_real *Z,
+                          int a, int b)
 {
-  int at = body->n_pair++;
-  for (; at > first && fbi_S_pattern(S[at - 1]) > fbi_S_pattern(coefficient); at--) {
-    fbi_copy(S[at], S[at - 1], 21);
-    body->pair[at] = body->pair[at - 1];
-  }
-  fbi_copy(S[at], coefficient, 21);
-  body->pair[at].a = (unsigned short)a;
-  body->pair[at].b = (unsigned short)b;
-}
+  fb_real rigid[21];
+  fbi_rigid_term(rigid, shape, body->effects, a, b);
+  fbi_zero(M, 27);
+  fbi_zero(S, 27);
+  fbi_S_coefficient(S, body, shape, Z, a, b);
 
-/* Lists the coefficients of the pairs from `first` on element by element, as runs of consecutive pairs. */
-static void fbi_S_list_runs(fb_body *body, fb_real S[][21], int first)
-{
-  for (int i = 0; i < 21; i++) {
-    int inside = 0;
-    for (int k = first; k < body->n_pair; k++) {
-      const int begins = S[k][i] != FB_R(0.0) && !inside;
-      inside = S[k][i] != FB_R(0.0);
-      body->n_run += begins;
-      body->n_S += inside;
-      if (inside && body->n_S <= FBI_MAX_S && body->n_run <= FBI_MAX_RUNS) {
-        fb_S_run *run = &body->run[body->n_run - 1];
-        run->i = (unsigned short)i;
-        run->pair = begins ? (unsigned short)k : run->pair;
-        run->n = (unsigned short)(begins ? 1 : run->n + 1);
-        body->S[body->n_S - 1] = S[k][i];
-      } /* counted beyond the capacity, too: the caller checks it */
+  /* products of inertia */
+  for (int i = 0; i < 3; i++) {
+    static const int at[3] = {16, 17, 19};
+    M[at[i]] = fbi_S_clean(rigid[at[i]], shape, Z, a, b, at[i]);
+    S[at[i]] = fbi_S_clean(S[at[i]] - M[at[i]], shape, Z, a, b, at[i]) == FB_R(0.0) ? M[at[i]] : S[at[i]];
+  }
+
+  /* c, diagonal of W */
+  for (int k = 0; k < 6; k++) {
+    const int i = fbi_S_pair[k][0], j = fbi_S_pair[k][1];
+    const fb_real moment = k < 3 ? rigid[i] : FB_R(0.5) * (rigid[i] + rigid[j] - rigid[15 + 18 + 20 - i - j]);
+    const fb_real x = fbi_S_clean(moment, shape, Z, a, b, i);
+    const fb_real left = fbi_S_clean(S[i] - x, shape, Z, a, b, i);
+    const fb_real right = fbi_S_clean(S[j] - (k < 3 ? -x : x), shape, Z, a, b, j);
+    M[21 + k] = k < 3 ? FB_R(0.0) : x; /* the slope of c is in Lambda */
+    if ((left != FB_R(0.0)) + (right != FB_R(0.0)) < (S[i] != FB_R(0.0)) + (S[j] != FB_R(0.0))) {
+      S[i] = left;
+      S[j] = right;
+      S[21 + k] = x;
     }
   }
 }
 
-/* Lists the pairs a0 (degree 1) or ab (degree 2) that are not zero, and their runs. */
-static void fbi_S_list_degree(fb_body *body, fb_body_work *work, const fb_shape *shape, int degree)
+/* Lists those terms of a pair that the slope has alone (part 0), those that S has, too (1), or those that S has alone
+   (2). */
+static void fbi_S_list_pair(fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b, int part)
 {
-  const int first = body->n_pair;
-  for (int a = 1; a <= body->n; a++) {
-    for (int b = degree == 1 ? 0 : 1; b <= (degree == 1 ? 0 : a); b++) {
-      fb_real S[21];
-      if (fbi_S_coefficient(S, body, shape, work->Lambda, a, b)) {
-        fbi_S_insert(body, work->S, first, S, a, b);
-      }
+  fb_real S[27], M[27];
+  fbi_S_moments(S, M, body, shape, Z, a, b);
+  for (int i = 0; i < 27; i++) {
+    const int shared = !body->by_velocities || S[i] == M[i];
+    const fb_real c = part == 0 && !shared ? M[i] : part > 0 && shared == (part == 1) ? S[i] : FB_R(0.0);
+    if (c != FB_R(0.0)) {
+      fbi_term_list(body->S, &body->n_S, FBI_MAX_S, c, i, a, b);
     }
   }
-  fbi_S_list_runs(body, work->S, first);
 }
 #endif
 
-/* Lists S(q), ascending in degree: the constant part, the pairs a0, the pairs ab. Returns the number of runs of
-   degree 1. */
-static int fbi_S_list(fb_body *body, fb_body_work *work, const fb_shape *shape)
+/* Lists S(q), ascending in degree: the constant part, the pairs a0, the pairs ab; by_velocities: and what its slope has
+   in place of it. Returns the number of terms of degree 1. */
+static int fbi_S_list(fb_body *body, const fb_body_work *work, const fb_shape *shape, int by_velocities)
 {
+  const fb_real *const Z = work->Lambda;
   int linear = 0;
-  body->n_S = body->n_run = body->n_pair = 0;
-  (void)fbi_S_coefficient(body->S0, body, shape, work->Lambda, 0, 0);
+  body->by_velocities = by_velocities;
+  body->n_S = body->n_slope_alone = body->n_slope = 0;
+  fbi_S_coefficient(body->S0, body, shape, Z, 0, 0);
 #if FBI_WITH_SHAPE_INERTIA
-  if (!body->constant_S) {
-    fbi_S_list_degree(body, work, shape, 1);
-    linear = body->n_run;
-    fbi_S_list_degree(body, work, shape, 2);
+  for (int part = 0; part < 3 && !body->constant_S; part++) {
+    for (int a = 1; a <= body->n; a++) {
+      fbi_S_list_pair(body, shape, Z, a, 0, part);
+    }
+    linear = part == 1 ? body->n_S : linear;
+    for (int a = 1; a <= body->n; a++) {
+      for (int b = 1; b <= a; b++) {
+        fbi_S_list_pair(body, shape, Z, a, b, part);
+      }
+    }
+    *(part == 0 ? &body->n_slope_alone : part == 1 ? &body->n_slope : &body->n_S) = body->n_S;
   }
 #endif
   return linear;
@@ -27114,9 +27162,23 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
 /* Is there room for the terms of S(q)? */
 static fb_status fbi_S_room(const fb_body *body)
 {
-  const fbi_count count[] = {FBI_AT_MOST(body->n_S, FBI_MAX_S, "count of terms of S, FB_MAX_S"),
-                             FBI_AT_MOST(body->n_run, FBI_MAX_RUNS, "count of runs of terms of S, FB_MAX_RUNS")};
+  const fbi_count count[] = {FBI_AT_MOST(body->n_S, FBI_MAX_S, "count of terms of S, FB_MAX_S")};
   return fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+}
+
+/* Terms of S(q), its slope at fixed velocities where that has fewer terms. With residual inertia S has the
+   Lambda of the momenta. */
+static void fbi_S_choose(fb_body *body, const fb_body_work *work, const fb_shape *shape)
+{
+  int terms;
+  (void)fbi_S_list(body, work, shape, 0);
+  terms = body->n_S;
+  if (fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
+    (void)fbi_S_list(body, work, shape, 1);
+    if (body->n_slope + body->n >= terms || body->n_S > FBI_MAX_S) { /* that of c counted as n; room for S alone */
+      (void)fbi_S_list(body, work, shape, 0);
+    }
+  }
 }
 
 /* Terms of Lambda(q) and S(q) for the effects that are on. Without residual inertia ups is in Lambda, not in S. */
@@ -27143,7 +27205,7 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   for (int row = 0; row < (n + 1) * 6; row++) {
     fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
   }
-  (void)fbi_S_list(body, work, shape);
+  fbi_S_choose(body, work, shape);
   return fbi_S_room(body);
 }
 
@@ -27272,7 +27334,7 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_lambda_list(body, &work->rest, work->Lambda);
   fbi_zero(work->Lambda, (n + 1) * 6 * n);
   fbi_zero(body->S0, 21);
-  (void)fbi_S_list(body, work, &work->rest);
+  (void)fbi_S_list(body, work, &work->rest, 0);
   fbi_copy(body->c_rest, work->rest.c, 3);
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
@@ -29284,38 +29346,31 @@ static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *tab
   }
   for (int k = 0; k < m * count; k++) {
     if (FB_FABS(table[k]) > FBI_ROUNDING * largest) {
-      fb_lambda_term *term = &list[(*n_list)++];
-      term->c = table[k];
-      term->i = (unsigned short)(k % m);
-      term->a = (unsigned short)(bilinear ? k / m / n + 1 : k / m + 1);
-      term->b = (unsigned short)(bilinear ? k / m % n : 0);
+      fbi_term_list(list, n_list, m * count, table[k], k % m, bilinear ? k / m / n + 1 : k / m + 1,
+                    bilinear ? k / m % n : 0);
     }
   }
 }
 
 /* What a body of the same effects lacks. Of the second-order form body.S holds M_rr(q); rates and gradients keep one
-   degree more than values, which truncation limits: Gamma^(Q) belongs to J^(Q+1). linear: runs of first degree. */
+   degree more than values, which truncation limits: Gamma^(Q) belongs to J^(Q+1). linear: terms of first degree. */
 static void fbi_form_fill(fb_form_body *formed, int linear, const fb_shape *shape, const fb_form_torque *torque)
 {
   fb_body *const body = &formed->body;
   const int n = body->n;
   fb_real table[3 * FB_MAX_MODES * FB_MAX_MODES];
-  formed->n_run = body->n_run;
+  formed->n_S = body->n_S;
   formed->n_lambda = body->n_lambda;
   formed->n_gam = formed->n_torque = 0;
   fbi_rigid_matrix(formed->M_rr, shape->mass, shape->c, shape->J);
 
   /* second-order form */
   if (formed->form == FB_FORM_SECOND && formed->degree < 2) {
-    formed->n_run = formed->degree == 0 ? 0 : linear;
+    formed->n_S = formed->degree == 0 ? 0 : linear;
   }
   if (formed->form == FB_FORM_SECOND && formed->degree == 0) {
     formed->n_lambda = body->n_lambda_constant;
-    body->n_run = linear;
-    body->n_S = 0;
-    for (int r = 0; r < linear; r++) {
-      body->n_S += body->run[r].n;
-    }
+    body->n_S = body->n_slope = linear;
   }
 
   /* first-order form: Gam_a and the printed stiffness torque */
@@ -29357,7 +29412,7 @@ FB_DEF fb_status fb_form_init(fb_form_body *formed, fb_body_work *work, const fb
   }
   if (form->form == FB_FORM_SECOND) {
     fbi_zero(work->Lambda, (body->n + 1) * 6 * body->n);
-    linear = fbi_S_list(body, work, shape);
+    linear = fbi_S_list(body, work, shape, 0);
     FBI_TRY(fbi_S_room(body));
   }
 
@@ -29375,14 +29430,14 @@ FB_DEF fb_status fb_form_init(fb_form_body *formed, fb_body_work *work, const fb
 static int fbi_form_counts_are_valid(const fb_form_body *formed)
 {
   const fb_body *const body = &formed->body;
-  return fbi_is_within(formed->n_run, body->n_run) && fbi_is_within(formed->n_lambda, body->n_lambda) &&
+  return fbi_is_within(formed->n_S, body->n_S) && fbi_is_within(formed->n_lambda, body->n_lambda) &&
          fbi_is_within(formed->n_gam, 9 * body->n) && fbi_is_within(formed->n_torque, 3 * body->n * body->n);
 }
 
 /* What a form adds to its body */
 static void fbi_form_walk(fbi_walk *w, const fb_form_body *formed)
 {
-  FBI_INT(formed, form), FBI_INT(formed, stiffness_torque), FBI_INT(formed, degree), FBI_INT(formed, n_run);
+  FBI_INT(formed, form), FBI_INT(formed, stiffness_torque), FBI_INT(formed, degree), FBI_INT(formed, n_S);
   FBI_INT(formed, n_lambda), FBI_INT(formed, n_gam), FBI_INT(formed, n_torque), FBI_ARRAY(formed, M_rr);
   fbi_lambda_walk(w, "gam", formed->gam, formed->n_gam);
   fbi_lambda_walk(w, "torque", formed->torque, formed->n_torque);
@@ -29433,7 +29488,7 @@ typedef struct fbi_form_kinetics { /* what an evaluation knows about a state */
 static void fbi_form_momenta(fbi_kinetics *k, const fb_form_body *formed)
 {
   if (formed->form == FB_FORM_SECOND) {
-    fbi_S_eval(k->S, &formed->body, k->qx, formed->n_run);
+    fbi_S_eval(k->S, &formed->body, k->qx, formed->n_S);
   } else {
     fbi_copy(k->S, formed->M_rr, 21);
   }
@@ -29459,6 +29514,7 @@ static void fbi_form_enter(fbi_kinetics *k, const fb_body *body, const fb_state 
   const int given = body->base == FB_BASE_PRESCRIBED;
   k->qx[0] = FB_R(1.0);
   fbi_copy(k->qx + 1, state->q, body->n);
+  fbi_lambda_linear_eval(k->D, body, k->qx);
   fbi_zero(k->x, body->n + 1);
   k->pb = state->pi;
   fbi_zero(k->V, 6);
@@ -29515,7 +29571,7 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_form_kinetics *e, const fb
   const int n = body->n, first = fbi_first_free(body->base), size = 6 - first + n;
   fbi_kinetics *const k = &e->k;
   fb_real A[(FB_MAX_MODES + 6) * (FB_MAX_MODES + 6)], b[FB_MAX_MODES + 6], x[FB_MAX_MODES + 6], scale[FB_MAX_MODES + 6];
-  fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
+  fb_real xd[FB_MAX_MODES + 1], D_dot[6 * FB_MAX_MODES], turn[6], SV[6], *f = b + 6 - first;
   int perm[FB_MAX_MODES + 6];
   fb_status status;
 
@@ -29529,12 +29585,14 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_form_kinetics *e, const fb
   for (int i = 0; i < 6; i++) {
     e->y[i] = k->fg[i] - turn[i] - SV[i];
   }
-  fbi_lambda_linear_sub(e->y, body, xd, k->pb);
+  fbi_lambda_linear_eval(D_dot, body, xd);
+  fbi_lambda_linear_sub(e->y, body, D_dot, k->pb);
   fbi_copy(b, e->y + first, 6 - first);
 
   /* f: right-hand side of the elastic rows; k.e = -Lambda_dot^T V */
   fbi_zero(k->e, n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
+  fbi_lambdaT_linear_sub(k->e, body, D_dot, k->V);
+  fbi_lambda_gradient(k->x, body, k->V, k->pb);
   fbi_S_gradient(k->x, body, k->V, k->qx);
   if (first == 6) {
     fbi_form_lambda_sub(k->e, formed, e->V_dot, k->qx);
@@ -29607,7 +29665,7 @@ static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const f
     }
   }
   fbi_mass_solve(acceleration, body, f);
-  fbi_lambda_linear_sub(y, body, k->qx, acceleration);
+  fbi_lambda_linear_sub(y, body, k->D, acceleration);
 }
 
 /* Velocity-dependent inertia forces of the first-order form, [DB] (23): y = (f, g) less those of the rigid-body rows; f
@@ -29649,7 +29707,8 @@ static void fbi_first_inertia(fb_real *f, fbi_form_kinetics *e, const fb_form_bo
 static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
 {
   fbi_zero(k->e, body->n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
+  fbi_lambdaT_linear_sub(k->e, body, k->D, k->V);
+  fbi_lambda_gradient(k->x, body, k->V, k->pb);
   fbi_mass_solve(q_dot, body, k->e);
   for (int a = 0; a < body->n; a++) {
     q_dot[a] += k->pb[a];
@@ -29785,7 +29844,7 @@ FB_DEF fb_status fb_form_state_from_velocity(const fb_form_body *formed, fb_stat
 {
   const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
   const fb_body *body;
-  fb_real R[9], qx[FB_MAX_MODES + 1], V[6] = {0}, e[FB_MAX_MODES], own[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  fb_real R[9], qx[FB_MAX_MODES + 1], D[6 * FB_MAX_MODES], V[6] = {0}, e[FB_MAX_MODES] = {0}, own[FB_MAX_MODES];
   fb_state out;
   FBI_REQUIRE(formed && state && v && w, FB_ERR_NULL);
   body = &formed->body;
@@ -29801,8 +29860,8 @@ FB_DEF fb_status fb_form_state_from_velocity(const fb_form_body *formed, fb_stat
     qx[0] = FB_R(1.0);
     fbi_copy(qx + 1, state->q, body->n);
     fbi_copy(V + 3, w, 3);
-    fbi_zero(e, body->n);
-    fbi_lambda_linear_gradients(e, unused, body, V, qx, rates);
+    fbi_lambda_linear_eval(D, body, qx);
+    fbi_lambdaT_linear_sub(e, body, D, V);
     fbi_mass_solve(own, body, e);
     for (int a = 0; a < body->n; a++) {
       out.pi[a] -= own[a];
@@ -29832,7 +29891,7 @@ FB_DEF fb_status fb_form_motion_eval(const fb_form_body *formed, fb_motion *moti
   const fb_body *body;
   fb_state at, rate;
   fb_motion out;
-  fb_real xd[FB_MAX_MODES + 1], velocity[3], y[6], unused[FB_MAX_MODES + 1] = {0};
+  fb_real xd[FB_MAX_MODES + 1], D_dot[6 * FB_MAX_MODES], velocity[3], y[6];
   FBI_REQUIRE(formed && motion && state, FB_ERR_NULL);
   body = &formed->body;
   if (formed->form == FB_FORM_MOMENTUM) {
@@ -29852,13 +29911,15 @@ FB_DEF fb_status fb_form_motion_eval(const fb_form_body *formed, fb_motion *moti
   fbi_copy(out.q_dot, rate.q, body->n);
 
   /* Accelerations: the rates of the state, to which the first-order form adds the rate of M^-1 q_b Ups_b^T w */
+  xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate.q, body->n);
   fbi_copy(out.acceleration, e.V_dot, 3);
   fbi_copy(out.w_dot, e.V_dot + 3, 3);
   fbi_zero(k->e, body->n);
   if (formed->form == FB_FORM_FIRST) {
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V, xd, k->pb);
-    fbi_lambda_linear_gradients(k->e, unused, body, e.V_dot, k->qx, k->pb);
+    fbi_lambda_linear_eval(D_dot, body, xd);
+    fbi_lambdaT_linear_sub(k->e, body, D_dot, k->V);
+    fbi_lambdaT_linear_sub(k->e, body, k->D, e.V_dot);
   }
   fbi_mass_solve(out.q_ddot, body, k->e);
   for (int a = 0; a < body->n; a++) {

@@ -295,12 +295,12 @@ static int wrong_terms(void)
     const fb_lambda_term *t = &body.lambda[k];
     wrong += !may_be(t->i, 0, t->a, t->b + 1);
   }
-  for (int k = 0; k < body.n_run; k++) {
-    const fb_S_run *run = &body.run[k];
+  for (int k = 0; k < body.n_S; k++) {
+    static const int moment[6] = {10, 12, 4, 15, 15, 15}; /* an element that is as c_x, c_y, c_z or W */
+    const fb_lambda_term *t = &body.S[k];
+    const int at = t->i < 21 ? t->i : moment[t->i - 21];
     for (int ij = 0; ij < 36; ij++) {
-      for (int p = run->pair; p < run->pair + run->n && fb_sym6_index(ij / 6, ij % 6) == run->i; p++) {
-        wrong += !may_be(ij / 6, ij % 6, body.pair[p].a, body.pair[p].b);
-      }
+      wrong += fb_sym6_index(ij / 6, ij % 6) == at && !may_be(ij / 6, ij % 6, t->a, t->b);
     }
   }
   for (int k = 0; k < body.M.n_term; k++) {
@@ -344,8 +344,46 @@ TEST(what_a_symmetry_makes_zero_is_no_term)
       FBT_INT_EQ(body.n_lambda_constant, count[0]);
       if (level.effects == FB_EFFECTS_FULL) {
         FBT_INT_EQ(body.n_lambda, count[0] + count[1]);
-        FBT_INT_EQ(body.n_S, count[2]);
+        FBT_INT_EQ(body.n_S - body.n_slope_alone, count[2]);
       }
+    }
+  }
+}
+
+/* E8.49: a body whose inertia forces on the modes are the slope of the kinetic energy at fixed velocities, and the same
+   body with S(q) alone, whose slope is at fixed momenta, have the same rates, whether its modes are normalized by mass or
+   not; M_rr has a fraction of the terms of S in its slope. */
+TEST(slopes_at_fixed_velocities_are_those_at_fixed_momenta)
+{
+  const int n = 4;
+  static fb_body momenta;
+  for (int run = 0; run < 6; run++) {
+    fb_body_desc level;
+    fb_state state, rate, again;
+    fb_real v[3] = {0}, w[3] = {FB_R(0.4), -FB_R(0.7), FB_R(0.5)}, q_dot[4];
+    particles_random(&cloud, n, run + 1);
+    particles_to_shape(&shape, &cloud);
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_FULL;
+    level.base = run % 3 == 2 ? FB_BASE_PINNED : FB_BASE_FREE;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_TRUE(body.by_velocities && 3 * body.n_slope < body.n_S);
+    momenta = body;
+    momenta.by_velocities = momenta.n_slope_alone = 0;
+    momenta.n_S = momenta.n_slope = body.n_S - body.n_slope_alone;
+    memmove(momenta.S, momenta.S + body.n_slope_alone, (size_t)momenta.n_S * sizeof *momenta.S);
+    FBT_INT_EQ(fb_body_check(&momenta), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    for (int a = 0; a < n; a++) {
+      state.q[a] = FB_R(0.02) * (fb_real)(a - run) / (fb_real)(a + 1);
+      q_dot[a] = FB_R(0.3) * (fb_real)(a + 1 - run);
+    }
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, q_dot), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&momenta, &again, &state, NULL), FB_OK);
+    for (int a = 0; a < n; a++) {
+      FBT_NEAR_ABS(rate.q[a], again.q[a], FBT_TOL(1e-14, 1e-6));
+      FBT_NEAR_ABS(rate.pi[a], again.pi[a], FBT_TOL(1e-12, 1e-4));
     }
   }
 }
@@ -488,4 +526,5 @@ TEST(recoil_is_what_springs_leave_the_frame)
 
 SUITE(body_coordinates, RUN(combined_coordinates_are_the_same_body), RUN(power_of_all_loads_is_the_rate_of_energy),
       RUN(combined_coordinates_of_a_beam_are_the_same_body), RUN(recoil_is_what_springs_leave_the_frame),
-      RUN(a_selection_is_the_body_with_the_others_held), RUN(what_a_symmetry_makes_zero_is_no_term))
+      RUN(a_selection_is_the_body_with_the_others_held), RUN(what_a_symmetry_makes_zero_is_no_term),
+      RUN(slopes_at_fixed_velocities_are_those_at_fixed_momenta))

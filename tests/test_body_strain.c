@@ -591,6 +591,16 @@ static void index_refused(unsigned short *index, int wrong)
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
 
+/* The same of an index of terms. */
+static void small_index_refused(unsigned char *index, int wrong)
+{
+  const unsigned char right = *index;
+  *index = (unsigned char)wrong;
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  *index = right;
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+}
+
 /* Interface: a body's tables may change in memory: one index beyond what it may be, in the first and in the last
    entry. */
 TEST(indexes_beyond_the_tables_are_refused)
@@ -605,27 +615,26 @@ TEST(indexes_beyond_the_tables_are_refused)
   for (int last = 0; last < 2; last++) {
     fb_lambda_term *const constant = &body.lambda[last * (body.n_lambda_constant - 1)];
     fb_lambda_term *const linear = &body.lambda[last ? body.n_lambda - 1 : body.n_lambda_constant];
-    index_refused(&constant->i, 6);
-    index_refused(&linear->i, 6);
-    index_refused(&constant->a, 1);
-    index_refused(&linear->a, 0);
-    index_refused(&linear->a, n + 1);
-    index_refused(&constant->b, n);
-    index_refused(&linear->b, n);
+    small_index_refused(&constant->i, 6);
+    small_index_refused(&linear->i, 6);
+    small_index_refused(&constant->a, 1);
+    small_index_refused(&linear->a, 0);
+    small_index_refused(&linear->a, n + 1);
+    small_index_refused(&constant->b, n);
+    small_index_refused(&linear->b, n);
   }
   scene_shape(&natural, BENDING, 1);
   desc_clear();
   scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
   n = body.n;
-  FBT_TRUE(body.n_run > 1 && body.n_pair > 1 && body.n_strain_row > 1);
+  FBT_TRUE(body.n_S > 1 && body.n_strain_row > 1);
   for (int last = 0; last < 2; last++) {
-    fb_S_run *const run = &body.run[last * (body.n_run - 1)];
-    fb_S_pair *const pair = &body.pair[last * (body.n_pair - 1)];
+    fb_lambda_term *const term = &body.S[last * (body.n_S - 1)];
     fb_strain_row *const row = &body.strain_row[last * (body.n_strain_row - 1)];
-    index_refused(&run->i, 21);
-    index_refused(&run->pair, body.n_pair - run->n + 1);
-    index_refused(&pair->a, n + 1);
-    index_refused(&pair->b, pair->a + 1);
+    small_index_refused(&term->i, 27);
+    small_index_refused(&term->a, 0);
+    small_index_refused(&term->a, n + 1);
+    small_index_refused(&term->b, term->a + 1);
     index_refused(&row->axis, 3);
     index_refused(&row->a, n);
   }
@@ -685,7 +694,7 @@ static void terms_refused(fb_lambda_term *term, int n)
 /* What stands in every body. */
 static void body_refused(void)
 {
-  int *const flag[] = {&body.unit_mass, &body.constant_S, &body.allow_long_step};
+  int *const flag[] = {&body.unit_mass, &body.constant_S, &body.by_velocities, &body.allow_long_step};
   fb_real *const positive[] = {&body.mass,          &body.deflection_limit, &body.recoil,     &body.gyration,
                                &body.limit_elastic, &body.limit_damping,    &body.limit_spin, &body.limit_acceleration};
   for (int k = 0; k < FBT_COUNT(flag); k++) {
@@ -728,15 +737,15 @@ static void tables_refused(void)
   count_refused(&body.n_linear, body.n_lambda - body.n_lambda_constant);
   count_refused(&body.n_row, 6);
   count_refused(&body.n_S, FBT_COUNT(body.S));
-  count_refused(&body.n_run, FBT_COUNT(body.run));
-  count_refused(&body.n_pair, FBT_COUNT(body.pair));
+  count_refused(&body.n_slope, body.n_S);
+  count_refused(&body.n_slope_alone, body.n_slope);
   count_refused(&body.n_strain, FBT_COUNT(body.strain_weight));
   count_refused(&body.n_strain_row, 3 * body.n);
   numbers_refused(&body.quartic, 1);
   numbers_refused(&body.limit_slope, 1);
   numbers_refused(&body.limit_tension, 1);
   numbers_refused(body.strain_weight, body.n_strain);
-  numbers_refused(body.S, body.n_S);
+  terms_refused(body.S, body.n_S);
   terms_refused(body.lambda, body.n_lambda);
   for (int k = 0; k < body.n_strain_row; k++) {
     numbers_refused(body.strain_row[k].slope, body.n_strain);
@@ -771,8 +780,6 @@ static void walks_refused(void)
   walk_refused(&body.n_node, FB_MAX_NODES);
   walk_refused(&body.n_lambda, FBT_COUNT(body.lambda));
   walk_refused(&body.n_S, FBT_COUNT(body.S));
-  walk_refused(&body.n_run, FBT_COUNT(body.run));
-  walk_refused(&body.n_pair, FBT_COUNT(body.pair));
   walk_refused(&body.n_strain, FBT_COUNT(body.strain_weight));
   walk_refused(&body.n_strain_row, FBT_COUNT(body.strain_row));
 }
@@ -782,6 +789,7 @@ static void walks_refused(void)
 TEST(what_memory_has_spoiled_is_refused)
 {
   static const scene natural = {2, 0, 0, 2, 1};
+  int terms;
   scene_shape(&natural, BENDING, 1);
   desc_clear();
   for (int ab = 0; ab < shape.n * shape.n; ab++) { /* as full as matrices can be */
@@ -793,16 +801,17 @@ TEST(what_memory_has_spoiled_is_refused)
   desc.gravity[1] = FB_R(2.0);
   scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
   FBT_TRUE(body.M.n_term > 1 && body.Minv.n_term > 1 && body.K.n_term > 1 && body.C.n_term > 1);
-  FBT_TRUE(body.n_strain > 0 && body.n_run > 0);
+  FBT_TRUE(body.n_strain > 0 && body.n_S > 0);
   body_refused();
   tables_refused();
   walks_refused();
   body.n_strain -= 1; /* no whole group of four */
   FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
   body.n_strain += 1;
-  body.n_S -= 1; /* fewer than its runs have */
+  terms = body.n_S;
+  body.n_S = body.n_slope - 1; /* fewer than its slope has */
   FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
-  body.n_S += 1;
+  body.n_S = terms;
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
   memset(&body.base, 1, sizeof body.base); /* no value of the enum */
   FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
@@ -934,8 +943,6 @@ static void list_unused(void)
   }
   UNUSED(body.lambda, body.n_lambda);
   UNUSED(body.S, body.n_S);
-  UNUSED(body.run, body.n_run);
-  UNUSED(body.pair, body.n_pair);
   UNUSED(body.node, body.n_node);
   for (int k = 0; k < body.n_node; k++) {
     UNUSED(body.node[k].psi, 3 * n);
@@ -959,7 +966,7 @@ static void list_unused(void)
 /* Bytes between the members of the terms it has in tables. */
 static int padding(void)
 {
-  const int lambda = (int)(sizeof(fb_lambda_term) - sizeof(fb_real) - 3 * sizeof(short));
+  const int lambda = (int)(sizeof(fb_lambda_term) - sizeof(fb_real) - 3);
   const int pair = (int)(sizeof(fb_pair_term) - sizeof(fb_real) - 2 * sizeof(short));
   const int row = (int)(sizeof(fb_strain_row) - sizeof body.strain_row[0].slope - 2 * sizeof(short));
 #if FB_WITH_LARGE_DEFLECTION
@@ -968,7 +975,7 @@ static int padding(void)
 #else
   const int stations = 0;
 #endif
-  return stations + lambda * body.n_lambda + row * body.n_strain_row +
+  return stations + lambda * (body.n_lambda + body.n_S) + row * body.n_strain_row +
          pair * (body.M.n_term + body.Minv.n_term + body.K.n_term + body.C.n_term);
 }
 
@@ -984,7 +991,7 @@ TEST(the_check_word_sees_every_effect)
   for (int k = 0; k < FBT_COUNT(effects); k++) {
     fb_state state, rate, again;
     unsigned word;
-    int missed[3] = {0}; /* beside tables up to seven times an int before a real */
+    int missed[3] = {0}; /* beside tables up to eight times an int before a real */
     if (!FB_WITH_LARGE_DEFLECTION && effects[k] == FB_EFFECTS_LARGE) {
       continue;
     }
@@ -1015,7 +1022,7 @@ TEST(the_check_word_sees_every_effect)
       }
       *byte = was;
     }
-    FBT_TRUE(word != 0 && missed[2] <= padding() && missed[0] <= 7 * (int)(sizeof(fb_real) - sizeof(int)));
+    FBT_TRUE(word != 0 && missed[2] <= padding() && missed[0] <= 8 * (int)(sizeof(fb_real) - sizeof(int)));
     FBT_INT_EQ(fb_body_check(&body), FB_OK);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     state.L[2] = state.u[0] = FB_R(0.3);

@@ -479,12 +479,12 @@ static void terms_are_watched(fb_lambda_term *term, int n)
     term[k].i = 9;
     FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
     term[k] = was;
-    term[k].a = (unsigned short)(modes.n + 1);
+    term[k].a = (unsigned char)(modes.n + 1);
     FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
     term[k].a = 0;
     FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
     term[k] = was;
-    term[k].b = (unsigned short)modes.n;
+    term[k].b = (unsigned char)modes.n;
     FBT_INT_EQ(fb_form_check(&formed), FB_ERR_VALUE);
     term[k] = was;
     term[k].c = (fb_real)NAN;
@@ -501,7 +501,7 @@ TEST(forms_are_checked_with_their_tables)
   scene_shape(&closed_3d, BENDING, 1);
   desc_clear();
   for (int form = 0; form < 3; form++) {
-    int *const count[] = {&formed.n_run, &formed.n_lambda, &formed.n_gam, &formed.n_torque};
+    int *const count[] = {&formed.n_S, &formed.n_lambda, &formed.n_gam, &formed.n_torque};
     scene_body(form, FBT_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
     FBT_TRUE(fb_form_crc(&formed) != fb_body_crc(&formed.body));
     FBT_TRUE((formed.n_gam > 0) == (form == FBT_FIRST));

@@ -190,7 +190,7 @@ static void write_scene_config(FILE *out, const fmu_export *e)
    of all sizes. */
 static void write_config(FILE *out, const fmu_export *e)
 {
-  static const char *const tables[] = {"FB_MAX_LAMBDA", "FB_MAX_S", "FB_MAX_RUNS"};
+  static const char *const tables[] = {"FB_MAX_LAMBDA", "FB_MAX_S"};
   const int large = (e->body->effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
   char option[80];
   FILE *const flags = tmpfile();

@@ -82,18 +82,18 @@ static void code_poly_hub(code_poly *p, int e)
 
 static void code_read_S(const fb_body *body)
 {
-  const fb_real *c = body->S;
+  static const int pair_of[6][2] = {{10, 13}, {12, 5}, {4, 8}, {18, 20}, {20, 15}, {15, 18}}; /* of c and W, E8.49 */
   memset(code_model.S, 0, sizeof code_model.S);
   for (int i = 0; i < 21; i++) {
     code_model.S[i].constant = (double)body->S0[i];
     code_poly_hub(&code_model.S[i], i);
   }
-  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
-    for (int k = 0; k < r->n; k++) {
-      const fb_S_pair *const pair = &body->pair[r->pair + k];
-      code_poly_add(&code_model.S[r->i], (double)c[k], pair->a, pair->b);
+  for (const fb_lambda_term *t = body->S + body->n_slope_alone; t < body->S + body->n_S; t++) {
+    const int moment = t->i - 21;
+    code_poly_add(&code_model.S[moment < 0 ? t->i : pair_of[moment][0]], (double)t->c, t->a, t->b);
+    if (moment >= 0) {
+      code_poly_add(&code_model.S[pair_of[moment][1]], moment < 3 ? -(double)t->c : (double)t->c, t->a, t->b);
     }
-    c += r->n;
   }
 }
 

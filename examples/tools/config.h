@@ -23,9 +23,9 @@ static const config_effect config_effects[CONFIG_EFFECTS] = {
 /* Its compiler flags; between: what parts the capacities from the effects left out. */
 static void config_flags(FILE *out, const fb_body *body, int single, const char *between)
 {
-  fprintf(out, "-DFB_SINGLE=%d -DFB_MAX_MODES=%d -DFB_MAX_NODES=%d -DFB_MAX_LAMBDA=%d -DFB_MAX_S=%d -DFB_MAX_RUNS=%d%s",
-          single, body->n > 0 ? body->n : 1, body->n_node, body->n_lambda > 0 ? body->n_lambda : 1,
-          body->n_S > 0 ? body->n_S : 1, body->n_run > 0 ? body->n_run : 1, between);
+  fprintf(out, "-DFB_SINGLE=%d -DFB_MAX_MODES=%d -DFB_MAX_NODES=%d -DFB_MAX_LAMBDA=%d -DFB_MAX_S=%d%s", single,
+          body->n > 0 ? body->n : 1, body->n_node, body->n_lambda > 0 ? body->n_lambda : 1,
+          body->n_S > 0 ? body->n_S : 1, between);
 #if FB_WITH_LARGE_DEFLECTION
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
     const fb_lines *lines = &body->lines;

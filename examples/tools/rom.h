@@ -128,7 +128,6 @@ static void rom_capacities(rom *r, const fb_body *body)
   rom_capacity(r, "FB_MAX_NODES", body->n_node, 0);
   rom_capacity(r, "FB_MAX_LAMBDA", body->n_lambda, 1);
   rom_capacity(r, "FB_MAX_S", body->n_S, 1);
-  rom_capacity(r, "FB_MAX_RUNS", body->n_run, 1);
 #if FB_WITH_ROTORS
   if (body->n_rotor > 0) {
     rom_capacity(r, "FB_MAX_ROTORS", body->n_rotor, 0);

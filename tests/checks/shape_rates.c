@@ -57,8 +57,9 @@ static void momenta(double y[6], fbi_kinetics *k)
 {
   double SV[6];
   fbi_zero(y, 6);
-  fbi_lambda_sub(y, &body, k->qx, k->pb);
-  fbi_S_eval(k->S, &body, k->qx, body.n_run);
+  fbi_lambda_linear_eval(k->D, &body, k->qx);
+  fbi_lambda_sub(y, &body, k->D, k->pb);
+  fbi_S_eval(k->S, &body, k->qx, body.n_S);
   fb_sym6_mul_vec6(SV, k->S, k->V);
   for (int i = 0; i < 6; i++) {
     y[i] = SV[i] - y[i];
