@@ -309,7 +309,7 @@ TEST(known_ends_are_met_by_steps)
 {
   static fb_spectrum spectrum;
   int count[2] = {0, 0};
-  for (int run = 0; run < 160; run += FBT_SHORT ? 7 : 1) {
+  for (int run = 0; run < 160; run += FBT_SHORT ? 3 : 1) {
     const double lasts[4] = {8.0, 8.05, 8.09, 8.123}, frame = 0.25;
     const int smooth = run / 4 % 2;
     fb_real amplitude[FB_MAX_MODES];
@@ -352,7 +352,7 @@ TEST(known_ends_are_met_by_steps)
     }
     FBT_NEAR_REL(advice.dt, dt, 1e-5);
   }
-  FBT_TRUE(count[0] > (FBT_SHORT ? 3 : 30) && count[1] > (FBT_SHORT ? 3 : 30));
+  FBT_TRUE(count[0] > (FBT_SHORT ? 8 : 30) && count[1] > (FBT_SHORT ? 8 : 30));
 }
 
 /* E13.43: below its frequency a sine leaves r/(1 - r^2) of the static answer as free vibration, (1 - cos)/2 half of
