@@ -991,6 +991,46 @@ static double small_steps(double h)
   return miss;
 }
 
+/* One step that is as long as it is told of a scene as it is seen; *left: what the last iteration changed, of a step that did
+   not converge. */
+static fb_status step_as_seen(double *left, const fbl_view *view, fb_integrator integrator, double step)
+{
+  fb_state at;
+  double need;
+  fb_status status;
+  fbl_seen = *view;
+  status = fbl_draw_again();
+  body.allow_long_step = 1;
+  status = status ? status : integrate(&at, integrator, step, 1);
+  (void)fbl_record(left, &need, 1.0);
+  fbl_plain();
+  return status;
+}
+
+/* What tells that a step has not converged does not depend on the attitude, but for the rounding that grows where iterations
+   diverge. */
+static double convergence(double h)
+{
+  static const fb_integrator each[] = {FB_INTEGRATOR_MIDPOINT, FB_INTEGRATOR_SDIRK};
+  const fbl_view plain = fbl_seen;
+  double step, miss = FBL_NONE;
+  (void)h;
+  FBL_TRY(longest(&step, 1));
+  for (int k = 0; k < FBL_COUNT(each); k++) {
+    for (int twice = 0; twice < 9; twice++) {
+      double left[2];
+      const fb_status status = step_as_seen(&left[0], &plain, each[k], step * (1 << twice));
+      if (status == FB_ERR_CONVERGENCE) {
+        miss = larger(miss, step_as_seen(&left[1], &fbl_turned, each[k], step * (1 << twice)) == status
+                                ? fabs(left[1] - left[0]) / (left[0] + 1e-300)
+                                : 1.0);
+        break;
+      }
+    }
+  }
+  return miss;
+}
+
 /* A step that is longer than its limit is refused and leaves the state; one that is shorter is not refused for that.
    Faster rotors never allow longer steps at the same acceleration of O. */
 static double limits(double h)
@@ -1540,6 +1580,7 @@ static const fbl_law laws[] = {
     {"integrators_have_their_order", "E11.3 E11.7 E11.8 E11.10", orders, 0.25, {0.4, 0}},
     {"iterations_suffice", "E11.4 E11.25", iterations_suffice, 0.0, {0.1, 0}},
     {"long_steps_of_small_motions", "E11.4 E11.5 E11.25", small_steps, 1e-5, {1e-6, 0}},
+    {"convergence_is_told_in_any_attitude", "E11.25 E11.32", convergence, 0.0, {1e-2, 0}},
     {"limits_of_steps", "E11.3 E11.6", limits, 0.0, {0.5, 0}},
     {"limits_hold", "E11.3 E11.6 E11.46", limits_hold, 1e-4, {0.5, 0}},
     {"models_and_their_check_words", "E8.11", words, 0.0, {0.5, 0}},

@@ -2527,6 +2527,46 @@ static double small_steps(double h)
   return looks_differ(&many, &few, slot, 0) / h;
 }
 
+/* One long step of sdirk of a scene as it is seen; *left: what the last iteration changed, of a step that did not
+   converge. */
+static fb_status step_as_seen(double *left, const fbl_view *view, double step)
+{
+  double need;
+  fb_status status;
+  fbl_seen = *view;
+  status = fbl_draw_again();
+  mechanism.allow_long_step = 1;
+  if (status == FB_OK) {
+    static fb_system_state at;
+    at = state;
+    status = sdirk(&at, 0.0, step);
+  }
+  (void)fbl_record(left, &need, 1.0);
+  fbl_plain();
+  return status;
+}
+
+/* What tells that a step has not converged does not depend on the attitude, but for the rounding that grows where iterations
+   diverge. */
+static double convergence(double h)
+{
+  const fbl_view plain = fbl_seen;
+  fb_status status;
+  const double step = step_of(&status, 1);
+  (void)h;
+  FBL_TRY(status);
+  for (int twice = 0; twice < 9; twice++) {
+    double left[2];
+    status = step_as_seen(&left[0], &plain, step * (1 << twice));
+    if (status == FB_ERR_CONVERGENCE) {
+      return step_as_seen(&left[1], &fbl_turned, step * (1 << twice)) == status
+                 ? fabs(left[1] - left[0]) / (left[0] + 1e-300)
+                 : 1.0;
+    }
+  }
+  return FBL_NONE;
+}
+
 static void rotors_speed_up(double factor)
 {
   for (int k = 0; k < n_body; k++) {
@@ -3154,6 +3194,7 @@ static const fbl_law laws[] = {
     {"rk4_has_order_4", "E11.12", order_of_rk4, 0.4, {0.5, 0}},
     {"sdirk_converges_to_it_with_order_2", "E11.14", order_of_sdirk, 0.2, {0.5, 0}},
     {"long_steps_of_small_motions", "E11.14 E11.15", small_steps, 1e-5, {1e-6, 0}},
+    {"convergence_is_told_in_any_attitude", "E11.25", convergence, 0.0, {1e-2, 0}},
     {"limits_of_steps", "E11.12", limits, 0.0, {0.5, 0}},
     {"limits_hold", "E11.12 E11.46", limits_hold, 1e-4, {0.5, 0}},
     {"models_and_their_check_words", "E9.1", words, 0.0, {0.5, 0}},
