@@ -185,7 +185,7 @@
      fb_exact_work              201312
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               417400
+     fb_body_work               426040
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
@@ -193,7 +193,7 @@
      fb_exact_path_work         230576
      fb_exact_spectrum_work    1848000
      fb_exact_linear_work      2300880
-     fb_advice_work            1130928
+     fb_advice_work            1156848
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -962,7 +962,7 @@ typedef struct fb_lambda_row { /* row i of Lambda, and where its terms linear in
 #if FB_MAX_S > 0
 #define FBI_MAX_S FB_MAX_S
 #else
-#define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
+#define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 27 * FBI_MAX_PAIRS_S : 1) /* elements of S, of J beside them in its slope */
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN

@@ -4120,7 +4120,7 @@ static void fbi_lambda_gradient(fb_real *x, const fb_body *body, const fb_real V
 static void fbi_S_from_sum(fb_real S[21], const fb_real sum[27])
 {
   const fb_real *const c = sum + 21, *const W = sum + 24;
-  fbi_sym6_copy(S, sum);
+  fbi_copy(S, sum, 21);
   S[10] += c[0];
   S[13] -= c[0];
   S[12] += c[1];
@@ -4141,7 +4141,7 @@ static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, in
 #if FBI_WITH_SHAPE_INERTIA
   const fb_lambda_term *t = body->S + body->n_slope_alone;
   fb_real sum[27];
-  fbi_sym6_copy(sum, body->S0);
+  fbi_copy(sum, body->S0, 21);
   fbi_zero(sum + 21, 6);
   FBI_UNROLL
   for (int k = n - body->n_slope_alone; k > 0; k--, t++) {
@@ -4149,7 +4149,7 @@ static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, in
   }
   fbi_S_from_sum(S, sum);
 #else
-  fbi_sym6_copy(S, body->S0);
+  fbi_copy(S, body->S0, 21);
 #endif
   (void)qx, (void)n;
 }
@@ -4229,6 +4229,7 @@ static void fbi_inertia_slope(fb_real *x, const fb_body *body, const fb_real V[6
     fbi_center_slope(x, body, k->D, F);
   }
 #endif
+  (void)k;
 }
 
 /* X = rows first..5 of Lambda(q), (6 - first) x n, from the first n_terms of its list. */
@@ -5155,7 +5156,9 @@ static void fbi_central_rotation(fb_real h[3], fb_real *x, fb_real weight, fbi_k
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
     fbi_lines_gradient_add(slope + 1, k->line, &body->lines, V, none);
+#if FBI_WITH_SHAPE_INERTIA
     fbi_S_gradient(slope, body, V, k->qx);
+#endif
   } else
 #endif
   { /* pb = M^-1 Lambda^T V, no q_dot */
@@ -9298,7 +9301,7 @@ static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V
     }
     fbi_chol_back(L->q_dot, L->E, L->q_dot, n);
   } else if (n > 0 && L->has_speeds) {
-    fb_real e[FB_MAX_MODES];
+    fb_real e[FB_MAX_MODES + 3]; /* + 3: with one mode gcc warns otherwise */
     fbi_zero(e, n);
     fbi_lambdaT_sub(e, body, L->k.D, V);
     fbi_mass_solve(L->q_dot, body, e);
@@ -10846,7 +10849,7 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   fbi_vec6_copy(L->k.V, L->V);
   L->k.pb = L->k.Minv_pi;
   if (body->n > 0) {
-    fb_real e[FB_MAX_MODES];
+    fb_real e[FB_MAX_MODES + 3];
     fbi_zero(e, body->n);
     fbi_lambdaT_sub(e, body, L->k.D, L->V);
     fbi_mass_solve(L->k.Minv_pi, body, e);
@@ -11704,7 +11707,7 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
   }
   if (body->constant_S && body->n > 0) {
     const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    fb_real elastic[6] = {0}, pb[FB_MAX_MODES];
+    fb_real elastic[6] = {0}, pb[FB_MAX_MODES + 3];
     fbi_mass_solve(pb, body, e);
     fb_sym6_mul_vec6(F, body->S0, V);
     fbi_lambda_sub(elastic, body, L->k.D, pb);
@@ -27175,7 +27178,7 @@ static void fbi_S_choose(fb_body *body, const fb_body_work *work, const fb_shape
   terms = body->n_S;
   if (fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
     (void)fbi_S_list(body, work, shape, 1);
-    if (body->n_slope + body->n >= terms || body->n_S > FBI_MAX_S) { /* that of c counted as n; room for S alone */
+    if (body->n_slope + body->n >= terms) { /* that of c counted as n */
       (void)fbi_S_list(body, work, shape, 0);
     }
   }
