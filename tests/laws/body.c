@@ -1269,14 +1269,12 @@ static int wrong_memory(void)
   MEMORY(other.limit_damping, FB_R(-1.0));
   MEMORY(other.limit_spin, FB_R(-1.0));
   MEMORY(other.limit_acceleration, FB_R(-1.0));
-  if (other.n_run > 0) {
-    fb_S_run *const last = &other.run[other.n_run - 1];
-    MEMORY(last->i, 21);
-    MEMORY(last->pair, (unsigned short)other.n_pair);
-  }
-  if (other.n_pair > 0) {
-    MEMORY(other.pair[other.n_pair - 1].a, (unsigned short)(other.n + 1));
-    MEMORY(other.pair[0].b, (unsigned short)(other.pair[0].a + 1));
+  if (other.n_S > 0) {
+    fb_lambda_term *const last = &other.S[other.n_S - 1];
+    MEMORY(last->i, 27);
+    MEMORY(last->a, (unsigned char)(other.n + 1));
+    MEMORY(last->b, (unsigned char)(last->a + 1));
+    MEMORY(other.n_slope, other.n_S + 1);
   }
   if (other.n_rotor > 0) {
     MEMORY(other.rotor[0].node, other.n_node);
