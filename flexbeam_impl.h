@@ -5162,7 +5162,7 @@ static void fbi_central_rotation(fb_real h[3], fb_real *x, fb_real weight, fbi_k
   } else
 #endif
   { /* pb = M^-1 Lambda^T V, no q_dot */
-    fb_real own[FB_MAX_MODES] = {FB_R(0.0)}, pb[FB_MAX_MODES];
+    fb_real own[FB_MAX_MODES] = {FB_R(0.0)}, pb[FB_MAX_MODES] = {FB_R(0.0)};
     fbi_lambdaT_sub(own, body, k->D, V);
     fbi_mass_solve(pb, body, own);
     fbi_lambda_sub(y, body, k->D, pb);

@@ -204,7 +204,7 @@ static void write_config(FILE *out, const fmu_export *e)
       if (value) {
         *value = 0;
       }
-      for (int k = 0; k < 3 && large; k++) {
+      for (int k = 0; k < (int)(sizeof tables / sizeof *tables) && large; k++) {
         left_out |= strcmp(option, tables[k]) == 0;
       }
       if (value && !left_out) {
