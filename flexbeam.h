@@ -1018,9 +1018,9 @@ typedef struct fb_body {
 #endif
   fb_lambda_row lambda_row[6];
   fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
-  fb_lambda_term
-      S[FBI_MAX_S]; /* S_i(q) = S0_i + sum of c (1, q)_a (1, q)_b, a >= b; i = 21..26: c_x, c_y, c_z, W_xx, W_yy,
-                                  W_zz, moments of mass that are in two elements */
+  /* S_i(q) = S0_i + sum of c (1, q)_a (1, q)_b, a >= b; i = 21..26: c_x, c_y, c_z, W_xx, W_yy, W_zz, first and second
+     moments of mass, each in two elements (E8.11) */
+  fb_lambda_term S[FBI_MAX_S];
   fb_node node[FB_MAX_NODES];
 } fb_body;
 
@@ -3528,6 +3528,7 @@ struct fb_advice_work {
           seldom wants; a refused effect names its switch. sizeof(fb_rk4_work) is 1728, was 55800: lines are on the
           stack of a call. Implicit steps: a fast prescribed base that begins to turn does not end in
           FB_ERR_CONVERGENCE.
+          FB_MAX_RUNS is gone, FB_MAX_S is room for the terms of S alone; models in ROM are to be made anew.
           Systems: friction and stops of joints (fb_joint_desc.friction, friction_speed, stop, stop_stiffness,
           stop_loss). FB_METHOD_MULTIPLIERS is gone: write joints as loops of free bodies. A wheel is fb_rotor: one that
           is a body on a hinge bounds the step by its speed, as every joint does. Refused are prescribed values that

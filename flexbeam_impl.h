@@ -12117,7 +12117,8 @@ static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, c
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
   fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
-  if (status == FB_OK && !w->repeats) { /* does the caller have as many rows a moment later? A step has asked. */
+  if (status == FB_OK &&
+      !w->repeats) { /* refuses rows of the caller that change in number; of a step its stages have */
     status = fbi_rows_rate(w, system, body, input);
   }
   if (status == FB_OK && fbi_has_rows(w, input)) {

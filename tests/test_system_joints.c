@@ -268,7 +268,8 @@ static void turned(double y[3], const fb_real quat[4], const double x[3])
 }
 
 /* E9.1, E9.2, E9.3: hinges along an axis of both bodies, or against it, whose rotations leave out their zeros: bodies are
-   turned about that axis, by quaternions, screws moved along it; momenta of the bodies one by one give back the speeds. */
+   turned about that axis, by quaternions, screws moved along it, from a place on the parent that is on the axis of the child,
+   away from its origin; momenta of the bodies one by one give back the speeds. */
 TEST(hinges_turn_about_axes_of_the_bodies)
 {
   static const fb_joint_kind kinds[] = {FB_JOINT_REVOLUTE, FB_JOINT_CYLINDRICAL, FB_JOINT_SCREW};
@@ -284,6 +285,8 @@ TEST(hinges_turn_about_axes_of_the_bodies)
       hang(body, 0, kinds[run / 6], body - 1, 0);
       desc.joint[body].axis[k] = (fb_real)(2 * body * sign);
       desc.joint[body].pitch = kind == (int)FB_JOINT_SCREW ? FB_R(0.25) : FB_R(0.0);
+      desc.joint[body].position[(k + 1) % 3] = FB_R(0.5);
+      desc.joint[body].child_position[k] = FB_R(-0.2);
       start[body].value[0] = FB_R(0.7);
       start[body].value[1] = FB_R(0.3);
       start[body].speed[0] = FB_R(0.4) * (fb_real)body;
@@ -294,6 +297,8 @@ TEST(hinges_turn_about_axes_of_the_bodies)
                : kind == (int)FB_JOINT_CYLINDRICAL ? FB_R(0.3)
                                                    : FB_R(0.0)) *
               (fb_real)sign;
+    step[k] += FB_R(0.2);
+    step[(k + 1) % 3] = FB_R(0.5);
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(mechanism.joint[1].about, sign > 0 ? k + 1 : k + 4);
     FBT_INT_EQ(mechanism.joint[2].about, sign > 0 ? k + 1 : k + 4);

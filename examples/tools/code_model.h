@@ -82,7 +82,6 @@ static void code_poly_hub(code_poly *p, int e)
 
 static void code_read_S(const fb_body *body)
 {
-  static const int pair_of[6][2] = {{10, 13}, {12, 5}, {4, 8}, {18, 20}, {20, 15}, {15, 18}}; /* of c and W, E8.49 */
   memset(code_model.S, 0, sizeof code_model.S);
   for (int i = 0; i < 21; i++) {
     code_model.S[i].constant = (double)body->S0[i];
@@ -90,9 +89,9 @@ static void code_read_S(const fb_body *body)
   }
   for (const fb_lambda_term *t = body->S + body->n_slope_alone; t < body->S + body->n_S; t++) {
     const int moment = t->i - 21;
-    code_poly_add(&code_model.S[moment < 0 ? t->i : pair_of[moment][0]], (double)t->c, t->a, t->b);
+    code_poly_add(&code_model.S[moment < 0 ? t->i : fbi_S_pair[moment][0]], (double)t->c, t->a, t->b);
     if (moment >= 0) {
-      code_poly_add(&code_model.S[pair_of[moment][1]], moment < 3 ? -(double)t->c : (double)t->c, t->a, t->b);
+      code_poly_add(&code_model.S[fbi_S_pair[moment][1]], moment < 3 ? -(double)t->c : (double)t->c, t->a, t->b);
     }
   }
 }

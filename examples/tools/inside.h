@@ -15,6 +15,7 @@ typedef struct fbi_joint_traits { /* library.c compares it with the library's */
 
 #define fbi_sym6_row (inside_sym6_row())
 #define fbi_sym6_column (inside_sym6_column())
+#define fbi_S_pair (inside_S_pair())
 #define fbi_traits inside_traits
 #define fbi_first_free inside_first_free
 #define fbi_node_moves inside_node_moves
@@ -33,6 +34,7 @@ typedef struct fbi_joint_traits { /* library.c compares it with the library's */
 
 #if !defined(FBI_REFUSE) || defined(INSIDE_HERE) /* library.c */
 const int *inside_sym6_row(void), *inside_sym6_column(void);
+const int (*inside_S_pair(void))[2];
 #if FB_WITH_SYSTEM
 const struct fbi_joint_traits *inside_traits(const fb_joint *joint);
 int inside_node_moves(const fb_body *body, int node);

@@ -18,6 +18,11 @@ const int *inside_sym6_column(void)
   return fbi_sym6_column;
 }
 
+const int (*inside_S_pair(void))[2]
+{
+  return fbi_S_pair;
+}
+
 #if FB_WITH_SYSTEM
 typedef struct joint_traits {
   INSIDE_TRAITS;

@@ -5,7 +5,7 @@
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
-step_bound=6720 # SDIRK, 6672: lines of Lambda(q) are held through an evaluation
+step_bound=6720 # SDIRK, 6672: rows of Lambda(q) are held through an evaluation
 build_bound=36864
 large_step_bound=77824 # with FB_WITH_LARGE_DEFLECTION=1, FB_WITH_ROTORS=1: what a step knows about the lines (fbi_line_work, 54072)
 large_bound=102400      # evaluations beside the step and building
