@@ -51,7 +51,7 @@ help:
 	@echo "make bench-advice  what the library advises for those scenes, variations of them and several appendages, against all runs (3 minutes)"
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
-	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS', bodies beside MuJoCo's chains: needs them; build/bench_peers_*.csv"
+	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS', beams and links beside MuJoCo, exudyn, pinocchio and drake: says what it needs (45 minutes)"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs; compile time"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
@@ -307,7 +307,12 @@ build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common
 
 build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
 build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
-build/bench/bench_peers_mujoco_double: LIBS = -lmujoco
+MUJOCO = $(abspath $(wildcard build/venv_peers/lib/python3*/site-packages/mujoco))
+build/bench/bench_peers_beams_double build/bench/bench_peers_links_double: LIBS = -isystem $(MUJOCO)/include $(wildcard $(MUJOCO)/libmujoco.so.*) -Wl,-rpath,$(MUJOCO)
+PINOCCHIO = $(abspath $(wildcard build/venv_peers/lib/python3*/site-packages/cmeel.prefix))
+build/bench/peers_links: bench/peers_links.cpp bench/peers_links.h | build/bench # two minutes
+	$(CXX) -std=c++17 $(CFLAGS) -DNDEBUG -DBOOST_MPL_LIMIT_LIST_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
+	  -I$(PINOCCHIO)/include -I/usr/include/eigen3 -o $@ $< -L$(PINOCCHIO)/lib -lpinocchio_default -Wl,-rpath,$(PINOCCHIO)/lib
 
 build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm

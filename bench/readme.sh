@@ -45,6 +45,7 @@ picture() {
 
 peers() {
   if make -s bench-peers > "$out/peers"; then
+    picture build/peers/peers.svg bench/peers.svg
     { echo '```'; sed 's/ *$//' "$out/peers"; echo '```'; } | block peers
   else
     cat "$out/peers"

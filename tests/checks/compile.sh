@@ -51,7 +51,7 @@ try build/flexbeam reduce examples/satellite.txt --jacobian --sensors 0 --name m
 for cc in gcc clang; do
   compile $cc -std=c99 $WARNINGS_C -fsyntax-only -I"$out" $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_true.h") $filter
 done
-for peer in lu:dlfcn.h step:cvode/cvode.h mujoco:mujoco/mujoco.h; do # where the peers are installed
+for peer in lu:dlfcn.h step:cvode/cvode.h beams:mujoco/mujoco.h links:mujoco/mujoco.h; do # where the peers are installed
   echo "#include <${peer#*:}>" | gcc -x c -fsyntax-only - 2> /dev/null || continue
   compile gcc -fsyntax-only -std=c99 $WARNINGS_C bench/bench_peers_${peer%:*}.c
 done
