@@ -15,7 +15,7 @@ probe '#include <cvode/cvode.h>' '-lsundials_cvode -lsundials_arkode' && probe '
   exit 1
 }
 packages=$(echo build/venv_peers/lib/python3*/site-packages)
-[ -d "$packages/mujoco" ] && [ -d "$packages/exudyn" ] && [ -d "$packages/pydrake" ] && [ -d "$packages/pinocchio" ] || {
+[ -d "$packages/mujoco" ] && [ -d "$packages/exudyn" ] && [ -d "$packages/pydrake" ] && [ -d "$packages/cmeel.prefix/include/pinocchio" ] || {
   echo "make bench-peers needs MuJoCo, exudyn, pinocchio and drake: sh .ci/fetch peers (1 GB into build/venv_peers)"
   exit 1
 }
