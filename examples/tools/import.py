@@ -2,6 +2,7 @@
 # import.py - a finite-element model as a component of flexbeam (examples/tools/README.md, Import):
 #   import.py MODEL.bdf MODES.op2 --out truss.txt                       grids and normal modes (SOL 103) of Nastran
 #   import.py --matrices K.mtx M.mtx --nodes nodes.csv --out truss.txt  matrices of any program; import.py solves for the modes
+#   import.py --matrices boom.pch --out boom.txt                        reduced ones, by Craig and Bampton: KAAX, MAAX and grids
 # Wants NumPy and SciPy; for .bdf, .op2 and .op4 also pyNastran. Exit: 0 well, 1 the model cannot be imported, 2 bad options.
 import argparse
 import contextlib
@@ -26,15 +27,14 @@ try:
 except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
+import matrix_files
+from matrix_files import Refused
+
 MODES, NODES = 24, 4096  # what a description holds
 FIRST, LAST = 0, 2000000000  # numbers of nodes
 MARKS = 11  # nodes of a body of a scene beside its frame; reduce and analyse hold 7
 SMALL = 1e-9  # what counts as zero beside the largest
 AXES = np.eye(3)
-
-
-class Refused(Exception):
-    """What is wrong, where, and what would be right."""
 
 
 class Model:
@@ -43,7 +43,8 @@ class Model:
     def __init__(self, ids, x):
         self.ids, self.x = list(ids), np.array(x, dtype=float).reshape(-1, 3)
         self.at = {node: k for k, node in enumerate(self.ids)}
-        self.K_G, self.modal_mass, self.digits, self.notes, self.static = [], None, 17, [], None
+        self.K_G, self.modal_mass, self.digits, self.notes, self.static, self.reduced = [], None, 17, [], None, None
+        self.dropped, self.losses = [], []  # frequencies; marked nodes, their names, and the most that is left out of their static deflection
 
     def find(self, node, what):
         if node not in self.at:
@@ -114,6 +115,10 @@ def nastran(package):
                       % (version, np.__version__, told(error)))
 
 
+DECKS, BOEING = ('.pch', '.dmig', '.bdf', '.dat', '.nas', '.blk', '.asm'), ('.matrix', '.hb', '.rsa', '.rua', '.hbmat')
+USUAL = {  # names of matrices: of Nastran (external superelements, the sets a, x and g), of Abaqus, of users
+    'K': ('KAAX', 'KAA', 'KXX', 'KGG', 'STIFFNESS', 'K'), 'M': ('MAAX', 'MAA', 'MXX', 'MGG', 'MASS', 'M'),
+    'C': ('BAAX', 'BAA', 'BXX', 'BXX1', 'BGG', 'VISCOUSDAMPING', 'C'), 'structural': ('K4AAX', 'K4AA', 'K4XX', 'K4XX1', 'K4GG', 'STRUCTURALDAMPING')}
 RIGHT = {'.op2': 'SOL 103 with PARAM,POST,-1 writes one', '.op4': 'OUTPUT4 writes one', '.mat': 'save -v7 of MATLAB or Octave writes one',
          '.npz': 'scipy.sparse.save_npz writes one', '.mtx': 'MatrixMarket is wanted'}
 
@@ -166,11 +171,23 @@ def market_check(path, most):
         raise Refused('%s:%d: %d entries are announced, the file has %d bytes: it is not whole' % (path, number, entries, os.path.getsize(path)))
 
 
+def is_market(path):
+    with open(path, 'rb') as file:
+        return file.read(2) == b'%%'
+
+
+@functools.lru_cache(maxsize=8)
 def arrays(path, most):
-    """Matrices of a file by name."""
+    """Matrices of a file by name, each with the labels of its rows (node, degree of freedom), or None."""
     kind = os.path.splitext(path)[1].lower()
     if not os.path.exists(path):
         raise Refused('%s: no such file' % path)
+    if kind in DECKS:
+        return matrix_files.dmig(path)
+    if kind in BOEING:
+        return matrix_files.harwell_boeing(path, most)
+    if kind == '.mtx' and not is_market(path):
+        return matrix_files.abaqus(path, most)
     if kind == '.mat':
         found = {key: value for key, value in opened(path, scipy.io.loadmat).items() if not key.startswith('__')}
     elif kind == '.op4':
@@ -181,22 +198,40 @@ def arrays(path, most):
     elif kind == '.npz':
         found = {'': opened(path, sparse.load_npz)}
     else:
-        raise Refused('%s: no matrix: wants .mtx (MatrixMarket), .npz (SciPy), .mat or .op4 at its end' % path)
-    return {key: value for key, value in found.items()
+        raise Refused('%s: no matrix: wants .mtx (MatrixMarket, Abaqus), .npz (SciPy), .mat, .op4, .pch (DMIG) or .matrix (Harwell-Boeing) at its end' % path)
+    return {key: (value, None) for key, value in found.items()
             if getattr(value, 'ndim', 0) == 2 and getattr(value, 'dtype', np.dtype('O')).kind in 'biufc'}
+
+
+def named(text, most, role='', wanted=True):
+    """FILE:NAME of a matrix of FILE; of several without a name that which programs call so in this role (None: there is none)."""
+    path, name = (text, '') if os.path.exists(text) or ':' not in text else text.rsplit(':', 1)
+    found = arrays(path, most)
+    if not name and len(found) > 1 or not wanted:
+        usual = [key for key in found if key.upper() in USUAL.get(role, ()) and found[key][0].shape[0] != 1]  # 1 by 1: there is none
+        if len(usual) != 1 and not wanted:
+            return None
+        name = usual[0] if len(usual) == 1 else name
+    if name not in found and (name or len(found) != 1):
+        raise Refused('%s: has the matrices %s: name one of them, %s:NAME' % (text, ', '.join(found), path) if found
+                      else '%s: has no matrix of numbers' % text)
+    name = name if name in found else next(iter(found))
+    return path + ':' + name if name else path
 
 
 def matrix(text, most):
     """A square sparse matrix from FILE or FILE:NAME; most: how many rows it may have, and what has them."""
-    path, name = (text, '') if os.path.exists(text) or ':' not in text else text.rsplit(':', 1)
-    found = arrays(path, most)
-    if name not in found and (name or len(found) != 1):
-        raise Refused('%s: has the matrices %s: name one of them, %s:NAME' % (text, ', '.join(found), path) if found
-                      else '%s: has no matrix of numbers' % text)
-    A = found[name] if name in found else next(iter(found.values()))
+    return labelled(text, most)[0]
+
+
+def labelled(text, most):
+    """That matrix, and the labels of its rows, or None."""
+    text = named(text, most)
+    path, name = (text, '') if os.path.exists(text) else text.rsplit(':', 1)
+    A, labels = arrays(path, most)[name]
     if A.shape[0] != A.shape[1]:
         raise Refused('%s: %d rows, %d columns: it has to be square' % (text, *A.shape))
-    if not 0 < A.shape[0] <= most[0]:
+    if A.shape[0] == 0 or labels is None and A.shape[0] > most[0]:
         raise Refused('%s: %d rows; %s have %d degrees of freedom at most' % (text, A.shape[0], most[1], most[0]))
     try:
         A = sparse.csr_array(A)
@@ -215,7 +250,7 @@ def matrix(text, most):
         i, j = sorted((int(off.row[at]), int(off.col[at])), reverse=True)
         raise Refused('%s: not symmetric: row %d, column %d has %.9g, row %d, column %d %.9g. Export all of it, or say symmetric in its '
                       'MatrixMarket header' % (text, i + 1, j + 1, A[i, j], j + 1, i + 1, A[j, i]))
-    return A
+    return A, labels
 
 
 def number_of(kind, row, key, where):
@@ -229,43 +264,121 @@ def number_of(kind, row, key, where):
 
 
 class Table:
-    """A table of nodes: ids, places, dofs (None: not said), and where each stands."""
+    """A table of nodes: places, dofs (None: not said), and where each stands; modal: numbers of modal coordinates, one row each; axes of the
+    displacements of each node, None: basic; order: of rows of a matrix without labels, the nodes and the modal coordinates."""
 
     def __init__(self, path):
-        try:
-            with open(path, newline='', encoding='utf-8-sig', errors='surrogateescape') as file:  # of what is no UTF-8 nothing is used
-                table = csv.DictReader(file, skipinitialspace=True)
-                columns = [str(key).strip() for key in table.fieldnames or []]
-                if not {'node', 'x', 'y', 'z'} <= set(columns) or len(set(columns)) < len(columns):
-                    raise Refused('%s:1: its first line has to name the columns: node,x,y,z,dofs' % path)
-                for key in set(columns) - {'node', 'x', 'y', 'z', 'dofs', ''}:
-                    raise Refused('%s:1: column %r is not known: node,x,y,z,dofs are' % (path, key))
-                table.fieldnames = columns
-                lines = [('%s:%d' % (path, table.line_num), row) for row in table]
-        except csv.Error as error:
-            raise Refused('%s:%d: %s' % (path, table.line_num, error))
-        if not lines:
-            raise Refused('%s: no nodes: a line 1,0,0,0 for each is wanted' % path)
-        self.path, self.x, self.dofs, self.where, self.ids = path, [], [], [], {}
-        for where, row in lines:
-            dofs = row.get('dofs') if row.get('dofs') is None else row['dofs'].strip()
-            if dofs is not None and list(dofs) != sorted(set(dofs) & set('123456')) and dofs != '0':
-                raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them) are wanted, or 0, not %r' % (where, dofs))
-            node = number_of(int, row, 'node', where)
-            if node in self.ids:
-                raise Refused('%s: node %d is there twice' % (where, node))
-            self.ids[node] = where
-            self.dofs.append(dofs)
-            self.x.append([number_of(float, row, key, where) for key in 'xyz'])
+        self.path, self.x, self.dofs, self.ids, self.modal, self.order, self.axes = path, [], [], {}, {}, [], None
 
-    def model(self, rows):
-        """Of matrices of so many rows: the model, and per row that of six per node."""
-        usual = {6 * len(self.x): '123456', 3 * len(self.x): '123'}.get(rows, '')
-        place = [6 * k + int(dof) - 1 for k, dofs in enumerate(self.dofs) for dof in (usual if dofs is None else dofs) if dof != '0']
+    def node(self, number, where, x, dofs):
+        if number in self.ids or number in self.modal:
+            raise Refused('%s: node %d is there twice' % (where, number))
+        self.order.append(number)
+        if dofs == 'q':
+            self.modal[number] = where
+        else:
+            self.ids[number] = where
+            self.x.append(x)
+            self.dofs.append(dofs)
+
+    def place(self, rows, labels, name):
+        """Per row of a matrix the row of six per node, and behind those of all nodes the modal ones."""
+        at, n = {node: k for k, node in enumerate(self.ids)}, 6 * len(self.ids)
+        if labels is not None:
+            return self.place_of(labels, at, n, name)
+        usual = {6 * len(self.x) + len(self.modal): '123456', 3 * len(self.x) + len(self.modal): '123'}.get(rows, '')
+        modal, place = {node: n + k for k, node in enumerate(self.modal)}, []
+        for number in self.order:
+            if number in modal:
+                place.append(modal[number])
+            else:
+                dofs = self.dofs[at[number]]
+                place += [6 * at[number] + int(dof) - 1 for dof in (usual if dofs is None else dofs) if dof != '0']
         if len(place) != rows:
-            raise Refused('%s: %d nodes with %d degrees of freedom, the matrices have %d rows: a column dofs says which each node has'
-                          % (self.path, len(self.x), len(place), rows))
-        return Model(self.ids, self.x), np.array(place, dtype=int)
+            raise Refused('%s: %d nodes%s with %d degrees of freedom, the matrices have %d rows: a column dofs says which each node has'
+                          % (self.path, len(self.x), ' and %d modal coordinates' % len(modal) if modal else '', len(place), rows))
+        return np.array(place, dtype=int)
+
+    def place_of(self, labels, at, n, name):
+        place, modal = [], 0
+        for node, dof in labels:
+            if node in at and dof > 0:
+                place.append(6 * at[node] + dof - 1)
+            elif dof == 0 or node in self.modal:
+                place.append(n + modal)
+                modal += 1
+            else:
+                raise Refused('%s: its row of node %d, degree of freedom %d: %s has no such node (NODE,,,,q: it is a modal coordinate)'
+                              % (name, node, dof, self.path))
+        if self.modal and modal != len(self.modal):
+            raise Refused('%s: %d modal coordinates, %s has rows of %d' % (self.path, len(self.modal), name, modal))
+        for node, k in at.items():
+            if not self.axes and self.dofs[k] != '0' and not any(6 * k <= p < 6 * k + 6 for p in place):
+                raise Refused('%s: node %d has no rows in %s (dofs 0 says so)' % (self.ids[node], node, name))
+        return np.array(place, dtype=int)
+
+
+def csv_table(path):
+    """node,x,y,z,dofs; dofs q: modal coordinates, 101-120,,,,q."""
+    out = Table(path)
+    try:
+        with open(path, newline='', encoding='utf-8-sig', errors='surrogateescape') as file:  # of what is no UTF-8 nothing is used
+            table = csv.DictReader(file, skipinitialspace=True)
+            columns = [str(key).strip() for key in table.fieldnames or []]
+            if not {'node', 'x', 'y', 'z'} <= set(columns) or len(set(columns)) < len(columns):
+                raise Refused('%s:1: its first line has to name the columns: node,x,y,z,dofs' % path)
+            for key in set(columns) - {'node', 'x', 'y', 'z', 'dofs', ''}:
+                raise Refused('%s:1: column %r is not known: node,x,y,z,dofs are' % (path, key))
+            table.fieldnames = columns
+            lines = [('%s:%d' % (path, table.line_num), row) for row in table]
+    except csv.Error as error:
+        raise Refused('%s:%d: %s' % (path, table.line_num, error))
+    for where, row in lines:
+        dofs = row.get('dofs') if row.get('dofs') is None else row['dofs'].strip()
+        if dofs is not None and list(dofs) != sorted(set(dofs) & set('123456')) and dofs not in ('0', 'q'):
+            raise Refused('%s: dofs: some of 123456 in this order (x y z, rotations about them), 0, or q of a modal coordinate are wanted, not %r' % (where, dofs))
+        ends = re.fullmatch(r'\s*(\d{1,10})\s*-\s*(\d{1,10})\s*', row['node'] or '') if dofs == 'q' else None
+        first, last = (int(end) for end in ends.groups()) if ends else [number_of(int, row, 'node', where)] * 2
+        if not first <= last < first + 100000:
+            raise Refused('%s: node: at most 100000 modal coordinates, from the lower number to the higher, are wanted, not %r' % (where, row['node']))
+        for node in range(first, last + 1):
+            out.node(node, where, None if dofs == 'q' else [number_of(float, row, key, where) for key in 'xyz'], dofs)
+    if not out.ids:
+        raise Refused('%s: no nodes: a line 1,0,0,0 for each is wanted' % path)
+    return out
+
+
+def deck_table(path):
+    """GRID, CORD, SPOINT and ASET cards of a deck of Nastran, such as the .asm of an external superelement; rows are in the order of numbers."""
+    bdf, known, aset = nastran('bdf.bdf').BDF(debug=None), ('GRID', 'SPOINT', 'ASET', 'ASET1', 'CORD1R', 'CORD1C', 'CORD1S', 'CORD2R', 'CORD2C', 'CORD2S'), {}
+    for name, fields, lines in matrix_files.cards(path):
+        if name in known:
+            try:
+                bdf.add_card([name] + fields, name, is_list=True)
+            except Exception as error:  # pyNastran has its own
+                raise Refused('%s:%d: %s: cannot be read: %s' % (path, lines[0], name, told(error)))
+    try:
+        bdf.cross_reference()
+        for card in bdf.asets:
+            for node, dofs in zip(card.ids, card.components if isinstance(card.components, list) else [card.components] * len(card.ids)):
+                aset[node] = ''.join(sorted(set(aset.get(node, '') + str(dofs).strip('0'))))
+        out = Table(path)
+        for node in sorted([*bdf.nodes, *bdf.spoints]):
+            if node in bdf.nodes:
+                out.node(node, path, bdf.nodes[node].get_position(), aset.get(node, '0' if aset else None))
+            else:
+                out.node(node, path, None, 'q')
+        out.axes = [axes_at(bdf.nodes[node].cd_ref, x) for node, x in zip(out.ids, out.x)]
+    except Refused:
+        raise
+    except Exception as error:
+        raise Refused('%s: its grids cannot be read: %s' % (path, told(error)))
+    if not out.ids:
+        raise Refused('%s: no GRID: %s' % (path, '--nodes wants the file that has the interface nodes' if aset or bdf.spoints else 'a table node,x,y,z,dofs, or the .asm of the superelement, is wanted'))
+    for node, x in zip(out.ids, out.x):
+        if not np.all(np.isfinite(x)):
+            raise Refused('%s: the place of grid %d is not finite' % (path, node))
+    return out
 
 
 def basic_by(place, axes):
@@ -353,19 +466,19 @@ def order_check(model, K, place, options):
         model.notes.append('moved as a rigid body K strains a little, %.2g of the forces of a node: digits of the file, elements that do so, or soft springs' % off)
 
 
-def definite_check(model, A, place, name, what):
-    """Diagonals, and pairs of rows, of a matrix that is not negative."""
+def definite_check(rows, A, name, what):
+    """Diagonals, and pairs of rows, which have these names, of a matrix that is not negative."""
     diagonal = A.diagonal()
     rounding = 1e-10 * abs(A).max()
     if diagonal.min() < -rounding:
         at = diagonal.argmin()
-        raise Refused('%s: %s has the negative %s %.6g (row %d)' % (name, row_name(model, place[at]), what, diagonal[at], at + 1))
+        raise Refused('%s: %s has the negative %s %.6g (row %d)' % (name, rows[at], what, diagonal[at], at + 1))
     coo, root = A.tocoo(), np.sqrt(np.maximum(diagonal, 0))
     over = abs(coo.data) - root[coo.row] * root[coo.col] * (1 + SMALL) - rounding
     if over.max(initial=0) > 0:
         at = over.argmax()
         raise Refused('%s: indefinite: %s and %s couple by %.6g, more than the root of the product of their own, %.6g and %.6g (rows %d and %d)'
-                      % (name, row_name(model, place[coo.row[at]]), row_name(model, place[coo.col[at]]), coo.data[at],
+                      % (name, rows[coo.row[at]], rows[coo.col[at]], coo.data[at],
                          diagonal[coo.row[at]], diagonal[coo.col[at]], coo.row[at] + 1, coo.col[at] + 1))
 
 
@@ -421,8 +534,9 @@ def solve(model, K, M, place, clamped, options):
     k_row, m_row = abs(K).max(axis=1).toarray().ravel(), abs(M).max(axis=1).toarray().ravel()
     for row in np.flatnonzero((k_row == 0) & (m_row > 0) & ~clamped[place // 6]):
         raise Refused('%s has mass and no stiffness: hold it, or leave it out (column dofs)' % row_name(model, place[row]))
-    definite_check(model, K, place, options.matrices[0], 'stiffness')
-    definite_check(model, M, place, options.matrices[1], 'mass')
+    rows = row_names(model, place)
+    definite_check(rows, K, options.matrices[0], 'stiffness')
+    definite_check(rows, M, options.matrices[1], 'mass')
     order_check(model, K, place, options)
     coupled_check(model, K, M, place, options)
     keep = np.flatnonzero((k_row > 0) & ~clamped[place // 6])
@@ -460,10 +574,24 @@ def solve(model, K, M, place, clamped, options):
 
 
 def from_matrices(options):
-    table = Table(options.nodes)
-    most = 6 * len(table.x), 'the %d nodes of %s' % (len(table.x), options.nodes)
-    K, M = (matrix(name, most) for name in options.matrices)
-    model, place = table.model(K.shape[0])
+    """Of matrices of all nodes, or of reduced ones, the model, its mass matrix, and what makes of a matrix one of six basic rows per node."""
+    table = (deck_table if os.path.splitext(options.nodes)[1].lower() in DECKS else csv_table)(options.nodes)
+    more = ' and %d modal coordinates' % len(table.modal) if table.modal else ''
+    most = 6 * len(table.x) + len(table.modal), 'the %d nodes%s of %s' % (len(table.x), more, options.nodes)
+    alone = len(options.matrices) == 1
+    K_name, M_name = (named(options.matrices[0 if alone else k], most, role) for k, role in enumerate('KM'))
+    C_name = named(options.matrices[-1], most, 'C', not alone) if alone or len(options.matrices) == 3 else None
+    options.matrices = [name for name in (K_name, M_name, C_name) if name]
+    files = [labelled(name, most) for name in options.matrices]
+    model = Model(table.ids, table.x)
+    matrices, place = placed(table, files, options)
+    if np.any(place >= 6 * len(model.ids)) or files[0][1] and K_name.rsplit(':', 1)[-1].upper() in ('KAAX', 'KAA', 'KXX', 'STIFFNESS'):
+        return reduced(model, matrices, place, table, options, most)
+    if C_name:
+        model.notes.append('%s is not taken: of matrices of all nodes damping is modal, --word \'damping RATIO\'' % C_name)
+    if table.axes and any(abs(turn - AXES).max() > SMALL for turn in table.axes):
+        raise Refused('%s: displacements of its grids are in axes of their own (CD): of matrices of all nodes basic ones are wanted' % options.nodes)
+    K, M = matrices[:2]
     basic = basic_by(place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
     M_basic = basic(M, options.matrices[1])
     clamped = np.zeros(len(model.ids), dtype=bool)
@@ -471,6 +599,289 @@ def from_matrices(options):
         clamped[model.find(node, '--frame')] = True
     solve(model, K, M, place, clamped, options)
     return model, M_basic, basic, most
+
+
+def placed(table, files, options):
+    """The matrices with the same rows, and the place of each row."""
+    names = options.matrices
+    labels = sorted({label for _, of in files for label in of or []})
+    if any((of is None) != (files[0][1] is None) for _, of in files):
+        raise Refused('%s: one names its rows, another does not: files of one kind are wanted' % ', '.join(names))
+    if files[0][1] is None or all(of == files[0][1] for _, of in files):
+        for (A, _), name in zip(files[1:], names[1:]):
+            if A.shape != files[0][0].shape:
+                raise Refused('%s has %d rows, the model %d' % (name, A.shape[0], files[0][0].shape[0]))
+        return [A for A, _ in files], table.place(files[0][0].shape[0], files[0][1], names[0])
+    at = {label: k for k, label in enumerate(labels)}  # rows that are zero are not written
+    out = []
+    for A, of in files:
+        to = np.array([at[label] for label in of], dtype=int)
+        A = A.tocoo()
+        out.append(sparse.csr_array((A.data, (to[A.row], to[A.col])), shape=(len(labels),) * 2))
+    return out, table.place(len(labels), labels, ', '.join(names))
+
+
+# ---- reduced matrices: rows of interface nodes and of modal coordinates ([Craig, Bampton 1968])
+
+ROWS = 4000  # of reduced matrices, which are dense
+
+
+def row_names(model, place):
+    """What a row of reduced matrices is called."""
+    n = 6 * len(model.ids)
+    return [row_name(model, p) if p < n else 'modal coordinate %d' % (p - n + 1) for p in place]
+
+
+def local_axes(table, model, place):
+    """Turns rows to basic axes: a matrix next to the unit one."""
+    turn = np.eye(len(place))
+    for k, axes in enumerate(table.axes or []):
+        if abs(axes - AXES).max() <= SMALL:
+            continue
+        for first in 0, 3:
+            rows = [np.flatnonzero(place == 6 * k + first + i) for i in range(3)]
+            have = [len(row) for row in rows]
+            if any(have) and not all(have):
+                raise Refused('%s: node %d has some of its directions only, in axes of its own (CD): all three, or basic axes, are wanted'
+                              % (table.path, model.ids[k]))
+            if all(have):
+                at = np.concatenate(rows)
+                turn[np.ix_(at, at)] = axes
+    return turn
+
+
+def uncoupled(model, matrices, place, names):
+    """The modal coordinates as motions with the interface held: K has then no entries between the two, as fixed-interface modes have none."""
+    modal = np.flatnonzero(place >= 6 * len(model.ids))
+    interface = np.flatnonzero(place < 6 * len(model.ids))
+    K = matrices[0]
+    if len(modal) == 0:
+        return matrices
+    own, cross = K[np.ix_(modal, modal)], K[np.ix_(modal, interface)]
+    size = np.sqrt(np.maximum(np.diag(own), 1e-300))
+    value, shape = linalg.eigh(own / np.outer(size, size))
+    if value[0] < 1e-12:
+        raise Refused('%s: %s has no stiffness of its own (rigid-body or free-interface modes): modes with the interface held are wanted'
+                      % (names[0], row_names(model, place)[modal[abs(shape[:, 0]).argmax()]]))
+    if abs(cross).max() <= 1e-12 * np.sqrt(abs(K).max() * np.diag(own).max()):
+        return matrices
+    model.notes.append('K couples modal coordinates with the interface: they are taken beside the static motion of the interface')
+    T = np.eye(len(place))
+    T[np.ix_(modal, interface)] = -linalg.solve(own, cross, assume_a='pos')
+    return [T.T @ A @ T for A in matrices]
+
+
+def rounding_only(K, M, interface):
+    """K of one interface node alone, whose motion is rigid, is rounding beside the slowest modal coordinate?"""
+    modal = np.setdiff1d(np.arange(len(K)), interface)
+    if len(modal) == 0:
+        return False
+    slow = min(K[k, k] / max(M[k, k], 1e-300) for k in modal)
+    fast = max(abs(K[k, k]) / max(M[k, k], 1e-300) for k in interface)
+    return fast < 1e-6 * slow
+
+
+def own_inertia(M, held, R):
+    """The least share of mass or inertia that stays at the held rows while all other coordinates move freely: 0, and a free base is singular."""
+    rest = M[np.ix_(held, held)] - M[np.ix_(held, ~held)] @ np.linalg.lstsq(M[np.ix_(~held, ~held)], M[np.ix_(~held, held)], rcond=1e-14)[0]
+    size = np.sqrt(np.maximum(np.diag(R.T @ M @ R), 1e-300))
+    return np.linalg.eigvalsh(R[held].T @ rest @ R[held] / np.outer(size, size))[0]
+
+
+def default_frame(model, place, M, R):
+    """The node that is held unless --frame says another: the first that has all degrees of freedom, and inertia of its own if one has."""
+    whole = [node for node, k in model.at.items() if np.sum(place // 6 == k) == 6]
+    if not whole:
+        raise Refused('no interface node has all six degrees of freedom: --frame wants the nodes that carry the frame of the body')
+    return [next((node for node in whole if own_inertia(M, place // 6 == model.at[node], R) > 1e-9), whole[0])]
+
+
+def reduced(model, matrices, place, table, options, most):
+    """Modes of reduced matrices with one interface held; they keep the static deflections at the other interface nodes."""
+    names = options.matrices
+    if options.line or options.geometric or options.condense or options.grounded:
+        raise Refused('--line, --geometric, --condense and --grounded are for matrices of all nodes: reduced ones have no places of masses')
+    if len(place) > ROWS:
+        raise Refused('%s: %d rows: reduced matrices of at most %d are wanted; those of all nodes have no modal rows' % (names[0], len(place), ROWS))
+    if len(set(place)) < len(place):
+        raise Refused('%s: node %d has a degree of freedom twice' % (names[0], model.ids[min(p for p in place if np.sum(place == p) > 1) // 6]))
+    for what, texts in (('--frame', map(str, options.frame)), ('--mark', options.mark)):
+        for node, _ in [item for text in texts for item in listed(text, what)]:
+            if not np.any(place // 6 == model.find(node, what)):
+                raise Refused('%s: node %d has no rows in %s' % (what, node, names[0]))
+    rows = row_names(model, place)
+    for A, name, what in zip(matrices, names, ('stiffness', 'mass')):
+        definite_check(rows, A, name, what)
+    turn = local_axes(table, model, place)
+    K, M, *C = uncoupled(model, [turn @ A.toarray() @ turn.T for A in matrices], place, names)
+    interface = np.flatnonzero(place < 6 * len(model.ids))
+    if len(interface) == 0:
+        raise Refused('%s: all rows are modal coordinates: those of an interface node are wanted, too' % options.nodes)
+    if np.ptp(place[interface] // 6) == 0 and rounding_only(K, M, interface):
+        K[np.ix_(interface, interface)] = 0
+    order_check(model, sparse.csr_array(K[np.ix_(interface, interface)]), place[interface], options)
+    R = np.zeros((len(place), 6))
+    R[interface] = rigid(model.x)[place[interface]]
+    norm = np.linalg.norm(R, axis=0)
+    if np.linalg.svd(R / np.where(norm > 0, norm, 1), compute_uv=False)[-1] < 1e-6:
+        raise Refused('%s: the interface nodes have no motion for some rotation of the body: its inertia is not in the matrices. A node with all six '
+                      'degrees of freedom, or three nodes off one line, are wanted' % options.nodes)
+    if not options.frame:
+        options.frame = default_frame(model, place, M, R)
+        others = [node for node in model.ids if node not in options.frame and np.any(place // 6 == model.at[node])]
+        if others:
+            model.notes.append('held at node %d, which carries the frame of the body (--frame takes another: %s)' % (options.frame[0], ', '.join(map(str, others[:8]))))
+    if options.origin is None:
+        options.origin = str(options.frame[0])
+    held = np.isin(place // 6, [model.at[node] for node in options.frame])
+    if own_inertia(M, held, R) < 1e-9:
+        model.notes.append('node %s has no inertia of its own in some direction: a free base, or a joint that lets it move so, wants a hub on the frame '
+                           '(--word \'hub ..\'), or another --frame' % ', '.join(map(str, options.frame)))
+    keep = np.flatnonzero(~held)
+    if len(keep) == 0:
+        raise Refused('--frame: all interface nodes are held, and there are no modal coordinates: nothing moves')
+    held_check(sparse.csr_array(K[np.ix_(keep, keep)]), R[keep])
+    options.mark = options.mark or [str(node) for node in model.ids if np.any(place // 6 == model.at[node])
+                                    and (node not in options.frame or len(options.frame) > 1 or options.origin != str(node))]
+    K_free, M_free = K[np.ix_(keep, keep)], M[np.ix_(keep, keep)]
+    for A, name, what in ((K_free, names[0], 'once the interface is held'), (M, names[1], 'as no mass is')):
+        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        value, shape = linalg.eigh(A / np.outer(size, size), subset_by_index=[0, 0])
+        if value[0] < -1e-9:
+            at = abs(shape[:, 0]).argmax()
+            raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, rows[keep[at]] if A is K_free else rows[at]))
+    value, phi = all_modes(K_free, M_free, names)
+    places = place[keep]
+    marked = np.flatnonzero(np.isin(places // 6, [model.at[node] for text in options.mark for node, _ in listed(text, '--mark')]))
+    value, phi = second_reduction(model, options, value, phi, phi[marked])
+    model.hz = np.sqrt(value) / (2 * np.pi)
+    whole = np.zeros((len(place), len(value)))
+    whole[keep] = phi
+    model.phi = np.zeros((6 * len(model.ids), len(value)))
+    model.phi[place[interface]] = whole[interface]
+    factor = linalg.cho_factor(K_free)
+    model.static = functools.partial(linalg.cho_solve, factor), places, value, phi
+    model.reduced = place, M, whole
+    if C:
+        damped(model, C[0], whole, value, R, options)
+    return model, None, None, most
+
+
+def all_modes(K, M, names):
+    """Squares of frequencies, and shapes of modal mass 1, of all coordinates that have mass; relative accuracy of each by its quotient."""
+    try:
+        value, phi = linalg.eigh(M, K)
+    except linalg.LinAlgError as error:
+        raise Refused('%s, %s have no modes (%s): K is to be positive definite once the interface is held, M not negative' % (*names[:2], told(error)))
+    massive = value > 1e-15 * value[-1]
+    phi = phi[:, massive][:, ::-1]
+    phi = phi / np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
+    phi *= np.sign(phi[abs(phi).argmax(axis=0), np.arange(phi.shape[1])])
+    return np.einsum('ik,ik->k', phi, K @ phi), phi
+
+
+def second_reduction(model, options, value, phi, at):
+    """At most so many modes as a description holds: the lowest, and residual attachment modes by loads at the marked nodes, which keep their
+    static deflections ([Rubin 1975]): what the other modes give under each load, orthogonal to all. at: rows of the marked nodes."""
+    count, keep = len(value), options.modes or min(len(value), MODES)
+    if keep > MODES:
+        raise Refused('--modes: %d wanted, a description holds %d' % (keep, MODES))
+    if keep > count:
+        raise Refused('--modes: %d wanted, there are %d coordinates with mass once the interface is held' % (keep, count))
+    if keep == count:
+        return value, phi
+    if len(at) > keep:
+        raise Refused('--mark: the marked nodes have %d degrees of freedom, and each wants a mode for its static deflection: of %d modes%s mark fewer nodes'
+                      % (len(at), keep, '' if keep == MODES else ', at most %d,' % MODES))
+    low = keep - len(at)
+    w = np.sqrt(value[low:])
+    basis, size, _ = np.linalg.svd((at[:, low:] / w).T, full_matrices=False)  # in coordinates of the left-out modes in which K is 1
+    basis = basis[:, size > 1e-12 * size.max(initial=0)]
+    mass, turn = linalg.eigh(basis.T @ (basis / value[low:, None])) if basis.shape[1] else (np.zeros(0), np.zeros((0, 0)))
+    mass, turn = mass[::-1], turn[:, ::-1]
+    extra = (phi[:, low:] / w) @ basis @ turn / np.sqrt(mass)
+    hz = np.sqrt(value) / (2 * np.pi)
+    own = np.sqrt(1 / mass) / (2 * np.pi)
+    dropped = hz[low:]
+    model.notes.append('of %d modes the lowest %d are kept%s; dropped are the modes of %s Hz%s'
+                       % (count, low, ' (to %.6g Hz)' % hz[low - 1] if low else '', ' '.join('%.5g' % f for f in dropped[:12]) + (' .. %.5g' % dropped[-1] if len(dropped) > 12 else ''),
+                          ', in whose place %d residual attachment modes (%.5g to %.5g Hz) keep the static deflection of the marked nodes'
+                          % (len(own), own[0], own[-1]) if len(own) else ''))
+    model.dropped = dropped
+    return np.concatenate([value[:low], 1 / mass]), np.hstack([phi[:, :low], extra])
+
+
+def damped(model, C, whole, value, R, options):
+    """Modal damping ratios of C."""
+    by = whole.T @ C @ whole
+    ratio = np.diag(by) / (2 * np.sqrt(value))
+    if ratio.min() < -1e-9:
+        raise Refused('%s: mode %d would have the damping ratio %.4g: damping is not negative' % (options.matrices[2], ratio.argmin() + 1, ratio.min()))
+    if any(word.split()[0] == 'damping' for word in options.word):
+        model.notes.append('%s is not taken: --word gives the damping' % options.matrices[2])
+        return
+    options.word = options.word + ['damping ' + numbers(np.maximum(ratio, 0), 9)]
+    size = np.sqrt(np.outer(np.maximum(np.diag(by), 1e-300), np.maximum(np.diag(by), 1e-300)))
+    off = abs(by - np.diag(np.diag(by))) / size
+    if off.max() > 0.01:
+        model.notes.append('%s couples modes, up to %.2g of the root of the product of their own damping, which is left out: damping is modal'
+                           % (options.matrices[2], off.max()))
+    ground = np.linalg.norm(C @ R) / max(np.linalg.norm(C) * np.linalg.norm(R), 1e-300)
+    if ground > 1e-6:
+        model.notes.append('%s damps rigid-body motion (%.2g of its size), which a body does not: that is left out' % (options.matrices[2], ground))
+
+
+def momenta(model, M):
+    """Mass matrix of rigid-body motion and modes."""
+    S = np.hstack([rigid(model.x), model.phi])
+    if not model.reduced:
+        return S.T @ (M @ S)
+    place, M, whole = model.reduced
+    S = np.vstack([S, np.zeros((place.max(initial=0) + 1, S.shape[1]))])[place]
+    modal = place >= 6 * len(model.ids)
+    S[modal] = 0
+    S[modal, 6:] = whole[modal]
+    return S.T @ M @ S
+
+
+def directions(model, motion, places):
+    """Per mode the shares of the directions in what it has beyond a rigid-body motion, as 3 x 3 matrices of trace 1, an estimate: those of the
+    interface nodes beside that motion, else of the motion itself, else the same in all directions."""
+    n = len(model.hz)
+    own = (model.phi - rigid(model.x) @ motion).reshape(-1, 6, n)[:, :3] * (abs(model.phi).reshape(-1, 6 * n).max(axis=1) > 0)[:, None, None]
+    F = np.zeros((n, 4, 3))  # of the motion by 1, x, y, z
+    for i in range(3):
+        F[:, 0, i], F[:, 1:, i] = motion[i], (skew(AXES[i]) @ motion[3:]).T
+    shares = np.einsum('pik,pjk->kij', own, own), F.transpose(0, 2, 1) @ places @ F
+    out = np.tile(AXES / 3, (n, 1, 1))
+    for share, least in zip(shares[::-1], (1e-3, 1e-18 * max(np.max(abs(shares[0])), 1e-300))):
+        trace = np.einsum('kii->k', share)
+        out = np.where((trace > least)[:, None, None], share / np.where(trace > least, trace, 1)[:, None, None], out)
+    return out
+
+
+def spread(model, want):
+    """Points that stand for the masses of reduced matrices, exact in mass, center, inertia, first moments and modal masses."""
+    n = len(model.hz)
+    motion = np.linalg.pinv(want[:6, :6], rcond=1e-12, hermitian=True) @ want[:6, 6:]
+    places, cross = np.zeros((4, 4)), want[3:6, :3]
+    places[0, 0] = want[0, 0]
+    places[0, 1:] = places[1:, 0] = [cross[2, 1], cross[0, 2], cross[1, 0]]
+    places[1:, 1:] = moments(want[3:6, 3:6])
+    F = np.hstack([np.eye(4), np.zeros((4, 3 * n))])  # by 1, x, y, z: of each direction of a mode its rigid-body motion
+    for i in range(3):
+        F[0, 4 + i::3], F[1:, 4 + i::3] = motion[i], skew(AXES[i]) @ motion[3:]
+
+    rest = root(want[6:, 6:] - want[:6, 6:].T @ motion)  # beyond it; each direction has its share
+    half = np.concatenate([root(share) for share in directions(model, motion, places)])
+    Q = half @ half.T * np.kron(rest @ rest, np.ones((3, 3)))
+    have = sum(Q[i::3, i::3] for i in range(3))
+    size = np.sqrt(np.maximum(np.diag(have), 1e-30))
+    unit = np.outer(size, size)
+    C = np.kron(change(have / unit, rest @ rest / unit) * size[:, None] / size, AXES)
+    S = F.T @ places @ F
+    S[4:, 4:] += C @ Q @ C.T
+    return points(S, max(model.ids) + 1)
 
 
 # ---- Nastran
@@ -899,6 +1310,11 @@ def scaled(model, M, length, mass):
     model.phi *= np.tile([length] * 3 + [1.0] * 3, n)[:, None]
     unit = sparse.csr_array(sparse.diags(np.tile([1.0] * 3 + [length] * 3, n) * np.sqrt(mass)))
     model.K_G = [unit @ A @ unit / (length if k < 3 else 1) for k, A in enumerate(model.K_G)]
+    if model.reduced:
+        place, M, whole = model.reduced
+        root = np.where((place < 6 * n) & (place % 6 < 3), 1.0, length) * np.sqrt(mass)
+        model.reduced = place, M * np.outer(root, root), whole
+        return None
     return sparse.csr_array(unit @ M @ unit)
 
 
@@ -1040,16 +1456,22 @@ def static_loss(model, marks):
         return
     solver, rows, value, phi = model.static
     for node, name in marks:
-        lost = ['force', 'moment'], [], []
+        lost, most = (['force', 'moment'], [], []), 0.0
         for row in np.flatnonzero(rows // 6 == model.at[node]):
             load = np.zeros(len(rows))
             load[row] = 1
             part = 1 - np.sum(phi[row]**2 / value) / solver(load)[row]
+            most = max(most, part)
             lost[1 + rows[row] % 6 // 3].append('%.3g %% %s' % (100 * max(part, 0), 'xyz'[rows[row] % 3]))
+        called = '%d%s' % (node, ' (%s)' % name if name else '')
+        model.losses.append((node, called, max(most, 0)))
+        if most < 1e-6 and lost[1] + lost[2]:
+            model.notes.append('the modes have all of the static deflection of node %s by forces%s there (%.1g is left out)'
+                               % (called, ' and moments' if lost[2] else '', max(most, 0)))
+            continue
         for kind, parts in zip(lost[0], lost[1:]):
             if parts:
-                model.notes.append('of the static deflection of node %d%s by a %s there the modes leave out %s'
-                                   % (node, ' (%s)' % name if name else '', kind, ', '.join(parts)))
+                model.notes.append('of the static deflection of node %s by a %s there the modes leave out %s' % (called, kind, ', '.join(parts)))
 
 
 def extremes(model):
@@ -1145,6 +1567,8 @@ def written(options, model, masses, lines, extra, marks, figures):
 
 def masses_for(options, model, M, want):
     """The masses that are written, and how."""
+    if model.reduced:
+        return spread(model, want), 'condensed'
     lumped, exact = lumps(model, M)
     masses = row_sums(model, M) if options.line and not exact else lumped
     real = [possible(at.J) for at in masses]  # the inertia of a bar about its axis alone is no body's
@@ -1173,7 +1597,9 @@ def modal_check(model, have, tolerance):
 
 def convert(options):
     """Text of the description, and what is told about it."""
+    arrays.cache_clear()
     model, M, basic, most = from_matrices(options) if options.matrices else from_nastran(options)
+    arrays.cache_clear()
     left_out = 0 if options.frame else rigid_left_out(model)
     if options.modes and options.modes > len(model.hz):
         raise Refused('--modes: %d wanted, %s has %d%s' % (options.modes, options.files[1], len(model.hz), ' that are no rigid-body motion' if left_out else ''))
@@ -1184,17 +1610,19 @@ def convert(options):
     model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
     model.K_G = [basic(matrix(name, most), name) if name != 'none' else 0 * M for name in options.geometric or []]
     M = scaled(model, M, *options.scale)
-    origin = options.origin.split(',')
+    origin = (options.origin or '0,0,0').split(',')
     model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
-    still_check(model, options.frame, left_out)
+    if not model.reduced:
+        still_check(model, options.frame, left_out)
     if model.K_G:
         geometric_check(options, model, M)
     elif not options.line:
-        model.notes.append('no second-order data (--line, --geometric): spinning or accelerated it does not stiffen, its frequencies at speed are too '
-                           'low, and it may seem unstable')
-    S = np.hstack([rigid(model.x), model.phi])
-    want = S.T @ (M @ S)
+        model.notes.append('no second-order data (%s): spinning or accelerated it does not stiffen, its frequencies at speed are too '
+                           'low, and it may seem unstable' % ('reduced matrices have none' if model.reduced else '--line, --geometric'))
+    want = momenta(model, M)
     size = np.ptp(model.x, axis=0).max()
+    if model.reduced:  # one interface node has no extent
+        size = max(size, np.sqrt(max(np.trace(want[3:6, 3:6]), 0) / max(want[0, 0], 1e-300)))
     mass_check(model, want, size, options.matrices[1] if options.matrices else options.mass or options.files[0])
     units_doubt(model, want[0, 0], size)
     modal_check(model, want[6:, 6:] / options.scale[1] / options.scale[0]**2, options.tolerance)  # in the units of the run
@@ -1229,12 +1657,14 @@ def options_of(arguments):
                                      epilog='examples/tools/README.md, Import')
     add = parser.add_argument
     add('files', nargs='*', metavar='MODEL.bdf MODES.op2', help='grids and masses; normal modes (SOL 103)')
-    add('--matrices', nargs=2, metavar=('K', 'M'), help='.mtx, .npz, .mat or .op4; FILE:NAME where it has several')
-    add('--nodes', metavar='FILE.csv', help='node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456')
+    add('--matrices', nargs='+', metavar='K', help='K M [C], or one file that has them: .mtx (MatrixMarket, Abaqus), .npz, .mat, .op4, .pch (DMIG), .matrix '
+        '(Harwell-Boeing); FILE:NAME where it has several')
+    add('--nodes', metavar='FILE', help='.csv: node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456, or q of modal coordinates '
+        '(101-120,,,,q); .asm, .bdf: grids of Nastran (of the .pch)')
     add('--out', required=True, metavar='FILE', help='the description')
-    add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6)')
-    add('--frame', default='', metavar='NODES', help='those of the interface: clamped; of an .op2, checked to stand still')
-    add('--origin', default='0,0,0', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0); --origin=-1,0,0')
+    add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6; of reduced matrices as many as are held)')
+    add('--frame', default='', metavar='NODES', help='those of the interface: clamped (of reduced matrices the first node); of an .op2, checked to stand still')
+    add('--origin', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0; of reduced matrices the node of the frame); --origin=-1,0,0')
     add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
     add('--line', action='append', default=[], metavar='NODES',
         help='follow each other along a line, which gives the stiffening: 1-33/4; straight:NODES from displacements alone')
@@ -1247,12 +1677,16 @@ def options_of(arguments):
     add('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
     add('--word', action='append', default=[], type=str.strip, metavar='LINE', help="a line of the description: 'damping 0.005'")
     options = parser.parse_args(arguments)
+    if options.matrices and not options.nodes and os.path.splitext(options.matrices[0].rsplit(':', 1)[0])[1].lower() in DECKS:
+        options.nodes = options.matrices[0] if os.path.exists(options.matrices[0]) else options.matrices[0].rsplit(':', 1)[0]
+    if len(options.matrices or []) > 3:
+        parser.error('--matrices wants K M [C], or one file')
     if bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
-        parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE.csv')
+        parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE')
     options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []
     try:
         options.scale = [float(x) for x in options.scale.split(',')]
-        origin = [float(x) for x in options.origin.split(',')]
+        origin = [float(x) for x in (options.origin or '0,0,0').split(',')]
         if len(options.scale) != 2 or not 0 < min(options.scale) <= max(options.scale) < math.inf or len(origin) not in (1, 3) or not all(map(math.isfinite, origin)):
             raise ValueError
     except ValueError:

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Blades of OpenFAST: every key is taken, told or refused. Finite-element models through examples/tools/import.py, by matrices and by
 # Nastran's files (tests/checks/import.py): mass, inertia, first moments and frequencies of flexbeam's bodies are those of the models and
-# of closed forms, spinning ones stiffen as its own beams do; what is wrong is told. Files damaged at random, others each day, are refused
+# of closed forms, spinning ones stiffen as its own beams do; what is wrong is told. Matrices reduced by Craig and Bampton
+# (tests/checks/import_reduced.py) keep frequencies and the compliance at their interfaces. Files damaged at random, others each day, are refused
 # or read (tests/checks/import_hostile.py). pyNastran, SciPy and NumPy are fetched by .ci/fetch into build/venv_nastran (an older NumPy
 # than that of FMPy); where they are not there all but the blades is left out.
 . tests/checks/common.sh
@@ -64,6 +65,8 @@ python=build/venv_nastran/bin/python
 try ${CC:-cc} $c99 -O0 -o "$out/integrals" tests/checks/import.c -lm
 try env OMP_NUM_THREADS=1 "$python" tests/checks/import.py "$out"
 figures=$(tail -n 1 "$out/log")
+try env OMP_NUM_THREADS=1 "$python" tests/checks/import_reduced.py "$out"
+figures="$figures, $(tail -n 1 "$out/log")"
 blade "no such line" ""
 count=60
 [ -z "${CHECK_ALL:-}" ] || count=600

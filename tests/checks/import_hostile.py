@@ -1,4 +1,5 @@
-# import_hostile.py - files of others that are damaged: import_hostile.py FOLDER COUNT SEED, after tests/checks/import.py with FOLDER.
+# import_hostile.py - files of others that are damaged: import_hostile.py FOLDER COUNT SEED, after tests/checks/import.py and
+# import_reduced.py with FOLDER.
 # COUNT files of every kind that import.py and elastodyn read, each damaged at random in one to three places: what comes is a
 # description that flexbeam reads, or a refusal that names a file, a node or a mode. No traceback, within seconds.
 import contextlib
@@ -50,6 +51,12 @@ RUNS = {  # what is damaged, and the arguments; kinds that libraries read may en
     'boom.bdf': ([folder + 'boom.bdf', folder + 'boom.op2', *boom], 3),
     'boom.op2': ([folder + 'boom.bdf', folder + 'boom.op2', *boom], 3),
     'MGG.op4': ([folder + 'boom.bdf', folder + 'full.op2', *boom, '--mass', folder + 'MGG.op4'], 1),
+    'two.csv': (['--matrices', folder + 'r.mat', '--nodes', folder + 'two.csv'], 3),
+    'grids.pch': (['--matrices', folder + 'grids.pch'], 6),
+    'asm.asm': (['--matrices', folder + 'local.op4', '--nodes', folder + 'asm.asm'], 2),
+    'sub.mtx': (['--matrices', folder + 'sub.mtx', '--nodes', folder + 'two.csv'], 5),
+    'KAAX1.mtx': (['--matrices', folder + 'KAAX1.mtx', folder + 'MAAX1.mtx', '--nodes', folder + 'two.csv'], 3),
+    'KAAX.matrix': (['--matrices', folder + 'KAAX.matrix', folder + 'MAAX.matrix', '--nodes', folder + 'two.csv'], 5),
     'blade.dat': (None, 6)}
 TOKENS = [b'nan', b'-1', b'1e400', b'0', b'99999999999', b'\xff\xfe', b',', b'\n', b'\0', b'"', b'%', b' ', b'inf', b'1e-320', b'2', b'-', b'*', b'\xe9', b'']
 
@@ -97,7 +104,7 @@ def by_python(arguments):
         done = subprocess.run([folder + 'integrals', folder + 'h.txt'], capture_output=True, text=True)
         return ('read', '') if done.returncode == 0 else ('a description that flexbeam does not read', said.getvalue() + done.stdout[-300:] + done.stderr)
     text = said.getvalue()
-    named = re.search(r'import\.py: .*(\.(csv|mtx|npz|mat|op4|bdf|op2)\b|node \d|mode \d|--\w)', text)
+    named = re.search(r'import\.py: .*(\.(csv|mtx|npz|mat|op4|bdf|op2|pch|asm|matrix)\b|node \d|mode \d|--\w)', text)
     understood = 'not understood' not in text
     return ('refused' if status == 1 and named and understood else 'a refusal without file, node or mode, or %s' % status, text)
 
