@@ -27,6 +27,7 @@ try:
 except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
+import import_report
 import matrix_files
 from matrix_files import Refused
 
@@ -44,7 +45,8 @@ class Model:
         self.ids, self.x = list(ids), np.array(x, dtype=float).reshape(-1, 3)
         self.at = {node: k for k, node in enumerate(self.ids)}
         self.K_G, self.modal_mass, self.digits, self.notes, self.static, self.reduced = [], None, 17, [], None, None
-        self.dropped, self.losses = [], []  # frequencies; marked nodes, their names, and the most that is left out of their static deflection
+        self.pairs, self.exact, self.dropped = [], None, []  # nodes that are joined; number of modes that are not residual; frequencies
+        self.losses = []  # marked nodes, their names, and the most that is left out of their static deflection
 
     def find(self, node, what):
         if node not in self.at:
@@ -438,8 +440,8 @@ def moved(x, A, place):
     return [abs(values).max(axis=0) / np.where(size > 0, size, 1) for values, size in zip(out, sizes)]
 
 
-def order_check(model, K, place, options):
-    """K lets rigid-body motion go free of forces, but where it holds the structure to the ground?"""
+def order_check(model, K, place, options, hint=', which --grounded allows'):
+    """K lets rigid-body motion go free of forces, but where it holds the structure to the ground? hint: what may be done about that."""
     pulled, turned = moved(model.x, K.tocoo(), place)
     limit = options.tolerance
     ground = np.unique(place[pulled > limit] // 6)
@@ -457,8 +459,8 @@ def order_check(model, K, place, options):
         at = pulled.argmax()
         raise Refused('%s: moved as a rigid body it pulls at the ground, at %s the most (%.2g of its forces remain, of rounding 1e-16), at %d of %d nodes: '
                       'rows in another order than %s says (x y z of a node follow each other), rows that were left out (export K before '
-                      'constraints), or springs to the ground, which --grounded allows'
-                      % (options.matrices[0], row_name(model, place[at]), pulled[at], len(ground), nodes, options.nodes))
+                      'constraints), or springs to the ground%s'
+                      % (options.matrices[0], row_name(model, place[at]), pulled[at], len(ground), nodes, options.nodes, hint))
     if len(ground) > 0:
         model.notes.append('K holds %d of %d nodes to the ground, node %d among them: this ground is the frame' % (len(ground), nodes, model.ids[ground[0]]))
     off = max(turned[(pulled <= 1e-6) & (place % 6 < 3)].max(initial=0), pulled[pulled <= limit].max(initial=0))
@@ -539,6 +541,9 @@ def solve(model, K, M, place, clamped, options):
     definite_check(rows, M, options.matrices[1], 'mass')
     order_check(model, K, place, options)
     coupled_check(model, K, M, place, options)
+    if len(model.ids) <= import_report.DRAWN:
+        coo, at = K.tocoo(), place // 6
+        model.pairs = sorted({(int(a), int(b)) for a, b in zip(at[coo.row], at[coo.col]) if a < b})
     keep = np.flatnonzero((k_row > 0) & ~clamped[place // 6])
     K, M, R = K[keep][:, keep], M[keep][:, keep], rigid(model.x)[place[keep]]
     n = len(keep)
@@ -585,7 +590,8 @@ def from_matrices(options):
     files = [labelled(name, most) for name in options.matrices]
     model = Model(table.ids, table.x)
     matrices, place = placed(table, files, options)
-    if np.any(place >= 6 * len(model.ids)) or files[0][1] and K_name.rsplit(':', 1)[-1].upper() in ('KAAX', 'KAA', 'KXX', 'STIFFNESS'):
+    few = len(np.unique(place // 6)) <= MARKS + 1  # statically reduced, without modal coordinates
+    if np.any(place >= 6 * len(model.ids)) or few and K_name.rsplit(':', 1)[-1].upper() in ('KAAX', 'KAA', 'KXX', 'STIFFNESS'):
         return reduced(model, matrices, place, table, options, most)
     if C_name:
         model.notes.append('%s is not taken: of matrices of all nodes damping is modal, --word \'damping RATIO\'' % C_name)
@@ -621,7 +627,9 @@ def placed(table, files, options):
     return out, table.place(len(labels), labels, ', '.join(names))
 
 
-# ---- reduced matrices: rows of interface nodes and of modal coordinates ([Craig, Bampton 1968])
+# ---- reduced matrices: rows of interface nodes and of modal coordinates
+# [CB]  R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA Journal 6 (1968) 1313-1319
+# [Ru]  S. Rubin, Improved component-mode representation for structural dynamic analysis, AIAA Journal 13 (1975) 995-1006
 
 ROWS = 4000  # of reduced matrices, which are dense
 
@@ -696,72 +704,113 @@ def default_frame(model, place, M, R):
     return [next((node for node in whole if own_inertia(M, place // 6 == model.at[node], R) > 1e-9), whole[0])]
 
 
-def reduced(model, matrices, place, table, options, most):
-    """Modes of reduced matrices with one interface held; they keep the static deflections at the other interface nodes."""
+def without_empty(model, matrices, place):
+    """Rows that have neither stiffness nor mass, which no element reaches, are left out."""
+    empty = np.flatnonzero(sum(abs(A).max(axis=1).toarray().ravel() for A in matrices[:2]) == 0)
+    if len(empty) == 0:
+        return matrices, place
+    rows = row_names(model, place[empty])
+    model.notes.append('%d rows have neither stiffness nor mass and are left out: %s%s' % (len(rows), '; '.join(rows[:3]), '; ..' if len(rows) > 3 else ''))
+    keep = np.setdiff1d(np.arange(len(place)), empty)
+    return [A[keep][:, keep] for A in matrices], place[keep]
+
+
+def reduced_check(model, matrices, place, options):
+    """What is refused before anything is computed."""
     names = options.matrices
     if options.line or options.geometric or options.condense or options.grounded:
         raise Refused('--line, --geometric, --condense and --grounded are for matrices of all nodes: reduced ones have no places of masses')
     if len(place) > ROWS:
         raise Refused('%s: %d rows: reduced matrices of at most %d are wanted; those of all nodes have no modal rows' % (names[0], len(place), ROWS))
+    if not np.any(place < 6 * len(model.ids)):
+        raise Refused('%s: all rows are modal coordinates: those of an interface node are wanted, too' % options.nodes)
     if len(set(place)) < len(place):
         raise Refused('%s: node %d has a degree of freedom twice' % (names[0], model.ids[min(p for p in place if np.sum(place == p) > 1) // 6]))
     for what, texts in (('--frame', map(str, options.frame)), ('--mark', options.mark)):
         for node, _ in [item for text in texts for item in listed(text, what)]:
             if not np.any(place // 6 == model.find(node, what)):
                 raise Refused('%s: node %d has no rows in %s' % (what, node, names[0]))
-    rows = row_names(model, place)
     for A, name, what in zip(matrices, names, ('stiffness', 'mass')):
-        definite_check(rows, A, name, what)
-    turn = local_axes(table, model, place)
-    K, M, *C = uncoupled(model, [turn @ A.toarray() @ turn.T for A in matrices], place, names)
+        definite_check(row_names(model, place), A, name, what)
+
+
+def interface_motion(model, place, options):
+    """Rigid-body motion of the rows; modal coordinates, which are motions with the interface held, have none."""
     interface = np.flatnonzero(place < 6 * len(model.ids))
-    if len(interface) == 0:
-        raise Refused('%s: all rows are modal coordinates: those of an interface node are wanted, too' % options.nodes)
-    if np.ptp(place[interface] // 6) == 0 and rounding_only(K, M, interface):
-        K[np.ix_(interface, interface)] = 0
-    order_check(model, sparse.csr_array(K[np.ix_(interface, interface)]), place[interface], options)
-    R = np.zeros((len(place), 6))
-    R[interface] = rigid(model.x)[place[interface]]
-    norm = np.linalg.norm(R, axis=0)
-    if np.linalg.svd(R / np.where(norm > 0, norm, 1), compute_uv=False)[-1] < 1e-6:
+    about = rigid(model.x - model.x[np.unique(place[interface] // 6)].mean(axis=0))[place[interface]]
+    norm = np.linalg.norm(about, axis=0)
+    if np.linalg.svd(about / np.where(norm > 0, norm, 1), compute_uv=False)[-1] < 1e-6:
         raise Refused('%s: the interface nodes have no motion for some rotation of the body: its inertia is not in the matrices. A node with all six '
                       'degrees of freedom, or three nodes off one line, are wanted' % options.nodes)
+    R = np.zeros((len(place), 6))
+    R[interface] = rigid(model.x)[place[interface]]
+    return R
+
+
+def held_rows(model, place, M, R, options):
+    """The rows of the frame, which are held; the other interface nodes are marked unless --mark says which."""
+    there = [node for node, k in model.at.items() if np.any(place // 6 == k)]
     if not options.frame:
         options.frame = default_frame(model, place, M, R)
-        others = [node for node in model.ids if node not in options.frame and np.any(place // 6 == model.at[node])]
+        others = ', '.join(str(node) for node in there if node not in options.frame)
         if others:
-            model.notes.append('held at node %d, which carries the frame of the body (--frame takes another: %s)' % (options.frame[0], ', '.join(map(str, others[:8]))))
+            model.notes.append('held at node %d, which carries the frame of the body (--frame takes another: %s)' % (options.frame[0], others))
     if options.origin is None:
         options.origin = str(options.frame[0])
+    options.mark = options.mark or [str(node) for node in there if node not in options.frame or str(node) != options.origin]
     held = np.isin(place // 6, [model.at[node] for node in options.frame])
+    if np.all(held):
+        raise Refused('--frame: all interface nodes are held, and there are no modal coordinates: nothing moves')
     if own_inertia(M, held, R) < 1e-9:
         model.notes.append('node %s has no inertia of its own in some direction: a free base, or a joint that lets it move so, wants a hub on the frame '
                            '(--word \'hub ..\'), or another --frame' % ', '.join(map(str, options.frame)))
+    return held
+
+
+def dense_check(A, rows, name, what):
+    """Refuses a dense matrix that has a negative eigenvalue."""
+    size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+    value, shape = linalg.eigh(A / np.outer(size, size), subset_by_index=[0, 0])
+    if value[0] < -1e-9:
+        raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, rows[abs(shape[:, 0]).argmax()]))
+
+
+def reduced(model, matrices, place, table, options, most):
+    """Modes of reduced matrices with one interface held; they keep the static deflections at the other interface nodes."""
+    names = options.matrices
+    matrices, place = without_empty(model, matrices, place)
+    reduced_check(model, matrices, place, options)
+    turn = local_axes(table, model, place)
+    K, M, *C = uncoupled(model, [turn @ ((A + A.T) / 2).toarray() @ turn.T for A in matrices], place, names)
+    interface = np.flatnonzero(place < 6 * len(model.ids))
+    if np.ptp(place[interface] // 6) == 0 and rounding_only(K, M, interface):
+        K[np.ix_(interface, interface)] = 0
+    R = interface_motion(model, place, options)
+    held = held_rows(model, place, M, R, options)
+    order_check(model, sparse.csr_array(K[np.ix_(interface, interface)]), place[interface], options,
+                ', which a body has not: they belong to the scene; where elements pull so, --tolerance')
     keep = np.flatnonzero(~held)
-    if len(keep) == 0:
-        raise Refused('--frame: all interface nodes are held, and there are no modal coordinates: nothing moves')
     held_check(sparse.csr_array(K[np.ix_(keep, keep)]), R[keep])
-    options.mark = options.mark or [str(node) for node in model.ids if np.any(place // 6 == model.at[node])
-                                    and (node not in options.frame or len(options.frame) > 1 or options.origin != str(node))]
-    K_free, M_free = K[np.ix_(keep, keep)], M[np.ix_(keep, keep)]
-    for A, name, what in ((K_free, names[0], 'once the interface is held'), (M, names[1], 'as no mass is')):
-        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
-        value, shape = linalg.eigh(A / np.outer(size, size), subset_by_index=[0, 0])
-        if value[0] < -1e-9:
-            at = abs(shape[:, 0]).argmax()
-            raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, rows[keep[at]] if A is K_free else rows[at]))
-    value, phi = all_modes(K_free, M_free, names)
-    places = place[keep]
-    marked = np.flatnonzero(np.isin(places // 6, [model.at[node] for text in options.mark for node, _ in listed(text, '--mark')]))
-    value, phi = second_reduction(model, options, value, phi, phi[marked])
+    rows = row_names(model, place)
+    dense_check(K[np.ix_(keep, keep)], [rows[k] for k in keep], names[0], 'once the interface is held')
+    dense_check(M, rows, names[1], 'as no mass is')
+
+    value, phi = all_modes(K[np.ix_(keep, keep)], M[np.ix_(keep, keep)], names)
+    nodes = [node for text in options.mark for node, _ in listed(text, '--mark')]
+    value, phi = second_reduction(model, options, value, phi, phi[np.isin(place[keep] // 6, [model.at[node] for node in nodes])])
     model.hz = np.sqrt(value) / (2 * np.pi)
     whole = np.zeros((len(place), len(value)))
     whole[keep] = phi
     model.phi = np.zeros((6 * len(model.ids), len(value)))
     model.phi[place[interface]] = whole[interface]
-    factor = linalg.cho_factor(K_free)
-    model.static = functools.partial(linalg.cho_solve, factor), places, value, phi
+    model.static = functools.partial(linalg.cho_solve, linalg.cho_factor(K[np.ix_(keep, keep)])), place[keep], value, phi
     model.reduced = place, M, whole
+    partial = [str(node) for node in nodes if np.sum(place // 6 == model.at[node]) < 6]
+    if partial:
+        model.notes.append('of node %s the matrices have some of the six degrees of freedom only: what a load does along the others, and a sensor of them, is zero'
+                           % ', '.join(partial))
+    model.notes.append('the matrices have no places of masses: Coriolis coupling of modes with each other, centrifugal loads that stretch, and inertia that '
+                       'grows with the square of deflection are estimates')
     if C:
         damped(model, C[0], whole, value, R, options)
     return model, None, None, most
@@ -782,7 +831,7 @@ def all_modes(K, M, names):
 
 def second_reduction(model, options, value, phi, at):
     """At most so many modes as a description holds: the lowest, and residual attachment modes by loads at the marked nodes, which keep their
-    static deflections ([Rubin 1975]): what the other modes give under each load, orthogonal to all. at: rows of the marked nodes."""
+    static deflections [Ru]: what the other modes give under each load, orthogonal to all. at: rows of the marked nodes."""
     count, keep = len(value), options.modes or min(len(value), MODES)
     if keep > MODES:
         raise Refused('--modes: %d wanted, a description holds %d' % (keep, MODES))
@@ -791,8 +840,8 @@ def second_reduction(model, options, value, phi, at):
     if keep == count:
         return value, phi
     if len(at) > keep:
-        raise Refused('--mark: the marked nodes have %d degrees of freedom, and each wants a mode for its static deflection: of %d modes%s mark fewer nodes'
-                      % (len(at), keep, '' if keep == MODES else ', at most %d,' % MODES))
+        raise Refused('--mark: the marked nodes (without --mark all of the interface) have %d degrees of freedom, and each wants a mode for its static '
+                      'deflection: of %d modes%s mark fewer nodes' % (len(at), keep, '' if keep == MODES else ', at most %d,' % MODES))
     low = keep - len(at)
     w = np.sqrt(value[low:])
     basis, size, _ = np.linalg.svd((at[:, low:] / w).T, full_matrices=False)  # in coordinates of the left-out modes in which K is 1
@@ -807,7 +856,7 @@ def second_reduction(model, options, value, phi, at):
                        % (count, low, ' (to %.6g Hz)' % hz[low - 1] if low else '', ' '.join('%.5g' % f for f in dropped[:12]) + (' .. %.5g' % dropped[-1] if len(dropped) > 12 else ''),
                           ', in whose place %d residual attachment modes (%.5g to %.5g Hz) keep the static deflection of the marked nodes'
                           % (len(own), own[0], own[-1]) if len(own) else ''))
-    model.dropped = dropped
+    model.dropped, model.exact = dropped, low
     return np.concatenate([value[:low], 1 / mass]), np.hstack([phi[:, :low], extra])
 
 
@@ -844,14 +893,12 @@ def momenta(model, M):
     return S.T @ M @ S
 
 
-def directions(model, motion, places):
+def directions(model, motion, F, places):
     """Per mode the shares of the directions in what it has beyond a rigid-body motion, as 3 x 3 matrices of trace 1, an estimate: those of the
-    interface nodes beside that motion, else of the motion itself, else the same in all directions."""
+    interface nodes beside that motion, else of the motion itself, F by 1, x, y, z, else the same in all directions."""
     n = len(model.hz)
     own = (model.phi - rigid(model.x) @ motion).reshape(-1, 6, n)[:, :3] * (abs(model.phi).reshape(-1, 6 * n).max(axis=1) > 0)[:, None, None]
-    F = np.zeros((n, 4, 3))  # of the motion by 1, x, y, z
-    for i in range(3):
-        F[:, 0, i], F[:, 1:, i] = motion[i], (skew(AXES[i]) @ motion[3:]).T
+    F = F.reshape(4, n, 3).transpose(1, 0, 2)
     shares = np.einsum('pik,pjk->kij', own, own), F.transpose(0, 2, 1) @ places @ F
     out = np.tile(AXES / 3, (n, 1, 1))
     for share, least in zip(shares[::-1], (1e-3, 1e-18 * max(np.max(abs(shares[0])), 1e-300))):
@@ -873,7 +920,7 @@ def spread(model, want):
         F[0, 4 + i::3], F[1:, 4 + i::3] = motion[i], skew(AXES[i]) @ motion[3:]
 
     rest = root(want[6:, 6:] - want[:6, 6:].T @ motion)  # beyond it; each direction has its share
-    half = np.concatenate([root(share) for share in directions(model, motion, places)])
+    half = np.concatenate([root(share) for share in directions(model, motion, F[:, 4:], places)])
     Q = half @ half.T * np.kron(rest @ rest, np.ones((3, 3)))
     have = sum(Q[i::3, i::3] for i in range(3))
     size = np.sqrt(np.maximum(np.diag(have), 1e-30))
@@ -1081,6 +1128,9 @@ def from_nastran(options):
             if abs(have - want) > options.tolerance * want > 0:
                 model.notes.append('%s: its mass is %.6g, that of the elements of %s %.6g (units of the model)' % (options.mass or 'MGG of ' + modes, have, path, want))
     model.notes += materials_doubt(bdf, path, options.scale)
+    for card in bdf.elements.values():
+        ends = [model.at[node] for node in getattr(card, 'node_ids', []) if node in model.at]
+        model.pairs += list(zip(ends, ends[1:] + ends[:1] * (len(ends) > 2)))
     damping = ', '.join(damping_of(bdf))
     if damping and not any(word.split()[0] == 'damping' for word in options.word):
         model.notes.append("%s: its damping (%s) is not taken, the component has none: --word 'damping RATIO'" % (path, damping))
@@ -1356,9 +1406,18 @@ def still_check(model, frame, left_out):
                 raise Refused('%s moves node %d of the frame: hold it there (SPC)' % (where, node))
 
 
-def mass_check(model, want, size, name):
+def mass_check(model, want, size, name, tolerance):
     """R^T M R is the mass matrix of a rigid body?"""
     mass, moment = want[0, 0], want[:3, 3:6]
+    off = max(abs(want[:3, :3] - mass * AXES).max(), abs(moment + moment.T).max() / max(size, 1e-300)) / max(mass, 1e-300)
+    if model.reduced and 1e-6 < off <= tolerance:
+        body = want[:6, :6].copy()
+        body[:3, :3], body[:3, 3:] = np.trace(want[:3, :3]) / 3 * AXES, (moment - moment.T) / 2
+        body[3:, :3] = body[:3, 3:].T
+        body *= max(linalg.eigh(want[:6, :6], body, eigvals_only=True)[-1], 1)  # not less than the modes carry: they keep their masses
+        if body[0, 0] < (1 + tolerance) * mass:
+            model.notes.append('the mass is %.6g, %.6g and %.6g along x, y and z, which a body has not: %.6g is taken' % (*np.diag(want)[:3], body[0, 0]))
+            want[:6, :6], mass, moment = body, body[0, 0], body[:3, 3:]
     if not mass > 0 or abs(want[:3, :3] - mass * AXES).max() > 1e-6 * mass:
         raise Refused('%s: the mass is %.6g, %.6g and %.6g along x, y and z: it has to be the same (rows may be missing, or masses of one direction)'
                       % (name, *np.diag(want)[:3]))
@@ -1623,7 +1682,7 @@ def convert(options):
     size = np.ptp(model.x, axis=0).max()
     if model.reduced:  # one interface node has no extent
         size = max(size, np.sqrt(max(np.trace(want[3:6, 3:6]), 0) / max(want[0, 0], 1e-300)))
-    mass_check(model, want, size, options.matrices[1] if options.matrices else options.mass or options.files[0])
+    mass_check(model, want, size, options.matrices[1] if options.matrices else options.mass or options.files[0], options.tolerance)
     units_doubt(model, want[0, 0], size)
     modal_check(model, want[6:, 6:] / options.scale[1] / options.scale[0]**2, options.tolerance)  # in the units of the run
     unit = np.concatenate([np.ones(6), 1 / np.sqrt(np.diag(want)[6:])])  # shapes of modal mass 1
@@ -1649,7 +1708,41 @@ def convert(options):
     static_loss(model, marks)
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
     figures = 'mass %.9g kg, masses %s (%s off by %.1g)' % (want[0, 0], how, worst, off[worst])
-    return written(options, model, masses, lines, extra, marks, figures), figures, model
+    return written(options, model, masses, lines, extra, marks, figures), figures, model, report_of(options, model, want, marks, how, off) if options.report else None
+
+
+def report_of(options, model, want, marks, how, off):
+    """Figures, modes, static deflections and notes of an import."""
+    mass, moment = want[0, 0], want[:3, 3:6]
+    center = np.array([moment[1, 2], moment[2, 0], moment[0, 1]]) / mass
+    J = want[3:6, 3:6] + mass * skew(center) @ skew(center)
+    J = np.where(abs(J) > 1e-12 * abs(J).max(), J, 0)
+    center = np.where(abs(center) > 1e-12 * abs(center).max(), center, 0)
+    axes = 'x', 'y', 'z', 'about x', 'about y', 'about z'
+    share = 100 * want[:6, 6:]**2 / np.maximum(np.diag(want)[:6], 1e-300)[:, None]
+    cross = abs(want[6:, 6:] - np.diag(np.diag(want)[6:]))
+    exact = len(model.hz) if model.exact is None else model.exact
+    head = ['mode', 'Hz', 'Hz of the source', *('%s %%' % axis for axis in axes), 'orthogonality']
+    rows = [['%d' % (k + 1), '%.6g' % model.hz[k], '%.6g' % model.hz[k] if k < exact else 'residual', *('%.3g' % value for value in np.round(share[:, k], 6)), '%.1g' % cross[k].max()]
+            for k in range(len(model.hz))]
+    tables = [(head, rows)]
+    if model.losses:
+        tables.append((['node', 'static deflection left out'], [[called, '%.2g %%' % (100 * most)] for _, called, most in model.losses]))
+    files = options.files or options.matrices
+    second = 'geometric stiffness, 12 loads' if model.K_G else 'stiffening by %d lines' % len(options.line) if options.line else 'none: spinning or accelerated it does not stiffen'
+    figures = [('mass', '%.9g kg' % mass), ('center of mass', '%.6g %.6g %.6g m' % tuple(center)),
+               ('inertia about it', 'xx %.6g, yy %.6g, zz %.6g, xy %.6g, xz %.6g, yz %.6g kg m^2' % (J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2])),
+               ('masses written', '%s; off by %s' % (how, ', '.join('%.1g in %s' % (value, key) for key, value in off.items()))),
+               ('modes carry', ', '.join('%.4g %% %s' % pair for pair in zip(np.round(share.sum(axis=1), 6), axes))), ('second-order data', second)]
+    if len(model.dropped):
+        figures.append(('modes dropped', ' '.join('%.5g' % hz for hz in model.dropped) + ' Hz'))
+    shape = model.phi.reshape(len(model.ids), 6, -1)
+    names = [(model.at[node], name or str(node)) for node, name in marks] + [(model.at[node], '' if k else 'frame') for k, node in enumerate(options.frame)]
+    pairs = [(model.at[options.frame[0]], k) for k in range(len(model.ids)) if model.ids[k] not in options.frame] if model.reduced else model.pairs
+    report = {'title': '%s from %s' % (os.path.basename(options.out), ', '.join(os.path.basename(name) for name in files)), 'figures': figures, 'tables': tables, 'notes': model.notes}
+    if os.path.splitext(options.report)[1].lower() not in ('.html', '.htm'):
+        return import_report.text(report)
+    return import_report.page(report, import_report.geometry(model.x, shape, pairs, names, bool(model.reduced)))
 
 
 def options_of(arguments):
@@ -1675,6 +1768,7 @@ def options_of(arguments):
     add('--condense', action='store_true', help='a few points in place of all masses, with the same integrals')
     add('--grounded', action='store_true', help='K holds nodes to the ground on purpose, beside those of --frame')
     add('--tolerance', type=float, default=0.02, metavar='E', help='how far integrals of masses may be off (0.02)')
+    add('--report', metavar='FILE', help='figures, modes, static deflections and notes: .html, a page whose modes move, or text')
     add('--word', action='append', default=[], type=str.strip, metavar='LINE', help="a line of the description: 'damping 0.005'")
     options = parser.parse_args(arguments)
     if options.matrices and not options.nodes and os.path.splitext(options.matrices[0].rsplit(':', 1)[0])[1].lower() in DECKS:
@@ -1696,8 +1790,9 @@ def options_of(arguments):
     if options.geometric and set(options.geometric) == {'none'}:
         parser.error('--geometric has no matrix')
     read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
-    if os.path.exists(options.out) and any(os.path.exists(name) and os.path.samefile(options.out, name) for name in read):
-        parser.error('--out: that is what is read')
+    for what, target in (('--out', options.out), ('--report', options.report)):
+        if target and os.path.exists(target) and any(os.path.exists(name) and os.path.samefile(target, name) for name in read + [options.out] * (what == '--report')):
+            parser.error('%s: that is what is %s' % (what, 'read' if what == '--out' else 'read or written'))
     if not 0 <= options.tolerance < math.inf:
         parser.error('--tolerance wants a number from 0 on')
     if not all(options.word):
@@ -1710,9 +1805,12 @@ def options_of(arguments):
 def main(arguments):
     try:
         options = options_of(arguments)
-        text, figures, model = convert(options)
+        text, figures, model, report = convert(options)
         with open(options.out, 'w', encoding='utf-8') as file:
             file.write(text)
+        if report:
+            with open(options.report, 'w', encoding='utf-8') as file:
+                file.write(report)
     except (OSError, UnicodeError, Refused) as error:
         print('import.py:', error, file=sys.stderr)
         return 1

@@ -57,7 +57,7 @@ def cards(path):
         if re.match(r'[A-Za-z]', head):
             if name:
                 yield name, fields, lines
-            name, fields, lines = head.rstrip('*').upper(), [], []
+            name, fields, lines = head.rstrip('*').strip().upper(), [], []
         fields += [word.strip() for word in part]
         lines += [k] * len(part)
     if name:

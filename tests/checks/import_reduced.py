@@ -3,8 +3,8 @@
 # format. What flexbeam makes of it has the frequencies of the reduced matrices, the compliance, mass and inertia of the full model, and of
 # closed forms; hinged at one interface and loaded at another it bends as the full model does.
 import json
-import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -46,7 +46,7 @@ def frame():
 
 
 def reduce(K, M, nodes, count):
-    """[Craig, Bampton 1968]: constraint modes of the nodes and so many modes with them held: K, M, and the motion of all rows."""
+    """[CB] of import.py: constraint modes of the nodes and so many modes with them held: K, M, and the motion of all rows."""
     held = np.concatenate([6 * k + np.arange(6) for k in nodes])
     free = np.setdiff1d(np.arange(len(K)), held)
     _, phi = linalg.eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], subset_by_index=[0, max(count - 1, 0)])
@@ -137,11 +137,13 @@ for a in range(2):
         meet('compliance of 24 of 52 modes', compliance(have, (a, c)), full[np.ix_(at[a], at[c])], 1e-9)
 value = linalg.eigh(Kr3[6:, 6:], Mr3[6:, 6:], eigvals_only=True)
 said = re.search('^# of 52 modes the lowest 12 are kept .to (.*) Hz.; dropped are the modes of (.*) [.][.] (.*) Hz, in whose place 12 residual', text, re.M)
+if len(re.findall('^# the modes have all of the static deflection of node (13|25) by forces and moments', text, re.M)) != 2:
+    sys.exit('three interfaces: %s' % text)
 meet('dropped frequencies', [float(f) for f in [said[1], *said[2].split(), said[3]]], np.sqrt(value[[11, *range(12, 24), 51]]) / (2 * np.pi), 1e-4)
 run(*pair3, *base3, '--mark', 25, '--modes', 9)
 have = body()
 meet('compliance of 9 of 52 modes', compliance(have, (0, 0)), full[np.ix_(at[1], at[1])], 1e-9)
-refuse('--mark: the marked nodes have 12 degrees of freedom, and each wants a mode for its static deflection: of 9 modes, at most 24, mark fewer', *pair3, *base3, '--modes', 9)
+refuse('--mark: the marked nodes .without --mark all of the interface. have 12 degrees of freedom, and each wants a mode for its static deflection: of 9 modes, at most 24, mark fewer', *pair3, *base3, '--modes', 9)
 
 # a straight cantilever against closed forms
 xs, Ks, Ms = arm(np.zeros(3), np.eye(3), 3.0, 24)
@@ -316,6 +318,11 @@ R1 = np.vstack([rigid(x[:1], 6), np.zeros((10, 6))])
 by_hand(have, x[0], K1, M1, R1, range(6), 10)
 want = (R1.T @ M1[:, 6:])
 sign = np.sign(np.sum(have['P'].reshape(10, 3) * want[:3].T, axis=1))
+_, phi = linalg.eigh(K1[6:, 6:], M1[6:, 6:])  # where modes move is an estimate: of three, integrals of products of displacements
+masses = rho * A * np.array([1 / 12] + [1 / 6] * 11 + [1 / 12 + 1 / 16] + [1 / 8] * 11 + [1 / 16])
+u = (T1[:, 6:] @ phi[:, :3]).reshape(25, 6, 3)[:, :3]
+moved = np.einsum('p,pik,pjk->kij', masses, u, u)
+meet('estimated directions', have['Pi'].reshape(10, 10, 3, 3)[[0, 1, 2], [0, 1, 2]], np.trace(moved, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moved, 0.15)
 meet('momenta of one interface', have['P'].reshape(10, 3) * sign[:, None], want[:3].T, 1e-8)
 K0, M0, T0 = reduce(K, M, (0, 24), 0)
 run('--matrices', substructure('guyan.mtx', {'STIFFNESS': K0, 'MASS': M0}), *table('none.csv', x, (0, 24), 0))
@@ -329,6 +336,86 @@ run('--matrices', save('uK.mtx', Kr * np.outer(unit, unit)), save('uM.mtx', Mr *
 have = body()
 by_hand(have, x[0], Kr, Mr, R, range(6), 24)
 meet('units', compliance(have, (0, 0)), full[np.ix_(at[1], at[1])], 1e-9)
+
+# rows that are empty, masses that are not the same in all directions: told; nodes with displacements alone
+hollow = [np.zeros((33, 33)) for _ in range(2)]
+for big, B in zip(hollow, (Kr, Mr)):
+    big[np.ix_(np.r_[0:12, 15:33], np.r_[0:12, 15:33])] = B
+with open(folder + 'empty.csv', 'w') as file:
+    file.write('node,x,y,z,dofs\n1,%r,%r,%r,123456\n25,%r,%r,%r,123456\n26,0,0,0,456\n101-118,,,,q\n' % (*map(float, x[0]), *map(float, x[24])))
+text = run('--matrices', save('eK.mtx', hollow[0]), save('eM.mtx', hollow[1]), '--nodes', folder + 'empty.csv')
+have = body()
+by_hand(have, x[0], Kr, Mr, R, range(6), 24)
+if '# 3 rows have neither stiffness nor mass and are left out: node 26, degree of freedom 4' not in text:
+    sys.exit('empty rows: %s' % text)
+heavy = Mr.copy()
+heavy[0, 0] += 0.05
+text = run(pair[0], pair[1], save('vM.mtx', heavy), *base)
+have = body()
+said = re.search('the mass is (.*), (.*) and (.*) along x, y and z, which a body has not: (.*) is taken', text)
+meet('masses of directions', [float(m) for m in said.groups()[:3]], np.diag(R.T @ heavy @ R)[:3], 1e-5)
+n = len(have['reach'])
+meet('masses of directions, frequencies', np.sqrt(np.diag(have['K'].reshape(n, n))) / np.sqrt(linalg.eigh(Kr[6:, 6:], heavy[6:, 6:], eigvals_only=True)), np.ones(n), 1e-9)
+if not 9.5 <= float(said[4]) < 9.55:
+    sys.exit('masses of directions: %s' % said[0])
+turns = np.r_[9:12]
+rest = np.setdiff1d(np.arange(30), turns)
+S = np.eye(30)[:, rest]
+S[np.ix_(turns, np.arange(len(rest)))] = -linalg.solve(Kr[np.ix_(turns, turns)], Kr[np.ix_(turns, rest)])
+with open(folder + 'straight.csv', 'w') as file:
+    file.write('node,x,y,z,dofs\n1,%r,%r,%r,123456\n25,%r,%r,%r,123\n101-118,,,,q\n' % (*map(float, x[0]), *map(float, x[24])))
+text = run('--matrices', save('tK.mtx', (S.T @ Kr @ S + (S.T @ Kr @ S).T) / 2), save('tM.mtx', (S.T @ Mr @ S + (S.T @ Mr @ S).T) / 2), '--nodes', folder + 'straight.csv')
+have = body()
+meet('tip compliance, forces', compliance(have, (0, 0))[:3, :3], full[np.ix_(at[1][:3], at[1][:3])], 1e-8)
+if '# of node 25 the matrices have some of the six degrees of freedom only' not in text:
+    sys.exit('displacements alone: %s' % text)
+with open(folder + 'part.csv', 'w') as file:
+    file.write('node,x,y,z\n1,%r,%r,%r\n25,%r,%r,%r\n' % (*map(float, x[0]), *map(float, x[24])))
+same_as(text, '--matrices', substructure('part.mtx', {'STIFFNESS': (S.T @ Kr @ S + (S.T @ Kr @ S).T) / 2, 'MASS': (S.T @ Mr @ S + (S.T @ Mr @ S).T) / 2},
+                                         '          2,          1,          2,          3\n'), '--nodes', folder + 'part.csv')
+
+# the example of examples/tools/README.md
+with open('examples/tools/README.md') as file:
+    command = shlex.split(re.search('    (python3 examples/tools/import.py --matrices examples/bent/.*)', file.read())[1])[2:]
+where = command.index('--out')
+run(*command[:where], *command[where + 4:])
+have = body()
+meet('the example', compliance(have, (0, 0)), full[np.ix_(at[1], at[1])], 1e-6)
+meet('the example', have['mass'], rho * A * 3.5, 1e-8)
+
+# the report: text, and one page without network
+run(*pair3, *base3, '--mark', '13:elbow,25:tip', '--report', folder + 'report')
+with open(folder + 'report') as file:
+    report = file.read()
+value = linalg.eigh(Kr3[6:, 6:], Mr3[6:, 6:], eigvals_only=True)
+meet('report', float(re.search('^mass +(.*) kg', report, re.M)[1]), rho * A * 3.5, 1e-8)
+about = rigid(x - x[0], 6).T @ M @ rigid(x - x[0], 6)
+center = np.array([about[5, 1], about[3, 2], about[4, 0]]) / about[0, 0]
+meet('report', np.array(re.search('^center of mass +(.*) m', report, re.M)[1].split(), dtype=float), center, 1e-5)
+J = about[3:, 3:] - about[0, 0] * (center @ center * np.eye(3) - np.outer(center, center))
+said = [float(re.search('%s ([-0-9.e+]+)' % key, re.search('^inertia about it +(.*)', report, re.M)[1])[1]) for key in ('xx', 'yy', 'zz', 'xy', 'xz', 'yz')]
+meet('report', said, [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]], 1e-5)
+rows = re.findall(r'^ +(\d+) +(\S+) +(\S+) +(\S+) +(\S+) +(\S+) +\S+ +\S+ +\S+ +\S+$', report, re.M)
+meet('report', [float(row[2]) for row in rows[:12]], np.sqrt(value[:12]) / (2 * np.pi), 1e-5)
+if [row[2] for row in rows[12:]] != ['residual'] * 12 or len(re.findall('(elbow|tip)[)] +[0-9.e-]+ %', report)) != 2:
+    sys.exit('report: %s' % report)
+dropped = re.search('^modes dropped +(.*) Hz', report, re.M)[1].split()
+meet('report', [float(hz) for hz in dropped], np.sqrt(value[12:]) / (2 * np.pi), 1e-4)
+_, phi = linalg.eigh(Kr3[6:, 6:], Mr3[6:, 6:])
+share = (np.vstack([rigid(x[[0, 12, 24]], 6), np.zeros((40, 6))]).T @ Mr3[:, 6:] @ phi[:, :12])[:3]**2 / about[0, 0]
+meet('report', np.array([row[3:] for row in rows[:12]], dtype=float) / 100, share.T, 6e-3)
+run(*pair3, *base3, '--mark', '13:elbow,25:tip', '--report', folder + 'report.html')
+with open(folder + 'report.html') as file:
+    page = file.read()
+data = json.loads(re.search('^const data = (.*), view = ', page, re.M)[1])
+meet('page', data['x'], (x - x[0])[[0, 12, 24]], 1e-4)
+shape = np.array(data['modes'])[0]
+want = T3[np.ix_(np.concatenate([6 * k + np.arange(6) for k in (0, 12, 24)]), np.arange(6, len(Kr3)))] @ phi[:, 0]
+want = want.reshape(3, 6) / np.linalg.norm(want.reshape(3, 6)[:, :3], axis=1).max()
+meet('page', shape * np.sign(np.sum(shape * want)), want, 6e-3)
+if re.search('https?:|src=|@[A-Z]+@', page) or len(page) > 30000 or len(data['modes']) != 24 or [name for _, name in data['names']] != ['elbow', 'tip', 'frame']:
+    sys.exit('page: %d characters, %s' % (len(page), data['names']))
+refuse('--report: that is what is read or written', *pair, *base, '--report', pair[1])
 
 # ---- what is wrong is told
 
