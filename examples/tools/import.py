@@ -658,7 +658,7 @@ def local_axes(table, model, place):
     return turn
 
 
-def uncoupled(model, matrices, place, names):
+def uncoupled(model, matrices, place, names, table):
     """The modal coordinates as motions with the interface held: K has then no entries between the two, as fixed-interface modes have none."""
     modal = np.flatnonzero(place >= 6 * len(model.ids))
     interface = np.flatnonzero(place < 6 * len(model.ids))
@@ -669,8 +669,8 @@ def uncoupled(model, matrices, place, names):
     size = np.sqrt(np.maximum(np.diag(own), 1e-300))
     value, shape = linalg.eigh(own / np.outer(size, size))
     if value[0] < 1e-12:
-        raise Refused('%s: %s has no stiffness of its own (rigid-body or free-interface modes): modes with the interface held are wanted'
-                      % (names[0], row_names(model, place)[modal[abs(shape[:, 0]).argmax()]]))
+        raise Refused('%s: %s has no stiffness of its own: rigid-body or free-interface modes, where modes with the interface held are wanted, or rows '
+                      'in another order than %s says' % (names[0], row_names(model, place)[modal[abs(shape[:, 0]).argmax()]], table))
     if abs(cross).max() <= 1e-12 * np.sqrt(abs(K).max() * np.diag(own).max()):
         return matrices
     model.notes.append('K couples modal coordinates with the interface: they are taken beside the static motion of the interface')
@@ -781,7 +781,7 @@ def reduced(model, matrices, place, table, options, most):
     matrices, place = without_empty(model, matrices, place)
     reduced_check(model, matrices, place, options)
     turn = local_axes(table, model, place)
-    K, M, *C = uncoupled(model, [turn @ ((A + A.T) / 2).toarray() @ turn.T for A in matrices], place, names)
+    K, M, *C = uncoupled(model, [turn @ ((A + A.T) / 2).toarray() @ turn.T for A in matrices], place, names, options.nodes)
     interface = np.flatnonzero(place < 6 * len(model.ids))
     if np.ptp(place[interface] // 6) == 0 and rounding_only(K, M, interface):
         K[np.ix_(interface, interface)] = 0

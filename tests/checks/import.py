@@ -324,7 +324,11 @@ of_boom = x, K, M
 w, phi = nastran('boom', K, M, 8)
 files = [deck('boom.bdf'), folder + 'boom.op2']
 base = ['--scale', '0.001,1000', '--frame', 1, '--mark', '25:tip,SET5']
-text = run(*files, *base)
+text = run(*files, *base, '--report', folder + 'boom.html')
+with open(folder + 'boom.html') as file:
+    drawn = json.loads(re.search('^const data = (.*), view = ', file.read(), re.M)[1])
+if sorted(map(tuple, drawn['edges'])) != [(k, k + 1) for k in range(n)] or drawn['names'][0] != [24, 'tip'] or len(drawn['modes']) != 8:
+    sys.exit('page: %s' % drawn['edges'])
 if re.findall('^mark .*', text, re.M) != ['mark 25 tip', 'mark 13', 'mark 20']:
     sys.exit('marks: %s' % re.findall('^mark .*', text, re.M))
 plain = integrals()
@@ -600,7 +604,11 @@ sparse.save_npz(folder + 'many_K.npz', sparse.csr_matrix(sparse.diags(spring)))
 sparse.save_npz(folder + 'many_M.npz', sparse.csr_matrix(sparse.eye(3 * many)))
 refuse('25 modes, a description holds 24: --modes 24', *grounded, '--modes', 25)
 refuse('4100 nodes, a description holds 4096: --condense puts at most 10 points', *grounded, '--modes', 2)
-text = run(*grounded, '--modes', 2, '--condense')
+text = run(*grounded, '--modes', 2, '--condense', '--report', folder + 'many.html')
+with open(folder + 'many.html') as file:
+    page = file.read()
+if len(json.loads(re.search('^const data = (.*), view = ', page, re.M)[1])['x']) != 400 or len(page) > 60000:
+    sys.exit('page of many nodes: %d characters' % len(page))
 have = integrals()
 meet('many nodes', have['mass'], many, 1e-12)
 meet('many nodes', have['J'].reshape(3, 3), np.sum(r * r) * np.eye(3) - r.T @ r, 1e-12)

@@ -67,6 +67,13 @@ try env OMP_NUM_THREADS=1 "$python" tests/checks/import.py "$out"
 figures=$(tail -n 1 "$out/log")
 try env OMP_NUM_THREADS=1 "$python" tests/checks/import_reduced.py "$out"
 figures="$figures, $(tail -n 1 "$out/log")"
+for browser in chromium-headless-shell chromium; do # the page of a report draws itself
+  if command -v $browser > /dev/null; then
+    $browser --no-sandbox --disable-gpu --virtual-time-budget=2000 --dump-dom "file://$(cd "$out" && pwd)/report.html" > "$out/log" 2>&1 || true
+    grep -q 'id="told">mode 1, 2[.]1834[0-9]* Hz<' "$out/log" || fail "$out/report.html in $browser: $(tail -n 3 "$out/log")"
+    break
+  fi
+done
 blade "no such line" ""
 count=60
 [ -z "${CHECK_ALL:-}" ] || count=600

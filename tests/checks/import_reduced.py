@@ -168,23 +168,49 @@ meet('frequencies by analyse', frequencies(folder + 'out.txt')[:6], np.sqrt(lina
 
 run(*pair, *base, '--mark', '25:tip')
 spring, load = 300.0, np.array([0.03, -0.05, 0.04]) / 1000
-with open(folder + 'scene.txt', 'w') as file:
-    file.write('title hinge\ntrim\nbody bent file out.txt\nend\njoint root revolute ground bent\n  stiffness %r\nend\nload bent.tip dead force %r %r %r\n'
-               'output u displacement bent.tip\noutput turn coordinate root 1\nmeasure x final u_x\nmeasure y final u_y\nmeasure z final u_z\nmeasure angle final turn\n'
-               'measure first frequency 1\nmeasure second frequency 2\nmeasure third frequency 3\n' % (spring, *load))
-done = subprocess.run(['build/flexbeam', 'scene', folder + 'scene.txt'], capture_output=True, text=True)
-if done.returncode:
-    sys.exit(done.stdout + done.stderr)
-said = dict(re.findall(r'^(\w+) = (\S+)', done.stdout, re.M))
+
+
+def scene(text):
+    """Measures of a scene with the body FOLDER/out.txt, the first three frequencies among them."""
+    with open(folder + 'scene.txt', 'w') as file:
+        file.write('title bent\nbody bent file out.txt\nend\n' + text + ''.join('measure w%d frequency %d\n' % (k, k) for k in (1, 2, 3)))
+    done = subprocess.run(['build/flexbeam', 'scene', folder + 'scene.txt'], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(done.stdout + done.stderr)
+    return {key: float(value) for key, value in re.findall(r'^(\w+) = (\S+)', done.stdout, re.M)}
+
+
+said = scene('trim\njoint root revolute ground bent\n  stiffness %r\nend\nload bent.tip dead force %r %r %r\noutput u displacement bent.tip\noutput turn coordinate root 1\n'
+             'measure x final u_x\nmeasure y final u_y\nmeasure z final u_z\nmeasure angle final turn\n' % (spring, *load))
 lever = (x[24] - x[0])
-meet('hinged and loaded', [float(said[k]) for k in 'xyz'], full[np.ix_(at[1][:3], at[1][:3])] @ load, 1e-6)
-meet('hinged and loaded', float(said['angle']), np.cross(lever, load)[2] / spring, 1e-6)
+meet('hinged and loaded', [said[k] for k in 'xyz'], full[np.ix_(at[1][:3], at[1][:3])] @ load, 1e-6)
+meet('hinged and loaded', said['angle'], np.cross(lever, load)[2] / spring, 1e-6)
 for what, K_, M_, near in (('hinged, frequencies of the reduced matrices', Kr, Mr, 1e-7), ('hinged, frequencies of the full model', K, M, 2e-4)):
     rows = np.arange(5, len(K_))  # rotation about z at the frame moves
     sprung = K_[np.ix_(rows, rows)].copy()
     sprung[0, 0] += spring
     want = np.sqrt(linalg.eigh(sprung, M_[np.ix_(rows, rows)], eigvals_only=True)[:3])
-    meet(what, [float(said[k]) / w for k, w in zip(('first', 'second', 'third'), want)], np.ones(3), near)
+    meet(what, [said['w%d' % k] / w for k, w in zip((1, 2, 3), want)], np.ones(3), near)
+
+# a body on a joint at the other interface: a mass and an inertia more in its rows
+said = scene('body payload rigid\n  hub 0.5 0 0 0  0.02 0.03 0.04\nend\njoint root rigid ground bent\nend\njoint top rigid bent.tip payload\nend\n'
+             'duration 0.001\ninterval 0.001\noutput u displacement bent.tip\n')
+for what, K_, M_, first, near in (('payload, frequencies of the reduced matrices', Kr, Mr, 6, 1e-7), ('payload, frequencies of the full model', K, M, 144, 2e-4)):
+    loaded = M_.copy()
+    loaded[range(first, first + 6), range(first, first + 6)] += [0.5, 0.5, 0.5, 0.02, 0.03, 0.04]
+    want = np.sqrt(linalg.eigh(K_[6:, 6:], loaded[6:, 6:], eigvals_only=True)[:3])
+    meet(what, [said['w%d' % k] / w for k, w in zip((1, 2, 3), want)], np.ones(3), near)
+# the same body once more on the tip of the first: two superelements are the structure of both
+said = scene('body second like bent\njoint root rigid ground bent\nend\njoint top rigid bent.tip second\nend\nduration 0.001\ninterval 0.001\n'
+             'output u displacement bent.tip\n')
+both = [np.zeros((6 * 49, 6 * 49)) for _ in range(2)]
+for big, B in zip(both, (K, M)):
+    put(big, range(6 * 25), B)
+    put(big, range(6 * 24, 6 * 49), B)
+want = np.sqrt(linalg.eigh(both[0][6:, 6:], both[1][6:, 6:], eigvals_only=True)[:3])
+meet('two superelements', [said['w%d' % k] / w for k, w in zip((1, 2, 3), want)], np.ones(3), 1e-4)
+
+
 # ---- the same from every format
 
 
@@ -440,6 +466,14 @@ for arguments, why in (
 swapped = x.copy()
 swapped[[0, 24]] = x[[24, 0]]
 refuse('swap.csv: these are not the places of the rows of .*rK.mtx: turned as a rigid body it strains, node (1|25) the most', *pair, *table('swap.csv', swapped, (0, 24), 18))
+refuse('mm.csv: these are not the places of the rows of .*rK.mtx', *pair, *table('mm.csv', 1000 * x, (0, 24), 18))
+front = np.r_[12:30, 0:12]  # modal rows first
+moved = ['--matrices', save('fK.mtx', Kr[np.ix_(front, front)]), save('fM.mtx', Mr[np.ix_(front, front)])]
+refuse('fK.mtx: modal coordinate [0-9]+ has no stiffness of its own: .*, or rows in another order than .*two.csv says', *moved, *base)
+with open(folder + 'front.csv', 'w') as file:
+    file.write('node,x,y,z,dofs\n101-118,,,,q\n1,%r,%r,%r,123456\n25,%r,%r,%r,123456\n' % (*map(float, x[0]), *map(float, x[24])))
+run(*moved, '--nodes', folder + 'front.csv')
+by_hand(body(), x[0], Kr, Mr, R, range(6), 24)
 held = slice(6, None)
 refuse('hK.mtx: moved as a rigid body it pulls at the ground, at node 25', '--matrices', save('hK.mtx', Kr[held, held]), save('hM.mtx', Mr[held, held]), *table('held.csv', x, (24,), 18))
 one_way = Mr.copy()
