@@ -211,7 +211,7 @@ def named(text, most, role='', wanted=True):
     found = arrays(path, most)
     if not name and len(found) > 1 or not wanted:
         usual = [key for key in found if key.upper() in USUAL.get(role, ()) and found[key][0].shape[0] != 1]  # 1 by 1: there is none
-        if len(usual) != 1 and not wanted:
+        if not wanted and (len(usual) != 1 or abs(found[usual[0]][0]).sum() == 0):
             return None
         name = usual[0] if len(usual) == 1 else name
     if name not in found and (name or len(found) != 1):
@@ -314,8 +314,9 @@ class Table:
                               % (name, node, dof, self.path))
         if self.modal and modal != len(self.modal):
             raise Refused('%s: %d modal coordinates, %s has rows of %d' % (self.path, len(self.modal), name, modal))
+        there = {p // 6 for p in place}
         for node, k in at.items():
-            if not self.axes and self.dofs[k] != '0' and not any(6 * k <= p < 6 * k + 6 for p in place):
+            if not self.axes and self.dofs[k] != '0' and k not in there:
                 raise Refused('%s: node %d has no rows in %s (dofs 0 says so)' % (self.ids[node], node, name))
         return np.array(place, dtype=int)
 
@@ -585,10 +586,16 @@ def from_matrices(options):
     most = 6 * len(table.x) + len(table.modal), 'the %d nodes%s of %s' % (len(table.x), more, options.nodes)
     alone = len(options.matrices) == 1
     K_name, M_name = (named(options.matrices[0 if alone else k], most, role) for k, role in enumerate('KM'))
+    if K_name == M_name:
+        raise Refused('%s: is K and M in one: --matrices wants K M [C], or one file that has K and M' % K_name)
     C_name = named(options.matrices[-1], most, 'C', not alone) if alone or len(options.matrices) == 3 else None
     options.matrices = [name for name in (K_name, M_name, C_name) if name]
     files = [labelled(name, most) for name in options.matrices]
     model = Model(table.ids, table.x)
+    for role, what in (('C', 'a third matrix of --matrices takes it'), ('structural', "--word 'damping G/2' is near resonance what G of it is")):
+        name = named(K_name, most, role, False)
+        if name and name != C_name:
+            model.notes.append('%s is not taken: %s' % (name, what))
     matrices, place = placed(table, files, options)
     few = len(np.unique(place // 6)) <= MARKS + 1  # statically reduced, without modal coordinates
     if np.any(place >= 6 * len(model.ids)) or few and K_name.rsplit(':', 1)[-1].upper() in ('KAAX', 'KAA', 'KXX', 'STIFFNESS'):
@@ -1750,15 +1757,15 @@ def options_of(arguments):
                                      epilog='examples/tools/README.md, Import')
     add = parser.add_argument
     add('files', nargs='*', metavar='MODEL.bdf MODES.op2', help='grids and masses; normal modes (SOL 103)')
-    add('--matrices', nargs='+', metavar='K', help='K M [C], or one file that has them: .mtx (MatrixMarket, Abaqus), .npz, .mat, .op4, .pch (DMIG), .matrix '
+    add('--matrices', nargs='+', metavar='FILE', help='K M [C], or one file that has them: .mtx (MatrixMarket, Abaqus), .npz, .mat, .op4, .pch (DMIG), .matrix '
         '(Harwell-Boeing); FILE:NAME where it has several')
     add('--nodes', metavar='FILE', help='.csv: node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456, or q of modal coordinates '
         '(101-120,,,,q); .asm, .bdf: grids of Nastran (of the .pch)')
     add('--out', required=True, metavar='FILE', help='the description')
-    add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6; of reduced matrices as many as are held)')
+    add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6; of reduced matrices all, 24 at most)')
     add('--frame', default='', metavar='NODES', help='those of the interface: clamped (of reduced matrices the first node); of an .op2, checked to stand still')
     add('--origin', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0; of reduced matrices the node of the frame); --origin=-1,0,0')
-    add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5')
+    add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5 (of reduced matrices the interface beside the frame)')
     add('--line', action='append', default=[], metavar='NODES',
         help='follow each other along a line, which gives the stiffening: 1-33/4; straight:NODES from displacements alone')
     add('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz; none: not computed')

@@ -97,16 +97,15 @@ def dmig(path):
             forms[matrix] = int(fields[2]), number(int, fields[3], path, lines[3], 'DMIG %s: its type' % matrix)
             if forms[matrix][0] not in (1, 2, 6, 9):
                 raise Refused('%s:%d: DMIG %s: form %d: 1 (square), 6 (symmetric), 2 or 9 (rectangular) are known' % (path, lines[2], matrix, forms[matrix][0]))
-            if forms[matrix][1] > 2:
-                raise Refused('%s:%d: DMIG %s: of complex type %d: the real part is wanted, without structural damping' % (path, lines[3], matrix, forms[matrix][1]))
             continue
         if matrix not in forms:
             raise Refused('%s:%d: DMIG %s: its header (DMIG, %s, 0, form, ..) has to come first' % (path, lines[0], matrix, matrix))
         column = label_of(fields[1:3], path, lines[1], matrix)
         for k in range(4, len(fields) - 3, 4):
             if any(fields[k:k + 4]):
+                parts = [number(float, word, path, lines[k], 'DMIG %s' % matrix) for word in fields[k + 2:k + 4]]
                 entries.setdefault(matrix, []).append((label_of(fields[k:k + 2], path, lines[k], matrix), column,
-                                                       number(float, fields[k + 2], path, lines[k], 'DMIG %s' % matrix), lines[k]))
+                                                       complex(*parts) if forms[matrix][1] > 2 else parts[0], lines[k]))
     return {matrix: of_labels(entries.get(matrix, []), form == 6, path) for matrix, (form, _) in forms.items() if form in (1, 6)}
 
 

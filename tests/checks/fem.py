@@ -2,7 +2,6 @@
 import contextlib
 import importlib
 import io
-import os
 import re
 import subprocess
 import sys

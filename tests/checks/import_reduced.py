@@ -14,7 +14,7 @@ from pyNastran.op4.op4 import write_op4
 from scipy import linalg, sparse
 
 sys.path[:0] = ['tests/checks']
-from fem import beam, bending, bending_mass, folder, frequencies, integrals, meet, put, refuse, refused, rigid, run, save, worst
+from fem import beam, bending, bending_mass, folder, frequencies, meet, put, refuse, refused, rigid, run, save, worst
 
 E, G, rho, b, h = 7e10, 2.7e10, 2700.0, 0.04, 0.025
 Iy, Iz, Jt, A = b * h**3 / 12, h * b**3 / 12, 0.2 * b * h**3, b * h
@@ -258,6 +258,14 @@ labels = [(1, k + 1) for k in range(6)] + [(25, k + 1) for k in range(6)] + [(10
 same_as(text, '--matrices', dmig('r.pch', names, labels, free=True), *base)
 
 
+text_of_two = run('--matrices', dmig('k4.pch', {**names, 'K4AAX': 0.02 * Kr}, labels, free=True), *base)
+if "k4.pch:K4AAX is not taken: --word 'damping G/2'" not in text_of_two:
+    sys.exit('structural damping: %s' % text_of_two)
+text_of_two = run('--matrices', folder + 'k4.pch:KAAX', folder + 'k4.pch:MAAX', *base)
+if 'k4.pch:BAAX is not taken: a third matrix' not in text_of_two or re.search('^damping', text_of_two, re.M):
+    sys.exit('damping: %s' % text_of_two)
+
+
 def substructure(name, matrices, extra=''):
     """As *SUBSTRUCTURE MATRIX OUTPUT writes it: the lower triangle by rows, four values in a line."""
     with open(folder + name, 'w') as file:
@@ -457,6 +465,8 @@ for arguments, why in (
         ([*pair3, *base3, '--modes', '25'], '--modes: 25 wanted, a description holds 24'),
         (['--matrices', folder + 'r.pch', *table('q.csv', x, (0, 24), 17)], 'q.csv: 17 modal coordinates, .*r.pch:KAAX.* has rows of 18'),
         (['--matrices', folder + 'r.pch', *table('third.csv', x, (0, 12, 24), 18)], 'third.csv:3: node 13 has no rows in .*r.pch:KAAX'),
+        (['--matrices', folder + 'r.pch:KAAX', *base], 'r.pch:KAAX: is K and M in one'),
+        (['--matrices', pair[1], *base], 'rK.mtx: is K and M in one'),
         (['--matrices', folder + 'none.pch'], 'none.pch: no such file|none.pch: No such file'),
         (['--matrices', folder + 'r.pch'], 'r.pch: no GRID: '),
         (['--matrices', folder + 'r.pch:KAAX', folder + 'r.pch:MBBX', *base], 'r.pch:MBBX: has the matrices KAAX, MAAX, BAAX: name one of them'),
@@ -490,7 +500,7 @@ K4 = Kr[np.ix_(rows, rows)] - Kr[np.ix_(rows, [3, 4, 5, 9, 10, 11])] @ linalg.so
 refuse('line.csv: the interface nodes have no motion for some rotation of the body', '--matrices', save('lK.mtx', (K4 + K4.T) / 2), save('lM.mtx', Mr[np.ix_(rows, rows)]), *table('line.csv', x, (0, 24), 18, '123'))
 refuse('dK.mtx: mode [0-9]+ would have the damping ratio -', *pair, save('dK.mtx', -C), *base)
 for text, why in (('DMIG,KAAX,0,6,2,0\nDMIG,KAAX,1,1,,1,1,1.x\n', "bad.pch:2: DMIG KAAX: a number is wanted, not '1.x'"),
-                  ('DMIG,KAAX,0,6,3,0\n', 'bad.pch:1: DMIG KAAX: of complex type 3: the real part is wanted'),
+                  ('DMIG,KAAX,0,6,3,0\nDMIG,KAAX,1,1,,1,1,1.,2.\n,1,2,0.,1.\nDMIG,MAAX,0,6,1,0\nDMIG,MAAX,1,1,,1,2,1.\n', 'bad.pch:KAAX: complex: the real part is wanted'),
                   ('DMIG,KAAX,0,5,2,0\n', 'bad.pch:1: DMIG KAAX: form 5: 1 .square., 6 .symmetric., 2 or 9'),
                   ('DMIG,KAAX,1,1,,1,1,1.\n', 'bad.pch:1: DMIG KAAX: its header'),
                   ('DMIG,KAAX,0,6,2,0\nDMIG,KAAX,1,7,,1,1,1.\n', 'bad.pch:2: DMIG KAAX: a point from 1 and a component 0 to 6 are wanted, not 1, 7'),
