@@ -802,9 +802,9 @@ def reduced(model, matrices, place, table, options, most):
     dense_check(K[np.ix_(keep, keep)], [rows[k] for k in keep], names[0], 'once the interface is held')
     dense_check(M, rows, names[1], 'as no mass is')
 
-    value, phi = all_modes(K[np.ix_(keep, keep)], M[np.ix_(keep, keep)], names)
+    mass, shape, massive = all_modes(K[np.ix_(keep, keep)], M[np.ix_(keep, keep)], names)
     nodes = [node for text in options.mark for node, _ in listed(text, '--mark')]
-    value, phi = second_reduction(model, options, value, phi, phi[np.isin(place[keep] // 6, [model.at[node] for node in nodes])])
+    value, phi = second_reduction(model, options, mass, shape, massive, shape[np.isin(place[keep] // 6, [model.at[node] for node in nodes])])
     model.hz = np.sqrt(value) / (2 * np.pi)
     whole = np.zeros((len(place), len(value)))
     whole[keep] = phi
@@ -824,47 +824,56 @@ def reduced(model, matrices, place, table, options, most):
 
 
 def all_modes(K, M, names):
-    """Squares of frequencies, and shapes of modal mass 1, of all coordinates that have mass; relative accuracy of each by its quotient."""
+    """Shapes of all coordinates, orthogonal and of stiffness 1, and their masses in falling order, with relative accuracy by their quotients."""
     try:
-        value, phi = linalg.eigh(M, K)
+        mass, shape = linalg.eigh(M, K)
     except linalg.LinAlgError as error:
         raise Refused('%s, %s have no modes (%s): K is to be positive definite once the interface is held, M not negative' % (*names[:2], told(error)))
-    massive = value > 1e-15 * value[-1]
-    phi = phi[:, massive][:, ::-1]
-    phi = phi / np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
-    phi *= np.sign(phi[abs(phi).argmax(axis=0), np.arange(phi.shape[1])])
-    return np.einsum('ik,ik->k', phi, K @ phi), phi
+    shape = shape[:, ::-1]
+    shape = shape * np.sign(shape[abs(shape).argmax(axis=0), np.arange(len(mass))])
+    return np.einsum('ik,ik->k', shape, M @ shape) / np.einsum('ik,ik->k', shape, K @ shape), shape, int(np.sum(mass > 1e-15 * mass[-1]))
 
 
-def second_reduction(model, options, value, phi, at):
+def residual_modes(mass, shape, at, low):
+    """Masses, and shapes of modal mass 1, of what all coordinates but the lowest give under each load at these rows, and how many have no mass."""
+    basis, size, _ = np.linalg.svd(at[:, low:].T, full_matrices=False)  # in the other coordinates, in which K is 1
+    basis = basis[:, size > 1e-12 * size.max(initial=0)]
+    if basis.shape[1] == 0:
+        return np.zeros(0), np.zeros((len(shape), 0)), 0
+    own, turn = linalg.eigh(basis.T @ (basis * mass[low:, None]))
+    heavy = np.flatnonzero(own > 1e-15 * mass[0])[::-1]
+    return own[heavy], shape[:, low:] @ basis @ turn[:, heavy] / np.sqrt(own[heavy]), len(own) - len(heavy)
+
+
+def second_reduction(model, options, mass, shape, massive, at):
     """At most so many modes as a description holds: the lowest, and residual attachment modes by loads at the marked nodes, which keep their
-    static deflections [Ru]: what the other modes give under each load, orthogonal to all. at: rows of the marked nodes."""
-    count, keep = len(value), options.modes or min(len(value), MODES)
+    static deflections [Ru]: what all others, massless ones among them, give under each load, orthogonal to all. at: rows of the marked nodes.
+    Squares of frequencies, and shapes of modal mass 1."""
+    keep = options.modes or min(massive, MODES)
     if keep > MODES:
         raise Refused('--modes: %d wanted, a description holds %d' % (keep, MODES))
-    if keep > count:
-        raise Refused('--modes: %d wanted, there are %d coordinates with mass once the interface is held' % (keep, count))
-    if keep == count:
-        return value, phi
-    if len(at) > keep:
+    if keep > massive:
+        raise Refused('--modes: %d wanted, there are %d coordinates with mass once the interface is held' % (keep, massive))
+    if keep == massive and abs(at[:, massive:]).max(initial=0) <= 1e-9 * abs(at).max(initial=0):
+        return 1 / mass[:keep], shape[:, :keep] / np.sqrt(mass[:keep])
+    if len(at) > keep < massive:
         raise Refused('--mark: the marked nodes (without --mark all of the interface) have %d degrees of freedom, and each wants a mode for its static '
                       'deflection: of %d modes%s mark fewer nodes' % (len(at), keep, '' if keep == MODES else ', at most %d,' % MODES))
-    low = keep - len(at)
-    w = np.sqrt(value[low:])
-    basis, size, _ = np.linalg.svd((at[:, low:] / w).T, full_matrices=False)  # in coordinates of the left-out modes in which K is 1
-    basis = basis[:, size > 1e-12 * size.max(initial=0)]
-    mass, turn = linalg.eigh(basis.T @ (basis / value[low:, None])) if basis.shape[1] else (np.zeros(0), np.zeros((0, 0)))
-    mass, turn = mass[::-1], turn[:, ::-1]
-    extra = (phi[:, low:] / w) @ basis @ turn / np.sqrt(mass)
-    hz = np.sqrt(value) / (2 * np.pi)
-    own = np.sqrt(1 / mass) / (2 * np.pi)
-    dropped = hz[low:]
+    least = max(keep - len(at), 0)
+    own, _, weightless = residual_modes(mass, shape, at, least)
+    most = keep - len(own) - weightless  # some loads may give the same
+    for low in [*range(most, -1, -1), keep - len(own)]:  # fewer of the lowest, until what each load gives has mass; where none has it, as before
+        own, extra, weightless = residual_modes(mass, shape, at, low)
+        if not weightless:
+            break
+    own, extra = own[:keep - low], extra[:, :keep - low]
+    hz, residual = 1 / np.sqrt(mass[:massive]) / (2 * np.pi), 1 / np.sqrt(own) / (2 * np.pi)
+    model.dropped, model.exact = hz[low:], low
     model.notes.append('of %d modes the lowest %d are kept%s; dropped are the modes of %s Hz%s'
-                       % (count, low, ' (to %.6g Hz)' % hz[low - 1] if low else '', ' '.join('%.5g' % f for f in dropped[:12]) + (' .. %.5g' % dropped[-1] if len(dropped) > 12 else ''),
+                       % (massive, low, ' (to %.6g Hz)' % hz[low - 1] if low else '', ' '.join('%.5g' % f for f in hz[low:][:12]) + (' .. %.5g' % hz[-1] if massive - low > 12 else ''),
                           ', in whose place %d residual attachment modes (%.5g to %.5g Hz) keep the static deflection of the marked nodes'
-                          % (len(own), own[0], own[-1]) if len(own) else ''))
-    model.dropped, model.exact = dropped, low
-    return np.concatenate([value[:low], 1 / mass]), np.hstack([phi[:, :low], extra])
+                          % (len(own), residual[0], residual[-1]) if len(own) else ''))
+    return np.concatenate([1 / mass[:low], 1 / own]), np.hstack([shape[:, :low] / np.sqrt(mass[:low]), extra])
 
 
 def damped(model, C, whole, value, R, options):
@@ -1667,9 +1676,9 @@ def convert(options):
     model, M, basic, most = from_matrices(options) if options.matrices else from_nastran(options)
     arrays.cache_clear()
     left_out = 0 if options.frame else rigid_left_out(model)
-    if options.modes and options.modes > len(model.hz):
+    if options.modes and options.modes > len(model.hz) and not model.reduced:
         raise Refused('--modes: %d wanted, %s has %d%s' % (options.modes, options.files[1], len(model.hz), ' that are no rigid-body motion' if left_out else ''))
-    keep = options.modes or len(model.hz)
+    keep = min(options.modes or len(model.hz), len(model.hz))
     if keep > MODES:
         raise Refused('%d modes, a description holds %d: --modes %d takes the lowest' % (keep, MODES, MODES))
     model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]

@@ -371,6 +371,24 @@ have = body()
 by_hand(have, x[0], Kr, Mr, R, range(6), 24)
 meet('units', compliance(have, (0, 0)), full[np.ix_(at[1], at[1])], 1e-9)
 
+# an interface node without mass behind a bushing keeps its static deflection, too
+hung = [np.zeros((36, 36)) for _ in range(2)]
+for big, B in zip(hung, (Kr, Mr)):
+    big[:30, :30] = B
+put(hung[0], [*range(6, 12), *range(30, 36)], np.kron(two, np.diag([1e6, 2e6, 3e6, 1e4, 2e4, 3e4])))
+with open(folder + 'hung.csv', 'w') as file:
+    file.write('node,x,y,z,dofs\n1,%r,%r,%r,123456\n25,%r,%r,%r,123456\n101-118,,,,q\n26,%r,%r,%r,123456\n' % (*map(float, x[0]), *map(float, x[24]), *map(float, x[24])))
+hung = ['--matrices', save('hungK.mtx', hung[0]), save('hungM.mtx', hung[1]), '--nodes', folder + 'hung.csv'], linalg.inv(hung[0][6:, 6:])[24:, 24:]
+for count in (24, 12):
+    run(*hung[0], '--mark', 26, '--modes', count)
+    have = body()
+    by_hand(have, x[0], Kr, Mr, R, range(6), count - 8)
+    meet('compliance without mass', compliance(have, (0, 0)), hung[1], 1e-9)
+text = run(*hung[0])  # what of node 26 is beside node 25 has no mass, no mode has it
+if not re.search('^# the modes have all of the static deflection of node 25 by', text, re.M) or \
+        not re.search('^# of the static deflection of node 26 by a moment there the modes leave out (?!0 )', text, re.M):
+    sys.exit('without mass: %s' % text)
+
 # rows that are empty, masses that are not the same in all directions: told; nodes with displacements alone
 hollow = [np.zeros((33, 33)) for _ in range(2)]
 for big, B in zip(hollow, (Kr, Mr)):
