@@ -592,7 +592,7 @@ def from_matrices(options):
     options.matrices = [name for name in (K_name, M_name, C_name) if name]
     files = [labelled(name, most) for name in options.matrices]
     model = Model(table.ids, table.x)
-    for role, what in (('C', 'a third matrix of --matrices takes it'), ('structural', "--word 'damping G/2' is near resonance what G of it is")):
+    for role, what in (('C', 'a third matrix of --matrices takes it'), ('structural', "a factor G of it is a damping ratio of G/2 at resonance, --word 'damping G/2'")):
         name = named(K_name, most, role, False)
         if name and name != C_name:
             model.notes.append('%s is not taken: %s' % (name, what))

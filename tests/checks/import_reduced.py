@@ -259,7 +259,7 @@ same_as(text, '--matrices', dmig('r.pch', names, labels, free=True), *base)
 
 
 text_of_two = run('--matrices', dmig('k4.pch', {**names, 'K4AAX': 0.02 * Kr}, labels, free=True), *base)
-if "k4.pch:K4AAX is not taken: --word 'damping G/2'" not in text_of_two:
+if "k4.pch:K4AAX is not taken: a factor G of it is a damping ratio of G/2" not in text_of_two:
     sys.exit('structural damping: %s' % text_of_two)
 text_of_two = run('--matrices', folder + 'k4.pch:KAAX', folder + 'k4.pch:MAAX', *base)
 if 'k4.pch:BAAX is not taken: a third matrix' not in text_of_two or re.search('^damping', text_of_two, re.M):
