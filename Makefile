@@ -23,7 +23,7 @@ CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instr
            advise symbols threads two_precisions jacobian trace python style ids documents quickstart first_build fast_math output hil aero scene curves linear import packages page hard laws
 
 .DELETE_ON_ERROR:
-.PHONY: help run tool table1 leigh scenes blade page python firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci ci-all seconds install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
+.PHONY: help run tool table1 leigh scenes blade page python firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-jitter bench-peers sizes fuzz readme format clean ci ci-all seconds install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -51,6 +51,7 @@ help:
 	@echo "make bench-advice  what the library advises for those scenes, variations of them and several appendages, against all runs (3 minutes)"
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
+	@echo "make bench-jitter  instructions of each of 100,000 steps of every stepper, on two emulated boards (2 minutes)"
 	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS', beams and links beside MuJoCo, exudyn, pinocchio and drake: says what it needs (45 minutes)"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs; compile time"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
@@ -175,6 +176,9 @@ bench-flags:
 
 bench-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 	@sh bench/campaign.sh
+
+bench-jitter: build/flexbeam
+	@sh bench/jitter.sh
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh

@@ -16830,8 +16830,10 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
   }
 
   for (int stage = 0; stage < 4; stage++) {
-    /* Rates */
-    FBI_TRY(fbi_input_check(body, input[stage]));
+    /* Rates; an input that repeats is checked once */
+    if (stage == 0 || input[stage] != input[stage - 1]) {
+      FBI_TRY(fbi_input_check(body, input[stage]));
+    }
     FBI_TRY(fbi_rates_of(&work->rate, &k, body, at, input[stage], optional));
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
@@ -19112,8 +19114,10 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   for (int stage = 0; stage < 4; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
 
-    /* Rates */
-    FBI_TRY(fbi_system_step_check(system, body, input[stage], dt));
+    /* Rates; an input that repeats is checked once */
+    if (stage == 0 || input[stage] != input[stage - 1]) {
+      FBI_TRY(fbi_system_step_check(system, body, input[stage], dt));
+    }
     if (stage > 0) {
       if (work->driven) {
         fbi_prescribe(&work->stage, system, state, input[stage]);

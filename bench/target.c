@@ -1,7 +1,8 @@
 /* target - every stepper under random loads, on the desktop or on a board: the digest of all states, which must be the
    same wherever it runs, and the fewest and most instructions of a step, which must be the same number, but for the
    exact beam in double precision.
-   Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms.
+   Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms; -DHISTOGRAM:
+   below each line how many steps took how many instructions (make bench-jitter).
    sin, cos and atan2 are its own: those of C libraries differ in the
    last bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
 #include "../examples/firmware/board/board.h"
@@ -64,6 +65,38 @@ static NUMBER target_atan2(NUMBER y, NUMBER x)
 }
 
 static uint32_t seed, digest, fewest, most;
+#ifdef HISTOGRAM
+enum { DIFFERENT = 256 };
+static uint32_t seen[DIFFERENT], times[DIFFERENT]; /* instructions, ascending; steps that took them */
+static int n_seen;
+
+static void tell(uint32_t count)
+{
+  int k = n_seen;
+  while (k > 0 && seen[k - 1] >= count) {
+    k--;
+  }
+  if (k < n_seen && seen[k] == count) {
+    times[k]++;
+  } else if (n_seen < DIFFERENT) {
+    memmove(seen + k + 1, seen + k, (size_t)(n_seen - k) * sizeof seen[0]);
+    memmove(times + k + 1, times + k, (size_t)(n_seen - k) * sizeof times[0]);
+    seen[k] = count;
+    times[k] = 1;
+    n_seen++;
+  }
+}
+
+static void print_seen(void)
+{
+  for (int k = 0; k < n_seen; k++) {
+    board_print_unsigned(seen[k], 30);
+    board_print_unsigned(times[k], 10);
+    board_print("\n");
+  }
+  n_seen = 0;
+}
+#endif
 static const fb_real dt = FB_R(0.001);
 
 static fb_real random_number(void)
@@ -106,6 +139,9 @@ static void counted(int step)
   }
   fewest = count < fewest ? count : fewest;
   most = count > most ? count : most;
+#ifdef HISTOGRAM
+  tell(count);
+#endif
 }
 
 /* varies: the number of instructions may */
@@ -123,6 +159,9 @@ static int end(fb_status status, int step, int varies)
     board_print(fb_status_string(status));
     board_print("\n");
   }
+#ifdef HISTOGRAM
+  print_seen();
+#endif
   return status == FB_OK && (varies || most == 0 || most == fewest);
 }
 
@@ -221,8 +260,8 @@ static void system_inputs(void)
   }
 }
 
-/* loop: both booms are free, the hinge between them is a loop. */
-static int run_system(const char *name, fb_method method, int loop, int sdirk)
+/* loop: both booms are free, the hinge between them is a loop. rubs: the hinge has friction, and stops that it meets. */
+static int run_system(const char *name, fb_method method, int loop, int rubs, int sdirk)
 {
   static fb_link_motion start[2];
   const fb_node *const tip = &BODY.node[BODY.n_node - 1];
@@ -236,6 +275,14 @@ static int run_system(const char *name, fb_method method, int loop, int sdirk)
   system_desc.joint[1].kind = FB_JOINT_REVOLUTE;
   system_desc.joint[1].parent_node = BODY.n_node - 1;
   system_desc.joint[1].stiffness[0] = FB_R(500.0);
+  if (rubs) {
+    system_desc.joint[1].friction[0] = FB_R(1.0);
+    system_desc.joint[1].friction_speed[0] = FB_R(0.01);
+    system_desc.joint[1].stop_stiffness[0] = FB_R(2000.0);
+    system_desc.joint[1].stop_loss[0] = FB_R(0.5);
+    system_desc.joint[1].stop[0][0] = -FB_R(1e-4);
+    system_desc.joint[1].stop[0][1] = FB_R(1e-4);
+  }
   if (loop) {
     system_desc.n_loop = 1;
     system_desc.loop[0] = system_desc.joint[1];
@@ -264,7 +311,7 @@ static int run_system(const char *name, fb_method method, int loop, int sdirk)
     }
     step++;
   }
-  return end(status, step, 0);
+  return end(status, step, rubs); /* what rubs or not, and meets a stop or not, branches */
 }
 
 /* ---- the exact beam: a clamped boom on a moving base */
@@ -319,10 +366,11 @@ int main(void)
   for (int k = 0; k < 4; k++) {
     well &= run_body(names[k], k);
   }
-  well &= run_system("system rk4        ", FB_METHOD_RECURSIVE, 0, 0);
-  well &= run_system("system dense      ", FB_METHOD_DENSE, 0, 0);
-  well &= run_system("system loop       ", FB_METHOD_RECURSIVE, 1, 0);
-  well &= run_system("system sdirk      ", FB_METHOD_RECURSIVE, 0, 1);
+  well &= run_system("system rk4        ", FB_METHOD_RECURSIVE, 0, 0, 0);
+  well &= run_system("system dense      ", FB_METHOD_DENSE, 0, 0, 0);
+  well &= run_system("system loop       ", FB_METHOD_RECURSIVE, 1, 0, 0);
+  well &= run_system("system stops      ", FB_METHOD_RECURSIVE, 0, 1, 0);
+  well &= run_system("system sdirk      ", FB_METHOD_RECURSIVE, 0, 0, 1);
   well &= run_exact("exact             ");
   return !well;
 }

@@ -1,16 +1,16 @@
 #!/bin/sh
 # Every stepper under random loads: the same bits from gcc and clang at -O0, -O2 (single precision; the boards and MIPS in both),
 # -O3, twice, on Cortex-M4F and -M7, and on a big-endian 32-bit machine (MIPS), in one precision by day; on the boards the same
-# number of instructions in every step (but of the exact beam in double: bench/target.c). Again with the beam as a line of large
+# number of instructions in every step (but of the exact beam in double, and of friction and stops: bench/target.c). Again with the beam as a line of large
 # deflection. FLEXBEAM_STATIC: what no stepper calls is not compiled.
-# STEPS=100000 make check-bits counts more of them (half an hour).
+# make bench-jitter counts 100,000 of them.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
 need clang clang
 need qemu-mips qemu-user
 need mips-linux-gnu-gcc "gcc-mips-linux-gnu libc6-dev-mips-cross"
-steps=${STEPS:-1000}
+steps=1000
 precisions=$(turn single double)
 : > "$out/counts"
 for kind in full large; do # large: lines of large deflection, by fewer compilers, a tenth of the steps
@@ -43,4 +43,4 @@ for kind in full large; do # large: lines of large deflection, by fewer compiler
 done
 echo "  steps, digest, instructions of each step, fewest and most"
 cat "$out/counts"
-ok "9 steppers, $precisions, without and with lines: same bits by gcc and clang at -O0 to -O3, on two boards and on MIPS, the same number of instructions (of the exact beam in single precision)"
+ok "10 steppers, $precisions, without and with lines: same bits by gcc and clang at -O0 to -O3, on two boards and on MIPS, the same number of instructions (of the exact beam in single precision, but for friction and stops)"
