@@ -56,11 +56,12 @@ typedef struct text_file {
   int n_named;
 } text_file;
 
-/* 1 if a line begins a block (one of these words, and a name or a column, but not `like` another), -1 if it ends one. */
+/* 1 if a line begins a block (one of these words, and a name or a column, but not `like` another; or state_space alone), -1 if
+   it ends one. */
 static inline int text_begins(const char *line)
 {
-  static const char *const begin[] = {"body",    "joint", "loop",      "spring",  "rotor",
-                                      "control", "beam",  "component", "stations"};
+  static const char *const begin[] = {"body", "joint",     "loop",     "spring",     "rotor",
+                                      "beam", "component", "stations", "allocation", "control"};
   char word[16] = "", name[64] = "", like[6] = "";
   const int words = sscanf(line, "%15s %63s %5s", word, name, like);
   for (int k = 0; k < (int)(sizeof begin / sizeof *begin) && words > 1 && strcmp(like, "like") != 0; k++) {
@@ -68,7 +69,7 @@ static inline int text_begins(const char *line)
       return isalpha((unsigned char)name[0]) || name[0] == '_';
     }
   }
-  return -(strcmp(word, "end") == 0);
+  return words == 1 && strcmp(word, "state_space") == 0 ? 1 : -(strcmp(word, "end") == 0);
 }
 
 /* As fgets. */

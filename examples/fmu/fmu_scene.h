@@ -16,8 +16,9 @@
 #endif
 #include "fmu_variables.h"
 
+#define FMU_SCENE_REFERENCES (SCENE_CONTROLS * CONTROL_SIGNALS)
 #define FMU_SCENE_INPUTS \
-  (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + SCENE_CONTROLS + 2 * SCENE_MOTIONS)
+  (SCENE_LOADS + SCENE_DRIVES + FB_MAX_SPRINGS + SCENE_ROTORS + FMU_SCENE_REFERENCES + 2 * SCENE_MOTIONS)
 #define FMU_SCENE_VARIABLES (FMU_SCENE_INPUTS + SCENE_OUTPUTS + SCENE_PARAMETERS + 3)
 typedef char
     fmu_scenes_have_room[FMU_SCENE_VARIABLES <= FMU_MAX_VARIABLES && FMU_SCENE_VARIABLES <= FMU_MAX_VALUES ? 1 : -1];
@@ -28,7 +29,8 @@ typedef struct fmu_plant_state { /* all that changes in a scene that runs */
   fb_integrator integrator;
   int event, halved; /* of the run */
   double origin[SCENE_JOINTS][3];
-  struct scene_controlling controlling[SCENE_CONTROLS]; /* the first n_control, and.. */
+  struct scene_controlling controlling[SCENE_CONTROLS];
+  double remembered[SCENE_REMEMBERED]; /* the first n_remembered, and.. */
   union {
     fb_state body;
     fb_system_state system;
@@ -64,6 +66,7 @@ typedef struct fmu_plant { /* large, but for what the scene has not: that stays 
   scene s;
   struct scene_clock clock;
   struct scene_controlling controller[SCENE_CONTROLS];
+  double remembered[SCENE_REMEMBERED];
   struct scene_engine moving;
   struct scene_exact bending;
 } fmu_plant;
@@ -75,6 +78,7 @@ static void fmu_scene_here(fmu_plant *p)
   exact_run_now = &p->bending;
   timing_now = &p->clock;
   controlling_now = p->controller;
+  remembered_now = p->remembered;
 }
 
 /* Reading and building have static memory of their own: one thread at a time; those that wait leave their core to it. */
@@ -193,7 +197,7 @@ static function *fmu_scene_function(scene *s, scene_actor actor, int at, double 
 {
   *size = 1;
   if (actor == SCENE_BY_MOTOR) {
-    return s->drive[at].kind == SCENE_MOTOR && s->drive[at].control < 0 ? &s->drive[at].f : NULL;
+    return s->drive[at].kind == SCENE_MOTOR && s->drive[at].act < 0 ? &s->drive[at].f : NULL;
   }
   if (actor == SCENE_BY_PULL) {
     return s->spring[at].pulls ? &s->spring[at].pull : NULL;
@@ -202,7 +206,18 @@ static function *fmu_scene_function(scene *s, scene_actor actor, int at, double 
     return s->body[s->rotor[at].body].level.rotor[s->rotor[at].at].given ? NULL : &s->rotor[at].f;
   }
   *size = hypot(hypot(s->load[at].vector[0], s->load[at].vector[1]), s->load[at].vector[2]);
-  return s->load[at].nudge || s->load[at].control >= 0 || !(*size > 0) ? NULL : &s->load[at].f;
+  return s->load[at].nudge || s->load[at].act >= 0 || !(*size > 0) ? NULL : &s->load[at].f;
+}
+
+/* References of a controller, or the turns of its attitude; with a number where there are several. */
+static void fmu_scene_add_references(fmu_plant *p, scene_control *c)
+{
+  const int turns = c->attitude.is, n = turns ? c->attitude.n_turn : c->n_signal;
+  for (int i = 0; i < n; i++) {
+    char name[80];
+    snprintf(name, sizeof name, n > 1 ? "reference.%s.%d" : "reference.%s", c->name, i + 1);
+    fmu_scene_add_input(p, turns ? &c->attitude.turn[i].f : &c->reference[i], 1, name, turns ? "rad" : "-");
+  }
 }
 
 static void fmu_scene_add_inputs(fmu_plant *p, scene *s)
@@ -222,9 +237,7 @@ static void fmu_scene_add_inputs(fmu_plant *p, scene *s)
     }
   }
   for (int k = 0; k < s->n_control; k++) {
-    char name[80];
-    snprintf(name, sizeof name, "reference.%s", s->control[k].name);
-    fmu_scene_add_input(p, &s->control[k].reference, 1, name, "-");
+    fmu_scene_add_references(p, &s->control[k]);
   }
   for (int k = 0; k < s->n_motion; k++) {
     fmu_scene_add_motion(p, &s->motion[k]);
@@ -488,7 +501,7 @@ static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_
   fb_exact_state *const x = &state->of.exact;
   const size_t bodies = (size_t)s->n_body, joints = bodies + (size_t)s->n_loop;
   const size_t cells = (size_t)(s->is_exact ? s->exact.n_all : 0), nodes = cells + 1, real = sizeof(fb_real);
-  const size_t head = offsetof(fmu_plant_state, controlling) + (size_t)s->n_control * sizeof state->controlling[0];
+  const size_t head = offsetof(fmu_plant_state, remembered) + (size_t)s->n_remembered * sizeof state->remembered[0];
   const fmu_span first = {state, head}, alone = {&state->of.body, sizeof state->of.body};
   const fmu_span of_system[] = {{system->link, bodies * sizeof system->link[0]},
                                 {&system->motor_work, real},
@@ -578,7 +591,7 @@ static fmu_answer fmu_scene_begin_alone(fmu_plant *p, fmu_text text)
 /* A state into what runs, and back. */
 static fmu_answer fmu_scene_load(fmu_plant *p, const fmu_plant_state *state, fmu_text text)
 {
-  const size_t known = (size_t)p->s.n_control * sizeof(struct scene_controlling);
+  const size_t known = (size_t)p->s.n_remembered * sizeof remembered[0];
   const fmu_answer answer = p->begun ? FMU_OK : fmu_scene_begin_alone(p, text);
   if (answer != FMU_OK) {
     return answer;
@@ -594,7 +607,8 @@ static fmu_answer fmu_scene_load(fmu_plant *p, const fmu_plant_state *state, fmu
   p->run.event = state->event;
   p->run.halved = state->halved;
   memcpy(engine.origin, state->origin, sizeof engine.origin);
-  memcpy(controlling, state->controlling, known);
+  memcpy(controlling, state->controlling, sizeof state->controlling);
+  memcpy(remembered, state->remembered, known);
   for (int k = 0; k < p->n_input; k++) {
     p->input[k].f->added_from = state->time;
   }
@@ -610,7 +624,7 @@ static fmu_answer fmu_scene_load(fmu_plant *p, const fmu_plant_state *state, fmu
 
 static void fmu_scene_store(fmu_plant *p, fmu_plant_state *state)
 {
-  const size_t known = (size_t)p->s.n_control * sizeof(struct scene_controlling);
+  const size_t known = (size_t)p->s.n_remembered * sizeof remembered[0];
   state->integrator = engine.integrator;
   state->interval = timing.interval;
   state->longest = timing.longest;
@@ -618,7 +632,8 @@ static void fmu_scene_store(fmu_plant *p, fmu_plant_state *state)
   state->event = p->run.event;
   state->halved = p->run.halved;
   memcpy(state->origin, engine.origin, sizeof engine.origin);
-  memcpy(state->controlling, controlling, known);
+  memcpy(state->controlling, controlling, sizeof state->controlling);
+  memcpy(state->remembered, remembered, known);
   if (p->s.is_exact) {
     state->of.exact = exact_run.state;
   } else if (scene_is_system(&p->s)) {

@@ -249,7 +249,7 @@ static void scene_read_any_load(text_file *t, scene *s, int nudge)
     return;
   }
   load->nudge = nudge;
-  load->control = -1;
+  load->act = -1;
   scene_read_node(t, s, &load->body, &load->node);
   load->axes = (fb_axes)text_choice(t, "axes of a load", axes);
   load->torque = scene_read_force_or_torque(t, load->vector);
@@ -448,6 +448,7 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
                {"nudge", scene_read_nudge, 0},
                {"distributed", scene_read_distributed, 0},
                {"motion", scene_read_motion, 0},
+               {"allocation", scene_read_allocation, 0},
                {"control", scene_read_control, 0},
                {"output", scene_read_output, 0},
                {"measure", scene_read_measure, 0},

@@ -458,6 +458,34 @@ static void scene_check_controls(text_file *t, const scene *s)
   }
 }
 
+/* Where everything stands that controllers remember. */
+static void scene_lay_out(text_file *t, scene *s)
+{
+  int n = s->n_act + s->n_allocation;
+  for (int k = 0; k < s->n_control; k++) {
+    scene_control *const c = &s->control[k];
+    c->acting = n;
+    c->room = c->n_command * (2 * (int)ceil(c->delay / c->sample) + 8);
+    c->orders = c->acting + c->n_command;
+    c->references = c->orders + 3 * c->room;
+    c->memory = c->references + c->shape_length * (c->attitude.is ? 2 * c->attitude.n_turn : c->n_signal);
+    n = c->memory;
+    for (int b = 0; b < c->n_block; b++) {
+      c->block[b].at = n - c->memory;
+      n += control_room(&c->block[b]);
+    }
+    if (n > SCENE_REMEMBERED) {
+      t->line = c->line;
+      text_fail(t,
+                "controller %s and those before it remember %d numbers: states of blocks twice, delays and shapers; %d "
+                "at most",
+                c->name, n, SCENE_REMEMBERED);
+      return;
+    }
+  }
+  s->n_remembered = n;
+}
+
 static void scene_check_settings(text_file *t, const scene *s)
 {
   for (int k = 0; k < s->n_set; k++) {
@@ -535,6 +563,7 @@ static void scene_check(text_file *t, scene *s)
     scene_check_events(t, s);
     scene_check_measures(t, s);
     scene_check_controls(t, s);
+    scene_lay_out(t, s);
     scene_check_parameters(t, s);
   }
 }

@@ -25,7 +25,7 @@ static int scene_code_pulls(unsigned char pulls[FB_MAX_SPRINGS], const scene *s)
 {
   int line = 0;
   for (int k = s->n_spring - 1; k >= 0; k--) {
-    pulls[k] = s->spring[k].pulls || s->spring[k].control >= 0;
+    pulls[k] = s->spring[k].pulls || s->spring[k].act >= 0;
     line = pulls[k] ? s->spring[k].line : line;
   }
   return line;

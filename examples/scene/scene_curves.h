@@ -180,19 +180,20 @@ static void draw_mark(FILE *gnuplot, const margin_mark *mark, int color, int pan
 static void draw_loops(FILE *gnuplot, const scene *s, const char *csv, int panel, const char *columns)
 {
   margin_mark mark[3];
+  char name[TEXT_NAME + 16];
   fputs("unset arrow\nunset label\n", gnuplot);
-  for (int k = 0; k < s->n_control; k++) {
+  for (int k = 0; k < loops.n_command; k++) {
     for (int i = margin_marks(mark, &loops.margins[k]) - 1; i >= 0; i--) {
       draw_mark(gnuplot, &mark[i], k + 1, panel);
     }
   }
   fputs(panel == 2 ? "set label '' at -1,0 point pointtype 2 linetype -1 linewidth 2\n" : "", gnuplot);
-  for (int k = 0; k < s->n_control; k++) {
+  for (int k = 0; k < loops.n_command; k++) {
     const int n = panel == 0 ? margin_marks(mark, &loops.margins[k]) : 0;
     fputs(k == 0 ? "plot " : ", ", gnuplot);
     put_quoted(gnuplot, csv);
     fprintf(gnuplot, " using (strcol(1) eq '%s' ? %s with lines linetype %d linewidth 1.5 title '%s%s'",
-            s->control[k].name, columns, k + 1, s->control[k].name,
+            loop_name(name, s, k), columns, k + 1, name,
             loops.margins[k].radius > 1 + 1e-6 ? ", closed: unstable" : "");
     for (int i = 0; i < n; i++) {
       fprintf(gnuplot, ", NaN with points pointtype %d pointsize 0.8 linetype %d title '%s'", mark[i].symbol, k + 1,
@@ -208,11 +209,12 @@ static void draw_margins(const scene *s, const char *csv)
   int longest = 26; /* a margin's is 40 narrow ones */
   char svg[512];
   FILE *gnuplot;
-  for (int k = 0; k < s->n_control; k++) {
-    longest = (int)fmax(longest, (double)strlen(s->control[k].name) + 14);
+  for (int k = 0; k < loops.n_command; k++) {
+    char name[TEXT_NAME + 16];
+    longest = (int)fmax(longest, (double)strlen(loop_name(name, s, k)) + 14);
   }
   other_name(svg, sizeof svg, csv, ".svg");
-  gnuplot = plot_begin(svg, key_width(longest), 3 * (s->n_control > 3 ? 100 + 84 * s->n_control : 430), stdout);
+  gnuplot = plot_begin(svg, key_width(longest), 3 * (loops.n_command > 3 ? 100 + 84 * loops.n_command : 430), stdout);
   if (gnuplot) {
     key_place(gnuplot, longest);
     fputs("set multiplot layout 3,1\nset logscale x\nset xlabel 'omega [rad/s]'\nset ylabel 'gain [dB]'\n"

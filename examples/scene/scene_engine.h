@@ -35,7 +35,7 @@ struct scene_engine {
   scene_instant instant;
   scene_view view;
   double lowest[SCENE_OUTPUTS], highest[SCENE_OUTPUTS],
-      command[SCENE_CONTROLS]; /* in a run: outputs, most of commands */
+      command[SCENE_COMMANDS]; /* in a run: outputs, most of commands */
   fb_body body[FB_MAX_BODIES]; /* last: each is built whole, memory of others is not looked at */
 };
 SCENE_RUNS(struct scene_engine, engine, );
@@ -96,12 +96,22 @@ static fb_distributed scene_distributed_from(const scene *s, double side)
   return s->n_distributed > 0 ? scene_distributed_at : NULL;
 }
 
+/* What is commanded of a rotor or spring, by the last act that drives it. */
+static double scene_commanded(const scene *s, int act)
+{
+  double sum = 0;
+  for (; act >= 0; act = s->act[act].next) {
+    sum += remembered[act];
+  }
+  return sum;
+}
+
 /* What drives a rotor. */
 static fb_rotor_input scene_rotor_at(const scene *s, const scene_rotor *rotor, double t, double side)
 {
   const function_value f = function_eval(&rotor->f, &s->tables, t, side);
   const int given = s->body[rotor->body].level.rotor[rotor->at].given;
-  const double command = rotor->control < 0 ? 0 : controlling[rotor->control].acting;
+  const double command = scene_commanded(s, rotor->act);
   const fb_rotor_input input = {(fb_real)(given ? f.rate : f.value + command), (fb_real)(given ? f.value : 0)};
   return input;
 }
@@ -235,7 +245,7 @@ static void system_drive_add(fb_drive *drive, const scene_drive *d, int axes, co
 {
   const function_value f = function_eval(&d->f, tables, t, side);
   if (d->kind == SCENE_MOTOR) {
-    drive->torque[d->axis] += (fb_real)(d->control < 0 ? f.value : controlling[d->control].acting);
+    drive->torque[d->axis] += (fb_real)(d->act < 0 ? f.value : remembered[d->act]);
   } else if (d->kind == SCENE_VALUE) {
     drive->value[d->axis] += (fb_real)f.value;
     drive->rate[d->axis] += (fb_real)f.rate;
@@ -275,7 +285,7 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
   for (int k = 0; k < s->n_spring; k++) {
     const scene_spring *const spring = &s->spring[k];
     input->pull[k] = spring->pulls ? (fb_real)function_eval(&spring->pull, &s->tables, t, side).value : FB_R(0.0);
-    input->pull[k] += spring->control < 0 ? FB_R(0.0) : (fb_real)controlling[spring->control].acting;
+    input->pull[k] += (fb_real)scene_commanded(s, spring->act);
   }
   for (int k = 0; k < s->n_rotor; k++) {
     input->rotor[s->rotor[k].body][s->rotor[k].at] = scene_rotor_at(s, &s->rotor[k], t, side);
@@ -450,6 +460,7 @@ static fb_status system_look(const scene *s, double t)
 static fb_status scene_start(const scene *s)
 {
   memset(controlling, 0, SCENE_CONTROLS * sizeof controlling[0]);
+  memset(remembered, 0, (size_t)s->n_remembered * sizeof remembered[0]);
   return s->is_exact ? exact_start(s) : scene_is_system(s) ? system_start(s) : single_start(s);
 }
 
@@ -466,37 +477,182 @@ static fb_status scene_look(const scene *s, double t)
 /* By scene_run.h. */
 static double scene_value(const scene *s, const scene_output *o);
 
-/* Orders of a controller that are due: the last one acts. */
-static void control_obey(struct scene_controlling *c, double t)
+/* ---- controllers */
+
+enum { ORDER_TIME, ORDER_COMMAND, ORDER_VALUE, ORDER_SIZE };
+
+/* Order i of those that are under way. */
+static double *control_order_at(const scene_control *d, const struct scene_controlling *c, int i)
 {
-  const int room = (int)(sizeof c->order / sizeof *c->order);
-  for (; c->n > 0 && c->order[c->first].t <= t + timing.slack; c->n--) {
-    c->acting = c->order[c->first].value;
-    c->first = (c->first + 1) % room;
+  return remembered + d->orders + ORDER_SIZE * ((c->first + i) % d->room);
+}
+
+/* Orders of a controller that are due: of each command the last one acts. */
+static void control_obey(const scene_control *d, struct scene_controlling *c, double t)
+{
+  for (; c->n > 0 && control_order_at(d, c, 0)[ORDER_TIME] <= t + timing.slack; c->n--) {
+    const double *const order = control_order_at(d, c, 0);
+    remembered[d->acting + (int)order[ORDER_COMMAND]] = order[ORDER_VALUE];
+    c->first = (c->first + 1) % d->room;
   }
 }
 
-static void control_order(struct scene_controlling *c, double t, double value)
+/* One more order, in the order of time. */
+static void control_order(const scene_control *d, struct scene_controlling *c, double t, int command, double value)
 {
-  const int room = (int)(sizeof c->order / sizeof *c->order);
-  c->order[(c->first + c->n) % room] = (scene_order){t, value};
-  c->n++;
+  const double order[ORDER_SIZE] = {t, command, value};
+  int i = c->n++;
+  for (; i > 0 && control_order_at(d, c, i - 1)[ORDER_TIME] > t; i--) {
+    memcpy(control_order_at(d, c, i), control_order_at(d, c, i - 1), sizeof order);
+  }
+  memcpy(control_order_at(d, c, i), order, sizeof order);
+}
+
+/* Values of the references at t, of turns and their rates: those of a shaper are sums of what they were. */
+static void control_references(const scene *s, const scene_control *d, const struct scene_controlling *c, double t,
+                               double *r)
+{
+  const int turns = d->attitude.is, n = turns ? 2 * d->attitude.n_turn : d->n_signal;
+  const double *const shape = s->numbers.x + d->shape_first;
+  double *const ring = remembered + d->references;
+  for (int k = 0; k < (turns ? d->attitude.n_turn : n); k++) {
+    const function_value f =
+        function_eval(turns ? &d->attitude.turn[k].f : &d->reference[k], &s->tables, t, t + timing.slack);
+    r[turns ? 2 * k : k] = f.value;
+    if (turns) {
+      r[2 * k + 1] = f.rate;
+    }
+  }
+  for (int k = 0; k < n && d->n_shape > 0; k++) {
+    double sum = 0;
+    for (int i = 0; i < d->shape_length && c->sampled == 0; i++) {
+      ring[n * i + k] = turns && k % 2 ? 0 : r[k]; /* as it was before the start */
+    }
+    ring[n * (c->sampled % d->shape_length) + k] = r[k];
+    for (int i = 0; i < d->n_shape; i++) {
+      const long at = c->sampled + d->shape_length - (long)shape[2 * i];
+      sum += shape[2 * i + 1] * ring[n * (at % d->shape_length) + k];
+    }
+    r[k] = sum;
+  }
+}
+
+/* The attitude of a body, as its node shows it: without that of the node in the body that is not deformed. */
+static fb_status control_attitude_at(fb_real quat[4], fb_node_motion *node, int body, int at)
+{
+  const fb_status status = fb_body_node_motion_eval(&engine.body[body], node, &engine.view.motion.pose[body],
+                                                    &engine.view.motion.motion[body], at);
+  fb_real bent[4];
+  fb_quat_from_rotvec(bent, node->rotation);
+  fb_quat_mul(quat, engine.view.motion.pose[body].quat, bent);
+  return status;
+}
+
+/* The attitude that is wanted, and its rate in own axes, by the turns and their rates. */
+static void control_wanted(const scene_attitude *a, const double *r, fb_real quat[4], fb_real rate[3])
+{
+  scene_reals(quat, a->wanted, 4);
+  rate[0] = rate[1] = rate[2] = 0;
+  for (int k = 0; k < a->n_turn; k++) {
+    fb_real turn[3], by[4], R[9], was[4], before[3];
+    for (int i = 0; i < 3; i++) {
+      turn[i] = (fb_real)(r[2 * k] * a->turn[k].axis[i]);
+    }
+    fb_quat_from_rotvec(by, turn);
+    fb_quat_to_mat33(R, by);
+    memcpy(was, quat, sizeof was);
+    memcpy(before, rate, sizeof before);
+    fb_quat_mul(quat, was, by);
+    fb_mat33_mulT_vec3(rate, R, before);
+    for (int i = 0; i < 3; i++) {
+      rate[i] += (fb_real)(r[2 * k + 1] * a->turn[k].axis[i]);
+    }
+  }
+}
+
+/* Errors of attitude and rate, axes of the body: e = 2 vec(q^-1 q_wanted), by the shorter way, r = R w_wanted - w. */
+static fb_status control_see_attitude(const scene_attitude *a, const double *references, double v[6])
+{
+  fb_node_motion node;
+  fb_real q[4], back[4], wanted[4], off[4], rate[3], R[9], own[3], seen[3];
+  fb_status status = control_attitude_at(q, &node, a->body, a->node);
+  const fb_real inverse[4] = {q[0], -q[1], -q[2], -q[3]};
+  control_wanted(a, references, wanted, rate);
+  fb_quat_mul(off, inverse, wanted);
+  fb_quat_to_mat33(R, off);
+  fb_mat33_mul_vec3(own, R, rate);
+  status = status ? status : control_attitude_at(back, &node, a->gyro_body, a->gyro_node);
+  fb_quat_to_mat33(R, back);
+  fb_mat33_mulT_vec3(seen, R, node.angular_rate);
+  for (int i = 0; i < 3; i++) {
+    v[i] = (off[0] < 0 ? -2 : 2) * (double)off[i + 1];
+    v[i + 3] = (double)(own[i] - seen[i]);
+  }
+  return status;
 }
 
 /* What a controller makes of what its sensors say at t. */
-static void control_sample(const scene *s, const scene_control *d, struct scene_controlling *c, double t)
+static fb_status control_sample(const scene *s, const scene_control *d, struct scene_controlling *c, double t)
 {
   const double at = (double)c->sampled * d->sample + d->delay;
-  double v = function_eval(&d->reference, &s->tables, t, t + timing.slack).value, width;
-  for (int i = 0; i < d->n_sensor; i++) {
-    v -= d->sensor[i].gain * control_round(scene_value(s, &s->output[d->sensor[i].output]), d->sensor[i].step);
+  const int limited = remembered[s->n_act + d->allocation] < 1 && c->sampled > 0;
+  double v[CONTROL_SIGNALS], width[CONTROL_SIGNALS];
+  fb_status status = FB_OK;
+  control_references(s, d, c, t, v);
+  if (d->attitude.is) {
+    const double references[2 * SCENE_TURNS] = {v[0], v[1], v[2], v[3], v[4], v[5]};
+    status = control_see_attitude(&d->attitude, references, v);
   }
-  v = control_step(d->block, c->memory, d->n_block, v, d->sample, c->sampled == 0, &width);
-  control_order(c, at, v);
-  if (width < d->sample) {
-    control_order(c, at + width, 0);
+  for (int i = 0; i < d->n_sensor; i++) {
+    const double seen = control_round(scene_value(s, &s->output[d->sensor[i].output]), d->sensor[i].step);
+    for (int k = 0; k < d->n_signal; k++) {
+      v[k] -= d->sensor[i].gain[k] * seen;
+    }
+  }
+  control_step(d->block, &s->numbers, &s->tables, remembered + d->memory, d->n_block, v, d->sample, c->sampled == 0,
+               limited, width);
+  for (int k = 0; k < d->n_command; k++) {
+    control_order(d, c, at, k, v[k]);
+    if (width[k] < d->sample) {
+      control_order(d, c, at + width[k], k, 0);
+    }
   }
   c->sampled++;
+  return status;
+}
+
+/* What an act of an allocation is to do by these commands; one that pushes one way alone leaves the other to others. */
+static double scene_demand(const scene_act *act, const double *command, int n)
+{
+  double sum = 0;
+  for (int k = 0; k < n; k++) {
+    sum += act->gain[k] * command[k];
+  }
+  return (!(fabs(act->low) > 0) && sum < 0) || (!(fabs(act->high) > 0) && sum > 0) ? 0 : sum;
+}
+
+/* Commands of all controllers to the actuators of an allocation. Where a limit is passed, all are reduced by one factor: the
+   direction of what they do is kept, and a body does not turn about an axis that nobody asked for. */
+static void scene_allocate(const scene *s, int at)
+{
+  const scene_allocation *const a = &s->allocation[at];
+  double command[CONTROL_SIGNALS] = {0}, factor = 1;
+  for (int k = 0; k < s->n_control; k++) {
+    const scene_control *const c = &s->control[k];
+    for (int i = 0; i < c->n_command && c->allocation == at; i++) {
+      command[c->to + i] += remembered[c->acting + i];
+    }
+  }
+  for (int k = a->first; k < a->first + a->n_act; k++) {
+    const scene_act *const act = &s->act[k];
+    const double demand = scene_demand(act, command, a->n), most = demand < 0 ? act->low : act->high;
+    remembered[k] = demand;
+    factor = fabs(demand) * factor > fabs(most) ? most / demand : factor;
+  }
+  for (int k = a->first; k < a->first + a->n_act && factor < 1; k++) {
+    remembered[k] *= factor;
+  }
+  remembered[s->n_act + at] = factor;
 }
 
 /* Controllers whose instant has come see the state before it, and the commands that acted before; then what is due
@@ -507,15 +663,18 @@ static fb_status scene_control_act(const scene *s, double t)
   for (int k = 0; k < s->n_control; k++) {
     const scene_control *const d = &s->control[k];
     while ((double)controlling[k].sampled * d->sample <= t + timing.slack) {
-      const fb_status status = looked++ ? FB_OK : scene_look(s, t);
+      fb_status status = looked++ ? FB_OK : scene_look(s, t);
+      status = status ? status : control_sample(s, d, &controlling[k], t);
       if (status != FB_OK) {
         return status;
       }
-      control_sample(s, d, &controlling[k], t);
     }
   }
   for (int k = 0; k < s->n_control; k++) {
-    control_obey(&controlling[k], t);
+    control_obey(&s->control[k], &controlling[k], t);
+  }
+  for (int k = 0; k < s->n_allocation; k++) {
+    scene_allocate(s, k);
   }
   return FB_OK;
 }

@@ -116,7 +116,7 @@ static void scene_read_drive(text_file *t, scene *s, const char *word)
   drive->line = t->line;
   drive->kind = word[0] == 'm' ? SCENE_MOTOR : word[0] == 'v' ? SCENE_VALUE : SCENE_SPEED;
   drive->joint = s->n_joint;
-  drive->control = -1;
+  drive->act = -1;
   drive->axis = scene_read_axis(t, joint);
   drive->f = function_read(t, &s->tables, s->path);
   if (drive->kind == SCENE_MOTOR ? scene_axes(joint) > 3 : drive->kind == SCENE_VALUE && scene_axes(joint) > 2) {
@@ -411,7 +411,7 @@ static void scene_read_spring(text_file *t, scene *s)
   }
   memset(spring, 0, sizeof *spring);
   spring->line = t->line;
-  spring->control = -1;
+  spring->act = -1;
   text_name(t, "a spring", spring->name);
   for (int k = 0; k < s->n_spring; k++) {
     if (strcmp(s->spring[k].name, spring->name) == 0) {

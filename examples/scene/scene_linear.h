@@ -347,7 +347,7 @@ static int plant_inputs(plant_input in[SCENE_OUTPUTS], const scene *s)
       if ((joint &&
            (s->drive[k].kind != SCENE_MOTOR || joint->loop ||
             engine.system_state.mode[joint->at][scene_axes(joint) < 3 ? s->drive[k].axis : 0] != FB_AXIS_FREE)) ||
-          (actor == SCENE_BY_PULL && !s->spring[k].pulls && s->spring[k].control < 0) ||
+          (actor == SCENE_BY_PULL && !s->spring[k].pulls && s->spring[k].act < 0) ||
           (actor == SCENE_BY_LOAD && s->load[k].nudge)) {
         continue;
       }

@@ -23,10 +23,15 @@
 #define SCENE_DRIVES 64
 #define SCENE_ROTORS 48 /* of all bodies */
 #define SCENE_EVENTS 32
-#define SCENE_CONTROLS 6
-#define SCENE_SENSORS 4 /* of a controller */
-#define SCENE_BLOCKS 12 /* of it */
-#define SCENE_LATE 60   /* samples: the longest delay */
+#define SCENE_CONTROLS 16
+#define SCENE_COMMANDS 48     /* of all controllers */
+#define SCENE_SENSORS 24      /* of a controller */
+#define SCENE_BLOCKS 12       /* of it */
+#define SCENE_TURNS 3         /* of its reference attitude */
+#define SCENE_LATE 60         /* samples: the longest delay */
+#define SCENE_REMEMBERED 8192 /* numbers that controllers remember from sample to sample */
+#define SCENE_ACTS 64         /* actuators of all allocations */
+#define SCENE_ALLOCATIONS (SCENE_CONTROLS + 16)
 
 /* What runs is static, one scene at a time. With SCENE_SEVERAL each of it is where a pointer of the thread says, which who
    includes this sets. */
@@ -36,6 +41,7 @@
 #define exact_run (*exact_run_now)
 #define timing (*timing_now)
 #define controlling controlling_now
+#define remembered remembered_now
 #else
 #define SCENE_RUNS(type, name, dimension) static type name dimension
 #endif
@@ -72,8 +78,8 @@ typedef struct scene_body {
 
 typedef struct scene_load { /* vector times function */
   int body, node, torque;
-  int nudge;   /* it acts while the steady state is looked for */
-  int control; /* whose command is the function; -1: none */
+  int nudge; /* it acts while the steady state is looked for */
+  int act;   /* what is commanded is the function; -1: nothing is */
   fb_axes axes;
   double vector[3];
   function f;
@@ -107,7 +113,7 @@ typedef enum scene_drive_kind { SCENE_MOTOR, SCENE_VALUE, SCENE_SPEED } scene_dr
 typedef struct scene_drive { /* of an axis of a joint */
   scene_drive_kind kind;
   int line, joint, axis;
-  int control; /* whose command is the function; -1: none */
+  int act; /* what is commanded is the function; -1: nothing is */
   function f;
 } scene_drive;
 
@@ -117,14 +123,14 @@ typedef struct scene_spring { /* between two points */
   text_words seen;
   fb_spring desc;
   function pull;
-  int control; /* whose command adds to it; -1: none */
+  int act; /* the last one that is commanded to add to it; -1: none */
 } scene_spring;
 
 typedef struct scene_rotor { /* the rest of it is in the level of its body */
   rotor_text text;
   int body, at; /* at: which one of the body */
   function f;   /* motor; momentum, where it is given */
-  int control;  /* whose command adds to the motor; -1: none */
+  int act;      /* the last one that is commanded to add to the motor; -1: none */
 } scene_rotor;
 
 typedef struct scene_event { /* an axis is locked, freed or prescribed */
@@ -135,20 +141,49 @@ typedef struct scene_event { /* an axis is locked, freed or prescribed */
 
 typedef enum scene_actor { SCENE_BY_NONE, SCENE_BY_MOTOR, SCENE_BY_PULL, SCENE_BY_LOAD, SCENE_BY_ROTOR } scene_actor;
 
+typedef struct scene_act { /* a motor, actuator, load or rotor that is commanded */
+  scene_actor actor;
+  int at;                                  /* number of its drive, spring, load or rotor */
+  int next;                                /* the one before that drives the same spring or rotor; -1: none */
+  double gain[CONTROL_SIGNALS], low, high; /* of each command; least and most that it takes */
+  char unit[32];
+} scene_act;
+
+typedef struct scene_allocation { /* of commands to actuators */
+  char name[TEXT_NAME];           /* empty: of the output of a controller */
+  int line, n, first, n_act;      /* n: commands; acts first.. */
+} scene_allocation;
+
+typedef struct scene_attitude { /* what a controller of attitude sees and wants */
+  int is, line;
+  int body, node, gyro_body, gyro_node;
+  double wanted[4];
+  int n_turn; /* one after the other, behind `wanted` */
+  struct {
+    double axis[3];
+    function f; /* [rad] */
+  } turn[SCENE_TURNS];
+} scene_attitude;
+
 typedef struct scene_control { /* a sampled controller */
   char name[TEXT_NAME];
   int line;
   text_words seen;
-  double sample, delay; /* [s] */
-  int n_sensor, n_block;
+  double sample, delay;  /* [s] */
+  int n_signal, n_block; /* signals that come in: reference less what sensors see */
+  int n_sensor;
   struct {
     int output;
-    double gain, step; /* step: of its numbers, 0: none */
+    double gain[CONTROL_SIGNALS], step; /* step: of its numbers, 0: none */
   } sensor[SCENE_SENSORS];
-  function reference;
+  function reference[CONTROL_SIGNALS];
+  int shape_first, n_shape,
+      shape_length; /* of the references: pairs of delay in samples and factor, among the numbers */
+  scene_attitude attitude;
   control_block block[SCENE_BLOCKS];
-  scene_actor actor;
-  int at; /* number of its drive, spring, load or rotor */
+  int allocation, to, n_command; /* commands to.. of the allocation */
+  /* where it remembers what acts, orders that are under way (time, command, value), references, and blocks theirs */
+  int acting, orders, room, references, memory;
   char unit[32];
 } scene_control;
 
@@ -162,6 +197,7 @@ typedef enum scene_place {
   SCENE_AT_SPRING,
   SCENE_AT_ROTOR,
   SCENE_AT_CONTROL,
+  SCENE_AT_ALLOCATION,
   SCENE_AT_ALL
 } scene_place;
 
@@ -195,6 +231,7 @@ typedef enum scene_quantity {
   SCENE_ROTOR_SPEED,
   SCENE_ROTOR_MOMENTUM,
   SCENE_COMMAND,
+  SCENE_ALLOCATED,
   SCENE_ENERGY,
   SCENE_MOMENTUM,
   SCENE_ANGULAR_MOMENTUM,
@@ -234,6 +271,7 @@ static const struct scene_quantity_row {
                         {"rotor_speed", "rad/s", SCENE_AT_ROTOR, {NULL}},
                         {"rotor_momentum", "N m s", SCENE_AT_ROTOR, {NULL}},
                         {"command", "-", SCENE_AT_CONTROL, {NULL}},
+                        {"allocated", "-", SCENE_AT_ALLOCATION, {NULL}},
                         {"energy", "J", SCENE_AT_ALL, {"total", "kinetic", "strain", "gravity"}},
                         {"momentum", "N s", SCENE_AT_ALL, {"x", "y", "z"}},
                         {"angular_momentum", "N m s", SCENE_AT_ALL, {"x", "y", "z"}},
@@ -243,7 +281,7 @@ static const struct scene_quantity_row {
 typedef struct scene_output {
   char label[TEXT_NAME];
   scene_quantity quantity;
-  int body, at, axis; /* at: node, mode, gauge, joint, spring, rotor or controller */
+  int body, at, axis; /* at: node, mode, gauge, joint, spring, rotor, controller or act; axis: or command */
   char unit[32];
 } scene_output;
 
@@ -259,19 +297,31 @@ typedef enum scene_kind {
   SCENE_GAIN_REDUCTION,
   SCENE_PHASE_MARGIN,
   SCENE_DELAY_MARGIN,
-  SCENE_POLE_RADIUS
+  SCENE_POLE_RADIUS,
+  SCENE_RETURN_DIFFERENCE
 } scene_kind;
-static const char *const scene_kinds[] = {
-    "max",    "min",         "mean",           "rms",          "final",        "frequency",
-    "growth", "gain_margin", "gain_reduction", "phase_margin", "delay_margin", "pole_radius",
-    NULL};
-static const char *const scene_kind_units[] = {"rad/s", "1/s", "-", "-", "rad", "s", "-"}; /* from frequency on */
+static const char *const scene_kinds[] = {"max",
+                                          "min",
+                                          "mean",
+                                          "rms",
+                                          "final",
+                                          "frequency",
+                                          "growth",
+                                          "gain_margin",
+                                          "gain_reduction",
+                                          "phase_margin",
+                                          "delay_margin",
+                                          "pole_radius",
+                                          "return_difference",
+                                          NULL};
+static const char *const scene_kind_units[] = {"rad/s", "1/s", "-", "-", "rad", "s", "-", "-"}; /* from frequency on */
 
 typedef struct scene_measure {
   char label[TEXT_NAME];
   int line;
   scene_kind kind;
   int output;   /* or mode of the spectrum, or controller */
+  int command;  /* of it, from 1; 0: all */
   double after; /* [s] */
 } scene_measure;
 
@@ -310,7 +360,7 @@ typedef struct scene {
   int view_of; /* body in whose frame it is seen; -1: at rest */
   fb_method method;
   int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_spring, n_rotor, n_event, n_control,
-      n_expectation, n_reference, n_distributed;
+      n_allocation, n_act, n_remembered, n_expectation, n_reference, n_distributed;
   scene_load load[SCENE_LOADS];
   scene_distributed distributed[SCENE_DISTRIBUTED];
   scene_motion motion[SCENE_MOTIONS];
@@ -323,12 +373,15 @@ typedef struct scene {
   scene_rotor rotor[SCENE_ROTORS];
   scene_event event[SCENE_EVENTS];
   scene_control control[SCENE_CONTROLS];
+  scene_allocation allocation[SCENE_ALLOCATIONS];
+  scene_act act[SCENE_ACTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
   int missed; /* expectations, references and estimates of auto beyond their tolerance, by scene_run */
   int exact_elements, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
   exact_text exact;
   function_tables tables;
+  control_numbers numbers;
   text_words seen;
   const scene_setting *set;
   int n_set;
@@ -392,23 +445,19 @@ static void scene_reals(fb_real *x, const double *value, int n)
   }
 }
 
-typedef struct scene_order { /* a command, from when on */
-  double t, value;
-} scene_order;
-
 struct scene_controlling { /* what a controller knows */
-  double acting;           /* command */
   long sampled;            /* so many times */
-  control_memory memory[SCENE_BLOCKS];
-  int first, n; /* orders that are under way, a ring */
-  scene_order order[2 * SCENE_LATE + 8];
+  int first, n;            /* orders that are under way, a ring */
 };
 SCENE_RUNS(struct scene_controlling, controlling, [SCENE_CONTROLS]);
+
+/* What acts, by the number of an act; of each allocation the factor that its limits leave; then what controllers remember. */
+SCENE_RUNS(double, remembered, [SCENE_REMEMBERED]);
 
 /* A load at t, of the piece that holds `side`. */
 static fb_load scene_load_at(const scene *s, const scene_load *l, double t, double side)
 {
-  const double f = l->control < 0 ? function_eval(&l->f, &s->tables, t, side).value : controlling[l->control].acting;
+  const double f = l->act < 0 ? function_eval(&l->f, &s->tables, t, side).value : remembered[l->act];
   fb_load load;
   memset(&load, 0, sizeof load);
   load.node = l->node;

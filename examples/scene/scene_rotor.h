@@ -53,7 +53,7 @@ static scene_rotor *scene_begin_rotor(text_file *t, scene *s, int body, int line
   }
   memset(rotor, 0, sizeof *rotor);
   rotor->text.line = line;
-  rotor->control = -1;
+  rotor->act = -1;
   rotor->body = body;
   return rotor;
 }
@@ -88,7 +88,7 @@ static void scene_rotor_copy(text_file *t, scene *s, const scene_rotor *other, i
     *rotor = *other;
     strcpy(rotor->text.name, name);
     rotor->text.line = t->line;
-    rotor->control = -1;
+    rotor->act = -1;
     rotor->body = body;
     s->n_rotor++;
   }

@@ -178,7 +178,9 @@ static double scene_value(const scene *s, const scene_output *o)
   case SCENE_AT_ROTOR:
     return rotor_output(s, o);
   case SCENE_AT_CONTROL:
-    return controlling[o->at].acting;
+    return remembered[s->control[o->at].acting + o->axis];
+  case SCENE_AT_ALLOCATION:
+    return remembered[o->at];
   case SCENE_AT_ALL:
     return whole_output(o);
   default:

@@ -13,15 +13,21 @@
 #include "scene_linear.h"
 #include <complex.h>
 
-#define SEEN_CAUSES 96
+#define SEEN_CAUSES (96 + SCENE_COMMANDS)
+#define SEEN_INPUTS (96 + 3 * SCENE_ACTS)
 #define SEEN_ROWS (3 * SCENE_OUTPUTS)
 
-typedef struct seen_cause { /* column of B, and what of it acts; the first one is f */
-  fb_port port;
-  double size, frequency; /* the most of the input; [rad/s], HUGE_VAL: it jumps */
-  int smooth, control;    /* control: whose command is the size, 0: none, else its number from 1 */
+typedef struct seen_cause { /* column of B, and what of it acts; the first one is f, then one for each command */
+  double size, frequency;   /* the most of the input; [rad/s], HUGE_VAL: it jumps */
+  int smooth, command;      /* command: which one is the size, 0: none, else its number from 1 */
   fb_real b[FB_MAX_LINEAR];
 } seen_cause;
+
+typedef struct seen_input { /* a port: of a cause with a function, or of an act */
+  fb_port port;
+  int cause, act; /* act: -1, or what the commands of its allocation do with it */
+  double weight;
+} seen_input;
 
 typedef struct seen_row { /* row of C; the output is `factor` of it times |lambda|^power */
   fb_port port;
@@ -31,12 +37,13 @@ typedef struct seen_row { /* row of C; the output is `factor` of it times |lambd
 } seen_row;
 
 static struct scene_sight {
-  int n_cause, n_row, known; /* known: the amounts are there */
+  int n_cause, n_input, n_row, known; /* known: the amounts are there */
   seen_cause cause[SEEN_CAUSES];
+  seen_input input[SEEN_INPUTS];
   seen_row row[SEEN_ROWS];
   int judged[SCENE_OUTPUTS]; /* the output has rows */
   /* of a mode in an output, without controllers, and by a command of 1 of each */
-  double amount[1 + SCENE_CONTROLS][SCENE_OUTPUTS][FB_MAX_LINEAR];
+  double amount[1 + SCENE_COMMANDS][SCENE_OUTPUTS][FB_MAX_LINEAR];
   double complex M[FB_MAX_LINEAR * FB_MAX_LINEAR], x[SEEN_CAUSES][FB_MAX_LINEAR];
 } sight;
 
@@ -53,24 +60,30 @@ static double seen_most(const scene *s, const function *f)
   return most;
 }
 
-/* One more cause of a function, or of the command of a controller (-1: none) in its place. */
-static void seen_add_cause(const scene *s, fb_port port, double weight, const function *f, int control)
+static void seen_add_input(fb_port port, double weight, int cause, int act)
 {
-  seen_cause *const c = &sight.cause[sight.n_cause];
-  const double size = f ? fabs(weight) * seen_most(s, f) : fabs(weight);
-  if (sight.n_cause == SEEN_CAUSES || !(size > 0) || (f && f->kind == FUNCTION_CONSTANT)) {
-    return; /* what is constant acts at the start */
+  if (sight.n_input < SEEN_INPUTS) {
+    sight.input[sight.n_input++] = (seen_input){port, cause, act, weight};
   }
-  c->port = port;
-  c->size = size;
-  c->frequency = f ? function_frequency(f, &s->tables) : HUGE_VAL;
-  c->smooth = f && (f->kind == FUNCTION_SMOOTH || f->kind == FUNCTION_VERSINE);
-  c->control = 1 + control;
-  sight.n_cause++;
 }
 
-/* Those of a motor, actuator, rotor or load: of its function and of its controller. */
-static void seen_add_actor(const scene *s, scene_actor actor, int at, const function *f, int control)
+/* One more cause, of a function. */
+static void seen_add_cause(const scene *s, fb_port port, double weight, const function *f)
+{
+  seen_cause *const c = &sight.cause[sight.n_cause];
+  const double size = fabs(weight) * seen_most(s, f);
+  if (sight.n_cause == SEEN_CAUSES || !(size > 0) || f->kind == FUNCTION_CONSTANT) {
+    return; /* what is constant acts at the start */
+  }
+  c->size = size;
+  c->frequency = function_frequency(f, &s->tables);
+  c->smooth = f->kind == FUNCTION_SMOOTH || f->kind == FUNCTION_VERSINE;
+  c->command = 0;
+  seen_add_input(port, 1, sight.n_cause++, -1);
+}
+
+/* Those of a motor, actuator, rotor or load: of its function, and of the last act that drives it. */
+static void seen_add_actor(const scene *s, scene_actor actor, int at, const function *f, int act)
 {
   int port[3], n;
   double weight[3];
@@ -78,48 +91,80 @@ static void seen_add_actor(const scene *s, scene_actor actor, int at, const func
   n = plant_actor(s, actor, at, port, weight);
   for (int k = 0; k < n; k++) {
     if (f) {
-      seen_add_cause(s, plant.desc.in[port[k]], weight[k], f, -1);
+      seen_add_cause(s, plant.desc.in[port[k]], weight[k], f);
     }
-    if (control >= 0) {
-      seen_add_cause(s, plant.desc.in[port[k]], weight[k], NULL, control);
+    for (int a = act; a >= 0; a = s->act[a].next) {
+      seen_add_input(plant.desc.in[port[k]], weight[k], 0, a);
     }
   }
 }
 
+/* What an act does by a command of 1, of all commands of controllers from 0 on. One that pushes one way alone does a half, its
+   opposite the other. */
+static double seen_gain(const scene *s, int act, int command)
+{
+  for (int k = 0; k < s->n_control; k++) {
+    const scene_control *const c = &s->control[k];
+    const scene_allocation *const a = &s->allocation[c->allocation];
+    if (command < c->n_command) {
+      const scene_act *const it = &s->act[act];
+      const double part = fabs(it->low) > 0 && fabs(it->high) > 0 ? 1 : 0.5;
+      return act >= a->first && act < a->first + a->n_act ? part * it->gain[c->to + command] : 0;
+    }
+    command -= c->n_command;
+  }
+  return 0;
+}
+
+/* Commands of all controllers. */
+static int seen_commands(const scene *s)
+{
+  int n = 0;
+  for (int k = 0; k < s->n_control; k++) {
+    n += s->control[k].n_command;
+  }
+  return n;
+}
+
 static void seen_find_causes(const scene *s)
 {
-  sight.n_cause = 1;
-  sight.cause[0].size = 1;
-  sight.cause[0].frequency = HUGE_VAL;
-  sight.cause[0].control = 0;
+  sight.n_input = 0;
+  sight.n_cause = 1 + seen_commands(s);
+  for (int k = 0; k < sight.n_cause; k++) {
+    sight.cause[k].size = 1;
+    sight.cause[k].frequency = HUGE_VAL;
+    sight.cause[k].smooth = 0;
+    sight.cause[k].command = k;
+    memset(sight.cause[k].b, 0, sizeof sight.cause[k].b);
+  }
   for (int k = 0; k < s->n_drive; k++) {
     const scene_drive *const d = &s->drive[k];
     const scene_joint *const joint = &s->joint[d->joint];
     const int axes = scene_axes(joint), mode = (int)engine.system_state.mode[joint->at][axes < 3 ? d->axis : 0];
     if (d->kind == SCENE_MOTOR && !joint->loop && mode == FB_AXIS_FREE && axes < 6) {
-      seen_add_actor(s, SCENE_BY_MOTOR, k, d->control < 0 ? &d->f : NULL, d->control);
+      seen_add_actor(s, SCENE_BY_MOTOR, k, d->act < 0 ? &d->f : NULL, d->act);
     } else if (d->kind == SCENE_SPEED && axes == 6 && mode == FB_AXIS_PRESCRIBED) {
       const fb_port port = {d->axis < 3 ? FB_PORT_BASE_VELOCITY : FB_PORT_BASE_RATE, joint->at, 0, d->axis % 3,
                             FB_AXES_BODY};
-      seen_add_cause(s, port, 1, &d->f, -1);
+      seen_add_cause(s, port, 1, &d->f);
     }
   }
   for (int k = 0; k < s->n_spring; k++) {
-    if (s->spring[k].pulls || s->spring[k].control >= 0) {
-      seen_add_actor(s, SCENE_BY_PULL, k, s->spring[k].pulls ? &s->spring[k].pull : NULL, s->spring[k].control);
+    if (s->spring[k].pulls || s->spring[k].act >= 0) {
+      seen_add_actor(s, SCENE_BY_PULL, k, s->spring[k].pulls ? &s->spring[k].pull : NULL, s->spring[k].act);
     }
   }
   for (int k = 0; k < s->n_load; k++) {
     const scene_load *const load = &s->load[k];
-    seen_add_actor(s, SCENE_BY_LOAD, k, load->control < 0 ? &load->f : NULL, load->control);
+    seen_add_actor(s, SCENE_BY_LOAD, k, load->act < 0 ? &load->f : NULL, load->act);
   }
   for (int k = 0; k < s->n_rotor; k++) {
-    seen_add_actor(s, SCENE_BY_ROTOR, k, &s->rotor[k].f, s->rotor[k].control);
+    seen_add_actor(s, SCENE_BY_ROTOR, k, &s->rotor[k].f, s->rotor[k].act);
   }
   for (int k = 0; k < s->n_motion; k++) {
     for (int i = 0; i < 3; i++) {
       const fb_port port = {s->motion[k].rate ? FB_PORT_BASE_RATE : FB_PORT_BASE_VELOCITY, 0, 0, i, FB_AXES_BODY};
-      seen_add_cause(s, port, s->motion[k].vector[i], &s->motion[k].f, -1);
+      seen_add_cause(s, port, s->motion[k].vector[i], &s->motion[k].f);
     }
   }
 }
@@ -192,18 +237,29 @@ static void seen_find_rows(const scene *s)
 
 /* ---- the linear model, as many times as its ports take */
 
+/* A number of a column of B: of its cause, or of all commands that move it. */
+static void seen_take_input(const scene *s, const seen_input *in, int i, fb_real b)
+{
+  if (in->act < 0) {
+    sight.cause[in->cause].b[i] = b;
+  }
+  for (int k = 0; k < seen_commands(s) && in->act >= 0; k++) {
+    sight.cause[1 + k].b[i] += (fb_real)(in->weight * seen_gain(s, in->act, k)) * b;
+  }
+}
+
 static fb_status seen_linearize(const scene *s)
 {
   const fb_linear *const l = &plant.linear;
-  int cause = 1, row = 0;
+  int input = 0, row = 0;
   fb_status status = FB_OK;
   do {
-    const int from = cause;
+    const int from = input;
     int own[FB_MAX_PORTS];
     fb_linear_desc *const d = &plant.desc;
     memset(d, 0, sizeof *d);
-    for (; cause < sight.n_cause && d->n_in < FB_MAX_PORTS; cause++) {
-      d->in[d->n_in++] = sight.cause[cause].port;
+    for (; input < sight.n_input && d->n_in < FB_MAX_PORTS; input++) {
+      d->in[d->n_in++] = sight.input[input].port;
     }
     for (; row < sight.n_row && d->n_out < FB_MAX_PORTS; row++) {
       if (sight.row[row].is_port) {
@@ -215,13 +271,13 @@ static fb_status seen_linearize(const scene *s)
     for (int i = 0; i < l->n && status == FB_OK; i++) {
       sight.cause[0].b[i] = l->rate[i];
       for (int k = 0; k < d->n_in; k++) {
-        sight.cause[from + k].b[i] = l->B[l->n_in * i + k];
+        seen_take_input(s, &sight.input[from + k], i, l->B[l->n_in * i + k]);
       }
       for (int k = 0; k < d->n_out; k++) {
         sight.row[own[k]].c[i] = (double)l->C[l->n * k + i];
       }
     }
-  } while (status == FB_OK && (cause < sight.n_cause || row < sight.n_row));
+  } while (status == FB_OK && (input < sight.n_input || row < sight.n_row));
   for (int k = 0; k < sight.n_row && status == FB_OK; k++) {
     const scene_output *const o = &s->output[sight.row[k].output];
     scene_output as = *o;
@@ -308,7 +364,7 @@ static void seen_take_mode(int mode, double re, double im)
     }
     for (int o = 0; o < SCENE_OUTPUTS; o++) {
       const seen_cause *const c = &sight.cause[e];
-      sight.amount[c->control][o][mode] += 2 * off / size * c->size * seen_left(c, size) * part[o];
+      sight.amount[c->command][o][mode] += 2 * off / size * c->size * seen_left(c, size) * part[o];
     }
   }
 }
@@ -356,8 +412,10 @@ static void seen_note(const scene *s, int output, double value)
 {
   engine.lowest[output] = fmin(engine.lowest[output], value);
   engine.highest[output] = fmax(engine.highest[output], value);
-  for (int k = 0; k < s->n_control; k++) {
-    engine.command[k] = fmax(engine.command[k], fabs(controlling[k].acting));
+  for (int k = 0, c = 0; k < s->n_control; k++) {
+    for (int i = 0; i < s->control[k].n_command; i++, c++) {
+      engine.command[c] = fmax(engine.command[c], fabs(remembered[s->control[k].acting + i]));
+    }
   }
 }
 
@@ -371,7 +429,7 @@ static int seen_amplitudes(fb_real amplitude[FB_MAX_LINEAR], const scene *s, int
   }
   for (int k = 0; k < engine.spectrum.n; k++) {
     own[k] = sight.amount[0][output][k];
-    for (int c = 0; c < s->n_control; c++) {
+    for (int c = 0; c < seen_commands(s); c++) {
       own[k] += engine.command[c] * sight.amount[1 + c][output][k];
     }
     sum += own[k];

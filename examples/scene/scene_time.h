@@ -116,7 +116,7 @@ static double scene_sample_after(const scene *s, double t)
     const struct scene_controlling *const c = &controlling[k];
     next = fmin(next, fmin(scene_series_after(0, d->sample, t), scene_series_after(d->delay, d->sample, t)));
     for (int i = 0; i < c->n; i++) {
-      const double due = c->order[(c->first + i) % (int)(sizeof c->order / sizeof *c->order)].t;
+      const double due = remembered[d->orders + 3 * ((c->first + i) % d->room)];
       next = due > t + timing.slack ? fmin(next, due) : next;
     }
   }

@@ -98,6 +98,19 @@ static int scene_control_of(text_file *t, const scene *s)
   return 0;
 }
 
+/* allocation NAME: its number */
+static int scene_allocation_of(text_file *t, const scene *s)
+{
+  const char *const word = text_word(t);
+  for (int k = 0; k < s->n_allocation && word; k++) {
+    if (s->allocation[k].name[0] && strcmp(s->allocation[k].name, word) == 0) {
+      return k;
+    }
+  }
+  text_fail(t, "no allocation has the name %s", word ? word : "(missing)");
+  return 0;
+}
+
 /* Node, body, mode, gauge, or joint with its axis. */
 static void scene_read_where(text_file *t, const scene *s, scene_output *output)
 {
@@ -140,6 +153,9 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     output->at = scene_control_of(t, s);
     scene_unit(s, output, s->control[output->at].unit);
     break;
+  case SCENE_AT_ALLOCATION:
+    output->at = scene_allocation_of(t, s);
+    break;
   default:
     break;
   }
@@ -159,6 +175,35 @@ static void scene_add_axes(text_file *t, scene *s, const scene_output *output)
     if (!t->failed) {
       s->output[s->n_output++] = one;
     }
+  }
+}
+
+/* Of a controller or an allocation: the command or actuator of that number, or an output NAME_1, ... for each. */
+static void scene_add_numbered(text_file *t, scene *s, const scene_output *output)
+{
+  const int allocated = output->quantity == SCENE_ALLOCATED;
+  const scene_allocation *const a = &s->allocation[output->at];
+  const int n = allocated ? a->n_act : s->control[output->at].n_command, one = n == 1 || text_more(t);
+  const int first = text_more(t) ? text_whole(t, allocated ? "actuator" : "command", 1, n) - 1 : 0;
+  for (int k = first; k < (one ? first + 1 : n) && !t->failed; k++) {
+    scene_output *const to = &s->output[s->n_output];
+    char label[TEXT_NAME];
+    if (snprintf(label, sizeof label, one ? "%s" : "%s_%d", output->label, k + 1) >= (int)sizeof label) {
+      text_fail(t, "the name is too long: %s", output->label);
+    }
+    scene_new_output(t, s, label);
+    if (t->failed) {
+      return;
+    }
+    *to = *output;
+    strcpy(to->label, label);
+    if (allocated) {
+      to->at = a->first + k;
+      scene_unit(s, to, s->act[to->at].unit);
+    } else {
+      to->axis = k;
+    }
+    s->n_output++;
   }
 }
 
@@ -188,7 +233,9 @@ static void scene_read_output(text_file *t, scene *s)
       (s->body[output.body].kind != MODEL_BEAM || output.at == 0)) {
     text_fail(t, "%s is of nodes on beams (at an origin: reaction_force, reaction_torque)", names[output.quantity]);
   }
-  if (scene_quantities[output.quantity].axes[0] && !text_more(t)) {
+  if (output.quantity == SCENE_COMMAND || output.quantity == SCENE_ALLOCATED) {
+    scene_add_numbered(t, s, &output);
+  } else if (scene_quantities[output.quantity].axes[0] && !text_more(t)) {
     scene_add_axes(t, s, &output);
   } else if (!t->failed) {
     if (scene_quantities[output.quantity].axes[0]) {
@@ -287,6 +334,9 @@ static void scene_read_measure(text_file *t, scene *s)
   measure->kind = (scene_kind)text_choice(t, "a measure", scene_kinds);
   if (measure->kind >= SCENE_GAIN_MARGIN) {
     measure->output = scene_control_of(t, s);
+    if (measure->kind < SCENE_POLE_RADIUS && text_more(t)) {
+      measure->command = text_whole(t, "command", 1, s->control[measure->output].n_command);
+    }
     s->n_measure++;
     return;
   }

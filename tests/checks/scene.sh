@@ -152,6 +152,45 @@ try build/flexbeam scene examples/scenes/shaft_control.txt --quiet --margins "$o
 awk -F, 'NR == 1 { next } $2 < last || ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) - 1 > 1e-9 || 1 - ($5 ^ 2 + $6 ^ 2) / 10 ^ ($3 / 10) > 1e-9 { wrong++ }
   { last = $2 } $3 > 0 { crossing = $4 + 180 } END { exit wrong > 0 || NR < 1000 || (crossing - 70.754) ^ 2 > 0.1 }' "$out/margins.csv" ||
   fail "the response of a loop is not what its margins say"
+# the satellite by hybrid coordinates: frequencies, margins and return differences at two angles of its drives, and a pulse
+satellite=examples/scenes/satellite.txt
+grep '^frequencies' tests/reference/p15_satellite.csv | while IFS=, read -r case values; do
+  sed '/^measure/d; /^expect/d' $satellite > "$out/modes.txt"
+  for k in $(seq 11 24); do echo "measure f$k frequency $k"; done >> "$out/modes.txt"
+  build/flexbeam scene "$out/modes.txt" --set drive="${case#frequencies_}" --set turn=0 > "$out/log" 2>&1 || exit 1
+  awk -v values="$values" 'BEGIN { n = split(values, f, ",") } /^f[0-9]+ = / { d = $3 / f[substr($1, 2) - 10] - 1; wrong += !(d * d <= 1e-16); seen++ }
+    END { exit !(seen == n && n == 14 && wrong == 0) }' "$out/log" || exit 1
+done || fail "frequencies of the satellite: $(grep '^f[12]' "$out/log")"
+sed '/^measure/d; /^expect/d' $satellite > "$out/satellite.txt"
+for loop in pointing unload; do
+  for k in 1 2 3; do
+    for kind in gain_margin gain_reduction phase_margin delay_margin; do echo "measure ${loop}_${k}_$kind $kind $loop $k"; done
+  done
+  echo "measure ${loop}_difference return_difference $loop"
+  for kind in gain_margin gain_reduction phase_margin delay_margin; do echo "measure ${loop}_$kind $kind $loop"; done
+done >> "$out/satellite.txt"
+for drive in 0 0.7; do
+  try build/flexbeam scene "$out/satellite.txt" --quiet --set drive=$drive --set turn=0
+  build/flexbeam scene "$out/satellite.txt" --set drive=$drive --set turn=0 > "$out/margins.log" 2>&1
+  awk -F'[,_.]' -v OFS=, -v drive=$drive '{ text = $0 } sub("^margins_" drive "_", "", text) || sub("^difference_" drive "_", "d:", text) { print text }' tests/reference/p15_satellite.csv > "$out/margins.csv"
+  awk -F, 'function off(name, value) { checked++; return !((got[name] - value) ^ 2 <= 1e-12 * value ^ 2) && !(value == 0 && got[name] == 0) }
+    NR == FNR { split($0, w, " = "); got[w[1]] = w[2]; next }
+    /^d:/ { wrong += off(substr($1, 3) "_difference", $2); next }
+    { split($1, w, "."); name = w[1]; at = name "_" w[2]
+      split("gain_margin gain_reduction phase_margin delay_margin", kind, " ")
+      for (k = 1; k <= 4; k++) {
+        wrong += off(at "_" kind[k], $(k + 1))
+        worst[name, k] = w[2] == 1 || (k == 2 ? $(k + 1) > worst[name, k] : $(k + 1) < worst[name, k]) ? $(k + 1) : worst[name, k]
+        if (w[2] == 3) wrong += off(name "_" kind[k], worst[name, k])
+      } }
+    END { exit !(checked == 34 && wrong == 0) }' "$out/margins.log" "$out/margins.csv" || fail "margins of the satellite at $drive: $(cat "$out/margins.log")"
+  sed -e '/^control/,/^end/d; /^output .* command/d; /^output .* allocated/d; /^parameter turn/d; /^parameter loop/d; /^measure/d; /^expect/d' -e 's/^step .*/step 0.002/; s/^duration .*/duration 8/' $satellite > "$out/pulse.txt"
+  try build/flexbeam scene "$out/pulse.txt" --quiet --set drive=$drive --set push=1e-5 --out "$out/pulse.csv"
+  awk -F, -v drive=$drive 'NR == FNR { split($1, w, "_"); if (w[1] == "pulse" && w[2] == drive) { tip[w[3] + 0] = $2; rate[w[3] + 0] = $3 } next }
+    FNR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^tip /) T = i; if ($i ~ /^rate_x /) R = i } next }
+    ($1 in tip) { seen++; wrong += !(($T / 1e-5 - tip[$1]) ^ 2 < (3.2e-3 * 1e-6) ^ 2) + !(($R / 1e-5 - rate[$1]) ^ 2 < (1.1e-3 * 2e-6) ^ 2) }
+    END { exit !(seen == 3 && wrong == 0) }' tests/reference/p15_satellite.csv "$out/pulse.csv" || fail "the satellite after a pulse, drives at $drive"
+done
 # a satellite turned by a controller, and the same as a program
 try ${CC:-cc} $c99 -O1 -o "$out/program" tests/checks/satellite.c build/library/double.o -lm
 "$out/program" > "$out/program.csv" || fail "the satellite as a program: $(tail -n 1 "$out/program.csv")"

@@ -613,6 +613,229 @@ commands 1 3.5 'constant 1' 'state_space 2  0 -1  1 0  1 2  1 1  0.5' # a quarte
 commands 1 0.25 'constant 0.37' 'quantize 0.25'
 commands 1 -0.5 'constant -0.375' 'quantize 0.25'                       # halves away from zero
 commands 6 -0.45 'table 0 1 4.95 1 4.96 -1' 'pid 0 1 0' 'saturate 0.5'  # the integral waits at 0.5: 0.45 at 5 s, then down
+# a table [A B; C D] is the block of one signal; limits of rate, bands and tables in closed form, each at 0.9 s
+commands 1 0.998046875 'constant 1' 'state_space' '  0.5 0.5' '  1 0' end
+printf '0.5,0.5\n1,0\n' > "$out/table.csv"
+commands 1 0.998046875 'constant 1' 'state_space file table.csv'
+commands 1 2 'constant 7' 'rate_limit 2'                       # 10 samples of at most 0.2, and..
+commands 1 -0.5 'constant -0.5' 'rate_limit 2'                   # ..no more than is asked for
+commands 1 0.5 'constant 2' 'dead_band 1.5'
+commands 1 -0.5 'constant -2' 'dead_band 1.5'
+commands 1 0 'constant 1.5' 'dead_band 1.5'
+commands 1 -2.5 'constant -0.75' 'table -1 -3 -0.5 -2 0 0 1 4'
+commands 1 4 'constant 3' 'table -1 -3 -0.5 -2 0 0 1 4'          # constant beyond
+printf 'in,out\n-1,-3\n-0.5,-2\n0,0\n1,4\n' > "$out/bent.csv"
+commands 1 -2.5 'constant -0.75' 'table file bent.csv in out'
+# two signals crossed by a table, two commands of a sum of two controllers to four actuators: one pair pushes one way alone,
+# all are scaled by the one that is beyond its limit the most, 1.5 of 1 and 6 of 4
+meets << END
+duration 1
+interval 0.1
+step 0.1
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+output x position b
+allocation push 2
+  load b dead force 1 0 0 gains 1 0.5 limit 1
+  load b dead force 0 1 0 gains 0 2 limit -0.5 4
+  load b dead force 0 0 1 gains 1 0 limit 0 3
+  load b dead force 0 0 -1 gains -1 0 limit 0 3
+end
+control c
+  sample 0.1
+  signals 2
+  input x_x 0 0
+  reference 1 constant 3
+  reference 2 constant -4
+  state_space
+    0 1
+    1 0
+  end
+  output allocation push
+end
+control d
+  sample 0.1
+  input x_y 0
+  reference constant 1
+  pid 1 0 0
+  output allocation push 1
+end
+output u command c
+output f allocated push
+output second allocated push 2
+measure u1 final u_1
+measure u2 final u_2
+measure f1 final f_1
+measure f2 final f_2
+measure f3 final f_3
+measure f4 final f_4
+measure f22 final second
+measure x final x_x
+measure z final x_z
+expect u1 -4 tolerance 1e-12
+expect u2 3 tolerance 1e-12
+expect f1 -1 tolerance 1e-12
+expect f2 4 tolerance 1e-12
+expect f3 0 tolerance 0.5e-12
+expect f4 2 tolerance 1e-12
+expect f22 4 tolerance 1e-12
+expect x -0.5 tolerance 1e-12
+expect z -1 tolerance 1e-12
+END
+# two controllers of the same motor, rotor and spring add up: from rest 1 + 2 N (m) at each
+meets << END
+duration 1
+interval 0.5
+step 0.1
+body b rigid
+  hub 2  0 0 0  1 1 2
+end
+body c rigid
+  hub 3  0 0 0  1 1 1
+end
+joint j prismatic ground b
+  axis 1 0 0
+end
+joint k prismatic ground c
+  axis 1 0 0
+end
+spring s c ground
+  position 0 0 0  -9 0 0
+  stiffness 0
+  length 1
+end
+body w rigid
+  hub 1  0 0 0  1 1 2
+end
+rotor r w
+  axis 0 0 1
+  inertia 0.5
+end
+output v speed j 1
+output vk speed k 1
+output spin rotor_speed r
+$(for of in 'motor j 1' 'pull s' 'rotor r'; do for size in 1 2; do
+  printf 'control %s%s\n  sample 0.1\n  input v 0\n  reference constant %s\n  pid 1 0 0\n  output %s\nend\n' "${of%% *}" $size $size "$of"
+done; done)
+measure v final v
+measure vk final vk
+measure spin final spin
+expect v 1.5 tolerance 1e-12
+expect vk -1 tolerance 1e-12
+expect spin 7.5 tolerance 1e-12
+END
+# the integral of what an allocation limits waits, a sample later than behind saturate: its difference equation
+waits=$(awk 'BEGIN { for (k = 0; k < 60; k++) {
+    v = k < 50 ? 1 : -1
+    w = x + 0.05 * v
+    x += u * u > 0.25 && v * w > 0 ? 0 : 0.1 * v
+    u = w
+  }
+  printf "%.15g", u }')
+meets << END
+duration 6
+interval 0.1
+step 0.1
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+output y position b y
+allocation one 1
+  load b dead force 1 0 0 gains 1 limit 0.5
+end
+control c
+  sample 0.1
+  input y
+  reference table 0 1 4.95 1 4.96 -1
+  pid 0 1 0
+  output allocation one
+end
+output u command c
+measure u final u
+expect u $waits tolerance 1e-12
+END
+# attitude by quaternions with gains of 1, 3 and 9 numbers: a rigid body by SciPy
+attitude() {
+  values=$(sed -n "s/^attitude_$1,//p" tests/reference/p16_control.csv)
+  {
+    printf 'duration 12\ninterval 0.1\nstep 0.005\nbody b rigid\n  hub 7  0 0 0  3 4 5  0.2 -0.4 0.3\n'
+    printf '  start_attitude x 70 y -40 z 200\n  start_spin 0.1 -0.05 0.08\nend\nallocation torques 3\n'
+    printf '  load b base torque 1 0 0 gains 1 0 0\n  load b base torque 0 1 0 gains 0 1 0\n  load b base torque 0 0 1 gains 0 0 1\nend\n'
+    printf 'control c\n  sample 0.1\n  attitude b\n  reference z 50 x -30\n  turn 0 3 0 smooth 0.6 0 8\n'
+    shift
+    printf '  %s\n' "$@"
+    printf '  output allocation torques\nend\noutput q attitude b\noutput w spin b\n'
+    for of in q_w q_x q_y q_z w_x w_y w_z; do
+      printf 'measure %s final %s\nexpect %s %s tolerance 1e-9\n' $of $of $of "${values%%,*}"
+      values=${values#*,}
+    done
+  } > "$out/attitude.txt"
+  meets < "$out/attitude.txt"
+}
+attitude 1 'proportional 2' 'derivative 5'
+attitude 3 'proportional 2 3 4' 'derivative 4 6 7' 'integral 0.1'
+attitude 9 'proportional 2 0.3 -0.1  -0.2 3 0.4  0.1 -0.3 4' 'derivative 4 0.5 0.2  0.3 6 -0.4  -0.1 0.2 7'
+# a shaper leaves a mass on a spring at rest at its new place, the half period no whole number of samples; zvd where its frequency
+# is wrong by 5 %, too, but for the square of that; of two modes both
+# shaped SHAPER TOLERANCE: after 8 s
+shaped() {
+  meets << END
+duration 8
+interval 0.5
+step 0.0025
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+body c rigid
+  hub 1  0 0 0  1 1 1
+end
+joint j prismatic ground b
+  axis 1 0 0
+  stiffness 5.4045928
+  damping 0.4649556
+end
+joint k prismatic ground c
+  axis 1 0 0
+  stiffness 39.4784176
+  damping 0.2513274
+end
+allocation both 1
+  motor j 1 gains 1
+  motor k 1 gains 1
+end
+control c
+  sample 0.05
+  reference step 1 0.1
+  shaper $1
+  pid 1 0 0
+  output allocation both
+end
+output x coordinate j 1
+output v speed j 1
+output y coordinate k 1
+output w speed k 1
+$2
+END
+}
+# 0.37 Hz, zeta 0.1; 1 Hz, zeta 0.02
+rest='measure x final x
+measure v final v
+expect x 0.185027752247312 tolerance 1e-7
+expect v 0 tolerance 1e-7'
+rest_too='measure y final y
+measure w final w
+expect y 0.025330295918 tolerance 1e-7
+expect w 0 tolerance 1e-7'
+shaped 'zv 0.37 0.1' "$rest"
+shaped 'zvd 0.37 0.1' "$rest"
+shaped 'zv 1 0.02' "$rest_too"
+shaped 'zv 0.37 0.1 1 0.02' "$rest
+$rest_too"
+shaped 'zvd 1.05 0.02' 'measure most max w after 5
+expect most 0 tolerance 4e-4'
+shaped 'zv 1.05 0.02' 'measure most max w after 5
+expect most 0.0055 tolerance 0.004'
 # a filter at the frequency that it is exact at: nothing behind a notch, 1/(2 zeta) behind a low-pass filter, a quarter later
 for filter in 'notch 1 0 0.7/0' 'notch 1 0.35 0.7/0.5' 'lowpass 1 0.7/0.714285714286'; do
   meets << END
@@ -716,6 +939,9 @@ margin gain_margin 5 'input v' 'pid 4 0 0' 'state_space 1  0.5  0.5  1  0' # |z|
 margin gain_margin 2 'input a' 'pid 1 0 0'                                 # it feels what acted before: L = K/(m z)
 margin phase_margin 3.141592653589793 'input a' 'pid 1 0 0'
 margin gain_margin 10 'input v' 'pid 4 0 0' 'saturate 1' 'quantize 0.1'    # while small
+margin gain_margin 10 'input v' 'pid 4 0 0' 'rate_limit 1' 'dead_band 1'     # while it acts
+margin gain_margin 10 'input v' 'pid 2 0 0' 'table -1 -3 0 0 1 2 2 3'          # by the slope at 0
+margin return_difference 0.9 'input v' 'pid 4 0 0'                           # |1 - a/2| at z = -1
 margin gain_margin 1 'input v' 'pid 41 0 0'                                # unstable
 margin pole_radius 1.05 'input v' 'pid 41 0 0'
 # the same by SciPy of a disk of 100 kg m^2, rate and angle fed back, for half a sample of delay

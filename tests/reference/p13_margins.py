@@ -83,8 +83,8 @@ def opened(plant, controller, T, delay):
     return L, np.block([[F - G @ K[3] @ C, G @ K[2]], [-K[1] @ C, K[0]]])
 
 
-def margins(plant, controller, T, delay):
-    L, closed = opened(plant, controller, T, delay)
+def crossings(L, T):
+    """Gain margin, gain reduction, phase margin [rad] and delay margin [s] of a response over frequency [rad/s]."""
     top = np.pi / T
     grid = top * np.logspace(-5, 0, 40001)[:-1]
     values = np.array([L(w) for w in grid])
@@ -103,7 +103,12 @@ def margins(plant, controller, T, delay):
     if at.real < 0:
         gain = min(gain, 1 / abs(at)) if abs(at) <= 1 else gain
         reduction = max(reduction, 1 / abs(at)) if abs(at) > 1 else reduction
-    return gain, reduction, phase, late, max(abs(np.linalg.eigvals(closed)))
+    return gain, reduction, phase, late
+
+
+def margins(plant, controller, T, delay):
+    L, closed = opened(plant, controller, T, delay)
+    return crossings(L, T) + (max(abs(np.linalg.eigvals(closed))),)
 
 
 def two_disks(inertia, other, stiffness, damping, other_angle, rate_gain):
