@@ -133,6 +133,7 @@
      FB_MAX_SPRINGS                   4        1..99   its springs, dampers and actuators between points
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
+     FB_MAX_PORTS                     12       1..255  inputs of a linear model, and its outputs
      FB_MAX_EXACT                     40       1..999  elements of an exact beam, of all its branches
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
@@ -374,6 +375,9 @@
 #ifndef FB_MAX_SPEEDS
 #define FB_MAX_SPEEDS 64
 #endif
+#ifndef FB_MAX_PORTS
+#define FB_MAX_PORTS 12
+#endif
 #ifndef FB_MAX_EXACT
 #define FB_MAX_EXACT 40
 #endif
@@ -470,8 +474,8 @@
     FB_MAX_ROWS > 999 || FB_MAX_SPEEDS < 6 || FB_MAX_SPEEDS > 999
 #error "flexbeam: FB_MAX_BODIES and FB_MAX_LOOPS are 1..99, FB_MAX_ROWS 1..999, FB_MAX_SPEEDS 6..999"
 #endif
-#if FB_MAX_SPRINGS < 1 || FB_MAX_SPRINGS > 99
-#error "flexbeam: FB_MAX_SPRINGS is 1..99"
+#if FB_MAX_SPRINGS < 1 || FB_MAX_SPRINGS > 99 || FB_MAX_PORTS < 1 || FB_MAX_PORTS > 255
+#error "flexbeam: FB_MAX_SPRINGS is 1..99, FB_MAX_PORTS 1..255"
 #endif
 #if FB_MAX_EXACT < 1 || FB_MAX_EXACT > 999
 #error "flexbeam: FB_MAX_EXACT is 1..999"
@@ -560,17 +564,20 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M, \
+                N)                                                                                                    \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_springs##K##_rows##k##_speeds##r##_ports##N##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_rotors##L##_with##a##b##c##d##f##g##h##E##M##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M, \
+                 N)                                                                                                    \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, A, B, C, D, E, F, G, H, J, K, L, M, N)
 #define FBI_CONFIG_SYMBOL                                                                                           \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS, FB_MAX_SPEEDS,        \
            FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                  \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN,             \
            FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,  \
-           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS, FB_MAX_ROTORS, FB_WITH_ROTORS)
+           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_SPRINGS, FB_MAX_ROTORS, FB_WITH_ROTORS,        \
+           FB_MAX_PORTS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -2625,7 +2632,6 @@ FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_
 
 /* Maximum number of states of a linear model: of one body, or of a system with the capacity of FB_METHOD_DENSE. */
 #define FB_MAX_LINEAR (2 * (FBI_MAX_COORDINATES + 6 > FB_MAX_SPEEDS ? FBI_MAX_COORDINATES + 6 : FB_MAX_SPEEDS))
-#define FB_MAX_PORTS 12 /* maximum number of its inputs, and of its outputs */
 
 typedef enum fb_port_kind {
   /* at a node; body axes, of exact beams those said. Exact beams have no accelerometer */

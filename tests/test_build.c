@@ -47,17 +47,17 @@ TEST(a_configuration_is_accepted_only_by_its_own_name)
 TEST(the_configuration_spells_out_the_options)
 {
   char expected[512];
-  snprintf(
-      expected, sizeof expected,
-      "fb_config_is_%s_modes%d_nodes%d_loads%d_elements%d_stations%d_lumps%d_strains%d_lambda%d_s%d_bodies%d_"
-      "loops%d_springs%d_rows%d_speeds%d_exact%d_points%d_lines%d_linerows%d_linetable%d_rotors%d_with%d%d%d%d%d%d%d%d%"
-      "d_rooms%d%d%d%d",
-      FB_SINGLE ? "single" : "double", FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS,
-      FB_MAX_LUMPS, FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_SPRINGS, FB_MAX_ROWS,
-      FB_MAX_SPEEDS, FB_MAX_EXACT, FB_MAX_POINTS, FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE, FB_MAX_ROTORS,
-      FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING,
-      FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_LARGE_DEFLECTION, FB_WITH_ROTORS,
-      FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE);
+  snprintf(expected, sizeof expected,
+           "fb_config_is_%s_modes%d_nodes%d_loads%d_elements%d_stations%d_lumps%d_strains%d_lambda%d_s%d_bodies%d_"
+           "loops%d_springs%d_rows%d_speeds%d_ports%d_exact%d_points%d_lines%d_linerows%d_linetable%d_rotors%d_with%d%"
+           "d%d%d%d%d%d%d%"
+           "d_rooms%d%d%d%d",
+           FB_SINGLE ? "single" : "double", FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS,
+           FB_MAX_LUMPS, FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_SPRINGS,
+           FB_MAX_ROWS, FB_MAX_SPEEDS, FB_MAX_PORTS, FB_MAX_EXACT, FB_MAX_POINTS, FB_MAX_LINES, FB_MAX_LINE_ROWS,
+           FB_MAX_LINE_TABLE, FB_MAX_ROTORS, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,
+           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN,
+           FB_WITH_LARGE_DEFLECTION, FB_WITH_ROTORS, FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE);
   FBT_TRUE(strcmp(fb_config_string(), expected) == 0);
   FBT_INT_EQ(sizeof(fb_real), FB_SINGLE ? sizeof(float) : sizeof(double));
 }

@@ -649,6 +649,7 @@ static inline void fmu_plant_clear(fmu_plant *p)
   clear_memory(p, offsetof(fmu_plant, s) + offsetof(scene, body));
   clear_memory(&p->clock, sizeof p->clock);
   clear_memory(p->controller, sizeof p->controller);
+  clear_memory(p->remembered, sizeof p->remembered);
   clear_memory(&p->moving, offsetof(struct scene_engine, body));
   clear_memory(&p->bending, sizeof p->bending);
 }

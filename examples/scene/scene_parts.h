@@ -11,7 +11,7 @@
 #include "../tools/exact_text.h"
 #include <stddef.h>
 
-#define SCENE_NODES 23 /* of a body, with names; the rest is for drawing */
+#define SCENE_NODES (FB_MAX_NODES - 1) /* of a body, with names; what is left is for drawing */
 #define SCENE_PARAMETERS 64
 #define SCENE_OUTPUTS 64
 #define SCENE_MEASURES 64

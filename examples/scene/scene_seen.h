@@ -380,7 +380,7 @@ static int seen_swings(const scene *s, int mode)
 static void scene_see(const scene *s, int has_spectrum)
 {
   sight.known = 0;
-  memset(sight.amount, 0, sizeof sight.amount);
+  memset(sight.amount, 0, (size_t)(1 + seen_commands(s)) * sizeof sight.amount[0]);
   if (s->n_output == 0 || !has_spectrum || plant_begin(s) != FB_OK) {
     return;
   }

@@ -8,7 +8,10 @@
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
 #define FB_MAX_STRAINS 60
+#ifndef FB_MAX_BODIES /* CFLAGS may have room for more */
 #define FB_MAX_BODIES 12
+#endif
+#define FB_MAX_PORTS 96
 #define FB_MAX_LOOPS 4
 #define FB_MAX_SPRINGS 12
 #define FB_MAX_EXACT 400

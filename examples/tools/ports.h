@@ -57,7 +57,7 @@ static int read_ports(void *ports, int *n, linear_value *names, const char *opti
     const size_t length = strcspn(at, ",");
     char word[80];
     if (*n == FB_MAX_PORTS || length >= sizeof word) {
-      return fail_port(option, at, *n == FB_MAX_PORTS ? "more than 12 of them" : "is too long");
+      return fail_port(option, at, *n == FB_MAX_PORTS ? "more than 96 of them" : "is too long");
     }
     snprintf(word, sizeof word, "%.*s", (int)length, at);
     if (read(ports, *n, option, word)) {

@@ -105,7 +105,7 @@ refuse 2 "--inputs: force: wants .x, .y or .z" $spun --linear "$out/no.json" --i
 refuse 2 "--inputs: force.9.x: no such node" $spun --linear "$out/no.json" --inputs force.9.x
 refuse 2 "--inputs: force.x: no such node" $spun --linear "$out/no.json" --inputs force.x
 refuse 2 "--inputs: base_rate.0.x: the base has no node" $spun --linear "$out/no.json" --inputs base_rate.0.x
-refuse 2 "more than 12 of them" $spun --linear "$out/no.json" --inputs "$(echo 'force.0.x,torque.0.y,force.1.x,torque.0.z,' | tr -d '\n' | sed 's/.*/&&&&/')"
+refuse 2 "more than 96 of them" $spun --linear "$out/no.json" --inputs "$(echo 'force.0.x,torque.0.y,force.1.x,torque.0.z,' | tr -d '\n' | sed 's/.*/&&&&&/; s/.*/&&&&&/')"
 refuse 1 "no linear model: " $spun --linear "$out/no.json" --inputs base_rate.x
 refuse 2 "--inputs and --outputs are those of --linear" $spun --inputs force.0.x
 refuse 2 "cannot write $out/no/no.json" $spun --linear "$out/no/no.json"
