@@ -8,6 +8,7 @@
 #include "../tools/words.h"
 #include "../common/output.h"
 #include "../common/plot.h"
+#include "scene_campbell.h"
 #include "scene_code.h"
 #include "scene_curves.h"
 #include "scene_files.h"
@@ -21,8 +22,14 @@ static const char help[] =
     "  --margins FILE    response of the loops of controllers over frequency as CSV (Bode and Nyquist, as SVG beside\n"
     "                    it); prints their margins\n"
     "  --linear FILE     A, B, C, D about the start, with names and units: FILE.json, or CSV\n"
-    "  --modes           prints the modes about the start, slowest first: frequency, damping, what moves; does not "
-    "run\n"
+    "  --grid NAME FROM TO N   a model at N values of a parameter, into that file (JSON); up to 4 times: all "
+    "combinations\n"
+    "  --modes           prints the modes about the start, slowest first: frequency, damping, what moves, a name; "
+    "does\n"
+    "                    not run; with --animation FILE that of mode --mode N (1)\n"
+    "  --campbell NAME FROM TO N   modes over N values of a parameter, followed by their shapes; table to --out FILE, "
+    "its\n"
+    "                    picture beside it, else to the terminal\n"
     "  --code FILE       writes the step of its bodies on joints as C of its own, FILE.h, and does not run: of sdirk\n"
     "                    where the scene says so, else of rk4; functions are called as FILE; with --single for single\n"
     "                    precision, with --lanes for several at once, too; with --loads LIST for a force and a\n"
@@ -57,6 +64,7 @@ static const char help[] =
 
 typedef struct command {
   scene_options options;
+  scene_family family;
   const char *code, *jacobian;
   scene_code write;
   int n_set;
@@ -65,6 +73,27 @@ typedef struct command {
 } command;
 
 static scene the_scene;
+
+/* Takes --campbell or --grid NAME FROM TO N out of the arguments: 0, or 2 after a message. */
+static int take_range(int *argc, char **argv, const char *option, scene_family *family, int most)
+{
+  const char *why = NULL;
+  for (int k = 1; k < *argc; k++) {
+    if (strcmp(argv[k], option) != 0) {
+      continue;
+    }
+    if (family->n_range == most) {
+      return fail(option, most > 1 ? "is there more than 4 times, or beside --campbell" : "is there twice");
+    }
+    if (k + 4 >= *argc || scene_range_read(&family->range[family->n_range++], argv + k + 1, &why)) {
+      return fail(option, why ? why : "wants NAME FROM TO N");
+    }
+    memmove(argv + k, argv + k + 5, (size_t)(*argc - k - 5) * sizeof *argv);
+    *argc -= 5;
+    k--;
+  }
+  return 0;
+}
 
 /* NAME=VALUE */
 static int read_setting(command *c, const char *text)
@@ -101,11 +130,12 @@ static int read_option(void *to, const char *name, const char *text)
     *list = text;
     return 0;
   }
-  if (strcmp(name, "--frame-count") == 0) {
+  if (strcmp(name, "--frame-count") == 0 || strcmp(name, "--mode") == 0) {
+    const int is_mode = name[2] == 'm';
     double n = 0;
-    const number_option list[] = {{name, &n, 2, SCENE_FRAMES}};
+    const number_option list[] = {{name, &n, is_mode ? 1 : 2, is_mode ? SCENE_MODES : SCENE_FRAMES}};
     const int status = read_number(list, 1, name, text);
-    c->options.n_frame = (int)n;
+    *(is_mode ? &c->options.mode : &c->options.n_frame) = (int)n;
     return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
   for (int k = 0; k < 8; k++) {
@@ -214,6 +244,43 @@ static int run_scene(scene *s, const scene_options *o)
   return failed;
 }
 
+/* Modes, or linear models, over parameters: a status of main. */
+static int run_family(command *c, const char *path, int campbell, int quiet)
+{
+  const scene_options *const o = &c->options;
+  const char *const linear = o->linear, *const ending = linear ? strrchr(linear, '.') : NULL;
+  scene_family *const f = &c->family;
+  int failed;
+  f->s = &the_scene;
+  f->path = path;
+  f->n_set = c->n_set;
+  memcpy(f->set, c->set, sizeof c->set);
+  f->options.warn = stderr;
+  if (o->margins || o->picture || o->animation || o->frames || c->code || c->jacobian || (campbell ? linear : o->csv)) {
+    return fail(campbell ? "--campbell runs nothing: no file beside that of --out"
+                         : "--grid runs nothing: no file beside that of --linear",
+                "");
+  }
+  if (!campbell && (!ending || strcmp(ending, ".json") != 0)) {
+    return fail("--grid is for --linear FILE.json", linear ? linear : "");
+  }
+  for (int r = 0; r < f->n_range; r++) {
+    for (int k = 0; k < c->n_set + r; k++) {
+      if (strcmp(f->range[r].name, k < c->n_set ? c->set[k].name : f->range[k - c->n_set].name) == 0) {
+        return fail("a parameter over whose values models are wanted is set, too", f->range[r].name);
+      }
+    }
+  }
+  if (scene_files_check(path, o, campbell && o->csv && !quiet, NULL) != 0) {
+    return 2;
+  }
+  failed = campbell ? scene_campbell(f, o->csv, !quiet) : scene_linear_family(f, linear, !quiet);
+  if (failed) {
+    fprintf(stderr, "scene: %s\n", f->s->message);
+  }
+  return failed && f->refused ? 2 : failed;
+}
+
 static int has_curves(const scene *s, const scene_options *o)
 {
   return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && output_is_plain(o->csv);
@@ -225,13 +292,15 @@ int scene_main(int argc, char **argv)
   scene *const s = &the_scene;
   const int quiet = take_flag(&argc, argv, "--quiet"), single = take_flag(&argc, argv, "--single"),
             lanes = take_flag(&argc, argv, "--lanes"), modes = take_flag(&argc, argv, "--modes");
-  int failed;
+  int failed, campbell = 0;
   output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
     fputs(help, argc < 2 ? stderr : stdout);
     return argc < 2 ? 2 : 0;
   }
-  if (read_all(argc - 1, argv + 1, help, read_option, &c) != 0) {
+  if (take_range(&argc, argv, "--campbell", &c.family, 1) ||
+      (campbell = c.family.n_range, take_range(&argc, argv, "--grid", &c.family, campbell ? 1 : FAMILY_PARAMETERS)) ||
+      read_all(argc - 1, argv + 1, help, read_option, &c) != 0) {
     return 2;
   }
   c.options.talk = quiet || modes ? NULL : stdout;
@@ -239,6 +308,9 @@ int scene_main(int argc, char **argv)
   c.options.warn = stderr;
   c.options.progress = quiet ? NULL : stderr;
   c.options.live = isatty(2);
+  if (c.family.n_range > 0) {
+    return run_family(&c, argv[1], campbell, quiet);
+  }
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
   c.write.file = c.code ? c.code : c.jacobian;
   c.write.single = single;
@@ -253,12 +325,15 @@ int scene_main(int argc, char **argv)
                 "");
   }
   if (!failed && (c.write.file || modes) &&
-      (c.options.csv || c.options.margins || c.options.linear || c.options.picture || c.options.animation ||
+      (c.options.csv || c.options.margins || c.options.linear || c.options.picture || (c.options.animation && !modes) ||
        c.options.frames || (c.code != NULL) + (c.jacobian != NULL) + modes > 1)) {
     return fail(c.code       ? "--code runs nothing: no other file beside it"
                 : c.jacobian ? "--jacobian runs nothing: no other file beside it"
-                             : "--modes runs nothing: no file beside it",
+                             : "--modes runs nothing: no file beside it but --animation",
                 "");
+  }
+  if (!failed && c.options.mode > 0 && !(modes && c.options.animation)) {
+    return fail("--mode is for --modes with --animation FILE", "");
   }
   if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.write.file) != 0) {
     return 2;

@@ -9,6 +9,7 @@
 static void scene_read_parameter(text_file *t, scene *s)
 {
   text_named *const p = &s->parameter[s->n_parameter];
+  char *const words = s->parameter_words[s->n_parameter];
   if (s->n_parameter == SCENE_PARAMETERS) {
     text_fail(t, "more than %d parameters", SCENE_PARAMETERS);
     return;
@@ -27,7 +28,8 @@ static void scene_read_parameter(text_file *t, scene *s)
     }
   }
   while (text_more(t)) {
-    (void)text_word(t); /* unit, meaning */
+    const size_t n = strlen(words);
+    snprintf(words + n, sizeof s->parameter_words[0] - n, "%s%s", n ? " " : "", text_word(t));
   }
   t->named = s->parameter;
   t->n_named = ++s->n_parameter;

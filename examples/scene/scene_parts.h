@@ -351,7 +351,8 @@ typedef struct scene {
   char message[TEXT_MESSAGE], path[512], title[128], length_unit[8], force_unit[8];
   int n_parameter;
   text_named parameter[SCENE_PARAMETERS];
-  double duration, interval, step, dt; /* [s]; step 0: chosen; dt: by scene_run */
+  char parameter_words[SCENE_PARAMETERS][64]; /* behind its value: unit, meaning */
+  double duration, interval, step, dt;        /* [s]; step 0: chosen; dt: by scene_run */
   fb_integrator integrator;
   int integrator_auto;
   double gravity[3];

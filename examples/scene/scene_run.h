@@ -14,6 +14,7 @@ typedef struct scene_options {       /* all zero: no files, no talk */
   const char *margins;               /* response of the loops of controllers over frequency */
   const char *linear;                /* linear model about the start, CSV or JSON */
   int modes;                         /* 1: prints the modes about the start to stdout, and does not run */
+  int mode;                          /* with modes: which one the animation shows */
   const char *picture;               /* a few frames over each other, SVG */
   const char *animation;             /* SVG that moves */
   const char *frames;                /* folder for numbered frames, SVG */
@@ -473,6 +474,40 @@ static void scene_film_frame(const scene *s, double t)
   }
   scene_mark_ground(s, frame);
   film.n++;
+}
+
+/* The animation of mode k, from 1: a period in the frame that turns with the scene, a tenth of its size. */
+static int scene_animate_mode(scene *s, const char *name, int k)
+{
+  enum { FRAMES = 49 };
+  static scene_mode mode[SCENE_MODES];
+  static modal_shape z;
+  const int n = scene_modes(s, mode);
+  char title[sizeof s->title];
+  double far;
+  if (n < 0 || k < 1 || k > n) {
+    return n < 0 ? 1 : scene_fail(s, "--mode %d: the scene has %d modes", k, n);
+  }
+  modal_take(&z, s, k - 1);
+  far = modal_size(&z, s);
+  if (!(mode[k - 1].undamped > 0) || !(far > 0)) {
+    return scene_fail(s, "--mode %d: rigid-body motion or rotors, nothing oscillates", k);
+  }
+  film.n = 0;
+  for (int frame = 0; frame < FRAMES; frame++) {
+    const double phase = 2 * function_pi * frame / (FRAMES - 1), size = 0.1 / far;
+    const fb_status status = modal_look(s, &z, size * cos(phase), -size * sin(phase));
+    if (status != FB_OK) {
+      return scene_fail(s, "mode %d is not to be drawn: %s", k, refusal_text(status));
+    }
+    scene_film_frame(s, phase);
+  }
+  snprintf(title, sizeof title, "mode %d%s%s: %.6g rad/s, %.6g Hz", k, mode[k - 1].name[0] ? ", " : "",
+           mode[k - 1].name, mode[k - 1].damped, mode[k - 1].damped / (2 * function_pi));
+  memcpy(s->title, title, sizeof title);
+  s->duration = 2 * function_pi / mode[k - 1].undamped;
+  scene_project(s->view);
+  return scene_write_animation(s, name);
 }
 
 static int scene_write_pictures(scene *s, const scene_options *o)
@@ -964,18 +999,11 @@ static void scene_warn_bodies(scene *s, FILE *warn)
   }
 }
 
-/* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message, and s->began says whether it
-   ran up to there or was refused. */
-static int scene_run(scene *s, const scene_options *o)
+/* Builds the scene and puts it at its start. 1: the reason is in s->message. */
+static int scene_make(scene *s, const scene_options *o)
 {
-  static scene_run_state run;
   fb_status status;
-  int failed;
-  memset(&run, 0, sizeof run);
   clear_memory(&engine, offsetof(struct scene_engine, body));
-  film.n = 0;
-  run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
-  run.begin = time(NULL);
   scene_reset(s);
   scene_warn_bodies(s, o->warn);
   if (scene_build(s, o)) {
@@ -990,8 +1018,25 @@ static int scene_run(scene *s, const scene_options *o)
     scene_warn(s, o->warn,
                "warning: no run with rigid bodies tells what happens at most; what is chosen fits the start");
   }
+  return 0;
+}
+
+/* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message, and s->began says whether it
+   ran up to there or was refused. */
+static int scene_run(scene *s, const scene_options *o)
+{
+  static scene_run_state run;
+  int failed;
+  memset(&run, 0, sizeof run);
+  film.n = 0;
+  run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
+  run.begin = time(NULL);
+  if (scene_make(s, o)) {
+    return 1;
+  }
   if (o->modes) {
-    return scene_print_modes(s, stdout);
+    failed = scene_print_modes(s, stdout);
+    return failed || !o->animation ? failed : scene_animate_mode(s, o->animation, o->mode > 0 ? o->mode : 1);
   }
   if (scene_measure_spectrum(s) || scene_measure_margins(s, o->margins, o->talk) ||
       scene_write_linear(s, o->linear, o->talk)) {

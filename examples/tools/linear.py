@@ -2,6 +2,8 @@
 # linear.py - a linear model of flexbeam, as JSON, in a form that others read: python3 linear.py MODEL.json FILE...
 # FILE.mat: for MATLAB and Octave, FILE.npz: for NumPy. Both have A, B, C, D; states, inputs, outputs and steady_state: names,
 # each with ..._units, and steady_state_values; model, crc, flexbeam, precision, error. Wants NumPy and SciPy.
+# A family of `flexbeam scene FILE --linear family.json --grid NAME FROM TO N`: A, B, C, D, steady_state_values and error have an
+# axis for each parameter before their own; parameters: names, grid_NAME: values.
 # As a module: linear.read('model.json')['A'].
 import json
 import sys
@@ -13,12 +15,8 @@ except ImportError as missing:
     sys.exit('linear.py: %s: python3 -m pip install numpy scipy' % missing)
 
 
-def read(path):
-    """What the JSON file says: matrices, arrays of names, of units."""
-    with open(path, encoding='utf-8') as file:
-        text = json.load(file)
-    if text.get('format') != 'flexbeam linear model 1':
-        raise ValueError(path + ': no linear model of flexbeam, or one of another version')
+def one_model(text):
+    """Of one linear model: matrices, arrays of names, of units."""
     model = {key: text[key] for key in ('model', 'crc', 'flexbeam', 'precision', 'error')}
     for key in ('states', 'inputs', 'outputs', 'steady_state'):
         model[key] = [item['name'] for item in text[key]]
@@ -28,6 +26,33 @@ def read(path):
     for key, shape in ('A', (n, n)), ('B', (n, n_in)), ('C', (n_out, n)), ('D', (n_out, n_in)):
         model[key] = np.array(text[key], dtype=float).reshape(shape)
     return model
+
+
+def family(path, text):
+    """Of models over a grid: arrays with an axis for each parameter, names of the first."""
+    models = [one_model(model) for model in text['models']]
+    shape = [len(item['values']) for item in text['parameters']]
+    all_of = dict(models[0], parameters=[item['name'] for item in text['parameters']])
+    all_of['crc'] = [model['crc'] for model in models]
+    for key in ('states', 'inputs', 'outputs'):
+        if any(model[key] != all_of[key] for model in models):
+            raise ValueError('%s: the models have other %s' % (path, key))
+    for key in ('A', 'B', 'C', 'D', 'steady_state_values', 'error'):
+        all_of[key] = np.array([model[key] for model in models]).reshape(shape + list(np.shape(models[0][key])))
+    for item in text['parameters']:
+        all_of['grid_' + item['name']] = np.array(item['values'], dtype=float)
+    return all_of
+
+
+def read(path):
+    """What the JSON file says: a model, or a family of them."""
+    with open(path, encoding='utf-8') as file:
+        text = json.load(file)
+    if text.get('format') == 'flexbeam linear family 1':
+        return family(path, text)
+    if text.get('format') != 'flexbeam linear model 1':
+        raise ValueError(path + ': no linear model of flexbeam, or one of another version')
+    return one_model(text)
 
 
 def write(model, path):
