@@ -3,6 +3,7 @@
 #define FMU_INTERFACE 3
 #define FMU_STATIC 0
 #include "../fmu/fmu_scene.h"
+#include "../scene/scene_track.h"
 
 typedef struct fmu_host {
   int none;
@@ -23,6 +24,7 @@ struct fbs {
   struct scene_plant *linear; /* NULL: nobody asked for it */
   scene_mode *mode;
   int n_mode;
+  track *curves; /* NULL: nobody asked for them */
   int n_input,
       n_output; /* of the scene as it was opened: what a refused parameter leaves of it in f.plant has others */
   double duration, interval;
@@ -117,10 +119,20 @@ fbs *fbs_new(void)
   return s;
 }
 
+static void fbs_give_curves(fbs *s)
+{
+  if (s->curves) {
+    track_free(s->curves);
+  }
+  free(s->curves);
+  s->curves = NULL;
+}
+
 static void fbs_give(fbs *s)
 {
   free(s->linear);
   free(s->mode);
+  fbs_give_curves(s);
   free(s->text);
   free(s->advice);
   free(s->saved);
@@ -254,7 +266,7 @@ static const linear_value *fbs_linear_list(const fbs *s, int list, int *n)
 int fbs_count(const fbs *s, int list)
 {
   const int inputs = s->n_input, outputs = s->n_output;
-  int n = list == FBS_INPUTS ? inputs : list == FBS_OUTPUTS ? outputs : list == FBS_MODES ? s->n_mode : 0;
+  int n = list == FBS_INPUTS ? inputs : list == FBS_OUTPUTS ? outputs : 0;
   if (list < 0 || list >= FBS_LISTS) {
     return -1;
   }
@@ -262,6 +274,8 @@ int fbs_count(const fbs *s, int list)
     n = s->f.n_value - 1 - inputs - outputs;
   } else if (list >= FBS_STATES && list < FBS_MODES) {
     (void)fbs_linear_list(s, list, &n);
+  } else if (list >= FBS_MODES) {
+    n = list < FBS_CURVES ? s->n_mode : s->curves ? s->curves->n_curve : 0;
   }
   return n;
 }
@@ -302,8 +316,11 @@ static const char *fbs_label(fbs *s, int list, int k, int is_unit)
     const fmu_variable *const v = &s->f.variable[fbs_first(s, list) + k];
     return is_unit ? v->unit : fbs_plain(v->name);
   }
-  if (list == FBS_MODES) {
-    return is_unit ? "rad/s" : s->mode[k].what;
+  if (list >= FBS_MODES) {
+    return is_unit                  ? "rad/s"
+           : list == FBS_MODES      ? s->mode[k].what
+           : list == FBS_MODE_NAMES ? s->mode[k].name
+                                    : s->curves->curve[k].name;
   }
   of = fbs_linear_list(s, list, &n);
   return is_unit ? of[k].unit : of[k].name;
@@ -586,13 +603,85 @@ int fbs_modes(fbs *s)
   return fbs_analyse(s, fbs_keep_modes);
 }
 
+typedef struct fbs_family { /* of an instance over a parameter */
+  fbs *s;
+  int at; /* its value */
+  fmu_answer answer;
+} fbs_family;
+
+/* The modes of one of them. */
+static int fbs_family_at(void *user, double value, int named, track_row *row)
+{
+  fbs_family *const of = (fbs_family *)user;
+  fbs *const s = of->s;
+  int failed;
+  s->f.value[of->at] = value;
+  of->answer = fbs_build(s);
+  if (of->answer != FMU_OK) {
+    return 1;
+  }
+  fmu_scene_wait();
+  of->answer = fbs_start(s);
+  failed = of->answer != FMU_OK || track_take(row, &s->f.plant.s, value, named);
+  fmu_scene_done();
+  if (failed && of->answer == FMU_OK) {
+    of->answer = fmu_scene_said(s->f.text, FMU_ERROR, s->f.plant.s.message);
+  }
+  return failed;
+}
+
+int fbs_campbell(fbs *s, const char *parameter, double from, double to, int n)
+{
+  const int k = fbs_find(s, FBS_PARAMETERS, parameter);
+  fbs_family of = {s, fbs_first(s, FBS_PARAMETERS) + k, FMU_OK};
+  double was;
+  int failed;
+  if (k < 0) {
+    return FBS_ERROR;
+  }
+  if (n < 1 || n > 100000 || !isfinite(from) || !isfinite(to)) {
+    return fbs_refuse(s, parameter, "modes are at one value or more, between finite ones");
+  }
+  fbs_give_curves(s);
+  s->curves = (track *)calloc(1, sizeof *s->curves);
+  if (!s->curves) {
+    return fbs_refuse(s, "", "there is no memory");
+  }
+  was = s->f.value[of.at];
+  failed = track_all(s->curves, fbs_family_at, &of, from, to, n);
+  s->f.value[of.at] = was;
+  if (failed) {
+    fbs_give_curves(s);
+    return failed == 2 ? fbs_refuse(s, "", "there is no memory") : fbs_told(s, of.answer);
+  }
+  return FBS_OK;
+}
+
+/* Rows of the table of curves, or how many numbers it has. */
+static size_t fbs_table(const fbs *s, double *to)
+{
+  const track *const t = s->curves;
+  const size_t width = t ? 2 + 2 * (size_t)t->n_curve : 0;
+  for (int k = 0; t && to && k < t->made; k++) {
+    double *const row = to + (size_t)k * width;
+    row[0] = t->value[k];
+    row[1] = t->spin[k];
+    for (int a = 0; a < t->n_curve; a++) {
+      row[2 + 2 * a] = t->curve[a].damped[k];
+      row[3 + 2 * a] = t->curve[a].growth[k];
+    }
+  }
+  return t ? (size_t)t->made * width : 0;
+}
+
 int fbs_matrix(fbs *s, int matrix, double *to, size_t n)
 {
   const struct scene_plant *const of = s->linear;
   const int is_linear = matrix >= FBS_A && matrix <= FBS_D, is_point = matrix == FBS_POINT_VALUES;
   const size_t x = (size_t)fbs_count(s, FBS_STATES), u = (size_t)fbs_count(s, FBS_LINEAR_INPUTS),
                y = (size_t)fbs_count(s, FBS_LINEAR_OUTPUTS);
-  const size_t size[] = {x * x, x * u, y * x, y * u, (size_t)fbs_count(s, FBS_POINT), 4 * (size_t)s->n_mode};
+  const size_t size[] = {
+      x * x, x * u, y * x, y * u, (size_t)fbs_count(s, FBS_POINT), 4 * (size_t)s->n_mode, fbs_table(s, NULL)};
   if (matrix < 0 || matrix >= FBS_MATRICES || n != size[matrix] || (n > 0 && !to) || (!of && (is_linear || is_point))) {
     return fbs_refuse(s, "", "no such matrix is there, or it has another number of elements");
   }
@@ -602,6 +691,9 @@ int fbs_matrix(fbs *s, int matrix, double *to, size_t n)
   }
   for (size_t k = 0; k < n && is_point; k++) {
     to[k] = of->file.point[k].value;
+  }
+  if (matrix == FBS_CURVE_VALUES) {
+    (void)fbs_table(s, to);
   }
   for (int k = 0; k < s->n_mode && matrix == FBS_MODE_VALUES; k++) {
     const double value[] = {s->mode[k].undamped, s->mode[k].damped, s->mode[k].ratio, s->mode[k].growth};

@@ -47,8 +47,10 @@ enum fbs_list {
   FBS_STATES,     /* of the linear model, where it was asked for, as are.. */
   FBS_LINEAR_INPUTS,
   FBS_LINEAR_OUTPUTS,
-  FBS_POINT, /* ..and the steady state that it is about */
-  FBS_MODES, /* their names say what moves */
+  FBS_POINT,      /* ..and the steady state that it is about */
+  FBS_MODES,      /* their names say what moves */
+  FBS_MODE_NAMES, /* flap 1, lag 1, ..; empty: it has none */
+  FBS_CURVES,     /* of modes over a parameter */
   FBS_LISTS
 };
 
@@ -60,6 +62,8 @@ enum fbs_matrix {
   FBS_D, /* ..x linear inputs */
   FBS_POINT_VALUES,
   FBS_MODE_VALUES, /* modes x 4: frequency undamped, damped [rad/s], damping ratio, growth [1/s] */
+  FBS_CURVE_VALUES, /* values x (2 + 2 curves): of the parameter, spin of what spins fastest [rad/s], of each curve the damped
+                       frequency [rad/s] and the growth [1/s]; not a number where it is not there */
   FBS_MATRICES
 };
 
@@ -112,6 +116,8 @@ FBS_API int fbs_restore(fbs *s, const void *bytes, size_t size);
    the list and the values of modes, slowest first. n: numbers of the matrix. */
 FBS_API int fbs_linear(fbs *s);
 FBS_API int fbs_modes(fbs *s);
+/* Modes at n values of a parameter, followed by their shapes: fills the list and the values of curves. */
+FBS_API int fbs_campbell(fbs *s, const char *parameter, double from, double to, int n);
 FBS_API int fbs_matrix(fbs *s, int matrix, double *to, size_t n);
 
 /* Effects, modes, integrator and step as the scene chooses them, what may be wrong; NULL: it has no start. */

@@ -212,8 +212,8 @@ static double complex track_dot(const track_row *row, const double complex *a, c
 /* q of one body in the functions of another: what moves the nodes alike, by least squares. */
 static void track_refit(double complex *to, const double complex *from, const track_body *in, const track_body *of)
 {
-  static fb_real G[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES], b[2][FB_MAX_MODES], x[2][FB_MAX_MODES];
-  static int perm[FB_MAX_MODES];
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES], b[2][FB_MAX_MODES], x[2][FB_MAX_MODES];
+  int perm[FB_MAX_MODES];
   double trace = 0;
   memset(G, 0, sizeof G);
   memset(b, 0, sizeof b);
@@ -361,7 +361,7 @@ static int track_counts(int k, int n)
 /* The best pairs first. */
 static void track_pair(track_match *m, const track *t, const track_row *to)
 {
-  static int taken[SCENE_MODES];
+  int taken[SCENE_MODES];
   memset(taken, 0, sizeof taken);
   m->least = 1;
   for (int a = 0; a < t->n_curve; a++) {
@@ -492,7 +492,7 @@ static int track_begin(track *t, const track_row *row, int mode, const double co
 /* The shape of a curve goes on: its part in the modes that are equal to the one it is. */
 static void track_carry(track_curve *c, const track *t, const track_row *to, const track_match *m, int mode)
 {
-  static double complex z[MODAL_SHAPE];
+  double complex z[MODAL_SHAPE];
   double size;
   int equal = 0;
   memset(z, 0, sizeof z);
@@ -518,7 +518,7 @@ static void track_carry(track_curve *c, const track *t, const track_row *to, con
 /* The row becomes the last one; modes that no curve is begin one. 0: there is no memory. */
 static int track_accept(track *t, track_row *to, const track_match *m)
 {
-  static int taken[SCENE_MODES];
+  int taken[SCENE_MODES];
   const double step = to->value - t->last.value;
   const int n = t->n_curve;
   int whole = 1;

@@ -162,8 +162,11 @@ def check_modes():
     for name in ("satellite_control", "beck", "spacecraft"):
         told = tool("scene", scenes / f"{name}.txt", "--modes").stdout.splitlines()[1:]
         modes = Scene(scenes / f"{name}.txt").modes()
-        mine = [f"{k + 1:4}  {u / 2 / np.pi:13.6g}  {d / 2 / np.pi:11.6g}  {d:14.6g}  {z:13.4g}  {g:12.4g}  {w}" for k, (u, d, z, g, w) in
-                enumerate(zip(modes.undamped, modes.damped, modes.damping, modes.growth, modes.what))]
+        motion = ["UNSTABLE" if g > 0 else "decays" if g < 0 else "undamped" if u > 0 else "free" for u, g in
+                  zip(modes.undamped, modes.growth)]
+        mine = [f"{k + 1:4}  {u / 2 / np.pi:13.6g}  {d / 2 / np.pi:11.6g}  {d:14.6g}  {z:13.4g}  {g:12.4g}  {m:8}  {n or '-':16}  {w}"
+                for k, (u, d, z, g, m, n, w) in enumerate(zip(modes.undamped, modes.damped, modes.damping, modes.growth, motion,
+                                                              modes.names, modes.what))]
         want(mine == told, f"{name}: modes are not those of --modes")
 
 
@@ -208,6 +211,14 @@ def check_campbell():
     text = text.replace("output angle coordinate root 1\n", "")
     scene = Scene(text)
     diagram = scene.campbell("EI", 600, 1200, 13)
+    (folder / "campbell.txt").write_text(text)
+    told = tool("scene", folder / "campbell.txt", "--campbell", "EI", 600, 1200, 13).stdout.splitlines()
+    want(told[0].count(",") == 1 + 2 * len(diagram.names) and all(f",{name} [rad/s]," in told[0] for name in diagram.names),
+         f"curves are not those of --campbell: {diagram.names}, {told[:1]}")
+    for row, line in enumerate(told[1:]):
+        mine = [diagram.values[row], diagram.spin[row], *np.dstack([diagram.damped[row], diagram.growth[row]]).ravel()]
+        want(line == ",".join(f"{x + 0.0:.12g}" for x in mine), f"a row of curves is not that of --campbell: {line}")
+    want((diagram[diagram.names[0]] == diagram.damped[:, 0]).all(), "a curve by its name")
     still = np.abs(diagram.damped[:, :2] / diagram.damped[0, :2] - 1).max(axis=0)
     want(min(still) < 1e-9 < 0.1 < max(still), f"crossing modes are not followed: {still}")
     slow = diagram.damped[:, np.argmax(still)]

@@ -7,8 +7,8 @@ import sys
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_void_p
 from pathlib import Path
 
-PARAMETERS, INPUTS, OUTPUTS, STATES, LINEAR_INPUTS, LINEAR_OUTPUTS, POINT, MODES = range(8)
-A, B, C, D, POINT_VALUES, MODE_VALUES = range(6)
+PARAMETERS, INPUTS, OUTPUTS, STATES, LINEAR_INPUTS, LINEAR_OUTPUTS, POINT, MODES, MODE_NAMES, CURVES = range(10)
+A, B, C, D, POINT_VALUES, MODE_VALUES, CURVE_VALUES = range(7)
 INTERFACE = 1
 
 _DOUBLES, _INTS = POINTER(c_double), POINTER(c_int)
@@ -37,6 +37,7 @@ _FUNCTIONS = {  # name: (what it returns, what it takes)
     "restore": (c_int, [c_void_p, c_char_p, c_size_t]),
     "linear": (c_int, [c_void_p]),
     "modes": (c_int, [c_void_p]),
+    "campbell": (c_int, [c_void_p, c_char_p, c_double, c_double, c_int]),
     "matrix": (c_int, [c_void_p, c_int, _DOUBLES, c_size_t]),
     "advice": (c_char_p, [c_void_p]),
 }

@@ -1,7 +1,6 @@
 """What scenes return: rows, linear models, modes."""
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -65,6 +64,7 @@ class Modes:
     damping: np.ndarray  # ratio
     growth: np.ndarray  # [1/s] its real part
     what: tuple[str, ...]  # moves, with shares of the kinetic energy
+    names: tuple[str, ...]  # flap 1, lag 1, ..; empty: it has none
 
     def __len__(self) -> int:
         return len(self.what)
@@ -72,48 +72,15 @@ class Modes:
 
 @dataclass(frozen=True, eq=False)
 class Campbell:
-    """Modes over a parameter: a row for each value, a column for each mode, which is followed."""
+    """Modes over a parameter: a row for each value, a column for each mode, which is followed by its shape."""
 
     parameter: str
     values: np.ndarray
-    damped: np.ndarray  # [rad/s] values x modes, columns by their frequency at the first value
+    spin: np.ndarray  # [rad/s] of what spins fastest: its multiples are the lines per revolution
+    names: tuple[str, ...]  # of columns: flap 1, lag 1, ..
+    damped: np.ndarray  # [rad/s] values x modes, columns by frequency; nan where a mode is not there
     growth: np.ndarray  # [1/s] values x modes
 
-
-def _oscillating(model: Linear) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues above the real axis, slowest first, and what joints, bodies and outputs see of them, by columns. Elastic
-    coordinates are left out: which of them is the first may change with the parameter."""
-    value, vector = np.linalg.eig(model.A)
-    keep = np.flatnonzero(value.imag > 1e-7 * np.abs(value).max(initial=0))
-    keep = keep[np.argsort(np.abs(value[keep]))]
-    plain = [k for k, name in enumerate(model.states) if not re.search(r"(^|[._])q\d+$|^mode\d", name)]
-    seen = np.vstack([vector[plain], model.C @ vector])[:, keep]
-    seen = seen / np.maximum(np.abs(seen).max(axis=1, keepdims=True, initial=0), 1e-300)
-    return value[keep], seen / np.maximum(np.linalg.norm(seen, axis=0), 1e-300)
-
-
-def far(one: Linear, other: Linear) -> bool:
-    """Do frequencies change so much between them that modes of like shapes would be mistaken for each other?"""
-    moduli = [np.abs(_oscillating(model)[0]) for model in (one, other)]
-    return len(moduli[0]) == len(moduli[1]) and bool((np.abs(np.log(moduli[1] / moduli[0])) > 0.15).any())
-
-
-def track(models: list[Linear], places: list[float]) -> np.ndarray:
-    """Eigenvalues of models at values of a parameter, each near the one before: a row for each, a column for each oscillation
-    of the first. It is followed by what is seen of it and by where it was going."""
-    value, seen = _oscillating(models[0])
-    table = np.full((len(models), len(value)), np.nan, dtype=complex)
-    table[0], expected = value, value
-    for row, model in enumerate(models[1:], start=1):
-        value, now = _oscillating(model)
-        apart = np.abs(value[None, :] - expected[:, None]) / np.abs(expected[:, None])
-        apart = apart + 1 - np.abs(seen.conj().T @ now)
-        for _ in range(min(apart.shape)):
-            k, at = np.unravel_index(np.nanargmin(apart), apart.shape)
-            table[row, k], seen[:, k] = value[at], now[:, at]
-            apart[k, :] = apart[:, at] = np.inf
-        last, here, there = places[row - 1], places[row], places[min(row + 1, len(places) - 1)]
-        ahead = min((there - here) / (here - last), 2) if here != last else 0
-        expected = np.where(np.isnan(table[row]), expected, table[row] + ahead * (table[row] - table[row - 1]))
-        expected = np.where(np.isnan(expected), table[row], expected)
-    return table
+    def __getitem__(self, name: str) -> np.ndarray:
+        """The damped frequencies of that name."""
+        return self.damped[:, self.names.index(name)]

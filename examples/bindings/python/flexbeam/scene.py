@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _library as c
 from .description import Description
-from .results import Campbell, Linear, Modes, Run, far, track
+from .results import Campbell, Linear, Modes, Run
 
 CHUNK = 256  # rows of a call, between which Python takes signals
 
@@ -273,39 +273,16 @@ class Scene:
         with self._lock:
             self._check(c.library.modes(self._scene))
             what = self._names(c.MODES)
-            return Modes(*self._matrix(c.MODE_VALUES, len(what), 4).T.copy(), what)
+            return Modes(*self._matrix(c.MODE_VALUES, len(what), 4).T.copy(), what, self._names(c.MODE_NAMES))
 
     def campbell(self, parameter: str, first: float, last: float, n: int = 21) -> Campbell:
-        """Modes over n values of a parameter, followed through crossings by what joints, bodies and outputs see of them:
-        outputs at the nodes that move tell modes apart. Values between are looked at where frequencies change much. This scene
-        stays as it is."""
-        if n < 1:
-            raise FlexbeamError(f"modes over {n} values of {parameter}", None, 0, parameter)
-        values = np.linspace(first, last, n)
-        with Scene(self._source, self._given, folder=self._folder) as other:
-
-            def at(value: float) -> Linear:
-                other.reset(**{parameter: value})
-                return other.linear()
-
-            models, places, rows = [at(values[0])], [values[0]], [0]
-            for last_value, value in zip(values, values[1:]):
-                ahead = [(value, at(value))]
-                while ahead:
-                    place, model = ahead[-1]
-                    if abs(place - places[-1]) > abs(value - last_value) / 30 and far(models[-1], model):
-                        try:
-                            middle = (place + places[-1]) / 2
-                            ahead.append((middle, at(middle)))
-                            continue
-                        except FlexbeamError:  # a number of modes, say: nothing is between
-                            pass
-                    models.append(model)
-                    places.append(place)
-                    ahead.pop()
-                rows.append(len(models) - 1)
-        table = track(models, places)[rows]
-        return Campbell(parameter, values, table.imag.copy(), table.real.copy())
+        """Modes over n values of a parameter, followed through crossings by their complex shapes, weighted by mass, as
+        `scene --campbell` does. This scene stays as it is."""
+        with self._lock:
+            self._check(c.library.campbell(self._scene, parameter.encode(), _number(parameter, first), _number(parameter, last), n))
+            names = self._names(c.CURVES)
+            table = self._matrix(c.CURVE_VALUES, n, 2 + 2 * len(names))
+        return Campbell(parameter, *table[:, :2].T.copy(), names, table[:, 2::2].copy(), table[:, 3::2].copy())
 
     def advise(self) -> str:
         """What the scene chooses where it leaves the choice: effects, modes, integrator, step; what may be wrong."""
