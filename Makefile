@@ -16,7 +16,7 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_fla
            elastica follower flap whirl wing_goland ground_resonance rotor_flight leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware page
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi) $(if $(shell command -v $(CXX)),tutorial_filter)
-WORDS    = scene campaign reduce fmu elastodyn analyse advise exact campbell
+WORDS    = scene campaign reduce fmu elastodyn analyse advise exact
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
@@ -89,7 +89,7 @@ scenes: build/flexbeam
 	done; exit $$status
 
 blade: build/flexbeam
-	$< campbell --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
+	$< scene examples/scenes/nrel_blade.txt --campbell rpm 0 20 21 --out build/campbell.csv
 
 firmware:
 	@echo "two boards, two levels of optimization, 80 s of flight each: some minutes"

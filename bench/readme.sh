@@ -296,7 +296,9 @@ leigh() {
 blade() {
   make -s build/flexbeam
   table=tests/reference/nrel5mw_blade.csv
-  build/flexbeam campbell --blade $table --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
+  build/flexbeam scene examples/scenes/nrel_blade.txt --campbell rpm 0 12.1 2 | awk -F, '
+    NR == 1 { for (k = 3; k < NF; k += 2) { split($k, word, " "); kind[k] = word[1]; number[k] = word[2] } next }
+    { for (k = 3; k < NF; k += 2) printf "%s,%s,%s,%.12g\n", $2, kind[k], number[k], sqrt($k ^ 2 + $(k + 1) ^ 2) }' > "$out/blade"
   {
     echo '```'
     awk -F, '

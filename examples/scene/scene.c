@@ -244,6 +244,16 @@ static int run_scene(scene *s, const scene_options *o)
   return failed;
 }
 
+/* The scene with its settings, to be read again. */
+static void begin_family(command *c, const char *path)
+{
+  scene_family *const f = &c->family;
+  f->s = &the_scene;
+  f->path = path;
+  f->n_set = c->n_set;
+  memcpy(f->set, c->set, sizeof c->set);
+}
+
 /* Modes, or linear models, over parameters: a status of main. */
 static int run_family(command *c, const char *path, int campbell, int quiet)
 {
@@ -251,10 +261,7 @@ static int run_family(command *c, const char *path, int campbell, int quiet)
   const char *const linear = o->linear, *const ending = linear ? strrchr(linear, '.') : NULL;
   scene_family *const f = &c->family;
   int failed;
-  f->s = &the_scene;
-  f->path = path;
-  f->n_set = c->n_set;
-  memcpy(f->set, c->set, sizeof c->set);
+  begin_family(c, path);
   f->options.warn = stderr;
   if (o->margins || o->picture || o->animation || o->frames || c->code || c->jacobian || (campbell ? linear : o->csv)) {
     return fail(campbell ? "--campbell runs nothing: no file beside that of --out"
@@ -284,6 +291,15 @@ static int run_family(command *c, const char *path, int campbell, int quiet)
 static int has_curves(const scene *s, const scene_options *o)
 {
   return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && output_is_plain(o->csv);
+}
+
+static int measures_frequency(const scene *s)
+{
+  int is = 0;
+  for (int k = 0; k < s->n_measure; k++) {
+    is |= s->measure[k].kind == SCENE_FREQUENCY;
+  }
+  return is;
 }
 
 int scene_main(int argc, char **argv)
@@ -345,7 +361,12 @@ int scene_main(int argc, char **argv)
     }
     return failed;
   }
-  if (c.write.file || modes) {
+  if (c.write.file) {
+    return 0;
+  }
+  if (modes) {
+    begin_family(&c, argv[1]);
+    scene_tell_rest(&c.family, NULL);
     return 0;
   }
   tell(s, quiet);
@@ -355,5 +376,10 @@ int scene_main(int argc, char **argv)
   if (c.options.margins && !quiet && output_is_plain(c.options.margins)) {
     draw_margins(s, c.options.margins);
   }
-  return s->missed > 0 ? 1 : 0;
+  failed = s->missed > 0;
+  if (measures_frequency(s)) {
+    begin_family(&c, argv[1]);
+    scene_tell_rest(&c.family, NULL);
+  }
+  return failed;
 }

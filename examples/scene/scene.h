@@ -44,8 +44,14 @@ static void scene_root_turns(scene_body *body)
 /* The shape of the description that was read. */
 static void scene_build_body(text_file *t, scene *s, scene_body *body, const scene_gauge_line *gauges)
 {
+  const double *const spun = scene_spun[s->n_body];
   const char *what;
-  fb_status status = model_build_shape(&what);
+  fb_status status;
+  body->rests = model_rests();
+  if (spun[0] > 0) {
+    model_spin_modes(spun[0], spun[1]);
+  }
+  status = model_build_shape(&what);
   body->kind = model.kind;
   body->level = model.level;
   body->root = model_loose_root();

@@ -225,6 +225,9 @@ static fb_status scene_add_torque(scene_body *body)
   return status;
 }
 
+/* [rad/s], [m] Of bodies with modes of rest: their modes are to be shaped for that spin, so far from its axis; 0: as they are. */
+static double scene_spun[FB_MAX_BODIES][2];
+
 static int scene_draws = 1; /* 0: a program that draws nothing */
 
 /* Nodes along the beams, to draw them by. */

@@ -6,7 +6,8 @@
 #include "scene_track.h"
 
 #define FAMILY_PARAMETERS 4
-#define CAMPBELL_DRAWN 16   /* curves with a color and a key; further ones are grey */
+#define CAMPBELL_DRAWN 16   /* curves, at most */
+#define CAMPBELL_STILL 5    /* the slowest ones, at any rate */
 #define CAMPBELL_PER_TURN 6 /* lines per revolution */
 
 typedef struct scene_range { /* of a parameter: n values from..to */
@@ -78,6 +79,89 @@ static int scene_family_make(scene_family *f, const double *value)
   return 0;
 }
 
+/* ---- modes of rest at speed */
+
+#define REST_TOLD 1e-4  /* what is worth a word */
+#define REST_COMPARED 6 /* slowest modes */
+
+/* [rad/s], [m] The spin of a body across the line of its first beam, and the distance of its root from the axis. */
+static void rest_spin(double spun[2], const scene *s, int b)
+{
+  static fb_node_motion node[FB_MAX_NODES];
+  const int first = s->body[b].n_node;
+  double w[3], line[3], across[3], v[3], along;
+  spun[0] = spun[1] = 0;
+  if (s->body[b].n_drawn < 2 || modal_nodes(node, b) < first + 2 || !(modal_spin(w, s, b) > 0)) {
+    return;
+  }
+  for (int i = 0; i < 3; i++) {
+    line[i] = (double)(node[first + 1].position[i] - node[first].position[i]);
+    v[i] = (double)node[first].velocity[i];
+  }
+  modal_unit(line);
+  along = modal_dot(w, line);
+  modal_cross(across, w, v);
+  spun[0] = sqrt(fmax(modal_dot(w, w) - along * along, 0));
+  spun[1] = sqrt(modal_dot(across, across)) / modal_dot(w, w);
+}
+
+/* Frequencies of the slowest modes that oscillate, of the slower half of them; how many. */
+static int rest_frequencies(double omega[REST_COMPARED], scene *s)
+{
+  static scene_mode mode[SCENE_MODES];
+  const int n = modes_solve(s, mode);
+  int found = 0, all = 0;
+  for (int k = 0; k < n; k++) {
+    all += mode[k].damped > 0;
+  }
+  for (int k = 0; k < n && found < REST_COMPARED && 2 * found < all; k++) {
+    if (mode[k].damped > 0) {
+      omega[found++] = mode[k].undamped;
+    }
+  }
+  return found;
+}
+
+/* Bodies that turn and have modes of rest: how far that takes frequencies up, and what mends it. Of two bases the one with
+   the lower frequency is nearer to it (Rayleigh-Ritz). The scene is read again, for its modes alone. */
+static void scene_tell_rest(scene_family *f, const double *value)
+{
+  double was[REST_COMPARED], is[REST_COMPARED], worst = 0;
+  scene *const s = f->s;
+  int n, at = 0, turns = 0, rests = 0;
+  for (int b = 0; b < s->n_body; b++) {
+    rests |= s->body[b].rests;
+  }
+  if (!rests || scene_family_make(f, value) || s->is_exact || scene_look(s, 0) != FB_OK) {
+    return;
+  }
+  for (int b = 0; b < s->n_body; b++) {
+    if (s->body[b].rests) {
+      rest_spin(scene_spun[b], s, b);
+      turns |= scene_spun[b][0] > 0;
+    }
+  }
+  n = turns ? rest_frequencies(was, s) : 0;
+  if (n > 0 && scene_family_make(f, value) == 0 && rest_frequencies(is, s) >= n) {
+    for (int k = 0; k < n; k++) {
+      const double off = was[k] / is[k] - 1;
+      at = off > worst ? k : at;
+      worst = fmax(worst, off);
+    }
+  }
+  for (int b = 0; b < s->n_body && worst > REST_TOLD; b++) {
+    if (scene_spun[b][0] > 0) {
+      fprintf(stderr,
+              "%s: warning: body %s turns at %.6g rad/s and has modes of rest: %.6g rad/s is %.2g %% too high; a line "
+              "`spin "
+              "%.6g %.6g` in it, modes good for all speeds up to there, makes it %.6g rad/s\n",
+              s->path, s->body[b].name, scene_spun[b][0], was[at], 100 * worst, scene_spun[b][0], scene_spun[b][1],
+              is[at]);
+    }
+  }
+  memset(scene_spun, 0, sizeof scene_spun);
+}
+
 /* ---- Campbell */
 
 static int campbell_at(void *user, double value, int named, track_row *row)
@@ -115,9 +199,33 @@ static double campbell_zero(const track *t, int k, double before, double after)
                                                                : (double)NAN;
 }
 
-/* Where curves meet multiples of the spin, and where they become unstable. */
-static void campbell_tell(FILE *out, const track *t, const char *name)
+/* Modes that grow at a value; -1: there are none. */
+static int campbell_growing(scene_family *f, double value)
 {
+  static scene_mode mode[SCENE_MODES];
+  const int n = scene_family_make(f, &value) ? -1 : modes_solve(f->s, mode);
+  int growing = n < 0 ? -1 : 0;
+  for (int k = 0; k < n; k++) {
+    growing += mode[k].growth > 0;
+  }
+  return growing;
+}
+
+/* Between a value and one at which more modes grow: where that begins. */
+static double campbell_onset(scene_family *f, double stable, double unstable)
+{
+  const int before = campbell_growing(f, stable);
+  for (int k = 0; k < 40; k++) {
+    const double middle = 0.5 * (stable + unstable);
+    *(campbell_growing(f, middle) > before ? &unstable : &stable) = middle;
+  }
+  return unstable;
+}
+
+/* Where curves meet multiples of the spin, and where they become unstable. */
+static void campbell_tell(FILE *out, const track *t, scene_family *f)
+{
+  const char *const name = f->range[0].name;
   for (int a = 0; a < t->n_curve; a++) {
     const track_curve *const c = &t->curve[a];
     for (int k = 0; k + 1 < t->made && track_twin(t, a) == a; k++) {
@@ -129,8 +237,8 @@ static void campbell_tell(FILE *out, const track *t, const char *name)
         }
       }
       if (grows != grew) {
-        fprintf(out, "%s is %s from %s = %.6g on, stable at %.6g\n", c->name, "UNSTABLE", name,
-                t->value[grows ? k + 1 : k], t->value[grows ? k : k + 1]);
+        fprintf(out, "%s becomes %s at %s = %.8g\n", c->name, grows ? "UNSTABLE" : "stable", name,
+                campbell_onset(f, t->value[grows ? k : k + 1], t->value[grows ? k + 1 : k]));
       }
     }
     if (t->made > 0 && c->growth[0] > 0) {
@@ -158,13 +266,13 @@ static double campbell_least(const track *t, int curve_at)
   return least;
 }
 
-/* Curves that are drawn: no twins, and the slowest ones at any rate. */
+/* Curves that are drawn: no twins, and the slowest ones. */
 static int campbell_choose(int drawn[CAMPBELL_DRAWN], const track *t)
 {
   const double top = campbell_top(t);
   int n = 0;
   for (int a = 0; a < t->n_curve && n < CAMPBELL_DRAWN; a++) {
-    if (track_twin(t, a) == a && (n < 3 || !(top > 0) || campbell_least(t, a) < top)) {
+    if (track_twin(t, a) == a && (n < CAMPBELL_STILL || (top > 0 && campbell_least(t, a) < top))) {
       drawn[n++] = a;
     }
   }
@@ -175,13 +283,16 @@ static int campbell_choose(int drawn[CAMPBELL_DRAWN], const track *t)
 static void campbell_title(char title[96], const track *t, int curve_at)
 {
   const track_curve *const c = &t->curve[curve_at];
-  int n = 0, length;
+  int n = 0, length, first = 0;
+  while (first + 1 < t->made && t->spin[track_naming(t)] > 0 && !(t->spin[first] > 0)) {
+    first++; /* what stands still is named otherwise */
+  }
   for (int a = curve_at; a < t->n_curve; a++) {
     n += track_twin(t, a) == curve_at;
   }
   length = snprintf(title, 96, n > 1 ? "%s (%d equal)" : "%s", c->name, n);
-  if (c->kind[0][0] && strncmp(c->name, c->kind[0], strlen(c->kind[0])) != 0) {
-    snprintf(title + length, 96 - (size_t)length, ", begins as %.24s", c->kind[0]);
+  if (c->kind[first][0] && strncmp(c->name, c->kind[first], strlen(c->kind[first])) != 0) {
+    snprintf(title + length, 96 - (size_t)length, ", begins as %.24s", c->kind[first]);
   }
 }
 
@@ -194,7 +305,7 @@ static double campbell_most(const track *t, const int *drawn, int n)
     for (int k = 0; k < t->made; k++) {
       most = t->curve[a].damped[k] > most ? t->curve[a].damped[k] : most;
     }
-    least = i < 3 ? fmax(least, campbell_least(t, a)) : least;
+    least = i < CAMPBELL_STILL ? fmax(least, campbell_least(t, a)) : least;
   }
   return top > 0 ? fmin(1.05 * most, fmax(top, 1.2 * least)) : 1.05 * most;
 }
@@ -293,9 +404,13 @@ static int scene_campbell(scene_family *f, const char *csv, int talk)
       status = scene_fail(f->s, "cannot write %s: %s%s", csv, strerror(errno), output_left(csv));
     }
     if (status == 0 && csv && talk) {
-      campbell_tell(stdout, &t, name);
+      campbell_tell(stdout, &t, f);
       campbell_draw(&t, csv, name, scene_words_of(f->s, name));
     }
+  }
+  if (status == 0) {
+    const double fastest = t.value[track_naming(&t)];
+    scene_tell_rest(f, &fastest);
   }
   track_free(&t);
   return status;

@@ -58,6 +58,7 @@ typedef struct scene_body {
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
+  int rests;                     /* it has natural modes of rest */
   fb_root root;                  /* of modes that leave out how it moves, else clamped */
   fb_real turn[FB_MAX_MODES][3]; /* of a root that is pinned: how each mode turns it */
   fb_form_desc form;             /* of a body alone */
@@ -320,10 +321,18 @@ typedef struct scene_measure {
   char label[TEXT_NAME];
   int line;
   scene_kind kind;
-  int output;   /* or mode of the spectrum, or controller */
-  int command;  /* of it, from 1; 0: all */
-  double after; /* [s] */
+  int output;                     /* or mode of the spectrum, among those chosen by: mode, part; or controller */
+  int command;                    /* of it, from 1; 0: all */
+  double after;                   /* [s] */
+  double near;                    /* [rad/s] the mode of the frequency nearest to that; 0: by number */
+  char mode[64], part[TEXT_NAME]; /* the mode of that name; those in which that joint or body has most; empty: any */
 } scene_measure;
+
+/* Is it the frequency of a mode that is not chosen by its number among all? */
+static inline int scene_is_chosen(const scene_measure *m)
+{
+  return m->near > 0 || m->mode[0] || m->part[0];
+}
 
 typedef struct scene_expectation { /* of a measure */
   int line, measure, relative;

@@ -905,17 +905,53 @@ static double scene_growth(const fb_real *re, const fb_real *im, int n, int all)
   return -(double)fb_spectrum_margin(NULL, re, n);
 }
 
+/* The mode of n that is measured; -1: there is none. */
+static int scene_find_mode(const scene_measure *m, const scene_mode *mode, int n)
+{
+  int found = -1, number = 0;
+  for (int k = 0; k < n; k++) {
+    const int is = m->near > 0  ? found < 0 || fabs(mode[k].damped - m->near) < fabs(mode[found].damped - m->near)
+                   : m->mode[0] ? strcmp(mode[k].name, m->mode) == 0
+                                : strcmp(mode[k].part, m->part) == 0 && number++ == m->output;
+    found = is ? k : found;
+  }
+  return found;
+}
+
+/* Frequencies of modes that are chosen by name, by what moves or by nearness. */
+static int scene_measure_chosen(scene *s)
+{
+  static scene_mode mode[SCENE_MODES];
+  const int n = scene_modes(s, mode);
+  for (int k = 0; k < s->n_measure && n >= 0; k++) {
+    const scene_measure *const m = &s->measure[k];
+    const int found = scene_is_chosen(m) ? scene_find_mode(m, mode, n) : 0;
+    if (found < 0) {
+      return scene_fail_at(s, m->line, "measure %s: no mode is %s%s%s (--modes lists them)", m->label,
+                           m->mode[0] ? "called " : "one of ", m->mode, m->part);
+    }
+    if (scene_is_chosen(m)) {
+      s->measured[k] = mode[found].damped;
+    }
+  }
+  return n < 0;
+}
+
 /* Frequencies and growth about the start, where they are to be measured. */
 static int scene_measure_spectrum(scene *s)
 {
   const fb_real *const re = s->is_exact ? exact_run.spectrum.re : engine.spectrum.re;
   const fb_real *const im = s->is_exact ? exact_run.spectrum.im : engine.spectrum.im;
-  int wanted = 0, n;
+  int wanted = 0, chosen = 0, n;
   fb_status status;
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
-    const int asked = m->kind == SCENE_FREQUENCY || m->kind == SCENE_GROWTH;
+    const int asked = (m->kind == SCENE_FREQUENCY && !scene_is_chosen(m)) || m->kind == SCENE_GROWTH;
     wanted = asked && m->output >= wanted ? m->output + 1 : wanted;
+    chosen |= scene_is_chosen(m);
+  }
+  if (chosen && scene_measure_chosen(s)) {
+    return 1;
   }
   if (wanted == 0) {
     return 0;
@@ -928,7 +964,7 @@ static int scene_measure_spectrum(scene *s)
   }
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
-    if (m->kind == SCENE_FREQUENCY) {
+    if (m->kind == SCENE_FREQUENCY && !scene_is_chosen(m)) {
       s->measured[k] = fabs((double)im[m->output]);
     } else if (m->kind == SCENE_GROWTH) {
       s->measured[k] = scene_growth(re, im, m->output + 1, n);

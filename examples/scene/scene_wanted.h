@@ -316,6 +316,53 @@ static void scene_expect(text_file *t, const char *what)
   }
 }
 
+/* Is there a body or a joint of that name? */
+static int scene_has_part(const scene *s, const char *name)
+{
+  for (int k = 0; k < s->n_body; k++) {
+    if (strcmp(s->body[k].name, name) == 0) {
+      return 1;
+    }
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    if (strcmp(s->joint[k].name, name) == 0) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* near W, in BODY [N], in JOINT [N], or the name of a mode: flap 2. 0: it is a number. */
+static int scene_read_mode(text_file *t, scene *s, scene_measure *measure)
+{
+  const char *const next = t->at + strspn(t->at, " ");
+  const char *word;
+  size_t n = 0;
+  if (!*next || strchr("0123456789+-.$", *next)) {
+    return 0;
+  }
+  if (text_take(t, "near")) {
+    measure->near = text_number(t, "frequency that is near [rad/s]");
+    if (!t->failed && !(measure->near > 0)) {
+      text_fail(t, "the frequency that is near must be greater than 0 rad/s");
+    }
+    return 1;
+  }
+  if (text_take(t, "in")) {
+    word = text_word(t);
+    snprintf(measure->part, sizeof measure->part, "%s", word ? word : "");
+    if (!scene_has_part(s, measure->part)) {
+      text_fail(t, "no body and no joint has the name %s", word ? word : "(missing)");
+    }
+    measure->output = text_more(t) ? text_whole(t, "number of the mode", 1, FB_MAX_LINEAR) - 1 : 0;
+    return 1;
+  }
+  while ((word = text_more(t) ? text_word(t) : NULL) != NULL && n < sizeof measure->mode) {
+    n += (size_t)snprintf(measure->mode + n, sizeof measure->mode - n, "%s%s", n ? " " : "", word);
+  }
+  return 1;
+}
+
 /* measure LABEL max|min|mean|rms|final OUTPUT [after T] */
 static void scene_read_measure(text_file *t, scene *s)
 {
@@ -337,6 +384,10 @@ static void scene_read_measure(text_file *t, scene *s)
     if (measure->kind < SCENE_POLE_RADIUS && text_more(t)) {
       measure->command = text_whole(t, "command", 1, s->control[measure->output].n_command);
     }
+    s->n_measure++;
+    return;
+  }
+  if (measure->kind == SCENE_FREQUENCY && scene_read_mode(t, s, measure)) {
     s->n_measure++;
     return;
   }

@@ -1,4 +1,4 @@
-/* analyse - what a body does about a steady spin: deflection, complex modes, stability margin, Campbell table, steps.
+/* analyse - what a body does about a steady spin: deflection, complex modes, stability margin, steps.
    The body is one of those flexbeam reduce reads; its base is free, pinned, hinged or prescribed as the file says.
    Exit: 0 well, 1 it cannot be analyzed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
@@ -12,7 +12,6 @@
 #include "../common/same_file.h"
 #include "../common/spectrum.h"
 #include "ports.h"
-#include "../common/plot.h"
 
 static const char help[] =
     "analyse - steady spin of a body from a text file, and the motion about it\n"
@@ -20,12 +19,9 @@ static const char help[] =
     "  FILE              description (examples/satellite.txt; words: examples/tools/README.md)\n"
     "  --spin X,Y,Z|Z    steady spin [rad/s], body axes; one value: about z (0)\n"
     "  --rpm X,Y,Z|Z     the same [rpm]\n"
-    "  --to SPIN         Campbell table from standstill to this spin [rad/s] along that axis, below 0: against it\n"
-    "  --steps N         its rows but the first, 1 to 400 (20)\n"
     "  --modes N         modes that are printed, 1 to 12 (8)\n"
     "  --tolerance E     error wanted of every mode of amplitude 1, by all of them together (0.001)\n"
     "  --duration T      over this time [s] (60)\n"
-    "  --out NAME        writes NAME.csv and, where gnuplot is there, NAME.svg (analyse)\n"
     "  --linear FILE     A, B, C, D about the steady spin, with names and units: FILE.json, or CSV\n"
     "  --inputs LIST     of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, of a prescribed base\n"
     "                    base_velocity.AXIS, base_rate.AXIS; motor.ROTOR; NODE, ROTOR a name or a number, AXIS x, y "
@@ -38,25 +34,22 @@ static const char help[] =
     "one\n"
     "about z; rigid motion is among the modes. A free body falls with its gravity, which is left out. Steps are those\n"
     "advised, and no longer than the steppers accept at that spin. Rotors turn at the speeds of the description, held "
-    "by\ntheir motors against friction.\n";
+    "by\ntheir motors against friction. Modes over the spin: a scene with this body, and scene --campbell.\n";
 
 typedef struct options {
-  const char *file, *out, *linear, *inputs, *outputs;
-  double spin[3], to, steps, modes, tolerance, duration;
+  const char *file, *linear, *inputs, *outputs;
+  double spin[3], modes, tolerance, duration;
 } options;
 
 static fb_analyse_work work;
 static fb_spectrum spectrum;
 static fb_state state;
 static fb_input input;
-static double least_growth; /* [1/s] that is not rounding */
 
 static int read_option(void *to, const char *name, const char *text)
 {
   options *o = (options *)to;
-  const number_option list[] = {{"--to", &o->to, -1e6, 1e6},
-                                {"--steps", &o->steps, 1, 400},
-                                {"--modes", &o->modes, 1, 12},
+  const number_option list[] = {{"--modes", &o->modes, 1, 12},
                                 {"--tolerance", &o->tolerance, 1e-15, 10},
                                 {"--duration", &o->duration, 1e-9, 1e12}};
   if (strcmp(name, "--spin") == 0 || strcmp(name, "--rpm") == 0) {
@@ -78,8 +71,7 @@ static int read_option(void *to, const char *name, const char *text)
       return 0;
     }
   }
-  return strcmp(name, "--out") == 0 ? read_out(&o->out, text)
-                                    : read_number(list, (int)(sizeof list / sizeof *list), name, text);
+  return read_number(list, (int)(sizeof list / sizeof *list), name, text);
 }
 
 /* The torque of a motor that holds its rotor at its speed against friction. */
@@ -136,14 +128,9 @@ static fb_status solve(const double axis[3], double spin)
   status = model_body.n_rotor > 0 ? trim_rotors() : fb_body_trim(&model_body, &state, &work, &input);
   status = status ? status : fb_body_spectrum_solve(&model_body, &work, &spectrum, &state, &input);
   if (status == FB_OK) {
-    least_growth = spectrum_drop_rounding(spectrum.re, spectrum.im, spectrum.n);
+    (void)spectrum_drop_rounding(spectrum.re, spectrum.im, spectrum.n);
   }
   return status;
-}
-
-static int is_unstable(int *mode)
-{
-  return fb_spectrum_margin(mode, spectrum.re, spectrum.n) < FB_R(0.0);
 }
 
 static int fail_at(double spin, fb_status status)
@@ -223,7 +210,7 @@ static void print_modes(int count)
            (double)spectrum.im[k] / (2 * model_pi), (double)fb_spectrum_damping(&spectrum, k) + 0.0);
   }
   printf("stability margin: %.4g 1/s, of mode %d of %d%s\n", margin, worst + 1, spectrum.n,
-         is_unstable(NULL) ? ": UNSTABLE" : "");
+         margin < 0 ? ": UNSTABLE" : "");
 }
 
 static void print_steps(const options *o, double spin)
@@ -244,93 +231,6 @@ static void print_steps(const options *o, double spin)
     printf(limit < (double)FB_HUGE / 2 ? ", stable to %.4g s" : ", no limit of stability", limit);
     printf(accepted < (double)FB_HUGE / 2 ? ", accepted to %.4g s\n" : "\n", accepted);
   }
-}
-
-/* The spin between two at which the body becomes unstable. */
-static fb_status bisect(double *at, const double axis[3], double stable, double unstable)
-{
-  fb_status status = FB_OK;
-  for (int k = 0; k < 40 && status == FB_OK; k++) {
-    const double middle = 0.5 * (stable + unstable);
-    status = solve(axis, middle);
-    *(is_unstable(NULL) ? &unstable : &stable) = middle;
-  }
-  *at = unstable;
-  return status;
-}
-
-static int draw(const options *o, const char *csv, double critical)
-{
-  static char svg[512], column[12][32], title[12][32], settings[256];
-  curve curves[12];
-  int n = 0, used = 0;
-  for (; n < (int)o->modes; n++) {
-    snprintf(column[n], sizeof column[n], "1:%d", n + 3);
-    snprintf(title[n], sizeof title[n], "mode %d", n + 1);
-    curves[n].file = csv;
-    curves[n].columns = column[n];
-    curves[n].style = "with points pointtype 7 pointsize 0.4";
-    curves[n].title = title[n];
-  }
-  snprintf(svg, sizeof svg, "%s.svg", o->out);
-  used = snprintf(settings, sizeof settings, "set xlabel 'spin [rad/s]'\nset ylabel 'frequency [rad/s]'\n");
-  if (critical > 0 || critical < 0) {
-    snprintf(settings + used, sizeof settings - (size_t)used,
-             "set arrow from %.9g, graph 0 to %.9g, graph 1 nohead dashtype 2\n", critical, critical);
-  }
-  plot(svg, settings, curves, n, stdout);
-  return 0;
-}
-
-/* Rows of spin, margin [1/s] and frequencies; where the margin first becomes negative is bisected. */
-static int campbell(const options *o, const double axis[3])
-{
-  static char csv[512];
-  double before = 0, critical = 0;
-  int found = 0;
-  FILE *out;
-  snprintf(csv, sizeof csv, "%s.csv", o->out);
-  out = output_open(csv);
-  if (!out) {
-    return fail("cannot write", csv);
-  }
-  fprintf(out, "# spin [rad/s], stability margin [1/s], frequencies of %d modes [rad/s]\n", (int)o->modes);
-  (void)fb_state_init(&model_body, &state);
-  for (int s = 0; s <= (int)o->steps; s++) {
-    const double spin = o->to * s / o->steps;
-    const fb_status status = solve(axis, spin);
-    int mode;
-    if (status != FB_OK) {
-      output_drop(out, csv);
-      return fail_at(spin, status);
-    }
-    fprintf(out, "%.10g,%.10g", spin, (double)fb_spectrum_margin(&mode, spectrum.re, spectrum.n));
-    for (int k = 0; k < (int)o->modes; k++) {
-      fprintf(out, k < spectrum.n ? ",%.10g" : ",nan", k < spectrum.n ? (double)spectrum.im[k] : 0.0);
-    }
-    fputs("\n", out);
-    if (!found && is_unstable(&mode)) {
-      const fb_state here = state;
-      found = 1;
-      critical = spin;
-      if (s > 0 && bisect(&critical, axis, before, spin) != FB_OK) {
-        printf("the onset of instability lies between %.6g and %.6g rad/s\n", before, spin);
-      } else {
-        printf("first unstable at %.8g rad/s (%.6g rpm), mode %d, growing faster than %.2g 1/s\n", critical,
-               critical * 30 / model_pi, mode + 1, least_growth);
-      }
-      state = here;
-    }
-    before = spin;
-  }
-  if (!found) {
-    printf("no instability at %d spins up to %.6g rad/s\n", (int)o->steps + 1, o->to);
-  }
-  if (output_close(out, csv)) {
-    return 2;
-  }
-  printf("table: %s\n", csv);
-  return draw(o, csv, critical);
 }
 
 /* ---- the linear model */
@@ -420,9 +320,69 @@ static int write_linear(const options *o)
   return write_ports(&file, in, out, o->linear);
 }
 
+/* A free body falls with its gravity. */
+static void leave_weight_out(void)
+{
+  if (model_body.base == FB_BASE_FREE) {
+    model_body.effects &= ~(unsigned)FB_EFFECT_GRAVITY;
+  }
+}
+
+/* [m] From the axis of the spin to the root of the first beam with modes of rest, by the velocity there, w x r. */
+static double rest_radius(void)
+{
+  fb_motion motion;
+  fb_real v[3], across[3];
+  int k = 0;
+  while (k + 1 < model.n_part && !model_part_rests(&model.part[k])) {
+    k++;
+  }
+  if (fb_body_motion_eval(&model_body, &motion, &state, &input) != FB_OK) {
+    return 0;
+  }
+  fb_vec3_cross(v, motion.w, model.part[k].position);
+  for (int i = 0; i < 3; i++) {
+    v[i] += motion.v[i];
+  }
+  fb_vec3_cross(across, motion.w, v);
+  return sqrt((double)fb_vec3_dot(across, across)) / (double)fb_vec3_dot(motion.w, motion.w);
+}
+
+/* How far natural modes of rest take the slower half of the frequencies up: of two bases the one with the lower frequency
+   is nearer to it (Rayleigh-Ritz). Builds the other one in the place of the body: nothing comes after. */
+static void tell_rest(const char *file, const double axis[3], double spin)
+{
+  const double radius = rest_radius();
+  const fb_spectrum was = spectrum;
+  const char *what;
+  double worst = 0;
+  int at = 0;
+  model_spin_modes(spin, radius);
+  if (model_build(&what) != FB_OK || fb_state_init(&model_body, &state) != FB_OK) {
+    return;
+  }
+  leave_weight_out();
+  if (solve(axis, spin) != FB_OK || spectrum.n != was.n) {
+    return;
+  }
+  for (int k = 0; 2 * k < spectrum.n; k++) {
+    const double off = spectrum.im[k] > 0 ? (double)(was.im[k] / spectrum.im[k]) - 1 : 0;
+    at = off > worst ? k : at;
+    worst = fmax(worst, off);
+  }
+  if (worst > 1e-4) {
+    fprintf(
+        stderr,
+        PROGRAM
+        ": %s: warning: its modes are those of rest: %.6g rad/s is %.2g %% too high; a line `spin %.6g %.6g`, modes "
+        "good for all speeds up to there, makes it %.6g rad/s\n",
+        file, (double)was.im[at], 100 * worst, spin, radius, (double)spectrum.im[at]);
+  }
+}
+
 int analyse_main(int argc, char **argv)
 {
-  static options o = {"examples/satellite.txt", "analyse", NULL, NULL, NULL, {0, 0, 0}, 0, 20, 8, 1e-3, 60};
+  static options o = {"examples/satellite.txt", NULL, NULL, NULL, {0, 0, 0}, 8, 1e-3, 60};
   const char *what;
   char lacks[160];
   double axis[3] = {0, 0, 1}, spin;
@@ -438,7 +398,6 @@ int analyse_main(int argc, char **argv)
   if (!o.linear && (o.inputs || o.outputs)) {
     return fail("--inputs and --outputs are those of --linear FILE", "");
   }
-  o.steps = floor(o.steps);
   o.modes = floor(o.modes);
   if (!model_read(PROGRAM, o.file)) {
     return 2;
@@ -449,14 +408,12 @@ int analyse_main(int argc, char **argv)
     fprintf(stderr, PROGRAM ": %s: %s: %s\n", o.file, what, refusal_text(status));
     return 1;
   }
-  if (model_body.base == FB_BASE_FREE) {
-    model_body.effects &= ~(unsigned)FB_EFFECT_GRAVITY;
-  }
+  leave_weight_out();
   spin = sqrt(o.spin[0] * o.spin[0] + o.spin[1] * o.spin[1] + o.spin[2] * o.spin[2]);
   for (int i = 0; i < 3 && spin > 0; i++) {
     axis[i] = o.spin[i] / spin;
   }
-  if ((spin > 0 || o.to > 0 || o.to < 0) && model_lacks_stiffening(lacks, axis)) {
+  if (spin > 0 && model_lacks_stiffening(lacks, axis)) {
     fprintf(stderr, PROGRAM ": %s: warning: %s\n", o.file, lacks);
   }
   printf("%s: %s, %d modes, mass %.6g kg, spin %.6g rad/s about (%.4g, %.4g, %.4g)\n", o.file, model.name, model_body.n,
@@ -469,8 +426,8 @@ int analyse_main(int argc, char **argv)
   print_modes((int)o.modes);
   print_steps(&o, spin);
   bad = o.linear ? write_linear(&o) : 0;
-  if (bad) {
-    return bad;
+  if (!bad && spin > 0 && model_rests()) {
+    tell_rest(o.file, axis, spin);
   }
-  return o.to > 0 || o.to < 0 ? campbell(&o, axis) : 0;
+  return bad;
 }

@@ -1812,6 +1812,33 @@ static fb_status model_shape_of_parts(const char **what)
   return status ? status : model_damp_parts(what);
 }
 
+/* Is a beam with natural modes, which are those of rest? */
+static int model_part_rests(const model_part *part)
+{
+  return part->kind == MODEL_BEAM && part->modes.basis == FB_BASIS_MODES && !(FB_FABS(part->modes.spin) > 0) &&
+         !(FB_FABS(part->modes.preload.spin) > 0);
+}
+
+static inline int model_rests(void)
+{
+  int rests = 0;
+  for (int k = 0; k < model.n_part; k++) {
+    rests |= model_part_rests(&model.part[k]);
+  }
+  return rests;
+}
+
+/* Shapes such modes for a spin [rad/s], the root so far [m] from its axis, as the word `spin` does. */
+static inline void model_spin_modes(double spin, double radius)
+{
+  for (int k = 0; k < model.n_part; k++) {
+    if (model_part_rests(&model.part[k])) {
+      model.part[k].modes.spin = (fb_real)spin;
+      model.part[k].modes.spin_radius = (fb_real)radius;
+    }
+  }
+}
+
 /* Builds the shape of what was read; on failure *what says at which part. */
 static fb_status model_build_shape(const char **what)
 {

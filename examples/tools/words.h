@@ -11,8 +11,7 @@
   X(elastodyn, "a blade of OpenFAST to a text file for reduce")                                  \
   X(analyse, "steady spin of a body: deflection, modes, damping, stability margin, step")        \
   X(advise, "which effects, modes, integrator and step a body needs")                            \
-  X(exact, "a geometrically exact beam: deflection, root loads, frequencies")                    \
-  X(campbell, "frequencies of a rotating cantilever or blade over spin")
+  X(exact, "a geometrically exact beam: deflection, root loads, frequencies")
 
 #define WORD_PROTOTYPE(name, what) int name##_main(int argc, char **argv);
 WORDS(WORD_PROTOTYPE)

@@ -522,7 +522,7 @@ text = run(*good, '--modes', 6, '--word', 'base prescribed')
 lacks = 'the component has no second-order data: spinning does not stiffen it'
 with open(folder + 'scene.txt', 'w') as file:
     file.write('title turns\nduration 0.01\ninterval 0.01\nbody mast file out.txt\n  base free\nend\noutput rate spin mast y\n')
-if '# no second-order data (--line, --geometric): spinning' not in text or lacks not in warned('analyse', folder + 'out.txt', '--to', '5', '--steps', '1', '--out', folder + 'analyse') or \
+if '# no second-order data (--line, --geometric): spinning' not in text or lacks not in warned('analyse', folder + 'out.txt', '--spin', '5') or \
         'body mast: ' + lacks not in warned('scene', folder + 'scene.txt', '--out', folder + 'scene.csv'):
     sys.exit('no second-order data: %s %s' % (text, warned('scene', folder + 'scene.txt', '--out', folder + 'scene.csv')))
 

@@ -139,6 +139,21 @@ def check_nrel():
         near('NREL 5-MW blade', np.hypot(table[name], table[name + ' growth'])[[0, -1]], ends, 1e-5)
 
 
+def check_onset():
+    """Beck's column flutters from 20.0509536 EI/L^2 on (tests/reference/p06_beck.csv), in the words beside the table."""
+    told = scene(scenes + 'beck.txt', '--campbell', 'p', 5, 30, 6, '--out', folder + '/beck.csv')
+    found = re.search('bend_y 1 becomes UNSTABLE at p = (.*)', told)
+    want(found, 'the flutter is not told of: ' + told)
+    near("Beck's load", float(found.group(1)), 20.0509536189738, 1e-5)
+    told = scene(scenes + 'nrel_blade.txt', '--campbell', 'rpm', 0, 20, 21, '--out', folder + '/nrel.csv')
+    at = float(re.search('lag 1 meets 4 per revolution at rpm = (.*)', told).group(1))
+    meet = campbell(scenes + 'nrel_blade.txt', 'rpm', at, at, 1)
+    near('four per revolution', meet['lag 1'][0], 4 * meet['spin'][0], 1e-4)
+    with open(folder + '/nrel.svg', encoding='utf-8') as svg:
+        text = svg.read()
+    want('flap 1' in text and '4/rev' in text and 'begins as' not in text, 'the picture of the blade')
+
+
 def check_rotor():
     """Four equal blades: curves in fours, by name and number, though their shapes are any."""
     table = frequencies(campbell(scenes + 'rotor.txt', 'rate', 2, 60, 8))
@@ -285,6 +300,66 @@ output bent displacement boom.tip
 '''
 
 
+CRAFT = '''duration 0.1
+body craft beam
+  length 4
+  elements 4
+  stations x mass EI_y EI_z
+    0 1 900 1200
+  end
+  hub 50  0 0 0  5 6 7
+  modes bend_y 2 bend_z 2
+  node tip tip
+end
+output tip displacement craft.tip
+measure seventh frequency 7
+measure named frequency bend_z 1
+measure second frequency in craft 2
+measure near frequency near 14
+'''
+
+
+def check_measures():
+    """A load in inertial axes makes the pose a part of the modes, two zeros more: the seventh is another mode, those that are
+    chosen stay."""
+    found = []
+    for text in CRAFT, CRAFT.replace('output', 'load craft.tip dead force 0 0 1e-9\noutput'):
+        file = write('craft.txt', text)
+        measured = dict(line.split(' = ') for line in scene(file).splitlines() if ' = ' in line)
+        listed = {one[1]: one[0] for one in modes(file)}
+        near('a mode by its name', float(measured['named']), listed['bend_z 1'], 1e-5)
+        near('a mode by its body', float(measured['second']), listed['bend_y 1'], 1e-5)
+        near('a mode by nearness', float(measured['near']), listed['bend_z 1'], 1e-5)
+        found.append({name: float(value) for name, value in measured.items()})
+    want(found[0].pop('seventh') > 1 > found[1].pop('seventh'), 'the seventh mode does not depend on the load: %s' % found)
+    want(found[0] == found[1], 'a load shifts modes that are chosen: %s' % found)
+    for was, now, text in (('bend_z 1', 'bend_q 1', ':14: measure named: no mode is called bend_q 1'), ('in craft', 'in crate', 'no body and no joint'),
+                           ('near 14', 'near -1', 'greater than 0'), ('craft 2', 'craft 9', 'no mode is one of craft')):
+        error = scene(write('wrong.txt', CRAFT.replace(was, now)), exit_code=2)
+        want(text in error, error)
+
+
+def check_rest():
+    """Few modes of rest at 27 rad/s: what is told is what the line `spin` makes of them, nearer to the polynomials; of modes that
+    have it, or do not turn, nothing is told."""
+    with open(blade, encoding='utf-8') as file:
+        text = re.sub('(?m)^(measure|expect) .*', '', file.read()).replace('bend_y 7 bend_z 9', 'bend_y 3 bend_z 3')
+    rest = write('rest.txt', text.replace('  spin $fastest 0.32\n', '').replace('parameter fastest', '#'))
+    command = ['build/flexbeam', 'scene', rest, '--modes']
+    told = subprocess.run(command, capture_output=True, text=True).stderr
+    figures = re.search(r'turns at (.*) rad/s and has modes of rest: (.*) rad/s is (.*) % too high; a line `spin (.*) (.*)` in it.*makes it (.*) rad', told)
+    want(figures, 'modes of rest at speed are not told of: ' + told)
+    spin, was, off, _, radius, now = map(float, figures.groups())
+    near('the offer', [spin, radius], [27, 0.32], 1e-6)
+    near('modes of rest', was, modes(rest)[0][0], 1e-5)
+    near('with the line spin', now, hinged(27)[0][0], 1e-5)
+    near('how far off', 1 + off / 100, was / now, 1e-4)
+    want(0.3 < off < 0.6, 'modes of rest are %g %% off' % off)
+    for file, values in (write('spun.txt', text), []), (rest, ['--set', 'spin=0.01']):
+        done = subprocess.run(['build/flexbeam', 'scene', file, '--modes', *values], capture_output=True, text=True)
+        want(done.stderr == '', done.stderr)
+
+
 def check_refusals():
     for words, text in (
             (('--campbell', 'speed', 1, 2, 3), 'speed'), (('--campbell', 'spin', 1, 2), 'wants NAME FROM TO N'),
@@ -299,7 +374,7 @@ def check_refusals():
     want('(at rate = 0)' in error, error)
 
 
-for check in (check_hinged_blade, check_crossing, check_nrel, check_rotor, check_overdamped, check_names, check_animation, check_family,
-              check_refusals):
+for check in (check_hinged_blade, check_crossing, check_nrel, check_onset, check_rotor, check_overdamped, check_names, check_animation, check_family,
+              check_measures, check_rest, check_refusals):
     check()
 print(', '.join('%s %.1e' % item for item in worst.items()))

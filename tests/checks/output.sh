@@ -75,7 +75,7 @@ unprinted campaign --scene "$out/push.txt" --vary "force list 1 2" --out "$out/t
 unprinted reduce examples/boom.txt
 unprinted analyse examples/boom.txt
 unprinted exact examples/bend45.txt
-unprinted campbell --spin 0,1
+unprinted scene examples/scenes/rotating_beam.txt --campbell eta 0 1 2
 unprinted elastica --out "$out/elastica.csv"
 unprinted hil_plant --simulated-time direct --seconds 0.1 --out "$out/hil.csv"
 full=$out/full.csv
@@ -91,6 +91,7 @@ unfiled full.csv spacecraft --t-end 60 --out "$full"
 unfiled full.csv scene examples/scenes/top.txt --picture "$full"
 unfiled full.csv scene examples/scenes/top.txt --animation "$full"
 unfiled full.csv scene examples/scenes/top.txt --linear "$full"
+unfiled full.csv scene examples/scenes/rotating_beam.txt --campbell eta 0 1 2 --out "$full"
 unfiled full.csv analyse examples/boom.txt --linear "$full"
 # torn FILE PROGRAM OPTION...: where FILE has room for no more than a block, what an earlier run wrote stays as it was, and
 # the message says where the new one is
