@@ -252,12 +252,12 @@ build/examples/quickstart build/examples/page: build/examples/%: %.c build/flags
 
 # The tracer (--jacobian) is C++; without a compiler for it the program says what to install. At -O0: the library whose
 # numbers are a class takes minutes to optimize, and a model is traced in less than a second.
-TRACE := $(if $(shell command -v $(CXX)),trace,untraced)
-build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) build/tool/$(TRACE).o build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
+TRACE := $(if $(shell command -v $(CXX)),trace trace_single,untraced)
+build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) $(TRACE:%=build/tool/%.o) build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
 	$(if $(filter trace,$(TRACE)),$(CXX),$(CC)) $(CFLAGS) -o $@ $^ -lm
 
-build/tool/trace.o: examples/tools/trace/trace.cpp build/flags | build/tool
-	$(CXX) -std=c++11 -O0 -w -I. -MMD -MP -c -o $@ $<
+build/tool/trace.o build/tool/trace_single.o: examples/tools/trace/trace.cpp build/flags | build/tool
+	$(CXX) -std=c++11 -O0 -w -I. -DFB_SINGLE=$(if $(findstring single,$@),1,0) -MMD -MP -c -o $@ $<
 
 build/tool/untraced.o: examples/tools/trace/untraced.c build/flags | build/tool
 	$(CC) $(QUICKLY) -c -o $@ $<

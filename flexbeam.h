@@ -175,7 +175,8 @@
                                                        -ffp-contract=fast; -fno-math-errno, -fno-trapping-math: none
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
      FB_REAL                          -        -       a class of C++11 in place of the number, with its own FB_SQRT.. and
-                                                       FB_BELOW(x, y, a, b), a where x < y, else b: dual numbers, a trace
+                                                       FB_BELOW(x, y, a, b), a where x < y, else b, FB_TRUNC(x), towards
+                                                       zero, FB_KERNEL(call), the call: dual numbers, a trace
                                                        (examples/tools/trace/number.h); wants FB_ALLOW_FAST_MATH
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half

@@ -42,6 +42,15 @@
 #endif
 #ifndef FB_BELOW /* a selection by value, not a branch; a number class in place of fb_real may record it as one */
 #define FB_BELOW(x, y, yes, no) ((x) < (y) ? (yes) : (no))
+#define FBI_OF_TWO(table, x, y) ((table)[(x) < (y)]) /* a table instead of a branch: same instruction count */
+#else
+#define FBI_OF_TWO(table, x, y) FB_BELOW(x, y, (table)[1], (table)[0])
+#endif
+#ifndef FB_TRUNC /* towards zero */
+#define FB_TRUNC(x) ((fb_real)(int)(x))
+#endif
+#ifndef FB_KERNEL /* a part of a step that is one function in what a trace writes */
+#define FB_KERNEL(call) (call)
 #endif
 #include <stddef.h>
 #include <string.h>
@@ -6024,9 +6033,8 @@ static void fbi_rotors_normalize(fb_real *q, fb_real *pi, const fb_body *body, c
   for (int r = 0; r < body->n_rotor; r++) {
     fb_real *const angle = &q[body->n + r];
     const fb_real turns = *angle / turn;
-    if (FB_FABS(turns) < FB_R(1e9)) {
-      *angle -= turn * (fb_real)(int)(turns + (turns < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
-    }
+    const fb_real nearest = turns + FB_BELOW(turns, FB_R(0.0), -FB_R(0.5), FB_R(0.5));
+    *angle -= turn * FB_TRUNC(FB_BELOW(FB_FABS(turns), FB_R(1e9), nearest, FB_R(0.0)));
     if (body->rotor[r].given) {
       pi[body->n + r] = last[r].momentum;
     }
@@ -6380,7 +6388,7 @@ static fb_status fbi_rates_eval(fbi_line_work *line, const fb_body *body, fb_sta
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
   memset(&out, 0, sizeof out);
-  FBI_TRY(fbi_rates(&out, &k, body, &at, input));
+  FBI_TRY(FB_KERNEL(fbi_rates(&out, &k, body, &at, input)));
   if (fbi_is_free(body)) {
     fbi_origin_velocity(out.rho, &k, body, &at, out.q);
   }
@@ -6939,7 +6947,7 @@ static fb_status fbi_motion_eval(fbi_line_work *line, const fb_body *body, fb_mo
   FBI_TRY(fbi_input_check(body, input));
   fbi_state_enter(&at, k.R, body, state);
   fbi_field_start(&at, FBI_LINE_OF(&k), body, k.R, input, NULL, NULL);
-  FBI_TRY(fbi_rates(&rate, &k, body, &at, input));
+  FBI_TRY(FB_KERNEL(fbi_rates(&rate, &k, body, &at, input)));
 
   /* velocities */
   memset(&out, 0, sizeof out);
@@ -16206,7 +16214,7 @@ static fb_real fbi_step_limit(fb_real radius, fb_real bound)
   if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
     return FB_R(0.0);
   }
-  return bound * FB_HUGE > radius ? radius / bound : FB_HUGE;
+  return FB_BELOW(radius, bound * FB_HUGE, radius / bound, FB_HUGE);
 }
 
 /* [E11.1] Largest stable step of rk4: |lambda| dt <= 2.785, the end of its stability region on the real axis (2.828 on
@@ -16283,7 +16291,7 @@ static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, c
 static void fbi_flush(fb_real *x, int n, fb_real least)
 {
   for (int i = 0; i < n; i++) {
-    x[i] = FB_FABS(x[i]) < least ? FB_R(0.0) : x[i];
+    x[i] = FB_BELOW(FB_FABS(x[i]), least, FB_R(0.0), x[i]);
   }
 }
 
@@ -16569,7 +16577,7 @@ static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
 {
   for (int i = 0; i < n; i++) {
     const fb_real sum = x[i] + d[i];
-    d[i] = FB_FABS(sum) < FB_TINY ? FB_R(0.0) : sum;
+    d[i] = FB_BELOW(FB_FABS(sum), FB_TINY, FB_R(0.0), sum);
   }
 }
 
@@ -16622,15 +16630,15 @@ static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
 static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real a[3], const fb_real b[3],
                               fb_real change)
 {
-  static const fb_real known[2] = {FB_R(0.0), FB_R(1.0)};
+  static const fb_real known[3] = {FB_R(0.0), FB_R(1.0), FB_R(0.0)};
   const fb_real sizes = fbi_vec3_norm(a) * fbi_vec3_norm(b);
   fb_real theta[4] = {FB_R(0.0)}, more[4], told;
 
   /* Rotation vector a x b/(|a||b|), or zero */
   fb_vec3_cross(theta + 1, a, b);
-  told = known[sizes > change * change]; /* table instead of a branch: same instruction count */
+  told = FBI_OF_TWO(known, change * change, sizes);
 #if FB_SINGLE
-  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: round-off of a and b */
+  told *= FBI_OF_TWO(known + 1, fbi_vec3_norm(theta + 1), FB_R(16.0) * FB_EPSILON * sizes); /* round-off of a and b */
 #endif
   for (int i = 1; i < 4; i++) {
     theta[i] *= FB_R(0.5) * told / (sizes + (FB_R(1.0) - told));
@@ -16834,7 +16842,7 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
     if (stage == 0 || input[stage] != input[stage - 1]) {
       FBI_TRY(fbi_input_check(body, input[stage]));
     }
-    FBI_TRY(fbi_rates_of(&work->rate, &k, body, at, input[stage], optional));
+    FBI_TRY(FB_KERNEL(fbi_rates_of(&work->rate, &k, body, at, input[stage], optional)));
 
     /* Mass center of lines and step limit at the start, rotation at the last stage */
     if (large && stage == 0) {

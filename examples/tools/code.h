@@ -1459,8 +1459,7 @@ static const char code_status_type[] =
     "  @_value = -2,       /* dt is not above 0 */\n"
     "  @_not_finite = -3,  /* not finite, or so large that its square is not */\n"
     "  @_step_length = -9, /* dt is longer than the stability limit, or the frame turns too far in a step */\n"
-    "  @_range = -10       /* the deflection has left the range of the model */\n"
-    "} @_status;\n\n";
+    "  @_range = -10       /* the deflection has left the range of the model */\n";
 
 static const char code_state_type[] =
     "/* All that changes; as fb_state. Kahan terms lost_.. are zero when a state is written. */\n"
@@ -2040,7 +2039,7 @@ static void code_write_types(const code *w)
   code_template_of(w, 1, w->rotors > 0 ? code_types_rotors_single : "");
   code_template(w, code_types_end);
   code_template(w, code_input_of[code_model.first / 3]);
-  code_template(w, code_input_end);
+  code_template(w, w->traced ? "" : code_input_end);
   code_template(w, w->rotors > 0 ? code_input_rotors : "");
   code_write_load_types(w);
   code_template(w, "} @_input;\n\n");
@@ -2050,7 +2049,7 @@ static void code_write_types(const code *w)
 static void code_write_head(const code *w, const fb_body *body, const char *source, int lanes,
                             void (*coordinate)(FILE *, int))
 {
-  static const char *const bases[3] = {"free", "pinned", "prescribed"};
+  static const char *const bases[FB_BASE_COUNT] = {"free", "prescribed", "pinned", "hinged"};
   const unsigned crc = fbi_body_crc(body, w->single);
   fprintf(w->out, "/* %s - made by reduce --code from ", w->name);
   output_source(w->out, source);
@@ -2060,8 +2059,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
           "tests/reference/THEORY.md). "
           "Include it where\n"
           "   needed; one file defines %s_IMPLEMENTATION before. SI units, radians.\n   Mass %.6g kg.",
-          FB_VERSION, w->single ? "single" : "double", crc, w->n, bases[code_model.first / 3], w->name,
-          (double)body->mass);
+          FB_VERSION, w->single ? "single" : "double", crc, w->n, bases[(int)body->base], w->name, (double)body->mass);
   for (int a = 0; a < w->n; a++) {
     fprintf(w->out, "\n   q[%d]: ", a);
     coordinate(w->out, a);
@@ -2075,6 +2073,8 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);
   fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", w->out);
   code_template(w, code_status_type);
+  code_template(w, w->traced ? "  , @_singular = -5   /* inertia that is not above zero */\n" : "");
+  code_template(w, "} @_status;\n\n");
   code_write_types(w);
   if (w->vary) {
     code_write_parameters(w);
@@ -2207,9 +2207,8 @@ static int code_write_lanes(const code *w)
   return good;
 }
 
-/* Writes the step of a body that code_refusal takes; coordinate: prints what one is. 0: there is
-   no temporary file, see errno. */
-static inline int code_write(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
+/* The declarations of the step of a body, and where its functions begin; coordinate: prints what one is. */
+static code code_write_start(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
                              void (*coordinate)(FILE *, int))
 {
   const code w = {out,
@@ -2222,12 +2221,21 @@ static inline int code_write(FILE *out, const fb_body *body, const code_choice *
                   0,
                   body->n_rotor,
                   0,
-                  code_is_central(body)};
-  int good;
+                  code_is_central(body),
+                  choice->traced};
   code_read(body, choice->hub[0]);
   code_loads_choose(choice->loads);
   code_write_head(&w, body, source, choice->lanes, coordinate);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
+  return w;
+}
+
+/* Writes the step of a body that code_refusal takes. 0: there is no temporary file, see errno. */
+static inline int code_write(FILE *out, const fb_body *body, const code_choice *choice, const char *source,
+                             void (*coordinate)(FILE *, int))
+{
+  const code w = code_write_start(out, body, choice, source, coordinate);
+  int good;
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                              : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);
@@ -2245,7 +2253,7 @@ static inline int code_write(FILE *out, const fb_body *body, const code_choice *
   return good;
 }
 
-/* What of a body cannot be written, with what would be right; NULL: nothing. */
+/* What of a body is not written here, with what would be right; NULL: all is. The tracer writes some of it. */
 static inline const char *code_refusal(const fb_body *body)
 {
   if (body->effects & FB_EFFECT_LARGE_DEFLECTION && code_line_refusal(&body->lines)) {
@@ -2261,5 +2269,11 @@ static inline const char *code_refusal(const fb_body *body)
     return "central_gravity of effects large: choose effects up to full, or uniform gravity";
   }
   return body->base == FB_BASE_HINGED ? "base hinged: choose base free, pinned or prescribed" : NULL;
+}
+
+/* Is a step written by the tracer, as this program does not? */
+static inline int code_is_traced(const fb_body *body, const code_choice *choice)
+{
+  return code_refusal(body) && !(body->effects & FB_EFFECT_LARGE_DEFLECTION) && !choice->lanes && !choice->vary;
 }
 #endif

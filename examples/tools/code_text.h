@@ -35,6 +35,7 @@ typedef struct code {
   int rotors; /* of the one body; of a tree 0, whose bodies have their own */
   int ends;   /* 1: a step is told what acts at its start and end, 0: at its middle, too */
   int central; /* 1: gravity of a center acts on the one body */
+  int traced;  /* 1: its functions are written by ../tools/trace */
 } code;
 
 enum { CODE_LANES = 1, CODE_WIDE = 2 };

@@ -3079,7 +3079,7 @@ static int tree_write_alone(const code *w)
 static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                       const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit,
+  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit, 0,
                   0};
   int good;
   code_numbers.n = 0;

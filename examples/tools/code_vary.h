@@ -11,7 +11,7 @@
 
 typedef struct code_choice { /* what is to be written */
   const char *name;
-  int single, vary, lanes;
+  int single, vary, lanes, traced;
   unsigned loads;    /* bits of the nodes that have a load */
   double hub[2][21]; /* M_rr of the hub: by its mass, by its inertia */
 } code_choice;

@@ -19,9 +19,8 @@ static const char help[] =
     "usage: flexbeam reduce FILE [options]\n"
     "  --out FILE   where to write the header (standard output)\n"
     "  --single     for single precision (double)\n"
-    "  --code       C of the body's own step of rk4, which needs no library, instead (base free, pinned or "
-    "prescribed,\n"
-    "               effects up to full, or large)\n"
+    "  --code       C of the body's own step of rk4, which needs no library, instead (any base, effects up\n"
+    "               to full, strain, or large)\n"
     "  --lanes      with --code: also the step of 1, 2, 4 or 8 bodies at once, by vectors of the compiler\n"
     "  --jacobian   C of the body's rates and of a step of rk4 with their exact Jacobians instead, for filters and\n"
     "               controllers that predict (effects up to full)\n"
@@ -192,7 +191,7 @@ static int is_refused(const char *file, const code_choice *choice, int steps)
   const int large = (model_body.effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
   const struct {
     const char *option, *what;
-  } refusals[] = {{"--code", steps ? code_refusal(&model_body) : NULL},
+  } refusals[] = {{"--code", steps && !choice->traced ? code_refusal(&model_body) : NULL},
                   {"--loads", code_loads_refusal(&model_body, choice->loads)},
                   {"--lanes", choice->lanes && large ? "effects large has none: choose effects up to full" : NULL},
                   {"--vary", vary_refusal(choice)}};
@@ -203,6 +202,24 @@ static int is_refused(const char *file, const code_choice *choice, int steps)
     }
   }
   return 0;
+}
+
+/* Writes the step by a trace; 0, or 1: it has been said why not. */
+static int write_traced(FILE *out, const options *o, const char *file)
+{
+  const trace_choice choice = {o->choice.name, file, o->choice.single, 0, &o->choice.loads, NULL, NULL, NULL};
+  const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
+  const code w = code_write_start(out, &model_body, &o->choice, file, print_coordinate);
+  char text[400];
+  int bad;
+  code_template(&w, code_start);
+  fputs("\n", out);
+  bad = o->choice.single ? trace_step_single(out, &choice, &of, text) : trace_step(out, &choice, &of, text);
+  fputs("#endif\n", out);
+  if (bad) {
+    fprintf(stderr, "reduce: %s: --code: %s\n", file, text);
+  }
+  return bad;
 }
 
 static const char *node_name(int body, int node)
@@ -229,9 +246,10 @@ int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
   const int lanes = take_flag(&argc, argv, "--lanes"), jacobian = take_flag(&argc, argv, "--jacobian");
+  const int traced = take_flag(&argc, argv, "--traced"); /* for the checks, which compare both ways of writing a step */
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, {{0}}}};
+  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, 0, {{0}}}};
   unsigned sensors = 0;
   FILE *out = stdout;
   fb_status status;
@@ -264,6 +282,7 @@ int reduce_main(int argc, char **argv)
   o.choice.name = model.name;
   o.choice.single = single;
   o.choice.lanes = lanes;
+  o.choice.traced = traced;
   if (strncmp(model.name, "fb_", 3) == 0 || strncmp(model.name, "fbi_", 4) == 0 || strncmp(model.name, "FB_", 3) == 0) {
     return fail("names that begin with fb_, fbi_ or FB_ are those of the library: choose another by --name",
                 model.name);
@@ -274,6 +293,7 @@ int reduce_main(int argc, char **argv)
     return 1;
   }
   summarize(file, steps);
+  o.choice.traced |= code_is_traced(&model_body, &o.choice);
   if (!read_nodes(&o.choice.loads, "--loads", o.loads, 0) || !read_nodes(&sensors, "--sensors", o.sensors, 1)) {
     return 2;
   }
@@ -289,8 +309,8 @@ int reduce_main(int argc, char **argv)
     fprintf(stderr, "reduce: %s: %s\n", o.out, output_why());
     return 2;
   }
-  if (jacobian) {
-    if (write_jacobian(out, &o, file, sensors)) {
+  if (jacobian || (steps && o.choice.traced)) {
+    if (jacobian ? write_jacobian(out, &o, file, sensors) : write_traced(out, &o, file)) {
       if (o.out) {
         output_drop(out, o.out);
       }

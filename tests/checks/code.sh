@@ -20,6 +20,9 @@ flags="-DFB_MAX_MODES=12 -DFB_MAX_NODES=8 -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -
 try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
+mkdir "$out/traced"
+by_trace=0
+echo 0 > "$out/worst_traced"
 base_is=free
 given= # further options of the compiler
 loads= # nodes with loads
@@ -28,13 +31,37 @@ central= # mu of gravity of a center
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
-  try build/flexbeam reduce "$out/random.txt" --name generated ${3:-} --out "$out/rom.h"
-  try build/flexbeam reduce "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${3:-} --out "$out/code.h"
+  write "$2" ${3:-}
 }
 
-# agree OPTIMIZATION [--single]: what was generated with the library; sets worst
+# write EFFECTS [--single]: of random.txt
+write() {
+  try build/flexbeam reduce "$out/random.txt" --name generated ${2:-} --out "$out/rom.h"
+  try build/flexbeam reduce "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${2:-} --out "$out/code.h"
+  rm -f "$out/traced/code.h"
+  case "$1" in
+  *large*) ;;
+  *) try build/flexbeam reduce "$out/random.txt" --name generated --code --traced ${loads:+--loads $loads} ${2:-} --out "$out/traced/code.h" ;;
+  esac
+}
+
+# agree OPTIMIZATION [--single]: what was generated with the library, written either way; sets worst
 agree() {
   precision=${2:+single}
+  if [ -e "$out/traced/code.h" ]; then
+    try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 $given -DTRACED -DBASE="$(echo $base_is | tr a-z A-Z)" -I"$out/traced" -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
+    "$out/run" > "$out/log" || {
+      cat "$out/log" "$out/random.txt"
+      fail "the step above, by a trace"
+    }
+    by_trace=$((by_trace + 1))
+    traced=$(sed -n 's/.*worst //p' "$out/log" | cat - "$out/worst_traced" | sort -g | tail -n 1)
+    [ -n "${2:-}" ] || echo "$traced" > "$out/worst_traced"
+    ! cmp -s "$out/code.h" "$out/traced/code.h" || { # by a trace alone
+      worst=0
+      return 0
+    }
+  fi
   try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 $given -DBASE="$(echo $base_is | tr a-z A-Z)" -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
   "$out/run" > "$out/log" || {
     cat "$out/log" "$out/random.txt"
@@ -49,6 +76,8 @@ compile() {
   try clang $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
   try g++ -x c++ -std=c++11 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
   try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
+  [ ! -e "$out/traced/code.h" ] || try clang $c99 -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
+  [ ! -e "$out/traced/code.h" ] || try g++ -x c++ -std=c++11 $base -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
 }
 
 largest=0
@@ -84,7 +113,38 @@ for base_is in pinned prescribed; do
   compile
   agree -O2 --single
 done
+
+# what is written by a trace alone: a hinge, nonlinear strain, rotors with an imbalance
+alone() {
+  for precision in "" --single; do
+    $1 "$2" "$3" $precision
+    cmp -s "$out/code.h" "$out/traced/code.h" || fail "$*: the text of --traced is another"
+    compile
+    agree -O2 $precision
+  done
+}
+strain() {
+  printf 'beam\nlength 10\nelements 3\nhub 50 0 0 0  20 30 40\nstations x mass EA EI_z\n0 1.2 3e6 14004\nend\nfunctions 3 root_strain\nmodes bend_y 3 axial 3\neffects strain%s\ndamping 0.01\nbase %s\n' "$1" $2 > "$out/random.txt"
+  write "$1" ${3:-}
+}
+wobble() {
+  { # the first line names the parts
+    awk -v seed=$1 -v effects="full damping gravity" -v base=$2 -f tests/checks/code.awk
+    printf 'rotor wheel 1\naxis 1 0 0\ninertia 0.1\nstatic_imbalance 1e-3\ndynamic_imbalance 2e-3 30\nend\n'
+  } > "$out/random.txt"
+  write "" ${3:-}
+}
+base_is=hinged
+alone generate 10 rigid
+alone generate 10 "full damping gravity"
 base_is=free
+alone strain " damping" free
+given=-DROTORS=1
+alone wobble 3 free
+base_is=prescribed
+alone wobble 5 prescribed
+base_is=free
+given=
 generate 5 "full damping"
 cp "$out/code.h" "$out/first.h"
 compile
@@ -490,10 +550,11 @@ refuse() {
   shift
   printf '%s\n' "$@" | cat - "$out/boom.txt" | awk '{ word = $1 } word == "effects" || word == "base" { if (seen[word]++) next } { print }' \
     | awk 'NR == 1 { first = $0; next } $1 == "beam" { print "beam"; print first; next } { print }' > "$out/other.txt"
-  ! build/flexbeam reduce "$out/other.txt" --code --out "$out/none.h" 2> "$out/log" || fail "$what is taken"
+  ! build/flexbeam reduce "$out/other.txt" --code --out "$out/none.h" $options 2> "$out/log" || fail "$what is taken"
   grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
   [ ! -e "$out/none.h" ] || fail "$what: a file is written"
 }
+options=--lanes
 refuse "base hinged" "base hinged"
 # refuse_rotor WHAT LINE...: the body that was generated last, with a rotor
 refuse_rotor() {

@@ -1,4 +1,6 @@
-/* graph.h - the operations that the library has made of inputs, and the comparisons on which it has branched. */
+/* graph.h - the operations that the library has made of inputs, and the comparisons on which it has branched. A part of
+   the library that is marked as a kernel (FB_KERNEL) has a graph of its own at each call: what it uses of the graphs
+   around it are its arguments, what they use of it afterwards its results. */
 #ifndef TRACE_GRAPH_H
 #define TRACE_GRAPH_H
 #include "number.h"
@@ -7,10 +9,17 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <unordered_map>
 #include <vector>
 
 namespace trace
 {
+
+#if FB_SINGLE
+typedef float real;
+#else
+typedef double real;
+#endif
 
 struct node {
   char op;
@@ -26,27 +35,67 @@ struct guard {
   number a, b;
   bool outcome;
   int after;  /* the last node before it */
+  int order;  /* among all of a recording */
   int status; /* of the library elsewhere; BRANCH: it goes on otherwise */
   std::string what;
 };
 
 enum { BRANCH = 100 };
 
+typedef std::tuple<char, std::uint64_t, std::uint64_t, std::uint64_t> content;
+
+struct content_hash {
+  std::size_t operator()(const content &c) const
+  {
+    std::uint64_t sum = (std::uint64_t)std::get<0>(c);
+    for (std::uint64_t x : {std::get<1>(c), std::get<2>(c), std::get<3>(c)}) {
+      sum = (sum ^ x) * 0x9E3779B97F4A7C15ull;
+      sum ^= sum >> 29;
+    }
+    return (std::size_t)sum;
+  }
+};
+
 struct graph {
   std::vector<node> nodes{1}; /* [0] is none */
   std::vector<guard> guards;
-  std::map<std::tuple<char, std::uint64_t, std::uint64_t, std::uint64_t>, int> known, asked;
-  bool recording = false;
-  int turned = -1;     /* the guard whose outcome is turned round */
-  int conversions = 0; /* to int, of numbers that depend on inputs */
+  std::unordered_map<content, int, content_hash> known, asked;
   int n_input = 0;
+
+  /* of a kernel */
+  std::string name;
+  std::uint64_t kind = 0;        /* that of kernels with the same operations */
+  int parent = -1, call = 0;     /* the graph that calls it, the node there once it has returned */
+  bool open = true;              /* still running */
+  std::vector<number> arguments; /* of the parent */
+  std::unordered_map<std::uint64_t, int> captured;
+  std::map<int, int> results; /* its node: that of the parent */
 };
 
-static graph G;
+struct recording {
+  std::vector<graph> all; /* [0] is the outermost */
+  int now = 0;            /* the graph that is running */
+  bool on = false, kernels = false;
+  int turned = -1;     /* the guard whose outcome is turned round */
+  int n_asked = 0;     /* guards */
+  int conversions = 0; /* to int, of numbers that depend on inputs */
+};
+
+static recording R;
+
+static graph &here()
+{
+  return R.all[(std::size_t)R.now];
+}
+
+static const node &node_at(number a)
+{
+  return R.all[(std::size_t)graph_of(a)].nodes[(std::size_t)node_of(a)];
+}
 
 static double value(number a)
 {
-  return node_of(a) ? G.nodes[(std::size_t)node_of(a)].value : a.d;
+  return node_of(a) ? node_at(a).value : (double)(real)a.d;
 }
 
 number::operator double() const
@@ -56,12 +105,13 @@ number::operator double() const
 
 number::operator int() const
 {
-  G.conversions += node_of(*this) > 0;
+  R.conversions += node_of(*this) > 0;
   return (int)value(*this);
 }
 
-static double evaluate(char op, double a, double b, double c)
+static double evaluate(char op, double x, double y, double z)
 {
+  const real a = (real)x, b = (real)y, c = (real)z;
   switch (op) {
   case '+':
     return a + b;
@@ -85,6 +135,8 @@ static double evaluate(char op, double a, double b, double c)
     return std::fabs(a);
   case 'e':
     return std::exp(a);
+  case 'z':
+    return (real)(int)a;
   case '<':
     return a < b;
   case 'l':
@@ -92,21 +144,139 @@ static double evaluate(char op, double a, double b, double c)
   case '=':
     return a == b;
   default:
-    return a != 0.0 ? b : c;
+    return a != 0 ? b : c;
   }
+}
+
+static number push(int graph_at, const node &n)
+{
+  graph &g = R.all[(std::size_t)graph_at];
+  g.nodes.push_back(n);
+  return number_of(graph_at, (int)g.nodes.size() - 1);
 }
 
 static number make(char op, number a, number b, number c)
 {
-  const auto key = std::make_tuple(op, bits(a), bits(b), bits(c));
-  const auto found = G.known.find(key);
-  if (found != G.known.end()) {
-    return number_of(found->second);
+  const content key(op, bits(a), bits(b), bits(c));
+  const auto found = here().known.find(key);
+  if (found != here().known.end()) {
+    return number_of(R.now, found->second);
   }
-  G.nodes.push_back({op, a, b, c, evaluate(op, value(a), value(b), value(c))});
-  G.known[key] = (int)G.nodes.size() - 1;
-  return number_of((int)G.nodes.size() - 1);
+  const number made = push(R.now, {op, a, b, c, evaluate(op, value(a), value(b), value(c))});
+  here().known[key] = node_of(made);
+  return made;
 }
+
+/* ---- kernels */
+
+static number input(double x)
+{
+  const int index = here().n_input++;
+  return push(R.now, {'i', index, 0, 0, x});
+}
+
+/* A number of the kernel's parent as its argument. */
+static number capture(number a, int kernel)
+{
+  graph &g = R.all[(std::size_t)kernel];
+  const auto found = g.captured.find(bits(a));
+  if (found != g.captured.end()) {
+    return number_of(kernel, found->second);
+  }
+  g.arguments.push_back(a);
+  const number made = push(kernel, {'i', g.n_input++, 0, 0, value(a)});
+  g.captured[bits(a)] = node_of(made);
+  return made;
+}
+
+/* A number of a kernel that has returned, as its parent has it. */
+static number result(number a)
+{
+  graph &g = R.all[(std::size_t)graph_of(a)];
+  const node &n = g.nodes[(std::size_t)node_of(a)];
+  if (n.op == 'i') {
+    return g.arguments[(std::size_t)n.a.d];
+  }
+  const auto found = g.results.find(node_of(a));
+  if (found != g.results.end()) {
+    return number_of(g.parent, found->second);
+  }
+  const number made = push(g.parent, {'r', number_of(g.parent, g.call), node_of(a), 0, n.value});
+  R.all[(std::size_t)graph_of(a)].results[node_of(a)] = node_of(made);
+  return made;
+}
+
+/* The same number in the graph that is running; a constant in its precision. */
+static number local(number a)
+{
+  if (!node_of(a)) {
+    return number((double)(real)a.d);
+  }
+  while (graph_of(a) != R.now) {
+    const int from = graph_of(a);
+    if (!R.all[(std::size_t)from].open) {
+      a = result(a);
+      continue;
+    }
+    int inner = R.now;
+    while (R.all[(std::size_t)inner].parent != from) {
+      inner = R.all[(std::size_t)inner].parent;
+    }
+    a = capture(a, inner);
+  }
+  return a;
+}
+
+/* One sum of all that a node, and what it is made of, is. */
+static std::uint64_t mixed(std::uint64_t sum, std::uint64_t with)
+{
+  sum = (sum ^ with) * 0x9E3779B97F4A7C15ull;
+  return sum ^ sum >> 29;
+}
+
+static std::uint64_t kind_of(const graph &g)
+{
+  auto own = [](number a) { return node_of(a) ? (std::uint64_t)node_of(a) | number_tag : bits(a); };
+  std::uint64_t sum = 1;
+  for (const node &n : g.nodes) {
+    sum = mixed(sum, (std::uint64_t)n.op);
+    sum = mixed(sum, n.op == 'k' ? R.all[(std::size_t)n.a.d].kind : own(n.a));
+    sum = mixed(mixed(sum, own(n.b)), own(n.c));
+    if (n.op == 'k') {
+      for (number a : R.all[(std::size_t)n.a.d].arguments) {
+        sum = mixed(sum, own(a));
+      }
+    }
+  }
+  for (const guard &c : g.guards) {
+    sum = mixed(mixed(mixed(sum, (std::uint64_t)c.relation + c.outcome), own(c.a)), own(c.b));
+  }
+  return sum;
+}
+
+void kernel_begin(const char *call)
+{
+  if (R.on && R.kernels) {
+    graph g;
+    g.name = std::string(call).substr(0, std::string(call).find('('));
+    g.parent = R.now;
+    R.now = (int)R.all.size();
+    R.all.push_back(g);
+  }
+}
+
+void kernel_end()
+{
+  if (R.on && R.kernels) {
+    const int kernel = R.now, parent = here().parent;
+    here().kind = kind_of(here());
+    here().open = false;
+    R.now = parent;
+    R.all[(std::size_t)kernel].call = node_of(push(parent, {'k', kernel, 0, 0, 0.0}));
+  }
+}
+
+/* ---- operations */
 
 static bool is(number a, double x)
 {
@@ -116,17 +286,16 @@ static bool is(number a, double x)
 /* x of a node -x, else 0 */
 static number negative_of(number a)
 {
-  const node &n = G.nodes[(std::size_t)node_of(a)];
-  return node_of(a) && n.op == 'n' ? n.a : number(0);
+  return node_of(a) && node_at(a).op == 'n' ? node_at(a).a : number(0);
 }
 
 /* What leaves the bits of the result as they are, but for the sign of zero. */
 number apply(char op, number a, number b)
 {
-  const int constant = !node_of(a) && !node_of(b);
-  if (constant || !G.recording) {
+  if ((!node_of(a) && !node_of(b)) || !R.on) {
     return evaluate(op, value(a), value(b), 0.0);
   }
+  a = local(a), b = local(b);
   if (op == '*' && (is(a, 0.0) || is(b, 0.0))) {
     return 0.0;
   }
@@ -176,284 +345,170 @@ number apply(char op, number a, number b)
 
 number select(char relation, number a, number b, number yes, number no)
 {
-  if ((!node_of(a) && !node_of(b)) || !G.recording) {
+  if ((!node_of(a) && !node_of(b)) || !R.on) {
     return evaluate(relation, value(a), value(b), 0.0) != 0.0 ? yes : no;
   }
-  return bits(yes) == bits(no) ? yes : make('?', make(relation, a, b, 0.0), yes, no);
+  yes = local(yes), no = local(no);
+  return bits(yes) == bits(no) ? yes : make('?', make(relation, local(a), local(b), 0.0), yes, no);
 }
 
 bool ask(char relation, number a, number b)
 {
   bool outcome = evaluate(relation, value(a), value(b), 0.0) != 0.0;
-  if ((!node_of(a) && !node_of(b)) || !G.recording) {
+  if ((!node_of(a) && !node_of(b)) || !R.on) {
     return outcome;
   }
-  const auto key = std::make_tuple(relation, bits(a), bits(b), std::uint64_t(0));
-  const auto found = G.asked.find(key);
-  if (found != G.asked.end()) {
-    return G.guards[(std::size_t)found->second].outcome;
+  a = local(a), b = local(b);
+  graph &g = here();
+  const content key(relation, bits(a), bits(b), 0);
+  const auto found = g.asked.find(key);
+  if (found != g.asked.end()) {
+    return g.guards[(std::size_t)found->second].outcome;
   }
-  outcome = (int)G.guards.size() == G.turned ? !outcome : outcome;
-  G.asked[key] = (int)G.guards.size();
-  G.guards.push_back({relation, a, b, outcome, (int)G.nodes.size() - 1, 0, ""});
+  outcome = R.n_asked == R.turned ? !outcome : outcome;
+  g.asked[key] = (int)g.guards.size();
+  g.guards.push_back({relation, a, b, outcome, (int)g.nodes.size() - 1, R.n_asked++, 0, ""});
   return outcome;
 }
 
-static number input(double x)
+/* Kernels: whether they have graphs of their own. */
+static void begin(int turned, bool kernels)
 {
-  G.nodes.push_back({'i', G.n_input++, 0, 0, x});
-  return number_of((int)G.nodes.size() - 1);
+  R = recording();
+  R.all.resize(1);
+  R.turned = turned;
+  R.kernels = kernels;
+  R.on = true;
 }
 
-static void begin(int turned)
-{
-  G = graph();
-  G.turned = turned;
-  G.recording = true;
-}
+/* ---- what a recording says */
 
-/* What stands for all that a number is made of, the same in every graph. */
-static std::vector<std::uint64_t> contents()
+/* What stands for all that each node is made of, the same in every recording, as if kernels stood where they are
+   called. */
+static void contents_of(std::vector<std::vector<std::uint64_t>> &all, const recording &r, int graph_at)
 {
-  std::vector<std::uint64_t> all(G.nodes.size(), 0);
-  for (std::size_t i = 1; i < all.size(); i++) {
-    const node &n = G.nodes[i];
-    std::uint64_t sum = (std::uint64_t)n.op;
-    for (number a : {n.a, n.b, n.c}) {
-      sum = (sum ^ (node_of(a) ? all[(std::size_t)node_of(a)] : bits(a))) * 0x9E3779B97F4A7C15ull;
-      sum ^= sum >> 29;
+  const graph &g = r.all[(std::size_t)graph_at];
+  std::vector<std::uint64_t> &own = all[(std::size_t)graph_at];
+  auto of = [&](number a) { return node_of(a) ? own[(std::size_t)node_of(a)] : bits(a); };
+  own.assign(g.nodes.size(), 0);
+  for (std::size_t i = 1; i < own.size(); i++) {
+    const node &n = g.nodes[i];
+    if (n.op == 'k') {
+      contents_of(all, r, (int)n.a.d);
+    } else if (n.op == 'r') {
+      own[i] = all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d][(std::size_t)n.b.d];
+    } else if (n.op == 'i' && graph_at > 0) {
+      const number a = g.arguments[(std::size_t)n.a.d];
+      own[i] = all[(std::size_t)g.parent][(std::size_t)node_of(a)];
+    } else {
+      own[i] = mixed(mixed(mixed((std::uint64_t)n.op, of(n.a)), of(n.b)), of(n.c));
     }
-    all[i] = sum;
   }
-  return all;
 }
 
 /* Results, and the comparisons but for number `left_out`, as contents. */
-static std::vector<std::uint64_t> gist(const std::vector<number> &results, int left_out)
+static std::vector<std::uint64_t> gist(const recording &r, const std::vector<number> &results, int left_out)
 {
-  const std::vector<std::uint64_t> all = contents();
+  std::vector<std::vector<std::uint64_t>> all(r.all.size());
   std::vector<std::uint64_t> list;
-  auto add = [&](number a) { list.push_back(node_of(a) ? all[(std::size_t)node_of(a)] : bits(a)); };
-  for (number r : results) {
-    add(r);
+  auto add = [&](int g, number a) {
+    list.push_back(node_of(a) ? all[(std::size_t)g][(std::size_t)node_of(a)] : bits(a));
+  };
+  contents_of(all, r, 0);
+  for (number a : results) {
+    add(0, a);
   }
-  for (std::size_t k = 0; k < G.guards.size(); k++) {
-    if ((int)k != left_out) {
-      list.push_back((std::uint64_t)G.guards[k].relation);
-      add(G.guards[k].a), add(G.guards[k].b);
+  std::map<int, std::pair<int, const guard *>> guards; /* in their order */
+  for (std::size_t g = 0; g < r.all.size(); g++) {
+    for (const guard &c : r.all[g].guards) {
+      guards[c.order] = {(int)g, &c};
+    }
+  }
+  for (const auto &c : guards) {
+    if (c.first != left_out) {
+      list.push_back((std::uint64_t)c.second.second->relation);
+      add(c.second.first, c.second.second->a), add(c.second.first, c.second.second->b);
     }
   }
   return list;
 }
 
-/* The values of all nodes at other inputs; returns the status of the first guard that does not hold, 0: all do. */
-static int values_at(std::vector<double> &v, const std::vector<double> &inputs)
+/* The values of all nodes of a graph at other inputs; returns the status of the first guard that does not hold, 0: all
+   do. */
+static int values_at(std::vector<std::vector<double>> &all, int graph_at, const std::vector<double> &inputs)
 {
+  const graph &g = R.all[(std::size_t)graph_at];
+  std::vector<double> &v = all[(std::size_t)graph_at];
   auto at = [&](number a) { return node_of(a) ? v[(std::size_t)node_of(a)] : a.d; };
-  std::size_t g = 0;
-  v.assign(G.nodes.size(), 0.0);
-  for (std::size_t i = 1; i <= G.nodes.size(); i++) {
-    for (; g < G.guards.size() && G.guards[g].after < (int)i; g++) {
-      const guard &c = G.guards[g];
+  std::size_t next = 0;
+  v.assign(g.nodes.size(), 0.0);
+  for (std::size_t i = 1; i <= g.nodes.size(); i++) {
+    for (; next < g.guards.size() && g.guards[next].after < (int)i; next++) {
+      const guard &c = g.guards[next];
       if (c.status != 0 && (evaluate(c.relation, at(c.a), at(c.b), 0.0) != 0.0) != c.outcome) {
         return c.status;
       }
     }
-    if (i < G.nodes.size()) {
-      const node &n = G.nodes[i];
-      v[i] = n.op == 'i' ? inputs[(std::size_t)n.a.d] : evaluate(n.op, at(n.a), at(n.b), at(n.c));
+    if (i == g.nodes.size()) {
+      break;
+    }
+    const node &n = g.nodes[i];
+    if (n.op == 'k') {
+      std::vector<double> own;
+      for (number a : R.all[(std::size_t)n.a.d].arguments) {
+        own.push_back(at(a));
+      }
+      const int status = values_at(all, (int)n.a.d, own);
+      if (status != 0) {
+        return status;
+      }
+    } else if (n.op == 'r') {
+      v[i] = all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d][(std::size_t)n.b.d];
+    } else {
+      v[i] = n.op == 'i' ? (double)(real)inputs[(std::size_t)n.a.d] : evaluate(n.op, at(n.a), at(n.b), at(n.c));
     }
   }
   return 0;
 }
 
-/* Marks what is needed for the results and, with checks, for the guards. */
-static std::vector<char> needed(const std::vector<number> &results, bool checks)
+/* Does a kernel, or one in it, check anything? Then it is called even if no result of it is used. */
+static bool checks_anything(const graph &g)
 {
-  std::vector<char> live(G.nodes.size(), 0);
+  bool any = false;
+  for (const guard &c : g.guards) {
+    any = any || c.status != 0;
+  }
+  for (const node &n : g.nodes) {
+    any = any || (n.op == 'k' && checks_anything(R.all[(std::size_t)n.a.d]));
+  }
+  return any;
+}
+
+/* Marks what is needed for the results and, with checks, for the guards. */
+static std::vector<char> needed(const graph &g, const std::vector<number> &results, bool checks)
+{
+  std::vector<char> live(g.nodes.size(), 0);
   auto mark = [&](number a) { live[(std::size_t)node_of(a)] = 1; };
   for (number r : results) {
     mark(r);
   }
-  for (const guard &c : G.guards) {
+  for (const guard &c : g.guards) {
     if (c.status != 0 && checks) {
       mark(c.a), mark(c.b);
     }
   }
-  for (std::size_t i = G.nodes.size() - 1; i > 0; i--) {
-    if (live[i] && G.nodes[i].op != 'i') {
-      mark(G.nodes[i].a), mark(G.nodes[i].b), mark(G.nodes[i].c);
+  for (std::size_t i = g.nodes.size() - 1; i > 0; i--) {
+    const node &n = g.nodes[i];
+    if (n.op == 'k' && (live[i] || checks_anything(R.all[(std::size_t)n.a.d]))) {
+      live[i] = 1;
+      for (number a : R.all[(std::size_t)n.a.d].arguments) {
+        mark(a);
+      }
+    } else if (live[i] && n.op != 'i' && n.op != 'k') {
+      mark(n.a), mark(n.b), mark(n.c);
     }
   }
   return live;
-}
-
-/* ---- derivatives, appended to the graph */
-
-typedef std::map<int, number> gradient; /* by node, or by input */
-
-/* d(node)/d(operand) of node i, by operand. */
-static gradient partials_of(int i)
-{
-  const node n = G.nodes[(std::size_t)i]; /* a copy: nodes are appended */
-  const number self = number_of(i);
-  gradient g;
-  auto add = [&](number of, number x) {
-    if (node_of(of)) {
-      const auto found = g.find(node_of(of));
-      g[node_of(of)] = found == g.end() ? x : found->second + x;
-    }
-  };
-  switch (n.op) {
-  case '+':
-    add(n.a, 1.0), add(n.b, 1.0);
-    break;
-  case '-':
-    add(n.a, 1.0), add(n.b, -1.0);
-    break;
-  case '*':
-    add(n.a, n.b), add(n.b, n.a);
-    break;
-  case '/': {
-    const number by = number(1.0) / n.b;
-    add(n.a, by), add(n.b, -(self * by));
-    break;
-  }
-  case 'n':
-    add(n.a, -1.0);
-    break;
-  case 'q':
-    add(n.a, number(0.5) / self);
-    break;
-  case 's':
-    add(n.a, apply('c', n.a));
-    break;
-  case 'c':
-    add(n.a, -apply('s', n.a));
-    break;
-  case 't': {
-    const number by = number(1.0) / (n.a * n.a + n.b * n.b);
-    add(n.a, n.b * by), add(n.b, -(n.a * by));
-    break;
-  }
-  case 'f':
-    add(n.a, select('<', n.a, 0.0, -1.0, 1.0));
-    break;
-  case 'e':
-    add(n.a, self);
-    break;
-  case '?':
-    add(n.b, make('?', n.a, 1.0, 0.0)), add(n.c, make('?', n.a, 0.0, 1.0));
-    break;
-  default:
-    break; /* an input, a comparison */
-  }
-  return g;
-}
-
-/* Gradients of the results by elimination: the graph with the partial derivatives on its edges loses one node after the
-   other, each replaced by edges from what it depends on to what depends on it, cheapest first, until results hang on
-   inputs alone. Forward and backward differentiation are two orders of the same; the cheapest first (Markowitz) takes
-   half the operations of the better one. Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., chapters 9, 10. */
-static std::vector<gradient> differentiate(const std::vector<number> &results)
-{
-  const std::vector<char> live = needed(results, false);
-  const std::size_t n = live.size();
-  std::vector<gradient> of(n);             /* edges into a node */
-  std::vector<std::set<int>> to(n);        /* what depends on it */
-  std::vector<char> kept(n, 0);            /* a result */
-  std::set<std::pair<long, int>> cheapest; /* products that its elimination takes */
-  for (number r : results) {
-    kept[(std::size_t)node_of(r)] = 1;
-  }
-  for (std::size_t i = 1; i < n; i++) {
-    for (const auto &e : live[i] ? partials_of((int)i) : gradient()) {
-      const std::size_t on = (std::size_t)e.first;
-      if (G.nodes[on].op == 'i' || !of[on].empty()) { /* else it is a sign: constant, but for where it jumps */
-        of[i].insert(e);
-        to[on].insert((int)i);
-      }
-    }
-  }
-  auto cost = [&](int i) { return (long)(of[(std::size_t)i].size() * to[(std::size_t)i].size()); };
-  auto is_inner = [&](int i) { return live[(std::size_t)i] && !of[(std::size_t)i].empty() && !kept[(std::size_t)i]; };
-  for (int i = 1; i < (int)n; i++) {
-    if (is_inner(i)) {
-      cheapest.insert({cost(i), -i});
-    }
-  }
-  while (!cheapest.empty()) {
-    const int i = -cheapest.begin()->second;
-    const gradient in = of[(std::size_t)i];
-    const std::set<int> out = to[(std::size_t)i];
-    std::set<int> touched(out);
-    for (const auto &e : in) {
-      touched.insert(e.first);
-    }
-    touched.insert(i);
-    for (int k : touched) {
-      cheapest.erase({cost(k), -k});
-    }
-    for (int k : out) {
-      gradient &edges = of[(std::size_t)k];
-      const number by = edges[i];
-      edges.erase(i);
-      for (const auto &e : in) {
-        const auto found = edges.find(e.first);
-        const number term = by * e.second;
-        edges[e.first] = found == edges.end() ? term : found->second + term;
-        to[(std::size_t)e.first].insert(k);
-      }
-    }
-    for (const auto &e : in) {
-      to[(std::size_t)e.first].erase(i);
-    }
-    of[(std::size_t)i].clear();
-    to[(std::size_t)i].clear();
-    touched.erase(i);
-    for (int k : touched) {
-      if (is_inner(k)) {
-        cheapest.insert({cost(k), -k});
-      }
-    }
-  }
-
-  /* results that depend on other results, and by input in place of node */
-  std::vector<gradient> all;
-  std::map<int, gradient> done;
-  for (std::size_t i = 1; i < n; i++) {
-    if (!kept[i]) {
-      continue;
-    }
-    gradient g;
-    auto add = [&](int at, number x) {
-      const auto found = g.find(at);
-      g[at] = found == g.end() ? x : found->second + x;
-    };
-    if (G.nodes[i].op == 'i') {
-      g[(int)G.nodes[i].a.d] = 1.0;
-    }
-    for (const auto &e : of[i]) {
-      if (kept[(std::size_t)e.first] && G.nodes[(std::size_t)e.first].op != 'i') {
-        for (const auto &inner : done[e.first]) {
-          add(inner.first, e.second * inner.second);
-        }
-      } else {
-        add((int)G.nodes[(std::size_t)e.first].a.d, e.second);
-      }
-    }
-    done[(int)i] = g;
-  }
-  for (number r : results) {
-    gradient g;
-    for (const auto &e : done[node_of(r)]) {
-      if (!is(e.second, 0.0)) {
-        g.insert(e);
-      }
-    }
-    all.push_back(g);
-  }
-  return all;
 }
 
 } // namespace trace

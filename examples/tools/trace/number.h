@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <cstring>
 
+#if FB_SINGLE /* both precisions in one program */
+#define trace trace_single
+#endif
 namespace trace
 {
 
@@ -62,19 +65,36 @@ inline int node_of(number a)
   return bits(a) >> 48 == number_tag >> 48 ? (int)(bits(a) & 0xFFFFFFFFu) : 0;
 }
 
-inline number number_of(int node)
+/* The graph in which it is a node. */
+inline int graph_of(number a)
 {
-  const std::uint64_t u = number_tag | (std::uint64_t)(unsigned)node;
+  return (int)(bits(a) >> 32 & 0xFFFFu);
+}
+
+inline number number_of(int graph, int node)
+{
+  const std::uint64_t u = number_tag | (std::uint64_t)(unsigned)graph << 32 | (std::uint64_t)(unsigned)node;
   number a;
   std::memcpy(&a, &u, sizeof a);
   return a;
 }
 
 /* What operations are called in the graph: + - * / as they are, n -a, q sqrt, s sin, c cos, t atan2, f fabs, e exp,
-   < 1 where a < b, else 0; ? b where a is not zero, else c; i an input. */
+   z towards zero, < 1 where a < b, else 0; ? b where a is not zero, else c; i input a; k the call of kernel a, r result b
+   of call a. */
 number apply(char op, number a, number b = number(0));
 number select(char relation, number a, number b, number yes, number no); /* yes where a < b, else no: no branch */
 bool ask(char relation, number a, number b);                             /* a branch: <, l for <=, = */
+void kernel_begin(const char *call);
+void kernel_end();
+
+template <class function> auto kernel(const char *call, function f) -> decltype(f())
+{
+  kernel_begin(call);
+  const auto status = f();
+  kernel_end();
+  return status;
+}
 
 inline number operator+(number a, number b)
 {
@@ -150,5 +170,7 @@ inline bool operator!=(number a, number b)
 #define FB_ATAN2(y, x) trace::apply('t', y, x)
 #define FB_FABS(x) trace::apply('f', x)
 #define FB_EXP(x) trace::apply('e', x)
+#define FB_TRUNC(x) trace::apply('z', x)
 #define FB_BELOW(x, y, yes, no) trace::select('<', x, y, yes, no)
+#define FB_KERNEL(call) trace::kernel(#call, [&] { return call; })
 #endif

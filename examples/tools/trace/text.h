@@ -4,20 +4,32 @@
 #define TRACE_TEXT_H
 #include "graph.h"
 #include <cstdio>
+#include <functional>
 
 namespace trace
 {
 
 enum { LONGEST = 100 }; /* characters of an expression in another */
 
+/* A kernel as a function of what is written. */
+struct kernel_text {
+  std::string name;
+  int graph;                  /* one of its calls */
+  std::map<int, int> results; /* nodes that a caller uses, and where they stand among the results */
+};
+
 struct writer {
   FILE *out;
   std::string name, real; /* of the model: prefix of all names; its type of numbers */
   bool single;
-  int n_state; /* inputs of the graph before those of the model */
+  std::function<std::string(int)> status;      /* its name */
+  std::vector<std::string> names;              /* of the inputs */
+  std::map<std::uint64_t, kernel_text> kernel; /* by their kind */
+  bool settled = false; /* all results are known before the first is written: it may stand where an input does */
+  const graph *of_graph;
   std::vector<int> uses;
   std::vector<std::string> text; /* of each node, once it is known */
-  int n_temporary;
+  int n_temporary, n_call;
 
   std::string constant(double x) const
   {
@@ -62,6 +74,8 @@ struct writer {
       return call("fabs", n.a);
     case 'e':
       return call("exp", n.a);
+    case 'z':
+      return "(" + real + ")(int)(" + of(n.a) + ")";
     case 't':
       return std::string(single ? "atan2f(" : "atan2(") + of(n.a) + ", " + of(n.b) + ")";
     case '<':
@@ -91,14 +105,51 @@ struct writer {
     std::fprintf(out, "%*s%s\n", (int)indent, "", s.substr(at).c_str());
   }
 
+  std::string temporary()
+  {
+    return "t" + std::to_string(n_temporary++);
+  }
+
+  /* The call of a kernel, whose results stand in r1, r2, .. */
+  void call_kernel(int i)
+  {
+    const graph &inner = R.all[(std::size_t)of_graph->nodes[(std::size_t)i].a.d];
+    const kernel_text &k = kernel.at(inner.kind);
+    const std::string results = "r" + std::to_string(n_call++);
+    std::string arguments;
+    for (number a : inner.arguments) {
+      arguments += (arguments.empty() ? "" : ", ") + of(a);
+    }
+    text[(std::size_t)i] = results;
+    line(real + " " + results + "[" + std::to_string(k.results.empty() ? 1 : k.results.size()) + "];");
+    line("{");
+    if (!inner.arguments.empty()) {
+      line("  const " + real + " a[" + std::to_string(inner.arguments.size()) + "] = {" + arguments + "};");
+    }
+    line("  const " + name + "_status status = " + k.name + "(" + results +
+         (inner.arguments.empty() ? ", NULL);" : ", a);"));
+    line("  if (status != " + name + "_ok) {");
+    line("    return status;");
+    line("  }");
+    line("}");
+  }
+
   /* Node i as a statement, or as text for where it is used. */
   void statement(int i)
   {
-    const node &n = G.nodes[(std::size_t)i];
+    const node &n = of_graph->nodes[(std::size_t)i];
     std::string s;
     if (n.op == 'i') {
-      const int at = (int)n.a.d;
-      text[(std::size_t)i] = (at < n_state ? "x[" : "u[") + std::to_string(at < n_state ? at : at - n_state) + "]";
+      text[(std::size_t)i] = names[(std::size_t)n.a.d];
+      return;
+    }
+    if (n.op == 'k') {
+      call_kernel(i);
+      return;
+    }
+    if (n.op == 'r') {
+      const graph &inner = R.all[(std::size_t)of_graph->nodes[(std::size_t)node_of(n.a)].a.d];
+      text[(std::size_t)i] = of(n.a) + "[" + std::to_string(kernel.at(inner.kind).results.at((int)n.b.d)) + "]";
       return;
     }
     s = expression(n);
@@ -107,7 +158,7 @@ struct writer {
       text[(std::size_t)i] = plain ? s : "(" + s + ")";
       return;
     }
-    text[(std::size_t)i] = "t" + std::to_string(n_temporary++);
+    text[(std::size_t)i] = temporary();
     line("const " + real + " " + text[(std::size_t)i] + " = " + s + ";");
   }
 
@@ -115,51 +166,69 @@ struct writer {
   {
     const std::string s = comparison(c.relation, c.a, c.b);
     line("if (" + std::string(c.outcome ? "!(" : "") + s + (c.outcome ? ")" : "") + ") {");
-    line("  return " + (c.status == BRANCH ? name + "_ERR_BRANCH" : std::to_string(c.status)) + ";" +
-         (c.what.empty() ? "" : " /* " + c.what + " */"));
+    if (c.status == BRANCH &&
+        settled) { /* on the other side the library does something else, but for what is no number */
+      const std::string both = of(c.a) + " - " + of(c.b);
+      line("  return " + both + " == " + both + " ? " + status(FB_ERR_RANGE) + " : " + status(FB_ERR_NOT_FINITE) + ";");
+      line("}");
+      return;
+    }
+    line("  return " + status(c.status) + ";" + (c.what.empty() ? "" : " /* " + c.what + " */"));
     line("}");
   }
 
-  /* A function of x and u: results to `to`, statements of all that they need. */
-  void body(const std::vector<std::pair<std::string, number>> &results)
+  /* Results of a graph to `to`, with statements of all that they need. */
+  void body(const graph &g, const std::vector<std::pair<std::string, number>> &results)
   {
     std::vector<number> of_results;
     for (const auto &r : results) {
       of_results.push_back(r.second);
     }
-    const std::vector<char> live = needed(of_results, true);
-    uses.assign(G.nodes.size(), 0);
-    text.assign(G.nodes.size(), "");
-    n_temporary = 0;
+    const std::vector<char> live = needed(g, of_results, true);
+    of_graph = &g;
+    uses.assign(g.nodes.size(), 0);
+    text.assign(g.nodes.size(), "");
+    n_temporary = n_call = 0;
     auto use = [&](number a) { uses[(std::size_t)node_of(a)]++; };
     for (std::size_t i = 1; i < live.size(); i++) {
-      if (live[i] && G.nodes[i].op != 'i') {
-        use(G.nodes[i].a), use(G.nodes[i].b), use(G.nodes[i].c);
+      if (live[i] && g.nodes[i].op == 'k') {
+        for (number a : R.all[(std::size_t)g.nodes[i].a.d].arguments) {
+          use(a);
+        }
+      } else if (live[i] && g.nodes[i].op != 'i') {
+        use(g.nodes[i].a), use(g.nodes[i].b), use(g.nodes[i].c);
       }
     }
     for (number r : of_results) {
       use(r);
     }
-    for (const guard &c : G.guards) {
+    for (const guard &c : g.guards) {
       if (c.status != 0) {
         use(c.a), use(c.b);
       }
     }
-    std::size_t g = 0;
+    std::size_t next = 0;
     for (std::size_t i = 1; i <= live.size(); i++) {
-      for (; g < G.guards.size() && G.guards[g].after < (int)i; g++) {
-        if (G.guards[g].status != 0) {
-          check(G.guards[g]);
+      for (; next < g.guards.size() && g.guards[next].after < (int)i; next++) {
+        if (g.guards[next].status != 0) {
+          check(g.guards[next]);
         }
       }
       if (i < live.size() && live[i]) {
         statement((int)i);
       }
     }
+    for (number r : of_results) {
+      std::string &own = text[(std::size_t)node_of(r)];
+      if (settled && node_of(r) && own[0] != 't' && own[0] != 'r') {
+        const std::string known = temporary();
+        line("const " + real + " " + known + " = " + own + ";");
+        own = known;
+      }
+    }
     for (const auto &r : results) {
       line(r.first + " = " + of(r.second) + ";");
     }
-    std::fprintf(out, "  (void)x, (void)u;\n  return 0;\n}\n\n");
   }
 };
 

@@ -9,85 +9,15 @@
 #define FB_ALLOW_FAST_MATH /* the check for it computes with numbers of the machine */
 #define FLEXBEAM_STATIC
 #include "../../../flexbeam.h"
-#include "graph.h"
+#include "derive.h"
+#include "replay.h"
+#include "steps.h"
 #include "text.h"
 #include "trace.h"
 #include <cctype>
-#include <memory>
 
 namespace trace
 {
-
-struct entry {
-  std::string name;
-  number *at;
-};
-
-/* A model with its state and input, as a list of numbers each. Functions of it: 0 the rates, then one for each sensor. */
-struct subject {
-  std::vector<entry> state, input;
-  std::vector<std::string> sensor;
-  std::vector<int> quaternion;                       /* where in the state one begins */
-  std::vector<std::pair<int, const fb_body *>> bent; /* where in the state q of a body begins */
-  std::uint32_t seed = 1;
-
-  virtual ~subject()
-  {
-  }
-  virtual fb_status eval(int function, std::vector<entry> &results) = 0;
-  virtual fb_status wander(double size) = 0; /* a random state and input, further away the larger size is */
-
-  double random() /* -1 .. 1 */
-  {
-    seed = 1664525u * seed + 1013904223u;
-    return (double)(seed >> 8) / 8388608.0 - 1.0;
-  }
-
-  /* Of a mode: at a part of what the body may deflect. Torsion may move no node: then as a mode that does. */
-  static double most_of(const fb_body &body, int mode, double part)
-  {
-    double reach = (double)body.reach[mode], longest = 0.0;
-    for (int a = 0; a < body.n; a++) {
-      longest = std::fmax(longest, (double)body.reach[a]);
-    }
-    reach = reach < 1e-3 * longest ? longest : reach;
-    return reach > 0.0 ? part * (double)body.deflection_limit / (body.n * reach) : part;
-  }
-
-  static void add(std::vector<entry> &list, number *at, int n, const std::string &name)
-  {
-    for (int i = 0; i < n; i++) {
-      list.push_back({name + (n > 1 ? "[" + std::to_string(i) + "]" : ""), at + i});
-    }
-  }
-
-  void add_quaternion(number *at, const std::string &name)
-  {
-    quaternion.push_back((int)state.size());
-    add(state, at, 4, name);
-  }
-
-  void set(const std::vector<double> &v)
-  {
-    std::size_t i = 0;
-    for (auto *list : {&state, &input}) {
-      for (entry &e : *list) {
-        *e.at = v[i++];
-      }
-    }
-  }
-
-  std::vector<double> values() const
-  {
-    std::vector<double> v;
-    for (const auto *list : {&state, &input}) {
-      for (const entry &e : *list) {
-        v.push_back((double)*e.at);
-      }
-    }
-    return v;
-  }
-};
 
 /* What an inertial measurement unit, a star tracker and a receiver at a node see: E8.30. */
 static fb_status sense(std::vector<entry> &results, const fb_body *body, const fb_state *state, const fb_motion *motion,
@@ -365,95 +295,6 @@ struct tree : subject {
   }
 };
 
-/* ---- tracing */
-
-/* Runs function f at the present state with the comparison `turned` turned round; the state is left as it was. */
-static fb_status run(subject &s, int f, int turned, std::vector<number> &results, std::vector<std::string> *names)
-{
-  const std::vector<double> before = s.values();
-  std::vector<entry> found;
-  std::size_t i = 0;
-  begin(turned);
-  for (auto *list : {&s.state, &s.input}) {
-    for (entry &e : *list) {
-      *e.at = input(before[i++]);
-    }
-  }
-  const fb_status status = s.eval(f, found);
-  G.recording = false;
-  results.clear();
-  for (const entry &e : found) {
-    results.push_back(*e.at);
-    if (names) {
-      names->push_back(e.name);
-    }
-  }
-  s.set(before);
-  return status;
-}
-
-/* What each comparison decides, by turning it round: nothing, where results and all other comparisons are the same. */
-static void judge_guards(subject &s, int f, const std::vector<number> &results)
-{
-  graph first = G;
-  for (int k = 0; k < (int)first.guards.size(); k++) {
-    guard &c = first.guards[(std::size_t)k];
-    std::vector<number> other;
-    G = first;
-    const std::vector<std::uint64_t> before = gist(results, k);
-    const fb_status status = run(s, f, k, other, nullptr);
-    c.status = status != FB_OK ? (int)status : gist(other, k) == before ? 0 : (int)BRANCH;
-    if (status != FB_OK && fb_detail_last()->what) {
-      c.what = fb_detail_last()->what;
-    }
-  }
-  G = first;
-}
-
-/* Holds the graph against the library at other states: the same bits, or the same status. Returns how many of 20 states
-   it computes, or -1. */
-static int compare(subject &s, int f, const std::vector<number> &results)
-{
-  int good = 0;
-  for (int k = 0; k < 20; k++) {
-    std::vector<double> v;
-    std::vector<entry> found;
-    if (s.wander(0.2 + 0.1 * k) != FB_OK) {
-      continue;
-    }
-    const fb_status status = s.eval(f, found);
-    const int own = values_at(v, s.values());
-    if (own == BRANCH) {
-      continue;
-    }
-    if (own != (int)status) {
-      return -1;
-    }
-    for (std::size_t i = 0; i < results.size() && status == FB_OK; i++) {
-      const double x = node_of(results[i]) ? v[(std::size_t)node_of(results[i])] : results[i].d;
-      if (!(x == (double)*found[i].at)) {
-        return -1;
-      }
-    }
-    good += status == FB_OK;
-  }
-  return good;
-}
-
-/* A state at which the library answers, not far from the start. */
-static bool find_state(subject &s, fb_status &status)
-{
-  for (double size = 1.0; size > 1e-4; size *= 0.5) {
-    std::vector<entry> found;
-    status = s.wander(size);
-    status = status == FB_OK ? s.eval(0, found) : status;
-    if (status == FB_OK) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /* ---- what is written */
 
 static void write_list(FILE *out, const std::string &name, const char *what, const std::vector<entry> &list)
@@ -503,7 +344,8 @@ static void write_head(FILE *out, const trace_choice *choice, const subject &s)
 static void write_function(writer &w, const std::string &name, const std::string &what,
                            const std::vector<number> &results)
 {
-  const char *const n = name.c_str(), *const real = w.real.c_str();
+  const char *const n = name.c_str(), *const real = w.real.c_str(),
+                    *const end = "  (void)x, (void)u;\n  return 0;\n}\n\n";
   std::vector<std::pair<std::string, number>> lines;
   std::vector<std::pair<int, int>> at;
   for (std::size_t i = 0; i < results.size(); i++) {
@@ -511,12 +353,13 @@ static void write_function(writer &w, const std::string &name, const std::string
   }
   std::fprintf(w.out, "/* %s */\nstatic inline int %s(%s *y, const %s *x, const %s *u)\n{\n", what.c_str(), n, real,
                real, real);
-  w.body(lines);
+  w.body(R.all[0], lines);
+  std::fprintf(w.out, "%s", end);
 
   /* derivatives are appended to the graph */
-  G.recording = true;
+  R.on = true;
   const std::vector<gradient> J = differentiate(results);
-  G.recording = false;
+  R.on = false;
   for (std::size_t i = 0; i < J.size(); i++) {
     for (const auto &e : J[i]) {
       lines.push_back({"J[" + std::to_string(at.size()) + "]", e.second});
@@ -534,7 +377,8 @@ static void write_function(writer &w, const std::string &name, const std::string
   if (at.empty()) {
     std::fprintf(w.out, "  (void)J;\n");
   }
-  w.body(lines);
+  w.body(R.all[0], lines);
+  std::fprintf(w.out, "%s", end);
 }
 
 /* The step: no arithmetic of the model's own. */
@@ -690,19 +534,6 @@ static const char *refusal(const trace_model *model)
   return system && system->method != FB_METHOD_RECURSIVE ? "method: choose recursive" : nullptr;
 }
 
-static int fail(char text[400], const std::string &what)
-{
-  std::snprintf(text, 400, "%s", what.c_str());
-  return 1;
-}
-
-/* What the library refused last, with its reason where it has one. */
-static std::string refused_by(fb_status status)
-{
-  const std::string what = fb_detail_last()->status == status ? fb_detail_last()->what : "";
-  return std::string(fb_status_string(status)) + (what.empty() ? "" : " (" + what + ")");
-}
-
 /* Two names that a sensor would have in common with another, or none. */
 static std::string namesakes(const subject &s)
 {
@@ -726,7 +557,11 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
   w.name = choice->name;
   w.real = w.name + "_real";
   w.single = choice->single;
-  w.n_state = (int)s.state.size();
+  w.status = [&](int status) { return status == BRANCH ? w.name + "_ERR_BRANCH" : std::to_string(status); };
+  for (std::size_t i = 0; i < s.state.size() + s.input.size(); i++) {
+    w.names.push_back(i < s.state.size() ? "x[" + std::to_string(i) + "]"
+                                         : "u[" + std::to_string(i - s.state.size()) + "]");
+  }
   fb_status status = FB_OK;
   if (s.state.empty()) {
     return fail(text, "nothing of it moves: it has no state");
@@ -744,15 +579,15 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
     std::vector<std::string> names;
     const std::string name = f == 0 ? "rates" : "sense_" + s.sensor[(std::size_t)f - 1];
     s.set(near);
-    status = run(s, f, -1, results, &names);
+    status = run(s, f, -1, results, &names, false);
     if (status != FB_OK) {
       return fail(text, name + ": " + refused_by(status));
     }
-    if (G.conversions > 0) {
+    if (R.conversions > 0) {
       return fail(text, name + ": the library rounds a number of this model to a whole one, which has no derivative");
     }
-    judge_guards(s, f, results);
-    const int good = compare(s, f, results);
+    judge_guards(s, f, results, false);
+    const int good = compare(s, f, results, false);
     if (good < 10) {
       return fail(text, name + (good < 0 ? ": what was traced differs from the library at another state"
                                          : ": the library branches on the state of this model"));
@@ -771,6 +606,10 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
 
 } // namespace trace
 
+#if FB_SINGLE
+#define TRACE_STEP trace_step_single
+#else
+#define TRACE_STEP trace_step
 extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
   const char *const refused = trace::refusal(model);
@@ -784,4 +623,12 @@ extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_mo
     s.reset(new trace::single_body(choice, model));
   }
   return trace::write(out, choice, *s, text);
+}
+#endif
+
+extern "C" int TRACE_STEP(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
+{
+  const char *const refused = trace::refusal(model);
+  return refused ? trace::fail(text, refused)
+                 : trace::write_body_functions(out, choice, *(const fb_body *)model->body, text);
 }
