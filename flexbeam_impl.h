@@ -11938,14 +11938,14 @@ static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_s
     if (w->link[k].joint->kind == FB_JOINT_FREE) {
       fbi_compensated_add(x->u, x->lost_u, w->link[w->link[k].root].change, 3);
       for (int i = 0; i < 3; i++) {
-        const fb_real lost = FB_FABS(x->lost_u[i]) < FBI_FAINT ? FB_R(0.0) : x->lost_u[i];
+        const fb_real lost = FB_BELOW(FB_FABS(x->lost_u[i]), FBI_FAINT, FB_R(0.0), x->lost_u[i]);
         rest[i] = FBI_FAINT + FB_R(4.0) * FB_EPSILON * FB_FABS(w->link[w->link[k].root].change[i]);
-        x->lost_u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : lost;
+        x->lost_u[i] = FB_BELOW(FB_FABS(x->u[i]), rest[i], FB_R(0.0), lost);
       }
 
       /* velocities below round-off become zero; a loop of its own, that it compiles to selections, not branches */
       for (int i = 0; i < 3; i++) {
-        x->u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : x->u[i];
+        x->u[i] = FB_BELOW(FB_FABS(x->u[i]), rest[i], FB_R(0.0), x->u[i]);
       }
     }
   }
@@ -19132,7 +19132,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       }
       work->clock = dt * fbi_rk4_node[stage - 1];
     }
-    FBI_TRY(fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]));
+    FBI_TRY(FB_KERNEL(fbi_system_rates(work, system, body, &work->rate, at, state, input[stage])));
     if (stage == 0 && owns) {
       fbi_own_begin(work, system);
     }

@@ -116,7 +116,7 @@ static const char *lanes_output_refusal(const scene *s)
   return NULL;
 }
 
-static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, 0, {0}, {0}};
+static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, 0, {0}, {0}, 0};
 
 /* The scene that has been built and started; text: what cannot go by lanes, "": nothing. */
 static void lanes_refusal(char text[200], const scene *s)

@@ -187,6 +187,18 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
   }
 }
 
+/* Is what has no hand-written step written by a trace? Of rk4, without lines and loops. In single precision the library
+   itself has no gravity of a center. */
+static int scene_code_is_traced(const tree_choice *choice)
+{
+  int traced = !choice->implicit && !choice->lanes && engine.system.n_loop == 0;
+  traced &= !choice->single || !attract_refusal(&engine.system, engine.body);
+  for (int k = 0; k < engine.system.n_body; k++) {
+    traced &= !(engine.body[engine.system.model[k]].effects & FB_EFFECT_LARGE_DEFLECTION);
+  }
+  return traced;
+}
+
 /* The name of what is written: that of the file up to its dot; 0: none that C takes. */
 static int scene_code_name(char name[64], const char *file)
 {
@@ -203,7 +215,7 @@ static int scene_code_name(char name[64], const char *file)
 
 typedef struct scene_code {
   const char *file, *loads, *sensors; /* lists of nodes; NULL: none */
-  int single, lanes, jacobian;
+  int single, lanes, jacobian, traced;
 } scene_code;
 
 static const char *scene_code_node_name(int body, int node)
@@ -211,12 +223,30 @@ static const char *scene_code_node_name(int body, int node)
   return scene_code_of->body[body].node_name[node];
 }
 
+/* The step by a trace; 1, or 0 with why not in text. */
+static int scene_code_trace(FILE *out, const tree_choice *choice, const char *const *names, char text[400])
+{
+  const trace_choice what = {choice->name, scene_code_of->path,  choice->single, 0, choice->loads, NULL,
+                             names,        scene_code_node_name, choice->pulls};
+  const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
+                          sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
+                          scene_code_of->n_body};
+  const code w = tree_write_begin(out, &engine.system, engine.body, names, choice, scene_code_of->path,
+                                  fb_system_crc(&engine.system, engine.body, scene_code_of->n_body));
+  int bad;
+  tree_write_start(&w, choice->start);
+  fputs("\n", out);
+  bad = choice->single ? trace_step_single(out, &what, &of, text) : trace_step(out, &what, &of, text);
+  fputs("#endif\n", out);
+  return !bad;
+}
+
 /* The rates with their Jacobian; 1, or 0 with why not in text. */
 static int scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
                              const char *const *names, char text[400])
 {
-  const trace_choice what = {choice->name, scene_code_of->path, choice->single, 0, choice->loads, sensors,
-                             names,        scene_code_node_name};
+  const trace_choice what = {choice->name, scene_code_of->path,  choice->single, 0, choice->loads, sensors,
+                             names,        scene_code_node_name, choice->pulls};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
@@ -232,7 +262,7 @@ static int scene_write_code(scene *s, const scene_code *c)
   char name[64], text[400] = "";
   unsigned sensors[FB_MAX_BODIES] = {0};
   tree_choice choice = {name, c->single, c->lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK,
-                        {0},  {0}};
+                        {0},  {0},       c->traced};
   FILE *out;
   fb_status status;
   int good = 1;
@@ -262,8 +292,10 @@ static int scene_write_code(scene *s, const scene_code *c)
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
-  if (!c->jacobian) {
+  if (!c->jacobian && !choice.traced) {
     scene_code_unwritten(text, names, &choice);
+    choice.traced = text[0] && scene_code_is_traced(&choice);
+    text[0] = choice.traced ? '\0' : text[0];
   }
   if (text[0]) {
     return 1 + scene_fail(s, "%s: %s", option, text);
@@ -274,14 +306,16 @@ static int scene_write_code(scene *s, const scene_code *c)
   }
   if (c->jacobian) {
     good = scene_code_derive(out, &choice, sensors, names, text);
+  } else if (choice.traced) {
+    good = scene_code_trace(out, &choice, names, text);
   } else {
     good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
                       fb_system_crc(&engine.system, engine.body, s->n_body));
   }
   if (!good) {
     output_drop(out, c->file);
-    return 1 + (c->jacobian ? scene_fail(s, "%s: %s", option, text)
-                            : scene_fail(s, "a temporary file: %s", strerror(errno)));
+    return 1 +
+           (text[0] ? scene_fail(s, "%s: %s", option, text) : scene_fail(s, "a temporary file: %s", strerror(errno)));
   }
   return output_close(out, c->file);
 }

@@ -36,7 +36,7 @@ static int tree_input_size(int k, int m)
     const int node = (m - TREE_AT_NODES) / 2;
     return node > 0 && tree.choice->loads[k] >> node & 1u ? 3 : 0;
   }
-  return tree.quiet && (m < 2 || m == TREE_MODAL) ? 0 : size[m];
+  return (tree.quiet && (m < 2 || m == TREE_MODAL)) || (tree.choice->traced && m == TREE_MODAL) ? 0 : size[m];
 }
 
 static const char *tree_input_name(int m)

@@ -45,6 +45,7 @@ typedef struct tree_choice { /* what is to be written */
   int implicit;                        /* 1: the step of SDIRK (code_sdirk.h) in place of that of rk4 */
   unsigned loads[FB_MAX_BODIES];       /* bits of the nodes that have a load, of each body; that of O says nothing */
   unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring between points has an actuator */
+  int traced;                          /* 1: the functions are written by trace/ */
 } tree_choice;
 
 static struct tree {
@@ -261,6 +262,12 @@ static int tree_is_ball(const tree_link *L)
 }
 
 /* Of the axes of a link, how many places and momenta are in the vector: with what is given where others are not. */
+/* Does link k fly? The step that is written here has one such link, tree.root. */
+static int tree_is_root(int k)
+{
+  return tree.system->joint[k].kind == FB_JOINT_FREE;
+}
+
 static int tree_places_of(const tree_link *L)
 {
   return tree_is_ball(L) ? 4 : L->driven == L->axes ? 0 : L->axes;
@@ -2191,8 +2198,8 @@ static void rows_pieces(const code *w, int k, tree_piece *f)
 static void tree_pieces(const code *w, int k, tree_piece *f)
 {
   const tree_link *const L = &tree.link[k < tree.n ? k : 0];
-  const int ball = tree_is_ball(L) || k == tree.root, places = k == tree.root ? 4 : tree_places_of(L);
-  const int momenta = k == tree.root ? 6 : tree_momenta_of(L);
+  const int root = k < tree.n && tree_is_root(k), ball = tree_is_ball(L) || root, places = root ? 4 : tree_places_of(L);
+  const int momenta = root ? 6 : tree_momenta_of(L);
   if (k >= tree.n) {
     rows_pieces(w, k, f);
     return;
@@ -2218,7 +2225,7 @@ static void tree_pieces(const code *w, int k, tree_piece *f)
 
 static int tree_has_state(int k)
 {
-  return k == tree.root || tree.link[k].axes + tree.link[k].n + tree.link[k].model->n_rotor > 0;
+  return tree_is_root(k) || tree.link[k].axes + tree.link[k].n + tree.link[k].model->n_rotor > 0;
 }
 
 static void tree_declare(const code *w, int at, int n, int k, const char *member)
@@ -2354,7 +2361,7 @@ static void tree_write_state_type(const code *w)
     const tree_link *const L = &tree.link[k];
     if (tree_has_state(k)) {
       fprintf(w->out, "  struct { /* %s, %s */\n", tree.names[k], tree_kinds[(int)L->joint->kind]);
-      if (k == tree.root) {
+      if (tree_is_root(k)) {
         code_template(w, tree.tied ? tree_tied_state : tree_free_state);
       }
       if (tree_is_valued(L) && tree_places_of(L) == 0) {
@@ -2505,7 +2512,7 @@ static void tree_write_start(const code *w, const fb_system_state *start)
   code_template(w, "\nvoid @_start(@_state *state)\n{\n  memset(state, 0, sizeof *state);\n");
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
-    const int free = k == tree.root, ball = free || L->joint->kind == FB_JOINT_SPHERICAL;
+    const int free = tree_is_root(k), ball = free || L->joint->kind == FB_JOINT_SPHERICAL;
     const fb_link_state *const x = start ? &start->link[k] : NULL;
     if (ball) {
       tree_write_start_of(w, k, "quat", x ? x->quat : unit, 4);
@@ -2898,6 +2905,7 @@ static void tree_write_declarations(const code *w, int lanes, int started)
 {
   code_template(w, tree_status);
   code_template(w, tree_contradiction());
+  code_template(w, w->traced ? "  , @_singular = -5   /* inertia that is not above zero */\n" : "");
   code_template(w,
                 tree.implicit
                     ? "  , @_convergence = -6 /* the last correction of a stage is not small: take a shorter step */\n"
@@ -3074,24 +3082,35 @@ static int tree_write_alone(const code *w)
   return good;
 }
 
-/* Writes the step of a system that tree_refusal takes; names: of its bodies; crc: the check word of the system. 0: there
-   is no temporary file, see errno. */
-static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
-                      const tree_choice *choice, const char *source, unsigned crc)
+/* The declarations of the step of a system, and where its functions begin; names: of its bodies; crc: the check word of the
+   system. */
+static code tree_write_begin(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
+                             const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name, choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit, 0,
-                  0};
-  int good;
+  const code w = {out, choice->name,  choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit,
+                  0,   choice->traced};
   code_numbers.n = 0;
   tree_read(system, body, names, choice);
   tree.places = choice->table;
   tree.quiet = choice->lanes == TREE_LANES_ALONE;
   if (tree.quiet) {
-    return tree_write_alone(&w);
+    return w;
   }
   tree_write_head(&w, source, crc);
   tree_write_declarations(&w, choice->lanes, choice->start != NULL);
   code_template(&w, "\n#ifdef @_IMPLEMENTATION\n#include <math.h>\n#include <string.h>\n\n");
+  return w;
+}
+
+/* Writes the step of a system that tree_refusal takes. 0: there is no temporary file, see errno. */
+static int tree_write(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
+                      const tree_choice *choice, const char *source, unsigned crc)
+{
+  const code w = tree_write_begin(out, system, body, names, choice, source, crc);
+  int good;
+  if (tree.quiet) {
+    return tree_write_alone(&w);
+  }
   code_template(&w, w.single ? "static const $ @_huge = `1e18`, @_tiny = `1e-12`, @_faint = `1e-18`;\n\n"
                              : "static const $ @_huge = `1e150`, @_tiny = `1e-100`, @_faint = `1e-106`;\n\n");
   code_template(&w, code_helpers);

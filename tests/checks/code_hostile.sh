@@ -5,7 +5,7 @@
 . tests/checks/common.sh
 need gcc gcc
 sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
-try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c -lm
+try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c examples/tools/trace/untraced.c -lm
 
 # attack WHAT OPTION...: code.h
 number=0 texts=0 steps=0 refused=0

@@ -9,6 +9,7 @@
 #include <string.h>
 #ifdef WRITE
 #include "examples/tools/code_tree.h"
+#include "examples/tools/trace/trace.h"
 #else
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -608,9 +609,18 @@ static const struct {
      0,
      1,
      {{FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_UNIVERSAL, 0, VANE}, {FB_JOINT_REVOLUTE, 0, BOOM}}},
+    /* 112, 113: two that fly, which a spring joins; by a trace */
+    {FB_EFFECTS_FULL | FB_EFFECT_DAMPING,
+     0,
+     1,
+     {{FB_JOINT_FREE, -1, RIGID},
+      {FB_JOINT_REVOLUTE, 0, BOOM},
+      {FB_JOINT_FREE, -1, PANEL},
+      {FB_JOINT_UNIVERSAL, 2, RIGID | RUBS}}},
+    {FB_EFFECTS_FULL, CENTER, 1, {{FB_JOINT_FREE, -1, HUB}, {FB_JOINT_FREE, -1, RIGID}, {FB_JOINT_REVOLUTE, 1, MAST}}},
 };
 
-enum { LINES = 101 }; /* the first tree with lines, whose models are not built for the others */
+enum { LINES = 101, LINED = 112 }; /* trees with lines, whose models are not built for the others */
 
 /* Joints that close loops at zero coordinates of these trees; TIP: the node of the boom's tip carries it; RUBS, of the
    child: with spring and damper, and friction and stops if it is not spherical. */
@@ -678,7 +688,8 @@ static const struct {
   int tree, body[2];
   double length;
   int pull;
-} springs[] = {{67, {1 + TIP, 2 + TIP}, 8.0, IDLE},
+} springs[] = {{112, {0, 3}, 3.0, PULLED},
+               {67, {1 + TIP, 2 + TIP}, 8.0, IDLE},
                {67, {0, 1 + TIP}, 9.0, IDLE},
                {67, {2, 2 + TIP}, 7.0, IDLE},
                {67, {1 + TIP, 1 + TIP}, 1.0, IDLE},
@@ -1031,7 +1042,7 @@ static void build(int which)
     build_model(&model[HUB], 0, trees[which].gravity, 0, 0, brake);
     build_model(&model[MAST], trees[which].effects, trees[which].gravity, 4, 0, brake);
   }
-  if (which >= LINES) {
+  if (which >= LINES && which < LINED) {
     build_model(&model[BENT], trees[which].effects | FB_EFFECTS_LARGE, trees[which].gravity, 6, which == LINES, 0);
     build_model(&model[VANE], trees[which].effects | FB_EFFECTS_LARGE, trees[which].gravity, 2, 0, 0);
   }
@@ -1089,6 +1100,28 @@ static void write_member(int is, const char *word, int k, const char *rest)
   if (is) {
     printf("%s(%d%s)\n", word, k, rest);
   }
+}
+
+/* The same by a trace, from where all is zero. */
+static int write_traced(const tree_choice *choice, const char *const *names)
+{
+  static fb_system_state start_;
+  const trace_choice what = {choice->name, "a random tree", choice->single, 0, choice->loads, NULL, names, NULL, pulls};
+  const trace_model of = {model, &mechanism, &start_, sizeof model[0], sizeof mechanism, sizeof start_, MODELS};
+  char text[400];
+  int bad;
+  need(fb_system_state_init(&mechanism, model, &start_, &work, NULL, NULL), "start");
+  {
+    const code w = tree_write_begin(stdout, &mechanism, model, names, choice, "a random tree",
+                                    fb_system_crc(&mechanism, model, MODELS));
+    tree_write_start(&w, choice->start);
+    bad = choice->single ? trace_step_single(stdout, &what, &of, text) : trace_step(stdout, &what, &of, text);
+    puts("#endif");
+  }
+  if (bad) {
+    fprintf(stderr, "by a trace: %s\n", text);
+  }
+  return bad;
 }
 
 /* Members of the state and the input, for the program that steps the tree; acts: with loads at nodes. */
@@ -1179,7 +1212,12 @@ int main(int argc, char **argv)
     write_members(acts);
     return 0;
   }
-  tree_refusal(text, &mechanism, model, names);
+  for (int k = 2; k < argc; k++) {
+    choice.traced |= strcmp(argv[k], "--traced") == 0;
+  }
+  if (!choice.traced) {
+    tree_refusal(text, &mechanism, model, names);
+  }
   if (text[0]) {
     fprintf(stderr, "tree %d: %s\n", which, text);
     return 1;
@@ -1192,6 +1230,9 @@ int main(int argc, char **argv)
     choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
   }
   memcpy(choice.pulls, pulls, sizeof pulls);
+  if (choice.traced) {
+    return write_traced(&choice, names);
+  }
   large_refusal(text, &mechanism, model, names, &choice);
   if (text[0]) {
     fprintf(stderr, "tree %d: %s\n", which, text);
@@ -1626,6 +1667,7 @@ static int meets(void)
   return refused(&in, &mine, FB_R(1e-4), FB_ERR_RANGE, "points that meet, pulled") && good;
 }
 
+#ifndef TRACED /* the library has no modal forces */
 /* A modal force alone changes the conjugate momentum by itself times the step; loops may hold what it moves. */
 static int modal(void)
 {
@@ -1668,6 +1710,12 @@ static int modal(void)
 #undef ROTORS
   return good;
 }
+#else
+static int modal(void)
+{
+  return 1;
+}
+#endif
 
 /* From the center of gravity outward, where that moves what flies: a step and the energy are refused as too near where the
    library refuses them. */

@@ -23,7 +23,8 @@ bound_stiff_sdirk=15500 # a hub and an arm on a stiff hinge, turned at random (4
 bound_wheels_sdirk=52000 # two wheels as bodies on hinges and a boom on it (143,803 by the library); 41,428 while they were recognized
 bound_arm_sdirk=27500 # two links of 2 modes, the second one on the tip of the first (111,358)
 sizes="-DFB_MAX_LOADS=16 -DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
-try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O0 -o "$out/write" tests/checks/code_tree.c -lm
+try gcc $c99 -include examples/tools/capacities.h -DFLEXBEAM_STATIC -DWRITE -O0 -c -o "$out/write.o" tests/checks/code_tree.c # as the tracer
+try g++ -o "$out/write" "$out/write.o" build/tool/trace.o build/tool/trace_single.o -lm
 try gcc $c99 $sizes -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $sizes -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
@@ -58,6 +59,27 @@ compile() {
   try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
 }
 
+# by_trace TREE [--single]: the same step written by a trace, where that is done; sets worst
+mkdir "$out/traced"
+traced=0 worst_traced=0
+by_trace() {
+  precision=${2:+single}
+  "$out/write" "$1" --loads --traced ${2:-} > "$out/traced/code.h" 2> "$out/log" || {
+    grep -q 'loops: \|a prescribed axis\|effects large' "$out/log" || fail "tree $1 by a trace: $(cat "$out/log")"
+    return 0
+  }
+  try gcc $c99 -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
+  try g++ -x c++ -std=c++11 $base -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
+  try gcc $c99 $sizes ${2:+-DFB_SINGLE=1} -O0 -DTRACED -I"$out/traced" -I"$out" -o "$out/run" tests/checks/code_tree.c "$out/${precision:-double}.o" -lm
+  "$out/run" "$1" > "$out/log" || {
+    cat "$out/log"
+    fail "the step of tree $1 by a trace"
+  }
+  worst=$(sed -n 's/.*worst //p' "$out/log")
+  [ -n "${2:-}" ] || worst_traced=$(larger $worst_traced)
+  traced=$((traced + 1))
+}
+
 # larger A: of it and worst
 larger() {
   printf '%s\n%s\n' "$1" "$worst" | sort -g | tail -n 1
@@ -81,6 +103,13 @@ while "$out/write" $trees --members > /dev/null; do
     continue
   }
   looked_at=$((looked_at + 1))
+  "$out/write" $trees --members --loads > "$out/members.h"
+  by_trace $trees
+  [ $trees -lt 112 ] || { # by a trace alone
+    [ $trees = 113 ] || by_trace $trees --single
+    trees=$((trees + 1))
+    continue
+  }
   write $trees
   agree $trees -O0
   largest=$(larger $largest)
@@ -91,6 +120,7 @@ while "$out/write" $trees --members > /dev/null; do
   2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 38 | 41 | 43 | 46 | 48 | 53 | 55 | 57 | 58 | 60 | 63 | 67 | 71 | 75 | 79 | 80 | 81 | 85 | 90 | 102 | 103 | 106 | 109 | 111)
     both $trees
     single=$(larger $single)
+    by_trace $trees --single
     ;;
   esac
   trees=$((trees + 1))
@@ -675,16 +705,22 @@ compile
 scene "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end" \
   "rotor fly array" "axis 1 0 0" "inertia 0.1" "end"
 written scene
-refuse "alone: a second free body" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
-refuse "hub: a rotor with an imbalance" none.h "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
+# by a trace alone; and what that refuses
+scene "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
+written scene
+scene "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
+written scene
+refuse "a prescribed axis beside what is written by a trace" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end" "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end universal hub tail" "mode free prescribed" "end"
 scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "rotor fly hub" "axis 1 0 0" "inertia 0.1" "speed 100" "end"
 try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 grep -q 'rotor_motor\[1\]' "$out/generated.h" || fail "a scene's rotor has no motor"
 mv "$out/generated.h" "$out/code.h"
 compile
 balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 1.1 1.2\nend\njoint ball%s spherical hub ball%s\nend\n' $k $k $k; done)
-refuse "25 axes of joints: choose at most 24" none.h "$balls"
-refuse "28 axes of joints and modes that move a joint: choose at most 24" none.h "$(printf '%s' "$balls" | sed 's/hub ball8/array.tip ball8/')"
+scene "$balls" # of rk4 by a trace
+written scene
+refuse "25 axes of joints: choose at most 24" none.h "$balls" "integrator sdirk" "step 0.001"
+refuse "28 axes of joints and modes that move a joint: choose at most 24" none.h "$(printf '%s' "$balls" | sed 's/hub ball8/array.tip ball8/')" "integrator sdirk" "step 0.001"
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint weld rigid ground hub\nend\n' > "$out/still.txt"
 ! build/flexbeam scene "$out/still.txt" --code "$out/none.h" 2> "$out/log" && grep -q "nothing can move" "$out/log" || fail "a body at rest: $(cat "$out/log")"
 printf 'duration 1\nbody hub rigid\n  hub 800  0 0 0  400 300 500\nend\njoint turn revolute ground hub\n  mode prescribed\nend\n' > "$out/still.txt"

@@ -9,9 +9,10 @@
 #define FB_ALLOW_FAST_MATH /* the check for it computes with numbers of the machine */
 #define FLEXBEAM_STATIC
 #include "../../../flexbeam.h"
+#include "body_steps.h"
 #include "derive.h"
 #include "replay.h"
-#include "steps.h"
+#include "tree_steps.h"
 #include "text.h"
 #include "trace.h"
 #include <cctype>
@@ -264,30 +265,7 @@ struct tree : subject {
 
   fb_status wander(double size) override
   {
-    now = start;
-    for (int k = 0; k < system.n_body; k++) {
-      const fb_joint &joint = system.joint[k];
-      const fb_body &own = model_of(k);
-      fb_link_state &link = now.link[k];
-      const bool root = joint.kind == FB_JOINT_FREE, ball = joint.kind == FB_JOINT_SPHERICAL;
-      for (int i = 0; i < 3; i++) {
-        link.x[i] += root || i < joint.n_axis ? 0.2 * size * random() : 0.0;
-        link.quat[i + 1] += root || ball ? 0.1 * size * random() : 0.0;
-        link.u[i] += root && !system.tied ? size * random() : 0.0;
-      }
-      if (root || ball) {
-        FBI_TRY(fb_quat_normalize(link.quat));
-      }
-      for (int i = 0; i < joint.n_axis; i++) {
-        link.p[i] += 0.1 * size * (double)own.mass * random();
-      }
-      for (int a = 0; a < own.n_coordinate; a++) {
-        const bool mode = a < own.n;
-        const double most = mode ? most_of(own, a, 0.1 * size) : 0.1;
-        link.q[a] += most * random();
-        link.pi[a] += mode ? 0.1 * size * (double)own.mass * random() : 0.1 * random();
-      }
-    }
+    FBI_TRY(wander_links(*this, system, &body[0], now, start, size));
     for (const entry &e : input) {
       *e.at = 0.1 * size * random();
     }
@@ -520,7 +498,7 @@ static const char *refusal(const trace_model *model)
   const fb_body *const body = (const fb_body *)model->body;
   const fb_system *const system = (const fb_system *)model->system;
   if (model->body_size != sizeof(fb_body) || (system && model->system_size != sizeof(fb_system)) ||
-      (system && model->state_size != sizeof(fb_system_state))) {
+      (system && model->state_size != state_size())) {
     return "the tracer was built with another configuration of the library; make it again";
   }
   for (int k = 0; k < model->n_body; k++) {
@@ -629,6 +607,7 @@ extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_mo
 extern "C" int TRACE_STEP(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
   const char *const refused = trace::refusal(model);
-  return refused ? trace::fail(text, refused)
-                 : trace::write_body_functions(out, choice, *(const fb_body *)model->body, text);
+  return refused         ? trace::fail(text, refused)
+         : model->system ? trace::write_tree_functions(out, choice, model, text)
+                         : trace::write_body_functions(out, choice, *(const fb_body *)model->body, text);
 }

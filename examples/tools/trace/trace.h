@@ -16,6 +16,7 @@ typedef struct trace_choice {
   const unsigned *loads, *sensors;              /* bits of nodes, by body */
   const char *const *body;                      /* names; of a single body NULL */
   const char *(*node_name)(int body, int node); /* "": none */
+  const unsigned char *pulls;                   /* 1: the spring of that number has an actuator */
 } trace_choice;
 
 /* Copies of the library's structs, of the caller's configuration, whose sizes tell whether it is that of trace.cpp. */
@@ -28,7 +29,7 @@ typedef struct trace_model {
 /* 0, or 1 with why in text. */
 int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 
-/* The functions of the step of a single body that code.h has declared; the same in single precision. */
+/* The functions of the step of a single body or of bodies on joints that code.h or code_tree.h has declared; the same in single precision. */
 int trace_step(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 int trace_step_single(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 
