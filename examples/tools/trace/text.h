@@ -166,10 +166,10 @@ struct writer {
   {
     const std::string s = comparison(c.relation, c.a, c.b);
     line("if (" + std::string(c.outcome ? "!(" : "") + s + (c.outcome ? ")" : "") + ") {");
-    if (c.status == BRANCH &&
-        settled) { /* on the other side the library does something else, but for what is no number */
+    if (settled && (c.status == BRANCH || c.status == FB_ERR_RANGE)) { /* what is no number has a status of its own */
       const std::string both = of(c.a) + " - " + of(c.b);
-      line("  return " + both + " == " + both + " ? " + status(FB_ERR_RANGE) + " : " + status(FB_ERR_NOT_FINITE) + ";");
+      line("  return " + both + " == " + both + " ? " + status(FB_ERR_RANGE) + " : " + status(FB_ERR_NOT_FINITE) + ";" +
+           (c.what.empty() ? "" : " /* " + c.what + " */"));
       line("}");
       return;
     }
