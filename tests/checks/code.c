@@ -209,6 +209,16 @@ static void load(fb_input *in, generated_input *own, double t)
 #endif
 }
 
+/* Has a rotor an imbalance? Then its speed bounds the step. */
+static int is_unbalanced(void)
+{
+  double sum = 0;
+  for (int r = 0; r < generated.n_rotor; r++) {
+    sum += fabs((double)generated.rotor[r].static_imbalance) + fabs((double)generated.rotor[r].dynamic_imbalance);
+  }
+  return sum > 0;
+}
+
 static double fly(run *r, int loaded)
 {
   static fb_rk4_work work;
@@ -217,9 +227,9 @@ static double fly(run *r, int loaded)
   double worst = 0;
   const fb_real share =
       generated.effects & FB_EFFECT_LARGE_DEFLECTION ? FB_R(0.05) : FB_R(0.15); /* it falls on the way */
-  fb_body_limit now; /* of rotors with an imbalance, too, by their speed */
   const fb_real limit = fb_rk4_limit(&generated, FB_R(1.0), FB_R(1.0));
-  const int shorter = fb_body_limit_eval(&generated, &now, &r->state, NULL) == FB_OK && now.rk4 < limit;
+  fb_body_limit now;
+  const int shorter = is_unbalanced() && fb_body_limit_eval(&generated, &now, &r->state, NULL) == FB_OK;
   const fb_real dt = generated.n > 0 ? share * (shorter ? now.rk4 : limit) : FB_R(0.01);
   for (int k = 0; k < STEPS; k++) {
     fb_status status;
@@ -590,7 +600,8 @@ int main(void)
     return 1;
   }
 #endif
-  for (int loaded = 0; loaded < 3; loaded++) {
+  const int large = (generated.effects & FB_EFFECT_LARGE_DEFLECTION) != 0; /* strains of lines are differences */
+  for (int loaded = 0; loaded < (large ? 2 : 3); loaded++) {
     run r;
     amount = loaded == 2 ? 1e-9 : 1;
     if (begin(&r, loaded == 2 ? -1.0 : 0.5) != FB_OK) {
@@ -598,6 +609,10 @@ int main(void)
       return 1;
     }
     worst = fmax(worst, fly(&r, loaded));
+    if (loaded == 2 && FB_SINGLE) { /* rates are differences of what is rounded */
+      printf("\n");
+      continue;
+    }
     take_state(&r.own, &r.state);
     printf(" | %.1e %.1e %.1e\n", rates_apart(&r), energy_apart(&r), nodes_apart(&r));
     worst = fmax(worst, fmax(rates_apart(&r), fmax(energy_apart(&r), nodes_apart(&r))));
