@@ -512,7 +512,8 @@ static void exact_doubt(exact_text *m)
     while (on < m->desc.n_branch && m->desc.branch[on].n_station > 0 && k >= m->desc.branch[on].station) {
       on++;
     }
-    if (section_doubt(text, (double)s->x, exact_length(m, on), &figures)) {
+    if (section_doubt(text, (double)s->x, on == 0 && m->curve.n > 0 ? m->curve.s[CURVE_STEPS] : exact_length(m, on),
+                      &figures)) {
       snprintf(m->doubt, sizeof m->doubt, "line %d: %s", m->station_line[k], text);
     }
   }
