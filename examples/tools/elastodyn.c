@@ -1,19 +1,29 @@
 /* elastodyn - a blade of OpenFAST (ElastoDyn's blade file: span fraction, twist, mass and stiffness per length) becomes
    a beam description for `reduce`. Columns are found by their names; adjustment factors and damping are applied.
+   With --shapes the other way: polynomials of the mode shapes of a description.
    Exit: 0 well, 2 bad options or input. */
+#include "capacities.h"
+#include "../../flexbeam.h"
+#include "model.h"
 #define PROGRAM "elastodyn"
 #include "../common/options.h"
 #include "../common/output.h"
 #include "../common/text.h"
 #include "words.h"
+#include "elastodyn_shapes.h"
 
 static const char help[] =
     "elastodyn - from ElastoDyn's blade file to a beam description\n"
     "usage: flexbeam elastodyn FILE --length L [options] > blade.txt\n"
+    "       flexbeam elastodyn DESCRIPTION --shapes blade > lines.txt\n"
     "  --length L      [m] of the blade, root to tip (the turbine's TipRad - HubRad)\n"
     "  --hub-radius R  [m] of the root (0)\n"
     "  --rpm N         the modes are shaped for this speed (0: for rest)\n"
     "  --modes F,E     flap and edge modes to keep (3,3)\n"
+    "  --shapes WHAT   blade or tower: polynomials of the mode shapes of a described beam (the text of reduce), as "
+    "lines of\n"
+    "                  ElastoDyn's files, at --rpm, with the root at --hub-radius. The rotor of a tower is a `lump` on "
+    "its tip\n"
     "  --help          this text\n"
     "z is out of the rotor plane (flap), x along the span. ElastoDyn uses no GJ, EA and no "
     "offsets: the blade is rigid in twist\n"
@@ -239,6 +249,7 @@ static void tell_blade(FILE *to, const char *begin, const char *file)
 
 typedef struct conversion {
   double length, hub_radius, rpm, modes[2]; /* [m], [m], [rev/min], flap and edge */
+  const shape_line *shapes;                 /* NULL: a file of ElastoDyn becomes a description */
 } conversion;
 
 static int conversion_option(void *target, const char *name, const char *text)
@@ -246,6 +257,10 @@ static int conversion_option(void *target, const char *name, const char *text)
   conversion *const c = target;
   const number_option numbers[] = {
       {"--length", &c->length, 1e-3, 1e4}, {"--hub-radius", &c->hub_radius, 0, 1e4}, {"--rpm", &c->rpm, 0, 1e6}};
+  if (strcmp(name, "--shapes") == 0) {
+    c->shapes = strcmp(text, "blade") == 0 ? blade_shapes : strcmp(text, "tower") == 0 ? tower_shapes : NULL;
+    return c->shapes ? 0 : fail("--shapes wants blade or tower", text);
+  }
   if (strcmp(name, "--modes") == 0) {
     const double *const m = c->modes;
     return read_list(c->modes, 2, text) == 2 && m[0] == floor(m[0]) && m[1] == floor(m[1]) && m[0] >= 0 && m[1] >= 0 &&
@@ -266,7 +281,7 @@ static void write_blade(const char *file, const conversion *c)
          "elements 12\nroot clamped\nposition %.17g 0 0\nmodes bend_y %g bend_z %g\n",
          c->length, c->hub_radius, c->modes[1], c->modes[0]);
   if (c->rpm > 0) {
-    printf("spin %.17g %.17g\n", c->rpm * 2.0 * 3.14159265358979324 / 60.0, c->hub_radius);
+    printf("spin %.17g %.17g\n", c->rpm * 2.0 * model_pi / 60.0, c->hub_radius);
   }
   printf("damping %.17g # mean of flap 1, flap 2, edge 1: %g %g %g\neffects full damping\nbase prescribed\nnode %.17g\n"
          "stations fraction twist_deg mass EI_y EI_z\n",
@@ -282,10 +297,16 @@ static void write_blade(const char *file, const conversion *c)
 int elastodyn_main(int argc, char **argv)
 {
   const int named = argc > 1 && argv[1][0] != '-';
-  conversion c = {0, 0, 0, {3, 3}};
+  conversion c = {0, 0, 0, {3, 3}, NULL};
   output_begin(PROGRAM);
   if (read_all(argc - named, argv + named, help, conversion_option, &c) != 0) {
     return 2;
+  }
+  if (c.shapes && c.length > 0) {
+    return fail("--length is that of a file of ElastoDyn, --shapes of a description, which has its own", "");
+  }
+  if (named && c.shapes) {
+    return write_shapes(argv[1], c.shapes, c.rpm * 2.0 * model_pi / 60.0, c.hub_radius);
   }
   if (!named || !(c.length > 0)) {
     return fail(named ? "--length is missing" : "a blade file is missing", "");

@@ -194,6 +194,47 @@ for old, new, pattern in [('damp_type', 'type', 'same_blade.dat: there is no lin
         sys.exit('same_blade.dat with %r: status %s: %s' % (new, status, said))
 write('same_blade.dat', blade_file)
 
+# Polynomials of ElastoDyn: those that the NREL 5-MW blade is published with (OpenFAST/r-test, 5MW_Baseline), of modes at 12.1 rpm.
+x = np.linspace(0, 1, 201)
+
+
+def shapes(name, what, *options):
+    done = subprocess.run(['build/flexbeam', 'elastodyn', folder + name, '--shapes', what] + list(options), capture_output=True, text=True)
+    if done.returncode:
+        sys.exit('%s: %s' % (name, done.stderr))
+    found = {}
+    for line in done.stdout.splitlines():
+        value, key, power = re.match(r' *(\S+) +(\w+)\((\d)\) - ', line).groups()
+        found[key] = found.get(key, 0) + float(value) * x**int(power)
+    return found
+
+
+table = np.loadtxt('tests/reference/nrel5mw_blade.csv', delimiter=',', skiprows=10)
+beam = 'beam\nlength 61.5\nelements 40\nroot clamped\nmodes bend_y 3 bend_z 3\nstations fraction twist_deg mass EI_y EI_z\n%send\n'
+write('nrel.txt', beam % ''.join('%.9g %.9g %.9g %.9g %.9g\n' % tuple(row[:5]) for row in table))
+published = {'BldFl1Sh': ([0.0622, 1.7254, -3.2452, 4.7131, -2.2555], 0.005), 'BldFl2Sh': ([-0.5809, 1.2067, -15.5349, 29.7347, -13.8255], 0.016),
+             'BldEdgSh': ([0.3627, 2.5337, -3.5772, 2.376, -0.6952], 0.002)}
+found = shapes('nrel.txt', 'blade', '--rpm', '12.1', '--hub-radius', '1.5')
+for key, (terms, tolerance) in published.items():
+    near(key, found[key], sum(c * x**(k + 2) for k, c in enumerate(terms)), tolerance)
+# A tower: of Euler and Bernoulli, and below a heavy rotor the cubic of a force on its tip.
+column = 'beam\nlength 80\nelements 40\nroot clamped\nmodes bend_y 2 bend_z 2\nstations x mass EI_y EI_z\n0 3000 2e11 3e11\nend\n'
+write('tower.txt', column)
+found = shapes('tower.txt', 'tower')
+for which, beta in (('1', 1.8751040687), ('2', 4.6940911330)):
+    k = (math.cosh(beta) + math.cos(beta)) / (math.sinh(beta) + math.sin(beta))
+    exact = np.cosh(beta * x) - np.cos(beta * x) - k * (np.sinh(beta * x) - np.sin(beta * x))
+    for side in ('TwFAM%sSh', 'TwSSM%sSh'):
+        near(side % which, found[side % which], exact / exact[-1], 1e-3)
+write('tower.txt', column.replace('modes', 'lump 40 1e9 0 0 0 1 1 1\nmodes'))
+near('a heavy rotor', shapes('tower.txt', 'tower')['TwFAM1Sh'], (3 * x**2 - x**3) / 2, 1e-3)
+for old, new, pattern in [('bend_z 2', 'bend_z 1', 'there is no Fore-aft mode 2: modes bend_y 2 bend_z 2'), ('root clamped', 'root pinned', 'its root is not clamped'),
+                          ('elements 40', 'elements 4', 'it has less than 8 elements')]:
+    write('tower_.txt', column.replace(old, new))
+    done = subprocess.run(['build/flexbeam', 'elastodyn', folder + 'tower_.txt', '--shapes', 'tower'], capture_output=True, text=True)
+    if done.returncode != 2 or not re.search(r'tower_.txt: .*' + pattern, done.stderr):
+        sys.exit('tower with %s: %s' % (new, done.stderr))
+
 # Damaged at random: refused with the file, or a description that is written.
 kinds = ['same.dat', 'same_blade.dat', 'same.st', 'same.htc'] + (['same.yaml', 'same2.yaml'] if yaml else [])
 tally = {0: 0, 1: 0}
@@ -217,5 +258,5 @@ for k in range(count):
     if status not in tally or (status == 1 and not re.search(r'blade\.py: \S*(damaged|same)', said)):
         sys.exit('damaged %s, number %d of seed %d (%s): status %s: %s' % (kind, k, seed, main, status, said))
     tally[status] += 1
-print('BeamDyn\'s published tips to 3e-4, one blade in %d formats to 2e-4; %d damaged files: %d refused, %d read' %
+print('BeamDyn\'s published tips to 3e-4, one blade in %d formats to 2e-4, ElastoDyn\'s polynomials to 1.6 %%; %d damaged files: %d refused, %d read' %
       (len(same), count, tally[1], tally[0]))
