@@ -581,7 +581,7 @@ static fb_status control_see_attitude(const scene_attitude *a, const double *ref
   fb_quat_mul(off, inverse, wanted);
   fb_quat_to_mat33(R, off);
   fb_mat33_mul_vec3(own, R, rate);
-  status = status ? status : control_attitude_at(back, &node, a->gyro_body, a->gyro_node);
+  status = status ? status : control_attitude_at(back, &node, a->body, a->gyro_node);
   fb_quat_to_mat33(R, back);
   fb_mat33_mulT_vec3(seen, R, node.angular_rate);
   for (int i = 0; i < 3; i++) {

@@ -625,7 +625,7 @@ static int loop_find_ports(scene *s, int in[SCENE_ACTS][3], double by[SCENE_ACTS
     }
     for (int i = 0; i < 3 && c->attitude.is; i++) {
       const scene_output turn = loop_axis(SCENE_ROTATION, c->attitude.body, c->attitude.node, i);
-      const scene_output gyro = loop_axis(SCENE_GYRO, c->attitude.gyro_body, c->attitude.gyro_node, i);
+      const scene_output gyro = loop_axis(SCENE_GYRO, c->attitude.body, c->attitude.gyro_node, i);
       const int port = plant_sensor(s, &turn), other = plant_sensor(s, &gyro);
       least = port < least ? port : other < least ? other : least;
     }
@@ -666,31 +666,36 @@ static int loop_add_sensor(const scene *s, int signal, const scene_output *o, do
 }
 
 /* Errors of attitude, of small turns d of the node about axes of the body: those of e are s (q_0 d - v x d), q = (q_0, v) the
-   turn to what is wanted and s its sign; those of rates are w. The sum of the two turns, of the body and of the node in it, is
-   that of small elastic ones. */
+   turn to what is wanted and s its sign; those of rates are w - o x d, o the rate that is wanted in these axes. The sum of the
+   two turns, of the body and of the node in it, is that of small elastic ones. */
 static int loop_add_attitude(scene *s, int k, const double *W)
 {
   const scene_control *const c = &s->control[k];
   const scene_attitude *const a = &c->attitude;
   const int state = plant_attitude(s, a->body), signal = loops.signal[k];
   fb_node_motion node;
-  fb_real q[4], wanted[4], rate[3], off[4], R[9], N[9];
+  fb_real q[4], wanted[4], rate[3], off[4], own[3], R[9], N[9];
   double references[2 * SCENE_TURNS];
   int there = state >= 0;
   if (control_attitude_at(q, &node, a->body, a->node) != FB_OK) {
     return loop_no_model(s, c, "attitude");
   }
   for (int i = 0; i < a->n_turn; i++) {
-    references[2 * i] = function_eval(&a->turn[i].f, &s->tables, 0, 0).value;
-    references[2 * i + 1] = 0;
+    const function_value f = function_eval(&a->turn[i].f, &s->tables, 0, timing.slack);
+    references[2 * i] = f.value;
+    references[2 * i + 1] = f.rate;
   }
   const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
   control_wanted(a, references, wanted, rate);
   fb_quat_mul(off, back, wanted);
+  fb_quat_to_mat33(R, off);
+  fb_mat33_mul_vec3(own, R, rate);
   const double by = off[0] < 0 ? -1 : 1, q0 = (double)off[0];
   const double v[3] = {(double)off[1], (double)off[2], (double)off[3]};
   const double J[9] = {q0, v[2], -v[1], -v[2], q0, v[0], v[1], -v[0], q0};
-  if (control_attitude_at(q, &node, a->gyro_body, a->gyro_node) != FB_OK) {
+  const double turning[9] = {
+      0, (double)own[2], -(double)own[1], -(double)own[2], 0, (double)own[0], (double)own[1], -(double)own[0], 0};
+  if (control_attitude_at(q, &node, a->body, a->gyro_node) != FB_OK) {
     return loop_no_model(s, c, "gyro");
   }
   fb_quat_to_mat33(R, q);
@@ -698,9 +703,11 @@ static int loop_add_attitude(scene *s, int k, const double *W)
   for (int i = 0; i < 9 && there; i++) {
     const fb_real M = R[i / 3] * N[i % 3] + R[3 + i / 3] * N[3 + i % 3] + R[6 + i / 3] * N[6 + i % 3];
     const scene_output turn = loop_axis(SCENE_ROTATION, a->body, a->node, i % 3);
-    const scene_output gyro = loop_axis(SCENE_GYRO, a->gyro_body, a->gyro_node, i % 3);
+    const scene_output gyro = loop_axis(SCENE_GYRO, a->body, a->gyro_node, i % 3);
     loops.C[loops.n * (signal + i / 3) + state + i % 3] += by * J[i];
+    loops.C[loops.n * (signal + 3 + i / 3) + state + i % 3] += turning[i];
     there = loop_add_sensor(s, signal + i / 3, &turn, by * J[i], W) &&
+            loop_add_sensor(s, signal + 3 + i / 3, &turn, turning[i], W) &&
             loop_add_sensor(s, signal + 3 + i / 3, &gyro, (double)M, W);
   }
   return there ? 0 : loop_no_model(s, c, "attitude");

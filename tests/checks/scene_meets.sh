@@ -776,6 +776,48 @@ attitude() {
 attitude 1 'proportional 2' 'derivative 5'
 attitude 3 'proportional 2 3 4' 'derivative 4 6 7' 'integral 0.1'
 attitude 9 'proportional 2 0.3 -0.1  -0.2 3 0.4  0.1 -0.3 4' 'derivative 4 0.5 0.2  0.3 6 -0.4  -0.1 0.2 7'
+# its loops about that start, which spins, far from what is wanted; this stands or turns at 0.05 rad/s
+# loops CASE RATE
+loops() {
+  IFS=, read -r difference phase_1 phase_2 phase_3 << END
+$(sed -n "s/^loops_$1,//p" tests/reference/p16_control.csv)
+END
+  meets << END
+duration 1
+interval 0.1
+step 0.01
+body b rigid
+  hub 7  0 0 0  3 4 5  0.2 -0.4 0.3
+  start_attitude x 70 y -40 z 200
+  start_spin 0.1 -0.05 0.08
+end
+allocation torques 3
+  load b base torque 1 0 0 gains 1 0 0
+  load b base torque 0 1 0 gains 0 1 0
+  load b base torque 0 0 1 gains 0 0 1
+end
+control c
+  sample 0.1
+  delay 0.03
+  attitude b
+  reference z 50 x -30
+  turn 0 3 0 ramp 10*$2 0 10
+  proportional 2 0.3 -0.1  -0.2 3 0.4  0.1 -0.3 4
+  derivative 4 0.5 0.2  0.3 6 -0.4  -0.1 0.2 7
+  output allocation torques
+end
+measure difference return_difference c
+measure phase_1 phase_margin c 1
+measure phase_2 phase_margin c 2
+measure phase_3 phase_margin c 3
+expect difference $difference tolerance 1e-8
+expect phase_1 $phase_1 tolerance 1e-8
+expect phase_2 $phase_2 tolerance 1e-8
+expect phase_3 $phase_3 tolerance 1e-8
+END
+}
+loops still 0
+loops turning 0.05
 # a shaper leaves a mass on a spring at rest at its new place, the half period no whole number of samples; zvd where its frequency
 # is wrong by 5 %, too, but for the square of that; of two modes both
 # shaped SHAPER TOLERANCE: after 8 s

@@ -1427,6 +1427,8 @@ control 13 "a shaper must be one of zv zvd, is zvdd" 'sample 0.1' 'shaper zvdd 1
 control 13 "7 Hz is not below half the frequency of the samples, 5 Hz" 'sample 0.1' 'shaper zv 7 0.1'
 control 13 "a mode of 1 Hz and the damping 1 does not swing: below 1" 'sample 0.1' 'shaper zv 1 1'
 control 13 "more than 4 modes" 'sample 0.1' 'shaper zv 1 0 1 0 1 0 1 0 1 0'
+control 13 "it shapes over more than 8191 samples: a faster mode, or a longer sample" 'sample 0.1' 'shaper zv 1e-9 0.1'
+control 13 "it shapes over more than 8191 samples" 'sample 0.1' 'shaper zv 1e-300 0.1'
 control 12 "sample must stand before attitude" 'attitude top'
 control 14 "attitude stands before the other lines but sample and delay" 'sample 0.1' 'input w' 'attitude top'
 control 14 "a controller of attitude has no input: it sees attitude and rate" 'sample 0.1' 'attitude top' 'input w'
@@ -1438,6 +1440,19 @@ control 14 "proportional wants 1 number, 3 of the axes or 9 of a matrix by rows,
 control 11 "controller c of attitude has neither proportional nor derivative" 'sample 0.1' 'attitude top' 'pid 1 0 0' 'output motor j 1'
 control 15 "controller c makes 3 commands, its output takes 1" 'sample 0.1' 'attitude top' 'proportional 1' 'output motor j 1'
 control 12 "no allocation has the name a" 'output allocation a'
+refuse 13 "this gyro is on body side, and attitude is that of top: both in axes of one body" << END
+duration 1
+interval 0.1
+$top
+body side rigid
+  hub 1  0 0 0  1 1 1
+end
+control c
+  sample 0.1
+  attitude top
+  gyro side
+  proportional 1
+END
 # allocations, from line 10 on
 # allocation LINE REASON LINE..: refused
 allocation() {

@@ -3,11 +3,12 @@
 # lqg: two disks on a shaft, a torque on the first one, the angle of each seen; the gains of a Kalman filter and of a regulator
 # by control.dlqe and dlqr, its table [A B; C D] in examples/scenes/lqg_control.csv (written with the argument --table).
 # attitude: a rigid body turned by the law of a quaternion, every sample by scipy.integrate.solve_ivp at 1e-12.
+# loops: its loops about that start, far from what is wanted, by differences of the same law.
 import sys
 
 import control
 import numpy as np
-from scipy import integrate, linalg
+from scipy import integrate, linalg, optimize
 from scipy.spatial.transform import Rotation
 
 from p13_margins import crossings
@@ -82,6 +83,55 @@ def attitude(P, D, ki):
     return tuple(np.roll(x, 1)) + tuple(w)
 
 
+def loops_of_attitude(P, D, rate):
+    """Return difference and phase margins of that body about its start, where what is wanted turns at `rate` rad/s about y of its
+    own: the errors of attitude and rate and the motion by central differences, in axes that turn on as at the start."""
+    J = np.array([[3, 0.2, -0.4], [0.2, 4, 0.3], [-0.4, 0.3, 5]])
+    start, wanted = (Rotation.from_euler('XYZ', [70, -40, 200], degrees=True),
+                     Rotation.from_euler('ZX', [50, -30], degrees=True))
+    spin, sample, late = np.array([0.1, -0.05, 0.08]), 0.1, 0.03
+
+    def motion(x):
+        turn, w = x[:3], spin + x[3:]
+        return np.concatenate([w - spin - np.cross(spin, turn), -np.linalg.solve(J, np.cross(w, J @ w))])
+
+    def command(x):
+        off = (start * Rotation.from_rotvec(x[:3])).inv() * wanted
+        return P @ off.as_quat(canonical=True)[:3] * 2 + D @ (off.apply([0, rate, 0]) - spin - x[3:])
+
+    def slope(f):
+        return np.array([(f(1e-5 * x) - f(-1e-5 * x)) / 2e-5 for x in np.eye(6)]).T
+
+    def hold(t):
+        E = linalg.expm(np.block([[slope(motion), np.vstack([np.zeros((3, 3)), np.linalg.inv(J)])],
+                                  [np.zeros((3, 9))]]) * t)
+        return E[:6, :6], E[:6, 6:]
+
+    K = slope(command)
+    before, after = hold(sample - late)[0] @ hold(late)[1], hold(sample - late)[1]
+    one = np.block([[hold(sample)[0], before], [np.zeros((3, 9))]])
+
+    def gain(w):
+        return -np.hstack([K, np.zeros((3, 3))]) @ np.linalg.solve(np.exp(1j * w * sample) * np.eye(9) - one,
+                                                                   np.vstack([after, np.eye(3)]))
+
+    def difference(w):
+        return np.linalg.svd(np.eye(3) + gain(w), compute_uv=False)[-1]
+
+    def loop(k):
+        rest = [i for i in range(3) if i != k]
+
+        def response(w):
+            L = gain(w)
+            return L[k, k] - L[k, rest] @ np.linalg.solve(np.eye(2) + L[np.ix_(rest, rest)], L[rest, k])
+        return crossings(response, sample)[2]
+
+    w = np.geomspace(0.01, 30, 3000)
+    at = w[np.argmin([difference(x) for x in w])]
+    least = optimize.minimize_scalar(difference, (at / 1.01, at, at * 1.01), tol=1e-10).fun
+    return (least, loop(0), loop(1), loop(2))
+
+
 def line(name, values):
     print(','.join([name] + ['%.12g' % x for x in values]))
 
@@ -95,8 +145,11 @@ def main():
     line('lqg', closed_lqg())
     line('attitude_1', attitude(2 * np.eye(3), 5 * np.eye(3), 0))
     line('attitude_3', attitude(np.diag([2.0, 3, 4]), np.diag([4.0, 6, 7]), 0.1))
-    line('attitude_9', attitude(np.array([[2, 0.3, -0.1], [-0.2, 3, 0.4], [0.1, -0.3, 4.0]]),
-                                np.array([[4, 0.5, 0.2], [0.3, 6, -0.4], [-0.1, 0.2, 7.0]]), 0))
+    P = np.array([[2, 0.3, -0.1], [-0.2, 3, 0.4], [0.1, -0.3, 4.0]])
+    D = np.array([[4, 0.5, 0.2], [0.3, 6, -0.4], [-0.1, 0.2, 7.0]])
+    line('attitude_9', attitude(P, D, 0))
+    line('loops_still', loops_of_attitude(P, D, 0))
+    line('loops_turning', loops_of_attitude(P, D, 0.05))
 
 
 if __name__ == '__main__':
