@@ -257,7 +257,7 @@ build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) $(TRACE:%=build/
 	$(if $(filter trace,$(TRACE)),$(CXX),$(CC)) $(CFLAGS) -o $@ $^ -lm
 
 build/tool/trace.o build/tool/trace_single.o: examples/tools/trace/trace.cpp build/flags | build/tool
-	$(CXX) -std=c++11 -O0 -w -I. -DFB_SINGLE=$(if $(findstring single,$@),1,0) -MMD -MP -c -o $@ $<
+	$(CXX) -std=c++11 -O0 -w -I. $(filter -D%,$(CFLAGS)) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -MMD -MP -c -o $@ $<
 
 build/tool/untraced.o: examples/tools/trace/untraced.c build/flags | build/tool
 	$(CC) $(QUICKLY) -c -o $@ $<
