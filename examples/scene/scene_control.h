@@ -374,6 +374,7 @@ static void scene_read_attitude(text_file *t, scene *s, scene_control *c)
   a->line = t->line;
   a->wanted[0] = 1;
   scene_read_node(t, s, &a->body, &a->node);
+  a->gyro_body = a->body;
   a->gyro_node = a->node;
   c->n_signal = LAW_IN;
   memset(b, 0, sizeof *b);
@@ -490,18 +491,12 @@ static void scene_read_signals(text_file *t, const scene *s, scene_control *c)
   c->n_signal = text_whole(t, "number of signals", 1, CONTROL_SIGNALS);
 }
 
-/* gyro NODE, of the same body: errors of attitude and rate are in the same axes */
 static void scene_read_gyro(text_file *t, scene *s, scene_control *c)
 {
-  int body = 0;
   if (!c->attitude.is) {
     text_fail(t, "gyro is that of attitude, whose line stands before");
   }
-  scene_read_node(t, s, &body, &c->attitude.gyro_node);
-  if (!t->failed && body != c->attitude.body) {
-    text_fail(t, "this gyro is on body %s, and attitude is that of %s: both in axes of one body", s->body[body].name,
-              s->body[c->attitude.body].name);
-  }
+  scene_read_node(t, s, &c->attitude.gyro_body, &c->attitude.gyro_node);
 }
 
 static void scene_read_control_line(text_file *t, scene *s, scene_control *c, const char *word)

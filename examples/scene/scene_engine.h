@@ -570,20 +570,33 @@ static void control_wanted(const scene_attitude *a, const double *r, fb_real qua
   }
 }
 
+/* The gyro, and what turns inertial axes to its own ones, and those from its body to the body of attitude. */
+static fb_status control_gyro_at(fb_real G[9], fb_node_motion *node, const scene_attitude *a)
+{
+  const fb_real *const q = engine.view.motion.pose[a->body].quat;
+  const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
+  fb_real gyro[4], between[4], off[4];
+  const fb_status status = control_attitude_at(gyro, node, a->gyro_body, a->gyro_node);
+  const fb_real own[4] = {gyro[0], -gyro[1], -gyro[2], -gyro[3]};
+  fb_quat_mul(between, back, engine.view.motion.pose[a->gyro_body].quat);
+  fb_quat_mul(off, between, own);
+  fb_quat_to_mat33(G, off);
+  return status;
+}
+
 /* Errors of attitude and rate, axes of the body: e = 2 vec(q^-1 q_wanted), by the shorter way, r = R w_wanted - w. */
 static fb_status control_see_attitude(const scene_attitude *a, const double *references, double v[6])
 {
   fb_node_motion node;
-  fb_real q[4], back[4], wanted[4], off[4], rate[3], R[9], own[3], seen[3];
+  fb_real q[4], wanted[4], off[4], rate[3], R[9], own[3], seen[3];
   fb_status status = control_attitude_at(q, &node, a->body, a->node);
   const fb_real inverse[4] = {q[0], -q[1], -q[2], -q[3]};
   control_wanted(a, references, wanted, rate);
   fb_quat_mul(off, inverse, wanted);
   fb_quat_to_mat33(R, off);
   fb_mat33_mul_vec3(own, R, rate);
-  status = status ? status : control_attitude_at(back, &node, a->body, a->gyro_node);
-  fb_quat_to_mat33(R, back);
-  fb_mat33_mulT_vec3(seen, R, node.angular_rate);
+  status = status ? status : control_gyro_at(R, &node, a);
+  fb_mat33_mul_vec3(seen, R, node.angular_rate);
   for (int i = 0; i < 3; i++) {
     v[i] = (off[0] < 0 ? -2 : 2) * (double)off[i + 1];
     v[i + 3] = (double)(own[i] - seen[i]);

@@ -625,7 +625,7 @@ static int loop_find_ports(scene *s, int in[SCENE_ACTS][3], double by[SCENE_ACTS
     }
     for (int i = 0; i < 3 && c->attitude.is; i++) {
       const scene_output turn = loop_axis(SCENE_ROTATION, c->attitude.body, c->attitude.node, i);
-      const scene_output gyro = loop_axis(SCENE_GYRO, c->attitude.body, c->attitude.gyro_node, i);
+      const scene_output gyro = loop_axis(SCENE_GYRO, c->attitude.gyro_body, c->attitude.gyro_node, i);
       const int port = plant_sensor(s, &turn), other = plant_sensor(s, &gyro);
       least = port < least ? port : other < least ? other : least;
     }
@@ -674,7 +674,7 @@ static int loop_add_attitude(scene *s, int k, const double *W)
   const scene_attitude *const a = &c->attitude;
   const int state = plant_attitude(s, a->body), signal = loops.signal[k];
   fb_node_motion node;
-  fb_real q[4], wanted[4], rate[3], off[4], own[3], R[9], N[9];
+  fb_real q[4], wanted[4], rate[3], off[4], own[3], R[9], N[9], M[9];
   double references[2 * SCENE_TURNS];
   int there = state >= 0;
   if (control_attitude_at(q, &node, a->body, a->node) != FB_OK) {
@@ -695,20 +695,22 @@ static int loop_add_attitude(scene *s, int k, const double *W)
   const double J[9] = {q0, v[2], -v[1], -v[2], q0, v[0], v[1], -v[0], q0};
   const double turning[9] = {
       0, (double)own[2], -(double)own[1], -(double)own[2], 0, (double)own[0], (double)own[1], -(double)own[0], 0};
-  if (control_attitude_at(q, &node, a->body, a->gyro_node) != FB_OK) {
+  if (control_gyro_at(R, &node, a) != FB_OK) {
     return loop_no_model(s, c, "gyro");
   }
-  fb_quat_to_mat33(R, q);
+  if (a->gyro_body != a->body && fb_vec3_dot(node.angular_rate, node.angular_rate) > 0) {
+    return loop_fail(s, c->line, "a gyro of another body than that of attitude", "has no linear model where it spins");
+  }
   fb_quat_to_mat33(N, node.quat);
+  fb_mat33_mul(M, R, N);
   for (int i = 0; i < 9 && there; i++) {
-    const fb_real M = R[i / 3] * N[i % 3] + R[3 + i / 3] * N[3 + i % 3] + R[6 + i / 3] * N[6 + i % 3];
     const scene_output turn = loop_axis(SCENE_ROTATION, a->body, a->node, i % 3);
-    const scene_output gyro = loop_axis(SCENE_GYRO, a->body, a->gyro_node, i % 3);
+    const scene_output gyro = loop_axis(SCENE_GYRO, a->gyro_body, a->gyro_node, i % 3);
     loops.C[loops.n * (signal + i / 3) + state + i % 3] += by * J[i];
     loops.C[loops.n * (signal + 3 + i / 3) + state + i % 3] += turning[i];
     there = loop_add_sensor(s, signal + i / 3, &turn, by * J[i], W) &&
             loop_add_sensor(s, signal + 3 + i / 3, &turn, turning[i], W) &&
-            loop_add_sensor(s, signal + 3 + i / 3, &gyro, (double)M, W);
+            loop_add_sensor(s, signal + 3 + i / 3, &gyro, (double)M[i], W);
   }
   return there ? 0 : loop_no_model(s, c, "attitude");
 }

@@ -157,7 +157,7 @@ typedef struct scene_allocation { /* of commands to actuators */
 
 typedef struct scene_attitude { /* what a controller of attitude sees and wants */
   int is, line;
-  int body, node, gyro_node;
+  int body, node, gyro_body, gyro_node;
   double wanted[4];
   int n_turn; /* one after the other, behind `wanted` */
   struct {

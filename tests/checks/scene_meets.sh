@@ -759,8 +759,8 @@ END
 attitude() {
   values=$(sed -n "s/^attitude_$1,//p" tests/reference/p16_control.csv)
   {
-    printf 'duration 12\ninterval 0.1\nstep 0.005\nbody b rigid\n  hub 7  0 0 0  3 4 5  0.2 -0.4 0.3\n'
-    printf '  start_attitude x 70 y -40 z 200\n  start_spin 0.1 -0.05 0.08\nend\nallocation torques 3\n'
+    printf 'duration 12\ninterval 0.1\nstep 0.005\nbody b rigid\n  hub %s  0.2 -0.4 0.3\n' "${hub:-7  0 0 0  3 4 5}"
+    printf '  start_attitude x 70 y -40 z 200\n  start_spin 0.1 -0.05 0.08\nend\n%b\nallocation torques 3\n' "$other"
     printf '  load b base torque 1 0 0 gains 1 0 0\n  load b base torque 0 1 0 gains 0 1 0\n  load b base torque 0 0 1 gains 0 0 1\nend\n'
     printf 'control c\n  sample 0.1\n  attitude b\n  reference z 50 x -30\n  turn 0 3 0 smooth 0.6 0 8\n'
     shift
@@ -773,9 +773,13 @@ attitude() {
   } > "$out/attitude.txt"
   meets < "$out/attitude.txt"
 }
+other=
 attitude 1 'proportional 2' 'derivative 5'
 attitude 3 'proportional 2 3 4' 'derivative 4 6 7' 'integral 0.1'
 attitude 9 'proportional 2 0.3 -0.1  -0.2 3 0.4  0.1 -0.3 4' 'derivative 4 0.5 0.2  0.3 6 -0.4  -0.1 0.2 7'
+# the same in two parts; the gyro is on the one that a rigid joint turns by a third of a turn
+hub='6  0 0 0  2 3 4' other='body r rigid\n  hub 1  0 0 0  1 1 1\nend\njoint k rigid b r\n  attitude x 90 z 90\nend'
+attitude 9 'gyro r' 'proportional 2 0.3 -0.1  -0.2 3 0.4  0.1 -0.3 4' 'derivative 4 0.5 0.2  0.3 6 -0.4  -0.1 0.2 7'
 # its loops about that start, which spins, far from what is wanted; this stands or turns at 0.05 rad/s
 # loops CASE RATE
 loops() {

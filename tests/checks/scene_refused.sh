@@ -1440,18 +1440,30 @@ control 14 "proportional wants 1 number, 3 of the axes or 9 of a matrix by rows,
 control 11 "controller c of attitude has neither proportional nor derivative" 'sample 0.1' 'attitude top' 'pid 1 0 0' 'output motor j 1'
 control 15 "controller c makes 3 commands, its output takes 1" 'sample 0.1' 'attitude top' 'proportional 1' 'output motor j 1'
 control 12 "no allocation has the name a" 'output allocation a'
-refuse 13 "this gyro is on body side, and attitude is that of top: both in axes of one body" << END
+refuse 14 "margins: a gyro of another body than that of attitude has no linear model where it spins" << END
 duration 1
-interval 0.1
-$top
-body side rigid
+body b rigid
   hub 1  0 0 0  1 1 1
+  start_spin 0 0 1
+end
+body r rigid
+  hub 1  0 0 0  1 1 1
+end
+joint k revolute b r
+end
+allocation a 3
+  motor k 1 gains 0 0 1
 end
 control c
   sample 0.1
-  attitude top
-  gyro side
+  attitude b
+  gyro r
   proportional 1
+  derivative 1
+  saturate 1
+  output allocation a
+end
+measure m pole_radius c
 END
 # allocations, from line 10 on
 # allocation LINE REASON LINE..: refused
