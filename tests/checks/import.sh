@@ -1,5 +1,5 @@
 #!/bin/sh
-# Blades of OpenFAST: every key is taken, told or refused. Finite-element models through examples/tools/import.py, by matrices and by
+# Blades and towers of OpenFAST: every key is taken, told or refused. Finite-element models through examples/tools/import.py, by matrices and by
 # Nastran's files (tests/checks/import.py): mass, inertia, first moments and frequencies of flexbeam's bodies are those of the models and
 # of closed forms, spinning ones stiffen as its own beams do; what is wrong is told. Matrices reduced by Craig and Bampton
 # (tests/checks/import_reduced.py) keep frequencies and the compliance at their interfaces. Files damaged at random, others each day, are refused
@@ -58,6 +58,48 @@ blade BldEdDmp1 '60,0 BldEdDmp1'
 blade_says 'blade.dat:7: 0 is no key' 2
 blade BlFract 'BlFract StrcTwist BMassDen FlpStff EdgStff'
 blade_says 'blade.dat:15: StrcTwist is no column of a blade' 2
+
+# towers: the same reader by other names
+cat > "$out/tower.dat" << 'END'
+------- ELASTODYN V1.00.* TOWER INPUT FILE -------------------------------------
+a title
+---------------------- TOWER PARAMETERS ----------------------------------------
+2 NTwInpSt - stations
+1 TwrFADmp(1) - percent
+1 TwrFADmp(2) - percent
+1 TwrSSDmp(1) - percent
+3 TwrSSDmp(2) - percent
+---------------------- TOWER ADJUSTMUNT FACTORS --------------------------------
+1 FAStTunr(1) - tuner
+1 FAStTunr(2) - tuner
+1 SSStTunr(1) - tuner
+1 SSStTunr(2) - tuner
+1.5 AdjTwMa - factor
+2 AdjFASt - factor
+1 AdjSSSt - factor
+---------------------- DISTRIBUTED TOWER PROPERTIES ----------------------------
+HtFract TMassDen TwFAStif TwSSStif
+(-) (kg/m) (Nm^2) (Nm^2)
+0 2000 1e11 4e11
+1 2000 1e11 4e11
+END
+tower() {
+  sed "s|$1|$2|" "$out/tower.dat" > "$out/tower_.dat"
+  status=0
+  build/flexbeam elastodyn "$out/tower_.dat" --length 80 --modes 2,2 > "$out/tower.txt" 2> "$out/log" || status=$?
+}
+tower none none
+blade_says 'damping of fore-aft 1 and 2, side to side 1 and 2 differs, 1, 1, 1 and 3 %: every mode has the mean$' 0
+try build/flexbeam analyse "$out/tower.txt" # 1.875104^2/(2 pi 80^2) sqrt(2e11/3000) = 0.71391 Hz, damped 0.71383; side to side sqrt 2 times that
+grep -q ' 0\.71383[0-9]*  *0\.015$' "$out/log" && grep -q ' 1\.0095[0-9]*  *0\.015$' "$out/log" || fail "tower: $(cat "$out/log")"
+try build/flexbeam elastodyn "$out/tower.txt" --shapes tower
+grep -q 'TwSSM2Sh(6)' "$out/log" || fail "tower: $(cat "$out/log")"
+tower 'AdjFASt' 'AdjFlSt'
+blade_says 'tower_.dat:15: AdjFlSt is no key of a tower file: value and key are wanted, of NTwInpSt, TwrFADmp' 2
+tower 'TMassDen' 'BMassDen'
+blade_says 'tower_.dat:18: BMassDen is no column of a tower: HtFract, TMassDen, TwFAStif, TwSSStif, and of older files TwGJStif' 2
+tower '^1 2000' '0.9 2000'
+blade_says 'tower_.dat:21: HtFract must end at 1; 2 rows were read, as NTwInpSt says' 2
 
 need python3 python3
 python=build/venv_nastran/bin/python
