@@ -16825,7 +16825,7 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
                                            const fb_input *start, const fb_input *middle, const fb_input *end,
                                            fb_real dt, int optional)
 {
-  const fb_input *const input[5] = {start, middle, middle, end, NULL};
+  const fb_input *const input[5] = {start, middle, middle, end, NULL}, *checked = NULL;
   const int large = (optional & FB_EFFECT_LARGE_DEFLECTION) != 0;
   const int n = optional & FB_EFFECT_ROTORS ? body->n_coordinate : body->n;
   const fb_state *at = &work->start;
@@ -16838,9 +16838,10 @@ static FBI_INLINE fb_status fbi_rk4_stages(fbi_line_work *line, const fb_body *b
   }
 
   for (int stage = 0; stage < 4; stage++) {
-    /* Rates; an input that repeats is checked once */
-    if (stage == 0 || input[stage] != input[stage - 1]) {
+    /* Rates; an input that repeats is checked once, NULL needs no check */
+    if (input[stage] != checked) {
       FBI_TRY(fbi_input_check(body, input[stage]));
+      checked = input[stage];
     }
     FBI_TRY(FB_KERNEL(fbi_rates_of(&work->rate, &k, body, at, input[stage], optional)));
 
