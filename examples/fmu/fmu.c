@@ -334,6 +334,7 @@ static int write_scene_sources(const fmu_export *e, const char *sources)
                                     "examples/scene/scene_rotor.h",
                                     "examples/scene/scene_run.h",
                                     "examples/scene/scene_seen.h",
+                                    "examples/scene/scene_shapes.h",
                                     "examples/scene/scene_time.h",
                                     "examples/scene/scene_wanted.h",
                                     "examples/fmu/fmu_variables.h",
