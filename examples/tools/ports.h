@@ -73,8 +73,10 @@ static int read_ports(void *ports, int *n, linear_value *names, const char *opti
 /* Writes the model, with the names as they were given, and tells of it: 0, or 2 after a message. */
 static int write_ports(linear_out *file, const linear_value *in, const linear_value *out, const char *name)
 {
-  for (int k = 0; k < FB_MAX_PORTS; k++) {
+  for (int k = 0; k < file->n_in; k++) {
     memcpy(file->in[k].name, in[k].name, sizeof in[k].name);
+  }
+  for (int k = 0; k < file->n_out; k++) {
     memcpy(file->out[k].name, out[k].name, sizeof out[k].name);
   }
   if (same_file(file->source, name)) {
