@@ -81,6 +81,9 @@ grep -q '^inertia about z 402' "$out/log" || fail "the inertia that a torque mee
   fail "tests/checks/fmu.py"
 }
 figures=$(tail -n 1 "$out/log")
+for version in 2 3; do # a scene has that name, too
+  try cp "$out/satellite$version.fmu" "$out/body$version.fmu"
+done
 "$python" tests/checks/fmu_scene.py "$out" "$out/reference" > "$out/log" 2>&1 || {
   cat "$out/log"
   fail "tests/checks/fmu_scene.py"

@@ -16,8 +16,8 @@ from ecospy import EcosSimulation, EcosSimulationStructure  # noqa: E402
 
 folder = Path(sys.argv[1])
 CASES = {  # output of the first that drives an input of the second, times 1; parameter of both
-    "satellite2": ("hub.rate[3]", "hub.torque[1]", "start.rate[3]", 0.25),
-    "satellite3": ("energy.strain", "", "settings.damping_scale", 0.5),
+    "body2": ("hub.rate[3]", "hub.torque[1]", "start.rate[3]", 0.25),
+    "body3": ("energy.strain", "", "settings.damping_scale", 0.5),
     "driven2": ("output.drive", "motor.root[1]", "parameter.push", 2.0),
     "driven3": ("output.drive", "motor.root[1]", "parameter.push", 2.0),
 }

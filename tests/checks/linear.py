@@ -174,7 +174,7 @@ for name, loop in loops.items():
         rows = [[float(x) for x in row[1:]] for row in list(csv.reader(file))[1:]]
     # a body that turns freely is two poles at z = 1, which the rounding of a sample moves by its root: near them nobody has 1e-9;
     # nor far below the circle of radius 1, where a response is a difference of larger numbers
-    for omega, _, _, re, im in [row for row in rows if row[0] > 0.1][::4]:
+    for omega, _, _, re, im, _ in [row for row in rows if row[0] > 0.1][::4]:
         meet('response of ' + name, complex(re, im), L(omega), max(abs(L(omega)), 0.01))
     gain, reduction, phase, late, radius = p13_margins.margins(*loop)
     with open('examples/scenes/%s_control.txt' % name) as file:
