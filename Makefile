@@ -256,8 +256,12 @@ TRACE := $(if $(shell command -v $(CXX)),trace trace_single,untraced)
 build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) $(TRACE:%=build/tool/%.o) build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
 	$(if $(filter trace,$(TRACE)),$(CXX),$(CC)) $(CFLAGS) -o $@ $^ -lm
 
-build/tool/trace.o build/tool/trace_single.o: examples/tools/trace/trace.cpp build/flags | build/tool
+build/tool/trace.o build/tool/trace_single.o: examples/tools/trace/trace.cpp build/tool/rows_text.h build/flags | build/tool
 	$(CXX) -std=c++11 -O0 -w -I. $(filter -D%,$(CFLAGS)) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -MMD -MP -c -o $@ $<
+
+# What of the library stands in what is written as it is: the choice of independent rows.
+build/tool/rows_text.h: flexbeam_impl.h | build/tool
+	sed -n '/^\/\* Scales of the pivots/,/^\/\* end of the choice of independent rows/p' $< | sed -e '$$d' -e 's/"/\\"/g' -e 's/.*/"&\\n"/' > $@
 
 build/tool/untraced.o: examples/tools/trace/untraced.c build/flags | build/tool
 	$(CC) $(QUICKLY) -c -o $@ $<

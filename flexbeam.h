@@ -3182,7 +3182,6 @@ typedef struct fbi_row {
   fb_row r;
   int end[2], joint, axis;
   fb_real wrench[2][6]; /* force, torque at each end, axes of its body */
-  int pushes;           /* it has a force, not torques alone */
   fb_real force_dot[2][3], torque_dot[2][3], b_dot;
   fb_real most; /* upper bound of its value without impulses */
 } fbi_row;
@@ -3205,8 +3204,8 @@ struct fb_system_work {
   fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
   fb_pose pose[FB_MAX_BODIES];
   fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];
-  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS];
-  int order[FB_MAX_ROWS], rank;
+  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS], angle[FB_MAX_ROWS];
+  int kind[FB_MAX_ROWS], order[FB_MAX_ROWS], rank;
   fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], T[6 * FB_MAX_BODIES * FB_MAX_SPEEDS];
   fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
   int perm[FB_MAX_SPEEDS];

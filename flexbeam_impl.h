@@ -49,6 +49,12 @@
 #ifndef FB_TRUNC /* towards zero */
 #define FB_TRUNC(x) ((fb_real)(int)(x))
 #endif
+#ifndef FB_SHORTCUT /* something is not computed where it would change nothing: a trace computes it always */
+#define FB_SHORTCUT(applies) (applies)
+#endif
+#ifndef FB_APART /* what branches on values: a trace takes it as it stands */
+#define FB_APART(function, w) function(w)
+#endif
 #ifndef FB_KERNEL /* a part of a step that is one function in what a trace writes */
 #define FB_KERNEL(call) (call)
 #endif
@@ -10235,12 +10241,6 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
   }
 }
 
-/* Are two rows of the same joint (or both the caller's), and both with a force or both without? */
-static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
-{
-  return a->pushes == b->pushes && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
-}
-
 /* Marks link k and those that carry it. */
 static void fbi_way_mark(fb_system_work *w, const fb_system *system, int k, int mark)
 {
@@ -10278,14 +10278,21 @@ static fb_status fbi_row_solve(fb_system_work *w, const fb_system *system, const
   return FB_OK;
 }
 
+/* What a row is: of a joint (of all of the caller's the same, below 0), with a force or with torques alone. */
+static int fbi_row_kind(const fbi_row *row)
+{
+  const fb_real *const a = row->r.force[0], *const b = row->r.force[1];
+  const int pushes = fb_vec3_dot(a, a) + fb_vec3_dot(b, b) > FB_R(0.0);
+  return row->joint >= 0 ? 2 * row->joint + pushes : pushes - 2;
+}
+
 /* Q = A M^-1 A^T by columns, one solution for a unit impulse on each row; w->column: upper bounds of its diagonal. */
 static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int m = w->n_row;
   fbi_rhs_clear(w, system, body);
   for (int r = 0; r < m; r++) {
-    const fb_real *a = w->row[r].r.force[0], *b = w->row[r].r.force[1];
-    w->row[r].pushes = fb_vec3_dot(a, a) + fb_vec3_dot(b, b) > FB_R(0.0);
+    w->kind[r] = fbi_row_kind(&w->row[r]);
     FBI_TRY(fbi_row_solve(w, system, body, r));
     for (int i = r; i < m; i++) {
       w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
@@ -10295,23 +10302,29 @@ static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, con
   return FB_OK;
 }
 
+/* Up to fbi_rows_apart: the choice of independent rows, which depends on values. It knows of w only n_row, kind, Q,
+   column, c and what it makes of them, in words of C: a trace writes its text as it stands (FB_APART). */
+
 /* Scales of the pivots, from the upper bounds of the diagonal in their place. What counts is an angle, not a mass: a
    row of a joint whose impulse moves its ends along it, to 1e-4 rad from across, has its own diagonal as scale. It may
    be smaller than the largest one of rows of the same kind at the same joint where it moves what is heavier, by up to
    10^4 (in single precision not: pivots would be round-off). Where the impulse moves the ends across the row, only
    errors of positions are left along it: the largest one is the scale, or infinity, and the row is left out. */
-static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
+static void fbi_rows_scale(fb_system_work *w)
 {
   const int m = w->n_row;
   const fb_real across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10), along = FB_SINGLE ? FB_R(1e-2) : FB_R(1e-4);
   const fb_real heavy = FB_SINGLE ? FB_R(1.0) : FB_R(1e-4);
+  fb_real *const scale = w->column;
   for (int i = 0; i < m; i++) {
     const fb_real own = w->Q[i * (m + 1)];
     fb_real largest = FB_R(0.0), fair;
     for (int r = 0; r < m; r++) {
-      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, w->Q[r * (m + 1)]) : largest;
+      const fb_real other = w->Q[r * (m + 1)];
+      largest = w->kind[i] == w->kind[r] && other > largest ? other : largest;
     }
-    fair = own > along * scale[i] && w->row[i].joint >= 0 ? fbi_larger(own, heavy * largest) : largest;
+    fair = own > heavy * largest ? own : heavy * largest;
+    fair = own > along * scale[i] && w->kind[i] >= 0 ? fair : largest;
     scale[i] = own > across * scale[i] ? fair : FB_HUGE;
   }
 }
@@ -10319,9 +10332,9 @@ static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
 /* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale.
    Among equals, such as parallel rows of two loops, the first: round-off would choose rows by chance, and with them how
    loops that are still open are closed. */
-static int fbi_rows_pivot(const fb_system_work *w, const fb_real *scale, int k)
+static int fbi_rows_pivot(const fb_system_work *w, int k)
 {
-  const fb_real equal = FB_SINGLE ? FB_R(1.001) : FB_R(1.000001);
+  const fb_real equal = FB_SINGLE ? FB_R(1.001) : FB_R(1.000001), *const scale = w->column;
   int best = k;
   for (int i = k + 1; i < w->n_row; i++) {
     const int a = w->order[i], b = w->order[best];
@@ -10349,24 +10362,47 @@ static void fbi_rows_eliminate(fb_system_work *w, int k)
   }
 }
 
-/* [E9.9] Q = A M^-1 A^T of the constraint rows and its pivoted Cholesky factors; rows that depend on others are left
-   out, w->rank of them remain. w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the
-   square of a row's distance from the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position
-   (single precision: 0.01 rad), the impulses would be dominated by the position errors of a stage.
-   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
-   Fails: never.  Test: redundant_loops_are_accepted. */
-static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+/* Multipliers mu: Q mu = -c on the independent rows, zero on the others. */
+static void fbi_rows_multipliers(fb_system_work *w)
 {
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8);
-  fb_real *scale = w->column;
-  FBI_TRY(fbi_rows_matrix(w, system, body));
-  fbi_rows_scale(scale, w);
+  const int m = w->n_row, n = w->rank;
+  fb_real *const y = w->column;
+  for (int k = 0; k < n; k++) {
+    const int r = w->order[k];
+    fb_real sum = FB_R(0.0);
+    for (int j = 0; j < k; j++) {
+      sum += w->L[r * m + j] * y[j];
+    }
+    y[k] = (-w->c[r] - sum) * w->diagonal[r];
+  }
+  for (int k = m - 1; k >= 0; k--) {
+    const int r = w->order[k];
+    fb_real sum = k < n ? y[k] : FB_R(0.0);
+    for (int i = k + 1; i < n; i++) {
+      sum -= w->L[w->order[i] * m + k] * w->mu[w->order[i]];
+    }
+    w->mu[r] = k < n ? sum * w->diagonal[r] : FB_R(0.0);
+  }
+}
+
+/* [E9.9] Pivoted Cholesky factors of Q = A M^-1 A^T; rows that depend on others are left out, w->rank of them remain.
+   w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the square of a row's distance from
+   the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position (single precision: 0.01 rad),
+   the impulses would be dominated by the position errors of a stage. w->angle: sine of the angle at which a row that is
+   left out stands to the others, -1 of the others. Then the multipliers.
+   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row^3/3 flops.
+   Fails: never.  Test: redundant_loops_are_accepted. */
+static void fbi_rows_apart(fb_system_work *w)
+{
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), *const scale = w->column;
+  fbi_rows_scale(w);
   for (int r = 0; r < w->n_row; r++) {
     w->order[r] = r;
     w->diagonal[r] = w->Q[r * (w->n_row + 1)];
+    w->angle[r] = -FB_R(1.0);
   }
   for (w->rank = 0; w->rank < w->n_row; w->rank++) {
-    const int k = w->rank, best = fbi_rows_pivot(w, scale, k), p = w->order[best];
+    const int k = w->rank, best = fbi_rows_pivot(w, k), p = w->order[best];
     if (!(w->diagonal[p] > tol * scale[p])) {
       break;
     }
@@ -10374,39 +10410,14 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     w->order[k] = p;
     fbi_rows_eliminate(w, k);
   }
-  return FB_OK;
-}
-
-/* w->diagonal of the rows that were left out becomes the sine of the angle at which they stand to the others, as long
-   as the scales are in w->column. */
-static void fbi_rows_angles(fb_system_work *w)
-{
   for (int k = w->rank; k < w->n_row; k++) {
     const int r = w->order[k];
-    const fb_real square = w->diagonal[r] / w->column[r];
-    w->diagonal[r] = FB_SQRT(fbi_larger(square, FB_R(0.0)));
+    const fb_real square = w->diagonal[r] / scale[r];
+    w->angle[r] = FB_SQRT(square > FB_R(0.0) ? square : FB_R(0.0));
   }
+  fbi_rows_multipliers(w);
 }
-
-/* Multipliers mu: Q mu = -c on the independent rows, zero on the others. */
-static void fbi_rows_multipliers(fb_system_work *w)
-{
-  const int m = w->n_row, n = w->rank;
-  fb_real *y = w->column;
-  fbi_zero(w->mu, m);
-  for (int k = 0; k < n; k++) {
-    const int r = w->order[k];
-    y[k] = (-w->c[r] - fbi_dot(w->L + r * m, y, k)) * w->diagonal[r];
-  }
-  for (int k = n - 1; k >= 0; k--) {
-    const int r = w->order[k];
-    fb_real sum = y[k];
-    for (int i = k + 1; i < n; i++) {
-      sum -= w->L[w->order[i] * m + k] * w->mu[w->order[i]];
-    }
-    w->mu[r] = sum * w->diagonal[r];
-  }
-}
+/* end of the choice of independent rows */
 
 /* Saves the right-hand side of all bodies; are there prescribed speeds in it? */
 static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_body *body)
@@ -10419,7 +10430,7 @@ static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_bod
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
     for (int i = 0; i < system->joint[k].n_axis && w->driven; i++) {
       const int drives = fbi_axis_mode(L, &system->joint[k], i) == FB_AXIS_PRESCRIBED;
-      given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
+      given |= drives && !FB_SHORTCUT(!(FB_FABS(L->p[i]) > FB_R(0.0)));
     }
   }
   return given;
@@ -10493,7 +10504,7 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
 }
 
 /* Do the rows that were left out of the factors hold, c + Q mu = 0? They may miss two things. Place: a row at the angle
-   w->diagonal from the others has that much of its speeds across them (E9.9); where loops are open, by a part of the
+   w->angle from the others has that much of its speeds across them (E9.9); where loops are open, by a part of the
    size of the system, their rows have other directions, by the opening over the shortest length, which in linkages of
    millimeters is a thousand times that part. Round-off, all that is left where a loop stands still: eps of the speeds
    without impulses and of what these add in each independent row, of which a row left out is a sum with factors up to
@@ -10505,18 +10516,21 @@ static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system 
   int worst;
   const fb_real open = FB_R(1000.0) * fbi_rows_miss(&worst, w, system);
   fbi_ends_move(w, system, body);
-  for (int k = w->rank; k < m; k++) {
-    const int r = w->order[k];
+  for (int r = 0; r < m; r++) {
     const fbi_row *row = &w->row[r];
-    const fb_real place = fbi_smaller(most, open + FB_R(10.0) * w->diagonal[r]);
-    fb_real miss = w->c[r], terms = row->most, drift;
+    const fb_real place = fbi_smaller(most, open + FB_R(10.0) * w->angle[r]);
+    fb_real miss = w->c[r], terms = row->most, drift, bound;
+    if (FB_SHORTCUT(w->angle[r] < FB_R(0.0))) {
+      continue;
+    }
     for (int i = 0; i < m; i++) {
       const fb_real term = w->Q[r * m + i] * w->mu[i];
       miss += term;
       terms += FB_FABS(term);
     }
     (void)fbi_row_drift(&drift, w, row, (const fb_real(*)[3])row->r.force);
-    if (FB_FABS(miss) > place * (fbi_row_size(row, w) + drift) + lost * FB_EPSILON * terms) {
+    bound = place * (fbi_row_size(row, w) + drift) + lost * FB_EPSILON * terms;
+    if (FB_FABS(miss) > FB_BELOW(w->angle[r], FB_R(0.0), FB_HUGE, bound)) {
       w->joint = row->joint;
       return FB_ERR_CONTRADICTION;
     }
@@ -10528,12 +10542,9 @@ static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system 
    out. */
 static fb_status fbi_impulses_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int judge)
 {
-  FBI_TRY(fbi_rows_factor(w, system, body));
-  judge = w->rank < w->n_row && judge; /* the rank first: a step's work depends on no value */
-  if (judge) {
-    fbi_rows_angles(w);
-  }
-  fbi_rows_multipliers(w);
+  FBI_TRY(fbi_rows_matrix(w, system, body));
+  FB_APART(fbi_rows_apart, w);
+  judge = !FB_SHORTCUT(w->rank == w->n_row) && judge; /* the rank first: a step's work depends on no value */
   fbi_rhs_push(w, system, body);
   FBI_TRY(fbi_speeds_solve(w, system, body));
   return judge ? fbi_rows_check(w, system, body) : FB_OK;
@@ -10552,7 +10563,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   FBI_TRY(fbi_links_solve(w, system, body, FBI_ENDS));
   fbi_ends_move(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
-    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
+    given |= !FB_SHORTCUT(!(FB_FABS(w->c[r]) > FB_R(0.0))); /* no shortcut if zero: the work must not depend on values */
     w->c[r] += fbi_row_eval(&w->row[r], w);
   }
   for (int r = 0; r < w->n_row && given && check; r++) {
@@ -12124,7 +12135,7 @@ static void fbi_free_momenta_restore(fb_system_state *state, const fb_system_sta
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
-  fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
+  fb_status status = FB_KERNEL(fbi_system_velocity(w, system, body, state, modes, input, 0));
   if (status == FB_OK &&
       !w->repeats) { /* refuses rows of the caller that change in number; of a step its stages have */
     status = fbi_rows_rate(w, system, body, input);
@@ -12984,7 +12995,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   /* velocities and momenta */
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
+  status = status == FB_OK ? FB_KERNEL(fbi_system_velocity(work, system, body, state, state, input, 0)) : status;
   status = status == FB_OK ? fbi_rows_rate(work, system, body, input) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     fbi_link_momenta(&work->link[k], fbi_model(system, body, k), 0);
@@ -13270,7 +13281,7 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
   /* velocities */
   FBI_TRY(fbi_system_input_check(system, body, input));
   fbi_system_enter(work, system);
-  FBI_TRY(fbi_system_velocity(work, system, body, state, state, input, 0));
+  FBI_TRY(FB_KERNEL(fbi_system_velocity(work, system, body, state, state, input, 0)));
 
   /* bodies, springs of joints */
   for (int k = 0; k < system->n_body; k++) {
@@ -18793,14 +18804,15 @@ static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k
   return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* Start of a step of free roots without constraints, at the first velocities: angular momentum in body axes. */
-static void fbi_own_begin(fb_system_work *w, const fb_system *system)
+/* Start of a step of free roots without constraints: angular momentum in body axes. */
+static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
 {
   w->owns = 1;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    if (L->joint->kind == FB_JOINT_FREE) {
-      fbi_vec3_copy(L->own_start, L->p + 3);
+    if (system->joint[k].kind == FB_JOINT_FREE) {
+      fb_quat_to_mat33(L->k.R, state->link[k].quat);
+      fb_mat33_mulT_vec3(L->own_start, L->k.R, state->link[k].p + 3);
       fbi_vec3_copy(L->own, L->own_start);
       fbi_vec3_zero(L->own_sum);
     }
@@ -19038,8 +19050,10 @@ static fb_real fbi_drive_change(const fb_joint *joint, int i, fb_real from, fb_r
 {
   const fbi_joint_traits *const is = fbi_traits(joint);
   const fb_real change = FB_FABS(to - from), turn = FB_R(6.283185307179586477);
-  const int turns = (i == is->angle || i == is->tilt) && !is->pitched && change < FB_R(1e6);
-  return turns ? FB_FABS(change - turn * (fb_real)(long)(change / turn + FB_R(0.5))) : change;
+  if ((i == is->angle || i == is->tilt) && !is->pitched) {
+    return FB_FABS(change - turn * FB_TRUNC(FB_BELOW(change, FB_R(1e6), change / turn + FB_R(0.5), FB_R(0.0))));
+  }
+  return change;
 }
 
 /* Does a prescribed value stay as it is over a step while its rates at both ends go the same way, and by more than the
@@ -19051,6 +19065,8 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
   const fb_drive *const a = at[0], *const b = at[2], *const middle = at[1] ? at[1] : a;
   const fb_real from = a->value[i], to = b->value[i], ra = a->rate[i], rb = b->rate[i];
   const fb_real rounding = FB_EPSILON * FB_FABS(to);
+  const fb_real way = FB_BELOW(FB_R(0.0), ra, FB_R(1.0), -FB_R(1.0)) * FB_BELOW(FB_R(0.0), rb, FB_R(1.0), -FB_R(1.0));
+  const fb_real still = FB_BELOW(FB_R(0.0), FB_FABS(to - from), FB_R(0.0), way * dt); /* times the rates: moved without */
   const fb_real fastest = fbi_larger(FB_FABS(middle->rate[i]), fbi_larger(FB_FABS(ra), FB_FABS(rb)));
   const fb_real most = FB_R(2.0) * dt * fastest +
                        FB_R(8.0) * (FB_EPSILON + fbi_larger(rounding, x ? FB_EPSILON * FB_FABS(x[i]) : rounding));
@@ -19059,8 +19075,7 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
   if (!fbi_is_finite(given, 6)) {
     return FB_ERR_NOT_FINITE;
   }
-  if (from == to && (ra > FB_R(0.0)) == (rb > FB_R(0.0)) && dt * FB_FABS(ra) > rounding &&
-      dt * FB_FABS(rb) > rounding) {
+  if (still * fbi_smaller(FB_FABS(ra), FB_FABS(rb)) > rounding) {
     return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
                          "joint: rate of a prescribed axis whose value does not change in the step, equal to",
                          joint->child, rb, FB_R(0.0), (fb_real)i);
@@ -19077,16 +19092,19 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
                                       joint->child, jump, most, (fb_real)i);
 }
 
-/* The same of all joints, if the step is one. */
+/* The same of all joints, if the step is one, for the inputs at its start, middle (if there is an inner one) and end. */
 static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
-                                               const fb_system_input *start, const fb_system_input *middle,
-                                               const fb_system_input *end, fb_real dt)
+                                               const fb_system_input *const input[3], int inner, fb_real dt)
 {
-  const int varies = start && end && start != end && dt > FB_R(0.0) && dt < FB_HUGE;
+  static const fb_drive still = {{FB_R(0.0)}, {FB_R(0.0)}, {FB_R(0.0)}, {FB_R(0.0)}}; /* of NULL */
+  const int varies = input[0] != input[2] && dt > FB_R(0.0) && dt < FB_HUGE;
   fb_status status = FB_OK;
   for (int j = 0; j < system->n_body + system->n_loop && varies && status == FB_OK; j++) {
     const fb_joint *const joint = &system->joint[j];
-    const fb_drive *const at[3] = {&start->drive[j], middle ? &middle->drive[j] : NULL, &end->drive[j]};
+    const fb_drive *at[3];
+    for (int k = 0; k < 3; k++) {
+      at[k] = k == 1 && !inner ? NULL : input[k] ? &input[k]->drive[j] : &still;
+    }
     for (int i = 0; i < (fbi_is_ball(joint->kind) ? 0 : joint->n_axis) && status == FB_OK; i++) {
       if (state->mode[j][i] == FB_AXIS_PRESCRIBED) {
         status = fbi_drive_check(joint, fbi_is_loop(system, j) ? NULL : state->link[j].x, i, at, dt);
@@ -19105,7 +19123,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt)
 {
-  const fb_system_input *input[4];
+  const fb_system_input *const given[3] = {start, middle, end}, *input[4];
   int floating, owns;
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   fbi_step_enter(work, system, body, state);
@@ -19118,8 +19136,11 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   owns = floating && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
-  FBI_TRY(fbi_drives_check(work, system, state, start, middle, end, dt));
+  FBI_TRY(FB_KERNEL(fbi_drives_check(work, system, state, given, 1, dt)));
   fbi_system_clear(&work->sum, system, body);
+  if (owns) {
+    fbi_own_begin(work, system, state);
+  }
   for (int stage = 0; stage < 4; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
 
@@ -19134,9 +19155,6 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       work->clock = dt * fbi_rk4_node[stage - 1];
     }
     FBI_TRY(FB_KERNEL(fbi_system_rates(work, system, body, &work->rate, at, state, input[stage])));
-    if (stage == 0 && owns) {
-      fbi_own_begin(work, system);
-    }
 
     /* Step limit at the start, rotation at every stage */
     if (stage == 0 && !system->allow_long_step) {
@@ -19518,7 +19536,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   FBI_TRY(fbi_system_step_check(system, body, start, dt));
   FBI_TRY(fbi_system_step_check(system, body, end, dt));
   if (start != end) {
-    FBI_TRY(fbi_drives_check(work, system, state, start, NULL, end, dt));
+    const fb_system_input *const at[3] = {start, NULL, end};
+    FBI_TRY(FB_KERNEL(fbi_drives_check(work, system, state, at, 0, dt)));
     FBI_TRY(fbi_system_between(&work->between, system, start, end, c));
     first = &work->between;
   }

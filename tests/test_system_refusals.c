@@ -535,6 +535,14 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
       state = kept;
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &in[0], &in[2], (fb_real)dt, 3),
                  FB_ERR_CONTRADICTION); /* which goes straight from the one to the other */
+      for (int left_out = 0; left_out < 3; left_out++) { /* NULL is an input of zeros: away at once and back */
+        const fb_system_input *at[3] = {&in[0], &in[1], &in[2]};
+        at[left_out] = NULL;
+        state = kept;
+        FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, at[0], at[1], at[2], (fb_real)dt),
+                   FB_ERR_CONTRADICTION);
+        FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
+      }
       for (int k = 0; k < 3; k++) {
         in[k].drive[1].value[0] += k < 2 ? FB_R(0.1) : FB_R(0.1) + (fb_real)(8 * atan(1.0));
       }

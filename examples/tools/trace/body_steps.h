@@ -24,6 +24,7 @@ struct body_function : subject {
   body_function(const trace_choice *choice, const fb_body &of, kind which, int at) : body(of), is(which), node(at)
   {
     static const char *const when[3] = {"start->", "middle->", "end->"};
+    reads = is >= MOTION;
     fb_state_init(&body, &now);
     std::memset(&acts, 0, sizeof acts);
     std::memset(&motion, 0, sizeof motion);

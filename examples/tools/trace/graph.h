@@ -70,6 +70,7 @@ struct graph {
   std::vector<number> arguments; /* of the parent */
   std::unordered_map<std::uint64_t, int> captured;
   std::map<int, int> results; /* its node: that of the parent */
+  std::vector<int> apart;     /* kinds of rows: its results come of the library's own text (apart.h) */
 };
 
 struct recording {
@@ -82,6 +83,11 @@ struct recording {
 };
 
 static recording R;
+
+bool is_recording()
+{
+  return R.on;
+}
 
 static graph &here()
 {
@@ -399,7 +405,12 @@ static void contents_of(std::vector<std::vector<std::uint64_t>> &all, const reco
       own[i] = all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d][(std::size_t)n.b.d];
     } else if (n.op == 'i' && graph_at > 0) {
       const number a = g.arguments[(std::size_t)n.a.d];
-      own[i] = all[(std::size_t)g.parent][(std::size_t)node_of(a)];
+      own[i] = node_of(a) ? all[(std::size_t)g.parent][(std::size_t)node_of(a)] : bits(a);
+    } else if (n.op == 'o') { /* of all arguments */
+      own[i] = bits(n.a);
+      for (int k = 1; k <= g.n_input; k++) {
+        own[i] = mixed(own[i], own[(std::size_t)k]);
+      }
     } else {
       own[i] = mixed(mixed(mixed((std::uint64_t)n.op, of(n.a)), of(n.b)), of(n.c));
     }
@@ -433,6 +444,8 @@ static std::vector<std::uint64_t> gist(const recording &r, const std::vector<num
   return list;
 }
 
+static void rows_values(std::vector<double> &out, const std::vector<int> &kind, const std::vector<double> &in);
+
 /* The values of all nodes of a graph at other inputs; returns the status of the first guard that does not hold, 0: all
    do. */
 static int values_at(std::vector<std::vector<double>> &all, int graph_at, const std::vector<double> &inputs)
@@ -442,6 +455,11 @@ static int values_at(std::vector<std::vector<double>> &all, int graph_at, const 
   auto at = [&](number a) { return node_of(a) ? v[(std::size_t)node_of(a)] : a.d; };
   std::size_t next = 0;
   v.assign(g.nodes.size(), 0.0);
+  if (!g.apart.empty()) {
+    rows_values(v, g.apart, inputs);
+    v.insert(v.begin(), 1 + inputs.size(), 0.0);
+    return 0;
+  }
   for (std::size_t i = 1; i <= g.nodes.size(); i++) {
     for (; next < g.guards.size() && g.guards[next].after < (int)i; next++) {
       const guard &c = g.guards[next];

@@ -81,10 +81,12 @@ inline number number_of(int graph, int node)
 
 /* What operations are called in the graph: + - * / as they are, n -a, q sqrt, s sin, c cos, t atan2, f fabs, e exp,
    z towards zero, < 1 where a < b, else 0; ? b where a is not zero, else c; i input a; k the call of kernel a, r result b
-   of call a. */
+   of call a, o result a of what is not traced (apart.h). */
 number apply(char op, number a, number b = number(0));
 number select(char relation, number a, number b, number yes, number no); /* yes where a < b, else no: no branch */
 bool ask(char relation, number a, number b);                             /* a branch: <, l for <=, = */
+bool is_recording();
+void apart(void *work); /* fbi_rows_apart */
 void kernel_begin(const char *call);
 void kernel_end();
 
@@ -172,5 +174,7 @@ inline bool operator!=(number a, number b)
 #define FB_EXP(x) trace::apply('e', x)
 #define FB_TRUNC(x) trace::apply('z', x)
 #define FB_BELOW(x, y, yes, no) trace::select('<', x, y, yes, no)
+#define FB_SHORTCUT(applies) (!trace::is_recording() && (applies))
+#define FB_APART(function, work) trace::apart(work)
 #define FB_KERNEL(call) trace::kernel(#call, [&] { return call; })
 #endif

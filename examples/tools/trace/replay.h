@@ -19,6 +19,7 @@ struct subject {
   std::vector<int> quaternion;                       /* where in the state one begins */
   std::vector<std::pair<int, const fb_body *>> bent; /* where in the state q of a body begins */
   std::uint32_t seed = 1;
+  bool reads = false; /* what it says of a state is part of what the library does: it does not check the rest */
 
   virtual ~subject()
   {

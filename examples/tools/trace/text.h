@@ -2,7 +2,7 @@
    the rest stands where it is used. */
 #ifndef TRACE_TEXT_H
 #define TRACE_TEXT_H
-#include "graph.h"
+#include "given.h"
 #include <cstdio>
 #include <functional>
 
@@ -25,11 +25,17 @@ struct writer {
   std::function<std::string(int)> status;      /* its name */
   std::vector<std::string> names;              /* of the inputs */
   std::map<std::uint64_t, kernel_text> kernel; /* by their kind */
+  std::vector<std::string> pointer;            /* of inputs that may not be given: what is true where they are */
+  std::vector<unsigned> given;                 /* by input, bits of these */
+  quiet_kernels quiet;
+  std::map<std::string, std::string> only_if; /* kernels that a condition on pointers belongs to */
   bool settled = false; /* all results are known before the first is written: it may stand where an input does */
   const graph *of_graph;
   std::vector<int> uses;
   std::vector<std::string> text; /* of each node, once it is known */
-  int n_temporary, n_call;
+  std::vector<unsigned> zero;    /* inputs without which it is zero */
+  std::vector<char> outlasts;    /* 1: of a block of what is given, and used outside */
+  int n_temporary, n_call, indent = 2;
 
   std::string constant(double x) const
   {
@@ -91,23 +97,50 @@ struct writer {
 
   void line(const std::string &s) const
   {
-    std::size_t at = 0, indent = 2;
-    while (s.size() - at > 118 - indent) { /* break behind a space */
-      std::size_t end = s.rfind(' ', at + 118 - indent);
+    std::size_t at = 0, column = (std::size_t)indent;
+    while (s.size() - at > 118 - column) { /* break behind a space */
+      std::size_t end = s.rfind(' ', at + 118 - column);
       end = end == std::string::npos || end <= at ? s.find(' ', at) : end;
       if (end == std::string::npos) {
         break;
       }
-      std::fprintf(out, "%*s%s\n", (int)indent, "", s.substr(at, end - at).c_str());
+      std::fprintf(out, "%*s%s\n", (int)column, "", s.substr(at, end - at).c_str());
       at = end + 1;
-      indent = s.compare(0, 2, "  ") == 0 ? 8 : 6;
+      column = (std::size_t)indent + (s.compare(0, 2, "  ") == 0 ? 6 : 4);
     }
-    std::fprintf(out, "%*s%s\n", (int)indent, "", s.substr(at).c_str());
+    std::fprintf(out, "%*s%s\n", (int)column, "", s.substr(at).c_str());
   }
 
   std::string temporary()
   {
     return "t" + std::to_string(n_temporary++);
+  }
+
+  /* Any of these inputs is given. */
+  std::string any_given(unsigned bits) const
+  {
+    std::string s;
+    for (std::size_t i = 0; i < pointer.size(); i++) {
+      s += bits >> i & 1u ? (s.empty() ? "" : " || ") + pointer[i] : "";
+    }
+    return s;
+  }
+
+  /* Whether a kernel computes what acts: what it has for sure to be told. */
+  std::string acts(const graph &inner) const
+  {
+    const auto found = quiet.find(inner.kind);
+    if (found == quiet.end() || found->second.node.empty()) {
+      return "";
+    }
+    for (std::size_t i = 0; i < inner.arguments.size(); i++) {
+      const number a = inner.arguments[i];
+      if (found->second.argument[i] && !zero[(std::size_t)node_of(a)] && !is(a, 0.0)) {
+        return ", 1";
+      }
+    }
+    const std::string s = any_given(inputs_of_call(inner, quiet, zero));
+    return ", " + (s.empty() ? "0" : s);
   }
 
   /* The call of a kernel, whose results stand in r1, r2, .. */
@@ -120,14 +153,15 @@ struct writer {
     for (number a : inner.arguments) {
       arguments += (arguments.empty() ? "" : ", ") + of(a);
     }
+    const auto condition = only_if.find(inner.name);
     text[(std::size_t)i] = results;
     line(real + " " + results + "[" + std::to_string(k.results.empty() ? 1 : k.results.size()) + "];");
-    line("{");
+    line(condition == only_if.end() ? "{" : "if (" + condition->second + ") {");
     if (!inner.arguments.empty()) {
       line("  const " + real + " a[" + std::to_string(inner.arguments.size()) + "] = {" + arguments + "};");
     }
     line("  const " + name + "_status status = " + k.name + "(" + results +
-         (inner.arguments.empty() ? ", NULL);" : ", a);"));
+         (inner.arguments.empty() ? ", NULL" : ", a") + acts(inner) + ");");
     line("  if (status != " + name + "_ok) {");
     line("    return status;");
     line("  }");
@@ -154,6 +188,10 @@ struct writer {
     }
     s = expression(n);
     const bool plain = std::strchr("qscfet", n.op) != nullptr;
+    if (outlasts[(std::size_t)i]) {
+      line(text[(std::size_t)i] + " = " + s + ";");
+      return;
+    }
     if (std::strchr("<l=", n.op) || (uses[(std::size_t)i] == 1 && s.size() < LONGEST)) {
       text[(std::size_t)i] = plain ? s : "(" + s + ")";
       return;
@@ -175,6 +213,58 @@ struct writer {
     }
     line("  return " + status(c.status) + ";" + (c.what.empty() ? "" : " /* " + c.what + " */"));
     line("}");
+  }
+
+  void mark_outlasting(const std::vector<item> &items, const std::vector<number> &results)
+  {
+    const graph &g = *of_graph;
+    std::vector<int> block(g.nodes.size(), 0);
+    outlasts.assign(g.nodes.size(), 0);
+    auto use = [&](number a, int at) {
+      const int own = block[(std::size_t)node_of(a)];
+      outlasts[(std::size_t)node_of(a)] |= own != 0 && own != at;
+    };
+    for (const item &now : items) {
+      if (now.check) {
+        use(g.guards[(std::size_t)now.at].a, now.block), use(g.guards[(std::size_t)now.at].b, now.block);
+        continue;
+      }
+      const node &n = g.nodes[(std::size_t)now.at];
+      block[(std::size_t)now.at] = now.block;
+      if (n.op == 'k') {
+        for (number a : R.all[(std::size_t)n.a.d].arguments) {
+          use(a, 0);
+        }
+      } else if (n.op != 'i' && n.op != 'r') {
+        use(n.a, now.block), use(n.b, now.block), use(n.c, now.block);
+      }
+    }
+    for (number r : results) {
+      use(r, 0);
+    }
+  }
+
+  void begin_block(const std::vector<item> &items, const item &first)
+  {
+    if (first.block == 0) {
+      return;
+    }
+    for (const item &other : items) {
+      if (other.block == first.block && !other.check && outlasts[(std::size_t)other.at]) {
+        text[(std::size_t)other.at] = temporary();
+        line(real + " " + text[(std::size_t)other.at] + " = 0;");
+      }
+    }
+    line("if (" + any_given(first.bits) + ") {");
+    indent += 2;
+  }
+
+  void end_block(int block)
+  {
+    if (block != 0) {
+      indent -= 2;
+      line("}");
+    }
   }
 
   /* Results of a graph to `to`, with statements of all that they need. */
@@ -207,17 +297,23 @@ struct writer {
         use(c.a), use(c.b);
       }
     }
-    std::size_t next = 0;
-    for (std::size_t i = 1; i <= live.size(); i++) {
-      for (; next < g.guards.size() && g.guards[next].after < (int)i; next++) {
-        if (g.guards[next].status != 0) {
-          check(g.guards[next]);
-        }
+    zero = zero_without(g, given, quiet);
+    const order_of_items order(g, live, zero);
+    mark_outlasting(order.items, of_results);
+    int block = 0;
+    for (const item &now : order.items) {
+      if (now.block != block) {
+        end_block(block);
+        begin_block(order.items, now);
+        block = now.block;
       }
-      if (i < live.size() && live[i]) {
-        statement((int)i);
+      if (now.check) {
+        check(g.guards[(std::size_t)now.at]);
+      } else {
+        statement(now.at);
       }
     }
+    end_block(block);
     for (number r : of_results) {
       std::string &own = text[(std::size_t)node_of(r)];
       if (settled && node_of(r) && own[0] != 't' && own[0] != 'r') {

@@ -506,9 +506,6 @@ static const char *refusal(const trace_model *model)
       return "effects large: loops over the points of lines are not written; choose effects up to full";
     }
   }
-  if (system && system->n_loop > 0) {
-    return "loops: the choice of independent rows branches on the state; open the loop by a joint of springs";
-  }
   return system && system->method != FB_METHOD_RECURSIVE ? "method: choose recursive" : nullptr;
 }
 
@@ -594,6 +591,9 @@ extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_mo
   std::unique_ptr<trace::subject> s;
   if (refused) {
     return trace::fail(text, refused);
+  }
+  if (model->system && ((const fb_system *)model->system)->n_loop > 0) {
+    return trace::fail(text, "loops: the choice of independent rows has no derivative; open the loop by a joint of springs");
   }
   if (model->system) {
     s.reset(new trace::tree(choice, model));

@@ -54,6 +54,12 @@ struct tree_model {
     return system.joint[k].kind == FB_JOINT_FREE;
   }
 
+  /* Have prescribed axes of a joint values? */
+  bool has_value(int k) const
+  {
+    return system.joint[k].kind != FB_JOINT_SPHERICAL && !is_root(k);
+  }
+
   /* Axes of a joint of that mode; a free one has none. */
   int count(int k, fb_axis_mode mode) const
   {
@@ -85,6 +91,7 @@ struct tree_function : subject {
       : tree(of), is(which), part(body), node(at)
   {
     static const char *const when[3] = {"start->", "middle->", "end->"};
+    reads = is != STEP;
     now = tree.start;
     std::memset(&acts, 0, sizeof acts);
     std::memset(work.get(), 0, sizeof *work);
@@ -199,6 +206,9 @@ struct tree_function : subject {
           add(input, &in.drive[k].torque[i], 1, to + "motor" + axis);
         } else if (tree.start.mode[k][i] == FB_AXIS_PRESCRIBED) {
           add(input, &in.drive[k].rate[i], 1, to + "rate" + axis);
+          if (tree.has_value(k)) {
+            add(input, &in.drive[k].value[i], 1, to + "value" + axis);
+          }
         }
       }
       for (int j = 0; j < own.n_rotor; j++) {
@@ -219,6 +229,7 @@ struct tree_function : subject {
   fb_status eval(int, std::vector<entry> &results) override
   {
     const fb_body *const body = &tree.body[0];
+    std::memset(work.get(), 0, sizeof *work); /* no numbers of another recording */
     next = now;
     switch (is) {
     case STEP:
@@ -260,13 +271,44 @@ struct tree_function : subject {
     return FB_OK;
   }
 
+  /* Prescribed values that go with their rates, from where the state has them. */
+  void steer()
+  {
+    for (int k = 0; k < tree.system.n_body; k++) {
+      for (int i = 0; i < 3 && tree.has_value(k); i++) {
+        for (int at = 0; at < 3 && tree.start.mode[k][i] == FB_AXIS_PRESCRIBED; at++) {
+          acts[at].drive[k].rate[i] = acts[0].drive[k].rate[i];
+          acts[at].drive[k].value[i] = now.link[k].x[i] + 0.5 * at * dt * acts[0].drive[k].rate[i];
+        }
+      }
+    }
+  }
+
+  /* The library's own steps under random loads, from the start: loops stay closed. */
+  fb_status move(double size)
+  {
+    fb_system_limit limit;
+    now = tree.start;
+    for (int k = 0; k < 12; k++) {
+      for (const entry &e : input) {
+        *e.at = e.name.compare(0, 7, "state->") == 0 ? *e.at : number(size * random());
+      }
+      FBI_TRY(fb_system_limit_eval(&tree.system, &tree.body[0], work.get(), &limit, &now, &acts[0]));
+      dt = std::fmin(0.5 * (double)limit.rk4, 0.05);
+      steer();
+      FBI_TRY(fb_system_rk4_step(&tree.system, &tree.body[0], &now, work.get(), &acts[0], &acts[1], &acts[2], dt));
+    }
+    return FB_OK;
+  }
+
   fb_status wander(double size) override
   {
     fb_system_limit limit;
     for (const entry &e : input) {
       *e.at = 0.1 * size * random();
     }
-    FBI_TRY(wander_links(*this, tree.system, &tree.body[0], now, tree.start, size));
+    FBI_TRY(tree.system.n_loop > 0 ? move(size)
+                                   : wander_links(*this, tree.system, &tree.body[0], now, tree.start, size));
     if (is == NODE) {
       fb_real quat[4] = {1.0, 0.3 * random(), 0.3 * random(), 0.3 * random()};
       FBI_TRY(fb_quat_normalize(quat));
@@ -288,6 +330,7 @@ struct tree_function : subject {
     if (is == STEP) {
       FBI_TRY(fb_system_limit_eval(&tree.system, &tree.body[0], work.get(), &limit, &now, &acts[0]));
       dt = (0.05 + 0.45 * std::fabs(random())) * std::fmin((double)limit.rk4, 0.1);
+      steer();
     }
     return FB_OK;
   }
@@ -309,11 +352,6 @@ static std::string tree_refusal(const trace_choice *choice, const tree_model &tr
     if (tree.is_root(k) && tree.start.mode[k][0] != FB_AXIS_FREE) {
       return std::string(choice->body[k]) +
              ": a free joint that is locked or prescribed: choose mode free, or hang its body on the ground";
-    }
-    if (tree.count(k, FB_AXIS_PRESCRIBED) > 0 && tree.system.joint[k].kind != FB_JOINT_SPHERICAL) {
-      return std::string(choice->body[k]) + ": a prescribed axis beside what is written by a trace (a second free "
-                                            "body, effects strain, rotors with an "
-                                            "imbalance, more than 24 axes): choose one of them";
     }
   }
   return "";
