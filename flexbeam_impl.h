@@ -58,6 +58,9 @@
 #ifndef FB_KERNEL /* a part of a step that is one function in what a trace writes */
 #define FB_KERNEL(call) (call)
 #endif
+#ifndef FB_CARRY /* n structs of numbers that such a part takes from one turn of a loop to the next, said where it begins */
+#define FB_CARRY(memory, n) ((void)0)
+#endif
 #include <stddef.h>
 #include <string.h>
 
@@ -18282,6 +18285,24 @@ static fb_status fbi_rotations_check(fb_system_work *w, const fb_system *system,
   return status;
 }
 
+/* E11.26 at the last evaluation of a stage whose corrections are over: its angular velocities are kept, then compared. */
+static void fbi_rotations_save(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec3_copy(w->link[k].twist + 3, w->link[k].V + 3);
+  }
+}
+
+static fb_status fbi_rotations_saved_check(const fb_system_work *w, const fb_system *system, fb_real dt)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_rotation_check(w->link[k].turn, w->link[k].twist + 3, dt);
+    FBI_DETAIL_INDEX(status, k);
+  }
+  return status;
+}
+
 /* Bound of the highest frequency of a system: E8.8 with the springs and modes of the whole system; elastic, damping: of
    springs between points. */
 static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening, fb_real elastic,
@@ -19211,11 +19232,9 @@ static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *sys
     fbi_vec3_copy(L->stiffness, joint->stiffness);
     fbi_vec3_copy(L->damping, joint->damping);
     for (int i = 0; i < joint->n_axis; i++) {
-      const fb_real depth = fbi_stop_depth(joint, i, at->link[k].x[i]);
-      if (!(depth == FB_R(0.0))) {
-        L->stiffness[i] += fbi_stop_secant(joint, i, depth, L->u[i]);
-        L->damping[i] += joint->stop_loss[i] * joint->stop_stiffness[i] * FB_FABS(depth);
-      }
+      const fb_real depth = fbi_stop_depth(joint, i, at->link[k].x[i]), deep = FB_FABS(depth);
+      L->stiffness[i] += FB_BELOW(FB_R(0.0), deep, fbi_stop_secant(joint, i, depth, L->u[i]), FB_R(0.0));
+      L->damping[i] += joint->stop_loss[i] * joint->stop_stiffness[i] * deep;
       L->damping[i] += fbi_friction(joint, i, L->u[i]);
     }
   }
@@ -19378,58 +19397,68 @@ static fb_status fbi_modes_check(fb_real before, fb_real last, fb_real change, f
 {
   const fb_real bound = fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON);
   const fb_real next = FB_R(1e-7) * fbi_larger(deflection, FB_R(1e-6) * fbi_smaller(change, FB_R(1.0)));
-  return bent > bound && !(last * bent <= before * next && FB_R(4.0) * change * bent <= next)
+  const fb_real slow = FB_BELOW(before * next, last * bent, FB_R(1.0), FB_R(0.0));
+  const fb_real off = FB_BELOW(next, FB_R(4.0) * change * bent, FB_R(1.0), slow);
+  return FB_BELOW(bound, bent, off, FB_R(0.0)) > FB_R(0.0)
              ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(bent), FB_SQRT(bound))
              : FB_OK;
 }
 
-/* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
-   (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
-   K, C: modes, springs and dampers of the tree's joints, their friction and stops; M at the present positions.
-   Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
-   Fails: as E9.15; FB_ERR_CONVERGENCE (E11.25).
-   Test: systems_converge_with_the_order_of_the_integrator, stiff_joints_take_long_steps. */
-static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const fb_system *system, const fb_body *body,
-                                  const fb_system_state *base, const fb_system_state *modes,
-                                  const fb_system_input *input, fb_real g, fb_real dt, int iterations)
+/* Squared sizes of the corrections of a stage (E11.24): the first one (-1: none yet), the one before the last, the last one
+   and that of its modes. */
+typedef struct fbi_newton_sizes {
+  fb_real first, before, last, bent;
+} fbi_newton_sizes;
+
+/* One iteration of E11.13: k, and the sizes of its correction. last: of those of a stage. */
+static fb_status fbi_newton_correct(fb_system_work *w, fb_system_state *k, fbi_newton_sizes *size,
+                                    const fb_system *system, const fb_body *body, const fb_system_state *base,
+                                    const fb_system_state *modes, const fb_system_input *input, fb_real g, int last)
 {
-  fb_status status;
-  fb_real first = FB_R(0.0), before = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change, deflection;
-  for (int i = 0; i < iterations; i++) {
-    /* Rates f at base + g k */
-    fbi_system_advance(&w->stage, base, g, k, system, body);
+  FB_CARRY(size, 1);
+  FB_CARRY(k->link, system->n_body);
+  FB_CARRY(&k->motor_work, 1);
+  FB_CARRY(&w->clock, 1); /* in the first stage it is g */
+
+  /* Rates f at base + g k */
+  fbi_system_advance(&w->stage, base, g, k, system, body);
+  if (w->driven) {
     fbi_prescribe(&w->stage, system, modes, input);
-    FBI_TRY(fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input));
-    if (i == iterations - 1 && !system->allow_long_step) {
-      FBI_TRY(fbi_rotations_check(w, system, dt, 0));
-    }
-
-    /* Residual f - k and iteration matrix */
-    fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, body);
-    if (system->rubs) {
-      fbi_axes_soften(w, system, &w->stage);
-    }
-    FBI_TRY(fbi_mass_factor(w, system, body, g));
-
-    /* Correction */
-    fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
-    fbi_zero(w->c, w->n_row);
-    FBI_TRY(w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body));
-    fbi_newton_substitute(&w->rate, w, system, body, &w->stage, g);
-    fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
-    before = last;
-    last = fbi_rates_size(&bent, &w->rate, system, body, g);
-    first = i == 0 ? last : first;
   }
-  if (iterations <= 1) {
-    return FB_OK;
+  FBI_TRY(fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input));
+  if (last && !system->allow_long_step) {
+    fbi_rotations_save(w, system);
   }
 
-  /* Convergence (E11.25) */
-  change = fbi_rates_size(&bent_change, k, system, body, g);
+  /* Residual f - k and iteration matrix */
+  fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, body);
+  if (system->rubs) {
+    fbi_axes_soften(w, system, &w->stage);
+  }
+  FBI_TRY(fbi_mass_factor(w, system, body, g));
+
+  /* Correction */
+  fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
+  fbi_zero(w->c, w->n_row);
+  FBI_TRY(w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body));
+  fbi_newton_substitute(&w->rate, w, system, body, &w->stage, g);
+  fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, body);
+  size->before = size->last;
+  size->last = fbi_rates_size(&size->bent, &w->rate, system, body, g);
+  size->first = FB_BELOW(size->first, FB_R(0.0), size->last, size->first);
+  return FB_OK;
+}
+
+/* Have the iterations of a stage converged to k (E11.25)? */
+static fb_status fbi_newton_check(fb_system_work *w, const fb_system_state *k, const fbi_newton_sizes *size,
+                                  const fb_system *system, const fb_body *body, fb_real g)
+{
+  fb_real bent_change, deflection;
+  const fb_real change = fbi_rates_size(&bent_change, k, system, body, g);
+  fb_status status = fbi_stage_check(size->first, size->last, change);
   (void)fbi_rates_size(&deflection, &w->stage, system, body, FB_R(1.0));
-  status = fbi_stage_check(first, last, change);
-  status = status == FB_OK ? fbi_modes_check(before, last, change, bent, bent_change, deflection) : status;
+  status =
+      status == FB_OK ? fbi_modes_check(size->before, size->last, change, size->bent, bent_change, deflection) : status;
   if (status != FB_OK) {
     w->joint = fbi_rates_largest(&w->rate, system, body);
     return status;
@@ -19443,6 +19472,26 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
   }
 #endif
   return FB_OK;
+}
+
+/* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
+   (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
+   K, C: modes, springs and dampers of the tree's joints, their friction and stops; M at the present positions.
+   Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
+   Fails: as E9.15; FB_ERR_CONVERGENCE (E11.25).
+   Test: systems_converge_with_the_order_of_the_integrator, stiff_joints_take_long_steps. */
+static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *base, const fb_system_state *modes,
+                                  const fb_system_input *input, fb_real g, fb_real dt, int iterations)
+{
+  fbi_newton_sizes size = {-FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  for (int i = 0; i < iterations; i++) {
+    FBI_TRY(FB_KERNEL(fbi_newton_correct(w, k, &size, system, body, base, modes, input, g, i == iterations - 1)));
+  }
+  if (!system->allow_long_step) {
+    FBI_TRY(fbi_rotations_saved_check(w, system, dt));
+  }
+  return iterations > 1 ? FB_KERNEL(fbi_newton_check(w, k, &size, system, body, g)) : FB_OK;
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */

@@ -187,11 +187,11 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
   }
 }
 
-/* Is what has no hand-written step written by a trace? Of rk4, without lines and loops. In single precision the library
+/* Is what has no hand-written step written by a trace? Without lines and loops. In single precision the library
    itself has no gravity of a center. */
 static int scene_code_is_traced(const tree_choice *choice)
 {
-  int traced = !choice->implicit && !choice->lanes && engine.system.n_loop == 0;
+  int traced = !choice->lanes && engine.system.n_loop == 0;
   traced &= !choice->single || !attract_refusal(&engine.system, engine.body);
   for (int k = 0; k < engine.system.n_body; k++) {
     traced &= !(engine.body[engine.system.model[k]].effects & FB_EFFECT_LARGE_DEFLECTION);
@@ -226,8 +226,8 @@ static const char *scene_code_node_name(int body, int node)
 /* The step by a trace; 1, or 0 with why not in text. */
 static int scene_code_trace(FILE *out, const tree_choice *choice, const char *const *names, char text[400])
 {
-  const trace_choice what = {choice->name, scene_code_of->path,  choice->single, 0, choice->loads, NULL,
-                             names,        scene_code_node_name, choice->pulls};
+  const trace_choice what = {choice->name,         scene_code_of->path, choice->single,  0, choice->loads, NULL, names,
+                             scene_code_node_name, choice->pulls,       choice->implicit};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
@@ -246,7 +246,7 @@ static int scene_code_derive(FILE *out, const tree_choice *choice, const unsigne
                              const char *const *names, char text[400])
 {
   const trace_choice what = {choice->name, scene_code_of->path,  choice->single, 0, choice->loads, sensors,
-                             names,        scene_code_node_name, choice->pulls};
+                             names,        scene_code_node_name, choice->pulls,  0};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};

@@ -207,7 +207,7 @@ static int is_refused(const char *file, const code_choice *choice, int steps)
 /* Writes the step by a trace; 0, or 1: it has been said why not. */
 static int write_traced(FILE *out, const options *o, const char *file)
 {
-  const trace_choice choice = {o->choice.name, file, o->choice.single, 0, &o->choice.loads, NULL, NULL, NULL, NULL};
+  const trace_choice choice = {o->choice.name, file, o->choice.single, 0, &o->choice.loads, NULL, NULL, NULL, NULL, 0};
   const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
   const code w = code_write_start(out, &model_body, &o->choice, file, print_coordinate);
   char text[400];
@@ -231,8 +231,8 @@ static const char *node_name(int body, int node)
 /* Writes the rates with their Jacobian; 0, or 1: it has been said why not. */
 static int write_jacobian(FILE *out, const options *o, const char *file, unsigned sensors)
 {
-  const trace_choice choice = {o->choice.name, file, o->choice.single, o->choice.vary, &o->choice.loads, &sensors, NULL,
-                               node_name,      NULL};
+  const trace_choice choice = {o->choice.name, file, o->choice.single, o->choice.vary, &o->choice.loads,
+                               &sensors,       NULL, node_name,        NULL,           0};
   const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
   char text[400];
   if (trace_write(out, &choice, &of, text) == 0) {

@@ -51,7 +51,7 @@ static int is_status(int status)
 #endif
   return status == generated_ok || status == generated_null || status == generated_value ||
          status == generated_not_finite || status == generated_step_length || status == generated_range ||
-         status == -12 /* generated_contradiction, where there is one */;
+         status == -5 || status == -12 /* generated_singular, generated_contradiction, where there are */;
 }
 
 static void wrong(const char *what, int word, const char *how)

@@ -4,8 +4,9 @@
 # address and undefined-behavior sanitizers, in both precisions. Every fourth each day.
 . tests/checks/common.sh
 need gcc gcc
-sizes="-DFB_MAX_MODES=8 -DFB_MAX_BODIES=8 -DFB_WITH_NONLINEAR_STRAIN=0 -DFB_WITH_ANALYSE=0"
-try gcc $c99 $sizes -DFLEXBEAM_STATIC -DWRITE -O1 -o "$out/write" tests/checks/code_tree.c examples/tools/trace/untraced.c -lm
+need g++ g++
+try gcc $c99 -include examples/tools/capacities.h -DFLEXBEAM_STATIC -DWRITE -O0 -c -o "$out/write.o" tests/checks/code_tree.c # as the tracer
+try g++ -o "$out/write" "$out/write.o" build/tool/trace.o build/tool/trace_single.o -lm
 
 # attack WHAT OPTION...: code.h
 number=0 texts=0 steps=0 refused=0
@@ -70,6 +71,11 @@ tree 46 --single -DNUMBER=float -DSAMPLE=1500
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 37 "" -DNUMBER=double
 tree 38 --single -DNUMBER=float
+tree 2 --traced -DNUMBER=double
+tree 7 "--traced --single" -DNUMBER=float
+tree 36 "--sdirk --traced" -DNUMBER=double -DSDIRK
+tree 5 "--sdirk --traced" -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5 -DSAMPLE=1000
+tree 6 "--sdirk --traced --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5 -DSAMPLE=1000
 tree 5 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
 tree 6 "--sdirk --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5
 tree 17 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5

@@ -188,38 +188,11 @@ struct body_function : subject {
   }
 };
 
-/* What computes without a number that is none may not notice it. */
-static void write_finite(FILE *out, const std::string &n, const std::string &real, const fb_body &body)
-{
-  const bool single = sizeof(trace::real) == 4;
-  const struct {
-    const char *name;
-    int n;
-  } members[] = {{"rho", 3},
-                 {"quat", 4},
-                 {"u", 3},
-                 {"L", 3},
-                 {"q", body.n},
-                 {"pi", body.n},
-                 {"rotor_angle", body.n_rotor},
-                 {"rotor_momentum", body.n_rotor}};
-  std::fprintf(out, "static int %s_is_finite(const %s_state *s)\n{\n  %s sum = 0;\n", n.c_str(), n.c_str(),
-               real.c_str());
-  for (const auto &m : members) {
-    if (m.n > 0) {
-      std::fprintf(out, "  for (int i = 0; i < %d; i++) {\n    sum += %s(s->%s[i]);\n  }\n", m.n,
-                   single ? "fabsf" : "fabs", m.name);
-    }
-  }
-  std::fprintf(out, "  return sum <= %s;\n}\n\n", single ? "1e18f" : "1e150");
-}
-
 /* The functions of a body, whose declarations stand above; 0, or 1 with why in text. */
 static int write_body_functions(FILE *out, const trace_choice *choice, const fb_body &body, char text[400])
 {
   file_of_functions file(out, choice);
-  const std::string none = no_input, null = refused_null, in = one_input,
-                    state = "  if (!@_is_finite(state)) {\n    return @_not_finite;\n  }\n";
+  const std::string none = no_input, null = refused_null, in = one_input, state = refused_state;
   const struct {
     body_function::kind is;
     std::string head, before;
@@ -252,8 +225,10 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
     }
     cases += "  case " + std::to_string(k) + ":\n    return " + name + "(out, state, motion);\n";
   }
-  write_finite(out, choice->name, file.w.real, body);
-  file.write();
+  const std::string unwritten = file.write();
+  if (!unwritten.empty()) {
+    return fail(text, unwritten);
+  }
   std::fputs(
       filled(choice, "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node)\n"
                      "{\n  if (!out || !state || !motion" +

@@ -13,6 +13,7 @@ namespace trace
 struct factoring {
   graph old;
   int at;                  /* the graph in the recording */
+  const read_arguments &read;
   std::vector<number> now; /* its nodes, as they are called in the new one */
   std::vector<char> live, absorbed;
   std::vector<int> uses, quotients; /* by divisor */
@@ -36,6 +37,12 @@ struct factoring {
   bool is_single(number a, const char *ops) const
   {
     return node_of(a) && uses[(std::size_t)node_of(a)] == 1 && std::strchr(ops, of(a).op);
+  }
+
+  bool is_read(const graph &inner, std::size_t argument) const
+  {
+    const auto found = read.find(inner.kind);
+    return found != read.end() && found->second[argument];
   }
 
   number known(number a) const
@@ -239,11 +246,12 @@ struct factoring {
     return apply(n.op, copy(n.a), copy(n.b));
   }
 
-  factoring(int graph_at, const std::vector<number> &results) : old(R.all[(std::size_t)graph_at]), at(graph_at)
+  factoring(int graph_at, const std::vector<number> &results, const read_arguments &of_kernels)
+      : old(R.all[(std::size_t)graph_at]), at(graph_at), read(of_kernels)
   {
     const std::size_t n = old.nodes.size();
     graph &g = R.all[(std::size_t)at];
-    live = needed(old, results, true);
+    live = needed(old, results, true, &read);
     now.assign(n, 0.0);
     absorbed.assign(n, 0);
     uses.assign(n, 0);
@@ -275,8 +283,9 @@ struct factoring {
       }
       if (live[i] && !absorbed[i]) {
         if (old.nodes[i].op == 'k') {
-          for (number &a : R.all[(std::size_t)old.nodes[i].a.d].arguments) {
-            a = known(a);
+          graph &inner = R.all[(std::size_t)old.nodes[i].a.d];
+          for (std::size_t a = 0; a < inner.arguments.size(); a++) {
+            inner.arguments[a] = is_read(inner, a) ? known(inner.arguments[a]) : number(0.0);
           }
         }
         now[i] = rewritten((int)i);
@@ -291,8 +300,9 @@ struct factoring {
     for (std::size_t i = 1; i < old.nodes.size(); i++) {
       const node &n = old.nodes[i];
       if (live[i] && n.op == 'k') {
-        for (number a : R.all[(std::size_t)n.a.d].arguments) {
-          use(a);
+        const graph &inner = R.all[(std::size_t)n.a.d];
+        for (std::size_t a = 0; a < inner.arguments.size(); a++) {
+          use(is_read(inner, a) ? inner.arguments[a] : number(0.0));
         }
       } else if (live[i] && n.op != 'i') {
         use(n.a), use(n.b), use(n.c);
@@ -311,10 +321,10 @@ struct factoring {
 };
 
 /* Factors a graph of R; results become those of the new graph. */
-static void factor(int graph_at, std::vector<number> &results)
+static void factor(int graph_at, std::vector<number> &results, const read_arguments &read)
 {
   for (int round = 0; round < 2; round++) {
-    const factoring f(graph_at, results);
+    const factoring f(graph_at, results, read);
     for (number &r : results) {
       r = f.known(r);
     }

@@ -56,6 +56,11 @@ struct content_hash {
   }
 };
 
+/* A number in memory that a kernel takes from one turn of a loop to the next (FB_CARRY). */
+struct slot {
+  number *at, before, own, after, left; /* before, left: of the parent; own, after: of the kernel */
+};
+
 struct graph {
   std::vector<node> nodes{1}; /* [0] is none */
   std::vector<guard> guards;
@@ -71,6 +76,7 @@ struct graph {
   std::unordered_map<std::uint64_t, int> captured;
   std::map<int, int> results; /* its node: that of the parent */
   std::vector<int> apart;     /* kinds of rows: its results come of the library's own text (apart.h) */
+  std::vector<slot> slots;
 };
 
 struct recording {
@@ -88,6 +94,10 @@ bool is_recording()
 {
   return R.on;
 }
+
+/* Which slots of a kernel are the same number in every turn, by the name of the kernel: found by a recording, used by the
+   next one. */
+static std::map<std::string, std::vector<char>> still;
 
 static graph &here()
 {
@@ -233,6 +243,29 @@ static number local(number a)
   return a;
 }
 
+/* What is carried is an argument even where it is a number or another argument, too: all turns are one function. */
+void carry_numbers(number *at, std::size_t n)
+{
+  if (!R.on || !R.kernels) {
+    return;
+  }
+  const std::vector<char> &same = still[here().name];
+  const int kernel = R.now;
+  for (std::size_t i = 0; i < n; i++) {
+    const std::size_t slot = R.all[(std::size_t)kernel].slots.size();
+    R.now = R.all[(std::size_t)kernel].parent;
+    const number before = local(at[i]);
+    R.now = kernel;
+    if (slot < same.size() && same[slot]) {
+      here().slots.push_back({at + i, before, before, before, before});
+      continue;
+    }
+    here().arguments.push_back(before);
+    at[i] = push(kernel, {'i', here().n_input++, 0, 0, value(before)});
+    here().slots.push_back({at + i, before, at[i], at[i], before});
+  }
+}
+
 /* One sum of all that a node, and what it is made of, is. */
 static std::uint64_t mixed(std::uint64_t sum, std::uint64_t with)
 {
@@ -260,6 +293,46 @@ static std::uint64_t kind_of(const graph &g)
   return sum;
 }
 
+/* Notes in `still` which slots of kernels have one number for ever; 1: more than before. */
+static int find_still()
+{
+  std::map<std::string, std::vector<slot>> last;
+  std::map<std::string, std::vector<char>> found;
+  int more = 0;
+  for (const graph &g : R.all) {
+    const std::vector<slot> before = last[g.name];
+    std::vector<char> &same = found[g.name];
+    same.resize(g.slots.size(), 1);
+    for (std::size_t i = 0; i < g.slots.size(); i++) {
+      const slot &s = g.slots[i];
+      const bool begins = !node_of(s.before) && (before.empty() || bits(before[i].before) == bits(s.before));
+      const bool goes_on = !before.empty() && bits(before[i].left) == bits(s.before);
+      const bool stays = bits(s.after) == bits(s.own) || bits(s.after) == bits(s.before);
+      same[i] = same[i] && stays && (begins || goes_on);
+    }
+    last[g.name] = g.slots;
+  }
+  for (const auto &f : found) {
+    std::vector<char> &same = still[f.first];
+    more |= same != f.second && !f.second.empty();
+    same = f.second;
+  }
+  return more;
+}
+
+/* What a kernel that has returned leaves in its slots, even if it is what it took. */
+static void return_slots(int kernel)
+{
+  graph &g = R.all[(std::size_t)kernel];
+  for (slot &s : g.slots) {
+    s.after = *s.at;
+    if (node_of(s.after) && graph_of(s.after) == kernel && node_of(s.own)) {
+      *s.at = push(g.parent, {'r', number_of(g.parent, g.call), node_of(s.after), 0, value(s.after)});
+    }
+    s.left = *s.at;
+  }
+}
+
 void kernel_begin(const char *call)
 {
   if (R.on && R.kernels) {
@@ -279,6 +352,7 @@ void kernel_end()
     here().open = false;
     R.now = parent;
     R.all[(std::size_t)kernel].call = node_of(push(parent, {'k', kernel, 0, 0, 0.0}));
+    return_slots(kernel);
   }
 }
 
@@ -502,8 +576,12 @@ static bool checks_anything(const graph &g)
   return any;
 }
 
-/* Marks what is needed for the results and, with checks, for the guards. */
-static std::vector<char> needed(const graph &g, const std::vector<number> &results, bool checks)
+/* Which arguments of kernels are read, by their kind. */
+typedef std::map<std::uint64_t, std::vector<char>> read_arguments;
+
+/* Marks what is needed for the results and, with checks, for the guards. read: NULL, all arguments of a kernel are. */
+static std::vector<char> needed(const graph &g, const std::vector<number> &results, bool checks,
+                                const read_arguments *read = nullptr)
 {
   std::vector<char> live(g.nodes.size(), 0);
   auto mark = [&](number a) { live[(std::size_t)node_of(a)] = 1; };
@@ -518,9 +596,13 @@ static std::vector<char> needed(const graph &g, const std::vector<number> &resul
   for (std::size_t i = g.nodes.size() - 1; i > 0; i--) {
     const node &n = g.nodes[i];
     if (n.op == 'k' && (live[i] || checks_anything(R.all[(std::size_t)n.a.d]))) {
+      const graph &inner = R.all[(std::size_t)n.a.d];
+      const auto known = read ? read->find(inner.kind) : read_arguments::const_iterator();
       live[i] = 1;
-      for (number a : R.all[(std::size_t)n.a.d].arguments) {
-        mark(a);
+      for (std::size_t a = 0; a < inner.arguments.size(); a++) {
+        if (!read || (known != read->end() && known->second[a])) {
+          mark(inner.arguments[a]);
+        }
       }
     } else if (live[i] && n.op != 'i' && n.op != 'k') {
       mark(n.a), mark(n.b), mark(n.c);

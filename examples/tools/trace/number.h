@@ -4,6 +4,7 @@
    are, and memory that is cleared is zero. */
 #ifndef TRACE_NUMBER_H
 #define TRACE_NUMBER_H
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -89,6 +90,13 @@ bool is_recording();
 void apart(void *work); /* fbi_rows_apart */
 void kernel_begin(const char *call);
 void kernel_end();
+void carry_numbers(number *at, std::size_t n);
+
+/* A part that is called in a loop takes n structs of numbers from one turn to the next. */
+template <class numbers> void carry(numbers *memory, int n)
+{
+  carry_numbers((number *)memory, (std::size_t)n * sizeof *memory / sizeof(number));
+}
 
 template <class function> auto kernel(const char *call, function f) -> decltype(f())
 {
@@ -176,5 +184,6 @@ inline bool operator!=(number a, number b)
 #define FB_BELOW(x, y, yes, no) trace::select('<', x, y, yes, no)
 #define FB_SHORTCUT(applies) (!trace::is_recording() && (applies))
 #define FB_APART(function, work) trace::apart(work)
+#define FB_CARRY(memory, n) trace::carry(memory, n)
 #define FB_KERNEL(call) trace::kernel(#call, [&] { return call; })
 #endif

@@ -74,10 +74,14 @@ static std::string trace_function(traced &t, subject &s, const std::string &name
   if (!find_state(s, status)) {
     return name + ": no state near the start that the library steps: " + refused_by(status);
   }
-  status = run(s, 0, -1, results, &names, true);
-  if (status != FB_OK) {
-    return name + ": " + refused_by(status);
-  }
+  still.clear();
+  do {
+    names.clear();
+    status = run(s, 0, -1, results, &names, true);
+    if (status != FB_OK) {
+      return name + ": " + refused_by(status);
+    }
+  } while (find_still());
   if (R.conversions > 0) {
     return name + ": the library rounds a number of this model to a whole one";
   }
@@ -150,10 +154,16 @@ struct file_of_functions {
     static const struct {
       int status;
       const char *name;
-    } names[] = {
-        {FB_ERR_NULL, "_null"},   {FB_ERR_VALUE, "_value"},           {FB_ERR_NOT_FINITE, "_not_finite"},
-        {FB_ERR_RANGE, "_range"}, {FB_ERR_STEP, "_step_length"},      {FB_ERR_SINGULAR, "_singular"},
-        {BRANCH, "_range"},       {FB_ERR_UNDETERMINED, "_singular"}, {FB_ERR_CONTRADICTION, "_contradiction"}};
+    } names[] = {{FB_ERR_NULL, "_null"},
+                 {FB_ERR_VALUE, "_value"},
+                 {FB_ERR_NOT_FINITE, "_not_finite"},
+                 {FB_ERR_RANGE, "_range"},
+                 {FB_ERR_STEP, "_step_length"},
+                 {FB_ERR_SINGULAR, "_singular"},
+                 {BRANCH, "_range"},
+                 {FB_ERR_UNDETERMINED, "_singular"},
+                 {FB_ERR_CONTRADICTION, "_contradiction"},
+                 {FB_ERR_CONVERGENCE, "_convergence"}};
     for (const auto &s : names) {
       if (s.status == status) {
         return name + s.name;
@@ -162,34 +172,133 @@ struct file_of_functions {
     return "(" + name + "_status)" + std::to_string(status);
   }
 
-  /* The kernels that a function calls, and what it uses of them. */
-  void collect(const recording &r, int graph_at, const std::vector<char> &live)
+  /* The kernels that a graph calls, what it uses of them, and what of its own arguments it reads; true: more than was
+     known. */
+  bool collect(const graph &g, const std::vector<number> &results)
   {
-    const graph &g = r.all[(std::size_t)graph_at];
-    for (std::size_t i = 1; i < g.nodes.size(); i++) {
-      if (!live[i] || g.nodes[i].op != 'r') {
-        continue;
+    const std::vector<char> live = needed(g, results, true, &w.read);
+    std::set<int> between; /* calls whose results the next turn of a loop takes */
+    bool more = false;
+    auto use = [&](const graph &inner, int result) {
+      more = w.kernel[inner.kind].results.insert({result, 0}).second || more;
+    };
+    for (const auto &l : loops_of(g, live)) {
+      const graph &inner = called_by(g, l.first);
+      between.insert(l.second.calls.begin(), l.second.calls.end() - 1);
+      for (const auto &c : l.second.carried) {
+        if (w.read.count(inner.kind) && w.read[inner.kind][(std::size_t)c.first]) {
+          w.carried[inner.kind][c.first] = c.second;
+          use(inner, c.second);
+        }
       }
-      const graph &inner = r.all[(std::size_t)g.nodes[(std::size_t)node_of(g.nodes[i].a)].a.d];
-      w.kernel[inner.kind].results[(int)g.nodes[i].b.d] = 0;
+    }
+    for (std::size_t i = 1; i < g.nodes.size(); i++) {
+      const node &n = g.nodes[i];
+      if (live[i] && n.op == 'r' && !between.count(node_of(n.a))) {
+        use(called_by(g, node_of(n.a)), (int)n.b.d);
+      }
+      if ((live[i] || !g.apart.empty()) && n.op == 'i' && g.parent >= 0) {
+        std::vector<char> &read = w.read[g.kind];
+        read.resize(g.arguments.size(), 0);
+        more = more || !read[(std::size_t)n.a.d];
+        read[(std::size_t)n.a.d] = 1;
+      }
+    }
+    return more;
+  }
+
+  /* The same of all functions. */
+  bool collect_all()
+  {
+    bool more = false;
+    for (const traced &t : all) {
+      R = t.made;
+      for (const graph &g : R.all) {
+        std::vector<number> results;
+        for (const auto &r : t.results) {
+          if (g.parent < 0) {
+            results.push_back(r.second);
+          }
+        }
+        for (const auto &r : w.kernel[g.kind].results) {
+          if (g.parent >= 0) {
+            results.push_back(number_of((int)(&g - &R.all[0]), r.first));
+          }
+        }
+        more = collect(g, results) || more;
+      }
+    }
+    return more;
+  }
+
+  /* Places of the arguments and results of a kernel: first what is carried. */
+  static void place(kernel_text &k, const std::vector<char> &read, const std::map<int, int> &carried)
+  {
+    for (const auto &c : carried) {
+      k.arguments.push_back(c.first);
+      k.carried.push_back(c.second);
+    }
+    for (int a = 0; a < (int)read.size(); a++) {
+      if (read[(std::size_t)a] && !carried.count(a)) {
+        k.arguments.push_back(a);
+      }
+    }
+    k.n_result = (int)k.carried.size();
+    for (auto &r : k.results) {
+      const auto found = std::find(k.carried.begin(), k.carried.end(), r.first);
+      r.second = found != k.carried.end() ? (int)(found - k.carried.begin()) : k.n_result++;
     }
   }
 
-  /* Calls `what` with the recordings of all functions and each graph in them. */
-  void write()
+  /* Is each call of a kernel that carries numbers a turn of a loop? */
+  bool is_rolled(const traced &t) const
+  {
+    std::vector<number> results;
+    std::set<int> turns;
+    bool all_of_them = true;
+    for (const auto &r : t.results) {
+      results.push_back(r.second);
+    }
+    const graph &g = R.all[0];
+    for (const auto &l : loops_of(g, needed(g, results, true, &w.read))) {
+      turns.insert(l.second.calls.begin(), l.second.calls.end());
+    }
+    for (std::size_t i = 1; i < g.nodes.size(); i++) {
+      all_of_them = all_of_them && (g.nodes[i].op != 'k' || called_by(g, (int)i).slots.empty() || turns.count((int)i));
+    }
+    return all_of_them;
+  }
+
+  /* What computes without a number that is none may not notice it. A state is numbers alone. */
+  void write_finite() const
+  {
+    std::fputs(filled(choice, std::string("static int @_is_finite(const @_state *state)\n{\n"
+                                          "  const $ *const x = (const $ *)state;\n  $ sum = 0;\n"
+                                          "  for (size_t i = 0; i < sizeof *state / sizeof *x; i++) {\n    sum += ") +
+                                  (w.single ? "fabsf" : "fabs") +
+                                  "(x[i]);\n  }\n  return sum <= " + (w.single ? "1e18f" : "1e150") + ";\n}\n\n")
+                   .c_str(),
+               w.out);
+  }
+
+  /* Writes all functions; "", or why it cannot. */
+  std::string write()
   {
     std::vector<std::pair<std::size_t, int>> order; /* of kernels: function, graph */
     std::size_t rows = 0;                           /* most of any */
     std::set<std::uint64_t> seen;
+    while (collect_all()) {
+    }
+    for (const traced &t : all) {
+      R = t.made;
+      if (!is_rolled(t)) {
+        return "the iterations of a step are not all alike";
+      }
+    }
     for (std::size_t f = 0; f < all.size(); f++) {
       R = all[f].made;
       find_quiet(w.quiet, all[f].given);
-      std::vector<number> results;
-      for (const auto &r : all[f].results) {
-        results.push_back(r.second);
-      }
       for (std::size_t g = 0; g < R.all.size(); g++) {
-        collect(R, (int)g, g == 0 ? needed(R.all[0], results, true) : std::vector<char>(R.all[g].nodes.size(), 1));
         if (g > 0 && seen.insert(R.all[g].kind).second) {
           order.push_back({f, (int)g});
           kernel_text &k = w.kernel[R.all[g].kind];
@@ -203,11 +312,9 @@ struct file_of_functions {
       }
     }
     for (auto &k : w.kernel) {
-      int place = 0;
-      for (auto &r : k.second.results) {
-        r.second = place++;
-      }
+      place(k.second, w.read[k.first], w.carried[k.first]);
     }
+    write_finite();
     for (auto k = order.begin(); k != order.end(); k++) {
       rows = std::max(rows, all[k->first].made.all[(std::size_t)k->second].apart.size());
     }
@@ -226,6 +333,7 @@ struct file_of_functions {
       write_graph(0, t.results);
       std::fprintf(w.out, "%s  return %s_ok;\n}\n\n", t.after.c_str(), w.name.c_str());
     }
+    return "";
   }
 
   /* A kernel after those that it calls, each once. */
@@ -278,7 +386,7 @@ struct file_of_functions {
     for (const auto &r : results) {
       of_results.push_back(r.second);
     }
-    factor(at, of_results);
+    factor(at, of_results, w.read);
     for (std::size_t i = 0; i < results.size(); i++) {
       results[i].second = of_results[i];
     }
@@ -290,15 +398,22 @@ struct file_of_functions {
     const graph &g = R.all[(std::size_t)at];
     const kernel_text &k = w.kernel.at(g.kind);
     std::vector<std::pair<std::string, number>> results;
+    for (std::size_t i = 0; i < k.carried.size(); i++) {
+      results.push_back({"r[" + std::to_string(i) + "]", number_of(at, k.carried[i])});
+    }
     for (const auto &r : k.results) {
-      results.push_back({"r[" + std::to_string(r.second) + "]", number_of(at, r.first)});
+      if (r.second >= (int)k.carried.size()) {
+        results.push_back({"r[" + std::to_string(r.second) + "]", number_of(at, r.first)});
+      }
+    }
+    w.names.assign((std::size_t)g.n_input, "");
+    for (std::size_t i = 0; i < k.arguments.size(); i++) {
+      w.names[(std::size_t)k.arguments[i]] = "a[" + std::to_string(i) + "]";
     }
     const quiet_kernel &quiet = w.quiet.at(g.kind);
-    w.names.clear();
-    w.given.clear();
     w.pointer = {"acts"};
+    w.given.clear();
     for (int i = 0; i < g.n_input; i++) {
-      w.names.push_back("a[" + std::to_string(i) + "]");
       w.given.push_back(quiet.argument[(std::size_t)i] ? 1u : 0u);
     }
     std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *r, const %s *a%s)\n{\n", g.name.c_str(), w.name.c_str(),
@@ -316,6 +431,11 @@ static const char refused_null[] = ") {\n    return @_null;\n  }\n",
                       "(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)",
                   step_inputs[] = "  start = start ? start : &none;\n  middle = middle ? middle : &none;\n"
                                   "  end = end ? end : &none;\n  (void)start, (void)middle, (void)end;\n",
+                  sdirk_arguments[] = "(@_state *state, const @_input *start, const @_input *end, $ dt)",
+                  sdirk_inputs[] = "  if (!state || (start != NULL) != (end != NULL)) {\n    return @_null;\n  }\n"
+                                   "  start = start ? start : &none;\n  end = end ? end : &none;\n"
+                                   "  (void)start, (void)end;\n",
+                  refused_state[] = "  if (!@_is_finite(state)) {\n    return @_not_finite;\n  }\n",
                   one_input[] = "  in = in ? in : &none;\n  (void)in;\n";
 
 } // namespace trace

@@ -3,6 +3,7 @@
 #ifndef TRACE_TEXT_H
 #define TRACE_TEXT_H
 #include "given.h"
+#include "loops.h"
 #include <cstdio>
 #include <functional>
 
@@ -10,12 +11,16 @@ namespace trace
 {
 
 enum { LONGEST = 100 }; /* characters of an expression in another */
+enum { TURNS = 2 };     /* of a loop that is traced, or more by a number that is always the same */
 
 /* A kernel as a function of what is written. */
 struct kernel_text {
   std::string name;
-  int graph;                  /* one of its calls */
   std::map<int, int> results; /* nodes that a caller uses, and where they stand among the results */
+  std::vector<int> arguments; /* that it reads, in their order: those from which all turns of a loop begin first */
+  std::vector<int> carried;   /* so: nodes that the next turn takes in their place */
+
+  int n_result = 0;
 };
 
 struct writer {
@@ -29,9 +34,17 @@ struct writer {
   std::vector<unsigned> given;                 /* by input, bits of these */
   quiet_kernels quiet;
   std::map<std::string, std::string> only_if; /* kernels that a condition on pointers belongs to */
+  read_arguments read;
+  std::map<std::uint64_t, std::map<int, int>>
+      carried;          /* by the kind of a kernel: arguments, and what the next turn takes */
+  std::string turns;    /* of a loop of TURNS that were traced: how many there are */
+  std::string judged;   /* the kernel that is called where the loop before it has more than one turn */
   bool settled = false; /* all results are known before the first is written: it may stand where an input does */
   const graph *of_graph;
   std::vector<int> uses;
+  std::map<int, loop> loops;     /* of calls of a kernel, by the first */
+  std::set<int> between;         /* those of which further turns follow */
+  std::string last_loop;         /* how many turns it has */
   std::vector<std::string> text; /* of each node, once it is known */
   std::vector<unsigned> zero;    /* inputs without which it is zero */
   std::vector<char> outlasts;    /* 1: of a block of what is given, and used outside */
@@ -143,28 +156,46 @@ struct writer {
     return ", " + (s.empty() ? "0" : s);
   }
 
-  /* The call of a kernel, whose results stand in r1, r2, .. */
+  /* The call of a kernel, or a loop of calls, whose results stand in r1, r2, .. */
   void call_kernel(int i)
   {
     const graph &inner = R.all[(std::size_t)of_graph->nodes[(std::size_t)i].a.d];
     const kernel_text &k = kernel.at(inner.kind);
-    const std::string results = "r" + std::to_string(n_call++);
+    const auto turns_of = loops.find(i);
+    const bool turning = turns_of != loops.end();
+    const std::string results = "r" + std::to_string(n_call++), in = turning ? "    " : "  ";
     std::string arguments;
-    for (number a : inner.arguments) {
-      arguments += (arguments.empty() ? "" : ", ") + of(a);
+    for (int a : k.arguments) {
+      arguments += (arguments.empty() ? "" : ", ") + of(inner.arguments[(std::size_t)a]);
     }
     const auto condition = only_if.find(inner.name);
     text[(std::size_t)i] = results;
-    line(real + " " + results + "[" + std::to_string(k.results.empty() ? 1 : k.results.size()) + "];");
-    line(condition == only_if.end() ? "{" : "if (" + condition->second + ") {");
-    if (!inner.arguments.empty()) {
-      line("  const " + real + " a[" + std::to_string(inner.arguments.size()) + "] = {" + arguments + "};");
+    line(real + " " + results + "[" + std::to_string(k.n_result > 0 ? k.n_result : 1) + "];");
+    line(condition != only_if.end()                     ? "if (" + condition->second + ") {"
+         : inner.name == judged && !last_loop.empty() ? "if (" + last_loop + " > 1) {"
+                                                      : "{");
+    if (!arguments.empty()) {
+      line((turning ? "  " : "  const ") + real + " a[" + std::to_string(k.arguments.size()) + "] = {" + arguments +
+           "};");
     }
-    line("  const " + name + "_status status = " + k.name + "(" + results +
-         (inner.arguments.empty() ? ", NULL" : ", a") + acts(inner) + ");");
-    line("  if (status != " + name + "_ok) {");
-    line("    return status;");
-    line("  }");
+    if (turning) {
+      const int more = (int)turns_of->second.calls.size() - TURNS;
+      last_loop = turns + (more > 0 ? " + " + std::to_string(more) : "");
+      between.insert(turns_of->second.calls.begin(), turns_of->second.calls.end() - 1);
+      for (int call : turns_of->second.calls) {
+        text[(std::size_t)call] = results;
+      }
+      line("  for (int j = 0; j < " + last_loop + "; j++) {");
+    }
+    line(in + "const " + name + "_status status = " + k.name + "(" + results +
+         (arguments.empty() ? ", NULL" : ", a") + acts(inner) + ");");
+    line(in + "if (status != " + name + "_ok) {");
+    line(in + "  return status;");
+    line(in + "}");
+    if (turning) {
+      line("    memcpy(a, " + results + ", " + std::to_string(k.carried.size()) + " * sizeof *a);");
+      line("  }");
+    }
     line("}");
   }
 
@@ -178,11 +209,16 @@ struct writer {
       return;
     }
     if (n.op == 'k') {
-      call_kernel(i);
+      if (text[(std::size_t)i].empty()) { /* else a further turn of a loop */
+        call_kernel(i);
+      }
       return;
     }
     if (n.op == 'r') {
       const graph &inner = R.all[(std::size_t)of_graph->nodes[(std::size_t)node_of(n.a)].a.d];
+      if (between.count(node_of(n.a))) { /* is nothing that has a name */
+        return;
+      }
       text[(std::size_t)i] = of(n.a) + "[" + std::to_string(kernel.at(inner.kind).results.at((int)n.b.d)) + "]";
       return;
     }
@@ -274,16 +310,20 @@ struct writer {
     for (const auto &r : results) {
       of_results.push_back(r.second);
     }
-    const std::vector<char> live = needed(g, of_results, true);
+    const std::vector<char> live = needed(g, of_results, true, settled ? &read : nullptr);
     of_graph = &g;
+    loops = loops_of(g, live);
+    between.clear();
+    last_loop.clear();
     uses.assign(g.nodes.size(), 0);
     text.assign(g.nodes.size(), "");
     n_temporary = n_call = 0;
     auto use = [&](number a) { uses[(std::size_t)node_of(a)]++; };
     for (std::size_t i = 1; i < live.size(); i++) {
       if (live[i] && g.nodes[i].op == 'k') {
-        for (number a : R.all[(std::size_t)g.nodes[i].a.d].arguments) {
-          use(a);
+        const graph &inner = R.all[(std::size_t)g.nodes[i].a.d];
+        for (int a : kernel.at(inner.kind).arguments) {
+          use(inner.arguments[(std::size_t)a]);
         }
       } else if (live[i] && g.nodes[i].op != 'i') {
         use(g.nodes[i].a), use(g.nodes[i].b), use(g.nodes[i].c);

@@ -17,6 +17,7 @@ typedef struct trace_choice {
   const char *const *body;                      /* names; of a single body NULL */
   const char *(*node_name)(int body, int node); /* "": none */
   const unsigned char *pulls;                   /* 1: the spring of that number has an actuator */
+  int implicit;                                 /* 1: the step of SDIRK in place of that of rk4 */
 } trace_choice;
 
 /* Copies of the library's structs, of the caller's configuration, whose sizes tell whether it is that of trace.cpp. */

@@ -109,7 +109,9 @@ struct tree_function : subject {
     }
     add_members(choice, input, now, "state->");
     for (int i = 0; i < 3 && (is == STEP || i == 0); i++) {
-      add_input(choice, acts[i], is == STEP ? when[i] : "in->");
+      if (i != 1 || !choice->implicit) {
+        add_input(choice, acts[i], is == STEP ? when[i] : "in->");
+      }
     }
     if (is == STEP) {
       input.push_back({"dt", &dt});
@@ -233,7 +235,9 @@ struct tree_function : subject {
     next = now;
     switch (is) {
     case STEP:
-      FBI_TRY(fb_system_rk4_step(&tree.system, body, &next, work.get(), &acts[0], &acts[1], &acts[2], dt));
+      FBI_TRY(of->implicit
+                  ? fb_system_sdirk_step(&tree.system, body, &next, work.get(), &acts[0], &acts[2], dt, TURNS)
+                  : fb_system_rk4_step(&tree.system, body, &next, work.get(), &acts[0], &acts[1], &acts[2], dt));
       add_members(of, results, next, "state->");
       break;
     case MOTION:
@@ -330,6 +334,9 @@ struct tree_function : subject {
     if (is == STEP) {
       FBI_TRY(fb_system_limit_eval(&tree.system, &tree.body[0], work.get(), &limit, &now, &acts[0]));
       dt = (0.05 + 0.45 * std::fabs(random())) * std::fmin((double)limit.rk4, 0.1);
+      if (of->implicit) { /* short ones, too: long ones need not converge */
+        dt = 0.5 * std::pow(1e-3, std::fabs(random())) * std::fmin((double)limit.sdirk, 0.1);
+      }
       steer();
     }
     return FB_OK;
@@ -362,17 +369,19 @@ static int write_tree_functions(FILE *out, const trace_choice *choice, const tra
 {
   const tree_model tree(model);
   file_of_functions file(out, choice);
+  file.w.turns = std::string(choice->name) + "_ITERATIONS";
+  file.w.judged = "fbi_newton_check";
   const std::string none = no_input, null = refused_null, in = one_input;
   const struct {
     tree_function::kind is;
     std::string head, before;
   } functions[] = {
-      {tree_function::STEP, std::string("@_status @_step") + step_arguments,
-       none + "  if (!state" + null + step_inputs},
+      {tree_function::STEP, std::string("@_status @_step") + (choice->implicit ? sdirk_arguments : step_arguments),
+       none + (choice->implicit ? sdirk_inputs : "  if (!state" + null + step_inputs)},
       {tree_function::MOTION, "@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in)",
-       none + "  if (!motion || !state" + null + in},
+       none + "  if (!motion || !state" + null + in + refused_state},
       {tree_function::ENERGY, "@_status @_energy_eval(@_energy *energy, const @_state *state, const @_input *in)",
-       none + "  if (!energy || !state" + null + in}};
+       none + "  if (!energy || !state" + null + in + refused_state}};
   if (!tree_refusal(choice, tree).empty()) {
     return fail(text, tree_refusal(choice, tree));
   }
@@ -397,13 +406,16 @@ static int write_tree_functions(FILE *out, const trace_choice *choice, const tra
       cases += "  case " + std::to_string(k * FB_MAX_NODES + at) + ":\n    return " + name + "(out, state, motion);\n";
     }
   }
-  file.write();
+  const std::string unwritten = file.write();
+  if (!unwritten.empty()) {
+    return fail(text, unwritten);
+  }
   const std::string most = std::to_string(FB_MAX_NODES);
   std::fputs(
       filled(choice,
              "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int body, int node)\n"
              "{\n  if (!out || !state || !motion" +
-                 null + "  if (body < 0 || body >= " + std::to_string(tree.system.n_body) +
+                 null + refused_state + "  if (body < 0 || body >= " + std::to_string(tree.system.n_body) +
                  " || node < 0 || node >= " + most + ") {\n    return @_value;\n  }\n  switch (body * " + most +
                  " + node) {\n" + cases + "  default:\n    return @_value;\n  }\n}\n")
           .c_str(),
