@@ -2341,6 +2341,31 @@ typedef struct fb_body_work fb_body_work; /* scratch */
      FB_ERR_NOT_FINITE; large deflection: lines_status of the shape */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
+/* Factors of what a body that is built is made of, {1, 1, 1, 1, 1}: as it is. The modes keep their shapes and q its unit, displacements are those of
+   the same q. */
+typedef struct fb_body_factors {
+  fb_real stiffness;   /* of K, above 0; what preload or a spin adds to it included */
+  fb_real damping;     /* of the damping ratios */
+  fb_real mass;        /* of all but the hub, above 0 */
+  fb_real hub_mass;    /* of the hub, whose mass center stays */
+  fb_real hub_inertia; /* of the hub, about its mass center */
+  /* The hub as the body was built with it, all zero: none. */
+  fb_real hub;        /* [kg] its mass */
+  fb_real center[3];  /* [m] its mass center, body axes */
+  fb_real inertia[6]; /* [kg m^2] about that: xx yy zz xy xz yz */
+} fb_body_factors;
+
+/* A body by factors of another one, `from`, which may be itself: without building it anew, what a parameter study, an
+   identification or an adaptive filter wants. To rounding it is the body whose description has those factors, but for the
+   bounds of the stiffening by a hub of another factor, which are not below: fb_rk4_limit may be shorter. Shapes of modes at
+   rest do not depend on these factors; those under preload or a spin do (fb_modes_desc). In systems: before fb_system_init.
+     FB_ERR_VALUE        a factor negative, or 0 where it is to be above; factors of a hub without one; a hub of more mass
+                         than the body
+     FB_ERR_UNSUPPORTED  factors of masses of a body with FB_EFFECT_LARGE_DEFLECTION or rotors
+     FB_ERR_SINGULAR     S_0 of a free or pinned body is not positive definite: less of the hub than there can be
+     FB_ERR_NOT_FINITE */
+FB_API fb_status fb_body_scale(fb_body *body, fb_body_work *work, const fb_body *from, const fb_body_factors *by);
+
 /* Builds a body of a rigid hub, beams on it or joined to each other, and nodes from one description: fb_beam_init,
    fb_modes_solve, fb_modes_join, fb_shape_... and fb_body_init in one call. Imported finite-element models need these
    calls one by one. */
@@ -3530,7 +3555,7 @@ struct fb_advice_work {
           Bodies: beams that bend and twist by any angle (FB_EFFECT_LARGE_DEFLECTION, >>line); fb_rotor, wheels inside
           (fb_state.q and .pi have room for them, fb_body.n_coordinate, FB_PORT_MOTOR, FB_PORT_ROTOR_SPEED), in systems,
           too; gravity of a center with its gradient, circular orbits (fb_body_desc.mu); fb_body_limit_eval,
-          fb_linear.rate, fb_spectrum_error. Imported models with effects of second degree: fb_shape_add_stiffening,
+          fb_body_scale, fb_linear.rate, fb_spectrum_error. Imported models with effects of second degree: fb_shape_add_stiffening,
           fb_fields_init, fb_shape_add_field_lump, fb_shape_add_field_node. FB_WITH_OPTIONAL: default of what one body
           seldom wants; a refused effect names its switch. sizeof(fb_rk4_work) is 1728, was 55800: lines are on the
           stack of a call. Implicit steps: a fast prescribed base that begins to turn does not end in

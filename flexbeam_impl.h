@@ -26788,18 +26788,16 @@ static int fbi_is_unit(const fb_sparse *A, int n)
 
 /* Base mobility `recoil`: the root of the largest eigenvalue of M_rr x = lambda S_0 x over the rows that the base
    leaves free; radius of gyration about O. */
-static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
+static fb_status fbi_recoil_fill(fb_body *body, const fb_real M_rr[21])
 {
   const int first = fbi_first_free(body->base), rows = 6 - first;
-  fb_real M_rr[21], A[36], B[36], X[36], d[6];
+  fb_real A[36], B[36], X[36], d[6];
   fb_status status = FB_OK;
   body->recoil = FB_R(1.0);
-  body->gyration = shape->mass > FB_R(0.0)
-                       ? FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass))
-                       : FB_R(0.0);
+  body->gyration =
+      body->mass > FB_R(0.0) ? FB_SQRT((M_rr[15] + M_rr[18] + M_rr[20]) / (FB_R(2.0) * body->mass)) : FB_R(0.0);
 
   /* Free rows of both matrices */
-  fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
   for (int i = 0; i < rows * rows; i++) {
     const int at = fb_sym6_index(first + i / rows, first + i % rows);
     A[i] = M_rr[at];
@@ -26812,21 +26810,10 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
   return status;
 }
 
-/* M^-1 and S_0^-1. */
-static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
+/* S_0^-1 over the free rows, if S_0 is not singular to round-off. */
+static fb_status fbi_S0_invert(fb_body *body)
 {
-  const int n = body->n;
   fb_real reference[6];
-
-  /* M^-1; work.L holds the factor of M */
-  for (int j = 0; j < n; j++) {
-    fbi_zero(work->d, n);
-    work->d[j] = FB_R(1.0);
-    fb_chol_solve(work->A + j * n, work->L, work->d, n);
-  }
-  fbi_sparse_fill(&body->Minv, work->A, n);
-
-  /* S_0^-1 over the free rows, if S_0 is not singular to round-off */
   fbi_sym6_reference(reference, body->S0, FB_R(0.0), FB_R(0.0));
   if (!fbi_sym6_stands_out(body->S0, fbi_first_free(body->base), reference, FBI_ROUNDING)) {
     return FBI_REFUSE_INERTIA(body->S0, body->base);
@@ -26839,6 +26826,19 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
     }
   }
   return FB_OK;
+}
+
+/* M^-1 and S_0^-1. */
+static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
+{
+  const int n = body->n;
+  for (int j = 0; j < n; j++) { /* work.L holds the factor of M */
+    fbi_zero(work->d, n);
+    work->d[j] = FB_R(1.0);
+    fb_chol_solve(work->A + j * n, work->L, work->d, n);
+  }
+  fbi_sparse_fill(&body->Minv, work->A, n);
+  return fbi_S0_invert(body);
 }
 
 /* Do the equations depend on where in the body O lies? A free origin accelerates, which spin stiffening without
@@ -27534,6 +27534,7 @@ static fb_status fbi_rotors_fill(fb_body *body, const fb_body_work *work, const 
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   fb_body *out;
+  fb_real M_rr[21];
   FBI_REQUIRE(body && work && shape && desc, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
   FBI_TRY(fbi_body_desc_check(shape, desc));
@@ -27545,7 +27546,8 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   FBI_TRY(fbi_limits_fill(out, work, shape));
   FBI_TRY(fbi_terms_fill(out, work, shape));
   FBI_TRY(fbi_inverses_fill(out, work));
-  FBI_TRY(fbi_recoil_fill(out, shape));
+  fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
+  FBI_TRY(fbi_recoil_fill(out, M_rr));
 #if FB_WITH_ROTORS
   FBI_TRY(fbi_rotors_fill(out, work, shape, desc));
 #endif
@@ -27554,6 +27556,207 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
     FBI_TRY(fbi_large_fill(out, work, shape, desc));
   }
 #endif
+  *body = *out;
+  return FB_OK;
+}
+
+/* ---- factors of stiffness, damping and masses of a body that is built */
+
+static void fbi_sparse_scale(fb_sparse *A, fb_real by, int n)
+{
+  for (int a = 0; a < n; a++) {
+    A->diagonal[a] *= by;
+  }
+  for (int k = 0; k < A->n_term; k++) {
+    A->term[k].c *= by;
+  }
+}
+
+static void fbi_terms_scale(fb_lambda_term *term, fb_real by, int n)
+{
+  for (int k = 0; k < n; k++) {
+    term[k].c *= by;
+  }
+}
+
+/* All that is linear in masses, by a factor, and its inverses. */
+static void fbi_masses_scale(fb_body *body, fb_real by)
+{
+  const fb_real share = FB_R(1.0) / by;
+  body->mass *= by;
+  for (int i = 0; i < 3; i++) {
+    body->c[i] *= by;
+  }
+  for (int e = 0; e < 21; e++) {
+    body->S0[e] *= by;
+  }
+  for (int e = 0; e < 36; e++) {
+    body->S0_inverse[e] *= share;
+  }
+  fbi_terms_scale(body->lambda, by, body->n_lambda);
+  fbi_terms_scale(body->S, by, body->n_S);
+  fbi_sparse_scale(&body->M, by, body->n);
+  fbi_sparse_scale(&body->Minv, share, body->n);
+  body->unit_mass = fbi_is_unit(&body->M, body->n);
+}
+
+/* The hub at other factors than the rest of the body, by how much more than that: mass and first moment, M_rr and so S_0. */
+static void fbi_hub_add(fb_body *body, const fb_body_factors *by, fb_real mass, fb_real inertia)
+{
+  static const int packed[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
+  const fb_real *const r = by->center, m = mass * by->hub, square = fb_vec3_dot(r, r);
+  fb_real S[21], c[3], J[9];
+  for (int i = 0; i < 3; i++) {
+    c[i] = m * r[i];
+  }
+  for (int i = 0; i < 9; i++) {
+    J[i] = m * ((i % 4 == 0 ? square : FB_R(0.0)) - r[i / 3] * r[i % 3]) + inertia * by->inertia[packed[i]];
+  }
+  fbi_rigid_matrix(S, m, c, J);
+  body->mass += m;
+  fbi_vec3_add(body->c, FB_R(1.0), c);
+  for (int e = 0; e < 21; e++) {
+    body->S0[e] += S[e];
+  }
+}
+
+/* M_rr = S_0 + Lambda(0) M^-1 Lambda(0)^T, and the elastic mass of the free body M - Lambda(0)^T M_rr^-1 Lambda(0), n x n,
+   from the terms of a body. */
+static fb_status fbi_masses_read(fb_real M_rr[21], fb_real *elastic, const fb_body *body)
+{
+  const int n = body->n;
+  fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], one[1] = {FB_R(1.0)};
+  fbi_lambda_rows(X, body, one, 0, body->n_lambda_constant);
+  fbi_sparse_to_dense(elastic, &body->M, n);
+  for (int i = 0; i < 6; i++) {
+    fbi_sparse_eval(Y + i * n, NULL, FB_R(1.0), &body->Minv, X + i * n, n);
+  }
+  for (int e = 0; e < 21; e++) {
+    M_rr[e] = body->S0[e] + fbi_dot(X + fbi_sym6_row[e] * n, Y + fbi_sym6_column[e] * n, n);
+  }
+  for (int b = 0; b < n; b++) {
+    fb_real column[6];
+    for (int i = 0; i < 6; i++) {
+      column[i] = X[i * n + b];
+    }
+    FBI_TRY(fbi_base_solve(column, body->base, M_rr, column));
+    for (int a = 0; a < n; a++) {
+      for (int i = 0; i < 6; i++) {
+        elastic[a * n + b] -= column[i] * X[i * n + a];
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* Bounds of E8.8 by factors of K and of all masses alike. */
+static void fbi_limits_scale(fb_body *body, fb_real stiffness, fb_real damping, fb_real mass)
+{
+  const fb_real square = stiffness / mass, frequency = FB_SQRT(square);
+  body->limit_elastic *= square;
+  body->limit_damping *= damping * frequency;
+#if FB_WITH_NONLINEAR_STRAIN
+  body->limit_slope *= square;
+  body->limit_tension /= frequency;
+#endif
+}
+
+/* Bounds of E8.8 of a body with another hub than that of whose elastic mass is `before`: those of K and C anew, those of
+   the stiffening by the largest ratio of the two elastic masses. */
+static fb_status fbi_limits_renew(fb_body *body, fb_body_work *work, const fb_real *before, const fb_real *now)
+{
+  const int n = body->n;
+  fb_real ratio;
+  fbi_sparse_to_dense(work->A, &body->K, n);
+  FBI_TRY(fbi_largest_eigenvalue(&body->limit_elastic, work, now, n));
+#if FB_WITH_DAMPING
+  fbi_sparse_to_dense(work->A, &body->C, n);
+  FBI_TRY(fbi_largest_eigenvalue(&body->limit_damping, work, now, n));
+#endif
+  fbi_copy(work->A, before, n * n);
+  FBI_TRY(fbi_largest_eigenvalue(&ratio, work, now, n));
+  body->limit_spin *= ratio;
+  body->limit_acceleration *= ratio;
+#if FB_WITH_NONLINEAR_STRAIN
+  body->limit_slope *= ratio;
+  body->limit_tension *= FB_SQRT(ratio);
+#endif
+  return FB_OK;
+}
+
+static fb_status fbi_factors_check(const fb_body *from, const fb_body_factors *by)
+{
+  const int masses = by->mass != FB_R(1.0) || by->hub_mass != FB_R(1.0) || by->hub_inertia != FB_R(1.0);
+  const int hub = by->hub > FB_R(0.0) || !fbi_is_zero(by->inertia, 6);
+  const fbi_number field[] = {FBI_NOT_NEGATIVE(&by->stiffness, 1, "stiffness, a factor"),
+                              FBI_NOT_NEGATIVE(&by->damping, 1, "damping, a factor"),
+                              FBI_NOT_NEGATIVE(&by->mass, 1, "mass, a factor"),
+                              FBI_NOT_NEGATIVE(&by->hub_mass, 1, "hub_mass, a factor"),
+                              FBI_NOT_NEGATIVE(&by->hub_inertia, 1, "hub_inertia, a factor"),
+                              FBI_NOT_NEGATIVE(&by->hub, 1, "hub [kg]"),
+                              FBI_ANY(by->center, 3, "center of the hub [m]"),
+                              FBI_ANY(by->inertia, 6, "inertia of the hub [kg m^2]")};
+  FBI_TRY(fbi_numbers_check(field, FBI_LENGTH(field), -1));
+  for (int k = 0; k < 3; k++) {
+    const fb_real factor = k == 0 ? by->stiffness : k == 1 ? by->mass : hub ? by->hub_mass : FB_R(1.0);
+    if (!(factor > FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "factors of stiffness and masses, above", k, factor, FB_R(0.0));
+    }
+  }
+  if (!hub && (by->hub_mass != FB_R(1.0) || by->hub_inertia != FB_R(1.0))) {
+    return FBI_REFUSE(FB_ERR_VALUE, "hub [kg] or its inertia, of which hub_mass and hub_inertia are factors, above", -1,
+                      by->hub, FB_R(0.0));
+  }
+  if (by->hub > (FB_R(1.0) + FBI_ROUNDING) * from->mass) {
+    return FBI_REFUSE(FB_ERR_VALUE, "hub [kg], the mass of the body at most", -1, by->hub, from->mass);
+  }
+  if (masses && from->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "factors of masses with large deflection or rotors, 1", -1, by->mass,
+                      FB_R(1.0));
+  }
+  return FB_OK;
+}
+
+/* [E8.61] A body whose stiffness, damping ratios and masses are those of another by factors, of the same shapes of modes:
+   K s, M m, Lambda m, S m, C d sqrt(s m); a hub with other factors of its own mass and inertia adds the difference to S_0.
+   Source: T of 8.1 is linear in masses, E8.7.  Cost: that of E8.8.  Fails: S_0 not positive definite.
+   Test: a_scaled_body_moves_as_the_one_described, frequencies_scale_by_the_root_of_stiffness_over_mass. */
+FB_DEF fb_status fb_body_scale(fb_body *body, fb_body_work *work, const fb_body *from, const fb_body_factors *by)
+{
+  fb_real M_rr[21], hub_mass, hub_inertia;
+  fb_body *out;
+  FBI_REQUIRE(body && work && from && by, FB_ERR_NULL);
+  FBI_REQUIRE_EXACT();
+  FBI_TRY(fbi_factors_check(from, by));
+  hub_mass = by->hub > FB_R(0.0) ? by->hub_mass - by->mass : FB_R(0.0);
+  hub_inertia = fbi_is_zero(by->inertia, 6) ? FB_R(0.0) : by->hub_inertia - by->mass;
+  out = &work->body;
+  *out = *from;
+
+  /* Stiffness and damping, all masses */
+  fbi_sparse_scale(&out->K, by->stiffness, out->n);
+#if FB_WITH_DAMPING
+  fbi_sparse_scale(&out->C, by->damping * FB_SQRT(by->stiffness * by->mass), out->n);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  for (int g = 0; g < out->n_strain; g++) {
+    out->strain_weight[g] *= by->stiffness;
+  }
+#endif
+  if (by->mass != FB_R(1.0)) {
+    fbi_masses_scale(out, by->mass);
+  }
+  fbi_limits_scale(out, by->stiffness, by->damping, by->mass);
+
+  /* The hub */
+  if (hub_mass != FB_R(0.0) || hub_inertia != FB_R(0.0)) {
+    FBI_TRY(fbi_masses_read(M_rr, work->Lambda, out) ? FBI_REFUSE_INERTIA(out->S0, out->base) : FB_OK);
+    fbi_hub_add(out, by, hub_mass, hub_inertia);
+    FBI_TRY(fbi_S0_invert(out));
+    FBI_TRY(fbi_masses_read(M_rr, work->L, out) ? FBI_REFUSE_INERTIA(out->S0, out->base) : FB_OK);
+    FBI_TRY(fbi_limits_renew(out, work, work->Lambda, work->L));
+    FBI_TRY(fbi_recoil_fill(out, M_rr));
+  }
   *body = *out;
   return FB_OK;
 }

@@ -71,6 +71,143 @@ TEST(one_description_is_the_chain)
   FBT_TRUE(fb_body_crc(&chain) == fb_body_crc(&body));
 }
 
+/* A body whose description has these factors, into `body`; held: on a prescribed base. */
+static void described(const fb_body_factors *by, int held)
+{
+  two_booms();
+  desc.mass *= by->hub_mass;
+  desc.center[0] = FB_R(0.1);
+  for (int i = 0; i < 6; i++) {
+    desc.inertia[i] *= by->hub_inertia;
+  }
+  boom.station[0].mass *= by->mass;
+  boom.station[0].EI_y *= by->stiffness;
+  boom.station[0].EI_z = FB_R(0.7) * boom.station[0].EI_y;
+  desc.zeta *= by->damping;
+  desc.body.base = held ? FB_BASE_PRESCRIBED : FB_BASE_FREE;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
+}
+
+/* The body without factors, scaled by them; of a hub that is told. */
+static void scaled(fb_body *out, const fb_body_factors *by, int held)
+{
+  const fb_body_factors one = {FB_R(1.0), FB_R(1.0), FB_R(1.0),   FB_R(1.0),
+                               FB_R(1.0), FB_R(0.0), {FB_R(0.0)}, {FB_R(0.0)}};
+  fb_body_factors own = *by;
+  described(&one, held);
+  own.hub = desc.mass;
+  memcpy(own.center, desc.center, sizeof own.center);
+  memcpy(own.inertia, desc.inertia, sizeof own.inertia);
+  FBT_INT_EQ(fb_body_scale(out, &work.scratch.body, &body, &own), FB_OK);
+}
+
+/* E8.61: rates, energy and step limit of a scaled body are those of the one whose description has the factors. Its modes are
+   normalized by other masses: q and pi have other units. */
+TEST(a_scaled_body_moves_as_the_one_described)
+{
+  static fb_body other;
+  for (int k = 0; k < 3; k++) {
+    const fb_body_factors by = {k == 1 ? FB_R(1.0) : FB_R(4.0),
+                                k == 1 ? FB_R(1.0) : FB_R(0.6),
+                                k == 1 ? FB_R(1.0) : FB_R(0.25),
+                                k == 2 ? FB_R(0.25) : FB_R(0.8),
+                                k == 2 ? FB_R(0.25) : FB_R(1.3),
+                                FB_R(0.0),
+                                {FB_R(0.0)},
+                                {FB_R(0.0)}};
+    const fb_real unit = (fb_real)sqrt((double)by.mass), v[3] = {FB_R(0.3), FB_R(-0.2), FB_R(0.1)};
+    const fb_real w[3] = {FB_R(0.2), FB_R(0.5), FB_R(-0.4)}, tol = (fb_real)FBT_TOL(1e-12, 1e-4);
+    fb_real rates[8], q_dot[8];
+    fb_state one, two, rate_one, rate_two;
+    fb_energy energy_one, energy_two;
+    scaled(&other, &by, 0);
+    described(&by, 0);
+    FBT_NEAR_REL(other.mass, body.mass, tol);
+    FBT_NEAR_REL(other.recoil, body.recoil, tol);
+    FBT_NEAR_REL(other.gyration, body.gyration, tol);
+    FBT_INT_EQ(fb_state_init(&body, &one), FB_OK);
+    FBT_INT_EQ(fb_state_init(&other, &two), FB_OK);
+    for (int a = 0; a < 8; a++) {
+      two.q[a] = FB_R(0.01) * (fb_real)(a % 3 - 1);
+      one.q[a] = unit * two.q[a];
+      rates[a] = FB_R(0.1) * (fb_real)(a % 5 - 2);
+      q_dot[a] = unit * rates[a];
+    }
+    FBT_INT_EQ(fb_state_from_velocity(&body, &one, v, w, q_dot), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&other, &two, v, w, rates), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate_one, &one, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&other, &rate_two, &two, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(two.L[i], one.L[i], tol * FB_R(100.0));
+      FBT_NEAR_ABS(rate_two.rho[i], rate_one.rho[i], tol);
+    }
+    for (int a = 0; a < 8; a++) {
+      FBT_NEAR_ABS(unit * rate_two.q[a], rate_one.q[a], tol * FB_R(1.0));
+      FBT_NEAR_ABS(rate_two.pi[a], unit * rate_one.pi[a], tol * FB_R(100.0));
+    }
+    FBT_INT_EQ(fb_body_energy_eval(&body, &energy_one, &one, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_energy_eval(&other, &energy_two, &two, NULL), FB_OK);
+    FBT_NEAR_REL(energy_two.kinetic, energy_one.kinetic, tol);
+    FBT_NEAR_REL(energy_two.strain, energy_one.strain, tol);
+    FBT_NEAR_REL(fb_rk4_limit(&other, FB_R(0.0), FB_R(0.0)), fb_rk4_limit(&body, FB_R(0.0), FB_R(0.0)), tol);
+    FBT_TRUE(fb_rk4_limit(&other, FB_R(9.0), FB_R(9.0)) <
+             (FB_R(1.0) + tol) * fb_rk4_limit(&body, FB_R(9.0), FB_R(9.0)));
+  }
+}
+
+/* E8.61: of a held body omega^2 = k/m, whose bound E8.8 is exact at rest, and the damping 2 zeta omega. */
+TEST(frequencies_scale_by_the_root_of_stiffness_over_mass)
+{
+  static fb_body other;
+  const fb_body_factors by = {FB_R(3.0), FB_R(0.5), FB_R(1.7),   FB_R(1.0),
+                              FB_R(1.0), FB_R(0.0), {FB_R(0.0)}, {FB_R(0.0)}};
+  scaled(&other, &by, 1);
+  for (int a = 0; a < body.n; a++) {
+    const fb_real square = body.K.diagonal[a] / body.M.diagonal[a];
+    FBT_NEAR_REL(other.K.diagonal[a] / other.M.diagonal[a], square * by.stiffness / by.mass, FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(other.C.diagonal[a] / other.M.diagonal[a],
+                 2.0 * (double)(desc.zeta * by.damping) * sqrt((double)(square * by.stiffness / by.mass)),
+                 FBT_TOL(1e-13, 1e-5));
+  }
+  FBT_NEAR_REL(other.limit_elastic, body.limit_elastic * by.stiffness / by.mass, FBT_TOL(1e-14, 1e-6));
+}
+
+/* Interface: factors 1 leave the bits, others that there cannot be are refused and leave the body. */
+TEST(factors_that_there_cannot_be_are_refused)
+{
+  static fb_body other, before;
+  const fb_body_factors one = {FB_R(1.0), FB_R(1.0), FB_R(1.0),   FB_R(1.0),
+                               FB_R(1.0), FB_R(0.0), {FB_R(0.0)}, {FB_R(0.0)}};
+  fb_body_work *const room = &work.scratch.body;
+  fb_body_factors by = one;
+  scaled(&other, &one, 0);
+  FBT_TRUE(fb_body_crc(&other) == fb_body_crc(&body));
+  before = other;
+  by.stiffness = FB_R(0.0);
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &by), FB_ERR_VALUE);
+  by = one;
+  by.damping = -FB_R(1.0);
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &by), FB_ERR_VALUE);
+  by = one;
+  by.mass = (fb_real)NAN;
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &by), FB_ERR_NOT_FINITE);
+  by = one;
+  by.hub_mass = FB_R(2.0); /* of no hub */
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &by), FB_ERR_VALUE);
+  by.hub = FB_R(2.0) * body.mass;
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &by), FB_ERR_VALUE);
+  by.hub = desc.mass;
+  by.hub_inertia = FB_R(0.01); /* of more inertia than the body has */
+  by.inertia[0] = by.inertia[1] = by.inertia[2] = FB_R(1e4);
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &by), FB_ERR_SINGULAR);
+  FBT_TRUE(fb_body_crc(&other) == fb_body_crc(&before));
+  other.effects |= FB_EFFECT_ROTORS;
+  by = one;
+  by.mass = FB_R(2.0);
+  FBT_INT_EQ(fb_body_scale(&before, room, &other, &by), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_body_scale(NULL, room, &body, &one), FB_ERR_NULL);
+}
+
 /* E7.9: a boom whose tip is its boundary: the same bits as the chain, and the tip's node moves with its own
    coordinates, by their unit. */
 TEST(a_component_is_the_chain)
@@ -382,4 +519,5 @@ SUITE(body_build, RUN(roots_that_nothing_attaches_are_refused), RUN(welds_that_a
       RUN(one_description_is_the_chain), RUN(a_component_is_the_chain), RUN(joined_parts_are_the_chain),
       RUN(joined_parts_are_the_uncut_beam), RUN(parts_may_share_a_count_of_modes),
       RUN(parts_carry_the_place_of_their_beam), RUN(parts_may_be_missing), RUN(the_part_at_fault_is_told),
-      RUN(parts_that_do_not_meet_are_refused))
+      RUN(parts_that_do_not_meet_are_refused), RUN(a_scaled_body_moves_as_the_one_described),
+      RUN(frequencies_scale_by_the_root_of_stiffness_over_mass), RUN(factors_that_there_cannot_be_are_refused))

@@ -22,6 +22,7 @@ static struct world {
   fb_profile from, to;
   fb_section section;
   fb_build_desc build_desc;
+  fb_body_factors factors;
   fb_beam_desc beam_desc, taper, build_beam[2];
   fb_beam beam[2];
   fb_modes_desc modes_desc, buckling_desc, component_desc, build_modes[2];
@@ -366,6 +367,7 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
   F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, OUT(fb_body), WORK(build_work),            \
     IN(build_desc), IN(build_beam), IN(build_modes), WHOLE(2))                                                         \
+  F(fb_body_scale, fb_body_scale(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), MODEL(body), IN(factors))  \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
   F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \
   F(fb_state_init, fb_state_init(p[0], p[1]), 1, MODEL(body), OUT(fb_state))                                           \
@@ -685,6 +687,10 @@ static void body_fill(void)
   w.body_desc.gravity[2] = -FB_R(1.0);
   w.body_desc.zeta[0] = w.body_desc.zeta[1] = FB_R(0.01);
   need(fb_body_init(&w.body, &body_work, &w.natural, &w.body_desc), "body");
+  w.factors.stiffness = w.factors.damping = w.factors.mass = FB_R(1.5);
+  w.factors.hub_mass = w.factors.hub_inertia = FB_R(1.1);
+  w.factors.hub = FB_R(0.1) * w.body.mass;
+  need(fb_body_scale(&w.held, &body_work, &w.body, &w.factors), "body by factors");
   w.form_desc.form = FB_FORM_SECOND;
   need(fb_form_init(&w.formed, &body_work, &w.natural, &w.body_desc, &w.form_desc), "body in the second-order form");
   w.build_desc.mass = FB_R(5.0);
