@@ -5,7 +5,7 @@
 #include "scene_run.h"
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
-#include "../tools/trace/trace.h"
+#include "../tools/code_traced.h"
 
 static const scene *scene_code_of; /* what is written */
 
@@ -191,7 +191,7 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
    itself has no gravity of a center. */
 static int scene_code_is_traced(const tree_choice *choice)
 {
-  int traced = !choice->lanes && engine.system.n_loop == 0;
+  int traced = !(choice->implicit && choice->lanes) && engine.system.n_loop == 0;
   traced &= !choice->single || !attract_refusal(&engine.system, engine.body);
   for (int k = 0; k < engine.system.n_body; k++) {
     traced &= !(engine.body[engine.system.model[k]].effects & FB_EFFECT_LARGE_DEFLECTION);
@@ -227,18 +227,14 @@ static const char *scene_code_node_name(int body, int node)
 static int scene_code_trace(FILE *out, const tree_choice *choice, const char *const *names, char text[400])
 {
   const trace_choice what = {choice->name,         scene_code_of->path, choice->single,  0, choice->loads, NULL, names,
-                             scene_code_node_name, choice->pulls,       choice->implicit};
+                             scene_code_node_name, choice->pulls,       choice->implicit, 0};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
   const code w = tree_write_begin(out, &engine.system, engine.body, names, choice, scene_code_of->path,
                                   fb_system_crc(&engine.system, engine.body, scene_code_of->n_body));
-  int bad;
   tree_write_start(&w, choice->start);
-  fputs("\n", out);
-  bad = choice->single ? trace_step_single(out, &what, &of, text) : trace_step(out, &what, &of, text);
-  fputs("#endif\n", out);
-  return !bad;
+  return !code_write_traced(&w, what, &of, choice->lanes, tree_write_types, text);
 }
 
 /* The rates with their Jacobian; 1, or 0 with why not in text. */

@@ -2190,20 +2190,13 @@ static void code_write_stages(const code *w)
 /* All lanes at once, and the step that takes it. */
 static int code_write_lanes(const code *w)
 {
-  code wide = *w;
+  const code wide = code_lanes_begin(w);
   int good;
-  wide.lanes = CODE_WIDE;
-  code_lanes_template(w, code_lanes_if);
-  code_lanes_template(w, code_lanes_roots[w->single]);
-  code_lanes_template(w, code_lanes_vectors);
   code_write_types(&wide);
   code_template(&wide, w->vary ? code_vary_types : "");
   good = code_write_functions(&wide);
   code_write_stages(&wide);
-  code_lanes_template(w, code_lanes_together);
-  code_lanes_template(w, code_lanes_copies);
-  code_lanes_template(w, w->vary ? code_lanes_put_model : "");
-  code_lanes_template(w, code_lanes_step);
+  code_lanes_end(w);
   return good;
 }
 
@@ -2274,6 +2267,6 @@ static inline const char *code_refusal(const fb_body *body)
 /* Is a step written by the tracer, as this program does not? */
 static inline int code_is_traced(const fb_body *body, const code_choice *choice)
 {
-  return code_refusal(body) && !(body->effects & FB_EFFECT_LARGE_DEFLECTION) && !choice->lanes && !choice->vary;
+  return code_refusal(body) && !(body->effects & FB_EFFECT_LARGE_DEFLECTION) && !choice->vary;
 }
 #endif

@@ -78,6 +78,15 @@ static const char code_lanes_angles[] =
     "static inline @_wide *@_wide_angle(@_wide *y, const @_wide *x)\n{\n"
     "  for (int k = 0; k < @_LANES; k++) {\n    (*y)[k] = atan2~((*y)[k], (*x)[k]);\n  }\n  return y;\n}\n\n";
 
+/* What a trace may use beside. */
+static const char code_lanes_traced[] =
+    "#define @_wide_exp(x) (*@_wide_power((@_wide[1]){x}))\n"
+    "#define @_wide_trunc(x) (*@_wide_whole((@_wide[1]){x}))\n\n"
+    "static inline @_wide *@_wide_power(@_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = exp~((*x)[k]);\n  }\n  return x;\n}\n\n"
+    "static inline @_wide *@_wide_whole(@_wide *x)\n{\n"
+    "  for (int k = 0; k < @_LANES; k++) {\n    (*x)[k] = (%s)(int)(*x)[k];\n  }\n  return x;\n}\n\n";
+
 static const char code_lanes_copies[] =
     "\n/* Structs of numbers alone: those of one body, and of lanes. */\n"
     "static void @_lanes_copy(void *lanes, const void *one, size_t size, int lane)\n{\n"
@@ -183,5 +192,25 @@ static void code_lanes_template(const code *w, const char *text)
     }
     code_template(w, own ? own : piece);
   }
+}
+
+/* What stands before the functions of all lanes at once but for their types. */
+static inline code code_lanes_begin(const code *w)
+{
+  code wide = *w;
+  wide.lanes = CODE_WIDE;
+  code_lanes_template(w, code_lanes_if);
+  code_lanes_template(w, code_lanes_roots[w->single]);
+  code_lanes_template(w, code_lanes_vectors);
+  return wide;
+}
+
+/* What stands behind them: the step that takes them. */
+static inline void code_lanes_end(const code *w)
+{
+  code_lanes_template(w, code_lanes_together);
+  code_lanes_template(w, code_lanes_copies);
+  code_lanes_template(w, w->vary ? code_lanes_put_model : "");
+  code_lanes_template(w, code_lanes_step);
 }
 #endif

@@ -3022,20 +3022,13 @@ static int tree_write_functions(const code *w)
 /* All lanes at once, and the step that takes it. */
 static int tree_write_lanes(const code *w)
 {
-  code wide = *w;
+  const code wide = code_lanes_begin(w);
   int good;
-  wide.lanes = CODE_WIDE;
-  code_lanes_template(w, code_lanes_if);
-  code_lanes_template(w, code_lanes_roots[w->single]);
-  code_lanes_template(w, code_lanes_vectors);
   code_lanes_template(w, code_lanes_angles);
   tree_write_types(&wide);
   tree_write_model_type(&wide);
   good = tree_write_functions(&wide);
-  code_lanes_template(w, code_lanes_together);
-  code_lanes_template(w, code_lanes_copies);
-  code_lanes_template(w, w->vary ? code_lanes_put_model : "");
-  code_lanes_template(w, code_lanes_step);
+  code_lanes_end(w);
   return good;
 }
 

@@ -7,7 +7,7 @@
 #include "model.h"
 #include "code.h"
 #include "rom.h"
-#include "trace/trace.h"
+#include "code_traced.h"
 #define PROGRAM "reduce"
 #include "words.h"
 #include "../common/options.h"
@@ -213,9 +213,7 @@ static int write_traced(FILE *out, const options *o, const char *file)
   char text[400];
   int bad;
   code_template(&w, code_start);
-  fputs("\n", out);
-  bad = o->choice.single ? trace_step_single(out, &choice, &of, text) : trace_step(out, &choice, &of, text);
-  fputs("#endif\n", out);
+  bad = code_write_traced(&w, choice, &of, o->choice.lanes, code_write_types, text);
   if (bad) {
     fprintf(stderr, "reduce: %s: --code: %s\n", file, text);
   }

@@ -427,6 +427,16 @@ given="-DNUMBER=float -DVARY"
 sed -i 's/^base.*/base free/' "$out/random.txt"
 try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
 lanes -Dgenerated_LANES=4
+# by a trace; what no template has is written so without being asked
+for base_is in free pinned prescribed hinged; do
+  for option in "" --single; do
+    given="-DTRACED -DNUMBER=$([ $option ] && echo float || echo double)"
+    awk -v seed=3 -v effects="full damping gravity" -v base=$base_is -v rotors="0 2 1g" -f tests/checks/code.awk > "$out/wheels.txt"
+    try build/flexbeam reduce "$out/wheels.txt" --name generated --code --lanes $option $([ $base_is = hinged ] || echo --traced) --out "$out/code.h"
+    lanes -Dgenerated_LANES=4
+  done
+done
+base_is=free
 given=
 ! build/flexbeam reduce "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
 grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
@@ -544,18 +554,6 @@ for f in generated_step fb_rk4_step; do
 done
 [ $count_generated_step -le $bound_wheels ] || fail "satellite with wheels: $count_generated_step instructions, more than $bound_wheels"
 
-# refuse WHAT LINE...: the boom with other lines
-refuse() {
-  what=$1
-  shift
-  printf '%s\n' "$@" | cat - "$out/boom.txt" | awk '{ word = $1 } word == "effects" || word == "base" { if (seen[word]++) next } { print }' \
-    | awk 'NR == 1 { first = $0; next } $1 == "beam" { print "beam"; print first; next } { print }' > "$out/other.txt"
-  ! build/flexbeam reduce "$out/other.txt" --code --out "$out/none.h" $options 2> "$out/log" || fail "$what is taken"
-  grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
-  [ ! -e "$out/none.h" ] || fail "$what: a file is written"
-}
-options=--lanes
-refuse "base hinged" "base hinged"
 # refuse_rotor WHAT LINE...: the body that was generated last, with a rotor
 refuse_rotor() {
   what=$1

@@ -9,7 +9,7 @@
 #include <string.h>
 #ifdef WRITE
 #include "examples/tools/code_tree.h"
-#include "examples/tools/trace/trace.h"
+#include "examples/tools/code_traced.h"
 #else
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -1107,7 +1107,7 @@ static int write_traced(const tree_choice *choice, const char *const *names)
 {
   static fb_system_state start_;
   const trace_choice what = {choice->name, "a random tree", choice->single, 0,     choice->loads,
-                             NULL,         names,           NULL,           pulls, choice->implicit};
+                             NULL,         names,           NULL,           pulls, choice->implicit, 0};
   const trace_model of = {model, &mechanism, &start_, sizeof model[0], sizeof mechanism, sizeof start_, MODELS};
   char text[400];
   int bad;
@@ -1116,8 +1116,7 @@ static int write_traced(const tree_choice *choice, const char *const *names)
     const code w = tree_write_begin(stdout, &mechanism, model, names, choice, "a random tree",
                                     fb_system_crc(&mechanism, model, MODELS));
     tree_write_start(&w, choice->start);
-    bad = choice->single ? trace_step_single(stdout, &what, &of, text) : trace_step(stdout, &what, &of, text);
-    puts("#endif");
+    bad = code_write_traced(&w, what, &of, choice->lanes, tree_write_types, text);
   }
   if (bad) {
     fprintf(stderr, "by a trace: %s\n", text);
@@ -1198,7 +1197,7 @@ int main(int argc, char **argv)
   static const char *const names[5] = {"first", "second", "third", "fourth", "fifth"};
   const int which = argc > 1 ? atoi(argv[1]) : 0;
   tree_choice choice = {.name = "generated"};
-  char text[200];
+  char text[200] = "";
   int acts = 0;
   if (which >= TREES) {
     return 3;

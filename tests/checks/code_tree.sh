@@ -185,6 +185,9 @@ all_lanes() {
   compile
   lanes -O0 1 double
   lanes "$level $avx" 4 double
+  if [ -z "${1:-}" ] && "$out/write" $tree --loads --traced --lanes > "$out/code.h" 2> "$out/log"; then # else by_trace has told why not
+    lanes "-O0 -DTRACED $avx" 4 double
+  fi
   if [ $tree -lt 92 ] || [ $tree -gt 100 ]; then # the others have gravity of a center, which bodies on joints have in double precision alone
     write $tree --single --lanes ${1:-}
     lanes "-O0 $avx" 8 float

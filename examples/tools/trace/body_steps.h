@@ -205,6 +205,11 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
        none + "  if (!motion || !state" + null + in + state},
       {body_function::ENERGY, "@_status @_energy_eval(@_energy *energy, const @_state *state)",
        "  if (!energy || !state" + null + state}};
+  if (choice->wide) {
+    std::unique_ptr<body_function> s(new body_function(choice, body, body_function::STEP, 0));
+    const std::string why = file.write_wide(*s);
+    return why.empty() ? 0 : fail(text, why);
+  }
   for (const auto &f : functions) {
     std::unique_ptr<body_function> s(new body_function(choice, body, f.is, 0));
     const bool is = f.is != body_function::ENERGY || body.base != FB_BASE_PRESCRIBED;

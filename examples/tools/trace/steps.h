@@ -106,15 +106,38 @@ static std::string trace_function(traced &t, subject &s, const std::string &name
   return "";
 }
 
-/* With the name of the model for @ and its type of numbers for $. */
+/* With the name of the model for @, its type of numbers for $ and their suffix for '. */
 static std::string filled(const trace_choice *choice, const std::string &text)
 {
   std::string s;
   for (char c : text) {
-    s += c == '@' ? std::string(choice->name) : c == '$' ? choice->single ? "float" : "double" : std::string(1, c);
+    s += c == '@'    ? std::string(choice->name)
+         : c == '$'  ? std::string(choice->single ? "float" : "double")
+         : c == '\'' ? std::string(choice->single ? "f" : "")
+                     : std::string(1, c);
   }
   return s;
 }
+
+/* What is checked and set before the functions' own text. */
+static const char refused_null[] = ") {\n    return @_null;\n  }\n",
+                  no_input[] = "  static @_input none; /* all zero */\n",
+                  step_arguments[] =
+                      "(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)",
+                  step_inputs[] = "  start = start ? start : &none;\n  middle = middle ? middle : &none;\n"
+                                  "  end = end ? end : &none;\n  (void)start, (void)middle, (void)end;\n",
+                  sdirk_arguments[] = "(@_state *state, const @_input *start, const @_input *end, $ dt)",
+                  sdirk_inputs[] = "  if (!state || (start != NULL) != (end != NULL)) {\n    return @_null;\n  }\n"
+                                   "  start = start ? start : &none;\n  end = end ? end : &none;\n"
+                                   "  (void)start, (void)end;\n",
+                  wide_step[] =
+                      "static @_status @_wide_step(@_wide_state *state, const @_wide_input *start, const @_wide_input "
+                      "*middle,\n                              const @_wide_input *end, $ length)",
+                  wide_inputs[] =
+                      "  static const @_wide_input none; /* all zero */\n  const @_wide dt = @_wide_all(length);\n"
+                      "  @_wide_mask good = dt > 0.0';\n",
+                  refused_state[] = "  if (!@_is_finite(state)) {\n    return @_not_finite;\n  }\n",
+                  one_input[] = "  in = in ? in : &none;\n  (void)in;\n";
 
 /* All functions of a file: kernels that they have in common are written once. */
 struct file_of_functions {
@@ -128,7 +151,8 @@ struct file_of_functions {
   {
     w.out = out;
     w.name = of->name;
-    w.real = of->single ? "float" : "double";
+    w.wide = of->wide != 0;
+    w.real = w.wide ? w.name + "_wide" : of->single ? "float" : "double";
     w.single = of->single;
     w.settled = true;
     w.only_if["fbi_drives_check"] = "start != end"; /* an input that is held tells nothing of its rates */
@@ -146,6 +170,16 @@ struct file_of_functions {
     t.before = filled(choice, before);
     t.after = after;
     all.push_back(t);
+    return why;
+  }
+
+  /* The step of all lanes; "", or why it cannot be written. */
+  std::string write_wide(subject &s)
+  {
+    const std::string why = add(s, wide_step, std::string(wide_inputs) + step_inputs, "");
+    if (why.empty()) {
+      write();
+    }
     return why;
   }
 
@@ -302,8 +336,8 @@ struct file_of_functions {
         if (g > 0 && seen.insert(R.all[g].kind).second) {
           order.push_back({f, (int)g});
           kernel_text &k = w.kernel[R.all[g].kind];
-          const std::string base =
-              w.name + "_" + R.all[g].name.substr(R.all[g].name.compare(0, 4, "fbi_") == 0 ? 4 : 0);
+          const std::string base = w.name + (w.wide ? "_wide_" : "_") +
+                                   R.all[g].name.substr(R.all[g].name.compare(0, 4, "fbi_") == 0 ? 4 : 0);
           k.name = base;
           for (int number = 2; !taken.insert(k.name).second; number++) {
             k.name = base + "_" + std::to_string(number);
@@ -314,7 +348,9 @@ struct file_of_functions {
     for (auto &k : w.kernel) {
       place(k.second, w.read[k.first], w.carried[k.first]);
     }
-    write_finite();
+    if (!w.wide) {
+      write_finite();
+    }
     for (auto k = order.begin(); k != order.end(); k++) {
       rows = std::max(rows, all[k->first].made.all[(std::size_t)k->second].apart.size());
     }
@@ -331,7 +367,9 @@ struct file_of_functions {
       w.given = t.given;
       std::fprintf(w.out, "%s\n{\n%s", t.head.c_str(), t.before.c_str());
       write_graph(0, t.results);
-      std::fprintf(w.out, "%s  return %s_ok;\n}\n\n", t.after.c_str(), w.name.c_str());
+      std::fprintf(w.out,
+                   w.wide ? "%s  return %s_wide_every(good) ? %s_ok : %s_range;\n}\n\n" : "%s  return %s_ok;\n}\n\n",
+                   t.after.c_str(), w.name.c_str(), w.name.c_str(), w.name.c_str());
     }
     return "";
   }
@@ -416,27 +454,23 @@ struct file_of_functions {
     for (int i = 0; i < g.n_input; i++) {
       w.given.push_back(quiet.argument[(std::size_t)i] ? 1u : 0u);
     }
-    std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *r, const %s *a%s)\n{\n", g.name.c_str(), w.name.c_str(),
-                 k.name.c_str(), w.real.c_str(), w.real.c_str(), quiet.node.empty() ? "" : ", int acts");
+    const char *const n = w.name.c_str(), *const real = w.real.c_str(),
+                     *const acts = quiet.node.empty() ? "" : ", int acts";
+    if (w.wide) {
+      std::fprintf(
+          w.out, "/* %s */\nstatic void %s(%s *r, const %s *a, %s_wide_mask *held%s)\n{\n  %s_wide_mask good = *held;\n",
+          g.name.c_str(), k.name.c_str(), real, real, n, acts, n);
+    } else {
+      std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *r, const %s *a%s)\n{\n", g.name.c_str(), n, k.name.c_str(),
+                   real, real, acts);
+    }
     write_graph(at, results);
-    std::fprintf(w.out, "  (void)r, (void)a%s;\n  return %s_ok;\n}\n\n", quiet.node.empty() ? "" : ", (void)acts",
-                 w.name.c_str());
+    std::fprintf(w.out,
+                 w.wide ? "  (void)r, (void)a%s;\n  *held = good;\n}\n\n"
+                        : "  (void)r, (void)a%s;\n  return %s_ok;\n}\n\n",
+                 *acts ? ", (void)acts" : "", n);
   }
 };
-
-/* What is checked and set before the functions' own text. */
-static const char refused_null[] = ") {\n    return @_null;\n  }\n",
-                  no_input[] = "  static @_input none; /* all zero */\n",
-                  step_arguments[] =
-                      "(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)",
-                  step_inputs[] = "  start = start ? start : &none;\n  middle = middle ? middle : &none;\n"
-                                  "  end = end ? end : &none;\n  (void)start, (void)middle, (void)end;\n",
-                  sdirk_arguments[] = "(@_state *state, const @_input *start, const @_input *end, $ dt)",
-                  sdirk_inputs[] = "  if (!state || (start != NULL) != (end != NULL)) {\n    return @_null;\n  }\n"
-                                   "  start = start ? start : &none;\n  end = end ? end : &none;\n"
-                                   "  (void)start, (void)end;\n",
-                  refused_state[] = "  if (!@_is_finite(state)) {\n    return @_not_finite;\n  }\n",
-                  one_input[] = "  in = in ? in : &none;\n  (void)in;\n";
 
 } // namespace trace
 #endif

@@ -27,6 +27,8 @@ struct writer {
   FILE *out;
   std::string name, real; /* of the model: prefix of all names; its type of numbers */
   bool single;
+  bool wide =
+      false; /* numbers are vectors, one lane for each copy of a model: what is checked of them is kept in one mask, `good` */
   std::function<std::string(int)> status;      /* its name */
   std::vector<std::string> names;              /* of the inputs */
   std::map<std::uint64_t, kernel_text> kernel; /* by their kind */
@@ -68,9 +70,28 @@ struct writer {
     return node_of(a) ? text[(std::size_t)node_of(a)] : constant(a.d);
   }
 
+  /* What stands alone; a constant is one of all lanes. */
+  std::string alone(number a) const
+  {
+    return wide && !node_of(a) ? name + "_wide_all(" + constant(a.d) + ")" : of(a);
+  }
+
   std::string call(const char *function, number a) const
   {
-    return std::string(function) + (single ? "f(" : "(") + of(a) + ")";
+    return wide ? name + "_wide_" + function + "(" + alone(a) + ")"
+                : std::string(function) + (single ? "f(" : "(") + of(a) + ")";
+  }
+
+  /* One of two values. */
+  std::string choice(const node &n) const
+  {
+    auto is_zero = [](number a) { return !node_of(a) && bits(a) == 0; };
+    if (!wide) {
+      return of(n.a) + " ? " + of(n.b) + " : " + of(n.c);
+    }
+    return is_zero(n.c)   ? name + "_wide_where(" + of(n.a) + ", " + alone(n.b) + ")"
+           : is_zero(n.b) ? name + "_wide_where(~" + of(n.a) + ", " + alone(n.c) + ")"
+                          : name + "_wide_either(" + of(n.a) + ", " + alone(n.b) + ", " + alone(n.c) + ")";
   }
 
   std::string comparison(char relation, number a, number b) const
@@ -90,19 +111,22 @@ struct writer {
     case 'c':
       return call("cos", n.a);
     case 'f':
-      return call("fabs", n.a);
+      return call(wide ? "abs" : "fabs", n.a);
     case 'e':
       return call("exp", n.a);
     case 'z':
-      return "(" + real + ")(int)(" + of(n.a) + ")";
+      return wide ? call("trunc", n.a) : "(" + real + ")(int)(" + of(n.a) + ")";
     case 't':
-      return std::string(single ? "atan2f(" : "atan2(") + of(n.a) + ", " + of(n.b) + ")";
+      return (wide     ? name + "_wide_atan2("
+              : single ? std::string("atan2f(")
+                       : std::string("atan2(")) +
+             alone(n.a) + ", " + alone(n.b) + ")";
     case '<':
     case 'l':
     case '=':
       return comparison(n.op, n.a, n.b);
     case '?':
-      return of(n.a) + " ? " + of(n.b) + " : " + of(n.c);
+      return choice(n);
     default:
       return of(n.a) + " " + n.op + " " + of(n.b);
     }
@@ -187,11 +211,16 @@ struct writer {
       }
       line("  for (int j = 0; j < " + last_loop + "; j++) {");
     }
-    line(in + "const " + name + "_status status = " + k.name + "(" + results +
-         (arguments.empty() ? ", NULL" : ", a") + acts(inner) + ");");
-    line(in + "if (status != " + name + "_ok) {");
-    line(in + "  return status;");
-    line(in + "}");
+    const std::string call = k.name + "(" + results + (arguments.empty() ? ", NULL" : ", a") +
+                             (wide ? ", &good" : "") + acts(inner) + ");";
+    if (wide) {
+      line(in + call);
+    } else {
+      line(in + "const " + name + "_status status = " + call);
+      line(in + "if (status != " + name + "_ok) {");
+      line(in + "  return status;");
+      line(in + "}");
+    }
     if (turning) {
       line("    memcpy(a, " + results + ", " + std::to_string(k.carried.size()) + " * sizeof *a);");
       line("  }");
@@ -223,7 +252,7 @@ struct writer {
       return;
     }
     s = expression(n);
-    const bool plain = std::strchr("qscfet", n.op) != nullptr;
+    const bool plain = std::strchr(wide ? "qscfetz?" : "qscfet", n.op) != nullptr;
     if (outlasts[(std::size_t)i]) {
       line(text[(std::size_t)i] + " = " + s + ";");
       return;
@@ -239,6 +268,11 @@ struct writer {
   void check(const guard &c) const
   {
     const std::string s = comparison(c.relation, c.a, c.b);
+    if (wide) {
+      line("good &= " + std::string(c.outcome ? "" : "~") + "(" + s + ");" +
+           (c.what.empty() ? "" : " /* " + c.what + " */"));
+      return;
+    }
     line("if (" + std::string(c.outcome ? "!(" : "") + s + (c.outcome ? ")" : "") + ") {");
     if (settled && (c.status == BRANCH || c.status == FB_ERR_RANGE)) { /* what is no number has a status of its own */
       const std::string both = of(c.a) + " - " + of(c.b);
@@ -288,7 +322,7 @@ struct writer {
     for (const item &other : items) {
       if (other.block == first.block && !other.check && outlasts[(std::size_t)other.at]) {
         text[(std::size_t)other.at] = temporary();
-        line(real + " " + text[(std::size_t)other.at] + " = 0;");
+        line(real + " " + text[(std::size_t)other.at] + " = {0};");
       }
     }
     line("if (" + any_given(first.bits) + ") {");
@@ -363,7 +397,7 @@ struct writer {
       }
     }
     for (const auto &r : results) {
-      line(r.first + " = " + of(r.second) + ";");
+      line(r.first + " = " + alone(r.second) + ";");
     }
   }
 };

@@ -18,6 +18,7 @@ typedef struct trace_choice {
   const char *(*node_name)(int body, int node); /* "": none */
   const unsigned char *pulls;                   /* 1: the spring of that number has an actuator */
   int implicit;                                 /* 1: the step of SDIRK in place of that of rk4 */
+  int wide;                                     /* 1: the step of all lanes at once by vectors, and nothing else */
 } trace_choice;
 
 /* Copies of the library's structs, of the caller's configuration, whose sizes tell whether it is that of trace.cpp. */

@@ -351,6 +351,9 @@ static std::string tree_refusal(const trace_choice *choice, const tree_model &tr
     moving += tree.is_root(k) + tree.count(k, FB_AXIS_FREE) + tree.of(k).n;
     given += tree.count(k, FB_AXIS_LOCKED) + tree.count(k, FB_AXIS_PRESCRIBED);
   }
+  if (choice->wide && (tree.system.n_loop > 0 || choice->implicit)) {
+    return "lanes with loops or integrator sdirk: choose one of them";
+  }
   if (moving == 0) {
     return std::string("nothing can move") + (given > 0 ? " by itself" : "") +
            ": choose a joint with a free axis, or modes";
@@ -384,6 +387,11 @@ static int write_tree_functions(FILE *out, const trace_choice *choice, const tra
        none + "  if (!energy || !state" + null + in + refused_state}};
   if (!tree_refusal(choice, tree).empty()) {
     return fail(text, tree_refusal(choice, tree));
+  }
+  if (choice->wide) {
+    std::unique_ptr<tree_function> s(new tree_function(choice, tree, tree_function::STEP, 0, 0));
+    const std::string why = file.write_wide(*s);
+    return why.empty() ? 0 : fail(text, why);
   }
   for (const auto &f : functions) {
     std::unique_ptr<tree_function> s(new tree_function(choice, tree, f.is, 0, 0));
