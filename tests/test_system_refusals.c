@@ -534,7 +534,7 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &in[0], &in[1], &in[2], (fb_real)dt), FB_OK);
       state = kept;
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &in[0], &in[2], (fb_real)dt, 3),
-                 FB_ERR_CONTRADICTION); /* which goes straight from the one to the other */
+                 FB_ERR_CONTRADICTION);                  /* which goes straight from the one to the other */
       for (int left_out = 0; left_out < 3; left_out++) { /* NULL is an input of zeros: away at once and back */
         const fb_system_input *at[3] = {&in[0], &in[1], &in[2]};
         at[left_out] = NULL;

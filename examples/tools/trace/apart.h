@@ -108,19 +108,19 @@ static std::string rows_functions(const std::string &name, const std::string &re
 {
   const std::string n = std::to_string(rows), square = std::to_string(rows * rows), huge = single ? "1e18f" : "1e150";
   std::string s = rows_text;
-  for (const auto &change : std::initializer_list<std::pair<const char *, std::string>>{
-           {"FB_R\\(([^)]*)\\)", single ? "$1f" : "$1"},
-           {"FB_SINGLE", single ? "1" : "0"},
-           {"FB_HUGE", huge},
-           {"FB_SQRT", single ? "sqrtf" : "sqrt"},
-           {"fb_system_work", name + "_work"},
-           {"fb_real", real},
-           {"fbi_rows_", name + "_rows_"}}) {
+  for (const auto &change :
+       std::initializer_list<std::pair<const char *, std::string>>{{"FB_R\\(([^)]*)\\)", single ? "$1f" : "$1"},
+                                                                   {"FB_SINGLE", single ? "1" : "0"},
+                                                                   {"FB_HUGE", huge},
+                                                                   {"FB_SQRT", single ? "sqrtf" : "sqrt"},
+                                                                   {"fb_system_work", name + "_work"},
+                                                                   {"fb_real", real},
+                                                                   {"fbi_rows_", name + "_rows_"}}) {
     s = std::regex_replace(s, std::regex(change.first), change.second);
   }
-  return "typedef struct " + name + "_work {\n  int n_row, rank, kind[" + n + "], order[" + n + "];\n  " + real + " Q[" +
-         square + "], L[" + square + "], mu[" + n + "], c[" + n + "], column[" + n + "], diagonal[" + n + "], angle[" + n +
-         "];\n} " + name + "_work;\n\n" + s;
+  return "typedef struct " + name + "_work {\n  int n_row, rank, kind[" + n + "], order[" + n + "];\n  " + real +
+         " Q[" + square + "], L[" + square + "], mu[" + n + "], c[" + n + "], column[" + n + "], diagonal[" + n +
+         "], angle[" + n + "];\n} " + name + "_work;\n\n" + s;
 }
 
 } // namespace trace

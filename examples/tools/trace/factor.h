@@ -12,7 +12,7 @@ namespace trace
 
 struct factoring {
   graph old;
-  int at;                  /* the graph in the recording */
+  int at; /* the graph in the recording */
   const read_arguments &read;
   std::vector<number> now; /* its nodes, as they are called in the new one */
   std::vector<char> live, absorbed;

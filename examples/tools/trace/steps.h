@@ -17,7 +17,7 @@ struct traced {
   std::string head, before, after; /* before: the results */
   recording made;
   std::vector<std::pair<std::string, number>> results;
-  std::vector<std::string> names; /* of the inputs */
+  std::vector<std::string> names;   /* of the inputs */
   std::vector<std::string> pointer; /* to inputs that may not be given */
   std::vector<unsigned> given;      /* by input, bits of these */
 };
@@ -455,10 +455,11 @@ struct file_of_functions {
       w.given.push_back(quiet.argument[(std::size_t)i] ? 1u : 0u);
     }
     const char *const n = w.name.c_str(), *const real = w.real.c_str(),
-                     *const acts = quiet.node.empty() ? "" : ", int acts";
+                      *const acts = quiet.node.empty() ? "" : ", int acts";
     if (w.wide) {
       std::fprintf(
-          w.out, "/* %s */\nstatic void %s(%s *r, const %s *a, %s_wide_mask *held%s)\n{\n  %s_wide_mask good = *held;\n",
+          w.out,
+          "/* %s */\nstatic void %s(%s *r, const %s *a, %s_wide_mask *held%s)\n{\n  %s_wide_mask good = *held;\n",
           g.name.c_str(), k.name.c_str(), real, real, n, acts, n);
     } else {
       std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *r, const %s *a%s)\n{\n", g.name.c_str(), n, k.name.c_str(),

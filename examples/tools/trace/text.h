@@ -195,7 +195,7 @@ struct writer {
     const auto condition = only_if.find(inner.name);
     text[(std::size_t)i] = results;
     line(real + " " + results + "[" + std::to_string(k.n_result > 0 ? k.n_result : 1) + "];");
-    line(condition != only_if.end()                     ? "if (" + condition->second + ") {"
+    line(condition != only_if.end()                   ? "if (" + condition->second + ") {"
          : inner.name == judged && !last_loop.empty() ? "if (" + last_loop + " > 1) {"
                                                       : "{");
     if (!arguments.empty()) {
@@ -211,8 +211,8 @@ struct writer {
       }
       line("  for (int j = 0; j < " + last_loop + "; j++) {");
     }
-    const std::string call = k.name + "(" + results + (arguments.empty() ? ", NULL" : ", a") +
-                             (wide ? ", &good" : "") + acts(inner) + ");";
+    const std::string call =
+        k.name + "(" + results + (arguments.empty() ? ", NULL" : ", a") + (wide ? ", &good" : "") + acts(inner) + ");";
     if (wide) {
       line(in + call);
     } else {
