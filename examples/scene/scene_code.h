@@ -226,7 +226,7 @@ static const char *scene_code_node_name(int body, int node)
 /* The step by a trace; 1, or 0 with why not in text. */
 static int scene_code_trace(FILE *out, const tree_choice *choice, const char *const *names, char text[400])
 {
-  const trace_choice what = {choice->name,         scene_code_of->path, choice->single,  0, choice->loads, NULL, names,
+  const trace_choice what = {choice->name,         scene_code_of->path, choice->single,   0, choice->loads, NULL, names,
                              scene_code_node_name, choice->pulls,       choice->implicit, 0};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
