@@ -358,6 +358,30 @@ void kernel_end()
 
 /* ---- operations */
 
+/* In a kernel that is a turn of a loop: what hangs on nothing that it makes is done once, before the loop. */
+static bool is_before_loop(std::initializer_list<number> of)
+{
+  bool before = R.now > 0 && !here().slots.empty();
+  for (number a : of) {
+    int home = graph_of(a);
+    while (node_of(a) && !R.all[(std::size_t)home].open) {
+      home = R.all[(std::size_t)home].parent;
+    }
+    before = before && (!node_of(a) || home != R.now);
+  }
+  return before;
+}
+
+/* f() in the graph around the one that is running. */
+template <class function> auto before_loop(function f) -> decltype(f())
+{
+  const int inner = R.now;
+  R.now = here().parent;
+  const auto made = f();
+  R.now = inner;
+  return made;
+}
+
 static bool is(number a, double x)
 {
   return !node_of(a) && a.d == x;
@@ -374,6 +398,9 @@ number apply(char op, number a, number b)
 {
   if ((!node_of(a) && !node_of(b)) || !R.on) {
     return evaluate(op, value(a), value(b), 0.0);
+  }
+  if (is_before_loop({a, b})) {
+    return before_loop([&] { return apply(op, a, b); });
   }
   a = local(a), b = local(b);
   if (op == '*' && (is(a, 0.0) || is(b, 0.0))) {
@@ -428,6 +455,9 @@ number select(char relation, number a, number b, number yes, number no)
   if ((!node_of(a) && !node_of(b)) || !R.on) {
     return evaluate(relation, value(a), value(b), 0.0) != 0.0 ? yes : no;
   }
+  if (is_before_loop({a, b, yes, no})) {
+    return before_loop([&] { return select(relation, a, b, yes, no); });
+  }
   yes = local(yes), no = local(no);
   return bits(yes) == bits(no) ? yes : make('?', make(relation, local(a), local(b), 0.0), yes, no);
 }
@@ -437,6 +467,9 @@ bool ask(char relation, number a, number b)
   bool outcome = evaluate(relation, value(a), value(b), 0.0) != 0.0;
   if ((!node_of(a) && !node_of(b)) || !R.on) {
     return outcome;
+  }
+  if (is_before_loop({a, b})) {
+    return before_loop([&] { return ask(relation, a, b); });
   }
   a = local(a), b = local(b);
   graph &g = here();
