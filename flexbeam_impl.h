@@ -10566,7 +10566,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   FBI_TRY(fbi_links_solve(w, system, body, FBI_ENDS));
   fbi_ends_move(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
-    given |= !FB_SHORTCUT(!(FB_FABS(w->c[r]) > FB_R(0.0))); /* no shortcut if zero: the work must not depend on values */
+    given |= !FB_SHORTCUT(!(FB_FABS(w->c[r]) > FB_R(0.0))); /* then w->c all the same: work depends on no value */
     w->c[r] += fbi_row_eval(&w->row[r], w);
   }
   for (int r = 0; r < w->n_row && given && check; r++) {
@@ -19087,7 +19087,7 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
   const fb_real from = a->value[i], to = b->value[i], ra = a->rate[i], rb = b->rate[i];
   const fb_real rounding = FB_EPSILON * FB_FABS(to);
   const fb_real way = FB_BELOW(FB_R(0.0), ra, FB_R(1.0), -FB_R(1.0)) * FB_BELOW(FB_R(0.0), rb, FB_R(1.0), -FB_R(1.0));
-  const fb_real still = FB_BELOW(FB_R(0.0), FB_FABS(to - from), FB_R(0.0), way * dt); /* times the rates: moved without */
+  const fb_real still = FB_BELOW(FB_R(0.0), FB_FABS(to - from), FB_R(0.0), way * dt); /* times the rates */
   const fb_real fastest = fbi_larger(FB_FABS(middle->rate[i]), fbi_larger(FB_FABS(ra), FB_FABS(rb)));
   const fb_real most = FB_R(2.0) * dt * fastest +
                        FB_R(8.0) * (FB_EPSILON + fbi_larger(rounding, x ? FB_EPSILON * FB_FABS(x[i]) : rounding));

@@ -269,6 +269,7 @@ struct factoring {
     g.known.clear();
     R.now = at;
     R.on = true;
+    R.kernels = false;
     std::size_t next = 0;
     for (std::size_t i = 1; i <= n; i++) {
       for (; next < old.guards.size() && old.guards[next].after < (int)i; next++) {

@@ -361,7 +361,7 @@ void kernel_end()
 /* In a kernel that is a turn of a loop: what hangs on nothing that it makes is done once, before the loop. */
 static bool is_before_loop(std::initializer_list<number> of)
 {
-  bool before = R.now > 0 && !here().slots.empty();
+  bool before = R.kernels && R.now > 0 && !here().slots.empty();
   for (number a : of) {
     int home = graph_of(a);
     while (node_of(a) && !R.all[(std::size_t)home].open) {

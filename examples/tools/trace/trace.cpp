@@ -593,7 +593,7 @@ extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_mo
     return trace::fail(text, refused);
   }
   if (model->system && ((const fb_system *)model->system)->n_loop > 0) {
-    return trace::fail(text, "loops: the choice of independent rows has no derivative; open the loop by a joint of springs");
+    return trace::fail(text, "loops: the choice of independent rows has no derivative; open the loop by springs");
   }
   if (model->system) {
     s.reset(new trace::tree(choice, model));
