@@ -11089,6 +11089,7 @@ static fb_status fbi_span_eval(fb_system_work *w, const fb_system *system, const
 {
   const fb_spring *const spring = &system->spring[j];
   fbi_span *const s = &w->span;
+  const int soft = spring->length == FB_R(0.0) && spring->damping == FB_R(0.0);
   fb_real speed[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size = FB_R(0.0);
   fbi_vec3_zero(s->step);
   for (int side = 0; side < 2; side++) {
@@ -11112,9 +11113,8 @@ static fb_status fbi_span_eval(fb_system_work *w, const fb_system *system, const
   size *= FB_R(16.0) * FB_EPSILON;
   s->at.length = fbi_vec3_norm(s->step);
   fbi_vec3_zero(s->along);
-  if (s->at.length > size) {
-    fbi_vec3_add(s->along, FB_R(1.0) / s->at.length, s->step);
-  } else if (!(spring->length == FB_R(0.0) && spring->damping == FB_R(0.0) && pull == FB_R(0.0))) {
+  fbi_vec3_add(s->along, FB_BELOW(size, s->at.length, FB_R(1.0) / s->at.length, FB_R(0.0)), s->step);
+  if (!(s->at.length > (soft ? FB_BELOW(FB_R(0.0), FB_FABS(pull), size, -FB_R(1.0)) : size))) {
     return FBI_REFUSE(FB_ERR_RANGE, "spring: distance of its points [m], which meet, above", j, s->at.length, size);
   }
   s->at.rate = fb_vec3_dot(s->along, speed);
@@ -18348,8 +18348,9 @@ static fb_status fbi_spring_bound(fb_system_work *w, const fb_system *system, co
   const fb_spring *const spring = &system->spring[j];
   const fbi_span *const s = &w->span;
   fb_real trace = FB_R(0.0), along[3], across;
-  const int met = fbi_span_eval(w, system, body, pull, j) != FB_OK || !(fbi_vec3_norm(s->along) > FB_R(0.0));
-  across = met ? spring->stiffness : fbi_smaller(FB_FABS(s->at.tension) / s->at.length, most);
+  const int met = fbi_span_eval(w, system, body, pull, j) != FB_OK;
+  const fb_real known = met ? FB_R(0.0) : fbi_vec3_norm(s->along); /* a direction; 0: they meet */
+  across = FB_BELOW(FB_R(0.0), known, fbi_smaller(FB_FABS(s->at.tension) / s->at.length, most), spring->stiffness);
   for (int i = 0; i < 3; i++) {
     const fb_real unit[3] = {i == 0 ? FB_R(1.0) : FB_R(0.0), i == 1 ? FB_R(1.0) : FB_R(0.0),
                              i == 2 ? FB_R(1.0) : FB_R(0.0)};
@@ -18365,7 +18366,7 @@ static fb_status fbi_spring_bound(fb_system_work *w, const fb_system *system, co
     along[i] = fb_vec3_dot(s->along, v[0]) - fb_vec3_dot(s->along, v[1]);
   }
   {
-    const fb_real mobility = met ? trace : fb_vec3_dot(along, s->along);
+    const fb_real mobility = FB_BELOW(FB_R(0.0), known, fb_vec3_dot(along, s->along), trace);
     w->spring_elastic[j] = spring->stiffness * mobility + across * (trace - mobility);
     w->spring_damping[j] = spring->damping * mobility;
   }
@@ -19113,12 +19114,12 @@ static fb_status fbi_drive_check(const fb_joint *joint, const fb_real *x, int i,
                                       joint->child, jump, most, (fb_real)i);
 }
 
-/* The same of all joints, if the step is one, for the inputs at its start, middle (if there is an inner one) and end. */
+/* The same of all joints, for the inputs at its start, middle (if there is an inner one) and end. */
 static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
                                                const fb_system_input *const input[3], int inner, fb_real dt)
 {
   static const fb_drive still = {{FB_R(0.0)}, {FB_R(0.0)}, {FB_R(0.0)}, {FB_R(0.0)}}; /* of NULL */
-  const int varies = input[0] != input[2] && dt > FB_R(0.0) && dt < FB_HUGE;
+  const int varies = input[0] != input[2];
   fb_status status = FB_OK;
   for (int j = 0; j < system->n_body + system->n_loop && varies && status == FB_OK; j++) {
     const fb_joint *const joint = &system->joint[j];
@@ -19157,7 +19158,6 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   owns = floating && !fbi_has_rows(work, start) && !fbi_has_rows(work, middle) && !fbi_has_rows(work, end);
 
   /* Stages */
-  FBI_TRY(FB_KERNEL(fbi_drives_check(work, system, state, given, 1, dt)));
   fbi_system_clear(&work->sum, system, body);
   if (owns) {
     fbi_own_begin(work, system, state);
@@ -19169,7 +19169,9 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     if (stage == 0 || input[stage] != input[stage - 1]) {
       FBI_TRY(fbi_system_step_check(system, body, input[stage], dt));
     }
-    if (stage > 0) {
+    if (stage == 0) {
+      FBI_TRY(FB_KERNEL(fbi_drives_check(work, system, state, given, 1, dt)));
+    } else {
       if (work->driven) {
         fbi_prescribe(&work->stage, system, state, input[stage]);
       }

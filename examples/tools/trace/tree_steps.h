@@ -80,6 +80,7 @@ struct tree_function : subject {
   fb_system_input acts[3];
   fb_system_motion motion;
   fb_energy energy;
+  number given[FBI_MAX_JOINTS][3]; /* prescribed values of loops, whose state has none */
   std::unique_ptr<fb_system_work> work{new fb_system_work};
   number dt = 0.0;
   number R[FB_MAX_BODIES][9];
@@ -158,12 +159,16 @@ struct tree_function : subject {
       fb_link_state &link = s.link[k];
       if (root) {
         add(list, link.x, 3, to + "x");
-        add(list, link.u, 3, to + "u");
         add(list, link.lost_x, 3, to + "lost_x");
+      }
+      if (root && tree.system.tied < 2) { /* else its frame stands */
+        add(list, link.u, 3, to + "u");
         add(list, link.lost_u, 3, to + "lost_u");
       }
       if (turns) {
         add_member(list, link.quat, TRACE_LOST(link, quat), 4, to, "quat");
+      } else if (tree.count(k, FB_AXIS_PRESCRIBED) == joint.n_axis) {
+        add_list(list, link.x, joint.n_axis, to + "x");
       } else {
         add_member(list, link.x, link.lost_x, joint.n_axis, to, "x");
       }
@@ -180,8 +185,30 @@ struct tree_function : subject {
       add_member(list, link.pi + n, nullptr, rotors, to, "rotor_momentum");
 #endif
     }
+    for (int j = tree.system.n_body; j < tree.system.n_body + tree.system.n_loop; j++) {
+      const std::string to = from + "loop_" + std::to_string(j - tree.system.n_body) + ".";
+      if (tree.count(j, FB_AXIS_LOCKED) > 0 && tree.has_value(j)) {
+        add_list(list, s.hold[j], tree.system.joint[j].n_axis, to + "hold");
+      } else if (tree.count(j, FB_AXIS_LOCKED) > 0) {
+        add_list(list, s.hold_quat[j], 4, to + "hold_quat");
+      }
+    }
     if (has_work(choice)) {
       add(list, &s.motor_work, 1, from + "motor_work");
+    }
+  }
+
+  /* What prescribes axes of joint k. */
+  void add_drive(fb_system_input &in, int k, const std::string &to)
+  {
+    for (int i = 0; i < tree.system.joint[k].n_axis && !tree.is_root(k); i++) {
+      const std::string axis = "[" + std::to_string(i) + "]";
+      if (tree.start.mode[k][i] == FB_AXIS_PRESCRIBED) {
+        add(input, &in.drive[k].rate[i], 1, to + "rate" + axis);
+        if (tree.has_value(k)) {
+          add(input, &in.drive[k].value[i], 1, to + "value" + axis);
+        }
+      }
     }
   }
 
@@ -203,20 +230,18 @@ struct tree_function : subject {
         }
       }
       for (int i = 0; i < joint.n_axis && !tree.is_root(k); i++) {
-        const std::string axis = "[" + std::to_string(i) + "]";
         if (tree.start.mode[k][i] == FB_AXIS_FREE) {
-          add(input, &in.drive[k].torque[i], 1, to + "motor" + axis);
-        } else if (tree.start.mode[k][i] == FB_AXIS_PRESCRIBED) {
-          add(input, &in.drive[k].rate[i], 1, to + "rate" + axis);
-          if (tree.has_value(k)) {
-            add(input, &in.drive[k].value[i], 1, to + "value" + axis);
-          }
+          add(input, &in.drive[k].torque[i], 1, to + "motor[" + std::to_string(i) + "]");
         }
       }
+      add_drive(in, k, to);
       for (int j = 0; j < own.n_rotor; j++) {
         add(input, own.rotor[j].given ? &in.rotor[k][j].momentum : &in.rotor[k][j].torque, 1,
             to + "rotor_motor[" + std::to_string(j) + "]");
       }
+    }
+    for (int j = 0; j < tree.system.n_loop; j++) {
+      add_drive(in, tree.system.n_body + j, from + "loop_" + std::to_string(j) + ".");
     }
     for (int j = 0; j < tree.system.n_spring; j++) {
       if (choice->pulls[j]) {
@@ -278,11 +303,12 @@ struct tree_function : subject {
   /* Prescribed values that go with their rates, from where the state has them. */
   void steer()
   {
-    for (int k = 0; k < tree.system.n_body; k++) {
+    for (int k = 0; k < tree.system.n_body + tree.system.n_loop; k++) {
       for (int i = 0; i < 3 && tree.has_value(k); i++) {
+        const number rate = acts[0].drive[k].rate[i], from = k < tree.system.n_body ? now.link[k].x[i] : given[k][i];
         for (int at = 0; at < 3 && tree.start.mode[k][i] == FB_AXIS_PRESCRIBED; at++) {
-          acts[at].drive[k].rate[i] = acts[0].drive[k].rate[i];
-          acts[at].drive[k].value[i] = now.link[k].x[i] + 0.5 * at * dt * acts[0].drive[k].rate[i];
+          acts[at].drive[k].rate[i] = rate;
+          acts[at].drive[k].value[i] = given[k][i] = from + 0.5 * at * dt * rate;
         }
       }
     }
@@ -293,6 +319,7 @@ struct tree_function : subject {
   {
     fb_system_limit limit;
     now = tree.start;
+    std::memset(given, 0, sizeof given);
     for (int k = 0; k < 12; k++) {
       for (const entry &e : input) {
         *e.at = e.name.compare(0, 7, "state->") == 0 ? *e.at : number(size * random());
