@@ -19169,9 +19169,9 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     if (stage == 0 || input[stage] != input[stage - 1]) {
       FBI_TRY(fbi_system_step_check(system, body, input[stage], dt));
     }
-    if (stage == 0) {
+    if (stage == 0 && (work->driven || system->n_loop > 0)) {
       FBI_TRY(FB_KERNEL(fbi_drives_check(work, system, state, given, 1, dt)));
-    } else {
+    } else if (stage > 0) {
       if (work->driven) {
         fbi_prescribe(&work->stage, system, state, input[stage]);
       }
