@@ -176,9 +176,10 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
      FB_REAL                          -        -       a class of C++11 in place of the number, with its own FB_SQRT.. and
                                                        FB_BELOW(x, y, a, b), a where x < y, else b, FB_TRUNC(x), towards
-                                                       zero, FB_KERNEL(call), the call, FB_CARRY(memory, n), nothing:
-                                                       dual numbers, a trace (examples/tools/trace/number.h); wants
-                                                       FB_ALLOW_FAST_MATH
+                                                       zero, FB_KERNEL(call), the call, FB_CARRY(memory, n),
+                                                       FB_SPAN(x, n), nothing, FB_LOOP(first, more, next),
+                                                       FB_PAIRS, a for: dual numbers, a trace
+                                                       (examples/tools/trace/number.h); wants FB_ALLOW_FAST_MATH
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
      fb_rk4_work                  1728

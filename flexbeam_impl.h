@@ -61,6 +61,13 @@
 #ifndef FB_CARRY /* n structs of numbers that such a part takes from one turn of a loop to the next, said where it begins */
 #define FB_CARRY(memory, n) ((void)0)
 #endif
+#ifndef FB_LOOP /* a loop over points of a line, which stays one in what a trace writes */
+#define FB_LOOP(first, more, next) for (first; more; next)
+#define FB_PAIRS FB_LOOP /* a loop that computes pairs of numbers alike */
+#endif
+#ifndef FB_SPAN /* numbers that such loops take one after the other: they stand in a row there, too */
+#define FB_SPAN(x, n) (void)0
+#endif
 #include <stddef.h>
 #include <string.h>
 
@@ -1558,7 +1565,7 @@ static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, cons
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < even; j++) {
+  FB_LOOP (int j = 0, j < even, j++) {
     y[j] += s * x[j];
   }
 }
@@ -1569,7 +1576,7 @@ static FBI_INLINE void fbi_line_pair_add(fb_real *FBI_RESTRICT y, fb_real *FBI_R
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < even; j++) {
+  FB_LOOP (int j = 0, j < even, j++) {
     y[j] += s * A[j];
     z[j] += s * A[m + j];
   }
@@ -1614,7 +1621,9 @@ static FBI_NOINLINE void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], fb_real
 static fb_real fbi_line_dot(const fb_real *x, const fb_real *y, int n)
 {
   fb_real a = FB_R(0.0), b = FB_R(0.0);
-  for (int j = 0; j < n; j += 2) {
+  FB_SPAN(x, n);
+  FB_SPAN(y, n);
+  FB_PAIRS (int j = 0, j < n, j += 2) {
     a += x[j] * y[j];
     b += x[j + 1] * y[j + 1];
   }
@@ -1641,7 +1650,7 @@ static void fbi_line_rotvecs(fbi_line_work *FBI_RESTRICT w, const fb_lines *all,
 {
   const int p = line->point, m = fbi_line_width(line);
   fbi_line_rows_eval(w->turn, w->bow, w->stretch, all, line, q);
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real x = w->turn[0][p + j], y = w->turn[1][p + j], z = w->turn[2][p + j];
     const fb_real u = w->bow[0][p + j], v = w->bow[1][p + j], s = w->bow[2][p + j];
     const fb_real a = x - FBI_SIXTH * (y * s - z * v), b = y - FBI_SIXTH * (z * u - x * s),
@@ -1718,7 +1727,7 @@ static const fb_real fbi_line_b1[FBI_LINE_TERMS] = {-FB_R(1.0) / FB_R(120.0),
 static int fbi_line_is_in_range(const fbi_line_work *w, const fb_line *line)
 {
   int valid = 1;
-  for (int j = line->point; j < line->point + line->count; j++) {
+  FB_LOOP (int j = line->point, j < line->point + line->count, j++) {
     valid &= w->x[j] <= FBI_LINE_ROTATION;
   }
   return valid;
@@ -1778,7 +1787,7 @@ static void fbi_line_quats(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real a = FB_R(1.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real x = w->x[p + j], s = fbi_line_series(fbi_line_s, x);
     w->quat[0][p + j] = fbi_line_series(fbi_line_c, x);
     w->quat[1][p + j] = s * w->phi[0][p + j];
@@ -1793,7 +1802,7 @@ static void fbi_line_quats(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
     c = w->quat[2][on];
     d = w->quat[3][on];
   }
-  for (int j = p; j < p + m; j++) {
+  FB_LOOP (int j = p, j < p + m, j++) {
     const fb_real e = w->quat[0][j], x = w->quat[1][j], y = w->quat[2][j], z = w->quat[3][j];
     const fb_real A = a * e - b * x - c * y - d * z, B = a * x + b * e + c * z - d * y,
                   C = a * y - b * z + c * e + d * x, D = a * z + b * y - c * x + d * e;
@@ -1808,7 +1817,7 @@ static void fbi_line_quats(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
 static void fbi_line_tangents(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
 {
   const int p = line->point, m = fbi_line_width(line);
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real a = w->quat[0][p + j], b = FB_R(2.0) * w->quat[1][p + j], c = FB_R(2.0) * w->quat[2][p + j],
                   d = FB_R(2.0) * w->quat[3][p + j];
     const fb_real x = w->quat[1][p + j], y = w->quat[2][p + j], z = w->quat[3][p + j];
@@ -1838,7 +1847,7 @@ static void fbi_line_tangents(fbi_line_work *FBI_RESTRICT w, const fb_lines *all
 static FBI_NOINLINE void fbi_line_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
 {
   const int p = line->point, m = fbi_line_width(line);
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real x = w->phi[0][p + j], y = w->phi[1][p + j], z = w->phi[2][p + j];
     const fb_real a = w->a[p + j], b = fbi_line_series(fbi_line_b, w->x[p + j]), c = FB_R(1.0) - b * w->x[p + j];
     const fb_real X = b * x, Y = b * y, Z = b * z, u = a * x, v = a * y, s = a * z;
@@ -1878,7 +1887,7 @@ static FBI_INLINE void fbi_line_integrals_sum(fb_real y[3][FB_MAX_POINTS], const
 {
   const int p = line->point, count = line->count;
   FBI_UNROLL
-  for (int j = 0; j < m; j += 2) { /* two points, three axes */
+  FB_PAIRS (int j = 0, j < m, j += 2) { /* two points, three axes */
     const fb_real *weight = all->table + line->weight + j;
     fb_real sum[3][2];
     FBI_WHOLE
@@ -1936,11 +1945,12 @@ static FBI_NOINLINE void fbi_line_root_weigh(fb_real *Y, const fb_lines *all, co
 static FBI_INLINE void fbi_line_weigh_sum(fb_real *FBI_RESTRICT Y, fb_real *FBI_RESTRICT Z, const fb_real *factor,
                                           const fb_real *x, int n, int solid, int m)
 {
+  FB_SPAN(factor, m * m);
   FBI_UNROLL
   for (int j = 0; j < m; j += 2) { /* two points */
     fb_real sum[6][2] = {{FB_R(0.0)}};
     FBI_UNROLL_2
-    for (int k = solid ? 0 : j; k < m; k++) {
+    FB_PAIRS (int k = solid ? 0 : j, k < m, k++) {
       const fb_real s = factor[k * m + j], t = factor[k * m + j + 1];
       FBI_WHOLE
       for (int i = 0; i < n; i++) {
@@ -1999,7 +2009,7 @@ static void fbi_line_centers(fbi_line_work *w, const fb_lines *all, const fb_lin
     fbi_line_root_weigh(y, all, line, w->root[line - all->line], m);
   }
   fbi_line_row_add(y, FB_R(1.0), start, 3 * m);
-  for (int j = 0; j < line->count && line->solid; j++) {
+  FB_LOOP (int j = 0, j < line->count && line->solid, j++) {
     fb_real rho[3];
     fbi_line_offset(rho, w, all, p + j);
     for (int i = 0; i < 3; i++) {
@@ -2016,7 +2026,7 @@ static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *al
 {
   const int p = line->point, m = fbi_line_width(line);
   const fb_real *const root = w->root[line - all->line];
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     w->r[0][p + j] = all->start[0][p + j] + root[0];
     w->r[1][p + j] = all->start[1][p + j] + root[1];
     w->r[2][p + j] = all->start[2][p + j] + root[2];
@@ -2055,7 +2065,7 @@ static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q
   int valid = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_rows_eval(A, B, NULL, all, line, q);
-    for (int j = line->point; j < line->point + line->stride; j++) {
+    FB_LOOP (int j = line->point, j < line->point + line->stride, j++) {
       const fb_real x = A[0][j] - FBI_SIXTH * (A[1][j] * B[2][j] - A[2][j] * B[1][j]);
       const fb_real y = A[1][j] - FBI_SIXTH * (A[2][j] * B[0][j] - A[0][j] * B[2][j]);
       const fb_real z = A[2][j] - FBI_SIXTH * (A[0][j] * B[1][j] - A[1][j] * B[0][j]);
@@ -2076,8 +2086,8 @@ static int fbi_lines_are_in_range(const fbi_line_work *w, const fb_lines *all)
   return valid;
 }
 
-/* Rotations of all lines at q, x, quat, H, t, and what masses are at; r is left to who asks (fbi_lines_positions). Returns 0 where an interval turns too far (E14.2). */
-static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
+/* Rotations of all lines at q, x, quat, H, t, and what masses are at; r is left to who asks (fbi_lines_positions). */
+static void fbi_lines_turn(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_rotvecs(w, all, line, q);
@@ -2089,6 +2099,12 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
       fbi_line_positions(w, all, line);
     }
   }
+}
+
+/* The same. Returns 0 where an interval turns too far (E14.2). */
+static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
+{
+  FB_KERNEL(fbi_lines_turn(w, all, q));
   return fbi_lines_are_in_range(w, all);
 }
 
@@ -2129,7 +2145,7 @@ static FBI_INLINE void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[
     const fb_real *const x = w->N[3 * i + axis] + p, *const y = w->N[3 * i + next] + p,
                          *const z = w->N[3 * i + last] + p;
     fb_real *FBI_RESTRICT const to_A = NA[i], *FBI_RESTRICT const to_B = NB[i];
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       const fb_real Y = FBI_SIXTH * y[j], Z = FBI_SIXTH * z[j];
       to_A[j] = x[j] + (Y * B_z[j] - Z * B_y[j]);
       to_B[j] = Z * A_y[j] - Y * A_z[j];
@@ -2143,7 +2159,7 @@ static FBI_INLINE void fbi_line_rotvec_rate(fb_real (*FBI_RESTRICT c)[FB_MAX_POI
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < even; j++) {
+  FB_LOOP (int j = 0, j < even, j++) {
     c[0][j] = by[0][j] * A[j] + by[3][j] * A[m + j];
     c[1][j] = by[1][j] * A[j] + by[4][j] * A[m + j];
     c[2][j] = by[2][j] * A[j] + by[5][j] * A[m + j];
@@ -2159,7 +2175,7 @@ static FBI_NOINLINE const fb_line_row *fbi_line_rotvec_rates_add(fb_real (*c)[FB
   for (; r < end && r->a == k; r++) {
     const fb_real *const A = all->table + r->at, *const B = A + m;
     fb_real(*by)[FB_MAX_POINTS] = N[r->axis];
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       c[0][j] += by[0][j] * A[j] + by[3][j] * B[j];
       c[1][j] += by[1][j] * A[j] + by[4][j] * B[j];
       c[2][j] += by[2][j] * A[j] + by[5][j] * B[j];
@@ -2195,7 +2211,7 @@ static FBI_NOINLINE void fbi_line_attached_rates(fbi_line_work *w, const fb_line
     if (on >= 0 && on < line->count) {
       const fb_real *const weight = all->table + line->weight + on;
       fbi_vec3_copy(move, w->Jr[line - all->line][k]);
-      for (int j = 0; j < line->count; j++) {
+      FB_LOOP (int j = 0, j < line->count, j++) {
         for (int i = 0; i < 3; i++) {
           move[i] += weight[j * line->stride] * rates[i][p + j];
         }
@@ -2242,7 +2258,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
       fbi_vec3_zero(move[k]);
     }
     FBI_UNROLL
-    for (int j = 0; j < m; j += 2) {
+    FB_PAIRS (int j = 0, j < m, j += 2) {
       Jw[0][p + j] = turn[0] += c[0][j];
       Jw[1][p + j] = turn[1] += c[1][j];
       Jw[2][p + j] = turn[2] += c[2][j];
@@ -2253,7 +2269,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
 
     /* Jw x t + H Gamma */
     FBI_UNROLL
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       const fb_real x = Jw[0][p + j], y = Jw[1][p + j], z = Jw[2][p + j];
       const fb_real u = w->t[0][p + j], v = w->t[1][p + j], l = w->t[2][p + j];
       K[0][p + j] = y * l - z * v;
@@ -2262,7 +2278,7 @@ static FBI_INLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const f
     }
     for (; s < end && s->a == k; s++) {
       FBI_UNROLL
-      for (int j = 0; j < m; j++) {
+      FB_LOOP (int j = 0, j < m, j++) {
         K[0][p + j] += w->H[s->axis][p + j] * all->table[s->at + j];
         K[1][p + j] += w->H[3 + s->axis][p + j] * all->table[s->at + j];
         K[2][p + j] += w->H[6 + s->axis][p + j] * all->table[s->at + j];
@@ -2290,7 +2306,7 @@ static FBI_INLINE void fbi_line_plane_rates(fb_real *FBI_RESTRICT K_y, fb_real *
 {
   const int even = 2 * (m / 2); /* tells the compiler so */
   FBI_UNROLL
-  for (int j = 0; j < even; j++) {
+  FB_LOOP (int j = 0, j < even, j++) {
     K_y[j] = -Jw[j] * t_z[j];
     K_z[j] = Jw[j] * t_y[j];
   }
@@ -2408,7 +2424,7 @@ static void fbi_line_mass_add(fb_real M_rr[21], const fbi_line_mass *m)
 static FBI_NOINLINE void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], fbi_line_work *w,
                                         const fb_lines *all, const fb_line *line)
 {
-  for (int j = line->point; j < line->point + fbi_line_width(line); j++) {
+  FB_LOOP (int j = line->point, j < line->point + fbi_line_width(line), j++) {
     fb_real at[3], own[9];
     fbi_line_offset(at, w, all, j);
     fbi_line_rotary_inertia(own, w, all, j);
@@ -2427,7 +2443,7 @@ static FBI_NOINLINE void fbi_line_solid_rates(fb_real *FBI_RESTRICT h, fbi_line_
   const int p = line->point, m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
   fb_real *const Y = w->Y[k];
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     fb_real turn[3], at[3], more[3];
     fbi_line_get3(turn, w->Jw[k], p + j);
     fbi_line_get3(at, rho, p + j);
@@ -2444,7 +2460,11 @@ static void fbi_line_products(fb_real out[4], const fb_real *a, const fb_real *b
                               int n)
 {
   fb_real s = FB_R(0.0), S = s, t = s, T = s, u = s, U = s, v = s, V = s, sum[8];
-  for (int j = 0; j < n; j += 2) {
+  FB_SPAN(a, n);
+  FB_SPAN(b, n);
+  FB_SPAN(c, n);
+  FB_SPAN(d, n);
+  FB_PAIRS (int j = 0, j < n, j += 2) {
     s += a[j] * c[j];
     S += a[j + 1] * c[j + 1];
     t += a[j] * d[j];
@@ -2490,7 +2510,7 @@ static void fbi_line_mass_eval(fbi_line_mass *out, const fb_real *y, const fb_li
   out->J[3] = xy[0] + more[0];
   out->J[4] = -z[1];
   out->J[5] = xy[0] + xy[3];
-  for (int j = 0; j < line->count && line->solid; j++) {
+  FB_LOOP (int j = 0, j < line->count && line->solid, j++) {
     for (int i = 0; i < 6; i++) {
       out->J[i] += I[packed[i]][line->point + j];
     }
@@ -2503,8 +2523,11 @@ static FBI_INLINE void fbi_line_momenta(fb_real P[3], fb_real L[3], const fb_rea
 {
   const fb_real *const a = y, *const b = y + m, *const c = b + m, *const d = Y, *const e = Y + m, *const f = e + m;
   fb_real s[6] = {FB_R(0.0)}, t[6] = {FB_R(0.0)};
+  FB_SPAN(y, 3 * m);
+  FB_SPAN(Y, 3 * m);
+  FB_SPAN(u, m);
   FBI_UNROLL
-  for (int j = 0; j < m; j += 2) {
+  FB_PAIRS (int j = 0, j < m, j += 2) {
     for (int i = 0; i < 2; i++) {
       s[i] += u[j + i] * d[j + i];
       s[2 + i] += u[j + i] * e[j + i];
@@ -2572,7 +2595,7 @@ static FBI_NOINLINE void fbi_line_solid_inertia(fb_real *M, fb_real *X, fbi_line
     for (int l = 0; l <= k; l++) {
       row[l] += fbi_line_dot(h + i * m, w->Jw[l][i] + p, m);
     }
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       L[i] += h[i * m + j];
     }
   }
@@ -2672,7 +2695,7 @@ static FBI_NOINLINE void fbi_line_angular_rates(fbi_line_work *FBI_RESTRICT w, c
   }
 
   /* phi_dot = A' - 1/6 (A' x B + A x B'), N phi_dot, the rates of a and b */
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real A = w->turn[0][p + j], B = w->turn[1][p + j], C = w->turn[2][p + j];
     const fb_real D = w->bow[0][p + j], E = w->bow[1][p + j], F = w->bow[2][p + j];
     const fb_real a = w->turn_dot[0][p + j], b = w->turn_dot[1][p + j], c = w->turn_dot[2][p + j];
@@ -2688,7 +2711,7 @@ static FBI_NOINLINE void fbi_line_angular_rates(fbi_line_work *FBI_RESTRICT w, c
     w->w[2][p + j] = w->N[6][p + j] * x + w->N[7][p + j] * y + w->N[8][p + j] * z;
   }
   if (!line->plane) { /* else of no effect */
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
                                                           w->phi[1][p + j] * w->phi_dot[1][p + j] +
                                                           w->phi[2][p + j] * w->phi_dot[2][p + j]);
@@ -2701,13 +2724,13 @@ static FBI_NOINLINE void fbi_line_angular_rates(fbi_line_work *FBI_RESTRICT w, c
   }
 
   /* w; H Gamma q_dot */
-  for (int j = p; j < p + m; j++) {
+  FB_LOOP (int j = p, j < p + m, j++) {
     w->w[0][j] = turn[0] += w->w[0][j];
     w->w[1][j] = turn[1] += w->w[1][j];
     w->w[2][j] = turn[2] += w->w[2][j];
   }
   if (line->n_stretch) {
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       const fb_real x = w->glide[0][p + j], y = w->glide[1][p + j], z = w->glide[2][p + j];
       w->glide[0][p + j] = w->H[0][p + j] * x + w->H[1][p + j] * y + w->H[2][p + j] * z;
       w->glide[1][p + j] = w->H[3][p + j] * x + w->H[4][p + j] * y + w->H[5][p + j] * z;
@@ -2716,7 +2739,7 @@ static FBI_NOINLINE void fbi_line_angular_rates(fbi_line_work *FBI_RESTRICT w, c
   }
 
   /* t_dot */
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real x = w->w[0][p + j], y = w->w[1][p + j], z = w->w[2][p + j];
     const fb_real u = w->t[0][p + j], v = w->t[1][p + j], s = w->t[2][p + j];
     w->t_dot[0][p + j] = y * s - z * v + w->glide[0][p + j];
@@ -2752,7 +2775,7 @@ static FBI_INLINE void fbi_line_outboard_sum(fb_real y[3][FB_MAX_POINTS], const 
 {
   const int p = line->point;
   const fb_real *weight = all->table + line->weight;
-  for (int j = p; j < p + line->count; j++, weight += m) {
+  FB_LOOP (int j = p, j < p + line->count, (j++, weight += m)) {
     fb_real sum[3][2] = {{FB_R(0.0)}};
     FBI_UNROLL
     for (int s = 0; s < m; s += 2) {
@@ -2785,11 +2808,13 @@ static FBI_INLINE void fbi_line_unweigh_sum(fb_real y[3][FB_MAX_POINTS], const f
 {
   const int p = line->point, count = line->count, solid = line->solid;
   const fb_real *C = fbi_line_factor(all, line);
+  FB_SPAN(C, count * m);
+  FB_SPAN(z, 3 * m);
   for (int j = 0; j < m; j += 2, C += 2 * m) {
     const fb_real *const D = j + 1 < count ? C + m : C; /* beyond: an odd number of points, what follows is not read */
     const int end = solid ? m : j + 2;
     fb_real sum[3][2][2] = {{{FB_R(0.0)}}};
-    for (int s = 0; s < end; s += 2) {
+    FB_PAIRS (int s = 0, s < end, s += 2) {
       FBI_WHOLE
       for (int i = 0; i < 3; i++) {
         sum[i][0][0] += C[s] * z[i * m + s];
@@ -2821,7 +2846,7 @@ static FBI_INLINE void fbi_line_rotvecs_dot(fb_real *x, const fb_lines *all, con
     const fb_real *const of_A = f[r->axis] + line->point, *const of_B = g[r->axis] + line->point;
     fb_real a = FB_R(0.0), b = FB_R(0.0);
     FBI_UNROLL
-    for (int j = 0; j < m; j += 2) {
+    FB_PAIRS (int j = 0, j < m, j += 2) {
       a += A[j] * of_A[j] + B[j] * of_B[j];
       b += A[j + 1] * of_A[j + 1] + B[j + 1] * of_B[j + 1];
     }
@@ -2837,7 +2862,7 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
 {
   const int p = line->point, width = fbi_line_width(line);
   fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];
-  for (int j = 0; j < width; j++) {
+  FB_LOOP (int j = 0, j < width, j++) {
     const fb_real A = w->turn[0][p + j], B = w->turn[1][p + j], C = w->turn[2][p + j];
     const fb_real D = w->bow[0][p + j], E = w->bow[1][p + j], F = w->bow[2][p + j];
     const fb_real u = y[0][p + j], v = y[1][p + j], l = y[2][p + j];
@@ -2849,7 +2874,7 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
     by_B[2][p + j] = FBI_SIXTH * (A * v - B * u);
   }
   if (s) {
-    for (int j = 0; j < width; j++) {
+    FB_LOOP (int j = 0, j < width, j++) {
       const fb_real A = w->turn_dot[0][p + j], B = w->turn_dot[1][p + j], C = w->turn_dot[2][p + j];
       const fb_real D = w->bow_dot[0][p + j], E = w->bow_dot[1][p + j], F = w->bow_dot[2][p + j];
       const fb_real u = s[0][p + j], v = s[1][p + j], l = s[2][p + j];
@@ -2938,7 +2963,7 @@ static FBI_NOINLINE void fbi_line_solid_momenta(fb_real *z, fbi_line_work *w, co
 {
   const int m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
-  for (int s = 0; s < line->count; s++) {
+  FB_LOOP (int s = 0, s < line->count, s++) {
     fb_real turn[3], rho[3], more[3];
     fbi_line_get3(turn, w->w, line->point + s);
     fbi_line_offset(rho, w, all, line->point + s);
@@ -2956,7 +2981,7 @@ static FBI_NOINLINE void fbi_line_solid_moments(fb_real b[3][FB_MAX_POINTS], fb_
 {
   const int m = fbi_line_width(line);
   const fb_real *const u = fbi_line_factor(all, line) + line->count * m;
-  for (int s = 0; s < line->count; s++) {
+  FB_LOOP (int s = 0, s < line->count, s++) {
     const int j = line->point + s;
     fb_real turn[3], whole[3], rho[3], I[9], L[3], P[3], more[3], own[3];
     fbi_line_get3(turn, w->w, j);
@@ -2993,7 +3018,7 @@ static FBI_NOINLINE void fbi_line_weighed_momenta(fb_real *z, fbi_line_work *w, 
   const fb_real a = u[0] + root[0], b = u[1] + root[1], c = u[2] + root[2], d = o[0], e = o[1], f = o[2];
   fb_real *FBI_RESTRICT const z_x = z, *FBI_RESTRICT const z_y = z + m, *FBI_RESTRICT const z_z = z + 2 * m;
   fbi_line_weighed(z, all, line, w->t_dot);
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real X = y[j], Y = y[m + j], Z = y[2 * m + j];
     z_x[j] += one[j] * a + (e * Z - f * Y);
     z_y[j] += one[j] * b + (f * X - d * Z);
@@ -3008,7 +3033,7 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_
                                                    fb_real C[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     /* C in the section's axes */
     const fb_real u = C[0][p + j], v = C[1][p + j], l = C[2][p + j];
     const fb_real c_x = w->H[0][p + j] * u + w->H[3][p + j] * v + w->H[6][p + j] * l;
@@ -3082,7 +3107,7 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
   }
 
   /* b, c, what offset masses and lines that hang there add, and their sums from the tip to the root */
-  for (int j = 0; j < m; j++) {
+  FB_LOOP (int j = 0, j < m, j++) {
     const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
     const fb_real a = w->t[0][p + j], d = w->t[1][p + j], e = w->t[2][p + j];
     const fb_real f = w->t_dot[0][p + j], g = w->t_dot[1][p + j], h = w->t_dot[2][p + j];
@@ -3101,7 +3126,7 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
     fbi_row_sub(b[i] + p, -FB_R(1.0), w->hung[3 + i] + p, m);
     fbi_row_sub(c[i] + p, -FB_R(1.0), w->hung[6 + i] + p, m);
   }
-  for (int j = p + m - 1; j >= p; j--) {
+  FB_LOOP (int j = p + m - 1, j >= p, j--) {
     b[0][j] = B[0] += b[0][j];
     b[1][j] = B[1] += b[1][j];
     b[2][j] = B[2] += b[2][j];
@@ -3118,7 +3143,7 @@ static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, con
 
   /* stretches, root */
   if (line->n_stretch) {
-    for (int j = 0; j < m; j++) {
+    FB_LOOP (int j = 0, j < m, j++) {
       const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
       const fb_real a = o[0] + w->w[0][p + j], d = o[1] + w->w[1][p + j], e = o[2] + w->w[2][p + j];
       const fb_real Q_x = Y * e - Z * d, Q_y = Z * a - X * e, Q_z = X * d - Y * a;
@@ -3193,16 +3218,16 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
   fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, total[3];
   const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   for (int i = 0; i < 3; i++) {
-    for (int j = p; j < p + m; j++) {
+    FB_LOOP (int j = p, j < p + m, j++) {
       own[i][j] = F[i][j] + (line->carries ? w->hung[i][j] : FB_R(0.0));
     }
     total[i] = FB_R(0.0);
-    for (int j = p; j < p + line->count; j++) {
+    FB_LOOP (int j = p, j < p + line->count, j++) {
       total[i] += own[i][j];
     }
   }
   fbi_line_outboard(f, all, line, own);
-  for (int j = p + line->count - 1; j >= p; j--) {
+  FB_LOOP (int j = p + line->count - 1, j >= p, j--) {
     fb_real t[3], at[3], H[9], N[9], out[3];
     fbi_line_get3(t, w->t, j);
     fbi_line_get3(at, f, j);
@@ -3253,7 +3278,7 @@ static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work 
     if (x) {
       fbi_line_axes(own, line, g);
       for (int i = 0; i < 3; i++) {
-        for (int j = line->point; j < line->point + line->stride; j++) {
+        FB_LOOP (int j = line->point, j < line->point + line->stride, j++) {
           F[i][j] = all->mass[j] * own[i];
         }
       }
@@ -3290,7 +3315,7 @@ static void fbi_line_bias(fbi_line_work *w, const fb_lines *all, const fb_line *
     fbi_line_get3(alpha, w->w_dot, line->hangs - 1);
     fbi_line_get3(a, w->v_dot, line->hangs - 1);
   }
-  for (int j = p; j < p + line->count; j++) {
+  FB_LOOP (int j = p, j < p + line->count, j++) {
     fb_real H[9], N[9], before[3], phi[3], rate[3], A_dot[3], B_dot[3], more[3], own[3];
     fbi_line_before(H, before, w, line, j);
     fbi_line_get9(N, w->N, j);
@@ -3366,7 +3391,7 @@ static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_li
     fb_real drift[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, out[3];
     fbi_line_axes(u, line, V);
     fbi_line_axes(o, line, V + 3);
-    for (int j = line->point; j < line->point + line->stride; j++) {
+    FB_LOOP (int j = line->point, j < line->point + line->stride, j++) {
       fb_real r[3], v[3], a[3], turn[3], alpha[3], own[3], torque[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
       fbi_line_get3(r, w->r, j);
       fbi_line_get3(v, w->v, j);
@@ -3470,7 +3495,7 @@ static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R
       fbi_line_point_look(p, line, &all->root[l], one, r, none, none, R, origin, V);
       (p++)->line = l;
     }
-    for (int j = line->point; j < line->point + line->count; j++) {
+    FB_LOOP (int j = line->point, j < line->point + line->count, j++) {
       fbi_line_get9(H, w->H, j);
       fbi_line_get3(r, w->r, j);
       fbi_line_get3(v, w->v, j);
@@ -3538,7 +3563,7 @@ static void fbi_lines_push(fb_real fg[6], fb_real *x, fbi_line_work *w, const fb
       fbi_line_point_load(force, torque, p++, line, R);
       fbi_line_wrench_add(fg, line, r, force, torque);
     }
-    for (int j = line->point; j < line->point + line->count; j++) {
+    FB_LOOP (int j = line->point, j < line->point + line->count, j++) {
       fbi_line_get3(r, w->r, j);
       fbi_line_point_load(force, torque, p++, line, R);
       fbi_line_wrench_add(fg, line, r, force, torque);
@@ -3599,7 +3624,7 @@ static void fbi_line_node_pose(fb_real r[3], fbi_line_work *w, const fb_line *li
                                const fb_lines *all, const fb_real *q)
 {
   fbi_vec3_copy(r, node->start);
-  for (int j = 0; j < line->count; j++) {
+  FB_LOOP (int j = 0, j < line->count, j++) {
     for (int i = 0; i < 3; i++) {
       r[i] += node->weight[j] * w->t[i][line->point + j];
     }

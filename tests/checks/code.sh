@@ -28,9 +28,15 @@ given= # further options of the compiler
 loads= # nodes with loads
 rotors= # their nodes, see code.awk
 central= # mu of gravity of a center
+slow= # 1: not by a trace
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
+  case "$1 $2" in # lines take seconds to trace: two models
+  "5 large damping" | "10 large damping") slow= ;;
+  *large*) slow=1 ;;
+  *) slow= ;;
+  esac
   write "$2" ${3:-}
 }
 
@@ -39,10 +45,7 @@ write() {
   try build/flexbeam reduce "$out/random.txt" --name generated ${2:-} --out "$out/rom.h"
   try build/flexbeam reduce "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${2:-} --out "$out/code.h"
   rm -f "$out/traced/code.h"
-  case "$1" in
-  *large*) ;;
-  *) try build/flexbeam reduce "$out/random.txt" --name generated --code --traced ${loads:+--loads $loads} ${2:-} --out "$out/traced/code.h" ;;
-  esac
+  [ -n "$slow" ] || try build/flexbeam reduce "$out/random.txt" --name generated --code --traced ${loads:+--loads $loads} ${2:-} --out "$out/traced/code.h"
 }
 
 # agree OPTIMIZATION [--single]: what was generated with the library, written either way; sets worst
@@ -279,6 +282,7 @@ vary() {
   number=$(echo "$3" | tr ',' '\n' | grep -n '^damping$' | cut -d : -f 1)
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" $options -f tests/checks/code.awk > "$out/changed.txt"
+  rm -f "$out/traced/code.h"
   try build/flexbeam reduce "$out/random.txt" --name generated --code --vary "$3" ${loads:+--loads $loads} ${5:-} --out "$out/code.h"
   try build/flexbeam reduce "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
   given="${tolerance:+-DTOLERANCE=$tolerance} ${loads:+-DLOADED} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"

@@ -18,6 +18,8 @@ static const char rows_text[] =
 static void rows_values(std::vector<double> &out, const std::vector<int> &kind, const std::vector<double> &in)
 {
   static std::unique_ptr<fb_system_work> w(new fb_system_work);
+  const int asked = R.n_asked, turned = R.turned; /* its own comparisons are none of the recording */
+  R.turned = -1;
   const int m = w->n_row = (int)kind.size();
   std::size_t k = 0;
   for (int i = 0; i < m; i++) {
@@ -31,6 +33,8 @@ static void rows_values(std::vector<double> &out, const std::vector<int> &kind, 
     w->c[i] = in[k + (std::size_t)(m + i)];
   }
   fbi_rows_apart(w.get());
+  R.n_asked = asked;
+  R.turned = turned;
   out.clear();
   for (const number *list : {w->mu, w->angle}) {
     for (int i = 0; i < m; i++) {
@@ -46,7 +50,7 @@ void apart(void *of)
   std::vector<double> values, results;
   std::vector<int> row; /* the others move nothing, whatever the state: they are left out */
   graph g;
-  if (!R.on) {
+  if (!is_recording()) {
     fbi_rows_apart(w);
     return;
   }
@@ -90,6 +94,15 @@ void apart(void *of)
     g.kind = mixed(g.kind, (std::uint64_t)kind);
   }
   rows_values(results, g.apart, values);
+  auto result_at = [&](std::size_t i) -> number & {
+    return i < row.size() ? w->mu[row[i]] : w->angle[row[i - row.size()]];
+  };
+  for (std::size_t i = 0; i < results.size(); i++) {
+    result_at(i) = results[i];
+  }
+  if (!R.on) {
+    return;
+  }
   for (std::size_t i = 0; i < results.size(); i++) {
     g.nodes.push_back({'o', (int)i, 0, 0, results[i]});
   }
@@ -98,8 +111,7 @@ void apart(void *of)
   const number call = push(R.now, {'k', index, 0, 0, 0.0});
   R.all[(std::size_t)index].call = node_of(call);
   for (std::size_t i = 0; i < results.size(); i++) {
-    number &to = i < row.size() ? w->mu[row[i]] : w->angle[row[i - row.size()]];
-    to = push(R.now, {'r', call, g.n_input + 1 + (int)i, 0, results[i]});
+    result_at(i) = push(R.now, {'r', call, g.n_input + 1 + (int)i, 0, results[i]});
   }
 }
 

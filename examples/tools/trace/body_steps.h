@@ -100,6 +100,7 @@ struct body_function : subject {
     next = now;
     switch (is) {
     case STEP:
+      std::memset(&work, 0, sizeof work); /* no numbers of another recording */
       FBI_TRY(fb_rk4_step(&body, &next, &work, &acts[0], &acts[1], &acts[2], dt));
       add_members(results, next, "state->");
       break;

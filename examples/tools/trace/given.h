@@ -25,7 +25,8 @@ static unsigned inputs_of_call(const graph &inner, const quiet_kernels &kernels,
   return bits;
 }
 
-/* Per node of a graph the bits of the inputs without which it is zero; 0: it never is for sure. given: of its inputs. */
+/* Per node of a graph the bits of the inputs without which it is zero; 0: it never is for sure. given: of its inputs;
+   of none, all are given. */
 static std::vector<unsigned> zero_without(const graph &g, const std::vector<unsigned> &given,
                                           const quiet_kernels &kernels)
 {
@@ -35,7 +36,7 @@ static std::vector<unsigned> zero_without(const graph &g, const std::vector<unsi
   for (std::size_t i = 1; i < g.nodes.size(); i++) {
     const node &n = g.nodes[i];
     if (n.op == 'i') {
-      of[i] = given[(std::size_t)n.a.d];
+      of[i] = given.empty() ? 0u : given[(std::size_t)n.a.d];
     } else if (n.op == 'r') {
       const graph &inner = R.all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d];
       const auto found = kernels.find(inner.kind);
@@ -61,6 +62,9 @@ static void find_quiet(quiet_kernels &kernels, const std::vector<unsigned> &give
   for (std::size_t g = 0; g < R.all.size(); g++) { /* callers come before what they call */
     const graph &own = R.all[g];
     std::vector<unsigned> inputs = given;
+    if (own.loops) { /* is always computed */
+      continue;
+    }
     if (g > 0) {
       const std::vector<unsigned> &outer = of[(std::size_t)own.parent];
       const auto found = kernels.insert({own.kind, {std::vector<char>(own.arguments.size(), 1), {}}});
@@ -109,7 +113,7 @@ struct order_of_items {
         }
       }
       if (i < g.nodes.size() && live[i]) {
-        if (of[i] && !std::strchr("ikr", g.nodes[i].op)) {
+        if (of[i] && !std::strchr("iklr", g.nodes[i].op)) {
           waiting[of[i]].push_back((int)i);
         } else {
           add((int)i);
@@ -131,7 +135,7 @@ struct order_of_items {
   void need_operands(int i)
   {
     const node &n = g.nodes[(std::size_t)i];
-    if (n.op == 'k') {
+    if (is_call(n)) {
       for (number a : R.all[(std::size_t)n.a.d].arguments) {
         need(a);
       }

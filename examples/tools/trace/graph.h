@@ -1,9 +1,11 @@
 /* graph.h - the operations that the library has made of inputs, and the comparisons on which it has branched. A part of
    the library that is marked as a kernel (FB_KERNEL) has a graph of its own at each call: what it uses of the graphs
-   around it are its arguments, what they use of it afterwards its results. */
+   around it are its arguments, what they use of it afterwards its results. So has a loop that is marked (FB_LOOP): its
+   iterations stand one behind the other until it ends, then one of them stands for all (roll.h). */
 #ifndef TRACE_GRAPH_H
 #define TRACE_GRAPH_H
 #include "number.h"
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -61,6 +63,22 @@ struct slot {
   number *at, before, own, after, left; /* before, left: of the parent; own, after: of the kernel */
 };
 
+/* What stands for an input of a loop's body: a number that stays, one of each iteration, or what the iteration before it
+   has made, at first (of each lane) that number. */
+struct feed {
+  enum kind { STAYS, LISTED, CARRIED } is;
+  int first;   /* of its arguments */
+  number next; /* CARRIED: in the body */
+};
+
+/* What a recorded node of a loop is: a number of its body in an iteration; where no iteration is like the others, of the
+   parent. */
+struct standing {
+  number what;
+  int iteration;
+  double value;
+};
+
 struct graph {
   std::vector<node> nodes{1}; /* [0] is none */
   std::vector<guard> guards;
@@ -74,17 +92,29 @@ struct graph {
   bool open = true;              /* still running */
   std::vector<number> arguments; /* of the parent */
   std::unordered_map<std::uint64_t, int> captured;
-  std::map<int, int> results; /* its node: that of the parent */
+  std::map<int, int> results; /* its node, of a loop with the iteration (place_of): that of the parent */
   std::vector<int> apart;     /* kinds of rows: its results come of the library's own text (apart.h) */
   std::vector<slot> slots;
+  std::size_t own = 0; /* nodes when it ended; what follows are results of what it calls (settle) */
+
+  std::vector<std::vector<number>> spans; /* numbers that stand in a row */
+
+  /* of a loop */
+  bool loops = false, pairs = false; /* it computes pairs of numbers */
+  std::vector<int> starts;           /* of iterations, while they are recorded; none: it has ended */
+  int trips = 0;                     /* iterations of nodes; 0: none is like the others, they stand in the parent */
+  int lanes = 1;                     /* parts of them, one after the other, that begin anew */
+  std::vector<feed> feeds;           /* its inputs */
+  std::vector<standing> stands;      /* for each node that was recorded */
 };
 
 struct recording {
   std::vector<graph> all; /* [0] is the outermost */
   int now = 0;            /* the graph that is running */
-  bool on = false, kernels = false;
+  bool on = false, kernels = false, loops = false;
+  bool plain = false;  /* nothing is recorded, but comparisons are those of a recording */
   int turned = -1;     /* the guard whose outcome is turned round */
-  int n_asked = 0;     /* guards */
+  int n_asked = 0;     /* comparisons */
   int conversions = 0; /* to int, of numbers that depend on inputs */
 };
 
@@ -92,7 +122,7 @@ static recording R;
 
 bool is_recording()
 {
-  return R.on;
+  return R.on || R.plain;
 }
 
 /* Which slots of a kernel are the same number in every turn, by the name of the kernel: found by a recording, used by the
@@ -111,7 +141,11 @@ static const node &node_at(number a)
 
 static double value(number a)
 {
-  return node_of(a) ? node_at(a).value : (double)(real)a.d;
+  if (!node_of(a)) {
+    return (double)(real)a.d;
+  }
+  const graph &g = R.all[(std::size_t)graph_of(a)];
+  return g.loops && !g.open ? g.stands[(std::size_t)node_of(a)].value : node_at(a).value;
 }
 
 number::operator double() const
@@ -171,8 +205,17 @@ static number push(int graph_at, const node &n)
   return number_of(graph_at, (int)g.nodes.size() - 1);
 }
 
+/* Are iterations of a loop recorded? Each keeps all of its operations, so that they are alike. */
+static bool loops()
+{
+  return !here().starts.empty();
+}
+
 static number make(char op, number a, number b, number c)
 {
+  if (loops()) {
+    return push(R.now, {op, a, b, c, evaluate(op, value(a), value(b), value(c))});
+  }
   const content key(op, bits(a), bits(b), bits(c));
   const auto found = here().known.find(key);
   if (found != here().known.end()) {
@@ -205,21 +248,110 @@ static number capture(number a, int kernel)
   return made;
 }
 
-/* A number of a kernel that has returned, as its parent has it. */
+/* What input `index` of a loop's body is in an iteration: a number of the parent, or of the body in the iteration before. */
+static number argument(const graph &g, int index, int iteration, bool *before)
+{
+  const feed &s = g.feeds[(std::size_t)index];
+  const int length = g.trips / g.lanes;
+  const int own = s.is == feed::LISTED ? iteration : s.is == feed::CARRIED ? iteration / length : 0;
+  *before = s.is == feed::CARRIED && iteration % length > 0;
+  return *before ? s.next : g.arguments[(std::size_t)(s.first + own)];
+}
+
+/* Arguments of an input of a loop. */
+static int arguments_of(const graph &g, const feed &s)
+{
+  return s.is == feed::LISTED ? g.trips : s.is == feed::CARRIED ? g.lanes : 1;
+}
+
+/* A node of a loop's body in an iteration as one number; of a kernel its node. */
+static int place_of(const graph &g, int iteration, int node)
+{
+  return iteration * (int)g.nodes.size() + node;
+}
+
+/* Results of calls in kernels that have ended by then, by the kind of the kernel: they stand in one order in all kernels of
+   a kind, whoever asks first. */
+struct late_result {
+  int call, node, iteration;
+};
+
+static std::map<std::uint64_t, std::vector<late_result>> late;
+
+static void push_result(int parent, const late_result &r)
+{
+  const int called = (int)R.all[(std::size_t)parent].nodes[(std::size_t)r.call].a.d;
+  const number made = push(parent, {'r', number_of(parent, r.call), r.node, r.iteration, 0.0});
+  graph &g = R.all[(std::size_t)called];
+  g.results[place_of(g, r.iteration, r.node)] = node_of(made);
+}
+
+/* The first of the late results of a kernel, as many as n. */
+static void settle(int kernel, std::size_t n)
+{
+  const std::vector<late_result> list = late[R.all[(std::size_t)kernel].kind];
+  for (std::size_t k; (k = R.all[(std::size_t)kernel].nodes.size() - R.all[(std::size_t)kernel].own) < n;) {
+    const int called = (int)R.all[(std::size_t)kernel].nodes[(std::size_t)list[k].call].a.d;
+    const graph &g = R.all[(std::size_t)called];
+    if (!g.loops && (std::size_t)list[k].node >= g.own) {
+      settle(called, (std::size_t)list[k].node + 1 - g.own);
+    }
+    push_result(kernel, list[k]);
+  }
+}
+
+/* A node of a kernel or a loop that has returned as a result of its call. */
+static void add_result(int called, int node, int iteration)
+{
+  const graph &g = R.all[(std::size_t)called], &parent = R.all[(std::size_t)g.parent];
+  const late_result r = {g.call, node, iteration};
+  if (parent.open) {
+    push_result(g.parent, r);
+    return;
+  }
+  std::vector<late_result> &list = late[parent.kind];
+  const auto same = [&](const late_result &x) {
+    return x.call == r.call && x.node == r.node && x.iteration == r.iteration;
+  };
+  const std::size_t at = (std::size_t)(std::find_if(list.begin(), list.end(), same) - list.begin());
+  if (at == list.size()) {
+    list.push_back(r);
+  }
+  settle(g.parent, at + 1);
+}
+
+/* A number of a kernel or a loop that has returned, as its parent has it. */
 static number result(number a)
 {
-  graph &g = R.all[(std::size_t)graph_of(a)];
-  const node &n = g.nodes[(std::size_t)node_of(a)];
+  const number from = a;
+  const graph &g = R.all[(std::size_t)graph_of(a)];
+  int iteration = 0;
+  const double was = g.loops ? g.stands[(std::size_t)node_of(a)].value : value(a);
+  if (g.loops) {
+    const standing stands = g.stands[(std::size_t)node_of(a)];
+    a = stands.what, iteration = stands.iteration;
+    bool before = g.trips > 0;
+    while (before && node_of(a) && g.nodes[(std::size_t)node_of(a)].op == 'i') {
+      a = argument(g, (int)g.nodes[(std::size_t)node_of(a)].a.d, iteration, &before);
+      iteration -= before;
+    }
+    if (!before || !node_of(a)) {
+      return a;
+    }
+  }
+  const node n = g.nodes[(std::size_t)node_of(a)];
   if (n.op == 'i') {
     return g.arguments[(std::size_t)n.a.d];
   }
-  const auto found = g.results.find(node_of(a));
-  if (found != g.results.end()) {
-    return number_of(g.parent, found->second);
+  const int place = place_of(g, iteration, node_of(a));
+  const auto found = g.results.find(place);
+  if (found == g.results.end()) {
+    add_result(graph_of(from), node_of(a), iteration);
   }
-  const number made = push(g.parent, {'r', number_of(g.parent, g.call), node_of(a), 0, n.value});
-  R.all[(std::size_t)graph_of(a)].results[node_of(a)] = node_of(made);
-  return made;
+  const int made = R.all[(std::size_t)graph_of(from)].results.at(place),
+            parent = R.all[(std::size_t)graph_of(from)].parent;
+  R.all[(std::size_t)parent].nodes[(std::size_t)made].value = was;
+  return number_of(parent, made);
 }
 
 /* The same number in the graph that is running; a constant in its precision. */
@@ -232,6 +364,9 @@ static number local(number a)
     const int from = graph_of(a);
     if (!R.all[(std::size_t)from].open) {
       a = result(a);
+      if (!node_of(a)) {
+        return a;
+      }
       continue;
     }
     int inner = R.now;
@@ -273,15 +408,21 @@ static std::uint64_t mixed(std::uint64_t sum, std::uint64_t with)
   return sum ^ sum >> 29;
 }
 
+/* Of a kernel or a loop. */
+static bool is_call(const node &n)
+{
+  return n.op == 'k' || n.op == 'l';
+}
+
 static std::uint64_t kind_of(const graph &g)
 {
   auto own = [](number a) { return node_of(a) ? (std::uint64_t)node_of(a) | number_tag : bits(a); };
   std::uint64_t sum = 1;
   for (const node &n : g.nodes) {
     sum = mixed(sum, (std::uint64_t)n.op);
-    sum = mixed(sum, n.op == 'k' ? R.all[(std::size_t)n.a.d].kind : own(n.a));
+    sum = mixed(sum, is_call(n) ? R.all[(std::size_t)n.a.d].kind : own(n.a));
     sum = mixed(mixed(sum, own(n.b)), own(n.c));
-    if (n.op == 'k') {
+    if (is_call(n)) {
       for (number a : R.all[(std::size_t)n.a.d].arguments) {
         sum = mixed(sum, own(a));
       }
@@ -290,7 +431,10 @@ static std::uint64_t kind_of(const graph &g)
   for (const guard &c : g.guards) {
     sum = mixed(mixed(mixed(sum, (std::uint64_t)c.relation + c.outcome), own(c.a)), own(c.b));
   }
-  return sum;
+  for (const feed &c : g.feeds) {
+    sum = mixed(mixed(mixed(sum, (std::uint64_t)c.is), (std::uint64_t)c.first), own(c.next));
+  }
+  return mixed(mixed(sum, (std::uint64_t)g.trips), (std::uint64_t)g.lanes);
 }
 
 /* Notes in `still` which slots of kernels have one number for ever; 1: more than before. */
@@ -349,6 +493,7 @@ void kernel_end()
   if (R.on && R.kernels) {
     const int kernel = R.now, parent = here().parent;
     here().kind = kind_of(here());
+    here().own = here().nodes.size();
     here().open = false;
     R.now = parent;
     R.all[(std::size_t)kernel].call = node_of(push(parent, {'k', kernel, 0, 0, 0.0}));
@@ -403,6 +548,9 @@ number apply(char op, number a, number b)
     return before_loop([&] { return apply(op, a, b); });
   }
   a = local(a), b = local(b);
+  if (loops() || (!node_of(a) && !node_of(b))) {
+    return node_of(a) || node_of(b) ? make(op, a, b, 0.0) : number(evaluate(op, value(a), value(b), 0.0));
+  }
   if (op == '*' && (is(a, 0.0) || is(b, 0.0))) {
     return 0.0;
   }
@@ -459,39 +607,44 @@ number select(char relation, number a, number b, number yes, number no)
     return before_loop([&] { return select(relation, a, b, yes, no); });
   }
   yes = local(yes), no = local(no);
-  return bits(yes) == bits(no) ? yes : make('?', make(relation, local(a), local(b), 0.0), yes, no);
+  return bits(yes) == bits(no) && !loops() ? yes : make('?', make(relation, local(a), local(b), 0.0), yes, no);
 }
 
 bool ask(char relation, number a, number b)
 {
   bool outcome = evaluate(relation, value(a), value(b), 0.0) != 0.0;
-  if ((!node_of(a) && !node_of(b)) || !R.on) {
-    return outcome;
-  }
-  if (is_before_loop({a, b})) {
+  if (R.on && (node_of(a) || node_of(b)) && is_before_loop({a, b})) {
     return before_loop([&] { return ask(relation, a, b); });
+  }
+  const int order = R.n_asked++; /* the same with a graph and without */
+  if (!R.on || (!node_of(a) && !node_of(b))) {
+    return order == R.turned ? !outcome : outcome;
   }
   a = local(a), b = local(b);
   graph &g = here();
   const content key(relation, bits(a), bits(b), 0);
   const auto found = g.asked.find(key);
-  if (found != g.asked.end()) {
+  if (found != g.asked.end() && !loops() && order != R.turned) {
     return g.guards[(std::size_t)found->second].outcome;
   }
-  outcome = R.n_asked == R.turned ? !outcome : outcome;
+  outcome = order == R.turned ? !outcome : outcome;
   g.asked[key] = (int)g.guards.size();
-  g.guards.push_back({relation, a, b, outcome, (int)g.nodes.size() - 1, R.n_asked++, 0, ""});
+  g.guards.push_back({relation, a, b, outcome, (int)g.nodes.size() - 1, order, 0, ""});
   return outcome;
 }
 
-/* Kernels: whether they have graphs of their own. */
-static void begin(int turned, bool kernels)
+/* What of a run is recorded: nothing, one graph, kernels by themselves, loops, too. */
+enum detail { PLAIN, FLAT, KERNELS, LOOPS };
+
+static void begin(int turned, detail with)
 {
   R = recording();
   R.all.resize(1);
   R.turned = turned;
-  R.kernels = kernels;
-  R.on = true;
+  R.kernels = with >= KERNELS;
+  R.loops = with >= LOOPS;
+  R.on = with > PLAIN;
+  R.plain = with == PLAIN;
 }
 
 /* ---- what a recording says */
@@ -501,24 +654,31 @@ static void begin(int turned, bool kernels)
 static void contents_of(std::vector<std::vector<std::uint64_t>> &all, const recording &r, int graph_at)
 {
   const graph &g = r.all[(std::size_t)graph_at];
+  const std::size_t size = g.nodes.size();
   std::vector<std::uint64_t> &own = all[(std::size_t)graph_at];
-  auto of = [&](number a) { return node_of(a) ? own[(std::size_t)node_of(a)] : bits(a); };
-  own.assign(g.nodes.size(), 0);
+  auto at = [&](int in, number a) { return node_of(a) ? all[(std::size_t)in][(std::size_t)node_of(a)] : bits(a); };
+  own.assign(size * (std::size_t)(g.trips > 0 ? g.trips : 1), 0);
   for (std::size_t i = 1; i < own.size(); i++) {
-    const node &n = g.nodes[i];
-    if (n.op == 'k') {
+    const int trip = (int)(i / size), start = trip * (int)size;
+    auto of = [&](number a) { return node_of(a) ? own[(std::size_t)(start + node_of(a))] : bits(a); };
+    const node &n = g.nodes[i % size];
+    if (is_call(n)) {
       contents_of(all, r, (int)n.a.d);
     } else if (n.op == 'r') {
-      own[i] = all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d][(std::size_t)n.b.d];
+      const int from = (int)g.nodes[(std::size_t)node_of(n.a)].a.d;
+      own[i] = all[(std::size_t)from][(std::size_t)place_of(r.all[(std::size_t)from], (int)n.c.d, (int)n.b.d)];
+    } else if (n.op == 'i' && g.trips > 0) {
+      bool before;
+      const number a = argument(g, (int)n.a.d, trip, &before);
+      own[i] = !before ? at(g.parent, a) : node_of(a) ? own[(std::size_t)(start - (int)size + node_of(a))] : bits(a);
     } else if (n.op == 'i' && graph_at > 0) {
-      const number a = g.arguments[(std::size_t)n.a.d];
-      own[i] = node_of(a) ? all[(std::size_t)g.parent][(std::size_t)node_of(a)] : bits(a);
+      own[i] = at(g.parent, g.arguments[(std::size_t)n.a.d]);
     } else if (n.op == 'o') { /* of all arguments */
       own[i] = bits(n.a);
       for (int k = 1; k <= g.n_input; k++) {
         own[i] = mixed(own[i], own[(std::size_t)k]);
       }
-    } else {
+    } else if (i % size > 0) {
       own[i] = mixed(mixed(mixed((std::uint64_t)n.op, of(n.a)), of(n.b)), of(n.c));
     }
   }
@@ -578,17 +738,27 @@ static int values_at(std::vector<std::vector<double>> &all, int graph_at, const 
       break;
     }
     const node &n = g.nodes[i];
-    if (n.op == 'k') {
-      std::vector<double> own;
-      for (number a : R.all[(std::size_t)n.a.d].arguments) {
-        own.push_back(at(a));
+    if (is_call(n)) {
+      const int called = (int)n.a.d;
+      const graph &inner = R.all[(std::size_t)called];
+      std::vector<double> kept;
+      for (int trip = 0; trip < (inner.trips > 0 ? inner.trips : 1); trip++) {
+        std::vector<double> own;
+        for (std::size_t k = 0; k < (inner.loops ? inner.feeds.size() : inner.arguments.size()); k++) {
+          bool before = false;
+          const number a = inner.loops ? argument(inner, (int)k, trip, &before) : inner.arguments[k];
+          own.push_back(!before ? at(a) : node_of(a) ? all[(std::size_t)called][(std::size_t)node_of(a)] : a.d);
+        }
+        const int status = values_at(all, called, own);
+        if (status != 0) {
+          return status;
+        }
+        kept.insert(kept.end(), all[(std::size_t)called].begin(), all[(std::size_t)called].end());
       }
-      const int status = values_at(all, (int)n.a.d, own);
-      if (status != 0) {
-        return status;
-      }
+      all[(std::size_t)called] = kept;
     } else if (n.op == 'r') {
-      v[i] = all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d][(std::size_t)n.b.d];
+      const int from = (int)g.nodes[(std::size_t)node_of(n.a)].a.d;
+      v[i] = all[(std::size_t)from][(std::size_t)place_of(R.all[(std::size_t)from], (int)n.c.d, (int)n.b.d)];
     } else {
       v[i] = n.op == 'i' ? (double)(real)inputs[(std::size_t)n.a.d] : evaluate(n.op, at(n.a), at(n.b), at(n.c));
     }
@@ -604,13 +774,79 @@ static bool checks_anything(const graph &g)
     any = any || c.status != 0;
   }
   for (const node &n : g.nodes) {
-    any = any || (n.op == 'k' && checks_anything(R.all[(std::size_t)n.a.d]));
+    any = any || (is_call(n) && checks_anything(R.all[(std::size_t)n.a.d]));
   }
   return any;
 }
 
 /* Which arguments of kernels are read, by their kind. */
 typedef std::map<std::uint64_t, std::vector<char>> read_arguments;
+
+/* Of a loop what of its body is needed for results that are live in its parent and for its guards. */
+static std::vector<char> needed_in(const graph &g, const std::vector<char> &live_in_parent)
+{
+  std::vector<char> live(g.nodes.size(), 0);
+  auto mark = [&](number a) { live[(std::size_t)node_of(a)] = 1; };
+  for (const auto &r : g.results) {
+    live[(std::size_t)r.first % live.size()] |= live_in_parent[(std::size_t)r.second];
+  }
+  for (const guard &c : g.guards) {
+    if (c.status != 0) {
+      mark(c.a), mark(c.b);
+    }
+  }
+  for (bool more = true; more;) {
+    const std::vector<char> before = live;
+    for (std::size_t i = live.size() - 1; i > 0; i--) {
+      const node &n = g.nodes[i];
+      if (live[i] && n.op == 'i' && g.feeds[(std::size_t)n.a.d].is == feed::CARRIED) {
+        mark(g.feeds[(std::size_t)n.a.d].next);
+      } else if (live[i] && n.op != 'i') {
+        mark(n.a), mark(n.b), mark(n.c);
+      }
+    }
+    live[0] = 0;
+    more = live != before;
+  }
+  return live;
+}
+
+/* Arguments of a call that it needs: of a kernel those that it reads, by NULL all; of a loop by what is needed in it. */
+static std::vector<number> arguments_of(const graph &g, const std::vector<char> &live_in_parent,
+                                        const read_arguments *read)
+{
+  std::vector<number> list;
+  if (!g.loops) {
+    const auto known = read ? read->find(g.kind) : read_arguments::const_iterator();
+    for (std::size_t a = 0; a < g.arguments.size(); a++) {
+      if (!read || (known != read->end() && known->second[a])) {
+        list.push_back(g.arguments[a]);
+      }
+    }
+    return list;
+  }
+  const std::vector<char> live = needed_in(g, live_in_parent);
+  for (std::size_t i = 1; i < live.size(); i++) {
+    if (live[i] && g.nodes[i].op == 'i') {
+      const feed &s = g.feeds[(std::size_t)g.nodes[i].a.d];
+      for (int k = 0; k < arguments_of(g, s); k++) {
+        list.push_back(g.arguments[(std::size_t)(s.first + k)]);
+      }
+    }
+  }
+  return list;
+}
+
+/* Does a graph have loops? What stands in rows for them is not factored and does not wait for inputs: iterations that are
+   alike have to stay alike, and all of a row has to be there. */
+static bool has_loops(const graph &g)
+{
+  bool any = false;
+  for (const node &n : g.nodes) {
+    any = any || n.op == 'l';
+  }
+  return any;
+}
 
 /* Marks what is needed for the results and, with checks, for the guards. read: NULL, all arguments of a kernel are. */
 static std::vector<char> needed(const graph &g, const std::vector<number> &results, bool checks,
@@ -628,16 +864,12 @@ static std::vector<char> needed(const graph &g, const std::vector<number> &resul
   }
   for (std::size_t i = g.nodes.size() - 1; i > 0; i--) {
     const node &n = g.nodes[i];
-    if (n.op == 'k' && (live[i] || checks_anything(R.all[(std::size_t)n.a.d]))) {
-      const graph &inner = R.all[(std::size_t)n.a.d];
-      const auto known = read ? read->find(inner.kind) : read_arguments::const_iterator();
+    if (is_call(n) && (live[i] || checks_anything(R.all[(std::size_t)n.a.d]))) {
       live[i] = 1;
-      for (std::size_t a = 0; a < inner.arguments.size(); a++) {
-        if (!read || (known != read->end() && known->second[a])) {
-          mark(inner.arguments[a]);
-        }
+      for (number a : arguments_of(R.all[(std::size_t)n.a.d], live, read)) {
+        mark(a);
       }
-    } else if (live[i] && n.op != 'i' && n.op != 'k') {
+    } else if (live[i] && n.op != 'i' && !is_call(n)) {
       mark(n.a), mark(n.b), mark(n.c);
     }
   }

@@ -54,11 +54,11 @@ static bool is_closed(const loop &l, const graph &g, const std::vector<char> &li
     if (!live[i]) {
       continue;
     }
-    if (n.op == 'k' && !(std::find(l.calls.begin(), l.calls.end(), (int)i) != l.calls.end())) {
+    if (is_call(n) && !(std::find(l.calls.begin(), l.calls.end(), (int)i) != l.calls.end())) {
       for (number a : called_by(g, (int)i).arguments) {
         look(a);
       }
-    } else if (n.op != 'k' && n.op != 'r' && n.op != 'i') {
+    } else if (!is_call(n) && n.op != 'r' && n.op != 'i') {
       look(n.a), look(n.b), look(n.c);
     }
   }

@@ -81,8 +81,8 @@ inline number number_of(int graph, int node)
 }
 
 /* What operations are called in the graph: + - * / as they are, n -a, q sqrt, s sin, c cos, t atan2, f fabs, e exp,
-   z towards zero, < 1 where a < b, else 0; ? b where a is not zero, else c; i input a; k the call of kernel a, r result b
-   of call a, o result a of what is not traced (apart.h). */
+   z towards zero, < 1 where a < b, else 0; ? b where a is not zero, else c; i input a; k the call of kernel a, l of loop a,
+   r result b of call a, of a loop in iteration c, o result a of what is not traced (apart.h). */
 number apply(char op, number a, number b = number(0));
 number select(char relation, number a, number b, number yes, number no); /* yes where a < b, else no: no branch */
 bool ask(char relation, number a, number b);                             /* a branch: <, l for <=, = */
@@ -98,13 +98,57 @@ template <class numbers> void carry(numbers *memory, int n)
   carry_numbers((number *)memory, (std::size_t)n * sizeof *memory / sizeof(number));
 }
 
+struct kernel_scope {
+  explicit kernel_scope(const char *call)
+  {
+    kernel_begin(call);
+  }
+  ~kernel_scope()
+  {
+    kernel_end();
+  }
+};
+
 template <class function> auto kernel(const char *call, function f) -> decltype(f())
 {
-  kernel_begin(call);
-  const auto status = f();
-  kernel_end();
-  return status;
+  const kernel_scope scope(call);
+  return f();
 }
+
+bool loop_begin(bool pairs);
+void loop_next();
+void loop_end();
+void span(const number *x, int n);
+
+/* A loop whose iterations the graph keeps apart. */
+class marked_loop
+{
+  bool on, once = true;
+
+public:
+  explicit marked_loop(bool pairs) : on(loop_begin(pairs))
+  {
+  }
+  marked_loop(const marked_loop &) = delete;
+  ~marked_loop()
+  {
+    iterate(false);
+  }
+  bool enter()
+  {
+    const bool first = once;
+    once = false;
+    return first;
+  }
+  bool iterate(bool more)
+  {
+    if (on) {
+      more ? loop_next() : loop_end();
+      on = more;
+    }
+    return more;
+  }
+};
 
 inline number operator+(number a, number b)
 {
@@ -186,4 +230,10 @@ inline bool operator!=(number a, number b)
 #define FB_APART(function, work) trace::apart(work)
 #define FB_CARRY(memory, n) trace::carry(memory, n)
 #define FB_KERNEL(call) trace::kernel(#call, [&] { return call; })
+#define TRACE_LOOP(pairs, first, more, next)              \
+  for (trace::marked_loop marked(pairs); marked.enter();) \
+    for (first; marked.iterate(more); next)
+#define FB_LOOP(first, more, next) TRACE_LOOP(false, first, more, next)
+#define FB_PAIRS(first, more, next) TRACE_LOOP(true, first, more, next)
+#define FB_SPAN(x, n) trace::span(x, n)
 #endif

@@ -2,7 +2,7 @@
    held against the library at other states. */
 #ifndef TRACE_REPLAY_H
 #define TRACE_REPLAY_H
-#include "graph.h"
+#include "roll.h"
 
 namespace trace
 {
@@ -122,55 +122,68 @@ static fb_status wander_links(subject &s, const fb_system &system, const fb_body
 
 /* Runs function f at the present state with the comparison `turned` turned round; the state is left as it was. */
 static fb_status run(subject &s, int f, int turned, std::vector<number> &results, std::vector<std::string> *names,
-                     bool kernels)
+                     detail with)
 {
   const std::vector<double> before = s.values();
   std::vector<entry> found;
   std::size_t i = 0;
-  begin(turned, kernels);
+  begin(turned, with);
   for (auto *list : {&s.state, &s.input}) {
     for (entry &e : *list) {
-      *e.at = input(before[i++]);
+      *e.at = with == PLAIN ? number(before[i]) : input(before[i]);
+      i++;
     }
   }
   const fb_status status = s.eval(f, found);
   results.clear();
   for (const entry &e : found) {
-    results.push_back(local(*e.at));
+    results.push_back(with == PLAIN ? *e.at : local(*e.at));
     if (names) {
       names->push_back(e.name);
     }
   }
-  R.on = false;
+  R.on = R.plain = false;
   s.set(before);
   return status;
 }
 
 /* What each comparison decides, by turning it round: nothing, where results and all other comparisons are the same. In
    kernels of one kind it decides the same. */
-static void judge_guards(subject &s, int f, const std::vector<number> &results, bool kernels)
+static void judge_guards(subject &s, int f, const std::vector<number> &results, detail with)
 {
-  recording first = R;
+  recording first = R, all = R;
+  std::vector<number> base = results;
+  const auto is_loop = [](const graph &g) { return g.loops; };
+  const bool loops = std::any_of(R.all.begin(), R.all.end(), is_loop); /* a turn may make iterations differ */
+  if (loops) {
+    with = FLAT;
+    run(s, f, -1, base, nullptr, with);
+    all = R;
+  }
   std::map<std::uint64_t, const graph *> judged;
   for (graph &g : first.all) {
-    const auto alike = judged.find(g.kind);
+    const graph &kernel = g.loops ? first.all[(std::size_t)g.parent] : g;
+    const std::uint64_t kind = g.loops ? mixed(kernel.kind, (std::uint64_t)g.call) : g.kind;
+    const auto alike = judged.find(kind);
     for (std::size_t k = 0; k < g.guards.size(); k++) {
       guard &c = g.guards[k];
       std::vector<number> other;
-      if (alike != judged.end() && g.kind != 0) {
+      fb_status status = FB_OK;
+      if (alike != judged.end() && kernel.kind != 0) {
         c.status = alike->second->guards[k].status;
         c.what = alike->second->guards[k].what;
         continue;
       }
-      const fb_status status = run(s, f, c.order, other, nullptr, kernels);
-      c.status = status != FB_OK                                            ? (int)status
-                 : gist(R, other, c.order) == gist(first, results, c.order) ? 0
-                                                                            : (int)BRANCH;
-      if (status != FB_OK && fb_detail_last()->what) {
+      if (loops) { /* fast where it is refused */
+        status = run(s, f, c.order, other, nullptr, PLAIN);
+      }
+      status = status == FB_OK ? run(s, f, c.order, other, nullptr, with) : status;
+      c.status = status != FB_OK ? (int)status : gist(R, other, c.order) == gist(all, base, c.order) ? 0 : (int)BRANCH;
+      if (status != FB_OK && fb_detail_last()->status == status && fb_detail_last()->what) {
         c.what = fb_detail_last()->what;
       }
     }
-    judged.insert({g.kind, &g});
+    judged.insert({kind, &g});
   }
   R = first;
 }

@@ -4,8 +4,8 @@
 #define TRACE_STEPS_H
 #include "apart.h"
 #include "factor.h"
+#include "loop_text.h"
 #include "replay.h"
-#include "text.h"
 #include "trace.h"
 #include <memory>
 
@@ -77,7 +77,7 @@ static std::string trace_function(traced &t, subject &s, const std::string &name
   still.clear();
   do {
     names.clear();
-    status = run(s, 0, -1, results, &names, true);
+    status = run(s, 0, -1, results, &names, LOOPS);
     if (status != FB_OK) {
       return name + ": " + refused_by(status);
     }
@@ -85,7 +85,7 @@ static std::string trace_function(traced &t, subject &s, const std::string &name
   if (R.conversions > 0) {
     return name + ": the library rounds a number of this model to a whole one";
   }
-  judge_guards(s, 0, results, true);
+  judge_guards(s, 0, results, LOOPS);
   if (s.reads) {
     leave_out_checks(results);
   }
@@ -149,6 +149,7 @@ struct file_of_functions {
 
   file_of_functions(FILE *out, const trace_choice *of) : choice(of)
   {
+    late.clear();
     w.out = out;
     w.name = of->name;
     w.wide = of->wide != 0;
@@ -228,7 +229,7 @@ struct file_of_functions {
     }
     for (std::size_t i = 1; i < g.nodes.size(); i++) {
       const node &n = g.nodes[i];
-      if (live[i] && n.op == 'r' && !between.count(node_of(n.a))) {
+      if (live[i] && n.op == 'r' && !between.count(node_of(n.a)) && !called_by(g, node_of(n.a)).loops) {
         use(called_by(g, node_of(n.a)), (int)n.b.d);
       }
       if ((live[i] || !g.apart.empty()) && n.op == 'i' && g.parent >= 0) {
@@ -254,6 +255,9 @@ struct file_of_functions {
             results.push_back(r.second);
           }
         }
+        if (g.loops) {
+          continue;
+        }
         for (const auto &r : w.kernel[g.kind].results) {
           if (g.parent >= 0) {
             results.push_back(number_of((int)(&g - &R.all[0]), r.first));
@@ -278,10 +282,26 @@ struct file_of_functions {
       }
     }
     k.n_result = (int)k.carried.size();
-    for (auto &r : k.results) {
-      const auto found = std::find(k.carried.begin(), k.carried.end(), r.first);
-      r.second = found != k.carried.end() ? (int)(found - k.carried.begin()) : k.n_result++;
+    for (int r : k.in_rows) {
+      const auto found = std::find(k.carried.begin(), k.carried.end(), r);
+      k.results[r] = found != k.carried.end() ? (int)(found - k.carried.begin()) : k.n_result++;
     }
+  }
+
+  /* Results of a kernel, those of a loop one behind the other by iteration. */
+  static std::vector<int> rows_of(const graph &g, const std::map<int, int> &results)
+  {
+    std::map<std::vector<int>, int> rows;
+    std::vector<int> list;
+    for (const auto &r : results) {
+      const node &n = g.nodes[(std::size_t)r.first];
+      const bool of_loop = n.op == 'r' && called_by(g, node_of(n.a)).loops;
+      rows[of_loop ? std::vector<int>{node_of(n.a), (int)n.b.d, (int)n.c.d} : std::vector<int>{r.first}] = r.first;
+    }
+    for (const auto &r : rows) {
+      list.push_back(r.second);
+    }
+    return list;
   }
 
   /* Is each call of a kernel that carries numbers a turn of a loop? */
@@ -315,8 +335,57 @@ struct file_of_functions {
                w.out);
   }
 
-  /* Writes all functions; "", or why it cannot. */
+  /* Writes all functions; "", or why it cannot. With loops: their tables first. */
   std::string write()
+  {
+    FILE *const out = w.out, *text = nullptr;
+    std::string why;
+    late_results_stand();
+    if (w.rarely.empty() || !(text = std::tmpfile())) {
+      return write_functions();
+    }
+    w.out = text;
+    why = write_functions();
+    w.out = out;
+    std::fprintf(
+        out,
+        "#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 9 /* else what follows many checks is "
+        "taken to be rare */\n#define %s(x) __builtin_expect_with_probability((x), 0, 1.0)\n#else\n#define "
+        "%s(x) (x)\n#endif\n#ifdef __GNUC__\n#define %s_RESTRICT __restrict\n#else\n#define %s_RESTRICT\n#endif\n\n",
+        w.rarely.c_str(), w.rarely.c_str(), w.name.c_str(), w.name.c_str());
+    for (const auto &t : w.tables) {
+      std::string list;
+      for (const std::string &x : t.first) {
+        list += (list.empty() ? "" : ", ") + x;
+      }
+      w.indent = 0;
+      w.line("static const " + w.real + " " + t.second + "[" + std::to_string(t.first.size()) + "] = {" + list + "};");
+    }
+    std::rewind(text);
+    for (int c; (c = std::getc(text)) != EOF;) {
+      std::putc(c, out);
+    }
+    std::fclose(text);
+    return why;
+  }
+
+  /* All calls of a kernel have the results that any of them has; notes whether there are loops. */
+  void late_results_stand()
+  {
+    for (traced &t : all) {
+      R = t.made;
+      for (std::size_t g = 1; g < R.all.size(); g++) {
+        w.rarely = R.all[g].trips > 0 ? w.name + "_RARELY" : w.rarely;
+        if (!R.all[g].loops && late.count(R.all[g].kind)) {
+          settle((int)g, late[R.all[g].kind].size());
+        }
+      }
+      t.made = R;
+    }
+  }
+
+  /* Kernels, then the functions that call them. */
+  std::string write_functions()
   {
     std::vector<std::pair<std::size_t, int>> order; /* of kernels: function, graph */
     std::size_t rows = 0;                           /* most of any */
@@ -333,9 +402,10 @@ struct file_of_functions {
       R = all[f].made;
       find_quiet(w.quiet, all[f].given);
       for (std::size_t g = 0; g < R.all.size(); g++) {
-        if (g > 0 && seen.insert(R.all[g].kind).second) {
+        if (g > 0 && !R.all[g].loops && seen.insert(R.all[g].kind).second) {
           order.push_back({f, (int)g});
           kernel_text &k = w.kernel[R.all[g].kind];
+          k.in_rows = rows_of(R.all[g], k.results);
           const std::string base = w.name + (w.wide ? "_wide_" : "_") +
                                    R.all[g].name.substr(R.all[g].name.compare(0, 4, "fbi_") == 0 ? 4 : 0);
           k.name = base;
@@ -424,7 +494,9 @@ struct file_of_functions {
     for (const auto &r : results) {
       of_results.push_back(r.second);
     }
-    factor(at, of_results, w.read);
+    if (!has_loops(R.all[(std::size_t)at])) {
+      factor(at, of_results, w.read);
+    }
     for (std::size_t i = 0; i < results.size(); i++) {
       results[i].second = of_results[i];
     }
@@ -462,10 +534,13 @@ struct file_of_functions {
           "/* %s */\nstatic void %s(%s *r, const %s *a, %s_wide_mask *held%s)\n{\n  %s_wide_mask good = *held;\n",
           g.name.c_str(), k.name.c_str(), real, real, n, acts, n);
     } else {
-      std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *r, const %s *a%s)\n{\n", g.name.c_str(), n, k.name.c_str(),
-                   real, real, acts);
+      const std::string apart = w.rarely.empty() ? "" : w.name + "_RESTRICT "; /* no array is the other one */
+      std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *%sr, const %s *%sa%s)\n{\n", g.name.c_str(), n,
+                   k.name.c_str(), real, apart.c_str(), real, apart.c_str(), acts);
     }
+    w.of_kernel = &k;
     write_graph(at, results);
+    w.of_kernel = nullptr;
     std::fprintf(w.out,
                  w.wide ? "  (void)r, (void)a%s;\n  *held = good;\n}\n\n"
                         : "  (void)r, (void)a%s;\n  return %s_ok;\n}\n\n",

@@ -19,9 +19,14 @@ struct kernel_text {
   std::map<int, int> results; /* nodes that a caller uses, and where they stand among the results */
   std::vector<int> arguments; /* that it reads, in their order: those from which all turns of a loop begin first */
   std::vector<int> carried;   /* so: nodes that the next turn takes in their place */
+  std::vector<int> in_rows;   /* the results in their order */
 
   int n_result = 0;
 };
+
+struct writer;
+static void write_loop(writer &w, int i); /* a loop, node i of w's graph */
+static void place_spans(writer &w);
 
 struct writer {
   FILE *out;
@@ -29,6 +34,7 @@ struct writer {
   bool single;
   bool wide =
       false; /* numbers are vectors, one lane for each copy of a model: what is checked of them is kept in one mask, `good` */
+  std::string rarely;                          /* a macro, for the condition of a check */
   std::function<std::string(int)> status;      /* its name */
   std::vector<std::string> names;              /* of the inputs */
   std::map<std::uint64_t, kernel_text> kernel; /* by their kind */
@@ -42,7 +48,7 @@ struct writer {
   std::string turns;    /* of a loop of TURNS that were traced: how many there are */
   std::string judged;   /* the kernel that is called where the loop before it has more than one turn */
   bool settled = false; /* all results are known before the first is written: it may stand where an input does */
-  const graph *of_graph;
+  const graph *of_graph, *spans_of;
   std::vector<int> uses;
   std::map<int, loop> loops;     /* of calls of a kernel, by the first */
   std::set<int> between;         /* those of which further turns follow */
@@ -50,7 +56,12 @@ struct writer {
   std::vector<std::string> text; /* of each node, once it is known */
   std::vector<unsigned> zero;    /* inputs without which it is zero */
   std::vector<char> outlasts;    /* 1: of a block of what is given, and used outside */
-  int n_temporary, n_call, indent = 2;
+  std::vector<char> live;        /* nodes of the graph that are needed */
+  int n_temporary, n_call, n_loop, indent = 2;
+  std::map<std::vector<std::string>, std::string> tables; /* names of lists of constants, in all functions */
+  const kernel_text *of_kernel = nullptr;                 /* that is written: results of its loops go to r at once */
+  std::set<std::vector<std::string>> constant_spans;
+  std::map<int, std::vector<std::pair<std::string, int>>> places; /* of nodes in spans */
 
   std::string constant(double x) const
   {
@@ -187,7 +198,8 @@ struct writer {
     const kernel_text &k = kernel.at(inner.kind);
     const auto turns_of = loops.find(i);
     const bool turning = turns_of != loops.end();
-    const std::string results = "r" + std::to_string(n_call++), in = turning ? "    " : "  ";
+    const std::string index = std::to_string(n_call++), results = "r" + index, taken = "a" + index,
+                      in = turning ? "    " : "  ";
     std::string arguments;
     for (int a : k.arguments) {
       arguments += (arguments.empty() ? "" : ", ") + of(inner.arguments[(std::size_t)a]);
@@ -199,8 +211,8 @@ struct writer {
          : inner.name == judged && !last_loop.empty() ? "if (" + last_loop + " > 1) {"
                                                       : "{");
     if (!arguments.empty()) {
-      line((turning ? "  " : "  const ") + real + " a[" + std::to_string(k.arguments.size()) + "] = {" + arguments +
-           "};");
+      line((turning ? "  " : "  const ") + real + " " + taken + "[" + std::to_string(k.arguments.size()) + "] = {" +
+           arguments + "};");
     }
     if (turning) {
       const int more = (int)turns_of->second.calls.size() - TURNS;
@@ -211,8 +223,8 @@ struct writer {
       }
       line("  for (int j = 0; j < " + last_loop + "; j++) {");
     }
-    const std::string call =
-        k.name + "(" + results + (arguments.empty() ? ", NULL" : ", a") + (wide ? ", &good" : "") + acts(inner) + ");";
+    const std::string call = k.name + "(" + results + ", " + (arguments.empty() ? "NULL" : taken) +
+                             (wide ? ", &good" : "") + acts(inner) + ");";
     if (wide) {
       line(in + call);
     } else {
@@ -222,14 +234,54 @@ struct writer {
       line(in + "}");
     }
     if (turning) {
-      line("    memcpy(a, " + results + ", " + std::to_string(k.carried.size()) + " * sizeof *a);");
+      line("    memcpy(" + taken + ", " + results + ", " + std::to_string(k.carried.size()) + " * sizeof *" + taken +
+           ");");
       line("  }");
     }
     line("}");
   }
 
+  static std::string element(const std::pair<std::string, int> &of)
+  {
+    return of.first + "[" + std::to_string(of.second) + "]";
+  }
+
+  /* Node i, whose text is known, to its places in spans from number `first` on: that is its text then. */
+  void put(int i, std::size_t first)
+  {
+    const auto at = places.find(i);
+    for (std::size_t k = first; at != places.end() && k < at->second.size(); k++) {
+      line(element(at->second[k]) + " = " + text[(std::size_t)i] + ";");
+    }
+    if (at != places.end() && first == 0) {
+      text[(std::size_t)i] = element(at->second[0]);
+    }
+  }
+
+  /* The name of a list of constants. */
+  std::string table(const std::vector<std::string> &list)
+  {
+    std::string &own = tables[list];
+    own = own.empty() ? name + "_table_" + std::to_string(tables.size()) : own;
+    return own;
+  }
+
   /* Node i as a statement, or as text for where it is used. */
   void statement(int i)
+  {
+    write_statement(i);
+    if (of_graph->nodes[(std::size_t)i].op != 'l' && !places.empty() && spans_of == of_graph &&
+        !is_of_loop(of_graph->nodes[(std::size_t)i])) {
+      put(i, 0);
+    }
+  }
+
+  bool is_of_loop(const node &n) const
+  {
+    return n.op == 'r' && of_graph->nodes[(std::size_t)node_of(n.a)].op == 'l';
+  }
+
+  void write_statement(int i)
   {
     const node &n = of_graph->nodes[(std::size_t)i];
     std::string s;
@@ -241,6 +293,13 @@ struct writer {
       if (text[(std::size_t)i].empty()) { /* else a further turn of a loop */
         call_kernel(i);
       }
+      return;
+    }
+    if (n.op == 'l') {
+      write_loop(*this, i);
+      return;
+    }
+    if (n.op == 'r' && !text[(std::size_t)i].empty()) { /* a loop's */
       return;
     }
     if (n.op == 'r') {
@@ -273,7 +332,8 @@ struct writer {
            (c.what.empty() ? "" : " /* " + c.what + " */"));
       return;
     }
-    line("if (" + std::string(c.outcome ? "!(" : "") + s + (c.outcome ? ")" : "") + ") {");
+    const std::string fails = (c.outcome ? "!(" : "") + s + (c.outcome ? ")" : "");
+    line("if (" + (rarely.empty() ? fails : rarely + "(" + fails + ")") + ") {");
     if (settled && (c.status == BRANCH || c.status == FB_ERR_RANGE)) { /* what is no number has a status of its own */
       const std::string both = of(c.a) + " - " + of(c.b);
       line("  return " + both + " == " + both + " ? " + status(FB_ERR_RANGE) + " : " + status(FB_ERR_NOT_FINITE) + ";" +
@@ -301,7 +361,7 @@ struct writer {
       }
       const node &n = g.nodes[(std::size_t)now.at];
       block[(std::size_t)now.at] = now.block;
-      if (n.op == 'k') {
+      if (is_call(n)) {
         for (number a : R.all[(std::size_t)n.a.d].arguments) {
           use(a, 0);
         }
@@ -344,20 +404,20 @@ struct writer {
     for (const auto &r : results) {
       of_results.push_back(r.second);
     }
-    const std::vector<char> live = needed(g, of_results, true, settled ? &read : nullptr);
+    live = needed(g, of_results, true, settled ? &read : nullptr);
     of_graph = &g;
     loops = loops_of(g, live);
     between.clear();
     last_loop.clear();
     uses.assign(g.nodes.size(), 0);
     text.assign(g.nodes.size(), "");
-    n_temporary = n_call = 0;
+    n_temporary = n_call = n_loop = 0;
     auto use = [&](number a) { uses[(std::size_t)node_of(a)]++; };
     for (std::size_t i = 1; i < live.size(); i++) {
-      if (live[i] && g.nodes[i].op == 'k') {
-        const graph &inner = R.all[(std::size_t)g.nodes[i].a.d];
-        for (int a : kernel.at(inner.kind).arguments) {
-          use(inner.arguments[(std::size_t)a]);
+      if (live[i] && is_call(g.nodes[i])) {
+        const graph &called = R.all[(std::size_t)g.nodes[i].a.d];
+        for (number a : arguments_of(called, live, &read)) {
+          uses[(std::size_t)node_of(a)] += called.loops ? 2 : 1; /* a loop evaluates nothing again */
         }
       } else if (live[i] && g.nodes[i].op != 'i') {
         use(g.nodes[i].a), use(g.nodes[i].b), use(g.nodes[i].c);
@@ -372,7 +432,19 @@ struct writer {
       }
     }
     zero = zero_without(g, given, quiet);
-    const order_of_items order(g, live, zero);
+    places.clear();
+    for (std::size_t i = 1; of_kernel && i < g.nodes.size(); i++) {
+      const auto at = of_kernel->results.find((int)i);
+      if (live[i] && at != of_kernel->results.end() && is_of_loop(g.nodes[i])) {
+        places[(int)i].push_back({"r", at->second});
+      }
+    }
+    spans_of = &g;
+    if (has_loops(g)) {
+      place_spans(*this);
+    }
+    const std::vector<unsigned> waits = has_loops(g) ? std::vector<unsigned>(zero.size(), 0u) : zero;
+    const order_of_items order(g, live, waits);
     mark_outlasting(order.items, of_results);
     int block = 0;
     for (const item &now : order.items) {
@@ -397,7 +469,9 @@ struct writer {
       }
     }
     for (const auto &r : results) {
-      line(r.first + " = " + alone(r.second) + ";");
+      if (r.first != of(r.second)) {
+        line(r.first + " = " + alone(r.second) + ";");
+      }
     }
   }
 };

@@ -13,7 +13,7 @@
 #include "derive.h"
 #include "replay.h"
 #include "tree_steps.h"
-#include "text.h"
+#include "loop_text.h"
 #include "trace.h"
 #include <cctype>
 
@@ -493,7 +493,7 @@ static void write_step(writer &w, const subject &s)
 }
 
 /* What cannot be traced; NULL: all can. */
-static const char *refusal(const trace_model *model)
+static const char *refusal(const trace_model *model, bool lines)
 {
   const fb_body *const body = (const fb_body *)model->body;
   const fb_system *const system = (const fb_system *)model->system;
@@ -502,7 +502,7 @@ static const char *refusal(const trace_model *model)
     return "the tracer was built with another configuration of the library; make it again";
   }
   for (int k = 0; k < model->n_body; k++) {
-    if (body[k].effects & FB_EFFECT_LARGE_DEFLECTION) {
+    if (body[k].effects & FB_EFFECT_LARGE_DEFLECTION && !lines) {
       return "effects large: loops over the points of lines are not written; choose effects up to full";
     }
   }
@@ -554,14 +554,14 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
     std::vector<std::string> names;
     const std::string name = f == 0 ? "rates" : "sense_" + s.sensor[(std::size_t)f - 1];
     s.set(near);
-    status = run(s, f, -1, results, &names, false);
+    status = run(s, f, -1, results, &names, FLAT);
     if (status != FB_OK) {
       return fail(text, name + ": " + refused_by(status));
     }
     if (R.conversions > 0) {
       return fail(text, name + ": the library rounds a number of this model to a whole one, which has no derivative");
     }
-    judge_guards(s, f, results, false);
+    judge_guards(s, f, results, FLAT);
     const int good = compare(s, f, results, false);
     if (good < 10) {
       return fail(text, name + (good < 0 ? ": what was traced differs from the library at another state"
@@ -587,7 +587,7 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
 #define TRACE_STEP trace_step
 extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
-  const char *const refused = trace::refusal(model);
+  const char *const refused = trace::refusal(model, false);
   std::unique_ptr<trace::subject> s;
   if (refused) {
     return trace::fail(text, refused);
@@ -606,7 +606,7 @@ extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_mo
 
 extern "C" int TRACE_STEP(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
-  const char *const refused = trace::refusal(model);
+  const char *const refused = trace::refusal(model, !choice->wide);
   return refused         ? trace::fail(text, refused)
          : model->system ? trace::write_tree_functions(out, choice, model, text)
                          : trace::write_body_functions(out, choice, *(const fb_body *)model->body, text);
