@@ -55,6 +55,9 @@
 #ifndef FB_APART /* what branches on values: a trace takes it as it stands */
 #define FB_APART(function, w) function(w)
 #endif
+#ifndef FB_LARGEST /* an iteration for d, the largest eigenvalue of A x = d B x: one operation in what a trace writes */
+#define FB_LARGEST(call, d, A, B, n) (call)
+#endif
 #ifndef FB_KERNEL /* a part of a step that is one function in what a trace writes */
 #define FB_KERNEL(call) (call)
 #endif
@@ -26594,7 +26597,7 @@ static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, co
   *largest = FB_R(0.0);
   if (n > 0) {
     fbi_copy(work->B, B, n * n);
-    status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, n);
+    status = FB_LARGEST(fb_eig_gen_solve(work->d, work->X, work->A, work->B, n), work->d + n - 1, work->A, work->B, n);
     *largest = fbi_larger(*largest, status == FB_OK ? work->d[n - 1] : FB_R(0.0));
   }
   return status;
@@ -26831,20 +26834,15 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_real M_rr[21])
     B[i] = body->S0[at];
   }
   if (rows > 0) {
-    status = fb_eig_gen_solve(d, X, A, B, rows);
+    status = FB_LARGEST(fb_eig_gen_solve(d, X, A, B, rows), d + rows - 1, A, B, rows);
     body->recoil = FB_SQRT(status == FB_OK ? d[rows - 1] : FB_R(1.0));
   }
   return status;
 }
 
-/* S_0^-1 over the free rows, if S_0 is not singular to round-off. */
+/* S_0^-1 over the free rows. */
 static fb_status fbi_S0_invert(fb_body *body)
 {
-  fb_real reference[6];
-  fbi_sym6_reference(reference, body->S0, FB_R(0.0), FB_R(0.0));
-  if (!fbi_sym6_stands_out(body->S0, fbi_first_free(body->base), reference, FBI_ROUNDING)) {
-    return FBI_REFUSE_INERTIA(body->S0, body->base);
-  }
   for (int j = 0; j < 6; j++) {
     fb_real unit[6] = {0};
     unit[j] = FB_R(1.0);
@@ -26855,16 +26853,21 @@ static fb_status fbi_S0_invert(fb_body *body)
   return FB_OK;
 }
 
-/* M^-1 and S_0^-1. */
+/* M^-1, and S_0^-1 if S_0 is not singular to round-off. */
 static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
 {
   const int n = body->n;
+  fb_real reference[6];
   for (int j = 0; j < n; j++) { /* work.L holds the factor of M */
     fbi_zero(work->d, n);
     work->d[j] = FB_R(1.0);
     fb_chol_solve(work->A + j * n, work->L, work->d, n);
   }
   fbi_sparse_fill(&body->Minv, work->A, n);
+  fbi_sym6_reference(reference, body->S0, FB_R(0.0), FB_R(0.0));
+  if (!fbi_sym6_stands_out(body->S0, fbi_first_free(body->base), reference, FBI_ROUNDING)) {
+    return FBI_REFUSE_INERTIA(body->S0, body->base);
+  }
   return fbi_S0_invert(body);
 }
 
@@ -27624,14 +27627,15 @@ static void fbi_masses_scale(fb_body *body, fb_real by)
   fbi_terms_scale(body->S, by, body->n_S);
   fbi_sparse_scale(&body->M, by, body->n);
   fbi_sparse_scale(&body->Minv, share, body->n);
-  body->unit_mass = fbi_is_unit(&body->M, body->n);
+  body->unit_mass = body->unit_mass && by == FB_R(1.0);
 }
 
 /* The hub at other factors than the rest of the body, by how much more than that: mass and first moment, M_rr and so S_0. */
-static void fbi_hub_add(fb_body *body, const fb_body_factors *by, fb_real mass, fb_real inertia)
+static void fbi_hub_add(fb_body *body, const fb_body_factors *by)
 {
   static const int packed[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
-  const fb_real *const r = by->center, m = mass * by->hub, square = fb_vec3_dot(r, r);
+  const fb_real *const r = by->center, m = (by->hub_mass - by->mass) * by->hub, square = fb_vec3_dot(r, r);
+  const fb_real inertia = by->hub_inertia - by->mass;
   fb_real S[21], c[3], J[9];
   for (int i = 0; i < 3; i++) {
     c[i] = m * r[i];
@@ -27713,7 +27717,6 @@ static fb_status fbi_limits_renew(fb_body *body, fb_body_work *work, const fb_re
 
 static fb_status fbi_factors_check(const fb_body *from, const fb_body_factors *by)
 {
-  const int masses = by->mass != FB_R(1.0) || by->hub_mass != FB_R(1.0) || by->hub_inertia != FB_R(1.0);
   const int hub = by->hub > FB_R(0.0) || !fbi_is_zero(by->inertia, 6);
   const fbi_number field[] = {FBI_NOT_NEGATIVE(&by->stiffness, 1, "stiffness, a factor"),
                               FBI_NOT_NEGATIVE(&by->damping, 1, "damping, a factor"),
@@ -27737,7 +27740,8 @@ static fb_status fbi_factors_check(const fb_body *from, const fb_body_factors *b
   if (by->hub > (FB_R(1.0) + FBI_ROUNDING) * from->mass) {
     return FBI_REFUSE(FB_ERR_VALUE, "hub [kg], the mass of the body at most", -1, by->hub, from->mass);
   }
-  if (masses && from->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS)) {
+  if (from->effects & (FB_EFFECT_LARGE_DEFLECTION | FB_EFFECT_ROTORS) &&
+      (by->mass != FB_R(1.0) || by->hub_mass != FB_R(1.0) || by->hub_inertia != FB_R(1.0))) {
     return FBI_REFUSE(FB_ERR_UNSUPPORTED, "factors of masses with large deflection or rotors, 1", -1, by->mass,
                       FB_R(1.0));
   }
@@ -27750,13 +27754,11 @@ static fb_status fbi_factors_check(const fb_body *from, const fb_body_factors *b
    Test: a_scaled_body_moves_as_the_one_described, frequencies_scale_by_the_root_of_stiffness_over_mass. */
 FB_DEF fb_status fb_body_scale(fb_body *body, fb_body_work *work, const fb_body *from, const fb_body_factors *by)
 {
-  fb_real M_rr[21], hub_mass, hub_inertia;
+  fb_real M_rr[21];
   fb_body *out;
   FBI_REQUIRE(body && work && from && by, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
   FBI_TRY(fbi_factors_check(from, by));
-  hub_mass = by->hub > FB_R(0.0) ? by->hub_mass - by->mass : FB_R(0.0);
-  hub_inertia = fbi_is_zero(by->inertia, 6) ? FB_R(0.0) : by->hub_inertia - by->mass;
   out = &work->body;
   *out = *from;
 
@@ -27770,15 +27772,13 @@ FB_DEF fb_status fb_body_scale(fb_body *body, fb_body_work *work, const fb_body 
     out->strain_weight[g] *= by->stiffness;
   }
 #endif
-  if (by->mass != FB_R(1.0)) {
-    fbi_masses_scale(out, by->mass);
-  }
+  fbi_masses_scale(out, by->mass);
   fbi_limits_scale(out, by->stiffness, by->damping, by->mass);
 
-  /* The hub */
-  if (hub_mass != FB_R(0.0) || hub_inertia != FB_R(0.0)) {
+  /* The hub, where there is one that may differ from the rest */
+  if (by->hub > FB_R(0.0) || !fbi_is_zero(by->inertia, 6)) {
     FBI_TRY(fbi_masses_read(M_rr, work->Lambda, out) ? FBI_REFUSE_INERTIA(out->S0, out->base) : FB_OK);
-    fbi_hub_add(out, by, hub_mass, hub_inertia);
+    fbi_hub_add(out, by);
     FBI_TRY(fbi_S0_invert(out));
     FBI_TRY(fbi_masses_read(M_rr, work->L, out) ? FBI_REFUSE_INERTIA(out->S0, out->base) : FB_OK);
     FBI_TRY(fbi_limits_renew(out, work, work->Lambda, work->L));

@@ -180,7 +180,8 @@ TEST(factors_that_there_cannot_be_are_refused)
                                FB_R(1.0), FB_R(0.0), {FB_R(0.0)}, {FB_R(0.0)}};
   fb_body_work *const room = &work.scratch.body;
   fb_body_factors by = one;
-  scaled(&other, &one, 0);
+  described(&one, 0);
+  FBT_INT_EQ(fb_body_scale(&other, room, &body, &one), FB_OK);
   FBT_TRUE(fb_body_crc(&other) == fb_body_crc(&body));
   before = other;
   by.stiffness = FB_R(0.0);

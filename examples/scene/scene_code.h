@@ -226,8 +226,14 @@ static const char *scene_code_node_name(int body, int node)
 /* The step by a trace; 1, or 0 with why not in text. */
 static int scene_code_trace(FILE *out, const tree_choice *choice, const char *const *names, char text[400])
 {
-  const trace_choice what = {choice->name,         scene_code_of->path, choice->single,   0, choice->loads, NULL, names,
-                             scene_code_node_name, choice->pulls,       choice->implicit, 0};
+  const trace_choice what = {.name = choice->name,
+                             .file = scene_code_of->path,
+                             .single = choice->single,
+                             .loads = choice->loads,
+                             .body = names,
+                             .node_name = scene_code_node_name,
+                             .pulls = choice->pulls,
+                             .implicit = choice->implicit};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
@@ -241,8 +247,14 @@ static int scene_code_trace(FILE *out, const tree_choice *choice, const char *co
 static int scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
                              const char *const *names, char text[400])
 {
-  const trace_choice what = {choice->name, scene_code_of->path,  choice->single, 0, choice->loads, sensors,
-                             names,        scene_code_node_name, choice->pulls,  0};
+  const trace_choice what = {.name = choice->name,
+                             .file = scene_code_of->path,
+                             .single = choice->single,
+                             .loads = choice->loads,
+                             .sensors = sensors,
+                             .body = names,
+                             .node_name = scene_code_node_name,
+                             .pulls = choice->pulls};
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};

@@ -2045,6 +2045,13 @@ static void code_write_types(const code *w)
   code_template(w, "} @_input;\n\n");
 }
 
+/* And, where parameters vary, the model. */
+static void code_write_all_types(const code *w)
+{
+  code_write_types(w);
+  code_write_model_type(w);
+}
+
 /* Comment and declarations. */
 static void code_write_head(const code *w, const fb_body *body, const char *source, int lanes,
                             void (*coordinate)(FILE *, int))
@@ -2078,7 +2085,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
   code_write_types(w);
   if (w->vary) {
     code_write_parameters(w);
-    code_template(w, code_vary_types);
+    code_write_model_type(w);
     code_template(w, code_vary_declaration);
   }
   code_template(w, code_declarations);
@@ -2096,8 +2103,7 @@ static void code_write_head(const code *w, const fb_body *body, const char *sour
     code lane = *w;
     lane.lanes = CODE_LANES;
     code_lanes_template(w, code_lanes_width);
-    code_write_types(&lane);
-    code_template(&lane, w->vary ? code_vary_types : "");
+    code_write_all_types(&lane);
     code_lanes_template(w, code_lanes_declarations);
   }
   fputs("#ifdef __cplusplus\n}\n#endif\n#endif\n", w->out);
@@ -2192,8 +2198,7 @@ static int code_write_lanes(const code *w)
 {
   const code wide = code_lanes_begin(w);
   int good;
-  code_write_types(&wide);
-  code_template(&wide, w->vary ? code_vary_types : "");
+  code_write_all_types(&wide);
   good = code_write_functions(&wide);
   code_write_stages(&wide);
   code_lanes_end(w);
@@ -2215,7 +2220,8 @@ static code code_write_start(FILE *out, const fb_body *body, const code_choice *
                   body->n_rotor,
                   0,
                   code_is_central(body),
-                  choice->traced};
+                  choice->traced,
+                  choice->places};
   code_read(body, choice->hub[0]);
   code_loads_choose(choice->loads);
   code_write_head(&w, body, source, choice->lanes, coordinate);
@@ -2265,8 +2271,8 @@ static inline const char *code_refusal(const fb_body *body)
 }
 
 /* Is a step written by the tracer, as this program does not? */
-static inline int code_is_traced(const fb_body *body, const code_choice *choice)
+static inline int code_is_traced(const fb_body *body)
 {
-  return code_refusal(body) && !(body->effects & FB_EFFECT_LARGE_DEFLECTION) && !choice->vary;
+  return code_refusal(body) && !(body->effects & FB_EFFECT_LARGE_DEFLECTION);
 }
 #endif

@@ -80,6 +80,8 @@ static const char code_lanes_angles[] =
 
 /* What a trace may use beside. */
 static const char code_lanes_traced[] =
+    "/* Where numbers of a model are, which is not aligned as vectors are. */\n"
+    "typedef struct {\n  @_wide v;\n} __attribute__((packed, aligned(sizeof(%s)), may_alias)) @_wide_loose;\n\n"
     "#define @_wide_exp(x) (*@_wide_power((@_wide[1]){x}))\n"
     "#define @_wide_trunc(x) (*@_wide_whole((@_wide[1]){x}))\n\n"
     "static inline @_wide *@_wide_power(@_wide *x)\n{\n"
@@ -186,7 +188,8 @@ static void code_lanes_template(const code *w, const char *text)
       for (size_t k = 0; k < sizeof varied / sizeof *varied; k++) {
         own = varied[k].letter == *c ? (w->vary ? varied[k].text : "") : own;
       }
-      if (w->vary & CODE_TABLE && (*c == 'B' || *c == 'C')) { /* a table is not copied: it is aligned */
+      if ((w->vary & CODE_TABLE || w->traced) && w->vary &&
+          (*c == 'B' || *c == 'C')) { /* a table is not copied: it is aligned */
         own = *c == 'B' ? "(const @_wide_model *)(const void *)model, " : "";
       }
     }

@@ -36,6 +36,7 @@ typedef struct code {
   int ends;   /* 1: a step is told what acts at its start and end, 0: at its middle, too */
   int central; /* 1: gravity of a center acts on the one body */
   int traced;  /* 1: its functions are written by ../tools/trace */
+  int places;  /* numbers of the model that vary, where a trace writes */
 } code;
 
 enum { CODE_LANES = 1, CODE_WIDE = 2 };

@@ -3080,8 +3080,8 @@ static int tree_write_alone(const code *w)
 static code tree_write_begin(FILE *out, const fb_system *system, const fb_body *body, const char *const *names,
                              const tree_choice *choice, const char *source, unsigned crc)
 {
-  const code w = {out, choice->name,  choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit,
-                  0,   choice->traced};
+  const code w = {out, choice->name,   choice->single, 0, 0, 2, choice->table ? CODE_TABLE : 0, 0, 0, choice->implicit,
+                  0,   choice->traced, choice->table};
   code_numbers.n = 0;
   tree_read(system, body, names, choice);
   tree.places = choice->table;

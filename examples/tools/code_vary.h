@@ -11,7 +11,7 @@
 
 typedef struct code_choice { /* what is to be written */
   const char *name;
-  int single, vary, lanes, traced;
+  int single, vary, lanes, traced, places;
   unsigned loads;    /* bits of the nodes that have a load */
   double hub[2][21]; /* M_rr of the hub: by its mass, by its inertia */
 } code_choice;
@@ -99,6 +99,21 @@ static const char code_vary_types[] =
     "  $ body, inverse, arm;         /* [kg] mass, [1/kg] its inverse, [m] distance of the mass center from O */\n"
     "  $ most_stiffness, most_damping, stiffening; /* factors of the bounds of the step limit */\n"
     "} @_model;\n\n";
+
+/* By a trace; lanes of it are not aligned as vectors are. */
+static void code_write_model_type(const code *w)
+{
+  char real[CODE_PREFIX + 16];
+  snprintf(real, sizeof real, "%s%s", code_real(w), w->lanes == CODE_WIDE ? "_loose" : "");
+  if (w->vary && !w->traced) {
+    code_template(w, code_vary_types);
+  } else if (w->vary) {
+    code_template(w, "typedef struct @_model { /* what parameters make of the description */\n");
+    fprintf(w->out, "  %s mass; /* their factor of the mass */\n", real);
+    fprintf(w->out, "  %s k[%d]; /* its numbers that they change */\n", real, w->places);
+    code_template(w, "} @_model;\n\n");
+  }
+}
 
 static const char code_vary_declaration[] =
     "/* NULL: as described. @_value: a factor is not 1e-6 to 1e6 (damping: 0 to 1e6), or less of the hub than there "
@@ -323,19 +338,9 @@ static int code_write_bounds(const code *w)
   return 1;
 }
 
-/* The model of parameters. */
-static int code_write_vary(const code *w)
+/* The model of parameters, up to what is made of them. */
+static void code_write_vary_start(const code *w)
 {
-  static double F[FB_MAX_MODES][FB_MAX_MODES];
-  const int bounds = w->vary & CODE_HUB && w->n > 0 && code_model.first < 6 && !code_model.body->allow_long_step;
-  const double hub[2] = {code_model.hub[0][0], 0.0};
-  int good = 1;
-  code_sum s;
-  if (bounds) {
-    good = code_vary_inertia(F);
-    code_template(w, code_vary_largest);
-    code_write_mobility(w);
-  }
   code_template(w, code_vary_init);
   for (int k = 0; k < CODE_PARAMETERS; k++) {
     if (w->vary & 1 << k) {
@@ -352,6 +357,31 @@ static int code_write_vary(const code *w)
       code_template(w, " <= `1e6`)) {\n    return @_value;\n  }\n");
     }
   }
+}
+
+/* The same, where a trace writes what is made of them. */
+static const char code_vary_traced[] =
+    "\n/* What a trace makes of factors. */\n"
+    "static @_status @_numbers(@_model *model, $ stiffness, $ damping, $ mass, $ hub_mass, $ hub_inertia);\n";
+
+static const char code_vary_traced_end[] =
+    "  if (@_numbers(model, stiffness, damping, mass, hub_mass, hub_inertia) != @_ok) {\n    return @_value;\n  }\n"
+    "  model->mass = mass;\n  return @_ok;\n}\n";
+
+/* The model of parameters. */
+static int code_write_vary(const code *w)
+{
+  static double F[FB_MAX_MODES][FB_MAX_MODES];
+  const int bounds = w->vary & CODE_HUB && w->n > 0 && code_model.first < 6 && !code_model.body->allow_long_step;
+  const double hub[2] = {code_model.hub[0][0], 0.0};
+  int good = 1;
+  code_sum s;
+  if (bounds) {
+    good = code_vary_inertia(F);
+    code_template(w, code_vary_largest);
+    code_write_mobility(w);
+  }
+  code_write_vary_start(w);
   code_template(w, code_vary_factors);
   code_begin(&s);
   code_vary_add(&s, (double)code_model.body->mass - hub[0], hub);

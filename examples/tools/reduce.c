@@ -207,13 +207,29 @@ static int is_refused(const char *file, const code_choice *choice, int steps)
 /* Writes the step by a trace; 0, or 1: it has been said why not. */
 static int write_traced(FILE *out, const options *o, const char *file)
 {
-  const trace_choice choice = {o->choice.name, file, o->choice.single, 0, &o->choice.loads, NULL, NULL, NULL, NULL, 0};
+  const double *const c = model.hub_center, *const J = model.hub_inertia;
+  const double hub[10] = {model.hub_mass, c[0], c[1], c[2], J[0], J[1], J[2], J[3], J[4], J[5]};
+  const trace_choice choice = {.name = o->choice.name,
+                               .file = file,
+                               .single = o->choice.single,
+                               .vary = o->choice.vary,
+                               .loads = &o->choice.loads,
+                               .hub = model.hub && o->choice.vary & CODE_HUB ? hub : NULL};
   const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
-  const code w = code_write_start(out, &model_body, &o->choice, file, print_coordinate);
+  code_choice own = o->choice;
   char text[400];
   int bad;
-  code_template(&w, code_start);
-  bad = code_write_traced(&w, choice, &of, o->choice.lanes, code_write_types, text);
+  own.places = !own.vary ? 0 : own.single ? trace_places_single(&choice, &of) : trace_places(&choice, &of);
+  {
+    const code w = code_write_start(out, &model_body, &own, file, print_coordinate);
+    code_template(&w, code_start);
+    if (own.vary) {
+      code_template(&w, code_vary_traced);
+      code_write_vary_start(&w);
+      code_template(&w, code_vary_traced_end);
+    }
+    bad = code_write_traced(&w, choice, &of, own.lanes, code_write_all_types, text);
+  }
   if (bad) {
     fprintf(stderr, "reduce: %s: --code: %s\n", file, text);
   }
@@ -229,8 +245,13 @@ static const char *node_name(int body, int node)
 /* Writes the rates with their Jacobian; 0, or 1: it has been said why not. */
 static int write_jacobian(FILE *out, const options *o, const char *file, unsigned sensors)
 {
-  const trace_choice choice = {o->choice.name, file, o->choice.single, o->choice.vary, &o->choice.loads,
-                               &sensors,       NULL, node_name,        NULL,           0};
+  const trace_choice choice = {.name = o->choice.name,
+                               .file = file,
+                               .single = o->choice.single,
+                               .vary = o->choice.vary,
+                               .loads = &o->choice.loads,
+                               .sensors = &sensors,
+                               .node_name = node_name};
   const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
   char text[400];
   if (trace_write(out, &choice, &of, text) == 0) {
@@ -247,7 +268,7 @@ int reduce_main(int argc, char **argv)
   const int traced = take_flag(&argc, argv, "--traced"); /* for the checks, which compare both ways of writing a step */
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, 0, {{0}}}};
+  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, 0, 0, {{0}}}};
   unsigned sensors = 0;
   FILE *out = stdout;
   fb_status status;
@@ -291,7 +312,7 @@ int reduce_main(int argc, char **argv)
     return 1;
   }
   summarize(file, steps);
-  o.choice.traced |= code_is_traced(&model_body, &o.choice);
+  o.choice.traced |= code_is_traced(&model_body);
   if (!read_nodes(&o.choice.loads, "--loads", o.loads, 0) || !read_nodes(&sensors, "--sensors", o.sensors, 1)) {
     return 2;
   }

@@ -1106,8 +1106,13 @@ static void write_member(int is, const char *word, int k, const char *rest)
 static int write_traced(const tree_choice *choice, const char *const *names)
 {
   static fb_system_state start_;
-  const trace_choice what = {choice->name, "a random tree", choice->single,   0, choice->loads, NULL, names,
-                             NULL,         pulls,           choice->implicit, 0};
+  const trace_choice what = {.name = choice->name,
+                             .file = "a random tree",
+                             .single = choice->single,
+                             .loads = choice->loads,
+                             .body = names,
+                             .pulls = pulls,
+                             .implicit = choice->implicit};
   const trace_model of = {model, &mechanism, &start_, sizeof model[0], sizeof mechanism, sizeof start_, MODELS};
   char text[400];
   int bad;

@@ -2,7 +2,7 @@
    are those of code.h, which writes the declarations; the library's own functions, traced, are what stands in them. */
 #ifndef TRACE_BODY_STEPS_H
 #define TRACE_BODY_STEPS_H
-#include "steps.h"
+#include "places.h"
 
 namespace trace
 {
@@ -10,7 +10,8 @@ namespace trace
 /* One function of what is written: its arguments are inputs, of which the library makes results. */
 struct body_function : subject {
   enum kind { STEP, RATES, MOTION, ENERGY, NODE };
-  const fb_body body;
+  fb_body body;
+  scaling *const vary; /* what of the body varies; NULL: nothing */
   const kind is;
   const int node;
   fb_state now, next;
@@ -21,10 +22,15 @@ struct body_function : subject {
   fb_rk4_work work;
   number dt = 0.0;
 
-  body_function(const trace_choice *choice, const fb_body &of, kind which, int at) : body(of), is(which), node(at)
+  body_function(const trace_choice *choice, const fb_body &of, scaling *by, kind which, int at)
+      : body(by ? by->body : of), vary(by), is(which), node(at)
   {
     static const char *const when[3] = {"start->", "middle->", "end->"};
     reads = is >= MOTION;
+    if (vary) {
+      vary->table.bind(*this, &body);
+      vary->give(*this);
+    }
     fb_state_init(&body, &now);
     std::memset(&acts, 0, sizeof acts);
     std::memset(&motion, 0, sizeof motion);
@@ -142,6 +148,7 @@ struct body_function : subject {
   {
     const int n = body.n;
     fb_real v[3], w[3], q_dot[FB_MAX_MODES] = {};
+    FBI_TRY(vary ? vary->give(*this) : FB_OK);
     FBI_TRY(fb_state_init(&body, &now));
     for (const entry &e : input) {
       *e.at = size * random();
@@ -194,25 +201,37 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
 {
   file_of_functions file(out, choice);
   const std::string none = no_input, null = refused_null, in = one_input, state = refused_state;
+  std::unique_ptr<scaling> vary(choice->vary ? new scaling(choice, body) : nullptr);
   const struct {
     body_function::kind is;
     std::string head, before;
   } functions[] = {
       {body_function::STEP, std::string("@_status @_step") + step_arguments,
        none + "  if (!state" + null + step_inputs},
-      {body_function::RATES, "@_status @_rates_eval(@_state *rate, const @_state *state, const @_input *in)",
+      {body_function::RATES, "@_status @_rates_eval(%@_state *rate, const @_state *state, const @_input *in)",
        none + "  if (!rate || !state" + null + in + state},
-      {body_function::MOTION, "@_status @_motion_eval(@_motion *motion, const @_state *state, const @_input *in)",
+      {body_function::MOTION, "@_status @_motion_eval(%@_motion *motion, const @_state *state, const @_input *in)",
        none + "  if (!motion || !state" + null + in + state},
-      {body_function::ENERGY, "@_status @_energy_eval(@_energy *energy, const @_state *state)",
+      {body_function::ENERGY, "@_status @_energy_eval(%@_energy *energy, const @_state *state)",
        "  if (!energy || !state" + null + state}};
   if (choice->wide) {
-    std::unique_ptr<body_function> s(new body_function(choice, body, body_function::STEP, 0));
+    std::unique_ptr<body_function> s(new body_function(choice, body, vary.get(), body_function::STEP, 0));
     const std::string why = file.write_wide(*s);
     return why.empty() ? 0 : fail(text, why);
   }
+  if (vary) {
+    const std::string why = file.add_scaling(*vary);
+    if (!why.empty()) {
+      return fail(text, why);
+    }
+    if (choice->hub && body.n > 0) {
+      std::string largest = filled(choice, largest_text);
+      largest.replace(largest.find('~'), 1, std::to_string(body.n));
+      std::fputs(largest.c_str(), out);
+    }
+  }
   for (const auto &f : functions) {
-    std::unique_ptr<body_function> s(new body_function(choice, body, f.is, 0));
+    std::unique_ptr<body_function> s(new body_function(choice, body, vary.get(), f.is, 0));
     const bool is = f.is != body_function::ENERGY || body.base != FB_BASE_PRESCRIBED;
     const std::string why = is ? file.add(*s, f.head, f.before, "") : "";
     if (!why.empty()) {
@@ -221,22 +240,22 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
   }
   std::string cases;
   for (int k = 0; k < body.n_node; k++) {
-    std::unique_ptr<body_function> s(new body_function(choice, body, body_function::NODE, k));
+    std::unique_ptr<body_function> s(new body_function(choice, body, vary.get(), body_function::NODE, k));
     const std::string name = "@_node_" + std::to_string(k);
     const std::string why =
-        file.add(*s, "static @_status " + name + "(@_node *out, const @_state *state, const @_motion *motion)", "",
+        file.add(*s, "static @_status " + name + "(%@_node *out, const @_state *state, const @_motion *motion)", "",
                  "  (void)motion;\n");
     if (!why.empty()) {
       return fail(text, why);
     }
-    cases += "  case " + std::to_string(k) + ":\n    return " + name + "(out, state, motion);\n";
+    cases += "  case " + std::to_string(k) + ":\n    return " + name + "(^out, state, motion);\n";
   }
   const std::string unwritten = file.write();
   if (!unwritten.empty()) {
     return fail(text, unwritten);
   }
   std::fputs(
-      filled(choice, "@_status @_node_eval(@_node *out, const @_state *state, const @_motion *motion, int node)\n"
+      filled(choice, "@_status @_node_eval(%@_node *out, const @_state *state, const @_motion *motion, int node)\n"
                      "{\n  if (!out || !state || !motion" +
                          null + state + "  switch (node) {\n" + cases + "  default:\n    return @_value;\n  }\n}\n")
           .c_str(),

@@ -205,7 +205,15 @@ struct factoring {
   number rewritten(int i) const
   {
     const node &n = old.nodes[(std::size_t)i];
-    if (std::strchr("ikr", n.op)) {
+    if (n.op == 'm') {
+      return of_model((int)n.a.d, n.value);
+    }
+    if (n.op == 'v') {
+      for (number &a : R.all[(std::size_t)at].lists[(std::size_t)n.a.d]) {
+        a = known(a);
+      }
+    }
+    if (std::strchr("ikrv", n.op)) {
       const number a = n.op == 'r' ? known(n.a) : n.a;
       return push(at, {n.op, a, n.b, n.c, n.value});
     }
@@ -305,8 +313,10 @@ struct factoring {
         for (std::size_t a = 0; a < inner.arguments.size(); a++) {
           use(is_read(inner, a) ? inner.arguments[a] : number(0.0));
         }
-      } else if (live[i] && n.op != 'i') {
-        use(n.a), use(n.b), use(n.c);
+      } else if (live[i]) {
+        for (number a : operands(old, n)) {
+          use(a);
+        }
         quotients[(std::size_t)(n.op == '/' ? node_of(n.b) : 0)]++;
       }
     }

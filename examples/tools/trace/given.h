@@ -139,8 +139,9 @@ struct order_of_items {
       for (number a : R.all[(std::size_t)n.a.d].arguments) {
         need(a);
       }
-    } else if (n.op != 'i' && n.op != 'r') {
-      need(n.a), need(n.b), need(n.c);
+    }
+    for (number a : operands(g, n)) {
+      need(a);
     }
   }
 

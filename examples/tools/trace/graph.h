@@ -82,6 +82,7 @@ struct standing {
 struct graph {
   std::vector<node> nodes{1}; /* [0] is none */
   std::vector<guard> guards;
+  std::vector<std::vector<number>> lists; /* operands of nodes that have many */
   std::unordered_map<content, int, content_hash> known, asked;
   int n_input = 0;
 
@@ -234,6 +235,19 @@ static number input(double x)
   return push(R.now, {'i', index, 0, 0, x});
 }
 
+/* A number of the model: no argument, known everywhere. */
+static number of_model(int index, double x)
+{
+  const content key('m', bits(index), 0, 0);
+  const auto found = here().known.find(key);
+  if (found != here().known.end()) {
+    return number_of(R.now, found->second);
+  }
+  const number made = push(R.now, {'m', index, 0, 0, x});
+  here().known[key] = node_of(made);
+  return made;
+}
+
 /* A number of the kernel's parent as its argument. */
 static number capture(number a, int kernel)
 {
@@ -360,6 +374,9 @@ static number local(number a)
   if (!node_of(a)) {
     return number((double)(real)a.d);
   }
+  if (node_at(a).op == 'm') {
+    return of_model((int)node_at(a).a.d, node_at(a).value);
+  }
   while (graph_of(a) != R.now) {
     const int from = graph_of(a);
     if (!R.all[(std::size_t)from].open) {
@@ -418,6 +435,11 @@ static std::uint64_t kind_of(const graph &g)
 {
   auto own = [](number a) { return node_of(a) ? (std::uint64_t)node_of(a) | number_tag : bits(a); };
   std::uint64_t sum = 1;
+  for (const std::vector<number> &list : g.lists) {
+    for (number a : list) {
+      sum = mixed(sum, own(a));
+    }
+  }
   for (const node &n : g.nodes) {
     sum = mixed(sum, (std::uint64_t)n.op);
     sum = mixed(sum, is_call(n) ? R.all[(std::size_t)n.a.d].kind : own(n.a));
@@ -525,6 +547,45 @@ template <class function> auto before_loop(function f) -> decltype(f())
   const auto made = f();
   R.now = inner;
   return made;
+}
+
+/* What a node is made of, of its own graph: but for calls of kernels. */
+static std::vector<number> operands(const graph &g, const node &n)
+{
+  return n.op == 'v'                 ? g.lists[(std::size_t)n.a.d]
+         : n.op == 'i' || is_call(n) ? std::vector<number>()
+                                     : std::vector<number>{n.a, n.b, n.c};
+}
+
+bool set_aside(const number *A, const number *B, int n)
+{
+  bool any = false;
+  for (int i = 0; i < n * n; i++) {
+    any = any || node_of(A[i]) || node_of(B[i]);
+  }
+  R.on = R.on && !any;
+  return any;
+}
+
+number take_up(const number *A, const number *B, int n, number largest)
+{
+  std::vector<number> list;
+  R.on = true;
+  for (const number *of : {A, B}) {
+    for (int i = 0; i < n * n; i++) {
+      list.push_back(local(of[i]));
+    }
+  }
+  here().lists.push_back(list);
+  return push(R.now, {'v', (double)here().lists.size() - 1.0, 0, 0, value(largest)});
+}
+
+/* As the library finds it. */
+static double largest_of(std::vector<double> list)
+{
+  const int n = (int)(std::sqrt(0.5 * (double)list.size()) + 0.5);
+  std::vector<number> A(list.begin(), list.begin() + n * n), B(list.begin() + n * n, list.end()), X(A), d(A);
+  return fb_eig_gen_solve(&d[0], &X[0], &A[0], &B[0], n) == FB_OK ? (double)d[(std::size_t)n - 1] : 0.0;
 }
 
 static bool is(number a, double x)
@@ -667,6 +728,11 @@ static void contents_of(std::vector<std::vector<std::uint64_t>> &all, const reco
     } else if (n.op == 'r') {
       const int from = (int)g.nodes[(std::size_t)node_of(n.a)].a.d;
       own[i] = all[(std::size_t)from][(std::size_t)place_of(r.all[(std::size_t)from], (int)n.c.d, (int)n.b.d)];
+    } else if (n.op == 'v') {
+      own[i] = 'v';
+      for (number a : operands(g, n)) {
+        own[i] = mixed(own[i], of(a));
+      }
     } else if (n.op == 'i' && g.trips > 0) {
       bool before;
       const number a = argument(g, (int)n.a.d, trip, &before);
@@ -712,6 +778,9 @@ static std::vector<std::uint64_t> gist(const recording &r, const std::vector<num
 }
 
 static void rows_values(std::vector<double> &out, const std::vector<int> &kind, const std::vector<double> &in);
+
+/* The numbers of the model, at which graphs are evaluated. */
+static std::vector<double> model_now;
 
 /* The values of all nodes of a graph at other inputs; returns the status of the first guard that does not hold, 0: all
    do. */
@@ -759,6 +828,14 @@ static int values_at(std::vector<std::vector<double>> &all, int graph_at, const 
     } else if (n.op == 'r') {
       const int from = (int)g.nodes[(std::size_t)node_of(n.a)].a.d;
       v[i] = all[(std::size_t)from][(std::size_t)place_of(R.all[(std::size_t)from], (int)n.c.d, (int)n.b.d)];
+    } else if (n.op == 'm') {
+      v[i] = model_now[(std::size_t)n.a.d];
+    } else if (n.op == 'v') {
+      std::vector<double> list;
+      for (number a : operands(g, n)) {
+        list.push_back(at(a));
+      }
+      v[i] = largest_of(list);
     } else {
       v[i] = n.op == 'i' ? (double)(real)inputs[(std::size_t)n.a.d] : evaluate(n.op, at(n.a), at(n.b), at(n.c));
     }
@@ -869,8 +946,10 @@ static std::vector<char> needed(const graph &g, const std::vector<number> &resul
       for (number a : arguments_of(R.all[(std::size_t)n.a.d], live, read)) {
         mark(a);
       }
-    } else if (live[i] && n.op != 'i' && !is_call(n)) {
-      mark(n.a), mark(n.b), mark(n.c);
+    } else if (live[i] && !is_call(n)) {
+      for (number a : operands(g, n)) {
+        mark(a);
+      }
     }
   }
   return live;

@@ -58,8 +58,9 @@ static bool is_closed(const loop &l, const graph &g, const std::vector<char> &li
       for (number a : called_by(g, (int)i).arguments) {
         look(a);
       }
-    } else if (!is_call(n) && n.op != 'r' && n.op != 'i') {
-      look(n.a), look(n.b), look(n.c);
+    }
+    for (number a : operands(g, n)) {
+      look(a);
     }
   }
   for (const guard &c : g.guards) {

@@ -14,6 +14,8 @@
 namespace trace
 {
 
+enum { FB_TRACE_MOST = FB_MAX_MODES > 6 ? FB_MAX_MODES *FB_MAX_MODES : 36 };
+
 struct number {
   double d;
   number() = default;
@@ -82,12 +84,16 @@ inline number number_of(int graph, int node)
 
 /* What operations are called in the graph: + - * / as they are, n -a, q sqrt, s sin, c cos, t atan2, f fabs, e exp,
    z towards zero, < 1 where a < b, else 0; ? b where a is not zero, else c; i input a; k the call of kernel a, l of loop a,
-   r result b of call a, of a loop in iteration c, o result a of what is not traced (apart.h). */
+   r result b of call a, of a loop in iteration c, o result a of what is not traced (apart.h); m number a of the
+   model, the same in all kernels; v largest eigenvalue of the two matrices of list a. */
 number apply(char op, number a, number b = number(0));
 number select(char relation, number a, number b, number yes, number no); /* yes where a < b, else no: no branch */
 bool ask(char relation, number a, number b);                             /* a branch: <, l for <=, = */
 bool is_recording();
 void apart(void *work); /* fbi_rows_apart */
+bool set_aside(const number *A, const number *B,
+               int n); /* does one depend on inputs? Then nothing is recorded until.. */
+number take_up(const number *A, const number *B, int n, number largest); /* ..here, the result as one operation */
 void kernel_begin(const char *call);
 void kernel_end();
 void carry_numbers(number *at, std::size_t n);
@@ -149,6 +155,24 @@ public:
     return more;
   }
 };
+
+/* An iteration that is not followed: d is one operation of A and B, n x n, which it may overwrite. */
+template <class function> auto largest(number *d, number *A, number *B, int n, function f) -> decltype(f())
+{
+  number before[2][FB_TRACE_MOST];
+  if (!set_aside(A, B, n)) {
+    return f();
+  }
+  for (int i = 0; i < n * n; i++) {
+    before[0][i] = A[i];
+    before[1][i] = B[i];
+    A[i] = number((double)A[i]);
+    B[i] = number((double)B[i]);
+  }
+  const auto status = f();
+  *d = take_up(before[0], before[1], n, *d);
+  return status;
+}
 
 inline number operator+(number a, number b)
 {
@@ -229,6 +253,7 @@ inline bool operator!=(number a, number b)
 #define FB_SHORTCUT(applies) (!trace::is_recording() && (applies))
 #define FB_APART(function, work) trace::apart(work)
 #define FB_CARRY(memory, n) trace::carry(memory, n)
+#define FB_LARGEST(call, d, A, B, n) trace::largest(d, A, B, n, [&] { return call; })
 #define FB_KERNEL(call) trace::kernel(#call, [&] { return call; })
 #define TRACE_LOOP(pairs, first, more, next)              \
   for (trace::marked_loop marked(pairs); marked.enter();) \

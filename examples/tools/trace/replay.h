@@ -15,6 +15,7 @@ struct entry {
 /* A model with its state and input, as a list of numbers each. Functions of it: 0 the rates, then one for each sensor. */
 struct subject {
   std::vector<entry> state, input;
+  std::vector<std::vector<number *>> model; /* its numbers that vary, each wherever it stands */
   std::vector<std::string> sensor;
   std::vector<int> quaternion;                       /* where in the state one begins */
   std::vector<std::pair<int, const fb_body *>> bent; /* where in the state q of a body begins */
@@ -73,6 +74,12 @@ struct subject {
         *e.at = v[i++];
       }
     }
+    for (const auto &list : model) {
+      for (number *at : list) {
+        *at = v[i];
+      }
+      i++;
+    }
   }
 
   std::vector<double> values() const
@@ -82,6 +89,9 @@ struct subject {
       for (const entry &e : *list) {
         v.push_back((double)*e.at);
       }
+    }
+    for (const auto &list : model) {
+      v.push_back((double)*list[0]);
     }
     return v;
   }
@@ -132,6 +142,11 @@ static fb_status run(subject &s, int f, int turned, std::vector<number> &results
     for (entry &e : *list) {
       *e.at = with == PLAIN ? number(before[i]) : input(before[i]);
       i++;
+    }
+  }
+  for (std::size_t k = 0; k < s.model.size(); k++) {
+    for (number *at : s.model[k]) {
+      *at = of_model((int)k, before[i + k]);
     }
   }
   const fb_status status = s.eval(f, found);
@@ -201,6 +216,10 @@ static int compare(subject &s, int f, const std::vector<number> &results, bool s
     }
     const std::vector<double> inputs = s.values();
     const fb_status status = s.eval(f, found);
+    model_now.clear();
+    for (std::size_t i = inputs.size() - s.model.size(); i < inputs.size(); i++) {
+      model_now.push_back((double)(real)inputs[i]);
+    }
     const int own = values_at(v, 0, inputs);
     if (own == BRANCH && strict && status == FB_OK) {
       return -2;

@@ -106,13 +106,26 @@ static std::string trace_function(traced &t, subject &s, const std::string &name
   return "";
 }
 
-/* With the name of the model for @, its type of numbers for $ and their suffix for '. */
+/* Have functions a model of numbers as their first argument? */
+static bool varies(const trace_choice *choice)
+{
+  return choice->vary != 0;
+}
+
+/* With the name of the model for @, its type of numbers for $ and their suffix for '; where numbers of it vary, % is the
+   first argument, ^ what is given for it, # that it is missing. */
 static std::string filled(const trace_choice *choice, const std::string &text)
 {
   std::string s;
   for (char c : text) {
-    s += c == '@'    ? std::string(choice->name)
-         : c == '$'  ? std::string(choice->single ? "float" : "double")
+    s += c == '@'   ? std::string(choice->name)
+         : c == '$' ? std::string(choice->single ? "float" : "double")
+         : c == '%' ? std::string(!varies(choice) ? "" : "const ") + (!varies(choice) ? "" : choice->name) +
+                          (!varies(choice) ? ""
+                           : choice->wide  ? "_wide_model *model, "
+                                           : "_model *model, ")
+         : c == '^'  ? std::string(varies(choice) ? "model, " : "")
+         : c == '#'  ? std::string(varies(choice) ? " || !model" : "")
          : c == '\'' ? std::string(choice->single ? "f" : "")
                      : std::string(1, c);
   }
@@ -120,10 +133,10 @@ static std::string filled(const trace_choice *choice, const std::string &text)
 }
 
 /* What is checked and set before the functions' own text. */
-static const char refused_null[] = ") {\n    return @_null;\n  }\n",
+static const char refused_null[] = "#) {\n    return @_null;\n  }\n",
                   no_input[] = "  static @_input none; /* all zero */\n",
                   step_arguments[] =
-                      "(@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)",
+                      "(%@_state *state, const @_input *start, const @_input *middle, const @_input *end, $ dt)",
                   step_inputs[] = "  start = start ? start : &none;\n  middle = middle ? middle : &none;\n"
                                   "  end = end ? end : &none;\n  (void)start, (void)middle, (void)end;\n",
                   sdirk_arguments[] = "(@_state *state, const @_input *start, const @_input *end, $ dt)",
@@ -131,7 +144,7 @@ static const char refused_null[] = ") {\n    return @_null;\n  }\n",
                                    "  start = start ? start : &none;\n  end = end ? end : &none;\n"
                                    "  (void)start, (void)end;\n",
                   wide_step[] =
-                      "static @_status @_wide_step(@_wide_state *state, const @_wide_input *start, const @_wide_input "
+                      "static @_status @_wide_step(%@_wide_state *state, const @_wide_input *start, const @_wide_input "
                       "*middle,\n                              const @_wide_input *end, $ length)",
                   wide_inputs[] =
                       "  static const @_wide_input none; /* all zero */\n  const @_wide dt = @_wide_all(length);\n"
@@ -155,6 +168,7 @@ struct file_of_functions {
     w.wide = of->wide != 0;
     w.real = w.wide ? w.name + "_wide" : of->single ? "float" : "double";
     w.single = of->single;
+    w.varies = varies(of);
     w.settled = true;
     w.only_if["fbi_drives_check"] = "start != end"; /* an input that is held tells nothing of its rates */
     w.status = [this](int s) { return status_name(w.name, s); };
@@ -169,19 +183,24 @@ struct file_of_functions {
     const std::string why = trace_function(t, s, declared.substr(start, end - start));
     t.head = declared;
     t.before = filled(choice, before);
-    t.after = after;
+    t.after = after + (w.varies ? "  (void)model;\n" : "");
     all.push_back(t);
     return why;
+  }
+
+  /* What makes a model of factors; "", or why it cannot be written. */
+  std::string add_scaling(subject &s)
+  {
+    return add(s,
+               "static @_status @_numbers(@_model *model, $ stiffness, $ damping, $ mass, $ hub_mass, $ hub_inertia)",
+               "", "  (void)stiffness, (void)damping, (void)mass, (void)hub_mass, (void)hub_inertia;\n");
   }
 
   /* The step of all lanes; "", or why it cannot be written. */
   std::string write_wide(subject &s)
   {
     const std::string why = add(s, wide_step, std::string(wide_inputs) + step_inputs, "");
-    if (why.empty()) {
-      write();
-    }
-    return why;
+    return why.empty() ? write() : why;
   }
 
   static std::string status_name(const std::string &name, int status)
@@ -528,23 +547,22 @@ struct file_of_functions {
     }
     const char *const n = w.name.c_str(), *const real = w.real.c_str(),
                       *const acts = quiet.node.empty() ? "" : ", int acts";
+    const std::string first = filled(choice, "%"), unused = w.varies ? ", (void)model" : "";
     if (w.wide) {
       std::fprintf(
           w.out,
-          "/* %s */\nstatic void %s(%s *r, const %s *a, %s_wide_mask *held%s)\n{\n  %s_wide_mask good = *held;\n",
-          g.name.c_str(), k.name.c_str(), real, real, n, acts, n);
+          "/* %s */\nstatic void %s(%s%s *r, const %s *a, %s_wide_mask *held%s)\n{\n  %s_wide_mask good = *held;\n",
+          g.name.c_str(), k.name.c_str(), first.c_str(), real, real, n, acts, n);
     } else {
       const std::string apart = w.rarely.empty() ? "" : w.name + "_RESTRICT "; /* no array is the other one */
-      std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s *%sr, const %s *%sa%s)\n{\n", g.name.c_str(), n,
-                   k.name.c_str(), real, apart.c_str(), real, apart.c_str(), acts);
+      std::fprintf(w.out, "/* %s */\nstatic %s_status %s(%s%s *%sr, const %s *%sa%s)\n{\n", g.name.c_str(), n,
+                   k.name.c_str(), first.c_str(), real, apart.c_str(), real, apart.c_str(), acts);
     }
     w.of_kernel = &k;
     write_graph(at, results);
     w.of_kernel = nullptr;
-    std::fprintf(w.out,
-                 w.wide ? "  (void)r, (void)a%s;\n  *held = good;\n}\n\n"
-                        : "  (void)r, (void)a%s;\n  return %s_ok;\n}\n\n",
-                 *acts ? ", (void)acts" : "", n);
+    std::fprintf(w.out, "  (void)r, (void)a%s%s;\n", unused.c_str(), *acts ? ", (void)acts" : "");
+    std::fprintf(w.out, w.wide ? "  *held = good;\n}\n\n" : "  return %s_ok;\n}\n\n", n);
   }
 };
 

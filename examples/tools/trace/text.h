@@ -32,6 +32,7 @@ struct writer {
   FILE *out;
   std::string name, real; /* of the model: prefix of all names; its type of numbers */
   bool single;
+  bool varies = false; /* functions are given a model of numbers */
   bool wide =
       false; /* numbers are vectors, one lane for each copy of a model: what is checked of them is kept in one mask, `good` */
   std::string rarely;                          /* a macro, for the condition of a check */
@@ -223,8 +224,8 @@ struct writer {
       }
       line("  for (int j = 0; j < " + last_loop + "; j++) {");
     }
-    const std::string call = k.name + "(" + results + ", " + (arguments.empty() ? "NULL" : taken) +
-                             (wide ? ", &good" : "") + acts(inner) + ");";
+    const std::string call = k.name + "(" + (varies ? "model, " : "") + results + ", " +
+                             (arguments.empty() ? "NULL" : taken) + (wide ? ", &good" : "") + acts(inner) + ");";
     if (wide) {
       line(in + call);
     } else {
@@ -266,6 +267,19 @@ struct writer {
     return own;
   }
 
+  /* The largest eigenvalue of a pair of matrices. */
+  std::string largest(const std::vector<number> &list)
+  {
+    const std::string own = temporary();
+    std::string numbers;
+    for (std::size_t i = 0; i < list.size(); i++) {
+      numbers += (i ? ", " : "") + of(list[i]);
+    }
+    line("const " + real + " pair_" + own + "[" + std::to_string(list.size()) + "] = {" + numbers + "};");
+    line("const " + real + " " + own + " = " + name + "_largest(pair_" + own + ");");
+    return own;
+  }
+
   /* Node i as a statement, or as text for where it is used. */
   void statement(int i)
   {
@@ -287,6 +301,14 @@ struct writer {
     std::string s;
     if (n.op == 'i') {
       text[(std::size_t)i] = names[(std::size_t)n.a.d];
+      return;
+    }
+    if (n.op == 'm') {
+      text[(std::size_t)i] = "model->k[" + std::to_string((int)n.a.d) + (wide ? "].v" : "]");
+      return;
+    }
+    if (n.op == 'v') {
+      text[(std::size_t)i] = largest(of_graph->lists[(std::size_t)n.a.d]);
       return;
     }
     if (n.op == 'k') {
@@ -365,8 +387,9 @@ struct writer {
         for (number a : R.all[(std::size_t)n.a.d].arguments) {
           use(a, 0);
         }
-      } else if (n.op != 'i' && n.op != 'r') {
-        use(n.a, now.block), use(n.b, now.block), use(n.c, now.block);
+      }
+      for (number a : operands(g, n)) {
+        use(a, now.block);
       }
     }
     for (number r : results) {
@@ -419,8 +442,10 @@ struct writer {
         for (number a : arguments_of(called, live, &read)) {
           uses[(std::size_t)node_of(a)] += called.loops ? 2 : 1; /* a loop evaluates nothing again */
         }
-      } else if (live[i] && g.nodes[i].op != 'i') {
-        use(g.nodes[i].a), use(g.nodes[i].b), use(g.nodes[i].c);
+      } else if (live[i]) {
+        for (number a : operands(g, g.nodes[i])) {
+          use(a);
+        }
       }
     }
     for (number r : of_results) {

@@ -52,8 +52,9 @@ static std::string node_text(const trace_choice *choice, int body, int node)
 /* ---- a single body */
 
 struct single_body : subject {
-  fb_body given, body;           /* as described, as it varies */
-  number factor[2] = {1.0, 1.0}; /* of stiffness and damping ratios */
+  fb_body given, body; /* as described, as it varies */
+  fb_body_factors by;
+  std::unique_ptr<fb_body_work> work{new fb_body_work};
   int vary;
   fb_state now, rate;
   fb_input acts;
@@ -100,27 +101,20 @@ struct single_body : subject {
       }
     }
     vary = choice->vary;
+    std::memset(&by, 0, sizeof by);
+    by.stiffness = by.damping = by.mass = by.hub_mass = by.hub_inertia = 1.0;
     for (int k = 0; k < 2; k++) {
       if (vary >> k & 1) {
-        add(input, &factor[k], 1, k == 0 ? "stiffness" : "damping");
+        add(input, k == 0 ? &by.stiffness : &by.damping, 1, k == 0 ? "stiffness" : "damping");
       }
-    }
-  }
-
-  static void scale(fb_sparse &to, const fb_sparse &of, int n, number by)
-  {
-    for (int a = 0; a < n; a++) {
-      to.diagonal[a] = of.diagonal[a] * by;
-    }
-    for (int k = 0; k < of.n_term; k++) {
-      to.term[k].c = of.term[k].c * by;
     }
   }
 
   fb_status eval(int function, std::vector<entry> &results) override
   {
-    scale(body.K, given.K, body.n, factor[0]);
-    scale(body.C, given.C, body.n, factor[1] * FB_SQRT(factor[0])); /* c = 2 zeta sqrt(k m) */
+    if (vary) {
+      FBI_TRY(fb_body_scale(&body, work.get(), &given, &by));
+    }
     if (function > 0) {
       FBI_TRY(fb_body_motion_eval(&body, &motion, &now, &acts));
       return sense(results, &body, &now, &motion, node[(std::size_t)function - 1]);
@@ -153,7 +147,7 @@ struct single_body : subject {
       *e.at = size * random();
     }
     for (int k = 0; k < 2; k++) {
-      factor[k] = vary >> k & 1 ? 1.0 + 0.1 * random() : 1.0;
+      (k == 0 ? by.stiffness : by.damping) = vary >> k & 1 ? 1.0 + 0.1 * random() : 1.0;
     }
     if (body.base == FB_BASE_PRESCRIBED) {
       std::memcpy(acts.v, v, sizeof v);
@@ -532,6 +526,7 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
   w.name = choice->name;
   w.real = w.name + "_real";
   w.single = choice->single;
+  w.given.assign(s.state.size() + s.input.size(), 0u); /* all are */
   w.status = [&](int status) { return status == BRANCH ? w.name + "_ERR_BRANCH" : std::to_string(status); };
   for (std::size_t i = 0; i < s.state.size() + s.input.size(); i++) {
     w.names.push_back(i < s.state.size() ? "x[" + std::to_string(i) + "]"
@@ -583,8 +578,10 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
 
 #if FB_SINGLE
 #define TRACE_STEP trace_step_single
+#define TRACE_PLACES trace_places_single
 #else
 #define TRACE_STEP trace_step
+#define TRACE_PLACES trace_places
 extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
   const char *const refused = trace::refusal(model, false);
@@ -610,4 +607,10 @@ extern "C" int TRACE_STEP(FILE *out, const trace_choice *choice, const trace_mod
   return refused         ? trace::fail(text, refused)
          : model->system ? trace::write_tree_functions(out, choice, model, text)
                          : trace::write_body_functions(out, choice, *(const fb_body *)model->body, text);
+}
+
+extern "C" int TRACE_PLACES(const trace_choice *choice, const trace_model *model)
+{
+  std::unique_ptr<trace::scaling> s(new trace::scaling(choice, *(const fb_body *)model->body));
+  return s->table.offset.empty() ? 1 : (int)s->table.offset.size();
 }

@@ -10,15 +10,16 @@ extern "C" {
 #endif
 
 typedef struct trace_choice {
-  const char *name, *file;                      /* prefix of all names; what the model is from */
-  int single;                                   /* 1: float */
-  int vary;                                     /* 1: factors of the stiffness are inputs, 2: of damping ratios; both */
+  const char *name, *file; /* prefix of all names; what the model is from */
+  int single;              /* 1: float */
+  int vary; /* bits: factors of stiffness, damping ratios, mass, hub_mass, hub_inertia (fb_body_factors) vary */
   const unsigned *loads, *sensors;              /* bits of nodes, by body */
   const char *const *body;                      /* names; of a single body NULL */
   const char *(*node_name)(int body, int node); /* "": none */
   const unsigned char *pulls;                   /* 1: the spring of that number has an actuator */
   int implicit;                                 /* 1: the step of SDIRK in place of that of rk4 */
-  int wide;                                     /* 1: the step of all lanes at once by vectors, and nothing else */
+  const double *hub; /* where masses vary: the hub's mass, center and inertia as fb_body_factors has them; NULL: none */
+  int wide;          /* 1: the step of all lanes at once by vectors, and nothing else */
 } trace_choice;
 
 /* Copies of the library's structs, of the caller's configuration, whose sizes tell whether it is that of trace.cpp. */
@@ -34,6 +35,10 @@ int trace_write(FILE *out, const trace_choice *choice, const trace_model *model,
 /* The functions of the step of a single body or of bodies on joints that code.h or code_tree.h has declared; the same in single precision. */
 int trace_step(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 int trace_step_single(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
+
+/* How many numbers of a body vary with these factors: the length of model->k. By precision. */
+int trace_places(const trace_choice *choice, const trace_model *model);
+int trace_places_single(const trace_choice *choice, const trace_model *model);
 
 #ifdef __cplusplus
 }

@@ -24,3 +24,15 @@ int trace_step_single(FILE *out, const trace_choice *choice, const trace_model *
   (void)out, (void)choice, (void)model;
   return untraced(text);
 }
+
+int trace_places(const trace_choice *choice, const trace_model *model)
+{
+  (void)choice, (void)model;
+  return 1;
+}
+
+int trace_places_single(const trace_choice *choice, const trace_model *model)
+{
+  (void)choice, (void)model;
+  return 1;
+}
