@@ -10,6 +10,7 @@
 #include "campaign_case.h"
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
+#include "../tools/trace/trace.h"
 #include <dlfcn.h>
 #pragma weak dlopen
 #pragma weak dlsym
@@ -40,7 +41,8 @@ typedef struct lanes_lane { /* one run */
 } lanes_lane;
 
 static struct lanes {
-  int wide, n;   /* lanes; runs in hand */
+  int traced;  /* 1: written by a trace, whose numbers are those of the bodies and the system as they stand in memory */
+  int wide, n; /* lanes; runs in hand */
   int model_run; /* that whose text is compiled */
   /* the form of the text, of the first run that is written: */
   char *text;
@@ -49,6 +51,7 @@ static struct lanes {
   double *number; /* of that run */
   int *slot;      /* place of each in the table, -1: the number is the same in all */
   int *first;     /* number that a place is of */
+  size_t *offset; /* of a trace: where it stands in memory, as lanes_noted has it */
   struct scene_clock clock;
   function_tables tables;
   /* at work */
@@ -63,6 +66,8 @@ static struct lanes_noted { /* the text of a run */
   size_t length;
   int n;
   double *number;
+  size_t *offset; /* of a trace: where it stands, the bodies one behind the other, then the system */
+  FILE *out;
 } lanes_noted;
 
 /* ---- what can go by lanes */
@@ -129,7 +134,9 @@ static void lanes_refusal(char text[200], const scene *s)
       names[k] = s->body[k].name;
     }
     tree_refusal(text, &engine.system, engine.body, names);
-    if (!text[0]) {
+    lanes.traced |= text[0] != 0;
+    text[0] = 0;
+    {
       large_refusal(text, &engine.system, engine.body, names, &lanes_choice);
     }
     what = text[0] || engine.system.n_loop == 0 ? NULL : "loops, whose rows a table may change: choose a tree";
@@ -141,16 +148,110 @@ static void lanes_refusal(char text[200], const scene *s)
 
 /* ---- the text and its numbers */
 
-/* Writes the equations of the scene that is started, their table has so many places. 0: no temporary file. */
-static int lanes_write(FILE *out, const scene *s, int places)
+/* What a trace needs of vectors in a program of its own. */
+static void lanes_write_vectors(const code *w)
 {
-  const char *names[FB_MAX_BODIES];
+  code_template(w, "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n");
+  code_lanes_template(w, code_lanes_roots[w->single]);
+  code_lanes_template(w, code_lanes_vectors);
+  code_lanes_template(w, code_lanes_angles);
+  code_lanes_template(w, code_lanes_traced);
+}
+
+/* State, what acts and the model of all lanes. */
+static void lanes_write_types(const code *w)
+{
+  code wide = *w;
+  wide.lanes = CODE_WIDE;
+  tree_write_types(&wide);
+  fprintf(w->out, "typedef struct %s_wide_model {\n  %s_wide_loose k[%d];\n} %s_wide_model;\n\n", w->name, w->name,
+          tree.places, w->name);
+}
+
+/* The same by a trace; why: where it cannot. */
+static int lanes_trace(FILE *out, const scene *s, const tree_choice *choice, const char *const *names, char why[400])
+{
+  const trace_table table = {lanes.n_number, lanes.n_place, lanes.offset, lanes.slot};
+  const trace_choice what = {.name = choice->name,
+                             .file = s->path,
+                             .loads = choice->loads,
+                             .body = names,
+                             .pulls = choice->pulls,
+                             .table = &table,
+                             .wide = 1};
+  const trace_model of = {engine.body,
+                          &engine.system,
+                          &engine.system_state,
+                          sizeof engine.body[0],
+                          sizeof engine.system,
+                          sizeof engine.system_state,
+                          s->n_body};
+  const code w = tree_write_begin(out, &engine.system, engine.body, names, choice, s->path, 0);
+  lanes_write_vectors(&w);
+  code_template(&w, tree_status);
+  code_template(&w, tree_status_end);
+  lanes_write_types(&w);
+  if (trace_step(out, &what, &of, why) != 0) {
+    return 0;
+  }
+  code_lanes_template(&w, tree_steps);
+  return 1;
+}
+
+/* What is written of the scene that is started, and how; its table has so many places. */
+static tree_choice lanes_chosen(const char *names[FB_MAX_BODIES], const scene *s, int places)
+{
   tree_choice choice = lanes_choice;
   choice.table = places;
+  choice.traced = lanes.traced;
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
-  return tree_write(out, &engine.system, engine.body, names, &choice, s->path, 0);
+  return choice;
+}
+
+/* Writes the equations of the scene that is started. 0: no temporary file, or why. */
+static int lanes_write(FILE *out, const scene *s, int places, char why[400])
+{
+  const char *names[FB_MAX_BODIES];
+  const tree_choice choice = lanes_chosen(names, s, places);
+  return lanes.traced ? lanes_trace(out, s, &choice, names, why)
+                      : tree_write(out, &engine.system, engine.body, names, &choice, s->path, 0);
+}
+
+/* A member of the models: a number and where it stands, or an integer as part of the form. */
+static void lanes_meet(void *to, const int *integer, const fb_real *number, int n)
+{
+  struct lanes_noted *const noted = (struct lanes_noted *)to;
+  const char *const at = (const char *)number, *const system = (const char *)&engine.system;
+  for (int i = 0; i < n && integer; i++) {
+    fprintf(noted->out, " %d", integer[i]);
+  }
+  for (int i = 0; i < n && number; i++, noted->n++) {
+    if (noted->n < LANES_NUMBERS) {
+      const size_t own = (size_t)i * sizeof *number;
+      noted->number[noted->n] = (double)number[i];
+      noted->offset[noted->n] = at >= system && at < system + sizeof engine.system
+                                    ? (size_t)case_scene.n_body * sizeof *engine.body + (size_t)(at - system) + own
+                                    : (size_t)(at - (const char *)engine.body) + own;
+    }
+  }
+  fputs(number ? " #" : "", noted->out);
+}
+
+/* The numbers of the models and their form without them. */
+static void lanes_note_models(struct lanes_noted *noted, const scene *s)
+{
+  const char *names[FB_MAX_BODIES];
+  const tree_choice choice = lanes_chosen(names, s, 1);
+  tree_write_begin(noted->out, &engine.system, engine.body, names, &choice, s->path, 0); /* the layout of a state */
+  noted->n = 0;
+  inside_walk(lanes_meet, noted, &engine.system, engine.body, s->n_body);
+  for (int k = 0; k < s->n_body; k++) {
+    for (int i = 0; i < 3; i++) {
+      fprintf(noted->out, " %d", (int)engine.system_state.mode[k][i]);
+    }
+  }
 }
 
 /* Its numbers, and its text without them, to lanes_noted; 0: no memory, or too many. */
@@ -158,17 +259,23 @@ static int lanes_note(const scene *s)
 {
   struct lanes_noted *const noted = &lanes_noted;
   FILE *out;
-  int good;
+  int good = 1;
   free(noted->text);
   noted->text = NULL;
+  noted->offset = noted->offset ? noted->offset : malloc(LANES_NUMBERS * sizeof *noted->offset);
   noted->number = noted->number ? noted->number : malloc(LANES_NUMBERS * sizeof *noted->number);
   out = noted->number ? open_memstream(&noted->text, &noted->length) : NULL;
-  if (!out) {
+  if (!out || !noted->offset) {
     return 0;
+  }
+  if (lanes.traced) {
+    noted->out = out;
+    lanes_note_models(noted, s);
+    return fclose(out) == 0 && noted->n <= LANES_NUMBERS;
   }
   code_numbers.value = noted->number;
   code_numbers.most = LANES_NUMBERS;
-  good = lanes_write(out, s, 1);
+  good = lanes_write(out, s, 1, NULL);
   code_numbers.value = NULL;
   noted->n = code_numbers.n;
   return fclose(out) == 0 && good && noted->n <= LANES_NUMBERS;
@@ -225,6 +332,11 @@ static int lanes_prepare(const campaign *c, int run)
   return s->duration > 0 && !scene_check_steps(s, &quiet);
 }
 
+static int lanes_is_free(int k)
+{
+  return tree.link[k].joint->kind == FB_JOINT_FREE;
+}
+
 /* Where members of bodies are in the flat state (of a free body x, u and what they lost; coordinates or quat, p, q with pi
    behind) and in what acts. */
 static int lanes_state_place(int k, char member)
@@ -232,8 +344,8 @@ static int lanes_state_place(int k, char member)
   int at = 0;
   for (int j = 0; j < k + (member != 'u'); j++) {
     const tree_link *const L = &tree.link[j];
-    const int frame = j == tree.root ? 12 : 0, p = j == tree.root ? 6 : tree_momenta_of(L);
-    const int x = j == tree.root || tree_is_ball(L) ? 4 : L->axes;
+    const int root = lanes_is_free(j), frame = root ? 12 : 0, p = root ? 6 : tree_momenta_of(L);
+    const int x = root || tree_is_ball(L) ? 4 : L->axes;
     at += frame + (j < k || member != 'x' ? x : 0) + (j < k || member == 'q' ? p : 0) + (j < k ? 2 * L->n : 0);
   }
   return at;
@@ -255,17 +367,17 @@ static void lanes_take_state(double *state, int lane, int wide)
   for (int k = 0; k < tree.n; k++) {
     const tree_link *const L = &tree.link[k];
     const fb_link_state *const from = &engine.system_state.link[k];
-    const int ball = k == tree.root || tree_is_ball(L);
+    const int root = lanes_is_free(k), ball = root || tree_is_ball(L);
     double *const x = state + lanes_state_place(k, 'x') * wide + lane;
     double *const p = state + lanes_state_place(k, 'p') * wide + lane;
     double *const q = state + lanes_state_place(k, 'q') * wide + lane;
     for (int i = 0; i < (ball ? 4 : L->axes); i++) {
       x[i * wide] = (double)(ball ? from->quat[i] : from->x[i]);
     }
-    for (int i = 0; i < (k == tree.root ? 6 : tree_momenta_of(L)); i++) {
+    for (int i = 0; i < (root ? 6 : tree_momenta_of(L)); i++) {
       p[i * wide] = (double)from->p[i];
     }
-    for (int i = 0; i < 12 && k == tree.root; i++) {
+    for (int i = 0; i < 12 && root; i++) {
       const fb_real *const frame[4] = {from->x, from->u, from->lost_x, from->lost_u};
       state[(lanes_state_place(k, 'u') + i) * wide + lane] = (double)frame[i / 3][i % 3];
     }
@@ -649,7 +761,9 @@ static int lanes_form(const campaign *c, char why[200])
       lanes.n_input = lanes_input_place(tree.n) > 0 ? lanes_input_place(tree.n) : 1; /* a struct is not empty */
       lanes.clock = timing;
       lanes.tables = case_scene.tables;
+      lanes.offset = lanes_noted.offset;
       lanes_noted.text = NULL;
+      lanes_noted.offset = NULL;
     } else if (!lanes_is_same_form()) {
       continue;
     }
@@ -710,7 +824,7 @@ static int lanes_compile(const char *folder, char why[200])
 /* Writes, compiles and loads the program; 0 and why not. */
 static int lanes_load(const scene *s, char why[200])
 {
-  char folder[CAMPAIGN_PATH], path[CAMPAIGN_PATH + 16];
+  char folder[CAMPAIGN_PATH], path[CAMPAIGN_PATH + 16], traced[400];
   const char *const temporary = getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp";
   static const char *const files[] = {"lanes.c", "lanes.so", "log"};
   FILE *out;
@@ -724,9 +838,10 @@ static int lanes_load(const scene *s, char why[200])
   out = fopen(path, "w");
   code_numbers.slot = lanes.slot;
   code_numbers.most = lanes.n_number;
-  good = out && lanes_write(out, s, lanes.n_place > 0 ? lanes.n_place : 1);
-  good = out && fclose(out) == 0 && good && code_numbers.n == lanes.n_number;
-  snprintf(why, 200, "cannot write %.100s", path);
+  snprintf(traced, sizeof traced, "cannot write %.100s", path);
+  good = out && lanes_write(out, s, lanes.n_place > 0 ? lanes.n_place : 1, traced);
+  good = out && fclose(out) == 0 && good && (lanes.traced || code_numbers.n == lanes.n_number);
+  snprintf(why, 200, "%.199s", traced);
   good = good && lanes_compile(folder, why);
   if (good) {
     snprintf(path, sizeof path, "%s/lanes.so", folder);

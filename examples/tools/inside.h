@@ -38,6 +38,9 @@ const int (*inside_S_pair(void))[2];
 #if FB_WITH_SYSTEM
 const struct fbi_joint_traits *inside_traits(const fb_joint *joint);
 int inside_node_moves(const fb_body *body, int node);
+/* Meets every member that a step of n bodies on joints reads, n integers or numbers, in the order of check words. */
+typedef void inside_meet(void *out, const int *integer, const fb_real *number, int n);
+void inside_walk(inside_meet *meet, void *out, const fb_system *system, const fb_body *body, int n);
 #endif
 int inside_first_free(fb_base base);
 int inside_pair(int a, int b);

@@ -41,6 +41,36 @@ int inside_node_moves(const fb_body *body, int node)
 {
   return fbi_node_moves(body, node);
 }
+
+typedef struct walker {
+  inside_meet *meet;
+  void *out;
+} walker;
+
+static void walk_member(void *to, int kind, const char *name, const void *x, int n)
+{
+  const walker *const w = (const walker *)to;
+  (void)name;
+  if (kind == FBI_TEXT_INT) {
+    w->meet(w->out, (const int *)x, NULL, n);
+  } else if (kind == FBI_TEXT_REAL || kind == FBI_TEXT_REALS) {
+    w->meet(w->out, NULL, (const fb_real *)x, n);
+  }
+}
+
+void inside_walk(inside_meet *meet, void *out, const fb_system *system, const fb_body *body, int n)
+{
+  walker own;
+  fbi_walk w = fbi_walk_start(1, FB_SINGLE);
+  own.meet = meet;
+  own.out = out;
+  w.text = walk_member;
+  w.out = &own;
+  fbi_system_walk(&w, system);
+  for (int k = 0; k < n; k++) {
+    fbi_body_walk(&w, &body[k]);
+  }
+}
 #endif
 
 int inside_first_free(fb_base base)

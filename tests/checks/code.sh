@@ -453,6 +453,7 @@ for base_is in free pinned prescribed hinged; do
 done
 base_is=free
 given=
+sed -i 's/^base.*/base free/' "$out/random.txt"
 ! build/flexbeam reduce "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
 grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
 sed 's/^effects.*/effects large damping gravity/' "$out/random.txt" > "$out/other.txt"

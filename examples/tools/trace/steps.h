@@ -109,7 +109,7 @@ static std::string trace_function(traced &t, subject &s, const std::string &name
 /* Have functions a model of numbers as their first argument? */
 static bool varies(const trace_choice *choice)
 {
-  return choice->vary != 0;
+  return choice->vary != 0 || choice->table;
 }
 
 /* With the name of the model for @, its type of numbers for $ and their suffix for '; where numbers of it vary, % is the
@@ -456,9 +456,7 @@ struct file_of_functions {
       w.given = t.given;
       std::fprintf(w.out, "%s\n{\n%s", t.head.c_str(), t.before.c_str());
       write_graph(0, t.results);
-      std::fprintf(w.out,
-                   w.wide ? "%s  return %s_wide_every(good) ? %s_ok : %s_range;\n}\n\n" : "%s  return %s_ok;\n}\n\n",
-                   t.after.c_str(), w.name.c_str(), w.name.c_str(), w.name.c_str());
+      std::fprintf(w.out, "%s  return %s_ok;\n}\n\n", t.after.c_str(), w.name.c_str());
     }
     return "";
   }

@@ -493,6 +493,11 @@ struct writer {
         own = known;
       }
     }
+    if (wide && &g == &R.all[0]) { /* a state that is refused stays */
+      line("if (!" + name + "_wide_every(good)) {");
+      line("  return " + status(FB_ERR_RANGE) + ";");
+      line("}");
+    }
     for (const auto &r : results) {
       if (r.first != of(r.second)) {
         line(r.first + " = " + alone(r.second) + ";");

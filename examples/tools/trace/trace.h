@@ -9,6 +9,14 @@
 extern "C" {
 #endif
 
+/* Numbers of bodies on joints that are places of a table, model->k: where they stand in memory, the bodies one behind the other,
+   then the system. */
+typedef struct trace_table {
+  int n, n_place;
+  const size_t *offset;
+  const int *place; /* -1: the number is what it is */
+} trace_table;
+
 typedef struct trace_choice {
   const char *name, *file; /* prefix of all names; what the model is from */
   int single;              /* 1: float */
@@ -19,7 +27,8 @@ typedef struct trace_choice {
   const unsigned char *pulls;                   /* 1: the spring of that number has an actuator */
   int implicit;                                 /* 1: the step of SDIRK in place of that of rk4 */
   const double *hub; /* where masses vary: the hub's mass, center and inertia as fb_body_factors has them; NULL: none */
-  int wide;          /* 1: the step of all lanes at once by vectors, and nothing else */
+  const trace_table *table; /* NULL: none; with one motors and prescribed axes are all that acts */
+  int wide;                 /* 1: the step of all lanes at once by vectors, and nothing else */
 } trace_choice;
 
 /* Copies of the library's structs, of the caller's configuration, whose sizes tell whether it is that of trace.cpp. */

@@ -44,6 +44,19 @@ struct tree_model {
     take_start(start, model->state);
   }
 
+  /* The table of a subject. */
+  void bind(subject &s, const trace_table *table)
+  {
+    const std::size_t bodies = sizeof body[0] * body.size();
+    s.model.resize(table ? (std::size_t)table->n_place : 0);
+    for (int i = 0; table && i < table->n; i++) {
+      char *const from = table->offset[i] < bodies ? (char *)&body[0] : (char *)&system - bodies;
+      if (table->place[i] >= 0) {
+        s.model[(std::size_t)table->place[i]].push_back((number *)(from + table->offset[i]));
+      }
+    }
+  }
+
   const fb_body &of(int k) const
   {
     return body[(std::size_t)system.model[k]];
@@ -73,7 +86,7 @@ struct tree_model {
 
 struct tree_function : subject {
   enum kind { STEP, MOTION, ENERGY, NODE };
-  const tree_model &tree;
+  tree_model &tree;
   const kind is;
   const int part, node; /* of NODE */
   fb_system_state now, next;
@@ -82,17 +95,20 @@ struct tree_function : subject {
   fb_energy energy;
   number given[FBI_MAX_JOINTS][3]; /* prescribed values of loops, whose state has none */
   std::unique_ptr<fb_system_work> work{new fb_system_work};
+  std::vector<double> described; /* its numbers that vary */
   number dt = 0.0;
   number R[FB_MAX_BODIES][9];
   fb_state pose;
   fb_motion moves;
   fb_node_motion place;
 
-  tree_function(const trace_choice *choice, const tree_model &of, kind which, int body, int at)
+  tree_function(const trace_choice *choice, tree_model &of, kind which, int body, int at)
       : tree(of), is(which), part(body), node(at)
   {
     static const char *const when[3] = {"start->", "middle->", "end->"};
     reads = is != STEP;
+    tree.bind(*this, choice->table);
+    described = values();
     now = tree.start;
     std::memset(&acts, 0, sizeof acts);
     std::memset(work.get(), 0, sizeof *work);
@@ -219,7 +235,7 @@ struct tree_function : subject {
       const fb_joint &joint = tree.system.joint[k];
       const fb_body &own = tree.of(k);
       for (int at = 0; at < own.n_node; at++) {
-        if (at == 0 || choice->loads[k] >> at & 1u) {
+        if (!choice->table && (at == 0 || choice->loads[k] >> at & 1u)) {
           fb_system_load *const load = &in.load[in.n_load++];
           const std::string name = at > 0 ? "_" + std::to_string(at) : "";
           load->body = k;
@@ -335,6 +351,12 @@ struct tree_function : subject {
   fb_status wander(double size) override
   {
     fb_system_limit limit;
+    for (std::size_t i = 0; i < model.size(); i++) {
+      const number other = described[i] * (1.0 + 1e-3 * random());
+      for (number *at : model[i]) {
+        *at = other;
+      }
+    }
     for (const entry &e : input) {
       *e.at = 0.1 * size * random();
     }
@@ -397,7 +419,7 @@ static std::string tree_refusal(const trace_choice *choice, const tree_model &tr
 /* The functions of bodies on joints, whose declarations stand above; 0, or 1 with why in text. */
 static int write_tree_functions(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
-  const tree_model tree(model);
+  tree_model tree(model);
   file_of_functions file(out, choice);
   file.w.turns = std::string(choice->name) + "_ITERATIONS";
   file.w.judged = "fbi_newton_check";
