@@ -237,7 +237,7 @@ for other in pipe folder; do
 done
 
 # another build is another campaign
-try gcc $c99 -O0 -DFB_MAX_LUMPS=9 -o "$out/other_build" -Dcampaign_main=main examples/campaign/campaign.c examples/tools/library.c -lm
+try gcc $c99 -O0 -DFB_MAX_LUMPS=9 -o "$out/other_build" -Dcampaign_main=main examples/campaign/campaign.c examples/tools/trace/untraced.c examples/tools/library.c -lm
 expect 2 "$out/other_build" "$quick" --out "$out/one.csv"
 says 'it says `campaign journal 1 of flexbeam'
 
