@@ -176,9 +176,10 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
      FB_REAL                          -        -       a class of C++11 in place of the number, with its own FB_SQRT.. and
                                                        FB_BELOW(x, y, a, b), a where x < y, else b, FB_TRUNC(x), towards
-                                                       zero, FB_KERNEL(call), the call, FB_CARRY(memory, n),
-                                                       FB_SPAN(x, n), nothing, FB_LOOP(first, more, next),
-                                                       FB_PAIRS, a for: dual numbers, a trace
+                                                       zero, FB_KERNEL(call), FB_LARGEST(call, d, A, B, n), the
+                                                       call, FB_APART(f, w), f(w), FB_CARRY(memory, n),
+                                                       FB_SPAN(x, n), nothing, FB_SHORTCUT(x), x or 0,
+                                                       FB_LOOP(first, more, next), FB_PAIRS, a for: dual numbers, a trace
                                                        (examples/tools/trace/number.h); wants FB_ALLOW_FAST_MATH
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
@@ -1778,8 +1779,8 @@ FB_API fb_status fb_body_limit_eval(const fb_body *body, fb_body_limit *limit, c
    joint coordinates or, if higher, with lines as they are bent; spin, of rotors nutation; stiffening. Also where the
    angular velocity of a body changes within the step by more than half a radian a step.
    FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint says where; the latter also where a prescribed axis has one
-   value at the start and the end of the step but rates of the same sign (of different inputs; one that is held over the
-   step does not tell). Let value and rate belong together, with rate 0 where the value stays. Else as fb_rk4_step. */
+   value at the start and the end of the step but rates of the same sign, or jumps (of different inputs, NULL being one of
+   zeros; one that is held over the step does not tell). Let value and rate belong together, with rate 0 where the value stays. Else as fb_rk4_step. */
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);

@@ -85,6 +85,11 @@ static void described(const fb_body_factors *by, int held)
   boom.station[0].EI_z = FB_R(0.7) * boom.station[0].EI_y;
   desc.zeta *= by->damping;
   desc.body.base = held ? FB_BASE_PRESCRIBED : FB_BASE_FREE;
+  desc.body.effects |= FB_EFFECT_GRAVITY;
+  desc.body.gravity[1] = -FB_R(0.7);
+  desc.body.mu = FB_R(900.0); /* a center as near as the tips: the pull on the hub and on the booms differs */
+  desc.body.center[0] = FB_R(14.0);
+  desc.body.center[2] = -FB_R(9.0);
   FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
 }
 
@@ -101,7 +106,7 @@ static void scaled(fb_body *out, const fb_body_factors *by, int held)
   FBT_INT_EQ(fb_body_scale(out, &work.scratch.body, &body, &own), FB_OK);
 }
 
-/* E8.61: rates, energy and step limit of a scaled body are those of the one whose description has the factors. Its modes are
+/* E8.61: rates, in uniform gravity and that of a center, energy and step limit of a scaled body are those of the one whose description has the factors. Its modes are
    normalized by other masses: q and pi have other units. */
 TEST(a_scaled_body_moves_as_the_one_described)
 {
@@ -140,6 +145,8 @@ TEST(a_scaled_body_moves_as_the_one_described)
     for (int i = 0; i < 3; i++) {
       FBT_NEAR_ABS(two.L[i], one.L[i], tol * FB_R(100.0));
       FBT_NEAR_ABS(rate_two.rho[i], rate_one.rho[i], tol);
+      FBT_NEAR_ABS(rate_two.u[i], rate_one.u[i], tol * FB_R(10.0));
+      FBT_NEAR_ABS(rate_two.L[i], rate_one.L[i], tol * FB_R(100.0));
     }
     for (int a = 0; a < 8; a++) {
       FBT_NEAR_ABS(unit * rate_two.q[a], rate_one.q[a], tol * FB_R(1.0));
@@ -149,6 +156,7 @@ TEST(a_scaled_body_moves_as_the_one_described)
     FBT_INT_EQ(fb_body_energy_eval(&other, &energy_two, &two, NULL), FB_OK);
     FBT_NEAR_REL(energy_two.kinetic, energy_one.kinetic, tol);
     FBT_NEAR_REL(energy_two.strain, energy_one.strain, tol);
+    FBT_NEAR_REL(energy_two.gravity, energy_one.gravity, tol);
     FBT_NEAR_REL(fb_rk4_limit(&other, FB_R(0.0), FB_R(0.0)), fb_rk4_limit(&body, FB_R(0.0), FB_R(0.0)), tol);
     FBT_TRUE(fb_rk4_limit(&other, FB_R(9.0), FB_R(9.0)) <
              (FB_R(1.0) + tol) * fb_rk4_limit(&body, FB_R(9.0), FB_R(9.0)));
