@@ -187,11 +187,11 @@ static void scene_code_unwritten(char text[200], const char *const *names, const
   }
 }
 
-/* Is what has no hand-written step written by a trace? Without lines, and lanes without loops. In single precision the
-   library itself has no gravity of a center. */
+/* Is what has no hand-written step written by a trace? Without lines and loops, whose redundant rows it checks where the
+   library need not, and sdirk not by lanes. In single precision the library itself has no gravity of a center. */
 static int scene_code_is_traced(const tree_choice *choice)
 {
-  int traced = !choice->lanes || (!choice->implicit && engine.system.n_loop == 0);
+  int traced = !(choice->implicit && choice->lanes) && engine.system.n_loop == 0;
   traced &= !choice->single || !attract_refusal(&engine.system, engine.body);
   for (int k = 0; k < engine.system.n_body; k++) {
     traced &= !(engine.body[engine.system.model[k]].effects & FB_EFFECT_LARGE_DEFLECTION);
