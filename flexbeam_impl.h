@@ -49,7 +49,7 @@
 #ifndef FB_TRUNC /* towards zero */
 #define FB_TRUNC(x) ((fb_real)(int)(x))
 #endif
-#ifndef FB_SHORTCUT /* something is not computed where it would change nothing: a trace computes it always */
+#ifndef FB_SHORTCUT /* something is not computed where it would change nothing: a trace takes those that hold for every input */
 #define FB_SHORTCUT(applies) (applies)
 #endif
 #ifndef FB_APART /* what branches on values: a trace takes it as it stands */

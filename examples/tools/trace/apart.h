@@ -66,7 +66,7 @@ void apart(void *of)
       g.apart.push_back(w->kind[r]);
     }
   }
-  w->rank = m;
+  w->rank = -1; /* depends on values */
   if (row.empty()) {
     return;
   }

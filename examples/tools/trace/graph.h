@@ -117,6 +117,8 @@ struct recording {
   int turned = -1;     /* the guard whose outcome is turned round */
   int n_asked = 0;     /* comparisons */
   int conversions = 0; /* to int, of numbers that depend on inputs */
+  int n_shortcut = 0;
+  bool guessing = false, certain = true; /* a shortcut is asked for; by no number that depends on inputs */
 };
 
 static recording R;
@@ -125,6 +127,9 @@ bool is_recording()
 {
   return R.on || R.plain;
 }
+
+/* Which shortcuts the last recording has taken, in order: one without a graph cannot know them. */
+static std::vector<char> shortcuts;
 
 /* Which slots of a kernel are the same number in every turn, by the name of the kernel: found by a recording, used by the
    next one. */
@@ -671,9 +676,28 @@ number select(char relation, number a, number b, number yes, number no)
   return bits(yes) == bits(no) && !loops() ? yes : make('?', make(relation, local(a), local(b), 0.0), yes, no);
 }
 
+bool guess(bool begins)
+{
+  R.guessing = begins;
+  if (begins) {
+    R.certain = true;
+    return false;
+  }
+  const std::size_t at = (std::size_t)R.n_shortcut++;
+  if (R.on && R.turned < 0) {
+    shortcuts.resize(at);
+    shortcuts.push_back(R.certain);
+  }
+  return R.on ? R.certain : at < shortcuts.size() && shortcuts[at];
+}
+
 bool ask(char relation, number a, number b)
 {
   bool outcome = evaluate(relation, value(a), value(b), 0.0) != 0.0;
+  if (R.guessing) {
+    R.certain = R.certain && !node_of(a) && !node_of(b);
+    return outcome;
+  }
   if (R.on && (node_of(a) || node_of(b)) && is_before_loop({a, b})) {
     return before_loop([&] { return ask(relation, a, b); });
   }

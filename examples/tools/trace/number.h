@@ -90,13 +90,25 @@ number apply(char op, number a, number b = number(0));
 number select(char relation, number a, number b, number yes, number no); /* yes where a < b, else no: no branch */
 bool ask(char relation, number a, number b);                             /* a branch: <, l for <=, = */
 bool is_recording();
-void apart(void *work); /* fbi_rows_apart */
+bool guess(bool begins); /* does what is asked until it ends depend on no input? */
+void apart(void *work);  /* fbi_rows_apart */
 bool set_aside(const number *A, const number *B,
                int n); /* does one depend on inputs? Then nothing is recorded until.. */
 number take_up(const number *A, const number *B, int n, number largest); /* ..here, the result as one operation */
 void kernel_begin(const char *call);
 void kernel_end();
 void carry_numbers(number *at, std::size_t n);
+
+/* What is not computed where `applies`: taken where that holds for every input. */
+template <class function> bool shortcut(function applies)
+{
+  if (!is_recording()) {
+    return applies();
+  }
+  guess(true);
+  const bool taken = applies();
+  return guess(false) && taken;
+}
 
 /* A part that is called in a loop takes n structs of numbers from one turn to the next. */
 template <class numbers> void carry(numbers *memory, int n)
@@ -250,7 +262,7 @@ inline bool operator!=(number a, number b)
 #define FB_EXP(x) trace::apply('e', x)
 #define FB_TRUNC(x) trace::apply('z', x)
 #define FB_BELOW(x, y, yes, no) trace::select('<', x, y, yes, no)
-#define FB_SHORTCUT(applies) (!trace::is_recording() && (applies))
+#define FB_SHORTCUT(applies) trace::shortcut([&] { return applies; })
 #define FB_APART(function, work) trace::apart(work)
 #define FB_CARRY(memory, n) trace::carry(memory, n)
 #define FB_LARGEST(call, d, A, B, n) trace::largest(d, A, B, n, [&] { return call; })
