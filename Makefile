@@ -250,14 +250,13 @@ $(filter-out $(OF_THEIR_OWN:%=build/examples/%),$(EXAMPLES:%=build/examples/%)):
 build/examples/quickstart build/examples/page: build/examples/%: %.c build/flags | build/examples
 	$(CC) $(SHARED) -MT $@ -MF $@.d -o $@ $< -lm
 
-# The tracer (--jacobian) is C++; without a compiler for it the program says what to install. At -O0: the library whose
-# numbers are a class takes minutes to optimize, and a model is traced in less than a second.
+# The tracer (--code, --jacobian) is C++; without a compiler for it the program says what to install.
 TRACE := $(if $(shell command -v $(CXX)),trace trace_single,untraced)
 build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o) $(TRACE:%=build/tool/%.o) build/library/tool.o | build/tool/fmu2.so build/tool/fmu3.so
 	$(if $(filter trace,$(TRACE)),$(CXX),$(CC)) $(CFLAGS) -o $@ $^ -lm
 
 build/tool/trace.o build/tool/trace_single.o: examples/tools/trace/trace.cpp build/tool/rows_text.h build/flags | build/tool
-	$(CXX) -std=c++11 -O0 -w -I. $(filter -D%,$(CFLAGS)) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -MMD -MP -c -o $@ $<
+	$(CXX) -std=c++11 -O1 -w -I. $(filter -D%,$(CFLAGS)) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -MMD -MP -c -o $@ $<
 
 # What of the library stands in what is written as it is: the choice of independent rows.
 build/tool/rows_text.h: flexbeam_impl.h | build/tool

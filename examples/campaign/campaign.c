@@ -175,7 +175,6 @@ int campaign_main(int argc, char **argv)
   const long processors = sysconf(_SC_NPROCESSORS_ONLN);
   int status;
   output_begin(PROGRAM);
-  lanes.traced = take_flag(&argc, argv, "--traced"); /* for the checks: --lanes by a trace */
   status = program_read(&prog, argc, argv);
   if (!status && prog.run > 0) {
     status = run_is_there();

@@ -10,7 +10,6 @@
 #include "campaign_case.h"
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
-#include "../tools/trace/trace.h"
 #include <dlfcn.h>
 #pragma weak dlopen
 #pragma weak dlsym
@@ -41,8 +40,7 @@ typedef struct lanes_lane { /* one run */
 } lanes_lane;
 
 static struct lanes {
-  int traced;  /* 1: written by a trace, whose numbers are those of the bodies and the system as they stand in memory */
-  int wide, n; /* lanes; runs in hand */
+  int wide, n;   /* lanes; runs in hand */
   int model_run; /* that whose text is compiled */
   /* the form of the text, of the first run that is written: */
   char *text;
@@ -51,7 +49,7 @@ static struct lanes {
   double *number; /* of that run */
   int *slot;      /* place of each in the table, -1: the number is the same in all */
   int *first;     /* number that a place is of */
-  size_t *offset; /* of a trace: where it stands in memory, as lanes_noted has it */
+  size_t *offset; /* where it stands in memory, as lanes_noted has it */
   struct scene_clock clock;
   function_tables tables;
   /* at work */
@@ -66,7 +64,7 @@ static struct lanes_noted { /* the text of a run */
   size_t length;
   int n;
   double *number;
-  size_t *offset; /* of a trace: where it stands, the bodies one behind the other, then the system */
+  size_t *offset; /* where it stands in memory, the bodies one behind the other, then the system */
   FILE *out;
 } lanes_noted;
 
@@ -121,62 +119,65 @@ static const char *lanes_output_refusal(const scene *s)
   return NULL;
 }
 
-static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, 0, {0}, {0}, 0};
+static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, {0}, {0}};
 
 /* The scene that has been built and started; text: what cannot go by lanes, "": nothing. */
 static void lanes_refusal(char text[200], const scene *s)
 {
-  const char *names[FB_MAX_BODIES], *what = lanes_scene_refusal(s);
-  text[0] = 0;
+  const char *what = lanes_scene_refusal(s);
   what = what ? what : lanes_output_refusal(s);
-  if (!what) {
-    for (int k = 0; k < s->n_body; k++) {
-      names[k] = s->body[k].name;
-    }
-    tree_refusal(text, &engine.system, engine.body, names);
-    lanes.traced |= text[0] != 0;
-    text[0] = 0;
-    {
-      large_refusal(text, &engine.system, engine.body, names, &lanes_choice);
-    }
-    what = text[0] || engine.system.n_loop == 0 ? NULL : "loops, whose rows a table may change: choose a tree";
-  }
-  if (what) {
-    snprintf(text, 200, "%s", what);
-  }
+  what = what || engine.system.n_loop == 0 ? what : "loops, whose rows a table may change: choose a tree";
+  snprintf(text, 200, "%s", what ? what : "");
 }
 
 /* ---- the text and its numbers */
 
-/* What a trace needs of vectors in a program of its own. */
-static void lanes_write_vectors(const code *w)
+static const char lanes_head[] = "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n";
+
+static const char lanes_many_steps[] =
+    "\n/* n steps of all lanes under what acts at the beginning, the middle and the end of each; done: before one that "
+    "is refused,\n"
+    "   which changes nothing. All begin where vectors do. */\n"
+    "int @_steps(const void *model, void *state, const void *input, double dt, int n, int *done)\n{\n"
+    "  @_status status = @_ok;\n"
+    "  *done = 0;\n"
+    "  while (*done < n && status == @_ok) {\n"
+    "    const @_wide_input *const in = (const @_wide_input *)input + 2 * *done;\n"
+    "    status = @_wide_step((const @_wide_model *)model, (@_wide_state *)state, in, in + 1, in + 2, dt);\n"
+    "    *done += status == @_ok;\n"
+    "  }\n"
+    "  return status;\n}\n";
+
+/* What is written of the scene that is started; choice, names: to be filled, for as long as that lasts. */
+static code lanes_written(FILE *out, tree_choice *choice, const char *names[FB_MAX_BODIES], const scene *s)
 {
-  code_template(w, "#include <math.h>\n#include <string.h>\n#define @_LANES LANES\n\n");
-  code_lanes_template(w, code_lanes_roots[w->single]);
-  code_lanes_template(w, code_lanes_vectors);
-  code_lanes_template(w, code_lanes_angles);
-  code_lanes_template(w, code_lanes_traced);
+  *choice = lanes_choice;
+  for (int k = 0; k < s->n_body; k++) {
+    names[k] = s->body[k].name;
+  }
+  return tree_begin(out, &engine.system, engine.body, names, choice);
 }
 
-/* State, what acts and the model of all lanes. */
+/* State, what acts and the table of all lanes. */
 static void lanes_write_types(const code *w)
 {
-  code wide = *w;
-  wide.lanes = CODE_WIDE;
-  tree_write_types(&wide);
-  fprintf(w->out, "typedef struct %s_wide_model {\n  %s_wide_loose k[%d];\n} %s_wide_model;\n\n", w->name, w->name,
-          tree.places, w->name);
+  tree_write_types(w);
+  fprintf(w->out, "typedef struct %s_wide_model {\n  %s_loose k[%d];\n} %s_wide_model;\n\n", w->name, code_real(w),
+          w->places, w->name);
 }
 
-/* The same by a trace; why: where it cannot. */
-static int lanes_trace(FILE *out, const scene *s, const tree_choice *choice, const char *const *names, char why[400])
+/* Writes the equations of the scene that is started, whose table has so many places; 0, and why. */
+static int lanes_write(FILE *out, const scene *s, int places, char why[400])
 {
+  static tree_choice choice;
+  static const char *names[FB_MAX_BODIES];
   const trace_table table = {lanes.n_number, lanes.n_place, lanes.offset, lanes.slot};
-  const trace_choice what = {.name = choice->name,
+  code w = lanes_written(out, &choice, names, s);
+  const trace_choice what = {.name = w.name,
                              .file = s->path,
-                             .loads = choice->loads,
+                             .loads = choice.loads,
                              .body = names,
-                             .pulls = choice->pulls,
+                             .pulls = choice.pulls,
                              .table = &table,
                              .wide = 1};
   const trace_model of = {engine.body,
@@ -186,37 +187,15 @@ static int lanes_trace(FILE *out, const scene *s, const tree_choice *choice, con
                           sizeof engine.system,
                           sizeof engine.system_state,
                           s->n_body};
-  const code w = tree_write_begin(out, &engine.system, engine.body, names, choice, s->path, 0);
-  lanes_write_vectors(&w);
-  code_template(&w, tree_status);
-  code_template(&w, tree_status_end);
-  lanes_write_types(&w);
+  w.places = places;
+  code_template(&w, lanes_head);
+  tree_write_status(&w);
+  code_write_vectors(&w, lanes_write_types);
   if (trace_step(out, &what, &of, why) != 0) {
     return 0;
   }
-  code_lanes_template(&w, tree_steps);
+  code_template(&w, lanes_many_steps);
   return 1;
-}
-
-/* What is written of the scene that is started, and how; its table has so many places. */
-static tree_choice lanes_chosen(const char *names[FB_MAX_BODIES], const scene *s, int places)
-{
-  tree_choice choice = lanes_choice;
-  choice.table = places;
-  choice.traced = lanes.traced;
-  for (int k = 0; k < s->n_body; k++) {
-    names[k] = s->body[k].name;
-  }
-  return choice;
-}
-
-/* Writes the equations of the scene that is started. 0: no temporary file, or why. */
-static int lanes_write(FILE *out, const scene *s, int places, char why[400])
-{
-  const char *names[FB_MAX_BODIES];
-  const tree_choice choice = lanes_chosen(names, s, places);
-  return lanes.traced ? lanes_trace(out, s, &choice, names, why)
-                      : tree_write(out, &engine.system, engine.body, names, &choice, s->path, 0);
 }
 
 /* A member of the models: a number and where it stands, or an integer as part of the form. */
@@ -242,9 +221,9 @@ static void lanes_meet(void *to, const int *integer, const fb_real *number, int 
 /* The numbers of the models and their form without them. */
 static void lanes_note_models(struct lanes_noted *noted, const scene *s)
 {
-  const char *names[FB_MAX_BODIES];
-  const tree_choice choice = lanes_chosen(names, s, 1);
-  tree_write_begin(noted->out, &engine.system, engine.body, names, &choice, s->path, 0); /* the layout of a state */
+  static tree_choice choice;
+  static const char *names[FB_MAX_BODIES];
+  lanes_written(noted->out, &choice, names, s); /* the layout of a state */
   noted->n = 0;
   inside_walk(lanes_meet, noted, &engine.system, engine.body, s->n_body);
   for (int k = 0; k < s->n_body; k++) {
@@ -259,7 +238,6 @@ static int lanes_note(const scene *s)
 {
   struct lanes_noted *const noted = &lanes_noted;
   FILE *out;
-  int good = 1;
   free(noted->text);
   noted->text = NULL;
   noted->offset = noted->offset ? noted->offset : malloc(LANES_NUMBERS * sizeof *noted->offset);
@@ -268,17 +246,9 @@ static int lanes_note(const scene *s)
   if (!out || !noted->offset) {
     return 0;
   }
-  if (lanes.traced) {
-    noted->out = out;
-    lanes_note_models(noted, s);
-    return fclose(out) == 0 && noted->n <= LANES_NUMBERS;
-  }
-  code_numbers.value = noted->number;
-  code_numbers.most = LANES_NUMBERS;
-  good = lanes_write(out, s, 1, NULL);
-  code_numbers.value = NULL;
-  noted->n = code_numbers.n;
-  return fclose(out) == 0 && good && noted->n <= LANES_NUMBERS;
+  noted->out = out;
+  lanes_note_models(noted, s);
+  return fclose(out) == 0 && noted->n <= LANES_NUMBERS;
 }
 
 static int lanes_is_same_form(void)
@@ -477,12 +447,12 @@ static void lanes_act(double *input, int lane, double t, double side)
     const int motors = tree_momenta_of(L) * wide, values = tree_is_valued(L) ? L->axes * wide : 0;
     const fb_drive drive = lanes_drive(&lanes.lane[lane], j, t, side);
     for (int i = 0; i < L->axes; i++) {
-      if (tree_is_free(L, i)) {
+      if (L->joint->mode[i] == FB_AXIS_FREE) {
         to[i * wide] = (double)drive.torque[i];
-      } else if (tree_is_driven(L, i)) {
+      } else if (L->joint->mode[i] == FB_AXIS_PRESCRIBED) {
         to[motors + values + i * wide] = (double)drive.rate[i];
       }
-      if (tree_is_driven(L, i) && values > 0) {
+      if (L->joint->mode[i] == FB_AXIS_PRESCRIBED && values > 0) {
         to[motors + i * wide] = (double)drive.value[i];
       }
     }
@@ -757,7 +727,7 @@ static int lanes_form(const campaign *c, char why[200])
       lanes.text = lanes_noted.text;
       lanes.length = lanes_noted.length;
       lanes.n_number = lanes_noted.n;
-      lanes.n_state = lanes_state_place(tree.n, 'u') + (tree.work >= 0);
+      lanes.n_state = lanes_state_place(tree.n, 'u') + tree.works;
       lanes.n_input = lanes_input_place(tree.n) > 0 ? lanes_input_place(tree.n) : 1; /* a struct is not empty */
       lanes.clock = timing;
       lanes.tables = case_scene.tables;
@@ -836,11 +806,9 @@ static int lanes_load(const scene *s, char why[200])
   }
   snprintf(path, sizeof path, "%s/lanes.c", folder);
   out = fopen(path, "w");
-  code_numbers.slot = lanes.slot;
-  code_numbers.most = lanes.n_number;
   snprintf(traced, sizeof traced, "cannot write %.100s", path);
   good = out && lanes_write(out, s, lanes.n_place > 0 ? lanes.n_place : 1, traced);
-  good = out && fclose(out) == 0 && good && (lanes.traced || code_numbers.n == lanes.n_number);
+  good = out && fclose(out) == 0 && good;
   snprintf(why, 200, "%.199s", traced);
   good = good && lanes_compile(folder, why);
   if (good) {

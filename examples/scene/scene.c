@@ -307,8 +307,7 @@ int scene_main(int argc, char **argv)
   static command c;
   scene *const s = &the_scene;
   const int quiet = take_flag(&argc, argv, "--quiet"), single = take_flag(&argc, argv, "--single"),
-            lanes = take_flag(&argc, argv, "--lanes"), modes = take_flag(&argc, argv, "--modes"),
-            traced = take_flag(&argc, argv, "--traced"); /* for the checks: the step by a trace */
+            lanes = take_flag(&argc, argv, "--lanes"), modes = take_flag(&argc, argv, "--modes");
   int failed, campbell = 0;
   output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
@@ -333,7 +332,6 @@ int scene_main(int argc, char **argv)
   c.write.single = single;
   c.write.lanes = lanes;
   c.write.jacobian = c.jacobian != NULL;
-  c.write.traced = traced;
   if (!failed &&
       ((lanes && !c.code) || (c.write.sensors && !c.jacobian) || ((single || c.write.loads) && !c.write.file))) {
     return fail(lanes             ? "--lanes belongs to --code"

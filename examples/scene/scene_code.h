@@ -5,7 +5,6 @@
 #include "scene_run.h"
 #undef I /* that of complex.h: inertia below */
 #include "../tools/code_tree.h"
-#include "../tools/code_traced.h"
 
 static const scene *scene_code_of; /* what is written */
 
@@ -175,30 +174,6 @@ static void scene_code_tell(const scene *s, const char *option)
   }
 }
 
-/* What of its bodies and joints is not written, in text; "": nothing. */
-static void scene_code_unwritten(char text[200], const char *const *names, const tree_choice *choice)
-{
-  tree_refusal(text, &engine.system, engine.body, names);
-  if (!text[0]) {
-    large_refusal(text, &engine.system, engine.body, names, choice);
-  }
-  if (!text[0] && choice->single && attract_refusal(&engine.system, engine.body)) {
-    snprintf(text, 200, "%s", attract_refusal(&engine.system, engine.body));
-  }
-}
-
-/* Is what has no hand-written step written by a trace? Without lines and loops, whose redundant rows it checks where the
-   library need not, and sdirk not by lanes. In single precision the library itself has no gravity of a center. */
-static int scene_code_is_traced(const tree_choice *choice)
-{
-  int traced = !(choice->implicit && choice->lanes) && engine.system.n_loop == 0;
-  traced &= !choice->single || !attract_refusal(&engine.system, engine.body);
-  for (int k = 0; k < engine.system.n_body; k++) {
-    traced &= !(engine.body[engine.system.model[k]].effects & FB_EFFECT_LARGE_DEFLECTION);
-  }
-  return traced;
-}
-
 /* The name of what is written: that of the file up to its dot; 0: none that C takes. */
 static int scene_code_name(char name[64], const char *file)
 {
@@ -215,7 +190,7 @@ static int scene_code_name(char name[64], const char *file)
 
 typedef struct scene_code {
   const char *file, *loads, *sensors; /* lists of nodes; NULL: none */
-  int single, lanes, jacobian, traced;
+  int single, lanes, jacobian;
 } scene_code;
 
 static const char *scene_code_node_name(int body, int node)
@@ -237,10 +212,14 @@ static int scene_code_trace(FILE *out, const tree_choice *choice, const char *co
   const trace_model of = {engine.body,           &engine.system,       &engine.system_state,
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
-  const code w = tree_write_begin(out, &engine.system, engine.body, names, choice, scene_code_of->path,
-                                  fb_system_crc(&engine.system, engine.body, scene_code_of->n_body));
-  tree_write_start(&w, choice->start);
-  return !code_write_traced(&w, what, &of, choice->lanes, tree_write_types, text);
+  const code w = tree_begin(out, &engine.system, engine.body, names, choice);
+  const char *const refused = tree_refusal(&w);
+  if (refused) {
+    snprintf(text, 400, "%s", refused);
+    return 0;
+  }
+  tree_write_head(&w, scene_code_of->path, fb_system_crc(&engine.system, engine.body, scene_code_of->n_body));
+  return !code_write_steps(&w, what, &of, choice->lanes, tree_write_types, text);
 }
 
 /* The rates with their Jacobian; 1, or 0 with why not in text. */
@@ -269,11 +248,11 @@ static int scene_write_code(scene *s, const scene_code *c)
   const char *const option = c->jacobian ? "--jacobian" : "--code", *names[FB_MAX_BODIES];
   char name[64], text[400] = "";
   unsigned sensors[FB_MAX_BODIES] = {0};
-  tree_choice choice = {name, c->single, c->lanes, 0, &engine.system_state, s->integrator == FB_INTEGRATOR_SDIRK,
-                        {0},  {0},       c->traced};
+  tree_choice choice = {name, c->single, c->lanes, s->integrator == FB_INTEGRATOR_SDIRK, &engine.system_state,
+                        {0},  {0}};
   FILE *out;
   fb_status status;
-  int good = 1;
+  int good;
   clear_memory(&engine, offsetof(struct scene_engine, body));
   scene_code_of = s;
   if (!scene_code_nodes(s, choice.loads, "--loads", c->loads) ||
@@ -300,30 +279,15 @@ static int scene_write_code(scene *s, const scene_code *c)
   for (int k = 0; k < s->n_body; k++) {
     names[k] = s->body[k].name;
   }
-  if (!c->jacobian && !choice.traced) {
-    scene_code_unwritten(text, names, &choice);
-    choice.traced = text[0] && scene_code_is_traced(&choice);
-    text[0] = choice.traced ? '\0' : text[0];
-  }
-  if (text[0]) {
-    return 1 + scene_fail(s, "%s: %s", option, text);
-  }
   out = output_open(c->file);
   if (!out) {
     return 1 + scene_fail(s, "cannot write %s: %s", c->file, output_why());
   }
-  if (c->jacobian) {
-    good = scene_code_derive(out, &choice, sensors, names, text);
-  } else if (choice.traced) {
-    good = scene_code_trace(out, &choice, names, text);
-  } else {
-    good = tree_write(out, &engine.system, engine.body, names, &choice, s->path,
-                      fb_system_crc(&engine.system, engine.body, s->n_body));
-  }
+  good =
+      c->jacobian ? scene_code_derive(out, &choice, sensors, names, text) : scene_code_trace(out, &choice, names, text);
   if (!good) {
     output_drop(out, c->file);
-    return 1 +
-           (text[0] ? scene_fail(s, "%s: %s", option, text) : scene_fail(s, "a temporary file: %s", strerror(errno)));
+    return 1 + scene_fail(s, "%s: %s", option, text);
   }
   return output_close(out, c->file);
 }

@@ -5,9 +5,8 @@
 #include "capacities.h"
 #include "../../flexbeam.h"
 #include "model.h"
-#include "code.h"
+#include "code_body.h"
 #include "rom.h"
-#include "code_traced.h"
 #define PROGRAM "reduce"
 #include "words.h"
 #include "../common/options.h"
@@ -186,26 +185,19 @@ static int read_nodes(unsigned *nodes, const char *option, const char *list, int
 }
 
 /* Says what of the body that is built cannot be written. */
-static int is_refused(const char *file, const code_choice *choice, int steps)
+static int is_refused(const char *file, const code_choice *choice)
 {
   const int large = (model_body.effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
-  const struct {
-    const char *option, *what;
-  } refusals[] = {{"--code", steps && !choice->traced ? code_refusal(&model_body) : NULL},
-                  {"--loads", code_loads_refusal(&model_body, choice->loads)},
-                  {"--lanes", choice->lanes && large ? "effects large has none: choose effects up to full" : NULL},
-                  {"--vary", vary_refusal(choice)}};
-  for (int k = 0; k < (int)(sizeof refusals / sizeof *refusals); k++) {
-    if (refusals[k].what) {
-      fprintf(stderr, "reduce: %s: %s: %s\n", file, refusals[k].option, refusals[k].what);
-      return 1;
-    }
+  const char *const lanes = choice->lanes && large ? "effects large has none: choose effects up to full" : NULL;
+  const char *const what = lanes ? lanes : vary_refusal(choice);
+  if (what) {
+    fprintf(stderr, "reduce: %s: %s: %s\n", file, lanes ? "--lanes" : "--vary", what);
   }
-  return 0;
+  return what != NULL;
 }
 
 /* Writes the step by a trace; 0, or 1: it has been said why not. */
-static int write_traced(FILE *out, const options *o, const char *file)
+static int write_steps(FILE *out, const options *o, const char *file)
 {
   const double *const c = model.hub_center, *const J = model.hub_inertia;
   const double hub[10] = {model.hub_mass, c[0], c[1], c[2], J[0], J[1], J[2], J[3], J[4], J[5]};
@@ -221,14 +213,8 @@ static int write_traced(FILE *out, const options *o, const char *file)
   int bad;
   own.places = !own.vary ? 0 : own.single ? trace_places_single(&choice, &of) : trace_places(&choice, &of);
   {
-    const code w = code_write_start(out, &model_body, &own, file, print_coordinate);
-    code_template(&w, code_start);
-    if (own.vary) {
-      code_template(&w, code_vary_traced);
-      code_write_vary_start(&w);
-      code_template(&w, code_vary_traced_end);
-    }
-    bad = code_write_traced(&w, choice, &of, own.lanes, code_write_all_types, text);
+    const code w = code_write_body(out, &model_body, &own, file, print_coordinate);
+    bad = code_write_steps(&w, choice, &of, own.lanes, code_write_all_types, text);
   }
   if (bad) {
     fprintf(stderr, "reduce: %s: --code: %s\n", file, text);
@@ -265,10 +251,9 @@ int reduce_main(int argc, char **argv)
 {
   const int single = take_flag(&argc, argv, "--single"), steps = take_flag(&argc, argv, "--code");
   const int lanes = take_flag(&argc, argv, "--lanes"), jacobian = take_flag(&argc, argv, "--jacobian");
-  const int traced = take_flag(&argc, argv, "--traced"); /* for the checks, which compare both ways of writing a step */
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, 0, 0, {{0}}}};
+  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, 0}};
   unsigned sensors = 0;
   FILE *out = stdout;
   fb_status status;
@@ -301,7 +286,6 @@ int reduce_main(int argc, char **argv)
   o.choice.name = model.name;
   o.choice.single = single;
   o.choice.lanes = lanes;
-  o.choice.traced = traced;
   if (strncmp(model.name, "fb_", 3) == 0 || strncmp(model.name, "fbi_", 4) == 0 || strncmp(model.name, "FB_", 3) == 0) {
     return fail("names that begin with fb_, fbi_ or FB_ are those of the library: choose another by --name",
                 model.name);
@@ -312,37 +296,29 @@ int reduce_main(int argc, char **argv)
     return 1;
   }
   summarize(file, steps);
-  o.choice.traced |= code_is_traced(&model_body);
   if (!read_nodes(&o.choice.loads, "--loads", o.loads, 0) || !read_nodes(&sensors, "--sensors", o.sensors, 1)) {
     return 2;
   }
-  if (is_refused(file, &o.choice, steps)) {
+  if (is_refused(file, &o.choice)) {
     return 1;
   }
   if (o.out && same_file(file, o.out)) {
     fprintf(stderr, "reduce: %s: --out: that is the description itself\n", o.out);
     return 2;
   }
-  code_vary_hub(&o.choice, model.hub_mass, model.hub_center, model.hub_inertia);
   if (o.out && !(out = output_open(o.out))) {
     fprintf(stderr, "reduce: %s: %s\n", o.out, output_why());
     return 2;
   }
-  if (jacobian || (steps && o.choice.traced)) {
-    if (jacobian ? write_jacobian(out, &o, file, sensors) : write_traced(out, &o, file)) {
+  if (jacobian || steps) {
+    if (jacobian ? write_jacobian(out, &o, file, sensors) : write_steps(out, &o, file)) {
       if (o.out) {
         output_drop(out, o.out);
       }
       return 1;
     }
-  } else if (!steps) {
+  } else {
     rom_write(out, &model_body, model.name, file, single);
-  } else if (!code_write(out, &model_body, &o.choice, file, print_coordinate)) {
-    fprintf(stderr, "reduce: a temporary file: %s\n", strerror(errno));
-    if (o.out) {
-      output_drop(out, o.out);
-    }
-    return 2;
   }
   return o.out ? output_close(out, o.out) : 0;
 }

@@ -20,23 +20,14 @@ flags="-DFB_MAX_MODES=12 -DFB_MAX_NODES=8 -DFB_WITH_BUILD=0 -DFB_WITH_SYSTEM=0 -
 try gcc $c99 $flags -O1 -c -o "$out/double.o" "$out/impl.c"
 try gcc $c99 $flags -DFB_SINGLE=1 -O1 -c -o "$out/single.o" "$out/impl.c"
 
-mkdir "$out/traced"
-by_trace=0
-echo 0 > "$out/worst_traced"
 base_is=free
 given= # further options of the compiler
 loads= # nodes with loads
 rotors= # their nodes, see code.awk
 central= # mu of gravity of a center
-slow= # 1: not by a trace
 # generate SEED EFFECTS [--single]: the text and the model in ROM of a random body with base_is
 generate() {
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v rotors="$rotors" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
-  case "$1 $2" in # lines take seconds to trace: two models
-  "5 large damping" | "10 large damping") slow= ;;
-  *large*) slow=1 ;;
-  *) slow= ;;
-  esac
   write "$2" ${3:-}
 }
 
@@ -44,27 +35,11 @@ generate() {
 write() {
   try build/flexbeam reduce "$out/random.txt" --name generated ${2:-} --out "$out/rom.h"
   try build/flexbeam reduce "$out/random.txt" --name generated --code ${loads:+--loads $loads} ${2:-} --out "$out/code.h"
-  rm -f "$out/traced/code.h"
-  [ -n "$slow" ] || try build/flexbeam reduce "$out/random.txt" --name generated --code --traced ${loads:+--loads $loads} ${2:-} --out "$out/traced/code.h"
 }
 
-# agree OPTIMIZATION [--single]: what was generated with the library, written either way; sets worst
+# agree OPTIMIZATION [--single]: what was generated with the library; sets worst
 agree() {
   precision=${2:+single}
-  if [ -e "$out/traced/code.h" ]; then
-    try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 $given -DTRACED -DBASE="$(echo $base_is | tr a-z A-Z)" -I"$out/traced" -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
-    "$out/run" > "$out/log" || {
-      cat "$out/log" "$out/random.txt"
-      fail "the step above, by a trace"
-    }
-    by_trace=$((by_trace + 1))
-    traced=$(sed -n 's/.*worst //p' "$out/log" | cat - "$out/worst_traced" | sort -g | tail -n 1)
-    [ -n "${2:-}" ] || echo "$traced" > "$out/worst_traced"
-    ! cmp -s "$out/code.h" "$out/traced/code.h" || { # by a trace alone
-      worst=0
-      return 0
-    }
-  fi
   try gcc $c99 $flags ${2:+-DFB_SINGLE=1} $1 $given -DBASE="$(echo $base_is | tr a-z A-Z)" -I"$out" -o "$out/run" tests/checks/code.c "$out/${precision:-double}.o" -lm
   "$out/run" > "$out/log" || {
     cat "$out/log" "$out/random.txt"
@@ -79,8 +54,6 @@ compile() {
   try clang $c99 -O2 -I"$out" -fsyntax-only "$out/main.c"
   try g++ -x c++ -std=c++11 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
   try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
-  [ ! -e "$out/traced/code.h" ] || try clang $c99 -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
-  [ ! -e "$out/traced/code.h" ] || try g++ -x c++ -std=c++11 $base -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
 }
 
 largest=0
@@ -117,11 +90,10 @@ for base_is in pinned prescribed; do
   agree -O2 --single
 done
 
-# what is written by a trace alone: a hinge, nonlinear strain, rotors with an imbalance
-alone() {
+# a hinge, nonlinear strain, rotors with an imbalance
+both() {
   for precision in "" --single; do
     $1 "$2" "$3" $precision
-    cmp -s "$out/code.h" "$out/traced/code.h" || fail "$*: the text of --traced is another"
     compile
     agree -O2 $precision
   done
@@ -138,14 +110,14 @@ wobble() {
   write "" ${3:-}
 }
 base_is=hinged
-alone generate 10 rigid
-alone generate 10 "full damping gravity"
+both generate 10 rigid
+both generate 10 "full damping gravity"
 base_is=free
-alone strain " damping" free
+both strain " damping" free
 given=-DROTORS=1
-alone wobble 3 free
+both wobble 3 free
 base_is=prescribed
-alone wobble 5 prescribed
+both wobble 5 prescribed
 base_is=free
 given=
 generate 5 "full damping"
@@ -282,14 +254,8 @@ vary() {
   number=$(echo "$3" | tr ',' '\n' | grep -n '^damping$' | cut -d : -f 1)
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" -f tests/checks/code.awk > "$out/random.txt"
   awk -v seed="$1" -v effects="$2" -v base="$base_is" -v central="$central" $options -f tests/checks/code.awk > "$out/changed.txt"
-  rm -f "$out/traced/code.h"
   try build/flexbeam reduce "$out/random.txt" --name generated --code --vary "$3" ${loads:+--loads $loads} ${5:-} --out "$out/code.h"
   try build/flexbeam reduce "$out/changed.txt" --name generated ${5:-} --out "$out/rom.h"
-  rm -f "$out/traced/code.h"
-  case "$2" in
-  *large*) ;;
-  *) try build/flexbeam reduce "$out/random.txt" --name generated --code --vary "$3" --traced ${loads:+--loads $loads} ${5:-} --out "$out/traced/code.h" ;;
-  esac
   given="${tolerance:+-DTOLERANCE=$tolerance} ${loads:+-DLOADED} -DVARY=FB_R($(echo "$4" | sed 's/,/),FB_R(/g')) -DMASS=${mass:-1} -DDAMPING=$((${number:-0} - 1))"
   agree -O0 ${5:-}
   varied=$((varied + 1))
@@ -436,16 +402,15 @@ given="-DNUMBER=float -DVARY"
 sed -i 's/^base.*/base free/' "$out/random.txt"
 try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all --single --out "$out/code.h"
 lanes -Dgenerated_LANES=4
-# by a trace; what no template has is written so without being asked
 for base_is in free pinned prescribed hinged; do
   for option in "" --single; do
-    given="-DTRACED -DNUMBER=$([ $option ] && echo float || echo double)"
+    given="-DNUMBER=$([ $option ] && echo float || echo double)"
     awk -v seed=3 -v effects="full damping gravity" -v base=$base_is -v rotors="0 2 1g" -f tests/checks/code.awk > "$out/wheels.txt"
-    try build/flexbeam reduce "$out/wheels.txt" --name generated --code --lanes $option $([ $base_is = hinged ] || echo --traced) --out "$out/code.h"
+    try build/flexbeam reduce "$out/wheels.txt" --name generated --code --lanes $option --out "$out/code.h"
     lanes -Dgenerated_LANES=4
     given="$given -DVARY"
     awk -v seed=5 -v effects="full damping gravity" -v base=$base_is -f tests/checks/code.awk > "$out/random.txt"
-    try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all $option $([ $base_is = hinged ] || echo --traced) --out "$out/code.h"
+    try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all $option --out "$out/code.h"
     lanes -Dgenerated_LANES=4
     try clang $c99 -O1 -mavx2 $given -DPRESCRIBED=$([ $base_is = prescribed ] && echo 1 || echo 0) -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
     ! grep -q avx2 /proc/cpuinfo || try "$out/run" # numbers of a model are not aligned
@@ -570,21 +535,4 @@ for f in generated_step fb_rk4_step; do
 done
 [ $count_generated_step -le $bound_wheels ] || fail "satellite with wheels: $count_generated_step instructions, more than $bound_wheels"
 
-# refuse_rotor WHAT LINE...: the body that was generated last, with a rotor
-refuse_rotor() {
-  what=$1
-  shift
-  {
-    cat "$out/random.txt"
-    printf '%s\n' "$@" "axis 1 0 0" "inertia 0.1" end
-  } > "$out/other.txt"
-  ! build/flexbeam reduce "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "$what is taken"
-  grep -q -- "--code: $what" "$out/log" || fail "$what: $(tail -n 1 "$out/log")"
-}
-awk -v seed=4 -v effects="large damping" -v base=free -f tests/checks/code.awk > "$out/random.txt"
-refuse_rotor "a rotor with an imbalance" "rotor wheel" "static_imbalance 1e-4"
-refuse_rotor "a rotor on a line" "rotor wheel 2"
-sed 's/^base free/base free\ncentral_gravity 4e14 0 0 -7e6/; s/^effects.*/effects large/' "$out/boom.txt" > "$out/other.txt"
-! build/flexbeam reduce "$out/other.txt" --code > /dev/null 2> "$out/log" || fail "central gravity of lines is taken"
-grep -q -- "--code: central_gravity of effects large" "$out/log" || fail "central gravity of lines: $(tail -n 1 "$out/log")"
 ok "$models models agree with the library to $largest (single $single), 4 with loads at nodes to $loaded, $wheels with rotors to $turning, $fields by gravity of a center to $attracted, $count_falls instructions at 4 modes; a step takes $count_6 instructions at 6 modes, $count_12 at 12, on the board $board_6 and $board_12; the satellite with three wheels $count_generated_step ($count_fb_rk4_step by the library); $varied with variable parameters agree to $exactly ($apart where modes are solved apart), $count_varied instructions; $lines with lines agree to $exact, $count_lines instructions at 6 modes and 6 points"

@@ -71,12 +71,10 @@ tree 46 --single -DNUMBER=float -DSAMPLE=1500
 tree 17 --lanes -DNUMBER=double -Dgenerated_LANES=4
 tree 37 "" -DNUMBER=double
 tree 38 --single -DNUMBER=float
-tree 2 --traced -DNUMBER=double
-tree 7 "--traced --single" -DNUMBER=float
-tree 36 "--sdirk --traced" -DNUMBER=double -DSDIRK
-tree 5 "--sdirk --traced" -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5 -DSAMPLE=1000
-tree 6 "--sdirk --traced --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5 -DSAMPLE=1000
-tree 5 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
-tree 6 "--sdirk --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5
+tree 2 "" -DNUMBER=double
+tree 7 --single -DNUMBER=float
+tree 36 "--sdirk" -DNUMBER=double -DSDIRK
+tree 5 "--sdirk" -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5 -DSAMPLE=1000
+tree 6 "--sdirk --single" -DNUMBER=float -DSDIRK -Dgenerated_ITERATIONS=5 -DSAMPLE=1000
 tree 17 --sdirk -DNUMBER=double -DSDIRK -Dgenerated_ITERATIONS=5
 ok "$texts generated steps: of $steps steps $refused are refused and change nothing, no other gives what is not finite"

@@ -1,5 +1,5 @@
 /* The lanes of a generated step against its single steps, bit for bit: each lane its own state, loads and parameters (code.sh,
-   which generates code.h with --lanes, and with --vary where VARY is defined; TRACED: by a trace; code_tree.sh: TREE, and ROOT, its free body; SDIRK, HELD, RESTLESS). A lane that is refused tells the status of the
+   which generates code.h with --lanes, and with --vary where VARY is defined; code_tree.sh: TREE, and ROOT, its free body; SDIRK, HELD, RESTLESS). A lane that is refused tells the status of the
    single step and stays as it was, the others go on. Also C++11. */
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -111,9 +111,6 @@ static void load(generated_input *own, generated_lanes_input *all, int k, int i)
   memset(own, 0, sizeof *own);
   for (int a = 0; a < 3; a++) {
     const NUMBER x = (NUMBER)(0.1 * number(k, i, a) - 0.05);
-#ifndef TRACED
-    own->gravity[a] = all->gravity[a].lane[k] = x;
-#endif
 #if PRESCRIBED
     own->w[a] = all->w[a].lane[k] = x;
 #else

@@ -9,7 +9,6 @@
 #include <string.h>
 #ifdef WRITE
 #include "examples/tools/code_tree.h"
-#include "examples/tools/code_traced.h"
 #else
 #define generated_IMPLEMENTATION
 #include "code.h"
@@ -1102,8 +1101,8 @@ static void write_member(int is, const char *word, int k, const char *rest)
   }
 }
 
-/* The same by a trace, from where all is zero. */
-static int write_traced(const tree_choice *choice, const char *const *names)
+/* The step, from where all is zero. */
+static int write_step(const tree_choice *choice, const char *const *names)
 {
   static fb_system_state start_;
   const trace_choice what = {.name = choice->name,
@@ -1118,13 +1117,12 @@ static int write_traced(const tree_choice *choice, const char *const *names)
   int bad;
   need(fb_system_state_init(&mechanism, model, &start_, &work, NULL, NULL), "start");
   {
-    const code w = tree_write_begin(stdout, &mechanism, model, names, choice, "a random tree",
-                                    fb_system_crc(&mechanism, model, MODELS));
-    tree_write_start(&w, choice->start);
-    bad = code_write_traced(&w, what, &of, choice->lanes, tree_write_types, text);
+    const code w = tree_begin(stdout, &mechanism, model, names, choice);
+    tree_write_head(&w, "a random tree", fb_system_crc(&mechanism, model, MODELS));
+    bad = code_write_steps(&w, what, &of, choice->lanes, tree_write_types, text);
   }
   if (bad) {
-    fprintf(stderr, "by a trace: %s\n", text);
+    fprintf(stderr, "%s\n", text);
   }
   return bad;
 }
@@ -1166,7 +1164,6 @@ static void write_members(int acts)
     write_member(model[desc.model[k]].n_rotor > 0, "ROTORS", k, "");
     write_member(n > 0, "MEMBER", k, ", q, MODE");
     write_member(n > 0, "MEMBER", k, ", pi, MODE_MOMENTUM");
-    write_member(n > 0, "MODAL", k, "");
   }
   printf("#ifdef PULL\n");
   for (int j = 0; j < desc.n_spring; j++) {
@@ -1202,7 +1199,6 @@ int main(int argc, char **argv)
   static const char *const names[5] = {"first", "second", "third", "fourth", "fifth"};
   const int which = argc > 1 ? atoi(argv[1]) : 0;
   tree_choice choice = {.name = "generated"};
-  char text[200] = "";
   int acts = 0;
   if (which >= TREES) {
     return 3;
@@ -1218,16 +1214,6 @@ int main(int argc, char **argv)
     return 0;
   }
   for (int k = 2; k < argc; k++) {
-    choice.traced |= strcmp(argv[k], "--traced") == 0;
-  }
-  if (!choice.traced) {
-    tree_refusal(text, &mechanism, model, names);
-  }
-  if (text[0]) {
-    fprintf(stderr, "tree %d: %s\n", which, text);
-    return 1;
-  }
-  for (int k = 2; k < argc; k++) {
     choice.single |= strcmp(argv[k], "--single") == 0;
     choice.lanes |= strcmp(argv[k], "--lanes") == 0;
   }
@@ -1235,16 +1221,7 @@ int main(int argc, char **argv)
     choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
   }
   memcpy(choice.pulls, pulls, sizeof pulls);
-  if (choice.traced) {
-    return write_traced(&choice, names);
-  }
-  large_refusal(text, &mechanism, model, names, &choice);
-  if (text[0]) {
-    fprintf(stderr, "tree %d: %s\n", which, text);
-    return 4;
-  }
-  return !tree_write(stdout, &mechanism, model, names, &choice, "a random tree",
-                     fb_system_crc(&mechanism, model, MODELS));
+  return write_step(&choice, names);
 }
 #else
 /* ---- the generated state and that of the library, member by member */
@@ -1372,7 +1349,6 @@ static void give(generated_input *mine, const fb_system_input *in)
   memcpy(mine->body_##k.force, load_on(in, k, 0)->force, 3 * sizeof(fb_real)); \
   memcpy(mine->body_##k.torque, load_on(in, k, 0)->torque, 3 * sizeof(fb_real));
 #define MOTOR(k) memcpy(mine->body_##k.motor, in->drive[k].torque, sizeof mine->body_##k.motor);
-#define MODAL(k)
 #define ROTORS(k) take_motors(mine->body_##k.rotor_motor, in->rotor[k], model[desc.model[k]].n_rotor);
 #define DRIVE(k) memcpy(mine->body_##k.value, in->drive[k].value, sizeof mine->body_##k.value);
 #define RATE(k) memcpy(mine->body_##k.rate, in->drive[k].rate, sizeof mine->body_##k.rate);
@@ -1387,7 +1363,6 @@ static void give(generated_input *mine, const fb_system_input *in)
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
-#undef MODAL
 #undef DRIVE
 #undef ROTORS
 }
@@ -1451,7 +1426,6 @@ static void load(fb_system_input *in, generated_input *mine, double t)
 #define MEMBER(k, member, kind)
 #define LOAD(k)
 #define MOTOR(k)
-#define MODAL(k)
 #define DRIVE(k)
 #define ROTORS(k)
 #include "members.h"
@@ -1459,7 +1433,6 @@ static void load(fb_system_input *in, generated_input *mine, double t)
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
-#undef MODAL
 #undef DRIVE
 #undef ROTORS
   give(mine, in);
@@ -1671,56 +1644,6 @@ static int meets(void)
   give(&mine, &in);
   return refused(&in, &mine, FB_R(1e-4), FB_ERR_RANGE, "points that meet, pulled") && good;
 }
-
-#ifndef TRACED /* the library has no modal forces */
-/* A modal force alone changes the conjugate momentum by itself times the step; loops may hold what it moves. */
-static int modal(void)
-{
-  static generated_input mine;
-  const fb_real dt = (fb_real)(hard > 1 ? 1e-5 : 1e-3);
-  int good = 1;
-  memset(&mine, 0, sizeof mine);
-  start(0.0);
-  take_state(0);
-  (void)dt, (void)good;
-#define MEMBER(k, member, kind)
-#define LOAD(k)
-#define MOTOR(k)
-#define DRIVE(k)
-#define ROTORS(k)
-#define MODAL(k)                                                                          \
-  for (int sign = -1; sign < 2; sign += 2) {                                              \
-    const double before = (double)own.body_##k.pi[0];                                     \
-    double without, with;                                                                 \
-    mine.body_##k.modal[0] = FB_R(0.0);                                                   \
-    good &= own_held_step(&mine, dt) == generated_ok;                                     \
-    without = (double)own.body_##k.pi[0] - before;                                        \
-    take_state(0);                                                                        \
-    mine.body_##k.modal[0] = (fb_real)sign;                                               \
-    good &= own_held_step(&mine, dt) == generated_ok;                                     \
-    with = (double)own.body_##k.pi[0] - before;                                           \
-    take_state(0);                                                                        \
-    mine.body_##k.modal[0] = FB_R(0.0);                                                   \
-    if (desc.n_loop == 0 && !(fabs((with - without) / (sign * (double)dt) - 1) < 0.05)) { \
-      printf("modal force on body %d\n", k);                                              \
-      good = 0;                                                                           \
-    }                                                                                     \
-  }
-#include "members.h"
-#undef MEMBER
-#undef LOAD
-#undef MOTOR
-#undef MODAL
-#undef DRIVE
-#undef ROTORS
-  return good;
-}
-#else
-static int modal(void)
-{
-  return 1;
-}
-#endif
 
 /* From the center of gravity outward, where that moves what flies: a step and the energy are refused as too near where the
    library refuses them. */
@@ -1970,7 +1893,6 @@ static int seen(const fb_system_input *in, const generated_input *acts)
 #define LOAD(k)
 #define MOTOR(k)
 #define MEMBER(k, member, kind)
-#define MODAL(k)
 #define DRIVE(k)
 #define ROTORS(k)
 #include "members.h"
@@ -1979,7 +1901,6 @@ static int seen(const fb_system_input *in, const generated_input *acts)
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
-#undef MODAL
 #undef DRIVE
 #undef ROTORS
   return nodes_seen(&motion, &mine) && energy_seen(in, acts) && good;
@@ -2015,7 +1936,6 @@ int main(int argc, char **argv)
 #define MEMBER(k, member, kind) add(own.body_##k.member, state.link[k].member, sizeof own.body_##k.member, kind);
 #define PART(k, member, i, kind) add(own.body_##k.member + i, state.link[k].member + i, sizeof(fb_real), kind);
 #define HOLD(j, member) add(own.loop_##j.member, state.member[desc.n_body + j], sizeof own.loop_##j.member, VALUE);
-#define MODAL(k)
 #define DRIVE(k)
 #define ROTORS(k)                                                                                                  \
   add(own.body_##k.rotor_angle, state.link[k].q + model[desc.model[k]].n, sizeof own.body_##k.rotor_angle, ANGLE); \
@@ -2026,7 +1946,6 @@ int main(int argc, char **argv)
 #undef MEMBER
 #undef LOAD
 #undef MOTOR
-#undef MODAL
 #undef DRIVE
 #undef ROTORS
   for (int loaded = 0; loaded < 2; loaded++) {
@@ -2038,7 +1957,7 @@ int main(int argc, char **argv)
     printf("check word\n");
     return 1;
   }
-  return all_seen() && refusals() && center_refused() && limits() && modal() && jumps(argc > 1 ? atoi(argv[1]) : 0) &&
+  return all_seen() && refusals() && center_refused() && limits() && jumps(argc > 1 ? atoi(argv[1]) : 0) &&
                  (met < 0 || meets()) && worst <= TOLERANCE
              ? 0
              : 1;

@@ -59,34 +59,6 @@ compile() {
   try clang++ -x c++ -std=c++20 $base -O2 -I"$out" -fsyntax-only "$out/main.c"
 }
 
-# by_trace TREE [--single] [--sdirk]: the same step written by a trace, where that is done; scheme as above; sets worst
-mkdir "$out/traced"
-traced=0 worst_traced=0
-by_trace() {
-  case "$*" in # lines take seconds to trace: two trees, one of them by the L-stable step, too
-  101 | 103 | "101 --sdirk") ;;
-  10[1-9]* | 11[01]*) return 0 ;;
-  esac
-  case " $* " in
-  *" --single "*) precision=single ;;
-  *) precision= ;;
-  esac
-  "$out/write" "$1" --loads --traced ${2:-} ${3:-} > "$out/traced/code.h" 2> "$out/log" || {
-    grep -q 'effects large\|are not all alike' "$out/log" || fail "tree $1 by a trace: $(cat "$out/log")"
-    return 0
-  }
-  try gcc $c99 -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
-  try g++ -x c++ -std=c++11 $base -O2 -I"$out/traced" -fsyntax-only "$out/main.c"
-  try gcc $c99 $sizes ${precision:+-DFB_SINGLE=1} -O0 -DTRACED $scheme -I"$out/traced" -I"$out" -o "$out/run" tests/checks/code_tree.c "$out/${precision:-double}.o" -lm
-  "$out/run" "$1" > "$out/log" || {
-    cat "$out/log"
-    fail "the step of tree $1 by a trace"
-  }
-  worst=$(sed -n 's/.*worst //p' "$out/log")
-  [ -n "$precision" ] || worst_traced=$(larger $worst_traced)
-  traced=$((traced + 1))
-}
-
 # larger A: of it and worst
 larger() {
   printf '%s\n%s\n' "$1" "$worst" | sort -g | tail -n 1
@@ -110,13 +82,6 @@ while "$out/write" $trees --members > /dev/null; do
     continue
   }
   looked_at=$((looked_at + 1))
-  "$out/write" $trees --members --loads > "$out/members.h"
-  by_trace $trees
-  [ $trees -lt 112 ] || { # by a trace alone
-    [ $trees = 113 ] || by_trace $trees --single
-    trees=$((trees + 1))
-    continue
-  }
   write $trees
   agree $trees -O0
   largest=$(larger $largest)
@@ -124,10 +89,9 @@ while "$out/write" $trees --members > /dev/null; do
   write $trees
   cmp -s "$out/first.h" "$out/code.h" || fail "the text of tree $trees differs from one run to the next"
   case $trees in
-  2 | 5 | 6 | 7 | 8 | 11 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 38 | 41 | 43 | 46 | 48 | 53 | 55 | 57 | 58 | 60 | 63 | 67 | 71 | 75 | 79 | 80 | 81 | 85 | 90 | 102 | 103 | 106 | 109 | 111)
+  2 | 5 | 6 | 7 | 8 | 11 | 112 | 17 | 18 | 20 | 21 | 23 | 27 | 28 | 29 | 31 | 33 | 34 | 38 | 41 | 43 | 46 | 48 | 53 | 55 | 57 | 58 | 60 | 63 | 67 | 71 | 75 | 79 | 80 | 81 | 85 | 90 | 102 | 103 | 106 | 109 | 111)
     both $trees
     single=$(larger $single)
-    by_trace $trees --single
     ;;
   esac
   trees=$((trees + 1))
@@ -139,34 +103,25 @@ single_sdirk=0
 implicit=0
 call='generated_step(&s, 0, 0, 1)'
 main
-for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 25 27 28 29 35 36 37 38 39 40 41 42 43 44 45 48 50 51 52 53 54 60 62 63 64 65 66 67 68 69 71 72 73 74 75 76 78 79 80 81 83 86 87 90 91 92 93 94 95 96 97 100 101 102 103 104 107 108 111; do
+for tree in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 25 27 28 29 35 36 37 38 39 40 41 42 43 44 45 48 50 51 52 53 54 60 62 63 64 65 66 67 68 69 71 72 73 74 75 76 78 79 80 81 83 86 87 90 91 92 93 94 95 96 97 100 101 102 103 104 107 108 111 112 113; do
   today $tree 8 || continue
   write $tree --sdirk
   scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
   agree $tree -O0
   largest_sdirk=$(larger $largest_sdirk)
-  by_trace $tree --sdirk
   case $tree in
   0 | 4 | 16 | 17 | 20 | 35 | 36 | 39 | 45 | 53 | 60 | 73 | 75 | 83 | 93 | 100 | 102 | 104) # of 45 some steps are refused as the friction of its rotors has not settled, of 104 as lines have not
     scheme="-DSDIRK -Dgenerated_ITERATIONS=$([ $tree = 45 ] && echo 4 || { [ $tree = 104 ] && echo 3 || echo 2; })"
     agree $tree -O0
     largest_sdirk=$(larger $largest_sdirk)
     compile
-    by_trace $tree --sdirk
-    ;;
+      ;;
   6 | 7 | 8 | 11 | 18 | 21 | 35 | 38 | 43 | 63 | 71 | 80 | 102 | 103)
     both $tree --sdirk
     single_sdirk=$(larger $single_sdirk)
-    by_trace $tree --single --sdirk
     ;;
   esac
   implicit=$((implicit + 1))
-done
-scheme="-DSDIRK -Dgenerated_ITERATIONS=5"
-for tree in 112 113; do # by a trace alone
-  today $tree 8 || continue
-  "$out/write" $tree --members --loads > "$out/members.h"
-  by_trace $tree --sdirk
 done
 scheme=
 call='generated_step(&s, 0, 0, 0, 1)'
@@ -189,9 +144,6 @@ all_lanes() {
   compile
   lanes -O0 1 double
   lanes "$level $avx" 4 double
-  if [ -z "${1:-}" ] && "$out/write" $tree --loads --traced --lanes > "$out/code.h" 2> "$out/log"; then # else by_trace has told why not
-    lanes "-O0 -DTRACED $avx" 4 double
-  fi
   if [ $tree -lt 92 ] || [ $tree -gt 100 ]; then # the others have gravity of a center, which bodies on joints have in double precision alone
     write $tree --single --lanes ${1:-}
     lanes "-O0 $avx" 8 float
@@ -602,7 +554,7 @@ scene 'integrator sdirk' 'step 0.01'
 call='generated_step(&s, 0, 0, 1)'
 main
 try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
-grep -q 'their step of sdirk, by the equations of fb_system_sdirk_step' "$out/generated.h" || fail "the head of a step of SDIRK"
+grep -q 'their step of sdirk: fb_system_sdirk_step' "$out/generated.h" || fail "the head of a step of SDIRK"
 mv "$out/generated.h" "$out/code.h"
 compile
 try build/flexbeam scene "$out/scene.txt" --lanes --code "$out/generated.h"
@@ -724,21 +676,21 @@ compile
 scene "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end" \
   "rotor fly array" "axis 1 0 0" "inertia 0.1" "end"
 written scene
-# by a trace alone
 scene "body alone rigid" "hub 1 0 0 0 1 1 1" "end"
 written scene
 scene "rotor fly hub" "axis 1 0 0" "inertia 0.1" "static_imbalance 1e-4" "end"
 written scene
 scene "body alone rigid" "hub 1 0 0 0 1 1 1" "end" "body tail rigid" "hub 1 0 0 0 1 1 1" "end" "joint end universal hub tail" "mode free prescribed" "end"
 written scene
-refuse "alone: a second free body: each tree is a file of its own" none.h "body alone rigid" "hub 1 0 0 0 1 1 1" "end" "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end" # a trace would check redundant rows where the library need not
+scene "body alone rigid" "hub 1 0 0 0 1 1 1" "end" "body tail rigid" "hub 1 0 0 0 1 1 2" "end" "joint end revolute array.tip tail" "end" "loop pin spherical hub array.tip" "position 4.8 0 0" "end"
+written scene
 scene "body wheel rigid" "hub 1 0 0 0 1 1 2" "end" "joint axle revolute hub wheel" "end" "rotor fly hub" "axis 1 0 0" "inertia 0.1" "speed 100" "end"
 try build/flexbeam scene "$out/scene.txt" --code "$out/generated.h"
 grep -q 'rotor_motor\[1\]' "$out/generated.h" || fail "a scene's rotor has no motor"
 mv "$out/generated.h" "$out/code.h"
 compile
 balls=$(for k in 1 2 3 4 5 6 7 8; do printf 'body ball%s rigid\n  hub 1 0 0 0 1 1.1 1.2\nend\njoint ball%s spherical hub ball%s\nend\n' $k $k $k; done)
-scene "$balls" # by a trace
+scene "$balls"
 written scene
 call='generated_step(&s, 0, 0, 1)'
 main

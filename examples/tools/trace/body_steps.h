@@ -1,5 +1,5 @@
 /* body_steps.h - the step of a body and what is read off its state, as C of its own. The structs, the names and the functions
-   are those of code.h, which writes the declarations; the library's own functions, traced, are what stands in them. */
+   are those of code_body.h, which writes the declarations; the library's own functions, traced, are what stands in them. */
 #ifndef TRACE_BODY_STEPS_H
 #define TRACE_BODY_STEPS_H
 #include "places.h"

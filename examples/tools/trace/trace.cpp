@@ -8,7 +8,17 @@
 #define FB_WITH_ANALYSE 0
 #define FB_ALLOW_FAST_MATH /* the check for it computes with numbers of the machine */
 #define FLEXBEAM_STATIC
+/* the library whose numbers are a class takes minutes to optimize */
+#ifdef __clang__
+#pragma clang optimize off
 #include "../../../flexbeam.h"
+#pragma clang optimize on
+#else
+#pragma GCC push_options
+#pragma GCC optimize("O0")
+#include "../../../flexbeam.h"
+#pragma GCC pop_options
+#endif
 #include "body_steps.h"
 #include "derive.h"
 #include "replay.h"

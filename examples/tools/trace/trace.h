@@ -41,7 +41,7 @@ typedef struct trace_model {
 /* 0, or 1 with why in text. */
 int trace_write(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 
-/* The functions of the step of a single body or of bodies on joints that code.h or code_tree.h has declared; the same in single precision. */
+/* The functions of the step of a single body or of bodies on joints that code_body.h or code_tree.h has declared; the same in single precision. */
 int trace_step(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 int trace_step_single(FILE *out, const trace_choice *choice, const trace_model *model, char text[400]);
 
