@@ -4436,38 +4436,41 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, const fb_real *pi, i
 {
   for (int a = 0; a < n; a++) {
     const fb_real *const L = w->L + a * n, *const X = w->X + a, by = FB_R(1.0) / L[a];
-    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n], p = pi ? pi[a] : FB_R(0.0),
-            unused = FB_R(0.0);
+    fb_real sum[8] = {X[0], X[n], X[2 * n], X[3 * n], X[4 * n], X[5 * n], pi ? pi[a] : FB_R(0.0), FB_R(0.0)};
     for (int b = 0; b < a; b++) {
-      s -= L[b] * w->column[b][0];
-      t -= L[b] * w->column[b][1];
-      u -= L[b] * w->column[b][2];
-      x -= L[b] * w->column[b][3];
-      y -= L[b] * w->column[b][4];
-      z -= L[b] * w->column[b][5];
-      p -= L[b] * w->column[b][6];
-      unused -= L[b] * w->column[b][7];
+      FBI_UNROLL
+      FB_LOOP (int i = 0, i < 8, i++) {
+        sum[i] -= L[b] * w->column[b][i];
+      }
     }
-    w->column[a][0] = s * by;
-    w->column[a][1] = t * by;
-    w->column[a][2] = u * by;
-    w->column[a][3] = x * by;
-    w->column[a][4] = y * by;
-    w->column[a][5] = z * by;
-    w->column[a][6] = p * by;
-    w->column[a][7] = unused * by;
+    FBI_UNROLL
+    FB_LOOP (int i = 0, i < 8, i++) {
+      w->column[a][i] = sum[i] * by;
+    }
   }
 }
 
-/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S; pi: see above. */
+/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S, by rows that have an even number of columns; pi: see above. */
 static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
-  const int n = body->n;
   fbi_line_work *const w = k->line;
-  fbi_large_reduce(w, pi, n);
-  fbi_sym6_copy(k->S, w->M_rr);
-  for (int a = 0; a < n; a++) {
-    fbi_sym6_rank1_sub(k->S, FB_R(1.0), w->column[a]);
+  fbi_large_reduce(w, pi, body->n);
+  for (int i = 0; i < 6; i++) {
+    const int first = i / 2 * 2;
+    fb_real sum[6];
+    for (int j = first; j < 6; j++) {
+      sum[j] = w->M_rr[fb_sym6_index(i, j)];
+    }
+    for (int a = 0; a < body->n; a++) {
+      const fb_real *const z = w->column[a], s = z[i];
+      FBI_UNROLL
+      FB_LOOP (int j = first, j < 6, j++) {
+        sum[j] -= s * z[j];
+      }
+    }
+    for (int j = i; j < 6; j++) {
+      k->S[fb_sym6_index(i, j)] = sum[j];
+    }
   }
 }
 
@@ -4629,7 +4632,10 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
   fbi_vec3_copy(k->ph + 3, h);
   fbi_vec6_copy(y, k->ph);
   for (int a = 0; a < body->n; a++) {
-    fbi_vec6_sub(y, w->column[a][6], w->column[a]);
+    FBI_UNROLL
+    FB_LOOP (int i = 0, i < 6, i++) {
+      y[i] -= w->column[a][6] * w->column[a][i];
+    }
   }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_MASS, -1, FB_R(0.0), FB_R(0.0))
@@ -5581,7 +5587,7 @@ static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
 static FBI_NOINLINE fb_status fbi_large_state_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
                                                     const fb_state *state, const fb_input *input)
 {
-  FBI_TRY(fbi_large_velocity(k, body, state, input));
+  FBI_TRY(FB_KERNEL(fbi_large_velocity(k, body, state, input)));
   FBI_TRY(fbi_large_forces(k, body, state, state->pi, input));
   FBI_TRY(fbi_optional_gravity(k, body, state, fbi_optional_effects(body)));
   fbi_large_rates(rate->q, k, body, state->pi);
@@ -6158,7 +6164,7 @@ static fb_status fbi_velocity_now(fbi_kinetics *k, const fb_body *body, fb_state
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    const fb_status status = fbi_large_velocity(k, body, state, input);
+    const fb_status status = FB_KERNEL(fbi_large_velocity(k, body, state, input));
     return status == FB_OK ? fbi_large_elastic(k, body, state->pi) : status;
   }
 #endif
@@ -16417,14 +16423,14 @@ static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
    Source: block elimination.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
 static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, width = (n + rows + 1) / 2 * 2;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
   const fb_real *const L = k->line->L;
-  fb_real PF[FB_MAX_MODES][FB_MAX_MODES + 8], S[36]; /* by columns: P below the diagonal, F behind it */
+  fb_real PF[FB_MAX_MODES][FB_MAX_MODES + 6], S[36]; /* by columns: P below the diagonal, F behind it */
 
   /* P */
   for (int a = 0; a < n; a++) {
     fb_real *const P = PF[a];
-    fbi_zero(P, width);
+    fbi_zero(P, n);
     for (int i = a; i < n; i++) {
       fb_real sum = i == a ? FB_R(1.0) : FB_R(0.0);
       for (int m = a; m < i; m++) {
@@ -16456,7 +16462,7 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
   /* G */
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
-      G[a * n + b] = G[b * n + a] = fbi_line_dot(PF[a], PF[b], width);
+      G[a * n + b] = G[b * n + a] = fbi_dot(PF[a], PF[b], n + rows);
     }
   }
   return 1;
@@ -16564,7 +16570,7 @@ static FBI_INLINE fb_real fbi_rk4_longest(fb_real *spin, fb_real *acceleration, 
 #endif
   bound = fbi_frequency_bound(body, *spin, *acceleration, slope, strain);
 #if FB_WITH_LARGE_DEFLECTION
-  bound = optional & FB_EFFECT_LARGE_DEFLECTION ? fbi_large_bound(body, k, *spin, *acceleration) : bound;
+  bound = optional & FB_EFFECT_LARGE_DEFLECTION ? FB_KERNEL(fbi_large_bound(body, k, *spin, *acceleration)) : bound;
 #endif
   return fbi_step_limit(FBI_RK4_RADIUS, bound);
 }

@@ -25,6 +25,23 @@ static unsigned inputs_of_call(const graph &inner, const quiet_kernels &kernels,
   return bits;
 }
 
+/* What is zero whatever is given, of numbers of a loop. */
+const unsigned always_zero = 1u << 31;
+
+/* Bits of a number by those of nodes; 0: it never is zero for sure. */
+static unsigned bits_of(number a, const std::vector<unsigned> &of)
+{
+  return node_of(a) ? of[(std::size_t)node_of(a)] : is(a, 0.0) ? always_zero : 0u;
+}
+
+/* Bits of numbers that are zero together. */
+static unsigned bits_of_all(unsigned bits, unsigned more)
+{
+  return bits && more ? bits | more : 0u;
+}
+
+static unsigned inputs_of_loop(const graph &loop, const std::vector<unsigned> &of, const quiet_kernels &kernels);
+
 /* Per node of a graph the bits of the inputs without which it is zero; 0: it never is for sure. given: of its inputs;
    of none, all are given. */
 static std::vector<unsigned> zero_without(const graph &g, const std::vector<unsigned> &given,
@@ -37,6 +54,10 @@ static std::vector<unsigned> zero_without(const graph &g, const std::vector<unsi
     const node &n = g.nodes[i];
     if (n.op == 'i') {
       of[i] = given.empty() ? 0u : given[(std::size_t)n.a.d];
+    } else if (n.op == 'l') {
+      of[i] = inputs_of_loop(R.all[(std::size_t)n.a.d], of, kernels);
+    } else if (n.op == 'r' && g.nodes[(std::size_t)node_of(n.a)].op == 'l') {
+      of[i] = at(n.a);
     } else if (n.op == 'r') {
       const graph &inner = R.all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d];
       const auto found = kernels.find(inner.kind);
@@ -53,6 +74,34 @@ static std::vector<unsigned> zero_without(const graph &g, const std::vector<unsi
     }
   }
   return of;
+}
+
+/* Bits of the inputs without which all results of a loop are zero; 0: they are not, or it checks something. of: those of
+   the graph around it. What is carried is taken to be zero until what it becomes is found not to be. */
+static unsigned inputs_of_loop(const graph &loop, const std::vector<unsigned> &of, const quiet_kernels &kernels)
+{
+  std::vector<unsigned> given, own;
+  unsigned all = always_zero;
+  for (const feed &s : loop.feeds) {
+    given.push_back(always_zero);
+    for (int k = 0; k < arguments_of(loop, s); k++) {
+      given.back() = bits_of_all(given.back(), bits_of(loop.arguments[(std::size_t)(s.first + k)], of));
+    }
+  }
+  for (bool more = true; more;) {
+    more = false;
+    own = zero_without(loop, given, kernels);
+    for (std::size_t k = 0; k < given.size(); k++) {
+      const feed &s = loop.feeds[k];
+      const unsigned next = s.is == feed::CARRIED ? bits_of_all(given[k], bits_of(s.next, own)) : given[k];
+      more = more || next != given[k];
+      given[k] = next;
+    }
+  }
+  for (const auto &r : loop.results) {
+    all = bits_of_all(all, own[(std::size_t)r.first % loop.nodes.size()]);
+  }
+  return checks_anything(loop) ? 0u : all & ~always_zero;
 }
 
 /* Of the kernels that graph 0 of R calls: what all calls have in common. given: of the inputs of graph 0. */
@@ -97,13 +146,14 @@ struct item {
 struct order_of_items {
   const graph &g;
   const std::vector<unsigned> &of;
+  const std::vector<char> &live;
   std::vector<item> items;
   std::map<unsigned, std::vector<int>> waiting; /* nodes, by their inputs */
   std::vector<char> written;
   int block = 0;
 
-  order_of_items(const graph &graph, const std::vector<char> &live, const std::vector<unsigned> &zero)
-      : g(graph), of(zero), written(graph.nodes.size(), 0)
+  order_of_items(const graph &graph, const std::vector<char> &needed, const std::vector<unsigned> &zero)
+      : g(graph), of(zero), live(needed), written(graph.nodes.size(), 0)
   {
     std::size_t next = 0;
     for (std::size_t i = 1; i <= g.nodes.size(); i++) {
@@ -112,8 +162,8 @@ struct order_of_items {
           add_guard((int)next);
         }
       }
-      if (i < g.nodes.size() && live[i]) {
-        if (of[i] && !std::strchr("iklr", g.nodes[i].op)) {
+      if (i < g.nodes.size() && live[i] && !written[i]) {
+        if (of[i] && waits(g.nodes[i])) {
           waiting[of[i]].push_back((int)i);
         } else {
           add((int)i);
@@ -125,10 +175,23 @@ struct order_of_items {
     }
   }
 
+  /* What a kernel gives is known with its call, what a loop gives with the loop. */
+  bool waits(const node &n) const
+  {
+    return !std::strchr("ikr", n.op) || (n.op == 'r' && g.nodes[(std::size_t)node_of(n.a)].op == 'l');
+  }
+
   void need(number a)
   {
-    if (node_of(a) && !written[(std::size_t)node_of(a)]) {
-      release(of[(std::size_t)node_of(a)]);
+    const std::size_t i = (std::size_t)node_of(a);
+    if (i == 0 || written[i] || !live[i]) {
+      return;
+    }
+    if (of[i] && waits(g.nodes[i])) {
+      waiting[of[i]].push_back((int)i);
+      release(of[i]);
+    } else {
+      add((int)i); /* of what is done where a loop before it is (join.h) */
     }
   }
 
@@ -152,23 +215,42 @@ struct order_of_items {
     written[(std::size_t)i] = 1;
   }
 
+  /* What node i needs, of that which waits for the same inputs to the list, the rest before. */
+  void gather(std::vector<int> &list, std::vector<char> &seen, int i, unsigned bits)
+  {
+    const node &n = g.nodes[(std::size_t)i];
+    seen[(std::size_t)i] = 1;
+    for (number a : n.op == 'l' ? R.all[(std::size_t)n.a.d].arguments : std::vector<number>{n.a, n.b, n.c}) {
+      const std::size_t on = (std::size_t)node_of(a);
+      if (on > 0 && of[on] == bits && waits(g.nodes[on]) && live[on]) {
+        if (!written[on] && !seen[on]) {
+          gather(list, seen, (int)on, bits);
+        }
+      } else {
+        need(a);
+      }
+    }
+    list.push_back(i);
+  }
+
   /* All that waits for the same inputs, in a block. */
   void release(unsigned bits)
   {
-    const std::vector<int> list = waiting[bits];
+    const std::vector<int> of_bits = waiting[bits];
+    std::vector<int> list;
+    std::vector<char> seen(g.nodes.size(), 0);
     waiting[bits].clear();
-    for (int i : list) { /* what they need of others first */
-      const node &n = g.nodes[(std::size_t)i];
-      for (number a : {n.a, n.b, n.c}) {
-        if (node_of(a) && of[(std::size_t)node_of(a)] != bits) {
-          need(a);
-        }
+    for (int i : of_bits) {
+      if (!seen[(std::size_t)i]) {
+        gather(list, seen, i, bits);
       }
     }
     block += !list.empty();
     for (int i : list) {
-      items.push_back({false, i, bits, block});
-      written[(std::size_t)i] = 1;
+      if (!written[(std::size_t)i]) {
+        items.push_back({false, i, bits, block});
+        written[(std::size_t)i] = 1;
+      }
     }
   }
 

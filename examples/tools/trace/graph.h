@@ -938,8 +938,7 @@ static std::vector<number> arguments_of(const graph &g, const std::vector<char> 
   return list;
 }
 
-/* Does a graph have loops? What stands in rows for them is not factored and does not wait for inputs: iterations that are
-   alike have to stay alike, and all of a row has to be there. */
+/* Does a graph have loops? What stands in rows for them is not factored: iterations that are alike have to stay alike. */
 static bool has_loops(const graph &g)
 {
   bool any = false;
@@ -963,16 +962,20 @@ static std::vector<char> needed(const graph &g, const std::vector<number> &resul
       mark(c.a), mark(c.b);
     }
   }
-  for (std::size_t i = g.nodes.size() - 1; i > 0; i--) {
-    const node &n = g.nodes[i];
-    if (is_call(n) && (live[i] || checks_anything(R.all[(std::size_t)n.a.d]))) {
-      live[i] = 1;
-      for (number a : arguments_of(R.all[(std::size_t)n.a.d], live, read)) {
-        mark(a);
-      }
-    } else if (live[i] && !is_call(n)) {
-      for (number a : operands(g, n)) {
-        mark(a);
+  for (bool more = true; more;) { /* again where a loop needs what stands behind it (join.h) */
+    more = false;
+    for (std::size_t i = g.nodes.size() - 1; i > 0; i--) {
+      const node &n = g.nodes[i];
+      if (is_call(n) && (live[i] || checks_anything(R.all[(std::size_t)n.a.d]))) {
+        live[i] = 1;
+        for (number a : arguments_of(R.all[(std::size_t)n.a.d], live, read)) {
+          more = more || (node_of(a) > (int)i && !live[(std::size_t)node_of(a)]);
+          mark(a);
+        }
+      } else if (live[i] && !is_call(n)) {
+        for (number a : operands(g, n)) {
+          mark(a);
+        }
       }
     }
   }

@@ -103,7 +103,13 @@ static bool goes_down(const writer &w, const graph &g, const std::vector<char> &
 static std::string list_text(writer &w, const graph &g, const feed &s, bool down)
 {
   const std::vector<std::string> list = list_of(w, g, s, down);
-  const std::string by_lane = g.lanes > 1 ? "[" + std::to_string(g.trips / g.lanes) + " * i + j]" : "[j]";
+  std::vector<std::string> in_turn; /* lanes beside each other, for vectors */
+  const std::string by_lane = g.lanes > 1 ? "[" + std::to_string(g.lanes) + " * j + i]" : "[j]";
+  for (int j = 0; j < g.trips / g.lanes; j++) {
+    for (int i = 0; i < g.lanes; i++) {
+      in_turn.push_back(list[(std::size_t)(i * (g.trips / g.lanes) + j)]);
+    }
+  }
   bool constant = true;
   for (int j = 0; j < g.trips; j++) {
     constant = constant && !node_of(g.arguments[(std::size_t)(s.first + j)]);
@@ -115,14 +121,14 @@ static std::string list_text(writer &w, const graph &g, const feed &s, bool down
         return walk{w.table(span), at.start, at.step, at.lane_step}.text();
       }
     }
-    return w.table(list) + by_lane;
+    return w.table(in_turn) + by_lane;
   }
   const walk at = walk_of(list, g.lanes);
   if (at.step != 0 || at.lane_step != 0) {
     return at.text();
   }
   std::string all;
-  for (const std::string &x : list) {
+  for (const std::string &x : in_turn) {
     all += (all.empty() ? "" : ", ") + x;
   }
   const std::string own = "g" + std::to_string(w.n_loop++);
@@ -195,6 +201,9 @@ static void place_spans(writer &w)
       if (!node_of(span[k])) {
         w.line(name + "[" + std::to_string(k) + "] = " + w.constant(span[k].d) + ";");
       } else if (w.live[(std::size_t)node_of(span[k])]) {
+        if (w.zero[(std::size_t)node_of(span[k])]) { /* where it is not computed */
+          w.line(name + "[" + std::to_string(k) + "] = 0.0;");
+        }
         w.places[node_of(span[k])].push_back({name, (int)k});
         w.uses[(std::size_t)node_of(span[k])]++;
       }
@@ -202,19 +211,30 @@ static void place_spans(writer &w)
   }
 }
 
-/* The part of a span where all of these results of a loop stand, by their indices; "": there is none. */
-static std::string row_place(const writer &w, const graph &g, int node, const std::vector<int> &iterations)
+/* The part of a span where all of these results of a loop stand, by their indices; "": there is none. Among the results of
+   a kernel there is room for those that nothing asks for. */
+static std::string row_place(const writer &w, const graph &g, int node, const std::vector<int> &iterations, int &start)
 {
+  const bool sums = (int)iterations.size() < g.trips;
   std::vector<std::string> list;
+  bool all = true, in_r = !sums && g.lanes == 1;
   for (int k : iterations) {
     const auto r = g.results.find(place_of(g, k, node));
     const auto at = r == g.results.end() ? w.places.end() : w.places.find(r->second);
     if (at == w.places.end()) {
-      return "";
+      all = false;
+      continue;
     }
+    const int own = at->second[0].second - k;
     list.push_back(writer::element(at->second[0]));
+    in_r = in_r && at->second[0].first == "r" && (start < 0 || own == start);
+    start = own;
   }
-  const bool sums = (int)iterations.size() < g.trips;
+  if (!all) {
+    start = in_r && 2 * (int)list.size() > g.trips && iterations[0] == 0 ? start : -1;
+    return start < 0 ? "" : walk{"r", start, 1, 0}.text();
+  }
+  start = -1;
   const walk at = walk_of(list, sums ? 1 : g.lanes);
   return at.step <= 0 ? "" : sums ? walk{at.array, at.start, 0, at.step}.text() : at.text();
 }
@@ -232,6 +252,7 @@ struct loop_writer {
   std::map<int, std::string> carried; /* by the node that it becomes */
   std::map<int, bool> sums;           /* of the nodes that are results: is that of the last iteration enough? */
   std::map<int, std::string> row;     /* where they stand */
+  std::map<int, int> row_start;       /* of rows among the results of a kernel that have room for others */
 
   loop_writer(writer &to, int i)
       : w(to), g(R.all[(std::size_t)to.of_graph->nodes[(std::size_t)i].a.d]), live(needed_in(g, to.live)),
@@ -297,7 +318,11 @@ struct loop_writer {
       if (r.second && g.lanes == 1) {
         continue; /* the variable itself */
       }
-      const std::string place = row_place(w, g, r.first, kept(r.first));
+      int start = -1;
+      const std::string place = row_place(w, g, r.first, kept(r.first), start);
+      if (start >= 0) {
+        row_start[r.first] = start;
+      }
       const std::string index = r.second ? "i" : g.lanes > 1 ? std::to_string(length) + " * i + j" : "j";
       row[r.first] = place.empty() ? "l" + name + "[" + std::to_string(n_row++) + "][" + index + "]" : place;
     }
@@ -359,13 +384,21 @@ struct loop_writer {
     }
     std::vector<int> uses = count_uses();
     std::vector<std::string> text(g.nodes.size());
+    std::vector<char> outlasts(g.nodes.size(), 0);
     const graph *of = &g;
+    auto swap_all = [&] {
+      std::swap(w.uses, uses), std::swap(w.text, text), std::swap(w.names, inputs), std::swap(w.of_graph, of);
+      std::swap(w.outlasts, outlasts);
+    };
+    if (!carried_slots.empty()) { /* no compiler computes such iterations together by itself */
+      w.line(w.name + "_UNROLL");
+    }
     w.line(down ? "for (int j = " + last + "; j >= 0; j--) {" : "for (int j = 0; j < " + end + "; j++) {");
-    std::swap(w.uses, uses), std::swap(w.text, text), std::swap(w.names, inputs), std::swap(w.of_graph, of);
+    swap_all();
     w.indent += 2;
     write_iteration();
     w.indent -= 2;
-    std::swap(w.uses, uses), std::swap(w.text, text), std::swap(w.names, inputs), std::swap(w.of_graph, of);
+    swap_all();
     w.line("}");
     for (const auto &r : row) {
       if (sums[r.first]) {
@@ -383,16 +416,23 @@ struct loop_writer {
         continue;
       }
       std::string &own = w.text[(std::size_t)r.second];
+      const std::string outside = w.outlasts[(std::size_t)r.second] ? own : "";
       const auto in_span = w.places.find(r.second);
       const bool placed = row.count(node) && row[node][0] != 'l' && in_span != w.places.end();
       if (placed) {
         own = writer::element(in_span->second[0]);
+      } else if (row_start.count(node)) {
+        own = writer::element({"r", row_start[node] + trip});
       } else if (row.count(node)) {
         const std::string &at = row[node];
         const int index = sums[node] ? trip / length : down ? length - 1 - trip : trip;
         own = at.substr(0, at.rfind('[') + 1) + std::to_string(index) + "]";
       } else {
         own = carried[node];
+      }
+      if (!outside.empty()) {
+        w.line(outside + " = " + own + ";");
+        own = outside;
       }
       w.put(r.second, placed);
     }

@@ -158,7 +158,7 @@ struct file_of_functions {
   writer w;
   std::vector<traced> all;
   std::set<std::string> taken; /* names of kernels */
-  std::set<std::uint64_t> written;
+  std::set<std::uint64_t> written, placed;
 
   file_of_functions(FILE *out, const trace_choice *of) : choice(of)
   {
@@ -288,9 +288,23 @@ struct file_of_functions {
     return more;
   }
 
-  /* Places of the arguments and results of a kernel: first what is carried. */
-  static void place(kernel_text &k, const std::vector<char> &read, const std::map<int, int> &carried)
+  /* Places of the arguments and results of a kernel, after those that it calls: first what is carried. What these leave
+     is not copied where most of it is a result of this one, too. */
+  void place(const recording &made, int at)
   {
+    const graph &g = made.all[(std::size_t)at];
+    kernel_text &k = w.kernel[g.kind];
+    const std::vector<char> &read = w.read[g.kind];
+    const std::map<int, int> &carried = w.carried[g.kind];
+    std::map<int, int> taken_of; /* results by call */
+    if (g.loops || !placed.insert(g.kind).second) {
+      return;
+    }
+    for (const node &n : g.nodes) {
+      if (n.op == 'k') {
+        place(made, (int)n.a.d);
+      }
+    }
     for (const auto &c : carried) {
       k.arguments.push_back(c.first);
       k.carried.push_back(c.second);
@@ -301,10 +315,49 @@ struct file_of_functions {
       }
     }
     k.n_result = (int)k.carried.size();
+    auto call_of = [&](int r) {
+      const node &n = g.nodes[(std::size_t)r];
+      const graph *const called =
+          n.op == 'r' ? &made.all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d] : nullptr;
+      return called && !called->loops && called->slots.empty() ? node_of(n.a) : 0;
+    };
+    std::map<std::pair<int, int>, int> row_size, row_start; /* of loops, by loop and node: its results stand in a row */
+    for (int r : k.in_rows) {
+      const node &n = g.nodes[(std::size_t)r];
+      taken_of[call_of(r)]++;
+      row_size[{node_of(n.a), (int)n.b.d}] += is_of_loop(made, g, n);
+    }
     for (int r : k.in_rows) {
       const auto found = std::find(k.carried.begin(), k.carried.end(), r);
-      k.results[r] = found != k.carried.end() ? (int)(found - k.carried.begin()) : k.n_result++;
+      const int call = call_of(r);
+      const kernel_text *const of =
+          call ? &w.kernel.at(made.all[(std::size_t)g.nodes[(std::size_t)call].a.d].kind) : nullptr;
+      if (found != k.carried.end()) {
+        k.results[r] = (int)(found - k.carried.begin());
+      } else if (of && 2 * taken_of[call] > of->n_result) {
+        if (k.inner.insert({call, k.n_result}).second) {
+          k.n_result += of->n_result;
+        }
+        k.results[r] = k.inner[call] + of->results.at((int)g.nodes[(std::size_t)r].b.d);
+      } else {
+        const node &n = g.nodes[(std::size_t)r];
+        const std::pair<int, int> row(node_of(n.a), (int)n.b.d);
+        const int trips = is_of_loop(made, g, n) ? made.all[(std::size_t)g.nodes[(std::size_t)row.first].a.d].trips : 0;
+        if (trips > 2 && 2 * row_size[row] > trips) {
+          if (row_start.insert({row, k.n_result}).second) {
+            k.n_result += trips;
+          }
+          k.results[r] = row_start[row] + (int)n.c.d;
+        } else {
+          k.results[r] = k.n_result++;
+        }
+      }
     }
+  }
+
+  static bool is_of_loop(const recording &made, const graph &g, const node &n)
+  {
+    return n.op == 'r' && made.all[(std::size_t)g.nodes[(std::size_t)node_of(n.a)].a.d].loops;
   }
 
   /* Results of a kernel, those of a loop one behind the other by iteration. */
@@ -370,8 +423,11 @@ struct file_of_functions {
         out,
         "#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 9 /* else what follows many checks is "
         "taken to be rare */\n#define %s(x) __builtin_expect_with_probability((x), 0, 1.0)\n#else\n#define "
-        "%s(x) (x)\n#endif\n#ifdef __GNUC__\n#define %s_RESTRICT __restrict\n#else\n#define %s_RESTRICT\n#endif\n\n",
-        w.rarely.c_str(), w.rarely.c_str(), w.name.c_str(), w.name.c_str());
+        "%s(x) (x)\n#endif\n#ifdef __GNUC__\n#define %s_RESTRICT __restrict\n#else\n#define %s_RESTRICT\n#endif\n"
+        "#if defined(__clang__)\n#define %s_UNROLL _Pragma(\"unroll 8\")\n#elif defined(__GNUC__)\n#define %s_UNROLL "
+        "_Pragma(\"GCC unroll 8\")\n#else\n#define %s_UNROLL\n#endif\n\n",
+        w.rarely.c_str(), w.rarely.c_str(), w.name.c_str(), w.name.c_str(), w.name.c_str(), w.name.c_str(),
+        w.name.c_str());
     for (const auto &t : w.tables) {
       std::string list;
       for (const std::string &x : t.first) {
@@ -434,8 +490,8 @@ struct file_of_functions {
         }
       }
     }
-    for (auto &k : w.kernel) {
-      place(k.second, w.read[k.first], w.carried[k.first]);
+    for (const auto &k : order) {
+      place(all[k.first].made, k.second);
     }
     if (!w.wide) {
       write_finite();

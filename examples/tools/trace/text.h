@@ -3,6 +3,7 @@
 #ifndef TRACE_TEXT_H
 #define TRACE_TEXT_H
 #include "given.h"
+#include "join.h"
 #include "loops.h"
 #include <cstdio>
 #include <functional>
@@ -20,6 +21,7 @@ struct kernel_text {
   std::vector<int> arguments; /* that it reads, in their order: those from which all turns of a loop begin first */
   std::vector<int> carried;   /* so: nodes that the next turn takes in their place */
   std::vector<int> in_rows;   /* the results in their order */
+  std::map<int, int> inner;   /* calls whose results are results of it: where they begin */
 
   int n_result = 0;
 };
@@ -192,6 +194,14 @@ struct writer {
     return ", " + (s.empty() ? "0" : s);
   }
 
+  /* Does a text stand `by` places behind another one in an array? */
+  static bool follows(const std::string &first, const std::string &text, int by)
+  {
+    const std::size_t open = first.rfind('[');
+    return open != std::string::npos && first.back() == ']' && first.find_first_of(" (") == std::string::npos &&
+           text == first.substr(0, open + 1) + std::to_string(std::atoi(first.c_str() + open + 1) + by) + "]";
+  }
+
   /* The call of a kernel, or a loop of calls, whose results stand in r1, r2, .. */
   void call_kernel(int i)
   {
@@ -199,19 +209,27 @@ struct writer {
     const kernel_text &k = kernel.at(inner.kind);
     const auto turns_of = loops.find(i);
     const bool turning = turns_of != loops.end();
-    const std::string index = std::to_string(n_call++), results = "r" + index, taken = "a" + index,
-                      in = turning ? "    " : "  ";
-    std::string arguments;
-    for (int a : k.arguments) {
-      arguments += (arguments.empty() ? "" : ", ") + of(inner.arguments[(std::size_t)a]);
+    const bool passed = of_kernel && of_kernel->inner.count(i);
+    const std::string index = std::to_string(n_call++), taken = "a" + index, in = turning ? "    " : "  ",
+                      results = passed ? "r + " + std::to_string(of_kernel->inner.at(i)) : "r" + index;
+    std::string arguments, in_row; /* as they are; where they stand one behind the other */
+    for (const int &a : k.arguments) {
+      const std::string own = of(inner.arguments[(std::size_t)a]);
+      const int at = (int)(&a - &k.arguments[0]);
+      in_row = at == 0 ? own : in_row;
+      in_row = follows(in_row, own, at) ? in_row : "";
+      arguments += (arguments.empty() ? "" : ", ") + own;
     }
+    const bool copied = turning || in_row.empty() || wide;
     const auto condition = only_if.find(inner.name);
     text[(std::size_t)i] = results;
-    line(real + " " + results + "[" + std::to_string(k.n_result > 0 ? k.n_result : 1) + "];");
+    if (!passed) {
+      line(real + " " + results + "[" + std::to_string(k.n_result > 0 ? k.n_result : 1) + "];");
+    }
     line(condition != only_if.end()                   ? "if (" + condition->second + ") {"
          : inner.name == judged && !last_loop.empty() ? "if (" + last_loop + " > 1) {"
                                                       : "{");
-    if (!arguments.empty()) {
+    if (!arguments.empty() && copied) {
       line((turning ? "  " : "  const ") + real + " " + taken + "[" + std::to_string(k.arguments.size()) + "] = {" +
            arguments + "};");
     }
@@ -225,7 +243,10 @@ struct writer {
       line("  for (int j = 0; j < " + last_loop + "; j++) {");
     }
     const std::string call = k.name + "(" + (varies ? "model, " : "") + results + ", " +
-                             (arguments.empty() ? "NULL" : taken) + (wide ? ", &good" : "") + acts(inner) + ");";
+                             (arguments.empty() ? "NULL"
+                              : copied          ? taken
+                                                : "&" + in_row) +
+                             (wide ? ", &good" : "") + acts(inner) + ");";
     if (wide) {
       line(in + call);
     } else {
@@ -329,7 +350,10 @@ struct writer {
       if (between.count(node_of(n.a))) { /* is nothing that has a name */
         return;
       }
-      text[(std::size_t)i] = of(n.a) + "[" + std::to_string(kernel.at(inner.kind).results.at((int)n.b.d)) + "]";
+      const int at = kernel.at(inner.kind).results.at((int)n.b.d);
+      text[(std::size_t)i] = of_kernel && of_kernel->inner.count(node_of(n.a))
+                                 ? element({"r", of_kernel->inner.at(node_of(n.a)) + at})
+                                 : element({of(n.a), at});
       return;
     }
     s = expression(n);
@@ -385,7 +409,7 @@ struct writer {
       block[(std::size_t)now.at] = now.block;
       if (is_call(n)) {
         for (number a : R.all[(std::size_t)n.a.d].arguments) {
-          use(a, 0);
+          use(a, now.block);
         }
       }
       for (number a : operands(g, n)) {
@@ -428,6 +452,11 @@ struct writer {
       of_results.push_back(r.second);
     }
     live = needed(g, of_results, true, settled ? &read : nullptr);
+    zero = zero_without(g, given, quiet);
+    if (has_loops(g)) {
+      joining{(int)(&g - &R.all[0]), live, zero}.join_all();
+      live = needed(g, of_results, true, settled ? &read : nullptr);
+    }
     of_graph = &g;
     loops = loops_of(g, live);
     between.clear();
@@ -456,11 +485,10 @@ struct writer {
         use(c.a), use(c.b);
       }
     }
-    zero = zero_without(g, given, quiet);
     places.clear();
     for (std::size_t i = 1; of_kernel && i < g.nodes.size(); i++) {
       const auto at = of_kernel->results.find((int)i);
-      if (live[i] && at != of_kernel->results.end() && is_of_loop(g.nodes[i])) {
+      if (live[i] && !zero[i] && at != of_kernel->results.end() && is_of_loop(g.nodes[i])) {
         places[(int)i].push_back({"r", at->second});
       }
     }
@@ -468,8 +496,7 @@ struct writer {
     if (has_loops(g)) {
       place_spans(*this);
     }
-    const std::vector<unsigned> waits = has_loops(g) ? std::vector<unsigned>(zero.size(), 0u) : zero;
-    const order_of_items order(g, live, waits);
+    const order_of_items order(g, live, zero);
     mark_outlasting(order.items, of_results);
     int block = 0;
     for (const item &now : order.items) {
