@@ -650,7 +650,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
   y[5] = S[5] * x[0] + S[10] * x[1] + S[14] * x[2] + S[17] * x[3] + S[19] * x[4] + S[20] * x[5];
 }
 
-#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
+#if FB_WITH_SYSTEM
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
   memcpy(T, S, 21 * sizeof *T);
