@@ -3171,7 +3171,7 @@ typedef struct fbi_link_work {
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
   fb_real V[6], u[6], q_dot[FB_MAX_MODES];                               /* solution */
-  fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
+  fb_real rate[6];                                                       /* V of a free root by what was eliminated */
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
   fb_real spin, acceleration;
@@ -3182,21 +3182,24 @@ typedef struct fbi_link_work {
 
 typedef struct fbi_end { /* one side of a constraint */
   int link, node, moves;
-  fbi_node_field f;
-  fb_real n[3];                                   /* the node, body axes */
-  fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
-  fb_real move[6];                                /* v, w of a solution, body axes */
-  fb_real impulse[6];                             /* sum of mu times the wrenches of the rows, body axes */
-  fb_real push[6];                                /* of mu times their rates along the motion, inertial axes */
+  fb_real n[3], N[9];             /* the node, its section axes: body axes */
+  fb_real x[3], R[9], v[3], w[3]; /* node, section axes, motion: inertial axes; of springs, of what forces look at */
+  fb_real move[6], a[6];          /* v, w of a solution; accelerations: body axes */
+  fb_real impulse[6], push[6];    /* sums of mu times the wrenches of the rows, times their rates: body axes */
+  fbi_node_field f;               /* of bodies with modes */
 } fbi_end;
 
-typedef struct fbi_frames { /* joint frames, inertial axes: sketch at fbi_frames_eval */
+typedef struct fbi_frames { /* joint frames, axes P of the joint on its parent: sketch at fbi_frames_eval */
   fbi_end *end[2];
-  int at[2];                /* indices of the ends */
-  fb_real a[3][3], b[3][3]; /* axes x, y, z on the parent, on the child */
-  fb_real x[2][3];          /* origins on the parent, on the child */
-  fb_real arm[2][3];        /* from each end to x[1] */
-  fb_real step[3];          /* from x[0] to x[1] */
+  int at[2];                               /* indices of the ends */
+  int on;                                  /* the last body that carries both ends, FB_GROUND: none */
+  fb_real D[2][9];                         /* P to the axes of the body of each end, of the ground inertial ones */
+  fb_real b[3][3];                         /* axes x, y, z on the child */
+  fb_real arm[2][3], own_arm[2][3];        /* from each end to the joint's origin on the child; in its body's axes */
+  fb_real step[3];                         /* to there from the origin on the parent */
+  fb_real lever[FB_MAX_BODIES];            /* distances to there from the joints that lead to the ends */
+  fb_real u[2][3];                         /* velocities of the frames of the trees, if not of one body */
+  fb_real v[2][3], w[2][3], arm_dot[2][3]; /* of the ends by a solution */
 } fbi_frames;
 
 typedef struct fbi_span { /* of a spring, between its points; inertial axes */
@@ -3207,12 +3210,20 @@ typedef struct fbi_span { /* of a spring, between its points; inertial axes */
 } fbi_span;
 
 typedef struct fbi_row {
-  fb_row r;
+  fb_row r;            /* of a joint in its axes P */
+  const fbi_frames *f; /* of a joint; NULL: a row of the caller's */
   int end[2], joint, axis;
   fb_real wrench[2][6]; /* force, torque at each end, axes of its body */
-  fb_real force_dot[2][3], torque_dot[2][3], b_dot;
-  fb_real most; /* upper bound of its value without impulses */
+  fb_real size[2][2];   /* of a force and a torque at one point at each end, of a joint x[1], else the node */
+  fb_real force_dot[2][3], torque_dot[2][3], b_dot; /* the first two of the caller's */
+  fb_real most;                                     /* upper bound of its value without impulses */
 } fbi_row;
+
+typedef struct fbi_way { /* a row on the axes and modes of the bodies that lead to its ends, eliminated (E9.9) */
+  int n, link[FB_MAX_BODIES];
+  fb_real axis[FB_MAX_BODIES][6], mode[FB_MAX_BODIES][FB_MAX_MODES];
+  fb_real turns[FB_MAX_BODIES], slides[FB_MAX_BODIES]; /* at most, before it is eliminated, of axes that do so */
+} fbi_way;
 
 struct fb_system_work {
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
@@ -3228,6 +3239,7 @@ struct fb_system_work {
   fbi_link_work link[FB_MAX_BODIES];
   fbi_end end[FBI_MAX_ENDS];
   fbi_row row[FB_MAX_ROWS];
+  fbi_way way[FB_MAX_ROWS];
   fbi_frames frames[FB_MAX_LOOPS]; /* of the joints of loops, as the rows were filled */
   fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
   fb_pose pose[FB_MAX_BODIES];

@@ -9302,15 +9302,22 @@ static fb_status fbi_free_factor(fbi_link_work *L)
   return FB_OK;
 }
 
+/* Are the factors of S at a free joint known? n: modes of its body. */
+static fb_status fbi_free_ready(fbi_link_work *L, int n)
+{
+  return fbi_free_factor(L) == FB_OK ? FB_OK
+         : !fbi_is_finite(L->S, 21)  ? FB_ERR_NOT_FINITE
+         : n > 0                     ? FB_ERR_RANGE
+                                     : FB_ERR_UNDETERMINED;
+}
+
 /* V of a body on a free joint: S V = p - b, or prescribed; G = S V. */
 static fb_status fbi_free_out(fb_real V[6], fbi_link_work *L, int n)
 {
   if (L->mode[0] == FB_AXIS_FREE) {
     fbi_vec6_copy(L->G, L->p);
     fbi_vec6_add(L->G, -FB_R(1.0), L->b);
-    if (fbi_free_factor(L) != FB_OK) {
-      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
-    }
+    FBI_TRY(fbi_free_ready(L, n));
     fbi_sym6_back(V, &L->factors, L->G);
   } else {
     if (L->mode[0] == FB_AXIS_PRESCRIBED) {
@@ -9417,19 +9424,15 @@ static void fbi_child_rhs_add_at(fb_system_work *w, const fb_system *system, con
                     joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
 }
 
-/* What E9.5 solves for, and what link.passed says: no row has passed, or none will. */
+/* What link.passed says: no row has passed, or none will; E9.5 solves for the ends of rows, or for all. */
 #define FBI_ALL_LINKS (-2)
 #define FBI_ENDS (-1)
 
-/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out
-   from the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p
-   and pi do not contain. b and G become the momentum of the subtree less y.
-   row: FBI_ALL_LINKS, or for velocities at the ends of rows alone, without G and what leads to none of them, FBI_ENDS; or
-   so, and y and pi are an impulse on this row: links that it does not pass have nothing on the right-hand side.
-   Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
-static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, int row)
+/* Pass in from the tips. row: FBI_ALL_LINKS; or p and pi are an impulse on this row, so that links that it does not pass
+   have nothing on the right-hand side. */
+static FBI_INLINE void fbi_links_inward(fb_system_work *w, const fb_system *system, int row)
 {
-  const int every = row < 0, all = row == FBI_ALL_LINKS;
+  const int every = row == FBI_ALL_LINKS;
 
   /* right-hand side */
   for (int k = 0; k < system->n_body; k++) {
@@ -9455,6 +9458,22 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
       fbi_child_rhs_add(parent, L, L->joint, parent ? parent->model->n : 0);
     }
   }
+}
+
+static FBI_FLATTEN FBI_NOINLINE void fbi_tree_inward(fb_system_work *w, const fb_system *system, int row)
+{
+  fbi_links_inward(w, system, row);
+}
+
+/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out
+   from the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p
+   and pi do not contain. b and G become the momentum of the subtree less y.
+   row: FBI_ALL_LINKS, or for velocities at the ends of rows alone, without G and what leads to none of them, FBI_ENDS.
+   Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
+static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, int row)
+{
+  const int all = row == FBI_ALL_LINKS;
+  fbi_links_inward(w, system, FBI_ALL_LINKS);
 
   /* out from the ground */
   for (int k = 0; k < system->n_body; k++) {
@@ -9692,30 +9711,41 @@ static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, co
 
 /* ---- constraints */
 
-/* End of a constraint or spring, a node of a body or the ground: position and section axes. */
+/* End of a constraint or spring, a node of a body or the ground: where its body has it. */
 static void fbi_end_place(fbi_end *end, const fb_system_work *w, const fb_system *system, const fb_body *body, int link,
                           int node)
 {
-  memset(end, 0, sizeof *end);
+  memset(end, 0, offsetof(fbi_end, f)); /* of the field what bodies without modes have */
+  fbi_vec3_zero(end->f.u);
+  fbi_vec3_zero(end->f.phi);
   end->link = link;
   end->node = node;
-  end->R[0] = end->R[4] = end->R[8] = FB_R(1.0);
+  end->N[0] = end->N[4] = end->N[8] = FB_R(1.0);
   if (link >= 0) {
     const fb_body *model = fbi_model(system, body, link);
     const fbi_link_work *L = &w->link[link];
     fbi_vec3_copy(end->n, model->node[node].r);
-    fbi_mat33_copy(end->R, L->k.R);
     if (model->n > 0) {
-      fb_real quat[4], turn[9];
+      fb_real quat[4];
       end->moves = fbi_node_moves(model, node);
       fbi_node_eval(&end->f, &L->k, model, &model->node[node], L->k.qx + 1);
       fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
       fbi_node_quat(quat, &end->f, model, &model->node[node]);
-      fb_quat_to_mat33(turn, quat);
-      fb_mat33_mul(end->R, L->k.R, turn);
+      fb_quat_to_mat33(end->N, quat);
     }
+  }
+}
+
+/* Its position and section axes, inertial axes. */
+static void fbi_end_pose(fbi_end *end, const fb_system_work *w)
+{
+  if (end->link >= 0) {
+    const fbi_link_work *L = &w->link[end->link];
     fb_mat33_mul_vec3(end->x, L->k.R, end->n);
     fbi_vec3_add(end->x, FB_R(1.0), L->rho);
+    fb_mat33_mul(end->R, L->k.R, end->N);
+  } else {
+    fbi_mat33_copy(end->R, end->N);
   }
 }
 
@@ -9793,8 +9823,110 @@ static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const
   fbi_end_wrench(y, e, end, n, s, wrench);
 }
 
-/* Joint frames of a joint j that closes a loop, on its parent (origin x[0], axes a[i]) and child (origin x[1], axes
-   b[i]). Ends are the nodes that carry them; rows exert their forces at x[1].
+/* The last body that carries both a and b, or is one of them; FB_GROUND: none. */
+static int fbi_carrier(const fb_system *system, int a, int b)
+{
+  while (a != b) {
+    if (a > b) {
+      a = system->joint[a].parent;
+    } else {
+      b = system->joint[b].parent;
+    }
+  }
+  return a;
+}
+
+/* Pose of body k as the body `on` has it that carries it; FB_GROUND: in the frame of its tree. */
+static void fbi_link_seen(fb_real R[9], fb_real rho[3], const fb_system_work *w, int k, int on)
+{
+  const fbi_link_work *L = k >= 0 ? &w->link[k] : NULL;
+  if (k == on) {
+    fbi_zero(R, 9);
+    R[0] = R[4] = R[8] = FB_R(1.0);
+    fbi_vec3_zero(rho);
+    return;
+  }
+  fbi_mat33_copy(R, on < 0 ? L->k.R : L->C);
+  fbi_vec3_copy(rho, on < 0 ? L->rho : L->s);
+  while (on >= 0 && L->parent != &w->link[on]) {
+    fb_real x[3], turn[9];
+    L = L->parent;
+    fb_mat33_mul_vec3(x, L->C, rho);
+    fbi_vec3_copy(rho, L->s);
+    fbi_vec3_add(rho, FB_R(1.0), x);
+    fbi_mat33_copy(turn, R);
+    fb_mat33_mul(R, L->C, turn);
+  }
+}
+
+/* C = A^T B */
+static void fbi_mat33_mulT(fb_real C[9], const fb_real A[9], const fb_real B[9])
+{
+  for (int i = 0; i < 9; i++) {
+    C[i] = A[i / 3] * B[i % 3] + A[3 + i / 3] * B[3 + i % 3] + A[6 + i / 3] * B[6 + i % 3];
+  }
+}
+
+/* Axes and a vector of an end's section in its body's axes. */
+static void fbi_section_axes(fb_real C[9], const fbi_end *end, const fb_real axes[9])
+{
+  if (end->moves) {
+    fb_mat33_mul(C, end->N, axes);
+  } else {
+    fbi_mat33_copy(C, axes);
+  }
+}
+
+static void fbi_section_vector(fb_real y[3], const fbi_end *end, const fb_real x[3])
+{
+  if (end->moves) {
+    fb_mat33_mul_vec3(y, end->N, x);
+  } else {
+    fbi_vec3_copy(y, x);
+  }
+}
+
+/* Axes of the joint on the child, axes P. */
+static void fbi_frames_child(fbi_frames *f, const fb_joint *joint)
+{
+  fb_real axes[9];
+  fbi_section_axes(axes, f->end[1], joint->child_axes);
+  for (int i = 0; i < 3; i++) {
+    const fb_real column[3] = {axes[i], axes[3 + i], axes[6 + i]};
+    fb_mat33_mulT_vec3(f->b[i], f->D[1], column);
+  }
+}
+
+/* Distance of the point x from the joint by which link L hangs; x becomes that from the parent's O (further). */
+static fb_real fbi_lever(fb_real x[3], const fbi_link_work *L, int further)
+{
+  fb_real lever[3], at[3];
+  fbi_vec3_copy(lever, x);
+  fbi_vec3_add(lever, -FB_R(1.0), L->joint->child_position);
+  if (further) {
+    fb_mat33_mul_vec3(at, L->C, x);
+    fbi_vec3_copy(x, L->s);
+    fbi_vec3_add(x, FB_R(1.0), at);
+  }
+  return fbi_vec3_norm(lever);
+}
+
+/* Ends of joint j, which closes a loop. */
+static fb_status fbi_frames_ends(fbi_frames *f, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 const fb_joint *joint)
+{
+  const int parent_node = joint->moves ? joint->parent_node : 0; /* else the position is from O, node 0 */
+  FBI_TRY(fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node));
+  FBI_TRY(fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node));
+  f->end[0] = &w->end[f->at[0]];
+  f->end[1] = &w->end[f->at[1]];
+  return FB_OK;
+}
+
+/* Joint frames of a joint j that closes a loop, on its parent (origin x[0], axes P) and child (origin x[1], axes b[i]).
+   Ends are the nodes that carry them; rows exert their forces at x[1]. All is relative to the last body that carries
+   both ends, and in the axes P of the joint on its parent: translations that it holds are unit vectors, and a mechanism
+   in a plane has the zeros of that plane also where it flies.
 
                        step
           x[0] o----------------> o x[1]
@@ -9806,40 +9938,76 @@ static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const
 static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_system *system, const fb_body *body, int j)
 {
   const fb_joint *joint = &system->joint[j];
-  const fb_real *local[2], *axes[2];
-  int parent_node = joint->parent_node;
-  local[0] = joint->position;
-  local[1] = joint->child_position;
-  axes[0] = joint->axes;
-  axes[1] = joint->child_axes;
-  if (!joint->moves) {
-    parent_node = 0; /* the position is from O, node 0 */
+  fb_real R[2][9], rho[2][3], P[9], x[3], far[3];
+  FBI_TRY(fbi_frames_ends(f, w, system, body, joint));
+  f->on = fbi_carrier(system, joint->parent, joint->child);
+  fbi_link_seen(R[0], rho[0], w, joint->parent, f->on);
+  fbi_link_seen(R[1], rho[1], w, joint->child, f->on);
+
+  /* axes: P on the parent, as the carrier has it, on the child; those of the child */
+  fbi_section_axes(f->D[0], f->end[0], joint->axes);
+  fbi_mat33_copy(P, f->D[0]);
+  if (joint->parent != f->on) {
+    fb_mat33_mul(P, R[0], f->D[0]);
   }
+  fbi_mat33_copy(f->D[1], P);
+  if (joint->child != f->on) {
+    fbi_mat33_mulT(f->D[1], R[1], P);
+  }
+  fbi_frames_child(f, joint);
 
-  /* ends */
-  FBI_TRY(fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node));
-  FBI_TRY(fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node));
+  /* to the origin on the child: from its end, from the parent's, from the origin there */
+  fbi_section_vector(f->own_arm[1], f->end[1], joint->child_position);
+  fb_mat33_mulT_vec3(f->arm[1], f->D[1], f->own_arm[1]);
+  fbi_vec3_copy(x, f->own_arm[1]);
+  fbi_vec3_add(x, FB_R(1.0), f->end[1]->n);
+  fb_mat33_mul_vec3(far, R[1], x);
+  for (int i = 0; i < 3; i++) {
+    far[i] += rho[1][i] - rho[0][i];
+  }
+  fbi_frames_apart_add(far, FB_R(1.0), w, joint->parent, joint->child, 0); /* which may be of another tree */
+  fb_mat33_mulT_vec3(f->arm[0], P, far);
+  fb_mat33_mulT_vec3(x, f->D[0], f->end[0]->n);
+  fbi_vec3_add(f->arm[0], -FB_R(1.0), x);
+  fb_mat33_mul_vec3(f->own_arm[0], f->D[0], f->arm[0]);
+  fbi_section_vector(far, f->end[0], joint->position);
+  fb_mat33_mulT_vec3(x, f->D[0], far);
+  fbi_vec3_copy(f->step, f->arm[0]);
+  fbi_vec3_add(f->step, -FB_R(1.0), x);
 
-  /* origins and axes */
+  /* distances from the joints; velocities of the trees' frames */
   for (int s = 0; s < 2; s++) {
-    f->end[s] = &w->end[f->at[s]];
-    fb_mat33_mul_vec3(f->x[s], f->end[s]->R, local[s]);
-    fbi_vec3_add(f->x[s], FB_R(1.0), f->end[s]->x);
-    for (int i = 0; i < 3; i++) {
-      const fb_real column[3] = {axes[s][i], axes[s][3 + i], axes[s][6 + i]};
-      fb_mat33_mul_vec3(s == 0 ? f->a[i] : f->b[i], f->end[s]->R, column);
+    const int link = f->end[s]->link;
+    fbi_vec3_copy(x, f->own_arm[s]);
+    fbi_vec3_add(x, FB_R(1.0), f->end[s]->n);
+    for (int k = link; k != f->on; k = system->joint[k].parent) {
+      f->lever[k] = fbi_lever(x, &w->link[k], system->joint[k].parent != f->on);
+    }
+    fbi_vec3_zero(f->u[s]);
+    if (f->on < 0 && link >= 0) {
+      fb_mat33_mulT_vec3(f->u[s], P, w->link[w->link[link].root].frame);
     }
   }
-
-  /* vectors to the child's origin, which may be in the frame of another tree */
-  for (int i = 0; i < 3; i++) {
-    f->step[i] = f->x[1][i] - f->x[0][i];
-    f->arm[0][i] = f->x[1][i] - f->end[0]->x[i];
-    f->arm[1][i] = f->x[1][i] - f->end[1]->x[i];
-  }
-  fbi_frames_apart_add(f->step, FB_R(1.0), w, joint->parent, joint->child, 0);
-  fbi_frames_apart_add(f->arm[0], FB_R(1.0), w, joint->parent, joint->child, 0);
   return FB_OK;
+}
+
+/* Velocities of the ends and the rates of the arms by the solution. */
+static void fbi_frames_move(fbi_frames *f, const fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_real far[3]; /* of the joint's origin on the child */
+  for (int s = 0; s < 2; s++) {
+    fb_real twist[6];
+    fbi_end_twist(twist, w, system, body, f->end[s]);
+    fb_mat33_mulT_vec3(f->v[s], f->D[s], twist);
+    fb_mat33_mulT_vec3(f->w[s], f->D[s], twist + 3);
+  }
+  fbi_vec3_copy(far, f->v[1]);
+  fbi_vec3_add_cross(far, f->w[1], f->arm[1]);
+  for (int s = 0; s < 2; s++) {
+    for (int i = 0; i < 3; i++) {
+      f->arm_dot[s][i] = far[i] - f->v[s][i] + (f->u[1][i] - f->u[s][i]);
+    }
+  }
 }
 
 /* [E9.7] Coordinates of a joint from its frames; angles within half a revolution. Spherical: the rotation vector.
@@ -9851,50 +10019,68 @@ static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joi
   if (fbi_is_ball(joint->kind)) {
     fb_real R[9], quat[4];
     for (int i = 0; i < 9; i++) {
-      R[i] = fb_vec3_dot(f->a[i / 3], f->b[i % 3]);
+      R[i] = f->b[i % 3][i / 3];
     }
     fbi_quat_from_mat33(quat, R);
     fb_quat_to_rotvec(value, quat);
   }
   if (is->angle >= 0) {
-    value[is->angle] = FB_ATAN2(fb_vec3_dot(f->a[1], f->b[0]), fb_vec3_dot(f->a[0], f->b[0]));
+    value[is->angle] = FB_ATAN2(f->b[0][1], f->b[0][0]);
   }
   if (is->slide >= 0) {
-    value[is->slide] = fb_vec3_dot(f->step, f->a[2]);
+    value[is->slide] = f->step[2];
   }
   if (is->tilt >= 0) {
-    value[is->tilt] = FB_ATAN2(fb_vec3_dot(f->a[2], f->b[1]), fb_vec3_dot(f->a[2], f->b[2]));
+    value[is->tilt] = FB_ATAN2(f->b[1][2], f->b[2][2]);
   }
+}
+
+/* Unit vector of axis i of P. */
+static void fbi_unit(fb_real a[3], int i)
+{
+  fbi_vec3_zero(a);
+  a[i] = FB_R(1.0);
+}
+
+/* y = b x a, a: the unit vector of axis i of P. */
+static void fbi_cross_unit(fb_real y[3], const fb_real b[3], int i)
+{
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  y[i] = FB_R(0.0);
+  y[j] = b[k];
+  y[k] = -b[j];
 }
 
 /* Direction (force, torque) in which an effort on axis i of a joint acts on the child, at the child's joint frame. */
 static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
 {
   const fbi_joint_traits *is = fbi_traits(joint);
-  fbi_vec3_zero(force);
-  fbi_vec3_zero(torque);
-  if (i == is->slide) {
-    fbi_vec3_copy(force, f->a[2]);
-  } else {
-    fbi_vec3_copy(torque, fbi_is_ball(joint->kind) ? f->b[i] : i == is->tilt ? f->b[0] : f->a[2]);
+  const int turns = fbi_is_ball(joint->kind) || i == is->tilt;
+  fbi_unit(i == is->slide ? force : torque, 2);
+  fbi_vec3_zero(i == is->slide ? torque : force);
+  if (turns) {
+    fbi_vec3_copy(torque, i == is->tilt ? f->b[0] : f->b[i]);
   }
 }
 
-/* Forces and torques of a row in the axes of the bodies of its ends. */
-static void fbi_row_turn(fbi_row *row, const fb_system_work *w)
+/* Force and torque at end s, axes of the row, in those of the end's body. */
+static void fbi_row_turn(fb_real wrench[6], const fb_system_work *w, const fbi_row *row, int s, const fb_real force[3],
+                         const fb_real torque[3])
 {
-  for (int s = 0; s < 2; s++) {
-    const int link = w->end[row->end[s]].link;
-    if (link >= 0) {
-      fb_mat33_mulT_vec3(row->wrench[s], w->link[link].k.R, row->r.force[s]);
-      fb_mat33_mulT_vec3(row->wrench[s] + 3, w->link[link].k.R, row->r.torque[s]);
-    }
+  const int link = w->end[row->end[s]].link;
+  if (row->f) {
+    fb_mat33_mul_vec3(wrench, row->f->D[s], force);
+    fb_mat33_mul_vec3(wrench + 3, row->f->D[s], torque);
+  } else if (link >= 0) {
+    fb_mat33_mulT_vec3(wrench, w->link[link].k.R, force);
+    fb_mat33_mulT_vec3(wrench + 3, w->link[link].k.R, torque);
   }
 }
 
-/* New row of joint j: (force, torque) on the child at its joint frame, the reaction on the parent. NULL: no room. */
-static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const fb_real force[3],
-                            const fb_real torque[3], fb_real value)
+/* New row of joint j: a unit force on the child along axis `along` of P (-1: none) and a torque (NULL: none) at its joint
+   frame, the reaction on the parent. NULL: no room. */
+static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, int along, const fb_real *torque,
+                            fb_real value)
 {
   fbi_row *row;
   if (w->n_row >= FB_MAX_ROWS) {
@@ -9904,21 +10090,32 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   /* a holonomic row with this value */
   row = &w->row[w->n_row++];
   memset(row, 0, sizeof *row);
+  row->f = f;
   row->joint = j;
   row->r.holonomic = 1;
   row->r.value = value;
 
   /* force and torque at both ends */
   for (int s = 0; s < 2; s++) {
-    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
-    fb_real moment[3];
+    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0), *const D = f->D[s];
+    fb_real *const wrench = row->wrench[s], moment[3];
     row->end[s] = f->at[s];
-    fbi_vec3_add(row->r.force[s], sign, force);
-    fbi_vec3_add(row->r.torque[s], sign, torque);
-    fb_vec3_cross(moment, f->arm[s], force);
-    fbi_vec3_add(row->r.torque[s], sign, moment);
+    if (torque) {
+      row->size[s][1] = fbi_vec3_norm(torque);
+      fbi_vec3_add(row->r.torque[s], sign, torque);
+      fb_mat33_mul_vec3(wrench + 3, D, row->r.torque[s]);
+    }
+    if (along >= 0) {
+      row->size[s][0] = FB_R(1.0);
+      row->r.force[s][along] = sign;
+      fbi_cross_unit(moment, f->arm[s], along);
+      fbi_vec3_add(row->r.torque[s], sign, moment);
+      for (int i = 0; i < 3; i++) {
+        wrench[i] = sign * D[3 * i + along];
+      }
+      fbi_vec3_add_cross(wrench + 3, f->own_arm[s], wrench);
+    }
   }
-  fbi_row_turn(row, w);
   return row;
 }
 
@@ -9967,14 +10164,14 @@ static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_
       for (int k = 0; k < 3; k++) {
         fbi_vec3_add(b, hold[3 * next + k], f->b[k]);
       }
-      fb_vec3_cross(torque, b, f->a[i]);
-      miss = fb_vec3_dot(f->a[i], b);
+      fbi_cross_unit(torque, b, i);
+      miss = b[i];
     } else if (!fbi_axis_slides(joint, i)) {
       miss = fbi_angle_wrap(miss);
     }
 
     /* row; a prescribed axis moves at the rate of its drive */
-    row = fbi_row_new(w, f, j, force, torque, miss);
+    row = fbi_axis_slides(joint, i) ? fbi_row_new(w, f, j, 2, NULL, miss) : fbi_row_new(w, f, j, -1, torque, miss);
     if (!row) {
       return 0;
     }
@@ -9991,27 +10188,27 @@ static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_
 /* [E9.8] Constraint rows of a joint: force and torque on the child at its joint frame, the reaction on the parent.
    Translation along a_i: force a_i, value a_i.(x_b - x_a). Right angle of a_i and b_j: torque b_j x a_i, value
    a_i.b_j. Screw: force a_z, torque -pitch a_z, value slide - pitch angle. Each is the exact gradient of its value.
+   All in the axes P of the joint on its parent, where the a_i are unit vectors. On the speeds of axes and modes a row
+   is its wrench at each end, carried from there to the body that carries both ends: beyond it the two are opposite.
    Source: [H] 3.4; direction cosines.  Fails: more than FB_MAX_ROWS.  Test: the_three_methods_agree. */
 static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, const fb_body *body, int j,
                                 const fb_system_state *modes, const fb_system_input *input)
 {
   const fb_joint *joint = &system->joint[j];
-  static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fbi_frames *const f = &w->frames[j - system->n_body];
   int room = 1;
   FBI_TRY(fbi_frames_eval(f, w, system, body, j));
 
   /* translations and right angles */
   for (const int *hold = fbi_traits(joint)->holds; *hold >= 0 && room; hold++) {
-    const fb_real *a = f->a[*hold < 3 ? *hold : (*hold - 3) / 3];
     fbi_row *row;
     if (*hold < 3) {
-      row = fbi_row_new(w, f, j, a, none, fb_vec3_dot(a, f->step));
+      row = fbi_row_new(w, f, j, *hold, NULL, f->step[*hold]);
     } else {
       const fb_real *b = f->b[(*hold - 3) % 3];
       fb_real torque[3];
-      fb_vec3_cross(torque, b, a);
-      row = fbi_row_new(w, f, j, none, torque, fb_vec3_dot(a, b));
+      fbi_cross_unit(torque, b, (*hold - 3) / 3);
+      row = fbi_row_new(w, f, j, -1, torque, b[(*hold - 3) / 3]);
     }
     room = row != NULL;
     if (row) {
@@ -10022,13 +10219,12 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   /* screw: slide - pitch angle, modulo whole revolutions */
   if (fbi_traits(joint)->pitched && room) {
     const int angle = fbi_traits(joint)->angle;
-    const fb_real slide = fb_vec3_dot(f->a[2], f->step);
-    fb_real value[3], torque[3] = {0}, miss;
+    const fb_real slide = f->step[2];
+    fb_real value[3], torque[3] = {FB_R(0.0), FB_R(0.0), -joint->pitch}, miss;
     fbi_row *row;
     fbi_frames_value(value, f, joint);
-    fbi_vec3_add(torque, -joint->pitch, f->a[2]);
     miss = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[angle]);
-    row = fbi_row_new(w, f, j, f->a[2], torque, miss);
+    row = fbi_row_new(w, f, j, 2, torque, miss);
     room = row != NULL;
     if (row) {
       row->axis = angle;
@@ -10039,52 +10235,52 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   return room && fbi_given_rows(w, system, f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
 }
 
-/* Time derivatives of a joint's row along the motion of its ends: axes of the parent rotate with the parent, those of
-   the child with the child. Rows of locked and prescribed axes rotate with the parent; with the child would do as
-   well, as the difference is a torque perpendicular to the motion, which the joint bears. */
-static void fbi_joint_row_rates(fbi_row *row, const fb_system_work *w, const fbi_frames *f)
+/* Time derivatives of a sum of s times `count` rows of one joint along the motion of its ends: axes of the parent rotate
+   with the parent, those of the child with the child. Rows of locked and prescribed axes rotate with the parent; with the
+   child would do as well, as the difference is a torque perpendicular to the motion, which the joint bears. Rates in
+   inertial space, axes P. */
+static void fbi_joint_rows_rates(fb_real force_dot[2][3], fb_real torque_dot[2][3], const fbi_row *row, int count,
+                                 const fb_real *s)
 {
-  const int hold = -1 - row->axis;
-  fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
-  fbi_vec3_copy(force, row->r.force[1]);
+  const fbi_frames *const f = row->f;
+  fb_real force[3], turns[3], rate[3]; /* sums: at the child's joint frame, torques that turn with the parent */
+  fbi_vec3_zero(force);
+  fbi_vec3_zero(turns);
+  fbi_vec3_zero(rate);
 
-  /* force_dot, torque_dot at the child's joint frame */
-  if (row->axis >= 0) {
-    fb_real torque[3], moment[3];
-    fb_vec3_cross(moment, f->arm[1], force);
-    for (int i = 0; i < 3; i++) {
-      torque[i] = row->r.torque[1][i] - moment[i];
+  /* force; torques, and their rates where they do not turn with the parent alone */
+  for (int r = 0; r < count; r++) {
+    const int hold = -1 - row[r].axis;
+    fbi_vec3_add(force, s[r], row[r].r.force[1]);
+    if (row[r].axis >= 0) {
+      fb_real torque[3], moment[3];
+      fb_vec3_cross(moment, f->arm[1], row[r].r.force[1]);
+      fbi_vec3_copy(torque, row[r].r.torque[1]);
+      fbi_vec3_add(torque, -FB_R(1.0), moment);
+      fbi_vec3_add(turns, s[r], torque);
+    } else if (hold >= 3) {
+      const int i = (hold - 3) / 3;
+      const fb_real *b = f->b[(hold - 3) % 3];
+      fb_real a_dot[3], b_dot[3], torque[3];
+      fbi_cross_unit(a_dot, f->w[0], i);
+      fb_vec3_cross(b_dot, f->w[1], b);
+      fbi_cross_unit(torque, b_dot, i);
+      fbi_vec3_add_cross(torque, b, a_dot);
+      fbi_vec3_add(rate, s[r], torque);
     }
-    fb_vec3_cross(force_dot, f->end[0]->w, force);
-    fb_vec3_cross(torque_dot, f->end[0]->w, torque);
-  } else if (hold < 3) {
-    fb_vec3_cross(force_dot, f->end[0]->w, force);
-  } else {
-    const fb_real *a = f->a[(hold - 3) / 3], *b = f->b[(hold - 3) % 3];
-    fb_real a_dot[3], b_dot[3];
-    fb_vec3_cross(a_dot, f->end[0]->w, a);
-    fb_vec3_cross(b_dot, f->end[1]->w, b);
-    fb_vec3_cross(torque_dot, b_dot, a);
-    fbi_vec3_add_cross(torque_dot, b, a_dot);
   }
-
-  /* velocity of the child's joint origin */
-  fbi_vec3_copy(at_child, f->end[1]->v);
-  fbi_vec3_add_cross(at_child, f->end[1]->w, f->arm[1]);
+  fbi_vec3_add_cross(rate, f->w[0], turns);
+  fb_vec3_cross(turns, f->w[0], force); /* rate of the force */
 
   /* both ends: the moment of the force changes by arm_dot x force + arm x force_dot */
-  for (int s = 0; s < 2; s++) {
-    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
-    fb_real arm_dot[3], moment[3];
+  for (int side = 0; side < 2; side++) {
+    const fb_real sign = side == 0 ? -FB_R(1.0) : FB_R(1.0);
+    fb_real moment[3];
+    fb_vec3_cross(moment, f->arm_dot[side], force);
+    fbi_vec3_add_cross(moment, f->arm[side], turns);
     for (int i = 0; i < 3; i++) {
-      arm_dot[i] = at_child[i] - f->end[s]->v[i];
-    }
-    fbi_frames_apart_add(arm_dot, FB_R(1.0), w, f->end[s]->link, f->end[1]->link, 1);
-    fb_vec3_cross(moment, arm_dot, force);
-    fbi_vec3_add_cross(moment, f->arm[s], force_dot);
-    for (int i = 0; i < 3; i++) {
-      row->force_dot[s][i] = sign * force_dot[i];
-      row->torque_dot[s][i] = sign * (torque_dot[i] + moment[i]);
+      force_dot[side][i] = sign * turns[i];
+      torque_dot[side][i] = sign * (rate[i] + moment[i]);
     }
   }
 }
@@ -10148,7 +10344,13 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
         status = FB_ERR_NOT_FINITE;
       }
       if (status == FB_OK) {
-        fbi_row_turn(row, w);
+        for (int s = 0; s < 2; s++) {
+          row->size[s][0] = fbi_vec3_norm(row->r.force[s]);
+          row->size[s][1] = fbi_vec3_norm(row->r.torque[s]);
+        }
+        for (int s = 0; s < 2; s++) {
+          fbi_row_turn(row->wrench[s], w, row, s, row->r.force[s], row->r.torque[s]);
+        }
       }
       w->joint = status == FB_OK ? w->joint : row->joint;
     }
@@ -10156,19 +10358,24 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
   return status;
 }
 
-/* Velocities of the ends from the solution, then the time derivatives of the rows; those of the caller's by central
-   differences over a small angle. */
+/* Velocities of all ends by the solution. */
+static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_end_twist(w->end[e].move, w, system, body, &w->end[e]);
+  }
+}
+
+/* Velocities of the ends from the solution, then the time derivatives of the caller's rows by central differences over a
+   small angle. */
 static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
                                             const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
 
-  /* ends and rows of joints */
-  for (int e = 0; e < w->n_end; e++) {
-    fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
-  }
-  for (int r = 0; r < w->n_joint_row; r++) {
-    fbi_joint_row_rates(&w->row[r], w, &w->frames[w->row[r].joint - system->n_body]);
+  fbi_ends_move(w, system, body);
+  for (int j = 0; j < system->n_loop; j++) {
+    fbi_frames_move(&w->frames[j], w, system, body);
   }
 
   /* rows of the caller; in h the fastest body rotates by at most 1e-5 rad (single: 5e-3) */
@@ -10198,15 +10405,7 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
   return FB_OK;
 }
 
-/* Velocities of all ends by the solution, for fbi_row_eval. */
-static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int e = 0; e < w->n_end; e++) {
-    fbi_end_twist(w->end[e].move, w, system, body, &w->end[e]);
-  }
-}
-
-/* Row times velocities, A u: force.v + torque.w over both ends. */
+/* Row times velocities, A u: force.v + torque.w over both ends, which move (fbi_ends_move). */
 static fb_real fbi_row_eval(const fbi_row *row, const fb_system_work *w)
 {
   return fbi_vec6_dot(row->wrench[0], w->end[row->end[0]].move) +
@@ -10239,7 +10438,7 @@ static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_r
   /* both ends in one tree: the resultant alone */
   if (link[0] >= 0 && link[1] >= 0 && w->link[link[0]].root == w->link[link[1]].root) {
     const fb_real *u = w->link[w->link[link[0]].root].frame;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && !row->f; i++) {
       sum += (force[0][i] + force[1][i]) * u[i];
     }
     *size = FB_FABS(sum);
@@ -10248,7 +10447,7 @@ static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_r
 
   /* different trees, or the ground */
   for (int s = 0; s < 2; s++) {
-    const fb_real *u = link[s] >= 0 ? w->link[w->link[link[s]].root].frame : NULL;
+    const fb_real *u = link[s] < 0 ? NULL : row->f ? row->f->u[s] : w->link[w->link[link[s]].root].frame;
     sum += u ? fb_vec3_dot(force[s], u) : FB_R(0.0);
     *size += u ? fbi_vec3_norm(force[s]) * fbi_vec3_norm(u) : FB_R(0.0);
   }
@@ -10262,19 +10461,6 @@ static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_b
     fbi_vec6_zero(w->link[k].y);
     fbi_vec6_zero(w->link[k].p);
     fbi_zero(w->link[k].pi, fbi_model(system, body, k)->n);
-  }
-}
-
-/* Adds s times row r, as an impulse on its ends, to the right-hand side. */
-static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, int r, fb_real s)
-{
-  const fbi_row *row = &w->row[r];
-  for (int side = 0; side < 2; side++) {
-    const fbi_end *end = &w->end[row->end[side]];
-    if (end->link >= 0) {
-      fbi_link_work *L = &w->link[end->link];
-      fbi_end_wrench(L->y, L->pi, end, fbi_model(system, body, end->link)->n, s, row->wrench[side]);
-    }
   }
 }
 
@@ -10297,22 +10483,200 @@ static void fbi_ways_clear(fb_system_work *w, const fb_system *system)
   }
 }
 
-/* Velocities of all ends by a unit impulse on row r. The right-hand side is zero before and after. */
-static fb_status fbi_row_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int r)
+/* The wrench y about O of link k on its axes as an impulse on what is free, for what is prescribed on `way`; size: its
+   force and torque at a point at the distance lever from the joint. */
+static void fbi_row_drive(fbi_way *way, fb_system_work *w, const fb_real y[6], fb_real lever, const fb_real size[2],
+                          int k)
 {
-  const int link[2] = {w->end[w->row[r].end[0]].link, w->end[w->row[r].end[1]].link};
-  fbi_way_mark(w, system, link[0], r);
-  fbi_way_mark(w, system, link[1], r);
-  fbi_row_impulse(w, system, body, r, FB_R(1.0));
-  FBI_TRY(fbi_links_solve(w, system, body, r));
+  fbi_link_work *const L = &w->link[k];
+  const fb_joint *const joint = L->joint;
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_vec6_add(L->mode[0] == FB_AXIS_PRESCRIBED ? way->axis[k] : L->p, FB_R(1.0), y);
+    return;
+  }
+  way->turns[k] += size[0] * lever + size[1];
+  way->slides[k] += size[0];
+  if (L->hinge) {
+    L->p[0] += L->A[L->hinge] * y[L->hinge];
+    return;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    *(L->mode[i] == FB_AXIS_PRESCRIBED ? &way->axis[k][i] : &L->p[i]) += fbi_vec6_dot(L->A + 6 * i, y);
+  }
+}
+
+/* y about O of the parent; also on its modes where they move the joint. */
+static void fbi_row_up(fb_real y[6], const fbi_link_work *L)
+{
+  fbi_link_work *const parent = L->parent;
+  fb_real up[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fbi_to_parent_add(up, L, y);
+  if (L->joint->moves) {
+    for (int a = 0; a < parent->model->n; a++) {
+      parent->pi[a] += fb_vec3_dot(L->node.Ju + 3 * a, up) + fb_vec3_dot(L->node.Jphi + 3 * a, up + 3);
+    }
+    fbi_vec3_add_cross(up + 3, L->n, up);
+  }
+  fbi_vec6_copy(y, up);
+}
+
+/* Row r as a unit impulse, A_r^T: its wrenches on the axes and modes from its ends to the body that carries both, where
+   those of a joint are opposite; of the caller's to the ground. */
+static void fbi_row_push(fb_system_work *w, const fb_system *system, int r)
+{
+  const fbi_row *const row = &w->row[r];
+  const int on = row->f ? row->f->on : FB_GROUND;
   for (int s = 0; s < 2; s++) {
-    if (link[s] >= 0) {
-      fbi_vec6_zero(w->link[link[s]].y);
-      fbi_zero(w->link[link[s]].pi, fbi_model(system, body, link[s])->n);
+    const fbi_end *const end = &w->end[row->end[s]];
+    fb_real y[6] = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)}, x[3];
+    if (end->link >= 0) {
+      fbi_end_wrench(y, w->link[end->link].pi, end, w->link[end->link].model->n, FB_R(1.0), row->wrench[s]);
+    }
+    fbi_vec3_copy(x, end->n);
+    for (int k = end->link; k != on; k = system->joint[k].parent) {
+      const fb_joint *const joint = w->link[k].joint;
+      const fb_real lever = row->f ? row->f->lever[k] : fbi_lever(x, &w->link[k], joint->parent >= 0);
+      fbi_row_drive(&w->way[r], w, y, lever, row->size[s], k);
+      if (joint->parent >= 0 && (joint->parent != on || joint->moves)) {
+        fbi_row_up(y, &w->link[k]);
+      }
     }
   }
-  fbi_ends_move(w, system, body);
+}
+
+/* Links that lead to the ends of row r, on its way; marked. */
+static void fbi_way_find(fb_system_work *w, const fb_system *system, int r)
+{
+  fbi_way *const way = &w->way[r];
+  fbi_way_mark(w, system, w->end[w->row[r].end[0]].link, r);
+  fbi_way_mark(w, system, w->end[w->row[r].end[1]].link, r);
+  way->n = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    if (w->link[k].passed == r) {
+      way->link[way->n++] = k;
+      way->turns[k] = way->slides[k] = FB_R(0.0);
+      if (w->driven) {
+        fbi_vec6_zero(way->axis[k]);
+      }
+    }
+  }
+}
+
+/* V of free roots after the pass in from the tips; way: those on it. The speeds of the solution stay. */
+static fb_status fbi_roots_solve(fb_system_work *w, const fb_system *system, int row)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    if (L->joint->kind != FB_JOINT_FREE) {
+      continue;
+    }
+    fbi_vec6_zero(L->rate);
+    if (L->mode[0] == FB_AXIS_FREE && (row < 0 || L->passed == row)) {
+      fb_real T[6];
+      const fb_status status = fbi_free_ready(L, L->model->n);
+      w->joint = status == FB_OK ? w->joint : k;
+      FBI_TRY(status);
+      fbi_vec6_copy(T, L->p);
+      fbi_vec6_add(T, -FB_R(1.0), L->b);
+      fbi_sym6_back(L->rate, &L->factors, T);
+    } else if (L->mode[0] == FB_AXIS_PRESCRIBED && row < 0) {
+      fbi_vec6_copy(L->rate, L->p);
+    }
+  }
   return FB_OK;
+}
+
+/* Y of row r on the axes of link k after the pass in from the tips; of a prescribed one how far it moves the row, with
+   what hangs on it. Returns the sum of the axes' speeds times what the row is at most on them. */
+static fb_real fbi_axes_keep(fbi_way *way, const fb_system_work *w, int k)
+{
+  const fbi_link_work *const L = &w->link[k];
+  const fb_joint *const joint = L->joint;
+  const fbi_joint_traits *const is = fbi_traits(joint);
+  fb_real *const Y = way->axis[k], before[6], most = FB_R(0.0);
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_vec6_copy(Y, L->mode[0] == FB_AXIS_PRESCRIBED ? Y : L->p);
+    fbi_vec6_add(Y, -FB_R(1.0), L->b);
+    return most;
+  }
+  fbi_vec6_copy(before, L->b); /* what hangs on the joint passes on as if it were rigid */
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      const fb_real pitch = is->pitched ? FB_FABS(joint->pitch) : FB_R(0.0);
+      Y[i] = L->r[i] / L->D[i];
+      most += FB_FABS(L->r[i]) * (i == is->slide ? way->slides[k] : way->turns[k] + pitch * way->slides[k]);
+      fbi_vec6_add(before, -L->r[i], L->U + 6 * i);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      Y[i] -= fbi_vec6_dot(L->A + 6 * i, before);
+    }
+  }
+  return most;
+}
+
+/* Y of row r after the pass in from the tips: what its impulse leaves to each axis where that is eliminated, and to the
+   modes. Returns the sum of fbi_axes_keep. */
+static fb_real fbi_way_keep(fb_system_work *w, int r)
+{
+  fbi_way *const way = &w->way[r];
+  fb_real most = FB_R(0.0);
+  for (int m = 0; m < way->n; m++) {
+    const int k = way->link[m];
+    const fbi_link_work *const L = &w->link[k];
+    if (L->model->n > 0) {
+      fbi_copy(way->mode[k], L->open ? L->e : L->pi, L->model->n);
+    }
+    if (L->hinge) {
+      way->axis[k][0] = L->r[0] / L->D[0];
+      most += FB_FABS(L->r[0]) * way->turns[k];
+    } else {
+      most += fbi_axes_keep(way, w, k);
+    }
+  }
+  return most;
+}
+
+/* Row r of A times M^-1 of the right-hand side that came in from the tips, Y^T D^-1 of it, and times speeds that are
+   prescribed. */
+static fb_real fbi_way_times(const fb_system_work *w, int r)
+{
+  const fbi_way *const way = &w->way[r];
+  fb_real sum = FB_R(0.0);
+  for (int m = 0; m < way->n; m++) {
+    const int k = way->link[m];
+    const fbi_link_work *const L = &w->link[k];
+    const fb_real *const Y = way->axis[k];
+    if (L->hinge) {
+      sum += Y[0] * L->r[0];
+    } else if (L->joint->kind == FB_JOINT_FREE) {
+      sum += fbi_vec6_dot(Y, L->rate);
+    } else {
+      for (int i = 0; i < L->joint->n_axis; i++) {
+        if (L->mode[i] != FB_AXIS_LOCKED) {
+          sum += Y[i] * (L->mode[i] == FB_AXIS_FREE ? L->r[i] : L->p[i]);
+        }
+      }
+    }
+    for (int a = 0; a < L->model->n; a++) {
+      sum += way->mode[k][a] * L->e[a];
+    }
+  }
+  return sum;
+}
+
+/* Row r has been pushed: the right-hand side is zero again. */
+static void fbi_row_release(fb_system_work *w, int r)
+{
+  const fbi_way *const way = &w->way[r];
+  for (int m = 0; m < way->n; m++) {
+    fbi_link_work *const L = &w->link[way->link[m]];
+    fbi_vec6_zero(L->p);
+    if (L->model->n > 0) {
+      fbi_zero(L->pi, L->model->n);
+    }
+  }
 }
 
 /* What a row is: of a joint (of all of the caller's the same, below 0), with a force or with torques alone. */
@@ -10323,18 +10687,70 @@ static int fbi_row_kind(const fbi_row *row)
   return row->joint >= 0 ? 2 * row->joint + pushes : pushes - 2;
 }
 
-/* Q = A M^-1 A^T by columns, one solution for a unit impulse on each row; w->column: upper bounds of its diagonal. */
-static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, const fb_body *body)
+/* Keeps the velocities of the bodies while a further system is solved. */
+static void fbi_speeds_keep(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->twist, L->V);
+    fbi_vec6_copy(L->speed, L->u);
+    fbi_copy(L->q_speed, L->q_dot, L->model->n);
+  }
+}
+
+static void fbi_speeds_restore(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    fbi_vec6_copy(L->V, L->twist);
+    fbi_vec6_copy(L->u, L->speed);
+    fbi_copy(L->q_dot, L->q_speed, L->model->n);
+  }
+}
+
+/* Row r of Q by the dense matrix, one solution for a unit impulse on row r; the bound of its diagonal. */
+static void fbi_row_dense(fb_system_work *w, const fb_system *system, const fb_body *body, int r)
 {
   const int m = w->n_row;
+  fbi_dense_solve(w, system, body);
+  fbi_ends_move(w, system, body);
+  for (int i = 0; i <= r; i++) {
+    w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
+  }
+  w->column[r] = fbi_row_size(&w->row[r], w);
+}
+
+/* Q = A M^-1 A^T = Y^T D^-1 Y, row by row, each as a unit impulse in from the tips; w->column: upper bounds of its
+   diagonal, for modes and free bodies their part of it. The right-hand side is zero then; velocities stay. */
+static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const int m = w->n_row, dense = system->method == FB_METHOD_DENSE;
+  if (dense) {
+    fbi_speeds_keep(w, system);
+  }
   fbi_rhs_clear(w, system, body);
+  fbi_ways_clear(w, system);
   for (int r = 0; r < m; r++) {
     w->kind[r] = fbi_row_kind(&w->row[r]);
-    FBI_TRY(fbi_row_solve(w, system, body, r));
-    for (int i = r; i < m; i++) {
-      w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
+    fbi_way_find(w, system, r);
+    fbi_row_push(w, system, r);
+    if (dense) {
+      fbi_row_dense(w, system, body, r);
+    } else {
+      fb_real most;
+      fbi_tree_inward(w, system, r);
+      FBI_TRY(fbi_roots_solve(w, system, r));
+      most = fbi_way_keep(w, r);
+      for (int i = 0; i <= r; i++) {
+        w->Q[i * m + r] = w->Q[r * m + i] = fbi_way_times(w, i);
+      }
+      w->column[r] = most + w->Q[r * (m + 1)];
     }
-    w->column[r] = fbi_row_size(&w->row[r], w);
+    fbi_row_release(w, r);
+  }
+  if (dense) {
+    fbi_speeds_restore(w, system);
+    fbi_ends_move(w, system, body);
   }
   return FB_OK;
 }
@@ -10422,7 +10838,8 @@ static void fbi_rows_multipliers(fb_system_work *w)
   }
 }
 
-/* [E9.9] Pivoted Cholesky factors of Q = A M^-1 A^T; rows that depend on others are left out, w->rank of them remain.
+/* [E9.9] Pivoted Cholesky factors of Q = A M^-1 A^T (fbi_rows_matrix); rows that depend on others are left out, w->rank
+   of them remain.
    w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the square of a row's distance from
    the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position (single precision: 0.01 rad),
    the impulses would be dominated by the position errors of a stage. w->angle: sine of the angle at which a row that is
@@ -10456,17 +10873,14 @@ static void fbi_rows_apart(fb_system_work *w)
 }
 /* end of the choice of independent rows */
 
-/* Saves the right-hand side of all bodies; are there prescribed speeds in it? */
-static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_body *body)
+/* Are there prescribed speeds on the right-hand side? */
+static int fbi_rhs_drives(const fb_system_work *w, const fb_system *system)
 {
   int given = 0;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->y0, L->y);
-    fbi_vec6_copy(L->p0, L->p);
-    fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
-    for (int i = 0; i < system->joint[k].n_axis && w->driven; i++) {
-      const int drives = fbi_axis_mode(L, &system->joint[k], i) == FB_AXIS_PRESCRIBED;
+  for (int k = 0; k < system->n_body && w->driven; k++) {
+    const fbi_link_work *const L = &w->link[k];
+    for (int i = 0; i < L->joint->n_axis; i++) {
+      const int drives = fbi_axis_mode(L, L->joint, i) == FB_AXIS_PRESCRIBED;
       given |= drives && !FB_SHORTCUT(!(FB_FABS(L->p[i]) > FB_R(0.0)));
     }
   }
@@ -10488,15 +10902,9 @@ static void fbi_impulses_sum(fb_system_work *w)
   }
 }
 
-/* Right-hand side with the impulses mu of the rows: the saved one and A^T mu. */
+/* Adds the impulses mu of the rows to the right-hand side, A^T mu. */
 static void fbi_rhs_push(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->y, L->y0);
-    fbi_vec6_copy(L->p, L->p0);
-    fbi_copy(L->pi, L->pi0, fbi_model(system, body, k)->n);
-  }
   fbi_impulses_sum(w);
   for (int e = 0; e < w->n_end; e++) {
     const fbi_end *const end = &w->end[e];
@@ -10575,11 +10983,10 @@ static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system 
   return FB_OK;
 }
 
-/* Impulses Q mu = -c and the solution with them, the saved right-hand side and A^T mu. judge: tests rows that were left
+/* Impulses Q mu = -c and the solution with them, with the right-hand side and A^T mu. judge: tests rows that were left
    out. */
 static fb_status fbi_impulses_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int judge)
 {
-  FBI_TRY(fbi_rows_matrix(w, system, body));
   FB_APART(fbi_rows_apart, w);
   judge = !FB_SHORTCUT(w->rank == w->n_row) && judge; /* the rank first: a step's work depends on no value */
   fbi_rhs_push(w, system, body);
@@ -10587,24 +10994,33 @@ static fb_status fbi_impulses_solve(fb_system_work *w, const fb_system *system, 
   return judge ? fbi_rows_check(w, system, body) : FB_OK;
 }
 
-/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
-   with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
-   prescribed speeds or a c other than zero may contradict.
+/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0, Q of the rows being known (fbi_rows_matrix):
+   eliminates the right-hand side as it is, then solves with the impulses mu added. c: terms of the rows other than A u.
+   check: tests rows that were left out, which prescribed speeds or a c other than zero may contradict.
    Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
    whose velocity constraint is not met.  Test: the_three_methods_agree, contradictions_name_their_joint. */
 static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                     int check)
 {
-  int given = fbi_rhs_save(w, system, body); /* a right-hand side that rows left out can contradict? */
-  fbi_ways_clear(w, system);
-  FBI_TRY(fbi_links_solve(w, system, body, FBI_ENDS));
-  fbi_ends_move(w, system, body);
+  const int dense = system->method == FB_METHOD_DENSE;
+  int given = fbi_rhs_drives(w, system); /* a right-hand side that rows left out can contradict? */
   for (int r = 0; r < w->n_row; r++) {
     given |= !FB_SHORTCUT(!(FB_FABS(w->c[r]) > FB_R(0.0))); /* then w->c all the same: work depends on no value */
-    w->c[r] += fbi_row_eval(&w->row[r], w);
   }
-  for (int r = 0; r < w->n_row && given && check; r++) {
-    w->row[r].most = fbi_row_size(&w->row[r], w);
+
+  /* c + A M^-1 p; where rows will be tested also the velocities of their ends */
+  if ((given && check) || dense) {
+    FBI_TRY(fbi_links_solve(w, system, body, FBI_ENDS));
+    fbi_ends_move(w, system, body);
+  } else {
+    fbi_tree_inward(w, system, FBI_ALL_LINKS);
+  }
+  if (!dense) {
+    FBI_TRY(fbi_roots_solve(w, system, FBI_ALL_LINKS));
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    w->row[r].most = given && check ? fbi_row_size(&w->row[r], w) : FB_R(0.0);
+    w->c[r] += dense ? fbi_row_eval(&w->row[r], w) : fbi_way_times(w, r);
   }
   return fbi_impulses_solve(w, system, body, given && check);
 }
@@ -10863,36 +11279,51 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
   return fbi_system_lines_check(system, body, input);
 }
 
+/* Right-hand side of E9.5 of a state, without its rotors. */
+static void fbi_rhs_fill(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                         const fb_system_input *input)
+{
+  fbi_rhs_momenta(w, system, state, input);
+#if FB_WITH_ROTORS
+  if (w->special && system->carries_rotors) {
+    fbi_links_rotors_sub(w, system, state, input);
+  }
+#endif
+}
+
+/* Velocities and impulses of a system with constraint rows; poses and factors are known. */
+static FBI_NOINLINE fb_status fbi_tied_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                                const fb_system_state *state, const fb_system_state *modes,
+                                                const fb_system_input *input)
+{
+  FBI_TRY(fbi_rows_fill(w, system, body, modes, input));
+  FBI_TRY(fbi_rows_matrix(w, system, body));
+  fbi_rhs_fill(w, system, state, input);
+  for (int r = 0; r < w->n_row; r++) {
+    fb_real size;
+    w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
+  }
+  return fbi_constrained_solve(w, system, body, 1);
+}
+
 /* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: q_dot of modes that carry no children is
    left to fbi_link_inertia. */
 static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
                                      const fb_system_state *state, const fb_system_state *modes,
                                      const fb_system_input *input, int lazy)
 {
-  /* poses, factors, right-hand side */
+  /* poses, factors */
   fbi_links_place(w, system, body, state, modes);
   FBI_TRY(fbi_mass_factor(w, system, body, FB_R(0.0)));
-  fbi_rhs_momenta(w, system, state, input);
-
-  /* rotors */
-  w->n_row = w->n_joint_row = w->n_end = 0;
-#if FB_WITH_ROTORS
-  if (w->special && system->carries_rotors) {
-    fbi_links_rotors_sub(w, system, state, input);
-  }
-#endif
 
   /* with constraint rows */
+  w->n_row = w->n_joint_row = w->n_end = 0;
   if ((w->special && w->closed) || (input && input->rows)) {
-    FBI_TRY(fbi_rows_fill(w, system, body, modes, input));
-    for (int r = 0; r < w->n_row; r++) {
-      fb_real size;
-      w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
-    }
-    return fbi_constrained_solve(w, system, body, 1);
+    return fbi_tied_velocity(w, system, body, state, modes, input);
   }
 
-  /* without constraint rows */
+  /* without */
+  fbi_rhs_fill(w, system, state, input);
   for (int k = 0; k < system->n_body; k++) {
     w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
   }
@@ -11087,19 +11518,16 @@ static int fbi_is_sprung(const fb_joint *joint, const fb_system_work *w, const f
   return sum > FB_R(0.0);
 }
 
-/* Speed of a joint from its frames: relative motion of the child in the direction (force, torque). */
-static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, const fb_real force[3],
-                                const fb_real torque[3])
+/* Speed of a joint from its frames, which move: relative motion of the child in the direction (force, torque). */
+static fb_real fbi_frames_speed(const fbi_frames *f, const fb_real force[3], const fb_real torque[3])
 {
   fb_real v[3], turn[3];
-  fbi_vec3_copy(v, f->end[1]->v);
-  fbi_vec3_add_cross(v, f->end[1]->w, f->arm[1]);
-  fbi_vec3_add(v, -FB_R(1.0), f->end[0]->v);
-  fbi_vec3_add_cross(v, f->arm[0], f->end[0]->w); /* - w x arm */
-  fbi_frames_apart_add(v, FB_R(1.0), w, f->end[0]->link, f->end[1]->link, 1);
   for (int i = 0; i < 3; i++) {
-    turn[i] = f->end[1]->w[i] - f->end[0]->w[i];
+    v[i] = f->v[1][i] - f->v[0][i] + (f->u[1][i] - f->u[0][i]);
+    turn[i] = f->w[1][i] - f->w[0][i];
   }
+  fbi_vec3_add_cross(v, f->w[1], f->arm[1]);
+  fbi_vec3_add_cross(v, f->arm[0], f->w[0]); /* - w x arm */
   return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
 }
 
@@ -11131,6 +11559,7 @@ static fb_status fbi_span_eval(fb_system_work *w, const fb_system *system, const
     const fb_real sign = side ? FB_R(1.0) : -FB_R(1.0);
     fb_real v[3];
     fbi_end_place(end, w, system, body, spring->body[side], spring->node[side]);
+    fbi_end_pose(end, w);
     fbi_end_velocity(end->v, end->w, w, system, body, end);
     fb_mat33_mul_vec3(s->arm[side], end->R, spring->position[side]);
     fbi_vec3_copy(v, end->v);
@@ -11215,6 +11644,7 @@ static fb_status fbi_forces_look(fb_system_work *w, const fb_system *system, con
     p->body = input->load[i].body;
     p->node = input->load[i].load.node;
     fbi_end_place(end, w, system, body, p->body, p->node);
+    fbi_end_pose(end, w);
     fbi_end_velocity(p->velocity, p->angular_rate, w, system, body, end);
     fbi_frames_apart_add(p->velocity, FB_R(1.0), w, FB_GROUND, p->body, 1);
     fbi_copy(p->R, end->R, 9);
@@ -11231,13 +11661,12 @@ static fb_status fbi_forces_look(fb_system_work *w, const fb_system *system, con
       continue;
     }
     if (fbi_is_loop(system, j)) {
-      fbi_frames f;
-      (void)fbi_frames_eval(&f, w, system, body, j);
-      fbi_frames_value(p->value, &f, joint);
+      const fbi_frames *const f = &w->frames[j - system->n_body];
+      fbi_frames_value(p->value, f, joint);
       for (int i = 0; i < joint->n_axis; i++) {
         fb_real force[3], torque[3];
-        fbi_frames_axis(force, torque, &f, joint, i);
-        p->speed[i] = fbi_frames_speed(&f, w, force, torque);
+        fbi_frames_axis(force, torque, f, joint, i);
+        p->speed[i] = fbi_frames_speed(f, force, torque);
       }
     } else {
       fbi_axis_values(p->value, joint, &state->link[j]);
@@ -11390,21 +11819,20 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
 }
 
 /* Loads of springs, dampers and motors of the joints of loops; returns the power of the motors. */
-static FBI_NOINLINE fb_real fbi_loops_load(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                           const fb_system_state *modes, const fb_system_input *input)
+static FBI_NOINLINE fb_real fbi_loops_load(fb_system_work *w, const fb_system *system, const fb_system_state *modes,
+                                           const fb_system_input *input)
 {
   fb_real power = FB_R(0.0);
   for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
     const fb_joint *joint = &system->joint[j];
-    fbi_frames f;
+    const fbi_frames *const f = &w->frames[j - system->n_body];
     fb_real value[3];
     if (!fbi_is_sprung(joint, w, input, j)) {
       continue;
     }
 
     /* coordinates */
-    (void)fbi_frames_eval(&f, w, system, body, j);
-    fbi_frames_value(value, &f, joint);
+    fbi_frames_value(value, f, joint);
     for (int i = 0; i < joint->n_axis; i++) {
       fb_real force[3], torque[3], speed, tau;
       if (modes->mode[j][i] != FB_AXIS_FREE) {
@@ -11412,21 +11840,22 @@ static FBI_NOINLINE fb_real fbi_loops_load(fb_system_work *w, const fb_system *s
       }
 
       /* effort and power */
-      fbi_frames_axis(force, torque, &f, joint, i);
-      speed = fbi_frames_speed(&f, w, force, torque);
+      fbi_frames_axis(force, torque, f, joint, i);
+      speed = fbi_frames_speed(f, force, torque);
       w->impact[1] = fbi_larger(w->impact[1], joint->stop_loss[i] * FB_FABS(speed));
       tau = fbi_axis_torque(joint, fbi_motor(w, input, j, i), i, value[i], speed);
       power += fbi_motor(w, input, j, i) * speed;
 
       /* on the child, and the reaction on the parent */
       for (int s = 0; s < 2; s++) {
-        fb_real moment[3];
-        fb_vec3_cross(moment, f.arm[s], force);
+        fb_real moment[3], wrench[6];
+        fb_vec3_cross(moment, f->arm[s], force);
         fbi_vec3_add(moment, FB_R(1.0), torque);
-        if (f.end[s]->link >= 0) {
-          fbi_link_work *L = &w->link[f.end[s]->link];
-          fbi_end_push(L->k.fg, L->k.x + 1, L, f.end[s], fbi_model(system, body, f.end[s]->link)->n,
-                       s == 0 ? -tau : tau, force, moment);
+        fb_mat33_mul_vec3(wrench, f->D[s], force);
+        fb_mat33_mul_vec3(wrench + 3, f->D[s], moment);
+        if (f->end[s]->link >= 0) {
+          fbi_link_work *L = &w->link[f->end[s]->link];
+          fbi_end_wrench(L->k.fg, L->k.x + 1, f->end[s], L->model->n, s == 0 ? -tau : tau, wrench);
         }
       }
     }
@@ -11434,21 +11863,45 @@ static FBI_NOINLINE fb_real fbi_loops_load(fb_system_work *w, const fb_system *s
   return power;
 }
 
+/* Rates of the sum of s times the rows from r on that are of one joint; one row of the caller's. Returns their number. */
+static int fbi_rows_sum_rates(fb_real force[2][3], fb_real torque[2][3], const fb_system_work *w, int r,
+                              const fb_real *s)
+{
+  const fbi_row *const row = &w->row[r];
+  int count = 1;
+  if (row->f) {
+    while (r + count < w->n_joint_row && row[count].joint == row->joint) {
+      count++;
+    }
+    fbi_joint_rows_rates(force, torque, row, count, s);
+    return count;
+  }
+  for (int side = 0; side < 2; side++) {
+    fbi_vec3_zero(force[side]);
+    fbi_vec3_zero(torque[side]);
+    fbi_vec3_add(force[side], s[0], row->force_dot[side]);
+    fbi_vec3_add(torque[side], s[0], row->torque_dot[side]);
+  }
+  return count;
+}
+
 /* [E9.13] Loads by the rows' impulses, which are momentum outside of the tree's, -(f, t) at the ends. With mu constant
    it changes by the directions alone: loads -(f_dot, t_dot + v x f); p_dot loses A_dot^T mu.
    Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
 static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  /* sums of mu times the rates of the rows at each end */
+  /* sums of mu times the rates of the rows at each end, those of a joint in its axes first */
   for (int e = 0; e < w->n_end; e++) {
     fbi_vec6_zero(w->end[e].push);
   }
-  for (int r = 0; r < w->n_row; r++) {
-    const fbi_row *const row = &w->row[r];
+  for (int r = 0, count; r < w->n_row; r += count) {
+    fb_real force[2][3], torque[2][3];
+    count = fbi_rows_sum_rates(force, torque, w, r, w->mu + r);
     for (int s = 0; s < 2; s++) {
-      fb_real *const push = w->end[row->end[s]].push;
-      fbi_vec3_add(push, w->mu[r], row->force_dot[s]);
-      fbi_vec3_add(push + 3, w->mu[r], row->torque_dot[s]);
+      fb_real push[6];
+      fbi_vec6_zero(push);
+      fbi_row_turn(push, w, &w->row[r], s, force[s], torque[s]);
+      fbi_vec6_add(w->end[w->row[r].end[s]].push, FB_R(1.0), push);
     }
   }
 
@@ -11456,14 +11909,12 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
   for (int e = 0; e < w->n_end; e++) {
     const fbi_end *const end = &w->end[e];
     fbi_link_work *const L = end->link >= 0 ? &w->link[end->link] : NULL;
-    fb_real G[6], F[6], v[3];
+    fb_real G[6], F[6];
     if (!L) {
       continue;
     }
-    fb_mat33_mulT_vec3(v, L->k.R, end->v);
-    fb_mat33_mulT_vec3(F, L->k.R, end->push);
-    fb_mat33_mulT_vec3(F + 3, L->k.R, end->push + 3);
-    fbi_vec3_add_cross(F + 3, v, end->impulse);
+    fbi_vec6_copy(F, end->push);
+    fbi_vec3_add_cross(F + 3, end->move, end->impulse);
     for (int i = 0; i < 6; i++) {
       G[i] = -end->impulse[i];
       F[i] = -F[i];
@@ -11614,7 +12065,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 
   /* forces on the bodies: loads, springs, impulses of the rows */
   FBI_TRY(fbi_system_loads(&power, w, system, body, state, input));
-  rate->motor_work = w->closed ? power + fbi_loops_load(w, system, body, modes, input) : power;
+  rate->motor_work = w->closed ? power + fbi_loops_load(w, system, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
@@ -12142,9 +12593,7 @@ static fb_status fbi_posture_step(fb_system_state *state, fb_system_work *w, con
   for (int r = 0; r < w->n_row; r++) {
     w->c[r] = w->row[r].r.holonomic ? share * w->row[r].r.value : FB_R(0.0);
   }
-  fbi_rhs_clear(w, system, body); /* nothing moves without impulses */
-  (void)fbi_rhs_save(w, system, body);
-  fbi_ways_clear(w, system);
+  FBI_TRY(fbi_rows_matrix(w, system, body)); /* nothing moves without impulses */
   FBI_TRY(fbi_impulses_solve(w, system, body, 0));
   fbi_state_displace(state, w, system, body);
   return FB_OK;
@@ -12382,7 +12831,7 @@ static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_b
   if (fbi_is_ball(system->joint[j].kind) || is->tilt >= 0 || fbi_frames_eval(&f, w, system, body, j) != FB_OK) {
     return 1;
   }
-  return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (is->angle >= 0 || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
+  return f.b[2][2] > FB_R(0.0) && (is->angle >= 0 || f.b[0][0] > FB_R(0.0));
 }
 
 /* How loops are closed: by joints and, where these cannot, modes; by joints alone; as the first, judged by all rows. */
@@ -12734,8 +13183,8 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
     fbi_vec3_add_cross(a, L->V_dot + 3, end->n);
     fbi_vec3_add_cross(a, L->V + 3, inner);
     fbi_vec3_add_cross(alpha, L->V + 3, pd);
-    fb_mat33_mul_vec3(end->a, L->k.R, a);
-    fb_mat33_mul_vec3(end->alpha, L->k.R, alpha);
+    fbi_vec3_copy(end->a, a);
+    fbi_vec3_copy(end->a + 3, alpha);
   }
 }
 
@@ -12832,11 +13281,20 @@ static void fbi_rows_accelerate(fb_system_work *w, const fb_system *system, cons
   for (int r = 0; r < w->n_row; r++) {
     const fbi_row *row = &w->row[r];
     fb_real size;
-    w->c[r] = row->b_dot + fbi_row_drift(&size, w, row, (const fb_real(*)[3])row->force_dot);
+    const fb_real one = FB_R(1.0);
+    fb_real force[2][3], torque[2][3];
+    if (row->f) {
+      fbi_joint_rows_rates(force, torque, row, 1, &one);
+    } else {
+      (void)fbi_rows_sum_rates(force, torque, w, r, &one);
+    }
+    w->c[r] = row->b_dot + fbi_row_drift(&size, w, row, (const fb_real(*)[3])force);
     for (int s = 0; s < 2; s++) {
       const fbi_end *end = &w->end[row->end[s]];
-      w->c[r] += fb_vec3_dot(row->r.force[s], end->a) + fb_vec3_dot(row->r.torque[s], end->alpha) +
-                 fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
+      fb_real rate[6];
+      fbi_vec6_zero(rate);
+      fbi_row_turn(rate, w, row, s, force[s], torque[s]);
+      w->c[r] += fbi_vec6_dot(row->wrench[s], end->a) + fbi_vec6_dot(rate, end->move);
     }
   }
 }
@@ -12859,7 +13317,10 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
   }
-  (void)fbi_loops_load(w, system, body, state, input);
+  (void)fbi_loops_load(w, system, state, input);
+  if (w->n_row > 0) {
+    FBI_TRY(fbi_rows_matrix(w, system, body));
+  }
 
   /* right-hand side of the bodies, then of the rows */
   for (int k = 0; k < system->n_body; k++) {
@@ -12868,12 +13329,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
   fbi_rows_accelerate(w, system, body);
 
   /* solution, in the place of the velocities, which are kept */
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->twist, L->V);
-    fbi_vec6_copy(L->speed, L->u);
-    fbi_copy(L->q_speed, L->q_dot, fbi_model(system, body, k)->n);
-  }
+  fbi_speeds_keep(w, system);
   return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
 }
 
@@ -12907,45 +13363,61 @@ static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, 
   }
 }
 
+/* y = x of axes P in inertial axes */
+static void fbi_frames_to_ground(fb_real y[3], const fb_system_work *w, const fbi_frames *f, const fb_real x[3])
+{
+  const int link = f->end[0]->link;
+  fb_real on[3];
+  fb_mat33_mul_vec3(on, f->D[0], x);
+  fbi_vec3_copy(y, on);
+  if (link >= 0) {
+    fb_mat33_mul_vec3(y, w->link[link].k.R, on);
+  }
+}
+
 /* Reaction force and torque, coordinates, speeds and efforts of a joint that closes a loop, from its rows, springs and
    motors; without accelerations. */
-static void fbi_loop_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+static void fbi_loop_joint_motion(fb_joint_motion *out, const fb_system_work *w, const fb_system *system,
                                   const fb_system_state *state, const fb_system_input *input, int j)
 {
   const fb_joint *joint = &system->joint[j];
-  fbi_frames f;
+  const fbi_frames *const f = &w->frames[j - system->n_body]; /* which move at the velocities */
+  fb_real on[3], at[3];                                       /* force and torque, axes P */
 
   /* coordinates */
-  (void)fbi_frames_eval(&f, w, system, body, j);
-  fbi_frames_value(out->value, &f, joint);
+  fbi_frames_value(out->value, f, joint);
 
   /* forces of its rows */
+  fbi_vec3_zero(on);
+  fbi_vec3_zero(at);
   for (int r = 0; r < w->n_joint_row; r++) {
     const fbi_row *row = &w->row[r];
     if (row->joint == j) {
       fb_real moment[3];
-      fb_vec3_cross(moment, f.arm[1], row->r.force[1]);
-      fbi_vec3_add(out->force, w->mu[r], row->r.force[1]);
-      fbi_vec3_add(out->torque, w->mu[r], row->r.torque[1]);
-      fbi_vec3_add(out->torque, -w->mu[r], moment);
+      fb_vec3_cross(moment, f->arm[1], row->r.force[1]);
+      fbi_vec3_add(on, w->mu[r], row->r.force[1]);
+      fbi_vec3_add(at, w->mu[r], row->r.torque[1]);
+      fbi_vec3_add(at, -w->mu[r], moment);
     }
   }
 
   /* speeds; efforts of springs, dampers and motors */
   for (int i = 0; i < joint->n_axis; i++) {
     fb_real force[3], torque[3];
-    fbi_frames_axis(force, torque, &f, joint, i);
-    out->speed[i] = fbi_frames_speed(&f, w, force, torque);
+    fbi_frames_axis(force, torque, f, joint, i);
+    out->speed[i] = fbi_frames_speed(f, force, torque);
     if (state->mode[j][i] == FB_AXIS_FREE) {
       const fb_real tau = fbi_axis_torque(joint, fbi_motor(w, input, j, i), i, out->value[i], out->speed[i]);
-      fbi_vec3_add(out->force, tau, force);
-      fbi_vec3_add(out->torque, tau, torque);
+      fbi_vec3_add(on, tau, force);
+      fbi_vec3_add(at, tau, torque);
     }
-    out->drive[i] = fb_vec3_dot(force, out->force) + fb_vec3_dot(torque, out->torque);
+    out->drive[i] = fb_vec3_dot(force, on) + fb_vec3_dot(torque, at);
     if (fbi_traits(joint)->pitched) {
-      out->drive[i] += joint->pitch * fb_vec3_dot(f.a[2], out->force);
+      out->drive[i] += joint->pitch * on[2];
     }
   }
+  fbi_frames_to_ground(out->force, w, f, on);
+  fbi_frames_to_ground(out->torque, w, f, at);
 }
 
 /* Power of the motors of a joint and of what prescribes its axes, without springs and dampers. */
@@ -13070,7 +13542,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     fb_joint_motion *at = &motion->joint[j];
     const fb_joint *joint = &system->joint[j];
     if (fbi_is_loop(system, j)) {
-      fbi_loop_joint_motion(at, work, system, body, state, input, j);
+      fbi_loop_joint_motion(at, work, system, state, input, j);
     }
     motion->power += fbi_joint_power(work, at, joint, state, input, j);
   }
@@ -19474,6 +19946,9 @@ static fb_status fbi_newton_correct(fb_system_work *w, fb_system_state *k, fbi_n
   FBI_TRY(fbi_mass_factor(w, system, body, g));
 
   /* Correction */
+  if (w->n_row > 0) {
+    FBI_TRY(fbi_rows_matrix(w, system, body));
+  }
   fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
   fbi_zero(w->c, w->n_row);
   FBI_TRY(w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body));
@@ -28219,20 +28694,18 @@ static fb_status fbi_loop_limits(fb_system *system, fb_system_work *w, const fb_
   for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
     const fb_joint *joint = &system->joint[j];
     for (int i = 0; i < joint->n_axis && i < 3; i++) {
-      fb_real force[3], torque[3], mobility;
+      const int slides = fbi_axis_slides(joint, i);
+      fb_real force[3], torque[3];
       fbi_frames f;
       w->n_row = w->n_end = 0;
       FBI_TRY(fbi_frames_eval(&f, w, system, body, j));
       /* Mobility: speed along the axis by a unit impulse on it */
       fbi_frames_axis(force, torque, &f, joint, i);
-      (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* cannot fail: the list is empty */
-      fbi_rhs_clear(w, system, body);
-      fbi_row_impulse(w, system, body, 0, FB_R(1.0));
-      FBI_TRY(fbi_speeds_solve(w, system, body));
-      fbi_ends_move(w, system, body);
-      mobility = fbi_row_eval(&w->row[0], w);
-      system->limit_loop_elastic += fbi_axis_stiffness(joint, i) * mobility;
-      system->limit_loop_damping += fbi_axis_damping(joint, i) * mobility;
+      (void)fbi_row_new(w, &f, j, slides ? 2 : -1, slides ? NULL : torque,
+                        FB_R(0.0)); /* cannot fail: the list is empty */
+      FBI_TRY(fbi_rows_matrix(w, system, body));
+      system->limit_loop_elastic += fbi_axis_stiffness(joint, i) * w->Q[0];
+      system->limit_loop_damping += fbi_axis_damping(joint, i) * w->Q[0];
     }
   }
   return FB_OK;
@@ -33576,8 +34049,9 @@ static fb_real fbi_axis_speed(fb_system_work *w, const fb_system *system, const 
     return w->link[j].u[i];
   }
   (void)fbi_frames_eval(&f, w, system, body, j);
+  fbi_frames_move(&f, w, system, body);
   fbi_frames_axis(force, torque, &f, &system->joint[j], i);
-  return fbi_frames_speed(&f, w, force, torque);
+  return fbi_frames_speed(&f, force, torque);
 }
 
 /* Friction of all joints as its tangent at the steady state, damper and constant effort, in a copy of the system:

@@ -107,9 +107,9 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
 system rigid rk4 7870 # 8326
 system rigid sdirk 19290 # 20889
-system hinge rk4 16090 # 20112; 47 of it so that all stages of a free tree are one function
+system hinge rk4 16110 # 20112; 47 of it so that all stages of a free tree are one function
 system hinge sdirk 38660 # 49483
-system links rk4 55200 # six links
+system links rk4 55250 # six links
 system booms rk4 54000 # 58830
 system booms sdirk 158000 # 217877
 system chain rk4 308200 # 386664
@@ -118,10 +118,10 @@ system ground rk4 284100 # 387508
 system ground sdirk 652700 # 930043
 system dense rk4 116600 # 161214
 system dense sdirk 304200 # 426612
-system ring rk4 98800 # 182025
-system ring sdirk 195800 # 356790
-system rows rk4 104700 # 239507
-system rows sdirk 206300 # 476585
+system ring rk4 95800 # 182025
+system ring sdirk 189800 # 356790
+system rows rk4 108750 # 239507
+system rows sdirk 218400 # 476585
 
 # the geometrically exact beam: the most that a step takes; angles of libm's take a few more or less
 try gcc -std=c99 -I. -O2 -o "$out/exact" bench/exact_count.c "$out/default.o" -lm -Wl,-z,now
