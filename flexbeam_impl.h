@@ -10922,11 +10922,11 @@ static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
   return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
 }
 
-/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
-static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
+/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint, -1: none. */
+static fb_real fbi_rows_miss(fb_real *worst, const fb_system_work *w, const fb_system *system)
 {
   fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
-  int joint = -1;
+  fb_real joint = -FB_R(1.0); /* a number: which it is decides nothing */
 
   /* sizes: within the frames, and from the ground */
   for (int k = 0; k < system->n_body; k++) {
@@ -10941,7 +10941,7 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
   for (int r = 0; r < w->n_row; r++) {
     const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
     const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
-    joint = value > miss ? w->row[r].joint : joint;
+    joint = FB_BELOW(miss, value, (fb_real)w->row[r].joint, joint);
     miss = fbi_larger(miss, value);
   }
   *worst = joint;
@@ -10958,7 +10958,7 @@ static FBI_NOINLINE fb_status fbi_rows_check(fb_system_work *w, const fb_system 
 {
   const fb_real most = FB_SINGLE ? FB_R(0.1) : FB_R(0.01), lost = FB_SINGLE ? FB_R(1e2) : FB_R(1e4);
   const int m = w->n_row;
-  int worst;
+  fb_real worst;
   const fb_real open = FB_R(1000.0) * fbi_rows_miss(&worst, w, system);
   fbi_ends_move(w, system, body);
   for (int r = 0; r < m; r++) {
@@ -12859,17 +12859,15 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
                                     fb_system_state *state, const fb_system_input *input, fbi_closing way)
 {
   fb_system_state *const modes = &w->base, *const best = &w->sum;
-  fb_real share = FB_R(1.0);
+  fb_real share = FB_R(1.0), worst = -FB_R(1.0);
   fb_status status;
-  int worst = -1;
   *best = *state;
   w->heavy = FBI_HEAVY;
   status = fbi_posture_look(w, system, body, best, modes, input);
   *miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
   for (int step = 0; step < 300 && status == FB_OK && share > FB_R(1e-4) && !(*miss <= FB_R(8.0) * FB_EPSILON);
        step++) {
-    fb_real gap, left;
-    int at = worst;
+    fb_real gap, left, at = worst;
     *state = *best;
     status = fbi_posture_step(state, w, system, body, share);
     if (step == 0 && status != FB_OK) { /* cannot move at all */
@@ -12897,7 +12895,7 @@ static fb_status fbi_loops_approach(fb_real *miss, fb_system_work *w, const fb_s
   }
   *state = *best;
   if (status == FB_OK ? !(*miss <= FBI_CLOSED) : status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE) {
-    w->joint = worst;
+    w->joint = (int)worst;
     status = FB_ERR_CONTRADICTION;
   }
   return status;
@@ -19469,15 +19467,14 @@ static FBI_FLATTEN void fbi_rk4_accumulate(fb_system_work *w, const fb_system *s
 static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb_system *system, const fb_body *body,
                               const fb_system_state *state, const fb_system_input *input)
 {
-  fb_real miss;
-  int worst;
+  fb_real miss, worst;
   fb_status status = fbi_posture_look(w, system, body, next, state, input);
   status = status == FB_OK ? fbi_posture_step(next, w, system, body, FB_R(1.0)) : status;
   status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
   miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
   if (status == FB_OK &&
       !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* contradictory constraints, or far too long a step */
-    w->joint = worst;
+    w->joint = (int)worst;
     return FB_ERR_CONTRADICTION;
   }
   return status;

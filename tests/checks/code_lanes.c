@@ -30,7 +30,7 @@ typedef generated_status status;
 enum { LONG = 100000 };
 #else
 #define BY(start, end) start, start, end
-#define FIRST(i, earlier, now) ((i) % 2 ? (now) : NULL)
+#define FIRST(i, earlier, now) ((i) % 2 || HELD ? (now) : NULL)
 enum { LONG = 10 };
 #endif
 

@@ -115,7 +115,7 @@ void apart(void *of)
   }
 }
 
-/* The library's functions, by the names of a file. */
+/* The library's functions, by the names of a file, once: steps of one model and of all lanes share them. */
 static std::string rows_functions(const std::string &name, const std::string &real, bool single, int rows)
 {
   const std::string n = std::to_string(rows), square = std::to_string(rows * rows), huge = single ? "1e18f" : "1e150";
@@ -130,9 +130,10 @@ static std::string rows_functions(const std::string &name, const std::string &re
                                                                    {"fbi_rows_", name + "_rows_"}}) {
     s = std::regex_replace(s, std::regex(change.first), change.second);
   }
-  return "typedef struct " + name + "_work {\n  int n_row, rank, kind[" + n + "], order[" + n + "];\n  " + real +
-         " Q[" + square + "], L[" + square + "], mu[" + n + "], c[" + n + "], column[" + n + "], diagonal[" + n +
-         "], angle[" + n + "];\n} " + name + "_work;\n\n" + s;
+  return "#ifndef " + name + "_ROWS_APART\n#define " + name + "_ROWS_APART 1\ntypedef struct " + name +
+         "_work {\n  int n_row, rank, kind[" + n + "], order[" + n + "];\n  " + real + " Q[" + square + "], L[" +
+         square + "], mu[" + n + "], c[" + n + "], column[" + n + "], diagonal[" + n + "], angle[" + n + "];\n} " +
+         name + "_work;\n\n" + s + "#endif\n\n";
 }
 
 } // namespace trace

@@ -146,6 +146,8 @@ static const char refused_null[] = "#) {\n    return @_null;\n  }\n",
                   wide_step[] =
                       "static @_status @_wide_step(%@_wide_state *state, const @_wide_input *start, const @_wide_input "
                       "*middle,\n                              const @_wide_input *end, $ length)",
+                  wide_sdirk[] = "static @_status @_wide_step(%@_wide_state *state, const @_wide_input *start, const "
+                                 "@_wide_input *end,\n                              $ length)",
                   wide_inputs[] =
                       "  static const @_wide_input none; /* all zero */\n  const @_wide dt = @_wide_all(length);\n"
                       "  @_wide_mask good = dt > 0.0';\n",
@@ -199,7 +201,8 @@ struct file_of_functions {
   /* The step of all lanes; "", or why it cannot be written. */
   std::string write_wide(subject &s)
   {
-    const std::string why = add(s, wide_step, std::string(wide_inputs) + step_inputs, "");
+    const std::string inputs = std::string(wide_inputs) + (choice->implicit ? sdirk_inputs : step_inputs);
+    const std::string why = add(s, choice->implicit ? wide_sdirk : wide_step, inputs, "");
     return why.empty() ? write() : why;
   }
 
@@ -500,7 +503,7 @@ struct file_of_functions {
       rows = std::max(rows, all[k->first].made.all[(std::size_t)k->second].apart.size());
     }
     if (rows > 0) {
-      std::fprintf(w.out, "%s", rows_functions(w.name, w.real, w.single, (int)rows).c_str());
+      std::fprintf(w.out, "%s", rows_functions(w.name, number_type(), w.single, (int)rows).c_str());
     }
     for (auto k = order.begin(); k != order.end(); k++) {
       write_kernels(all[k->first].made, k->second);
@@ -538,11 +541,19 @@ struct file_of_functions {
     }
   }
 
-  /* Multipliers and angles of rows; a: lower triangle of Q, column, c. */
+  /* Of a lane. */
+  const char *number_type() const
+  {
+    return choice->single ? "float" : "double";
+  }
+
+  /* Multipliers and angles of rows; a: lower triangle of Q, column, c. Of lanes one after the other: which of their rows
+     are independent may differ. */
   void write_rows(const graph &g)
   {
     const kernel_text &k = w.kernel.at(g.kind);
-    const std::string n = w.name, m = std::to_string(g.apart.size());
+    const std::string n = w.name, m = std::to_string(g.apart.size()), real = number_type(),
+                      own = k.name + (w.wide ? "_of_lane" : "");
     std::string kinds;
     for (int kind : g.apart) {
       kinds += (kinds.empty() ? "" : ", ") + std::to_string(kind);
@@ -553,13 +564,23 @@ struct file_of_functions {
                  "    for (int j = 0; j <= i; j++) {\n      w.Q[i * %s + j] = w.Q[j * %s + i] = *a++;\n    }\n  }\n"
                  "  for (int i = 0; i < %s; i++) {\n    w.column[i] = a[i];\n    w.c[i] = a[%s + i];\n  }\n"
                  "  %s_rows_apart(&w);\n",
-                 n.c_str(), k.name.c_str(), w.real.c_str(), w.real.c_str(), m.c_str(), kinds.c_str(), n.c_str(),
-                 m.c_str(), m.c_str(), m.c_str(), m.c_str(), m.c_str(), m.c_str(), n.c_str());
+                 n.c_str(), own.c_str(), real.c_str(), real.c_str(), m.c_str(), kinds.c_str(), n.c_str(), m.c_str(),
+                 m.c_str(), m.c_str(), m.c_str(), m.c_str(), m.c_str(), n.c_str());
     for (const auto &r : k.results) {
       const int i = r.first - g.n_input - 1, rows_of = (int)g.apart.size();
       std::fprintf(w.out, "  r[%d] = w.%s[%d];\n", r.second, i < rows_of ? "mu" : "angle", i % rows_of);
     }
     std::fprintf(w.out, "  return %s_ok;\n}\n\n", n.c_str());
+    if (w.wide) {
+      std::fprintf(w.out,
+                   "static void %s(%s *r, const %s *a, %s_wide_mask *held)\n{\n"
+                   "  for (int lane = 0; lane < %s_LANES; lane++) {\n    %s x[%d], y[%d];\n"
+                   "    for (int i = 0; i < %d; i++) {\n      x[i] = a[i][lane];\n    }\n"
+                   "    (void)%s(y, x);\n"
+                   "    for (int i = 0; i < %d; i++) {\n      r[i][lane] = y[i];\n    }\n  }\n  (void)held;\n}\n\n",
+                   k.name.c_str(), w.real.c_str(), w.real.c_str(), n.c_str(), n.c_str(), real.c_str(), g.n_input,
+                   k.n_result, g.n_input, own.c_str(), k.n_result);
+    }
   }
 
   void write_graph(int at, std::vector<std::pair<std::string, number>> results)

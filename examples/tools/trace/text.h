@@ -214,7 +214,7 @@ struct writer {
                       results = passed ? "r + " + std::to_string(of_kernel->inner.at(i)) : "r" + index;
     std::string arguments, in_row; /* as they are; where they stand one behind the other */
     for (const int &a : k.arguments) {
-      const std::string own = of(inner.arguments[(std::size_t)a]);
+      const std::string own = alone(inner.arguments[(std::size_t)a]);
       const int at = (int)(&a - &k.arguments[0]);
       in_row = at == 0 ? own : in_row;
       in_row = follows(in_row, own, at) ? in_row : "";
