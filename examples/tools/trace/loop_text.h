@@ -99,15 +99,23 @@ static bool goes_down(const writer &w, const graph &g, const std::vector<char> &
   return up < 0;
 }
 
+/* An element of a table, with lanes as a number of each. */
+static std::string of_table(const writer &w, const std::string &element)
+{
+  return w.wide ? w.name + "_wide_all(" + element + ")" : element;
+}
+
 /* What an input is at index j, which is that of the iteration, or that from the last one. */
 static std::string list_text(writer &w, const graph &g, const feed &s, bool down)
 {
   const std::vector<std::string> list = list_of(w, g, s, down);
-  std::vector<std::string> in_turn; /* lanes beside each other, for vectors */
+  std::vector<std::string> in_turn, numbers; /* lanes beside each other, for vectors; with the lanes of a step, too */
   const std::string by_lane = g.lanes > 1 ? "[" + std::to_string(g.lanes) + " * j + i]" : "[j]";
   for (int j = 0; j < g.trips / g.lanes; j++) {
     for (int i = 0; i < g.lanes; i++) {
-      in_turn.push_back(list[(std::size_t)(i * (g.trips / g.lanes) + j)]);
+      const int k = i * (g.trips / g.lanes) + j;
+      in_turn.push_back(list[(std::size_t)k]);
+      numbers.push_back(w.alone(g.arguments[(std::size_t)(s.first + (down ? g.trips - 1 - k : k))]));
     }
   }
   bool constant = true;
@@ -118,17 +126,17 @@ static std::string list_text(writer &w, const graph &g, const feed &s, bool down
     for (const auto &span : w.constant_spans) {
       const walk at = walk_in(span, list, g.lanes);
       if (at.step != 0 || at.lane_step != 0) {
-        return walk{w.table(span), at.start, at.step, at.lane_step}.text();
+        return of_table(w, walk{w.table(span), at.start, at.step, at.lane_step}.text());
       }
     }
-    return w.table(in_turn) + by_lane;
+    return of_table(w, w.table(in_turn) + by_lane);
   }
   const walk at = walk_of(list, g.lanes);
   if (at.step != 0 || at.lane_step != 0) {
     return at.text();
   }
   std::string all;
-  for (const std::string &x : in_turn) {
+  for (const std::string &x : numbers) {
     all += (all.empty() ? "" : ", ") + x;
   }
   const std::string own = "g" + std::to_string(w.n_loop++);
@@ -199,10 +207,10 @@ static void place_spans(writer &w)
     w.line("(void)" + name + ";");
     for (std::size_t k = 0; k < span.size(); k++) {
       if (!node_of(span[k])) {
-        w.line(name + "[" + std::to_string(k) + "] = " + w.constant(span[k].d) + ";");
+        w.line(name + "[" + std::to_string(k) + "] = " + w.alone(span[k]) + ";");
       } else if (w.live[(std::size_t)node_of(span[k])]) {
         if (w.zero[(std::size_t)node_of(span[k])]) { /* where it is not computed */
-          w.line(name + "[" + std::to_string(k) + "] = 0.0;");
+          w.line(name + "[" + std::to_string(k) + "] = " + w.alone(0.0) + ";");
         }
         w.places[node_of(span[k])].push_back({name, (int)k});
         w.uses[(std::size_t)node_of(span[k])]++;
@@ -273,15 +281,15 @@ struct loop_writer {
       if (own.is == feed::LISTED) {
         inputs[s] = list_text(w, g, own, down);
       } else if (own.is == feed::STAYS) {
-        inputs[s] = w.of(first);
+        inputs[s] = w.alone(first);
       } else {
         inputs[s] = "c" + name + "_" + std::to_string(carried_slots.size());
-        starts[s] = w.of(first);
+        starts[s] = w.alone(first);
         for (int lane = 1; lane < g.lanes && bits(g.arguments[(std::size_t)(own.first + lane)]) != bits(first);
              lane++) {
           const std::string both = "g" + std::to_string(w.n_loop++);
-          w.line("const " + w.real + " " + both + "[2] = {" + w.of(first) + ", " +
-                 w.of(g.arguments[(std::size_t)(own.first + lane)]) + "};");
+          w.line("const " + w.real + " " + both + "[2] = {" + w.alone(first) + ", " +
+                 w.alone(g.arguments[(std::size_t)(own.first + lane)]) + "};");
           starts[s] = both + "[i]";
         }
         carried[node_of(own.next)] = inputs[s];
@@ -372,7 +380,7 @@ struct loop_writer {
       }
     }
     for (std::size_t s : carried_slots) {
-      w.line(w.names[s] + " = " + w.of(g.feeds[s].next) + ";");
+      w.line(w.names[s] + " = " + w.alone(g.feeds[s].next) + ";");
     }
   }
 

@@ -437,7 +437,8 @@ struct file_of_functions {
         list += (list.empty() ? "" : ", ") + x;
       }
       w.indent = 0;
-      w.line("static const " + w.real + " " + t.second + "[" + std::to_string(t.first.size()) + "] = {" + list + "};");
+      w.line("static const " + std::string(number_type()) + " " + t.second + "[" + std::to_string(t.first.size()) +
+             "] = {" + list + "};");
     }
     std::rewind(text);
     for (int c; (c = std::getc(text)) != EOF;) {

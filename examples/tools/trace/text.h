@@ -284,7 +284,7 @@ struct writer {
   std::string table(const std::vector<std::string> &list)
   {
     std::string &own = tables[list];
-    own = own.empty() ? name + "_table_" + std::to_string(tables.size()) : own;
+    own = own.empty() ? name + (wide ? "_wide_table_" : "_table_") + std::to_string(tables.size()) : own;
     return own;
   }
 

@@ -613,7 +613,7 @@ extern "C" int trace_write(FILE *out, const trace_choice *choice, const trace_mo
 
 extern "C" int TRACE_STEP(FILE *out, const trace_choice *choice, const trace_model *model, char text[400])
 {
-  const char *const refused = trace::refusal(model, !choice->wide);
+  const char *const refused = trace::refusal(model, true);
   return refused         ? trace::fail(text, refused)
          : model->system ? trace::write_tree_functions(out, choice, model, text)
                          : trace::write_body_functions(out, choice, *(const fb_body *)model->body, text);
