@@ -102,17 +102,25 @@ static int lanes_is_tallied(const scene *s, int output)
   return is;
 }
 
-/* Outputs follow from places alone. */
+/* Outputs follow from places alone, and linearly: displacements of lines that bend far do not. */
+static int lanes_is_place(const scene *s, const scene_output *o)
+{
+  const int linear = o->quantity == SCENE_DISPLACEMENT || o->quantity == SCENE_STRAIN;
+  return o->quantity == SCENE_COORDINATE ? scene_axes(&s->joint[o->at]) < 3 && !s->joint[o->at].loop
+         : linear                        ? !(engine.body[o->body].effects & FB_EFFECT_LARGE_DEFLECTION)
+                                         : o->quantity == SCENE_MODE;
+}
+
 static const char *lanes_output_refusal(const scene *s)
 {
-  static char text[120];
+  static char text[160];
   for (int k = 0; k < s->n_output; k++) {
     const scene_output *const o = &s->output[k];
-    const int place = o->quantity == SCENE_DISPLACEMENT || o->quantity == SCENE_MODE || o->quantity == SCENE_STRAIN ||
-                      (o->quantity == SCENE_COORDINATE && scene_axes(&s->joint[o->at]) < 3);
-    if (lanes_is_tallied(s, k) && !place) {
-      snprintf(text, sizeof text, "output %.40s: measure coordinates of axes, displacements, modes or strains",
-               o->label);
+    if (lanes_is_tallied(s, k) && !lanes_is_place(s, o)) {
+      snprintf(
+          text, sizeof text,
+          "output %.40s: measure coordinates of axes, displacements, modes or strains, of effects large modes alone",
+          o->label);
       return text;
     }
   }
@@ -121,12 +129,33 @@ static const char *lanes_output_refusal(const scene *s)
 
 static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, {0}, {0}};
 
+/* Of a loop nothing is told and nothing is part of a state. */
+static const char *lanes_loop_refusal(const scene *s)
+{
+  static char text[120];
+  for (int k = 0; k < s->n_joint; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    int moved = 0;
+    for (int i = 0; i < engine.system.joint[joint->at].n_axis && joint->loop; i++) {
+      moved |= engine.system.joint[joint->at].mode[i] != FB_AXIS_FREE;
+    }
+    for (int i = 0; i < s->n_drive && joint->loop; i++) {
+      moved |= s->drive[i].joint == k;
+    }
+    if (moved) {
+      snprintf(text, sizeof text, "loop %.40s: choose mode free and no motor, or open another joint", joint->name);
+      return text;
+    }
+  }
+  return NULL;
+}
+
 /* The scene that has been built and started; text: what cannot go by lanes, "": nothing. */
 static void lanes_refusal(char text[200], const scene *s)
 {
   const char *what = lanes_scene_refusal(s);
   what = what ? what : lanes_output_refusal(s);
-  what = what || engine.system.n_loop == 0 ? what : "loops, whose rows a table may change: choose a tree";
+  what = what ? what : lanes_loop_refusal(s);
   snprintf(text, 200, "%s", what ? what : "");
 }
 
@@ -307,14 +336,14 @@ static int lanes_is_free(int k)
   return tree.link[k].joint->kind == FB_JOINT_FREE;
 }
 
-/* Where members of bodies are in the flat state (of a free body x, u and what they lost; coordinates or quat, p, q with pi
-   behind) and in what acts. */
+/* Where members of bodies are in the flat state (of a free body x, u and what they lost, without u where loops tie it to the
+   ground; coordinates or quat, p, q with pi behind) and in what acts. */
 static int lanes_state_place(int k, char member)
 {
   int at = 0;
   for (int j = 0; j < k + (member != 'u'); j++) {
     const tree_link *const L = &tree.link[j];
-    const int root = lanes_is_free(j), frame = root ? 12 : 0, p = root ? 6 : tree_momenta_of(L);
+    const int root = lanes_is_free(j), frame = !root ? 0 : tree.tied ? 6 : 12, p = root ? 6 : tree_momenta_of(L);
     const int x = root || tree_is_ball(L) ? 4 : L->axes;
     at += frame + (j < k || member != 'x' ? x : 0) + (j < k || member == 'q' ? p : 0) + (j < k ? 2 * L->n : 0);
   }
@@ -347,8 +376,8 @@ static void lanes_take_state(double *state, int lane, int wide)
     for (int i = 0; i < (root ? 6 : tree_momenta_of(L)); i++) {
       p[i * wide] = (double)from->p[i];
     }
-    for (int i = 0; i < 12 && root; i++) {
-      const fb_real *const frame[4] = {from->x, from->u, from->lost_x, from->lost_u};
+    for (int i = 0; i < (tree.tied ? 6 : 12) && root; i++) {
+      const fb_real *const frame[4] = {from->x, tree.tied ? from->lost_x : from->u, from->lost_x, from->lost_u};
       state[(lanes_state_place(k, 'u') + i) * wide + lane] = (double)frame[i / 3][i % 3];
     }
     for (int a = 0; a < L->n; a++) {
@@ -442,6 +471,9 @@ static void lanes_act(double *input, int lane, double t, double side)
   const scene *const s = &case_scene;
   const int wide = lanes.wide;
   for (int j = 0; j < s->n_joint; j++) {
+    if (s->joint[j].loop) {
+      continue;
+    }
     const tree_link *const L = &tree.link[s->joint[j].at];
     double *const to = input + lanes_input_place(s->joint[j].at) * wide + lane;
     const int motors = tree_momenta_of(L) * wide, values = tree_is_valued(L) ? L->axes * wide : 0;

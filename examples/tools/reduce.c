@@ -187,11 +187,9 @@ static int read_nodes(unsigned *nodes, const char *option, const char *list, int
 /* Says what of the body that is built cannot be written. */
 static int is_refused(const char *file, const code_choice *choice)
 {
-  const int large = (model_body.effects & FB_EFFECT_LARGE_DEFLECTION) != 0;
-  const char *const lanes = choice->lanes && large ? "effects large has none: choose effects up to full" : NULL;
-  const char *const what = lanes ? lanes : vary_refusal(choice);
+  const char *const what = vary_refusal(choice);
   if (what) {
-    fprintf(stderr, "reduce: %s: %s: %s\n", file, lanes ? "--lanes" : "--vary", what);
+    fprintf(stderr, "reduce: %s: --vary: %s\n", file, what);
   }
   return what != NULL;
 }

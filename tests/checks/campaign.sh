@@ -438,6 +438,69 @@ done
 cmp "$out/two1.csv" "$out/two4.csv" || fail "lanes of two free bodies are not the same bits"
 apart "$out/two_library.csv" "$out/two1.csv" 11
 awk "BEGIN { exit !($apart > 0 && $apart < 1e-9) }" || fail "lanes of two free bodies and the library differ by $apart"
+# four bars, whose rows of the loop are chosen lane by lane; a link of it that bends far, of which modes alone are measured
+cat > "$out/bars.txt" << 'END'
+parameter force 1
+parameter load 1
+duration 0.1
+step 0.002
+body crank rigid
+  hub $load 0.1 0 0 0.02 0.05 0.06
+  node 0.3 0 0 pin
+end
+body link beam
+  length 1
+  stations x mass EI_y EI_z
+    0 1.5 4000 4000
+  end
+  modes bend_y 1 bend_z 1
+  effects full damping
+  damping 0.01
+  node 1 tip
+end
+body rocker rigid
+  hub 1 0.2 0 0 0.02 0.05 0.06
+  node 0.5 0 0 pin
+end
+joint motor revolute ground crank
+  motor 1 sine $force 3
+  damping 0.05
+end
+joint elbow revolute crank.pin link
+  start 1 0.6
+end
+joint foot revolute ground rocker
+  position 1 -0.2 0
+  start 1 1.2
+end
+loop pin spherical link.tip rocker.pin
+end
+output bends mode link 1
+output tip displacement link.tip y
+output angle coordinate motor 1
+output swing coordinate foot 1
+measure most max bends
+measure last final angle
+measure mean mean swing
+END
+sed 's/effects full/effects large/' "$out/bars.txt" > "$out/bent.txt"
+for scene in bars bent; do
+  printf 'scene %s.txt\nruns 6\nvary force uniform 0.5 1.5\nvary load uniform 0.9 1.1\n' $scene > "$out/${scene}_lanes.txt"
+  expect 0 $campaign "$out/${scene}_lanes.txt" --jobs 2 --pictures 0 --out "$out/${scene}_library.csv"
+  for lanes in 1 4; do
+    expect 0 $campaign "$out/${scene}_lanes.txt" --jobs 1 --lanes $lanes --pictures 0 --out "$out/$scene$lanes.csv"
+    ! grep -q "by the library" "$out/log" || fail "$lanes lanes of $scene: $(cat "$out/log")"
+  done
+  cmp "$out/${scene}1.csv" "$out/${scene}4.csv" || fail "lanes of $scene are not the same bits"
+  apart "$out/${scene}_library.csv" "$out/${scene}1.csv" 6
+  awk "BEGIN { exit !(${apart:-0} < 1e-9) }" || fail "lanes of $scene and the library differ by $apart"
+done
+sed 's/max bends/max tip/' "$out/bent.txt" > "$out/tip.txt"
+expect 2 $campaign --scene "$out/tip.txt" --vary "force list 1 2" --lanes 2 --out "$out/none.csv"
+says "--lanes: output tip: measure coordinates of axes, displacements, modes or strains, of effects large modes alone"
+sed 's/loop pin spherical link.tip rocker.pin/loop pin revolute link.tip rocker.pin\n  mode locked/' "$out/bars.txt" > "$out/held.txt"
+expect 2 $campaign --scene "$out/held.txt" --vary "force list 1 2" --lanes 2 --out "$out/none.csv"
+says "--lanes: loop pin: choose mode free and no motor"
 apart=$first
 expect 2 $campaign "$out/lanes.txt" --lanes 4 --out "$out/library.csv"
 says 'it says `measures most last mean effort least`, this one `lanes`'

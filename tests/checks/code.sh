@@ -438,6 +438,13 @@ given=
 sed -i 's/^base.*/base free/' "$out/random.txt"
 ! build/flexbeam reduce "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
 grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
+given=-DNUMBER=double
+for effects in large strain; do
+  sed "s/^effects.*/effects $effects damping gravity/" "$out/random.txt" > "$out/other.txt"
+  try build/flexbeam reduce "$out/other.txt" --name generated --code --lanes --out "$out/code.h"
+  lanes -mavx2 -Dgenerated_LANES=4
+done
+given=
 
 # on_board: instructions of a step of what was generated, in single precision; sets count
 precision single

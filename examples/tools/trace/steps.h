@@ -573,14 +573,15 @@ struct file_of_functions {
     }
     std::fprintf(w.out, "  return %s_ok;\n}\n\n", n.c_str());
     if (w.wide) {
+      const std::string model = varies(choice) ? "  (void)model;\n" : "";
       std::fprintf(w.out,
-                   "static void %s(%s *r, const %s *a, %s_wide_mask *held)\n{\n"
+                   "static void %s(%s%s *r, const %s *a, %s_wide_mask *held)\n{\n"
                    "  for (int lane = 0; lane < %s_LANES; lane++) {\n    %s x[%d], y[%d];\n"
                    "    for (int i = 0; i < %d; i++) {\n      x[i] = a[i][lane];\n    }\n"
                    "    (void)%s(y, x);\n"
-                   "    for (int i = 0; i < %d; i++) {\n      r[i][lane] = y[i];\n    }\n  }\n  (void)held;\n}\n\n",
-                   k.name.c_str(), w.real.c_str(), w.real.c_str(), n.c_str(), n.c_str(), real.c_str(), g.n_input,
-                   k.n_result, g.n_input, own.c_str(), k.n_result);
+                   "    for (int i = 0; i < %d; i++) {\n      r[i][lane] = y[i];\n    }\n  }\n  (void)held;\n%s}\n\n",
+                   k.name.c_str(), filled(choice, "%").c_str(), w.real.c_str(), w.real.c_str(), n.c_str(), n.c_str(),
+                   real.c_str(), g.n_input, k.n_result, g.n_input, own.c_str(), k.n_result, model.c_str());
     }
   }
 

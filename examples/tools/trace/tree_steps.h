@@ -352,7 +352,7 @@ struct tree_function : subject {
   {
     fb_system_limit limit;
     for (std::size_t i = 0; i < model.size(); i++) {
-      const number other = described[i] * (1.0 + 1e-3 * random());
+      const number other = described[i] * (1.0 + (tree.system.n_loop > 0 ? 1e-6 : 1e-3) * random()); /* loops close */
       for (number *at : model[i]) {
         *at = other;
       }
