@@ -6235,12 +6235,10 @@ static FBI_NOINLINE void fbi_lost_momentum_update(fb_state *next, const fb_state
   fbi_body_momentum(before, from);
   fbi_body_momentum(after, next);
   size = fb_vec3_dot(after, after);
-  if (!(size > FB_R(0.0))) {
-    return;
+  for (int i = 0; i < 3; i++) { /* nothing without a direction, which is a selection, not a branch */
+    next->lost_h[i] = FB_BELOW(FB_R(0.0), size, from->lost_h[i] + ((before[i] - after[i]) + more[i]), FB_R(0.0));
   }
-  for (int i = 0; i < 3; i++) {
-    next->lost_h[i] = from->lost_h[i] + ((before[i] - after[i]) + more[i]);
-  }
+  size = FB_BELOW(FB_R(0.0), size, size, FB_R(1.0));
   fbi_vec3_add(next->lost_h, -fb_vec3_dot(next->lost_h, after) / size, after);
 }
 #endif
