@@ -150,12 +150,18 @@ struct order_of_items {
   std::vector<item> items;
   std::map<unsigned, std::vector<int>> waiting; /* nodes, by their inputs */
   std::vector<char> written;
+  std::map<int, std::vector<int>> given_by; /* results of loops, which stand in the block of their loop */
   int block = 0;
 
   order_of_items(const graph &graph, const std::vector<char> &needed, const std::vector<unsigned> &zero)
       : g(graph), of(zero), live(needed), written(graph.nodes.size(), 0)
   {
     std::size_t next = 0;
+    for (std::size_t i = 1; i < g.nodes.size(); i++) {
+      if (live[i] && g.nodes[i].op == 'r') {
+        given_by[node_of(g.nodes[i].a)].push_back((int)i);
+      }
+    }
     for (std::size_t i = 1; i <= g.nodes.size(); i++) {
       for (; next < g.guards.size() && g.guards[next].after < (int)i; next++) {
         if (g.guards[next].status != 0) {
@@ -211,8 +217,19 @@ struct order_of_items {
   void add(int i)
   {
     need_operands(i);
-    items.push_back({false, i, 0u, 0});
+    place(i, 0u, 0);
+  }
+
+  void place(int i, unsigned bits, int in)
+  {
+    if (written[(std::size_t)i]) {
+      return;
+    }
+    items.push_back({false, i, bits, in});
     written[(std::size_t)i] = 1;
+    for (std::size_t k = 0; g.nodes[(std::size_t)i].op == 'l' && k < given_by[i].size(); k++) {
+      place(given_by[i][k], bits, in);
+    }
   }
 
   /* What node i needs, of that which waits for the same inputs to the list, the rest before. */
@@ -247,10 +264,7 @@ struct order_of_items {
     }
     block += !list.empty();
     for (int i : list) {
-      if (!written[(std::size_t)i]) {
-        items.push_back({false, i, bits, block});
-        written[(std::size_t)i] = 1;
-      }
+      place(i, bits, block);
     }
   }
 

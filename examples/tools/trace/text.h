@@ -408,7 +408,7 @@ struct writer {
       const node &n = g.nodes[(std::size_t)now.at];
       block[(std::size_t)now.at] = now.block;
       if (is_call(n)) {
-        for (number a : R.all[(std::size_t)n.a.d].arguments) {
+        for (number a : arguments_of(R.all[(std::size_t)n.a.d], live, &read)) {
           use(a, now.block);
         }
       }
