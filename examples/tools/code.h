@@ -299,6 +299,13 @@ static void code_write_vectors(const code *w, void (*types)(const code *))
   types(&wide);
 }
 
+/* gcc -O1 does not see that results of a function are set where its status is ok. */
+static const char code_quiet[] = "\n#if defined(__GNUC__) && !defined(__clang__)\n#pragma GCC diagnostic push\n"
+                                 "#pragma GCC diagnostic ignored \"-Wmaybe-uninitialized\"\n#endif\n\n";
+
+static const char code_quiet_end[] =
+    "#if defined(__GNUC__) && !defined(__clang__)\n#pragma GCC diagnostic pop\n#endif\n#endif\n";
+
 /* The functions whose declarations stand above, to the end of the file. 0, or 1 with why in text. */
 static inline int code_write_steps(const code *w, trace_choice choice, const trace_model *of, int lanes,
                                    void (*types)(const code *), char text[400])
@@ -306,7 +313,7 @@ static inline int code_write_steps(const code *w, trace_choice choice, const tra
   int (*const trace)(FILE *, const trace_choice *, const trace_model *, char[400]) =
       w->single ? trace_step_single : trace_step;
   int bad;
-  fputs("\n", w->out);
+  fputs(code_quiet, w->out);
   bad = trace(w->out, &choice, of, text);
   if (lanes && !bad) {
     code_template(w, code_lanes_if);
@@ -318,7 +325,7 @@ static inline int code_write_steps(const code *w, trace_choice choice, const tra
     code_template(w, w->vary ? code_lanes_put_model : "");
     code_template(w, code_lanes_step);
   }
-  fputs("#endif\n", w->out);
+  fputs(code_quiet_end, w->out);
   return bad;
 }
 #endif
