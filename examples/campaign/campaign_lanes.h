@@ -826,7 +826,7 @@ static int lanes_compile(const char *folder, char why[200])
 /* Writes, compiles and loads the program; 0 and why not. */
 static int lanes_load(const scene *s, char why[200])
 {
-  char folder[CAMPAIGN_PATH], path[CAMPAIGN_PATH + 16], traced[400];
+  char folder[CAMPAIGN_PATH], path[CAMPAIGN_PATH + 16], text[400];
   const char *const temporary = getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp";
   static const char *const files[] = {"lanes.c", "lanes.so", "log"};
   FILE *out;
@@ -838,10 +838,10 @@ static int lanes_load(const scene *s, char why[200])
   }
   snprintf(path, sizeof path, "%s/lanes.c", folder);
   out = fopen(path, "w");
-  snprintf(traced, sizeof traced, "cannot write %.100s", path);
-  good = out && lanes_write(out, s, lanes.n_place > 0 ? lanes.n_place : 1, traced);
+  snprintf(text, sizeof text, "cannot write %.100s", path);
+  good = out && lanes_write(out, s, lanes.n_place > 0 ? lanes.n_place : 1, text);
   good = out && fclose(out) == 0 && good;
-  snprintf(why, 200, "%.199s", traced);
+  snprintf(why, 200, "%.199s", text);
   good = good && lanes_compile(folder, why);
   if (good) {
     snprintf(path, sizeof path, "%s/lanes.so", folder);
