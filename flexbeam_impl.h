@@ -9837,13 +9837,14 @@ static int fbi_carrier(const fb_system *system, int a, int b)
 /* Pose of body k as the body `on` has it that carries it; FB_GROUND: in the frame of its tree. */
 static void fbi_link_seen(fb_real R[9], fb_real rho[3], const fb_system_work *w, int k, int on)
 {
-  const fbi_link_work *L = k >= 0 ? &w->link[k] : NULL;
-  if (k == on) {
+  const fbi_link_work *L;
+  if (k < 0 || k == on) { /* itself */
     fbi_zero(R, 9);
     R[0] = R[4] = R[8] = FB_R(1.0);
     fbi_vec3_zero(rho);
     return;
   }
+  L = &w->link[k];
   fbi_mat33_copy(R, on < 0 ? L->k.R : L->C);
   fbi_vec3_copy(rho, on < 0 ? L->rho : L->s);
   while (on >= 0 && L->parent != &w->link[on]) {
