@@ -204,14 +204,15 @@ static void judge_guards(subject &s, int f, const std::vector<number> &results, 
 }
 
 /* Holds the graph against the library at other states: the same bits, or both refuse. Returns how many of 20 states
-   it computes, or -1; strict: -2 where it is on the other side of a branch of one that the library computes. */
+   it computes, ever nearer to the start until there are 5; or -1; strict: -2 where it is on the other side of a branch
+   of one that the library computes. */
 static int compare(subject &s, int f, const std::vector<number> &results, bool strict)
 {
   int good = 0;
-  for (int k = 0; k < 20; k++) {
+  for (int k = 0; k < 20 || (good < 5 && k < 160); k++) {
     std::vector<std::vector<double>> v(R.all.size());
     std::vector<entry> found;
-    if (s.wander(0.2 + 0.1 * k) != FB_OK) {
+    if (s.wander((0.2 + 0.1 * (k % 20)) * std::pow(0.25, k / 20)) != FB_OK) {
       continue;
     }
     const std::vector<double> inputs = s.values();
