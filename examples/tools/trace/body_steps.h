@@ -214,12 +214,7 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
        none + "  if (!motion || !state" + null + in + state},
       {body_function::ENERGY, "@_status @_energy_eval(%@_energy *energy, const @_state *state)",
        "  if (!energy || !state" + null + state}};
-  if (choice->wide) {
-    std::unique_ptr<body_function> s(new body_function(choice, body, vary.get(), body_function::STEP, 0));
-    const std::string why = file.write_wide(*s);
-    return why.empty() ? 0 : fail(text, why);
-  }
-  if (vary) {
+  if (vary && !choice->wide) {
     const std::string why = file.add_scaling(*vary);
     if (!why.empty()) {
       return fail(text, why);
@@ -233,10 +228,17 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
   for (const auto &f : functions) {
     std::unique_ptr<body_function> s(new body_function(choice, body, vary.get(), f.is, 0));
     const bool is = f.is != body_function::ENERGY || body.base != FB_BASE_PRESCRIBED;
-    const std::string why = is ? file.add(*s, f.head, f.before, "") : "";
+    const std::string why = !is                           ? ""
+                            : !choice->wide               ? file.add(*s, f.head, f.before, "")
+                            : f.is == body_function::STEP ? file.add_wide(*s)
+                                                          : file.add_beside(*s, f.head);
     if (!why.empty()) {
       return fail(text, why);
     }
+  }
+  if (choice->wide) {
+    const std::string why = file.write();
+    return why.empty() ? 0 : fail(text, why);
   }
   std::string cases;
   for (int k = 0; k < body.n_node; k++) {

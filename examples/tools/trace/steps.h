@@ -20,6 +20,7 @@ struct traced {
   std::vector<std::string> names;   /* of the inputs */
   std::vector<std::string> pointer; /* to inputs that may not be given */
   std::vector<unsigned> given;      /* by input, bits of these */
+  bool beside = false;              /* written elsewhere */
 };
 
 /* start->, middle->, end-> and in-> are NULL, or of numbers. */
@@ -199,11 +200,19 @@ struct file_of_functions {
   }
 
   /* The step of all lanes; "", or why it cannot be written. */
-  std::string write_wide(subject &s)
+  std::string add_wide(subject &s)
   {
     const std::string inputs = std::string(wide_inputs) + (choice->implicit ? sdirk_inputs : step_inputs);
-    const std::string why = add(s, choice->implicit ? wide_sdirk : wide_step, inputs, "");
-    return why.empty() ? write() : why;
+    return add(s, choice->implicit ? wide_sdirk : wide_step, inputs, "");
+  }
+
+  /* A function that is written beside the single step alone: which results of the kernels that both call it takes decides
+     how their sums are factored, and a lane has the bits of the single step. */
+  std::string add_beside(subject &s, const std::string &head)
+  {
+    const std::string why = add(s, head, "", "");
+    all.back().beside = true;
+    return why;
   }
 
   static std::string status_name(const std::string &name, int status)
@@ -507,9 +516,14 @@ struct file_of_functions {
       std::fprintf(w.out, "%s", rows_functions(w.name, number_type(), w.single, (int)rows).c_str());
     }
     for (auto k = order.begin(); k != order.end(); k++) {
-      write_kernels(all[k->first].made, k->second);
+      if (!all[k->first].beside) {
+        write_kernels(all[k->first].made, k->second);
+      }
     }
     for (const traced &t : all) {
+      if (t.beside) {
+        continue;
+      }
       R = t.made;
       w.names = t.names;
       w.pointer = t.pointer;

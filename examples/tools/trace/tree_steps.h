@@ -435,17 +435,18 @@ static int write_tree_functions(FILE *out, const trace_choice *choice, const tra
   if (!tree_refusal(choice, tree).empty()) {
     return fail(text, tree_refusal(choice, tree));
   }
-  if (choice->wide) {
-    std::unique_ptr<tree_function> s(new tree_function(choice, tree, tree_function::STEP, 0, 0));
-    const std::string why = file.write_wide(*s);
-    return why.empty() ? 0 : fail(text, why);
-  }
   for (const auto &f : functions) {
     std::unique_ptr<tree_function> s(new tree_function(choice, tree, f.is, 0, 0));
-    const std::string why = file.add(*s, f.head, f.before, "");
+    const std::string why = !choice->wide                 ? file.add(*s, f.head, f.before, "")
+                            : f.is == tree_function::STEP ? file.add_wide(*s)
+                                                          : file.add_beside(*s, f.head);
     if (!why.empty()) {
       return fail(text, why);
     }
+  }
+  if (choice->wide) {
+    const std::string why = file.write();
+    return why.empty() ? 0 : fail(text, why);
   }
   std::string cases;
   for (int k = 0; k < tree.system.n_body; k++) {
