@@ -16943,7 +16943,7 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
    Source: linear algebra, trace of a power.  Cost: 3 n^3 flops.  Fails: never.  Test: rk4_limits_hold_for_bent_lines. */
 static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
 {
-  const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
+  const fb_real share = FB_R(1.0) / FB_BELOW(FB_R(0.0), unit, unit, FB_R(1.0)); /* 0: A is zero */
   fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES], trace = FB_R(0.0);
 
   /* C = G A G, then B^2 = C A */

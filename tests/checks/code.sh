@@ -300,6 +300,8 @@ done
 base_is=free
 vary 14 "large damping" stiffness,damping 4.0,0.6
 note
+vary 14 "large damping" stiffness,damping 4.0,0
+note
 strain " damping" free
 sed 's/^0 1.2 3e6 14004/0 0.3 12e6 56016/; s/^damping.*/damping 0.006/; s/^hub.*/hub 40 0 0 0  24 36 48/' "$out/random.txt" > "$out/changed.txt"
 try build/flexbeam reduce "$out/random.txt" --name generated --code --vary $all --out "$out/code.h"
