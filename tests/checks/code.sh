@@ -398,6 +398,11 @@ try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --va
 for width in 1 2 4 8; do
   lanes -Dgenerated_LANES=$width
 done
+given="-DNUMBER=float -DVARY"
+try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --single --vary $all --loads 1,2 --out "$out/code.h"
+lanes -Dgenerated_LANES=4
+given="-DNUMBER=double -DVARY"
+try build/flexbeam reduce "$out/random.txt" --name generated --code --lanes --vary $all --out "$out/code.h"
 lanes -mavx2 -Dgenerated_LANES=4
 lanes -mavx512f -Dgenerated_LANES=8
 try g++ -x c++ -std=c++11 $base -O1 $given -DPRESCRIBED=0 -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm

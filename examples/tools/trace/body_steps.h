@@ -214,12 +214,13 @@ static int write_body_functions(FILE *out, const trace_choice *choice, const fb_
        none + "  if (!motion || !state" + null + in + state},
       {body_function::ENERGY, "@_status @_energy_eval(%@_energy *energy, const @_state *state)",
        "  if (!energy || !state" + null + state}};
-  if (vary && !choice->wide) {
+  if (vary) { /* of lanes, too, as it leaves numbers near which the step is traced, see add_beside */
     const std::string why = file.add_scaling(*vary);
     if (!why.empty()) {
       return fail(text, why);
     }
-    if (choice->hub && body.n > 0) {
+    file.all.back().beside = choice->wide != 0;
+    if (choice->hub && body.n > 0 && !choice->wide) {
       std::string largest = filled(choice, largest_text);
       largest.replace(largest.find('~'), 1, std::to_string(body.n));
       std::fputs(largest.c_str(), out);
