@@ -650,7 +650,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
   y[5] = S[5] * x[0] + S[10] * x[1] + S[14] * x[2] + S[17] * x[3] + S[19] * x[4] + S[20] * x[5];
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
   memcpy(T, S, 21 * sizeof *T);
@@ -4436,41 +4436,38 @@ static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, const fb_real *pi, i
 {
   for (int a = 0; a < n; a++) {
     const fb_real *const L = w->L + a * n, *const X = w->X + a, by = FB_R(1.0) / L[a];
-    fb_real sum[8] = {X[0], X[n], X[2 * n], X[3 * n], X[4 * n], X[5 * n], pi ? pi[a] : FB_R(0.0), FB_R(0.0)};
+    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n], p = pi ? pi[a] : FB_R(0.0),
+            unused = FB_R(0.0);
     for (int b = 0; b < a; b++) {
-      FBI_UNROLL
-      FB_LOOP (int i = 0, i < 8, i++) {
-        sum[i] -= L[b] * w->column[b][i];
-      }
+      s -= L[b] * w->column[b][0];
+      t -= L[b] * w->column[b][1];
+      u -= L[b] * w->column[b][2];
+      x -= L[b] * w->column[b][3];
+      y -= L[b] * w->column[b][4];
+      z -= L[b] * w->column[b][5];
+      p -= L[b] * w->column[b][6];
+      unused -= L[b] * w->column[b][7];
     }
-    FBI_UNROLL
-    FB_LOOP (int i = 0, i < 8, i++) {
-      w->column[a][i] = sum[i] * by;
-    }
+    w->column[a][0] = s * by;
+    w->column[a][1] = t * by;
+    w->column[a][2] = u * by;
+    w->column[a][3] = x * by;
+    w->column[a][4] = y * by;
+    w->column[a][5] = z * by;
+    w->column[a][6] = p * by;
+    w->column[a][7] = unused * by;
   }
 }
 
-/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S, by rows that have an even number of columns; pi: see above. */
+/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S; pi: see above. */
 static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
+  const int n = body->n;
   fbi_line_work *const w = k->line;
-  fbi_large_reduce(w, pi, body->n);
-  for (int i = 0; i < 6; i++) {
-    const int first = i / 2 * 2;
-    fb_real sum[6];
-    for (int j = first; j < 6; j++) {
-      sum[j] = w->M_rr[fb_sym6_index(i, j)];
-    }
-    for (int a = 0; a < body->n; a++) {
-      const fb_real *const z = w->column[a], s = z[i];
-      FBI_UNROLL
-      FB_LOOP (int j = first, j < 6, j++) {
-        sum[j] -= s * z[j];
-      }
-    }
-    for (int j = i; j < 6; j++) {
-      k->S[fb_sym6_index(i, j)] = sum[j];
-    }
+  fbi_large_reduce(w, pi, n);
+  fbi_sym6_copy(k->S, w->M_rr);
+  for (int a = 0; a < n; a++) {
+    fbi_sym6_rank1_sub(k->S, FB_R(1.0), w->column[a]);
   }
 }
 
@@ -4632,10 +4629,7 @@ static FBI_INLINE fb_status fbi_large_solve(fbi_kinetics *k, const fb_body *body
   fbi_vec3_copy(k->ph + 3, h);
   fbi_vec6_copy(y, k->ph);
   for (int a = 0; a < body->n; a++) {
-    FBI_UNROLL
-    FB_LOOP (int i = 0, i < 6, i++) {
-      y[i] -= w->column[a][6] * w->column[a][i];
-    }
+    fbi_vec6_sub(y, w->column[a][6], w->column[a]);
   }
   if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
     return fbi_is_finite(k->S, 21) ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_MASS, -1, FB_R(0.0), FB_R(0.0))
@@ -16892,14 +16886,14 @@ static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
    Source: block elimination.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
 static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
 {
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, width = (n + rows + 1) / 2 * 2;
   const fb_real *const L = k->line->L;
-  fb_real PF[FB_MAX_MODES][FB_MAX_MODES + 6], S[36]; /* by columns: P below the diagonal, F behind it */
+  fb_real PF[FB_MAX_MODES][FB_MAX_MODES + 8], S[36]; /* by columns: P below the diagonal, F behind it */
 
   /* P */
   for (int a = 0; a < n; a++) {
     fb_real *const P = PF[a];
-    fbi_zero(P, n);
+    fbi_zero(P, width);
     for (int i = a; i < n; i++) {
       fb_real sum = i == a ? FB_R(1.0) : FB_R(0.0);
       for (int m = a; m < i; m++) {
@@ -16931,7 +16925,7 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
   /* G */
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
-      G[a * n + b] = G[b * n + a] = fbi_dot(PF[a], PF[b], n + rows);
+      G[a * n + b] = G[b * n + a] = fbi_line_dot(PF[a], PF[b], width);
     }
   }
   return 1;
