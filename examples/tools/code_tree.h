@@ -364,6 +364,8 @@ static inline void tree_write_start(const code *w)
     if (x) {
       tree_write_start_of(w, k, "x", x->x, root ? 3 : ball ? 0 : L->axes);
       tree_write_start_of(w, k, "u", x->u, root && !tree.tied ? 3 : 0);
+      tree_write_start_of(w, k, "lost_x", x->lost_x, root ? 3 : 0);
+      tree_write_start_of(w, k, "lost_u", x->lost_u, root && !tree.tied ? 3 : 0);
       tree_write_start_of(w, k, "p", x->p, root ? 6 : tree_momenta_of(L));
       tree_write_start_of(w, k, "q", x->q, L->n);
       tree_write_start_of(w, k, "pi", x->pi, L->n);
