@@ -6063,8 +6063,15 @@ static fb_real fbi_rotors_energy(fb_real h[3], const fbi_kinetics *k, const fb_b
   return T;
 }
 
-/* Angles of rotors within half a turn, momenta that are given as the input has them. */
-static void fbi_rotors_normalize(fb_real *q, fb_real *pi, const fb_body *body, const fb_rotor_input *last)
+#if FB_SINGLE
+#define FBI_LOST_PI(state) ((state).lost_pi)
+#else
+#define FBI_LOST_PI(state) NULL
+#endif
+
+/* Angles of rotors within half a turn, momenta that are given as the input has them; lost: what pi has lost, or NULL. */
+static void fbi_rotors_normalize(fb_real *q, fb_real *pi, fb_real *lost, const fb_body *body,
+                                 const fb_rotor_input *last)
 {
   const fb_real turn = FB_R(6.283185307179586477);
   for (int r = 0; r < body->n_rotor; r++) {
@@ -6074,6 +6081,9 @@ static void fbi_rotors_normalize(fb_real *q, fb_real *pi, const fb_body *body, c
     *angle -= turn * FB_TRUNC(FB_BELOW(FB_FABS(turns), FB_R(1e9), nearest, FB_R(0.0)));
     if (body->rotor[r].given) {
       pi[body->n + r] = last[r].momentum;
+      if (lost) {
+        lost[body->n + r] = FB_R(0.0);
+      }
     }
   }
 }
@@ -10764,14 +10774,18 @@ static void fbi_rows_scale(fb_system_work *w)
   fb_real *const scale = w->column;
   for (int i = 0; i < m; i++) {
     const fb_real own = w->Q[i * (m + 1)];
-    fb_real largest = FB_R(0.0), fair;
+    fb_real largest = FB_R(0.0);
     for (int r = 0; r < m; r++) {
       const fb_real other = w->Q[r * (m + 1)];
-      largest = w->kind[i] == w->kind[r] && other > largest ? other : largest;
+      const fb_real of_two[2] = {largest, other};
+      largest = of_two[(w->kind[i] == w->kind[r]) & (other > largest)];
     }
-    fair = own > heavy * largest ? own : heavy * largest;
-    fair = own > along * scale[i] && w->kind[i] >= 0 ? fair : largest;
-    scale[i] = own > across * scale[i] ? fair : FB_HUGE;
+    {
+      const fb_real fair[2] = {heavy * largest, own}; /* tables: the work of a step depends on no value */
+      const fb_real of_two[2] = {largest, fair[own > heavy * largest]};
+      const fb_real scales[2] = {FB_HUGE, of_two[(own > along * scale[i]) & (w->kind[i] >= 0)]};
+      scale[i] = scales[own > across * scale[i]];
+    }
   }
 }
 
@@ -17224,7 +17238,7 @@ static fb_status fbi_optional_end(fb_state *next, const fbi_line_work *line, con
 {
   FBI_TRY(fbi_optional_range(body, next, fbi_is_free(body) ? line : NULL));
 #if FB_WITH_ROTORS
-  fbi_rotors_normalize(next->q, next->pi, body, fbi_rotors_input(last));
+  fbi_rotors_normalize(next->q, next->pi, FBI_LOST_PI(*next), body, fbi_rotors_input(last));
 #endif
   (void)last;
   return FB_OK;
@@ -19478,7 +19492,8 @@ static FBI_NOINLINE void fbi_links_rotors_normalize(fb_system_state *next, const
                                                     const fb_system *system, const fb_system_input *last)
 {
   for (int k = 0; k < system->n_body; k++) {
-    fbi_rotors_normalize(next->link[k].q, next->link[k].pi, w->link[k].model, fbi_link_rotors_input(last, k));
+    fbi_rotors_normalize(next->link[k].q, next->link[k].pi, FBI_LOST_PI(next->link[k]), w->link[k].model,
+                         fbi_link_rotors_input(last, k));
   }
 }
 #endif
@@ -33141,7 +33156,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
     const fb_rotor_input *const own = fbi_link_rotors_input(input, k);
     const fb_body *const model = fbi_model(system, body, k);
     FBI_TRY(fbi_rotors_rest(model, work->system.link[k].k.rotor_speed, own));
-    fbi_rotors_normalize(work->moved.link[k].q, work->moved.link[k].pi, model, own);
+    fbi_rotors_normalize(work->moved.link[k].q, work->moved.link[k].pi, FBI_LOST_PI(work->moved.link[k]), model, own);
   }
 #endif
   *state = work->moved;
