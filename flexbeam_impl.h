@@ -10774,18 +10774,14 @@ static void fbi_rows_scale(fb_system_work *w)
   fb_real *const scale = w->column;
   for (int i = 0; i < m; i++) {
     const fb_real own = w->Q[i * (m + 1)];
-    fb_real largest = FB_R(0.0);
+    fb_real largest = FB_R(0.0), fair;
     for (int r = 0; r < m; r++) {
       const fb_real other = w->Q[r * (m + 1)];
-      const fb_real of_two[2] = {largest, other};
-      largest = of_two[(w->kind[i] == w->kind[r]) & (other > largest)];
+      largest = w->kind[i] == w->kind[r] && other > largest ? other : largest;
     }
-    {
-      const fb_real fair[2] = {heavy * largest, own}; /* tables: the work of a step depends on no value */
-      const fb_real of_two[2] = {largest, fair[own > heavy * largest]};
-      const fb_real scales[2] = {FB_HUGE, of_two[(own > along * scale[i]) & (w->kind[i] >= 0)]};
-      scale[i] = scales[own > across * scale[i]];
-    }
+    fair = own > heavy * largest ? own : heavy * largest;
+    fair = own > along * scale[i] && w->kind[i] >= 0 ? fair : largest;
+    scale[i] = own > across * scale[i] ? fair : FB_HUGE;
   }
 }
 
